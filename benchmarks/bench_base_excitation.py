@@ -13,8 +13,7 @@ import numpy as np
 
 from benchmarks.ratios import Timing, measure, show
 from fem.base_excitation import response, rig
-from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.patterns import Sweep
+from fem.base_excitation.patterns import BaseMotion, Sweep
 from fem.base_excitation.response import Response
 from fem.base_excitation.rig import Flange, FlexibleBody, Friction, LoadCell, Rig, Strut
 from fem.beam import articles

@@ -25,7 +25,7 @@ from benchmarks.ratios import measure, show
 from fem import factorisers, modes
 from fem.held_base import HeldBase, hold
 from fem.solid import model, tetrahedra
-from fem.solid.mesh import SolidMesh
+from fem.solid.assembly import SolidMesh
 from fem.solid.tetrahedra import bodies
 from fem.structure import Structure
 from geometry.article import Material

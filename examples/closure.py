@@ -16,8 +16,7 @@ from rich.console import Console
 from rich.table import Table
 
 from fem.base_excitation import response, rig
-from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.patterns import CrossMotion, Sweep, drawn, sweeps
+from fem.base_excitation.patterns import BaseMotion, CrossMotion, Sweep, drawn, sweeps
 from fem.base_excitation.response import Response
 from fem.base_excitation.rig import Rig, dynamic_mass
 from fem.beam import articles

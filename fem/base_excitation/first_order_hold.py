@@ -174,7 +174,10 @@ def answer(
     stop : a sample at which one block ends, whose state is wanted
     """
     solve = solver(system, outputs, sampling_rate)
-    for start, end in pairwise(_edges(len(samples), stop)):
+    edges = {*range(0, len(samples), BLOCK), len(samples)}
+    if stop is not None:
+        edges.add(min(stop + 1, len(samples)))
+    for start, end in pairwise(sorted(edges)):
         found, state = solve(samples[start:end])
         yield Block(samples=slice(start, end), outputs=found, state=state)
         if progress is not None:
@@ -197,11 +200,6 @@ def straightened(samples: Array) -> Array:
     lifted[:-1] -= samples[1:] / 12
     lifted[-1:] -= samples[-1:] / 12
     return np.asarray(lifted)
-
-
-def _edges(count: int, stop: int | None) -> list[int]:
-    wanted = set() if stop is None else {min(stop + 1, count)}
-    return sorted({*range(0, count, BLOCK), count} | wanted)
 
 
 def _by_poles(uncoupled: Poles, outputs: Array, step: float) -> Callable[[Array], tuple[Array, Array]]:

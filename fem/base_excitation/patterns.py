@@ -1,4 +1,4 @@
-"""What every pattern of excitation is, and how it becomes a `BaseMotion`: sampled, with cross motion, and a rest at its end."""
+"""Patterns of excitation, and `BaseMotion`, which they become: sampled, with cross motion, and a rest at the end."""
 
 from __future__ import annotations
 
@@ -11,11 +11,55 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from fem.base_excitation.base_motion import BaseMotion
 from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen
 from geometry.toml_file import one_of
+
+# `BaseMotion`: what the table does, sampled, all six axes at once.
+#
+# Displacement is the primary quantity and velocity and acceleration are its exact derivatives, sampled at the same instants: an
+# integrator may take whichever it needs, and the table is at rest before the first sample and after the last drive.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BaseMotion:
+    """Motion of a rigid table, in the frame fixed in the laboratory whose origin is the reference point at rest.
+
+    Attributes
+    ----------
+    sampling_rate : [Hz]
+    displacement, velocity, acceleration : (n, 6) x, y, z [m, m/s, m/s²] of the reference point, and alpha, beta, gamma [rad, ...]
+        as Tait-Bryan angles about x, y, z as exudyn's Rxyz counts them, which for small motion are the rotations of Eq. 1
+    driven : [s] how long the table is driven; from then on it stands still and the article rings down
+    reference_point : (3,) [m], in the frame of what stands on the table: F, or the origin of an article without FMD
+    label : what was driven, in words
+    """
+
+    sampling_rate: float
+    displacement: Array
+    velocity: Array
+    acceleration: Array
+    driven: float
+    reference_point: Array = field(default_factory=lambda: np.zeros(3))
+    label: str = "base motion"
+
+    def __post_init__(self) -> None:
+        n = np.shape(self.acceleration)[0]
+        for name in ("displacement", "velocity", "acceleration"):
+            object.__setattr__(self, name, frozen(getattr(self, name), (n, 6), name))
+        object.__setattr__(self, "reference_point", frozen(self.reference_point, (3,), "reference_point"))
+
+    @property
+    def time(self) -> Array:
+        """(n,) [s], from 0."""
+        return np.arange(len(self.acceleration)) / self.sampling_rate
+
+    @property
+    def duration(self) -> float:
+        """[s], from the first sample to the last."""
+        return (len(self.acceleration) - 1) / self.sampling_rate
+
 
 # Levels in words, and what every number of a pattern has to be.
 
@@ -66,21 +110,6 @@ def require_band(start: float, stop: float, source: str, *, line: bool = False) 
     if start > stop or (start == stop and not line):
         problem = f"must be below `stop`, found {start:g} Hz and {stop:g} Hz"
         raise BadInput(source=source, field="start", problem=problem, remedy="Give the lower bound first")
-
-
-def require_axes(levels: Mapping[str, float], field: str, source: str) -> Mapping[str, float]:
-    """`levels` by axis, every one positive, in the order of `MOTIONS`.
-
-    Raises
-    ------
-    BadInput : no axis, an unknown one (with the nearest), a level that is not positive.
-    """
-    if not levels:
-        raise BadInput(source=source, field=field, problem="names no axis", remedy=f"Name some of {', '.join(MOTIONS)}")
-    for axis, level in levels.items():
-        one_of(axis, MOTIONS, source=source, where=field)
-        require_positive(level, f"{field}.{axis}", source, unit(axis))
-    return MappingProxyType({axis: float(levels[axis]) for axis in MOTIONS if axis in levels})
 
 
 # `CrossMotion`: what a real table does besides what it is asked for, a few per cent in all other axes (paper, section 4).
@@ -360,16 +389,10 @@ def period(duration: float) -> int:
     return max(1, ceil(duration - 1e-9))
 
 
-def numbers(start: float, stop: float, duration: float) -> Array:
-    """Those multiples of 1 / `period` that lie between `start` and `stop` [Hz], both included; (k,)."""
-    first, last = ends(start, stop, duration)
-    return np.arange(first, last + 1, dtype=np.float64)
-
-
-def ends(start: float, stop: float, duration: float) -> tuple[int, int]:
-    """The first and the last of `numbers`; the last is below the first when there are none."""
+def line_numbers(start: float, stop: float, duration: float) -> range:
+    """Those multiples of 1 / `period` that lie between `start` and `stop` [Hz], both included."""
     T = period(duration)
-    return ceil(start * T - 1e-9), int(stop * T + 1e-9)
+    return range(ceil(start * T - 1e-9), int(stop * T + 1e-9) + 1)
 
 
 def noise(clock: Clock, lines: Array, phase: Array, duration: float, rms: float) -> Jet:
@@ -382,21 +405,19 @@ def noise(clock: Clock, lines: Array, phase: Array, duration: float, rms: float)
     BadInput : a sampling rate at which the period has no whole number of samples.
     """
     T = period(duration)
-    omega = 2 * np.pi * lines / T
-    acceleration = rms * np.sqrt(2 / lines.size) * np.exp(1j * (phase - omega * clock.late))
-    return Jet(*(_sampled(acceleration * (1j * omega) ** (order - 2), lines, clock, T) for order in range(3)))
-
-
-def _sampled(amplitude: Array, lines: Array, clock: Clock, T: int) -> Array:
-    """The real part of the sum over lines of amplitude exp(i omega t), one period by FFT and then repeated."""
     n = round(T * clock.sampling_rate)
     if abs(n - T * clock.sampling_rate) > 1e-6:
         problem = f"noise of a period of {T} s needs a whole number of samples in it, found {T * clock.sampling_rate:.6g}"
         remedy = "Sample at a whole number of hertz"
         raise BadInput(source="noise", field="sampling_rate", problem=problem, remedy=remedy)
-    spectrum = np.zeros(n // 2 + 1, dtype=np.complex128)
-    spectrum[lines.astype(np.intp)] = amplitude * n / 2
-    return np.resize(np.fft.irfft(spectrum, n), clock.count)
+    omega = 2 * np.pi * lines / T
+    acceleration = rms * np.sqrt(2 / lines.size) * np.exp(1j * (phase - omega * clock.late))
+    derivatives = []
+    for order in range(3):  # one period by FFT, and then repeated
+        spectrum = np.zeros(n // 2 + 1, dtype=np.complex128)
+        spectrum[lines.astype(np.intp)] = acceleration * (1j * omega) ** (order - 2) * n / 2
+        derivatives.append(np.resize(np.fft.irfft(spectrum, n), clock.count))
+    return Jet(*derivatives)
 
 
 # `Random`: noise of constant strength over a band, on one axis or several at once, the axes independent of each other.
@@ -429,13 +450,7 @@ class Random:
     seed: int | np.random.Generator = 0
 
     def __post_init__(self) -> None:
-        source = "random excitation"
-        object.__setattr__(self, "rms", require_axes(self.rms, "rms", source))
-        require_band(self.start, self.stop, source)
-        require_positive(self.duration, "duration", source, "s")
-        require_cycles(self.duration, self.start, 3 * RAMP_CYCLES, source)
-        require_lines(self.start, self.stop, self.duration, source)
-        object.__setattr__(self, "seed", fixed(self.seed, source))
+        _settle(self, "rms", 3 * RAMP_CYCLES, "random excitation")
 
     @property
     def label(self) -> str:
@@ -471,49 +486,39 @@ def noisy(
 ) -> dict[str, Jet]:
     """Noise of every axis under one window that rises and falls within `ramp` [s]."""
     shape = window(clock.time, 0.0, ramp, duration - ramp, duration)
-    lines = numbers(start, stop, duration)
+    lines = np.array(line_numbers(start, stop, duration), dtype=np.float64)
     # Phase [rad] of every line, for every axis whether it is driven or not: the axes of a pattern do not shift each other's
     generator = np.random.default_rng(seed)
     phase = {axis: generator.uniform(0.0, 2 * np.pi, lines.size) for axis in MOTIONS}
     return {axis: shape * noise(clock, lines, phase[axis], duration, level) for axis, level in rms.items()}
 
 
-def fixed(seed: int | np.random.Generator, source: str) -> int:
-    """`seed` as a number: itself, or one drawn from the generator.
+def _settle(pattern: Random | Burst, levels: str, cycles: float, source: str, *, line: bool = False) -> None:
+    """Refuse a pattern that cannot be; its field `levels` is then in the order of axes, and its seed a number.
 
-    Raises
-    ------
-    BadInput : a negative number.
+    `cycles` of its lowest frequency are what it needs to start and stop softly; a `line`, one frequency alone, may be allowed.
     """
-    number = int(seed.integers(2**63)) if isinstance(seed, np.random.Generator) else seed
-    if number < 0:
-        raise BadInput(source=source, field="seed", problem=f"must not be negative, found {number}", remedy="Give 0 or more")
-    return number
-
-
-def require_cycles(duration: float, start: float, cycles: float, source: str) -> None:
-    """Refuse what is too short to start and stop softly.
-
-    Raises
-    ------
-    BadInput : `duration` [s] holds fewer than `cycles` of `start` [Hz].
-    """
+    start, stop, duration, seed = pattern.start, pattern.stop, pattern.duration, pattern.seed
+    named: Mapping[str, float] = getattr(pattern, levels)
+    if not named:
+        raise BadInput(source=source, field=levels, problem="names no axis", remedy=f"Name some of {', '.join(MOTIONS)}")
+    for axis, level in named.items():
+        one_of(axis, MOTIONS, source=source, where=levels)
+        require_positive(level, f"{levels}.{axis}", source, unit(axis))
+    in_order = MappingProxyType({axis: float(named[axis]) for axis in MOTIONS if axis in named})
+    object.__setattr__(pattern, levels, in_order)
+    require_band(start, stop, source, line=line)
+    require_positive(duration, "duration", source, "s")
     if duration * start < cycles:
         problem = f"must be at least {cycles:g} cycles of {start:g} Hz, {cycles / start:.4g} s, found {duration:g} s"
         raise BadInput(source=source, field="duration", problem=problem, remedy="Drive longer or start higher")
-
-
-def require_lines(start: float, stop: float, duration: float, source: str) -> None:
-    """Refuse a band that holds no line.
-
-    Raises
-    ------
-    BadInput : see above.
-    """
-    first, last = ends(start, stop, duration)
-    if last < first:
+    if start < stop and not line_numbers(start, stop, duration):
         problem = f"no line of noise of {duration:g} s lies between {start:g} and {stop:g} Hz"
         raise BadInput(source=source, field="stop", problem=problem, remedy="Drive longer or widen the band")
+    number = int(seed.integers(2**63)) if isinstance(seed, np.random.Generator) else seed
+    if number < 0:
+        raise BadInput(source=source, field="seed", problem=f"must not be negative, found {number}", remedy="Give 0 or more")
+    object.__setattr__(pattern, "seed", number)
 
 
 # `Burst`: a short piece of sine or noise and then silence, so that the article rings down alone.
@@ -543,14 +548,7 @@ class Burst:
     seed: int | np.random.Generator = 0
 
     def __post_init__(self) -> None:
-        source = "burst excitation"
-        object.__setattr__(self, "level", require_axes(self.level, "level", source))
-        require_band(self.start, self.stop, source, line=True)
-        require_positive(self.duration, "duration", source, "s")
-        require_cycles(self.duration, self.start, RAMP_CYCLES, source)
-        if self.start < self.stop:
-            require_lines(self.start, self.stop, self.duration, source)
-        object.__setattr__(self, "seed", fixed(self.seed, source))
+        _settle(self, "level", RAMP_CYCLES, "burst excitation", line=True)
 
     @property
     def label(self) -> str:
@@ -574,15 +572,12 @@ class Burst:
         if self.start < self.stop:
             return noisy(self.level, self.start, self.stop, self.duration, self.seed, clock, half)
         shape = window(clock.time, 0.0, half, half, self.duration)
-        carrier = shape * _sine(clock.time - half, 2 * np.pi * self.start)
+        # sin(omega t) / omega², whose second derivative has the amplitude 1
+        time, omega = clock.time - half, 2 * np.pi * self.start
+        carrier = shape * (omega**-2 * sine(Jet(omega * time, np.full_like(time, omega), np.zeros_like(time))))
         return {axis: -level * carrier for axis, level in self.level.items()}
 
     motion = sampled
-
-
-def _sine(time: Array, omega: float) -> Jet:
-    """sin(omega t) / omega², whose second derivative has the amplitude 1."""
-    return omega**-2 * sine(Jet(omega * time, np.full_like(time, omega), np.zeros_like(time)))
 
 
 # `Sweep`: a sine whose frequency rises by a constant number of octaves a minute, the excitation of the paper's tests.
@@ -639,7 +634,10 @@ class Sweep:
         require_not_negative(self.delay, "delay", source, "s")
         if not np.isfinite(self.phase):
             raise BadInput(source=source, field="phase", problem=f"must be finite, found {self.phase:g}", remedy="Give radians")
-        self._require_slow(source)
+        fastest = np.sqrt(2 * LEVEL_ERROR) * 2 * np.pi * self.start * 60 / np.log(2)
+        if self.rate > fastest:
+            problem = f"at most {fastest:.4g} oct/min keep the level at {self.start:g} Hz, found {self.rate:g} oct/min"
+            raise BadInput(source=source, field="rate", problem=problem, remedy="Sweep slower or start higher")
 
     @property
     def amplitude(self) -> float:
@@ -701,12 +699,6 @@ class Sweep:
     def _growth(self) -> float:
         """[1/s] of the logarithm of the frequency."""
         return float(self.rate * np.log(2) / 60)
-
-    def _require_slow(self, source: str) -> None:
-        fastest = np.sqrt(2 * LEVEL_ERROR) * 2 * np.pi * self.start * 60 / np.log(2)
-        if self.rate > fastest:
-            problem = f"at most {fastest:.4g} oct/min keep the level at {self.start:g} Hz, found {self.rate:g} oct/min"
-            raise BadInput(source=source, field="rate", problem=problem, remedy="Sweep slower or start higher")
 
 
 def sweeps(level: float = 1.0, **changes: Any) -> dict[str, Sweep]:

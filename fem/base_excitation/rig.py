@@ -22,7 +22,7 @@ from fem.held_base import hold, static_shapes
 from fem.modes import Modes
 from fem.reduction import Reduced, of_modes
 from fem.structure import Structure
-from geometry.dynamic_mass import MOTIONS, ComplexArray, DynamicMass
+from geometry.dynamic_mass import MOTIONS, DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen, rigid_transformation, rigid_transformation_6
 from geometry.inertia import Inertia, require_physical
@@ -245,13 +245,35 @@ def flexible(name: str, structure: Structure, modes: Modes, *, places: Places = 
 def of_modal_data(name: str, modes: Modes) -> FlexibleBody:
     """A body of which only frequencies, damping, participation and the rigid 6x6 are known; R is carried by further modes.
 
-    Their frequencies are `FAR` above the kept ones, or as high as the mass beside the kept modes allows.
+    With R V = M V diag(mu), V^T M V = 1, M the mass beside the kept modes, the further mode s is L_s = omega_s sqrt(mu_s) M v_s,
+    so that the sum of L L^T / omega² is R; it takes the share omega_s² mu_s of the mass in its direction. Their frequencies are
+    `FAR` above the kept ones, or as high as that mass allows. Where mu is negative, as extrapolation from mesh to mesh can leave
+    it, R is less than it is known to, and left out.
 
     Raises
     ------
     BadInput : modes that take more mass than there is, in some direction.
     """
-    omega, L = _carriers(name, modes)
+    from scipy.linalg import eigh
+
+    M = modes.rigid_mass - modes.participation @ modes.participation.T
+    share = float(eigh(M, modes.rigid_mass, eigvals_only=True)[0])
+    if share < -EXCESS:
+        raise BadInput(
+            source=f"body {name}",
+            field="participation",
+            problem=f"its modes must not move more mass than the body has, found {-share:.3g} of it too much in some direction",
+            remedy="Check the units of the participation, and that it and the rigid mass have one reference point",
+        )
+    M = M + EXCESS * modes.rigid_mass
+    mu, V = eigh(modes.residual, M)
+    highest = 2 * np.pi * modes.frequency.max(initial=0.0)
+    kept = mu * highest**2 > NOTHING if highest else mu > 0
+    mu, V = mu[kept], V[:, kept]
+    omega = np.sqrt(LEAVES / mu)
+    if highest:
+        omega = np.minimum(omega, FAR * highest)
+    L = (M @ V) * (omega * np.sqrt(mu))
     bare = replace(modes, shapes=np.zeros((0, modes.frequency.size)))
     return FlexibleBody(
         name=name, reduced=_reduced(bare, omega, L, np.zeros((0, 6)), np.zeros((0, omega.size))), kept=modes.frequency
@@ -306,41 +328,6 @@ def _reduced(modes: Modes, omega: Array, L: Array, rigid_motion: Array, shapes: 
     return replace(reduced, mass=T.T @ reduced.mass @ T, basis=reduced.basis @ T)
 
 
-def _carriers(name: str, modes: Modes) -> tuple[Array, Array]:
-    """Frequencies (m,) [rad/s] and participation (6, m) of modes with sum of L L^T / omega² = R, within the mass that is left.
-
-    With R V = M V diag(mu), V^T M V = 1, M the mass beside the kept modes, mode s is L_s = omega_s sqrt(mu_s) M v_s, which takes
-    the share omega_s² mu_s of the mass in its direction. Where mu is negative, as extrapolation from mesh to mesh can leave it, R
-    is less than it is known to, and left out.
-    """
-    from scipy.linalg import eigh
-
-    M = modes.rigid_mass - modes.participation @ modes.participation.T
-    _require_mass(name, M, modes.rigid_mass)
-    M = M + EXCESS * modes.rigid_mass
-    mu, V = eigh(modes.residual, M)
-    highest = 2 * np.pi * modes.frequency.max(initial=0.0)
-    kept = mu * highest**2 > NOTHING if highest else mu > 0
-    mu, V = mu[kept], V[:, kept]
-    omega = np.sqrt(LEAVES / mu)
-    if highest:
-        omega = np.minimum(omega, FAR * highest)
-    return omega, (M @ V) * (omega * np.sqrt(mu))
-
-
-def _require_mass(name: str, left: Array, whole: Array) -> None:
-    from scipy.linalg import eigh
-
-    share = float(eigh(left, whole, eigvals_only=True)[0])
-    if share < -EXCESS:
-        raise BadInput(
-            source=f"body {name}",
-            field="participation",
-            problem=f"its modes must not move more mass than the body has, found {-share:.3g} of it too much in some direction",
-            remedy="Check the units of the participation, and that it and the rigid mass have one reference point",
-        )
-
-
 # What a `Rig` must be before anybody makes equations of it.
 
 
@@ -389,11 +376,42 @@ def require_usable(rig: Rig) -> Rig:
         if cell.preload is not None:
             _require_positive(f"{name}.preload", cell.preload, "N")
     if rig.cells:
-        _require_held(rig.cells)
+        size = max(float(np.linalg.norm(cell.position)) for cell in rig.cells)
+        arms = [rigid_transformation(cell.position / (size or 1.0)) for cell in rig.cells]
+        K = sum((G.T @ np.diag(cell.stiffness) @ G for G, cell in zip(arms, rig.cells, strict=True)), np.zeros((6, 6)))
+        _require(
+            size > 0 and np.linalg.eigvalsh(K)[0] > HELD * np.linalg.eigvalsh(K)[-1],
+            "cells",
+            f"they must hold the cover plate against every motion, found {len(rig.cells)} that leave it one",
+            "Put at least three cells where they are not in one line",
+        )
     if rig.flange is not None:
-        _require_flange(rig.flange, np.diag(rig.article.reduced.mass)[:6])
+        lag = rig.flange.damping_time
+        _require_not_negative("flange.damping_time", lag, "s")
+        carried_along = np.diag(rig.article.reduced.mass)[:6].tolist()  # mass along, moments of inertia about, the joint's axes
+        for axis, value, m in zip(MOTIONS, rig.flange.compliance.tolist(), carried_along, strict=True):
+            _require_not_negative("flange.compliance", value, "m/N or rad/(N m)")
+            if value > 0:
+                least = max(m, sys.float_info.min)
+                unit = f"{'m/N' if axis in AXES else 'rad/(N m)'} for {axis}"
+                _require_within("flange.compliance", value, (1 / (STIFFEST * least), 1 / (SOFTEST * least)), unit)
+                _require_within("flange.damping_time", lag, (0.0, MOST_VISCOUS * least * value), f"s for {axis}")
+    known = rig.article.places
     for strut in rig.struts:
-        _require_strut(strut, rig)
+        _require(
+            strut.place in known,
+            "struts.place",
+            f"{rig.article.name} has no place {strut.place!r}",
+            f"{nearest(strut.place, known)}Its places are {', '.join(sorted(known)) or 'none'}",
+        )
+        _require(
+            strut.to in ("ground", "table"), "struts.to", f"it must be ground or table, found {strut.to!r}", "Name one of both"
+        )
+        for axis, k, c in zip(AXES, strut.stiffness, strut.damping, strict=True):
+            _require_not_negative("struts.stiffness", k, f"N/m along {axis}")
+            _require_not_negative("struts.damping", c, f"N s/m along {axis}")
+            _require_within("struts.stiffness", k, (0.0, STIFFEST * _mass(rig)), f"N/m along {axis}")
+            _require_within("struts.damping", c, (0.0, MOST_VISCOUS * _mass(rig)), f"N s/m along {axis}")
     for friction in rig.frictions:
         _require(friction.axis in AXES[:2], "frictions.axis", f"it must be x or y, found {friction.axis!r}", "Name one of both")
         _require_positive("frictions.slip_force", friction.slip_force, "N")
@@ -409,50 +427,6 @@ def require_usable(rig: Rig) -> Rig:
 
 def _mass(rig: Rig) -> float:
     return float(rig.article.reduced.mass[0, 0])
-
-
-def _require_held(cells: tuple[LoadCell, ...]) -> None:
-    size = max(float(np.linalg.norm(cell.position)) for cell in cells)
-    if size > 0:
-        K = sum((_spring(cell, size) for cell in cells), np.zeros((6, 6)))
-        if np.linalg.eigvalsh(K)[0] > HELD * np.linalg.eigvalsh(K)[-1]:
-            return
-    raise _bad(
-        "cells",
-        f"they must hold the cover plate against every motion, found {len(cells)} that leave it one",
-        "Put at least three cells where they are not in one line",
-    )
-
-
-def _spring(cell: LoadCell, size: float) -> Array:
-    G = rigid_transformation(cell.position / size)
-    return np.asarray(G.T @ np.diag(cell.stiffness) @ G)
-
-
-def _require_flange(flange: Flange, carried: Array) -> None:
-    """`carried` (6,): what the article weighs along, and its moments of inertia about, the axes of the joint."""
-    _require_not_negative("flange.damping_time", flange.damping_time, "s")
-    for axis, value, m in zip(MOTIONS, flange.compliance.tolist(), carried.tolist(), strict=True):
-        _require_not_negative("flange.compliance", value, "m/N or rad/(N m)")
-        if value > 0:
-            size = max(m, sys.float_info.min)
-            unit = f"{'m/N' if axis in AXES else 'rad/(N m)'} for {axis}"
-            _require_within("flange.compliance", value, (1 / (STIFFEST * size), 1 / (SOFTEST * size)), unit)
-            _require_within("flange.damping_time", flange.damping_time, (0.0, MOST_VISCOUS * size * value), f"s for {axis}")
-
-
-def _require_strut(strut: Strut, rig: Rig) -> None:
-    known = rig.article.places
-    if strut.place not in known:
-        names = ", ".join(sorted(known)) or "none"
-        problem = f"{rig.article.name} has no place {strut.place!r}"
-        raise _bad("struts.place", problem, f"{nearest(strut.place, known)}Its places are {names}")
-    _require(strut.to in ("ground", "table"), "struts.to", f"it must be ground or table, found {strut.to!r}", "Name one of both")
-    for axis, k, c in zip(AXES, strut.stiffness, strut.damping, strict=True):
-        _require_not_negative("struts.stiffness", k, f"N/m along {axis}")
-        _require_not_negative("struts.damping", c, f"N s/m along {axis}")
-        _require_within("struts.stiffness", k, (0.0, STIFFEST * _mass(rig)), f"N/m along {axis}")
-        _require_within("struts.damping", c, (0.0, MOST_VISCOUS * _mass(rig)), f"N s/m along {axis}")
 
 
 def _require_positive(field: str, value: float, unit: str) -> None:
@@ -475,11 +449,7 @@ def _require_within(field: str, value: float, bounds: tuple[float, float], unit:
 
 def _require(good: bool, field: str, problem: str, remedy: str) -> None:
     if not good:
-        raise _bad(field, problem, remedy)
-
-
-def _bad(field: str, problem: str, remedy: str) -> BadInput:
-    return BadInput(source="rig", field=field, problem=problem, remedy=remedy)
+        raise BadInput(source="rig", field=field, problem=problem, remedy=remedy)
 
 
 # A linear `Rig` as second-order matrices on the table and on what moves relative to it.
@@ -537,9 +507,18 @@ def matrices(rig: Rig) -> RigStructure:
     ------
     BadInput : something of it cannot be built, or it has friction or a cell that can lift off.
     """
-    _require_linear(require_usable(rig))
-    # Number of coordinates, and motion of cover plate (6, size) and of the article's coordinates (6 + m, size)
-    joint, own = _joint(rig), len(rig.article.reduced.mass) - TABLE
+    require_usable(rig)
+    problem = "friction is not linear" if rig.frictions else "a cell with a preload can lift off, which is not linear"
+    _require(
+        rig.linear,
+        "frictions" if rig.frictions else "cells.preload",
+        f"the exact recursion answers linear rigs only, and {problem}",
+        "Use exudyn (fem.flexible_body.driven_base), or leave it out",
+    )
+    # Directions in which the flange gives, number of coordinates, and motion of cover plate (6, size) and of the article's
+    # coordinates (6 + m, size)
+    joint = [] if rig.flange is None else [int(axis) for axis in np.flatnonzero(rig.flange.compliance)]
+    own = len(rig.article.reduced.mass) - TABLE
     first = TABLE + (TABLE if rig.cells else 0)
     size = first + len(joint) + own
     cover = np.zeros((TABLE, size))
@@ -550,7 +529,8 @@ def matrices(rig: Rig) -> RigStructure:
     article[:TABLE] = rigid_transformation_6(rig.seat) @ cover
     article[joint, first + np.arange(len(joint))] += 1.0
     article[TABLE:, first + len(joint) :] = np.eye(own)
-    cells = np.array([_at(cell, cover, size) for cell in rig.cells]).reshape(-1, 3, size)
+    gap = cover - np.eye(TABLE, size)  # motion of the cover plate relative to the table
+    cells = np.array([rigid_transformation(cell.position) @ gap for cell in rig.cells]).reshape(-1, 3, size)
     reduced = rig.article.reduced
     M = article.T @ reduced.mass @ article
     if rig.cover is not None:
@@ -559,7 +539,10 @@ def matrices(rig: Rig) -> RigStructure:
     for cell, rows in zip(rig.cells, cells, strict=True):
         C, K = _with(C, K, rows, cell.damping, cell.stiffness)
     for strut in rig.struts:
-        C, K = _with(C, K, _strut(strut, rig, article), strut.damping, strut.stiffness)
+        rows = np.asarray(rig.article.places[strut.place] @ article)  # by how much the strut is stretched
+        if strut.to == "table":  # its point of the table rides below the place: moving as one stretches nothing
+            rows[:, :TABLE] = 0.0
+        C, K = _with(C, K, rows, strut.damping, strut.stiffness)
     stiffness = np.zeros(0) if rig.flange is None else np.asarray(1 / rig.flange.compliance[joint])
     at = first + np.arange(len(joint))
     K[at, at] += stiffness
@@ -585,39 +568,15 @@ def dynamic_mass(rig: Rig, frequency: npt.ArrayLike) -> DynamicMass:
     BadInput : as `matrices`.
     """
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
-    structure = matrices(rig)
-    H = np.array([_condensed(structure, omega) for omega in 2 * np.pi * lines]).reshape(-1, TABLE, TABLE)
+    s, t, y = matrices(rig), slice(None, TABLE), slice(TABLE, None)
+    H = np.empty((len(lines), TABLE, TABLE), dtype=np.complex128)
+    for line, omega in enumerate(2 * np.pi * lines):
+        # Load for a unit acceleration of the table, u = -1 / omega²; the elastic part apart, so that no line loses digits
+        ground = s.stiffness + 1j * omega * s.viscous
+        Z = ground - omega**2 * s.mass
+        drive = s.mass - (ground / omega**2 if s.grounded else 0.0)
+        H[line] = drive[t, t] + Z[t, y] @ np.linalg.solve(Z[y, y], -drive[y, t])
     return DynamicMass(frequency=lines, matrix=H)
-
-
-def _condensed(s: RigStructure, omega: float) -> ComplexArray:
-    """Load for a unit acceleration of the table, u = -1 / omega²; the elastic part apart, so that no line loses digits."""
-    t, y = slice(None, TABLE), slice(TABLE, None)
-    Z = s.stiffness + 1j * omega * s.viscous - omega**2 * s.mass
-    ground = s.stiffness + 1j * omega * s.viscous
-    drive = s.mass - (ground / omega**2 if s.grounded else 0.0)
-    answer = np.linalg.solve(Z[y, y], -drive[y, t])
-    return np.asarray(drive[t, t] + Z[t, y] @ answer)
-
-
-def _joint(rig: Rig) -> list[int]:
-    """Directions in which the flange gives."""
-    return [] if rig.flange is None else [int(axis) for axis in np.flatnonzero(rig.flange.compliance)]
-
-
-def _at(cell: LoadCell, cover: Array, size: int) -> Array:
-    """(3, size) motion of the cover plate relative to the table at `cell`."""
-    table = np.eye(TABLE, size)
-    return np.asarray(rigid_transformation(cell.position) @ (cover - table))
-
-
-def _strut(strut: Strut, rig: Rig, article: Array) -> Array:
-    """(3, size) by how much `strut` is stretched; the table's point of a strut to it rides below the place."""
-    rows = rig.article.places[strut.place]
-    moved = np.asarray(rows @ article)
-    if strut.to == "table":
-        moved[:, :TABLE] = 0.0  # a rigid motion of table and article together stretches nothing
-    return moved
 
 
 def _with(C: Array, K: Array, rows: Array, damping: Array, stiffness: Array) -> tuple[Array, Array]:
@@ -626,15 +585,3 @@ def _with(C: Array, K: Array, rows: Array, damping: Array, stiffness: Array) -> 
 
 def _symmetric(matrix: Array) -> Array:
     return np.asarray((matrix + matrix.T) / 2)
-
-
-def _require_linear(rig: Rig) -> None:
-    if rig.linear:
-        return
-    problem = "friction is not linear" if rig.frictions else "a cell with a preload can lift off, which is not linear"
-    raise BadInput(
-        source="rig",
-        field="frictions" if rig.frictions else "cells.preload",
-        problem=f"the exact recursion answers linear rigs only, and {problem}",
-        remedy="Use exudyn (fem.flexible_body.driven_base), or leave it out",
-    )

@@ -24,7 +24,7 @@ from fem.beam.frame import Body, Frame, Member, Plan, Ports, assemble, on_top, p
 from fem.factorisers import factorise
 from fem.held_base import hold
 from fem.structure import Structure, rigid_motion
-from geometry.article import Article, Part, Placed, Shape, material, prefixes
+from geometry.article import Article, Part, Shape, material, prefixes
 from geometry.article import rectangle as corners
 from geometry.articles import built_in, changes_of, dimension_files
 from geometry.articles.dimensions import Dimensions, load
@@ -41,59 +41,6 @@ from geometry.toml_file import nearest
 AXES = ("x", "y", "z")
 REFINED = 3
 """Elements in a column for one in a half-blade: it is stubby, and there shear converges slowly."""
-
-
-def cuboid(article: Article, d: Dimensions, elements: int) -> Plan:
-    """The Cuboid, standing on its underside."""
-    x, y, z = d["size"]
-    return _column(article, rectangle(y, x, material(d["material"])), z, elements)
-
-
-def disc(article: Article, d: Dimensions, elements: int) -> Plan:
-    """The disc: a column far wider than high, whose give is nearly all shear and stretch of its height."""
-    return _column(article, tube(d["diameter"], 0.0, material(d["material"])), d["height"], elements)
-
-
-def fmd(article: Article, d: Dimensions, cells: Array | None) -> Plan:
-    """The FMD's moving part about F: on its base, or on `cells` (4, 3) [N/m], springs in the middle of the load cells."""
-    body = drawn_inertia(article)
-    if cells is None:
-        return Plan(nodes=np.zeros((1, 3)), carriers=(0,), bodies=(Body(node=0, inertia=body),))
-    names = [f"cell-{number}" for number in range(1, 5)]
-    springs = zip(names, corners(d["load_cell"]["square"], d["load_cell"]["square"]), cells, strict=True)
-    loss = material(d["load_cell"]["material"]).loss_factor
-    return Plan(
-        nodes=np.zeros((2, 3)),
-        carriers=(0, 1),
-        bodies=(Body(node=1, inertia=body),),
-        ports=tuple(_spring(name, [x, y, 0.0], stiffness) for name, (x, y), stiffness in springs),
-        top=1,
-        loss_factors={} if loss is None else dict.fromkeys(names, loss),
-    )
-
-
-def cell_stiffness(d: Dimensions) -> Array:
-    """Stiffness (4, 3) along x, y, z [N/m] of the load cells in `fmd.toml`; an assumption, and labelled so there."""
-    cell = d["load_cell"]
-    return np.tile([cell["lateral_stiffness_N_m"], cell["lateral_stiffness_N_m"], cell["axial_stiffness_N_m"]], (4, 1))
-
-
-def require_cells(cells: npt.ArrayLike) -> Array:
-    """`cells` as stiffness (4, 3) along x, y, z [N/m].
-
-    Raises
-    ------
-    BadInput : another shape, or a stiffness that is not positive and finite.
-    """
-    stiffness = np.asarray(cells, dtype=np.float64)
-    if stiffness.shape != (4, 3):
-        raise _cells_refused(f"four cells with three stiffnesses each are needed, found shape {stiffness.shape}")
-    for (cell, axis), value in np.ndenumerate(stiffness):
-        if not 0 < value < np.inf:
-            raise _cells_refused(
-                f"cell {cell + 1} must have a positive, finite stiffness along {AXES[axis]}, found {value:g} N/m"
-            )
-    return stiffness
 
 
 def _cells_refused(problem: str) -> BadInput:
@@ -115,13 +62,6 @@ def _column(article: Article, section: Section, height: float, elements: int) ->
         top=elements,
         loss_factors={} if loss is None else {part.name: loss},
     )
-
-
-def _spring(name: str, place: list[float], stiffness: Array) -> Ports:
-    """Three springs at `place` [m] between two nodes at the origin."""
-    G = rigid_transformation(place)
-    k = G.T @ np.diag(stiffness) @ G
-    return Ports(nodes=(0, 1), stiffness=np.block([[k, -k], [-k, k]]), mass=np.zeros((12, 12)), part=name)
 
 
 # Clumod as a frame: mast and half-blades are beams, flange, hubs and what is clamped between their collars are rigid.
@@ -207,26 +147,44 @@ def clumod_plan(blades: Sequence[str], d: Dimensions, *, joints: Sequence[Joint]
     BadInput : hubs that overlap, a joint on a port that does not exist, a section that is none.
     """
     article, pieces = build_clumod(tuple(blades), d), _rigid_pieces(blades, d)
-    asked = [_checked(port, blades, d) for joint in joints for port in joint.ports]
+    foot, mast = d["flange"]["height"], d["mast"]
+    asked = [port for joint in joints for port in joint.ports]
+    ends = {MAST: (foot, mast["top"])}
+    ends |= {blade["name"]: _ends(blade, d) for blade in d["blade"] if blade["name"] in blades}
+    for port in asked:  # each must lie on a beam that is there
+        if port.member not in ends:
+            raise _joints_refused(f"there is no {port.member!r}", f"{nearest(port.member, ends)}Known are {', '.join(ends)}")
+        first, last = ends[port.member]
+        if not first <= (port.at if port.member == MAST else abs(port.at)) <= last:
+            known = f"Its beam goes from {1e3 * first:.1f} to {1e3 * last:.1f} mm"
+            raise _joints_refused(f"{port.member} is no beam at {1e3 * port.at:g} mm", known)
     nodes = _Nodes()
     nodes.put(np.zeros(3), carrier=0)
     for piece in pieces:
         nodes.put(piece.middle * Z)
-    members = [_mast(d, pieces, asked, elements, nodes)]
+    # Nodes of the mast: the flange, the ends of rigid pieces (a collar may stand out beyond the top), those asked for, the top, and
+    # enough between; what lies within a rigid piece rides on it
+    edges = [min(end, mast["top"]) for piece in pieces for end in (piece.bottom, piece.top)]
+    fixed = sorted({foot, mast["top"], *edges, *(port.at for port in asked if port.member == MAST)})
+    chain = []
+    for height in _between(fixed, (fixed[-1] - fixed[0]) / (2 * elements)):
+        carrier = next((1 + index for index, piece in enumerate(pieces) if piece.bottom <= height <= piece.top), None)
+        chain.append(nodes.put(height * Z, 0 if height == foot else carrier))
+    section = tube(mast["outer_diameter"], mast["inner_diameter"], material(mast["material"]))
+    members = [Member(nodes=tuple(chain), section=section, z_axis=X, part=MAST)]
     for station, piece in enumerate(pieces, start=1):
         blade = d["blade"][piece.number]
         if blade["name"] in blades:
             members += [_half_blade(blade, d, side, station, asked, elements, nodes) for side in (1, -1)]
     points = np.array(nodes.points)
+    elastic = [part for part in article.parts if part.name != "flange" and not part.name.startswith("hub-")]
     return Plan(
         nodes=points,
         carriers=tuple(nodes.carriers),
         members=tuple(members),
         bodies=tuple(_bodies(article, d, pieces, members, points)),
         ports=tuple(_ports(joint, d, points) for joint in joints),
-        loss_factors={
-            part.name: part.material.loss_factor for part in _elastic(article) if part.material.loss_factor is not None
-        },
+        loss_factors={part.name: part.material.loss_factor for part in elastic if part.material.loss_factor is not None},
     )
 
 
@@ -276,24 +234,6 @@ def _rigid_pieces(blades: Sequence[str], d: Dimensions) -> list[_Rigid]:
     return pieces
 
 
-def _mast(d: Dimensions, pieces: list[_Rigid], asked: list[Port], elements: int, nodes: _Nodes) -> Member:
-    """The mast from the flange to its top; what lies within a rigid piece rides on it."""
-    mast, chain = d["mast"], []
-    for height in _mast_heights(d, pieces, [port.at for port in asked if port.member == MAST], 2 * elements):
-        carrier = next((1 + index for index, piece in enumerate(pieces) if piece.bottom <= height <= piece.top), None)
-        chain.append(nodes.put(height * Z, 0 if height == d["flange"]["height"] else carrier))
-    section = tube(mast["outer_diameter"], mast["inner_diameter"], material(mast["material"]))
-    return Member(nodes=tuple(chain), section=section, z_axis=X, part=MAST)
-
-
-def _mast_heights(d: Dimensions, pieces: list[_Rigid], asked: list[float], elements: int) -> list[float]:
-    """Heights of the nodes: the flange, the ends of rigid pieces, those asked for, the top, and enough between."""
-    # a collar may stand out beyond the mast's top
-    ends = [min(end, d["mast"]["top"]) for piece in pieces for end in (piece.bottom, piece.top)]
-    fixed = sorted({d["flange"]["height"], d["mast"]["top"], *ends, *asked})
-    return _between(fixed, (fixed[-1] - fixed[0]) / elements)
-
-
 def _half_blade(
     blade: Dimensions, d: Dimensions, side: int, station: int, asked: list[Port], elements: int, nodes: _Nodes
 ) -> Member:
@@ -329,27 +269,19 @@ def _bodies(article: Article, d: Dimensions, pieces: list[_Rigid], members: list
     for station, piece in enumerate(pieces, start=1):
         blade, hub = d["blade"][piece.number]["name"], drawn[f"hub-{piece.number + 1}"]
         own = [part for name, part in drawn.items() if name == blade or name.startswith(f"{blade}-")]
+        # The collars of the hub that belong to the piece
+        solids, voids = (
+            tuple(p for p in placed_ones if piece.bottom <= p.pose.position[2] <= piece.top)
+            for placed_ones in (hub.shape.solids, hub.shape.voids)
+        )
+        collars = replace(hub, shape=Shape(solids=solids, voids=voids))
         beams = [frame.inertia(member, nodes) for member in members if member.part == blade]
-        bodies.append(Body(node=station, inertia=reduce(sub, beams, _drawn([_collars(hub, piece), *own]))))
+        bodies.append(Body(node=station, inertia=reduce(sub, beams, _drawn([collars, *own]))))
     return bodies
-
-
-def _collars(hub: Part, piece: _Rigid) -> Part:
-    """The collars of a hub that belong to a rigid piece of the mast."""
-
-    def there(placed: Placed) -> bool:
-        return bool(piece.bottom <= placed.pose.position[2] <= piece.top)
-
-    shape = Shape(solids=tuple(filter(there, hub.shape.solids)), voids=tuple(filter(there, hub.shape.voids)))
-    return replace(hub, shape=shape)
 
 
 def _drawn(parts: Iterable[Part]) -> Inertia:
     return drawn_inertia(Article(name="rigid", parts=tuple(parts)))
-
-
-def _elastic(article: Article) -> Iterable[Part]:
-    return (part for part in article.parts if part.name != "flange" and not part.name.startswith("hub-"))
 
 
 def _ports(joint: Joint, d: Dimensions, nodes: Array) -> Ports:
@@ -377,20 +309,6 @@ def place(port: Port, d: Dimensions) -> Array:
         return port.at * Z
     blade = next(blade for blade in d["blade"] if blade["name"] == port.member)
     return np.asarray(blade["z"] * Z + port.at * BLADE_AXES[blade["axis"]])
-
-
-def _checked(port: Port, blades: Sequence[str], d: Dimensions) -> Port:
-    """`port`, which must lie on a beam that is there."""
-    ends = {MAST: (d["flange"]["height"], d["mast"]["top"])}
-    ends |= {blade["name"]: _ends(blade, d) for blade in d["blade"] if blade["name"] in blades}
-    if port.member not in ends:
-        raise _joints_refused(f"there is no {port.member!r}", f"{nearest(port.member, ends)}Known are {', '.join(ends)}")
-    first, last = ends[port.member]
-    if not first <= (port.at if port.member == MAST else abs(port.at)) <= last:
-        raise _joints_refused(
-            f"{port.member} is no beam at {1e3 * port.at:g} mm", f"Its beam goes from {1e3 * first:.1f} to {1e3 * last:.1f} mm"
-        )
-    return port
 
 
 def _joints_refused(problem: str, remedy: str) -> BadInput:
@@ -455,12 +373,21 @@ def article_plan(
     if joints and not BLADES.keys() & set(names):
         raise _refused(article_name, "joints", "there is no Clumod whose crossings could have joints", "Leave the joints away")
     plans = [_plan(name, changes, elements, cells, joints) for name in names]
-    return reduce(on_top, _in_place(names, plans, changes))
+    if len(plans) == 1:
+        return plans[0]
+    # Each goes where the seats below put it; seats have parallel axes. Names of parts are those of the stacked article.
+    pose, in_place = Pose(), []
+    for name, prefix, plan in zip(names, prefixes(names), plans, strict=True):
+        in_place.append(placed(plan, pose.position, f"{prefix}/"))
+        seat = _article(name, changes).seat
+        pose = pose @ seat if seat else pose
+    return reduce(on_top, in_place)
 
 
 def load_cells(changes: Mapping[str, float] = NO_CHANGES) -> Array:
-    """Assumed stiffness (4, 3) along x, y, z [N/m] of the FMD's load cells, from `fmd.toml`."""
-    return cell_stiffness(load("fmd", changes))
+    """Assumed stiffness (4, 3) along x, y, z [N/m] of the FMD's load cells, labelled so in `fmd.toml`."""
+    cell = load("fmd", changes)["load_cell"]
+    return np.tile([cell["lateral_stiffness_N_m"], cell["lateral_stiffness_N_m"], cell["axial_stiffness_N_m"]], (4, 1))
 
 
 def clumod_frame(
@@ -484,28 +411,44 @@ def frequencies(frame: Frame, count: int) -> Array:
 def _plan(name: str, changes: Mapping[str, float], elements: int, cells: npt.ArrayLike | None, joints: Sequence[Joint]) -> Plan:
     """One article in its own frame."""
     (file,) = dimension_files(name)
-    article, dimensions = _article(name, changes), load(file, changes)
+    article, d = _article(name, changes), load(file, changes)
     if name in BLADES:
-        return clumod_plan(BLADES[name], dimensions, joints=joints, elements=elements)
-    if name == "fmd":
-        return fmd(article, dimensions, None if cells is None else require_cells(cells))
-    return {"cuboid": cuboid, "disc": disc}[name](article, dimensions, elements)
+        return clumod_plan(BLADES[name], d, joints=joints, elements=elements)
+    if name == "cuboid":
+        x, y, z = d["size"]
+        return _column(article, rectangle(y, x, material(d["material"])), z, elements)
+    if name == "disc":  # a column far wider than high, whose give is nearly all shear and stretch of its height
+        return _column(article, tube(d["diameter"], 0.0, material(d["material"])), d["height"], elements)
+    # The FMD's moving part about F: on its base, or on springs in the middle of the load cells
+    body = drawn_inertia(article)
+    if cells is None:
+        return Plan(nodes=np.zeros((1, 3)), carriers=(0,), bodies=(Body(node=0, inertia=body),))
+    stiffness = np.asarray(cells, dtype=np.float64)
+    if stiffness.shape != (4, 3):
+        raise _cells_refused(f"four cells with three stiffnesses each are needed, found shape {stiffness.shape}")
+    for (cell, axis), value in np.ndenumerate(stiffness):
+        if not 0 < value < np.inf:
+            found = f"must have a positive, finite stiffness along {AXES[axis]}, found {value:g} N/m"
+            raise _cells_refused(f"cell {cell + 1} {found}")
+    springs, square = [], d["load_cell"]["square"]
+    for number, ((x, y), along) in enumerate(zip(corners(square, square), stiffness, strict=True), start=1):
+        G = rigid_transformation([x, y, 0.0])
+        k = G.T @ np.diag(along) @ G
+        between = np.block([[k, -k], [-k, k]])
+        springs.append(Ports(nodes=(0, 1), stiffness=between, mass=np.zeros((12, 12)), part=f"cell-{number}"))
+    loss = material(d["load_cell"]["material"]).loss_factor
+    return Plan(
+        nodes=np.zeros((2, 3)),
+        carriers=(0, 1),
+        bodies=(Body(node=1, inertia=body),),
+        ports=tuple(springs),
+        top=1,
+        loss_factors={} if loss is None else {spring.part: loss for spring in springs},
+    )
 
 
 def _article(name: str, changes: Mapping[str, float]) -> Article:
     return built_in(name, changes_of(name, changes))
-
-
-def _in_place(names: list[str], plans: list[Plan], changes: Mapping[str, float]) -> list[Plan]:
-    """`plans` where the seats below them put them; seats have parallel axes. Names of parts as the stacked article has them."""
-    if len(plans) == 1:
-        return plans
-    pose, in_place = Pose(), []
-    for name, prefix, plan in zip(names, prefixes(names), plans, strict=True):
-        in_place.append(placed(plan, pose.position, f"{prefix}/"))
-        seat = _article(name, changes).seat
-        pose = pose @ seat if seat else pose
-    return in_place
 
 
 def _structure(frame: Frame) -> Structure:
@@ -593,8 +536,18 @@ def joint(piece: ClumodPiece, d: Dimensions, size: float) -> Joint:
 def pieces(blades: Sequence[str], d: Dimensions) -> Iterator[ClumodPiece]:
     """The foot of the mast, then its hubs from bottom to top, neighbours in one piece when they stand close together."""
     sleeve = SLEEVE * d["mast"]["outer_diameter"]
-    yield _foot(d, sleeve)
-    for group in _neighbours(d, sleeve):
+    foot = d["flange"]["height"]
+    top = foot + sleeve
+    own: Dimensions = {**copy.deepcopy(d), "blade": [], "mast": {**d["mast"], "top": top}}
+    ends = (Port(member=MAST, at=top),)
+    yield ClumodPiece(dimensions=own, blades=(), ports=ends, base=np.array([0.0, 0.0, foot]), foot=True)
+    groups: list[list[Dimensions]] = []  # hubs whose sleeves would run into one another
+    for blade in sorted(d["blade"], key=lambda blade: float(blade["z"])):
+        if groups and _collar_span(blade)[0] - _collar_span(groups[-1][-1])[1] < 2 * sleeve:
+            groups[-1].append(blade)
+        else:
+            groups.append([blade])
+    for group in groups:
         low, high = _collar_span(group[0])[0] - sleeve, _collar_span(group[-1])[1] + sleeve
         crossed = tuple(b["name"] for b in group if b["name"] in blades)
         upper = min(high, d["mast"]["top"])
@@ -627,7 +580,8 @@ def solid_flexibility(piece: ClumodPiece, size: float) -> Array:
     """The same by hexahedra."""
     solid = _solid(piece, size)
     held = hold(solid)
-    shares = _shares(solid)
+    # Mass (N,) that moves with every degree of freedom when all of the solid goes along with it
+    shares = np.asarray((solid.mass @ np.tile(np.eye(3), (len(solid.points), 1))).sum(axis=1))
     B = np.hstack([_mean(solid, shares, piece, port) for port in piece.ports])[held.free]
     return np.asarray(B.T @ factorise(held.stiffness, definite=True).solve(B))
 
@@ -659,11 +613,6 @@ def _solid(piece: ClumodPiece, size: float) -> Structure:
     sizes, cuts = ([2 * size, size], [piece.dimensions["flange"]["height"]]) if piece.foot else ([size], [])
     mesh = hexahedra(parts, sizes=sizes, cuts=cuts)
     return of_mesh(mesh, {part.name: part.material for part in parts})
-
-
-def _shares(solid: Structure) -> Array:
-    """Mass (N,) that moves with every degree of freedom when all of the solid goes along with it."""
-    return np.asarray((solid.mass @ np.tile(np.eye(3), (len(solid.points), 1))).sum(axis=1))
 
 
 def _mean(solid: Structure, shares: Array, piece: ClumodPiece, port: Port) -> Array:
@@ -701,25 +650,6 @@ def _of_section(solid: Structure, shares: Array, nodes: Integers, middle: Array)
     result = np.zeros((len(solid.rigid), 6))
     result[own] = weighted @ np.linalg.inv(R.T @ weighted)
     return result
-
-
-def _foot(d: Dimensions, sleeve: float) -> ClumodPiece:
-    top = d["flange"]["height"] + sleeve
-    own = {**copy.deepcopy(d), "blade": [], "mast": {**d["mast"], "top": top}}
-    return ClumodPiece(
-        dimensions=own, blades=(), ports=(Port(member=MAST, at=top),), base=np.array([0.0, 0.0, d["flange"]["height"]]), foot=True
-    )
-
-
-def _neighbours(d: Dimensions, sleeve: float) -> list[list[Dimensions]]:
-    """Hubs from bottom to top, in groups whose sleeves would run into one another."""
-    groups: list[list[Dimensions]] = []
-    for blade in sorted(d["blade"], key=lambda blade: float(blade["z"])):
-        if groups and _collar_span(blade)[0] - _collar_span(groups[-1][-1])[1] < 2 * sleeve:
-            groups[-1].append(blade)
-        else:
-            groups.append([blade])
-    return groups
 
 
 def _collar_span(blade: Dimensions) -> tuple[float, float]:

@@ -218,7 +218,10 @@ def timoshenko(section: Section, length: float, part: str) -> Element:
     ):
         phi = 12 * bending / (shear * length**2)
         k[np.ix_(dofs, dofs)] = np.outer(sign, sign) * bending_stiffness(bending, phi, length)
-        m[np.ix_(dofs, dofs)] = np.outer(sign, sign) * bending_mass(section.mass, rotary, phi, length)
+        # Mass that moves with v, rotary inertia that turns with theta
+        v, theta = shape_functions(GAUSS_POINTS, phi, length)
+        w = GAUSS_WEIGHTS * length
+        m[np.ix_(dofs, dofs)] = np.outer(sign, sign) * (section.mass * (v * w) @ v.T + rotary * (theta * w) @ theta.T)
     return Element(stiffness={part: k}, mass=m)
 
 
@@ -227,13 +230,6 @@ def bending_stiffness(bending: float, phi: float, L: float) -> Array:
     a, b, c = 6 * L, (4 + phi) * L * L, (2 - phi) * L * L
     k = np.array([[12, a, -12, a], [a, b, -a, c], [-12, -a, 12, -a], [a, c, -a, b]])
     return np.asarray(bending / (L**3 * (1 + phi)) * k)
-
-
-def bending_mass(mass: float, rotary: float, phi: float, L: float) -> Array:
-    """Mass (4, 4) of the same: `mass` [kg/m] that moves with v and `rotary` inertia [kg m] that turns with theta."""
-    v, theta = shape_functions(GAUSS_POINTS, phi, L)
-    w = GAUSS_WEIGHTS * L
-    return np.asarray(mass * (v * w) @ v.T + rotary * (theta * w) @ theta.T)
 
 
 def shape_functions(xi: Array, phi: float, L: float) -> tuple[Array, Array]:
@@ -408,7 +404,8 @@ def _bending(section: Sandwich, L: float) -> tuple[Array, Array, Array]:
     sign = np.array([*SIGN_XZ, 1.0, 1.0, 1.0])[:, None]
     deflection, slope = shape_functions(xi, 0.0, L)
     curvature = np.array([(12 * xi - 6) / L**2, (6 * xi - 4) / L, (6 - 12 * xi) / L**2, (6 * xi - 2) / L])
-    none, slip, slip_rate = np.zeros((3, 4)), *_parabola(xi, L)
+    slip = np.array([(1 - xi) * (1 - 2 * xi), xi * (2 * xi - 1), 4 * xi * (1 - xi)])  # a parabola: start, end, middle
+    slip_rate, none = np.array([4 * xi - 3, 4 * xi - 1, 4 - 8 * xi]) / L, np.zeros((3, 4))
     w, w1, w2 = (sign * np.vstack([shape, none]) for shape in (deflection, slope, curvature))
     delta, delta1 = (np.vstack([np.zeros((4, 4)), shape]) for shape in (slip, slip_rate))
 
@@ -421,12 +418,6 @@ def _bending(section: Sandwich, L: float) -> tuple[Array, Array, Array]:
     mass = integral(section.mass, w) + integral(section.face_rotary, w1)
     mass += integral(section.face_mass / 2, delta - d * w1) + integral(section.layer_rotary, delta / s - w1)
     return faces, layer, mass
-
-
-def _parabola(xi: Array, L: float) -> tuple[Array, Array]:
-    """Quadratic shapes (3, len(xi)) with nodes at start, end and middle, and their slopes [1/m]."""
-    shape = np.array([(1 - xi) * (1 - 2 * xi), xi * (2 * xi - 1), 4 * xi * (1 - xi)])
-    return shape, np.array([4 * xi - 3, 4 * xi - 1, 4 - 8 * xi]) / L
 
 
 def _add_torsion(k: Array, torsion: float, length: float) -> None:

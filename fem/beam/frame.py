@@ -127,21 +127,21 @@ def on_top(lower: Plan, upper: Plan) -> Plan:
 
 def placed(plan: Plan, displacement: Array, prefix: str = "") -> Plan:
     """`plan` carried by `displacement` (3,) [m], the names of its parts with `prefix` before them."""
+    members = []
+    for m in plan.members:
+        section = m.section
+        if isinstance(section, Sandwich):
+            bottom, layer, top = section.parts
+            section = replace(section, parts=(prefix + bottom, prefix + layer, prefix + top))
+        members.append(replace(m, part=prefix + m.part, section=section))
     return replace(
         plan,
         nodes=plan.nodes + displacement,
-        members=tuple(replace(m, part=prefix + m.part, section=_renamed(m.section, prefix)) for m in plan.members),
+        members=tuple(members),
         bodies=tuple(replace(body, inertia=body.inertia.moved(displacement)) for body in plan.bodies),
         ports=tuple(replace(ports, part=prefix + ports.part) for ports in plan.ports),
         loss_factors={prefix + part: factor for part, factor in plan.loss_factors.items()},
     )
-
-
-def _renamed(section: Section | Sandwich, prefix: str) -> Section | Sandwich:
-    if isinstance(section, Section):
-        return section
-    bottom, layer, top = section.parts
-    return replace(section, parts=(prefix + bottom, prefix + layer, prefix + top))
 
 
 def assemble(plan: Plan) -> Frame:
@@ -164,15 +164,14 @@ def assemble(plan: Plan) -> Frame:
 
 def inertia(member: Member, nodes: Array) -> Inertia:
     """Inertia of `member` about the frame's origin: rods of its mass with its section's rotary inertia, in closed form."""
-    parts = [_rod(nodes[a], nodes[b], member) for a, b in pairwise(member.nodes)]
-    return Inertia(parameters=sum((part.about(np.zeros(3)).parameters for part in parts), np.zeros(10)))
-
-
-def _rod(start: Array, end: Array, member: Member) -> Inertia:
-    section, length = member.section, float(np.linalg.norm(end - start))
-    R, along = _axes(start, end, member.z_axis), section.mass * length**2 / 12
-    moments = length * np.array([section.rotary_y + section.rotary_z, section.rotary_y + along, section.rotary_z + along])
-    return Inertia.from_cog(section.mass * length, (start + end) / 2, R.T @ np.diag(moments) @ R)
+    section, total = member.section, np.zeros(10)
+    for a, b in pairwise(member.nodes):
+        length = float(np.linalg.norm(nodes[b] - nodes[a]))
+        R, along = _axes(nodes[a], nodes[b], member.z_axis), section.mass * length**2 / 12
+        moments = length * np.array([section.rotary_y + section.rotary_z, section.rotary_y + along, section.rotary_z + along])
+        rod = Inertia.from_cog(section.mass * length, (nodes[a] + nodes[b]) / 2, R.T @ np.diag(moments) @ R)
+        total = total + rod.about(np.zeros(3)).parameters
+    return Inertia(parameters=total)
 
 
 def _pieces(plan: Plan, first: Mapping[int, int]) -> Iterator[tuple[Element, list[int], Array]]:
@@ -190,7 +189,9 @@ def _pieces(plan: Plan, first: Mapping[int, int]) -> Iterator[tuple[Element, lis
             element = made[_length(plan, a, b)]
             if plan.carriers[a] == plan.carriers[b]:
                 element = replace(element, stiffness={})  # rigid: what it would store is rounding
-            dofs, T = _riding(plan, first, (a, b), _turned(plan.nodes[a], plan.nodes[b], member.z_axis))
+            turned = np.kron(np.eye(4), _axes(plan.nodes[a], plan.nodes[b], member.z_axis))
+            dofs, T = _riding(plan, first, (a, b), np.asarray(turned, dtype=np.float64))
+            # Degrees of freedom that no node has, None where there is none because it is held
             extra: list[int | None] = []
             for node in (a, b) * element.nodal:
                 if node not in slips and node not in member.bonded:
@@ -198,7 +199,11 @@ def _pieces(plan: Plan, first: Mapping[int, int]) -> Iterator[tuple[Element, lis
                 extra.append(slips.get(node))
             extra += range(following, following + element.inner)
             following += element.inner
-            yield element, *_with_extra(dofs, T, extra)
+            if extra:
+                there = [k for k, dof in enumerate(extra) if dof is not None]
+                selected = np.eye(len(extra))[:, there]
+                T = np.block([[T, np.zeros((len(T), len(there)))], [np.zeros((len(extra), T.shape[1])), selected]])
+            yield element, dofs + [dof for dof in extra if dof is not None], T
     for ports in plan.ports:
         element = Element(stiffness={ports.part: ports.stiffness}, mass=ports.mass)
         yield element, *_riding(plan, first, ports.nodes, np.eye(6 * len(ports.nodes)))
@@ -217,20 +222,6 @@ def _riding(plan: Plan, first: Mapping[int, int], nodes: Sequence[int], turned: 
         lever = plan.nodes[node] - plan.nodes[carrier]
         T[:, column : column + 6] += own @ rigid_transformation_6(lever) if lever.any() else own
     return [dof for carrier in distinct for dof in range(first[carrier], first[carrier] + 6)], T
-
-
-def _with_extra(dofs: list[int], T: Array, extra: Sequence[int | None]) -> tuple[list[int], Array]:
-    """Those of an element's degrees of freedom that no node has, added; None where there is none because it is held."""
-    if not extra:
-        return dofs, T
-    there = [k for k, dof in enumerate(extra) if dof is not None]
-    selected = np.eye(len(extra))[:, there]
-    T = np.block([[T, np.zeros((len(T), len(there)))], [np.zeros((len(extra), T.shape[1])), selected]])
-    return dofs + [dof for dof in extra if dof is not None], T
-
-
-def _turned(start: Array, end: Array, z_axis: Array) -> Array:
-    return np.asarray(np.kron(np.eye(4), _axes(start, end, z_axis)), dtype=np.float64)
 
 
 def _axes(start: Array, end: Array, z_axis: Array) -> Array:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.rig import LATERAL, Flange, FlexibleBody, Friction, LoadCell, Rig, Strut
 from fem.exudyn.run import to_exudyn
 from geometry.frames import Array

@@ -11,7 +11,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from fem.base_excitation import response
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.response import Response, require_fine
 from fem.base_excitation.rig import LATERAL, TABLE, Rig, matrices, require_usable
 from fem.exudyn import driven_rig

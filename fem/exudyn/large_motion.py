@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.patterns import Jet, Sweep, sine, window
+from fem.base_excitation.patterns import BaseMotion, Jet, Sweep, sine, window
 from fem.base_excitation.response import Response
 from fem.beam import articles
 from fem.beam.elements import Sandwich

@@ -1,4 +1,7 @@
-"""Stiffness and mass of an elastic solid: scikit-fem's elements, mappings and quadrature, contracted cell by cell in batches.
+"""`SolidMesh`, curved second-order cells of parts, whoever made them, and their stiffness and mass.
+
+Tetrahedra have 10 nodes and hexahedra 27, both in scikit-fem's local order: vertices, edges, faces, interior. Its elements,
+mappings and quadrature are contracted cell by cell, in batches.
 
 The stiffness of isotropic elasticity between node a, direction i, and node b, direction j, of a cell is
 
@@ -12,18 +15,93 @@ holds the result against scikit-fem's own form.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
 from fem.beam.elements import moduli
-from fem.solid.mesh import LOCAL_HEX27, SolidMesh
 from fem.structure import Sparse
 from geometry.article import Material
 from geometry.errors import BadInput, CheckFailed
-from geometry.frames import Array, Integers
+from geometry.frames import Array, Integers, frozen
+
+_VERTICES = ([0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1])
+_EDGES = ([1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1])
+LOCAL_TET10 = frozen(np.vstack([_VERTICES, np.array(_EDGES) / 2]), (10, 3), "LOCAL_TET10")
+"""Places of the nodes in the reference tetrahedron (10, 3)."""
+
+_HEX = (
+    "222 221 212 122 211 121 112 111 "  # 1 and 2 are the low and the high end, 0 the middle, of x, y and z
+    "220 202 022 201 021 210 012 120 102 011 101 110 "
+    "200 002 020 010 001 100 000"
+)
+_END = {"1": 0.0, "2": 1.0, "0": 0.5}
+LOCAL_HEX27 = frozen([[_END[place] for place in node] for node in _HEX.split()], (27, 3), "LOCAL_HEX27")
+"""Places of the nodes in the reference hexahedron (27, 3)."""
+
+NODES_OF_A_CELL = (10, 27)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SolidMesh:
+    """Cells of second order, conforming.
+
+    Attributes
+    ----------
+    points : (p, 3) [m], in the article's frame; every one belongs to a cell
+    cells : (c, 10) tetrahedra or (c, 27) hexahedra, indices into `points`
+    part : (c,) index into `parts`
+    parts : names of the parts
+    """
+
+    points: Array
+    cells: Integers
+    part: Integers
+    parts: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "points", frozen(self.points, (len(self.points), 3), "points"))
+        if self.cells.shape[1] not in NODES_OF_A_CELL:
+            raise ValueError(f"`cells` must have {' or '.join(map(str, NODES_OF_A_CELL))} nodes, found {self.cells.shape[1]}")
+        if len(self.part) != len(self.cells):
+            raise ValueError(f"`part` must name the part of every cell, found {len(self.part)} for {len(self.cells)} cells")
+
+
+# One silent gmsh at a time, always put away again.
+#
+# gmsh is a single set of global variables. Its own handling of Ctrl-C ends the whole process and works in the main thread only,
+# so it is switched off: an interruption is raised by Python as soon as gmsh returns.
+
+
+_ALONE = threading.Lock()
+
+
+@contextmanager
+def session() -> Iterator[Any]:
+    """The `gmsh` module, initialised with an empty model and nothing on the terminal; finalised at the end of the block.
+
+    Raises
+    ------
+    RuntimeError : the host program has a gmsh of its own open, which would be overwritten.
+    """
+    import gmsh
+
+    with _ALONE:
+        if gmsh.isInitialized():
+            raise RuntimeError("gmsh is in use by the calling program; call gmsh.finalize() before massline makes a mesh")
+        gmsh.initialize(argv=[], readConfigFiles=False, interruptible=False)
+        try:
+            gmsh.option.setNumber("General.Terminal", 0)
+            gmsh.option.setNumber("General.NumThreads", 1)
+            yield gmsh
+        finally:
+            gmsh.finalize()
+
 
 QUADRATURE = {10: 5, 27: 5}
 """Order of the rule by nodes of a cell: exact for the mass of straight cells, ample for slightly curved ones."""
@@ -55,13 +133,22 @@ def assemble(mesh: SolidMesh, materials: Mapping[str, Material]) -> Matrices:
     BadInput : a material without a usable Young's modulus or Poisson's ratio.
     """
     constants = {name: lame(materials[name], name) for name in mesh.parts}
+    W, values, reference = _reference(mesh.cells.shape[1])
     shares, mass = {}, _zero(mesh)
     for index, name in enumerate(mesh.parts):
         own = np.flatnonzero(mesh.part == index)
         K, M = _zero(mesh), _zero(mesh)
-        for cells, volume, gradients, values in _batches(mesh, own):
-            K += _scattered(mesh, cells, _stiffness(gradients, volume, *constants[name]))
-            M += _scattered(mesh, cells, _mass(values, volume, materials[name].density))
+        lam, mu = constants[name]
+        for cells, mapping in _mappings(mesh, own):
+            volume = np.abs(np.linalg.det(mapping)) * W  # (c, q) at the quadrature points
+            gradients = np.einsum("cqji,jkq->cikq", np.linalg.inv(mapping), reference, optimize=True)
+            weighted = gradients * volume[:, None, None, :]
+            pairs = np.array([[a @ b.transpose(0, 2, 1) for b in gradients.swapaxes(0, 1)] for a in weighted.swapaxes(0, 1)])
+            stiffness = np.einsum("ijcab->caibj", lam * pairs) + np.einsum("jicab->caibj", mu * pairs)  # (c, k, 3, k, 3)
+            stiffness[:, :, range(3), :, range(3)] += mu * np.einsum("iicab->cab", pairs)
+            K += _scattered(mesh, cells, stiffness)
+            scalar = materials[name].density * np.einsum("aq,cq,bq->cab", values, volume, values, optimize=True)
+            M += _scattered(mesh, cells, np.einsum("cab,ij->caibj", scalar, np.eye(3)))
         shares[name], mass = K, mass + M
     return Matrices(stiffness=sum(shares.values(), _zero(mesh)), mass=mass, part_stiffness=shares)
 
@@ -107,29 +194,6 @@ def _mappings(mesh: SolidMesh, cells: Integers) -> Iterator[tuple[Integers, Arra
     for first in range(0, len(cells), BATCH):
         batch = cells[first : first + BATCH]
         yield batch, np.einsum("cki,jkq->cqij", mesh.points[mesh.cells[batch]], gradients, optimize=True)
-
-
-def _batches(mesh: SolidMesh, cells: Integers) -> Iterator[tuple[Integers, Array, Array, Array]]:
-    """Batches of `cells`: volume at the quadrature points (c, q), gradients (c, 3, k, q), values (k, q)."""
-    W, values, reference = _reference(mesh.cells.shape[1])
-    for batch, mapping in _mappings(mesh, cells):
-        volume: Array = np.abs(np.linalg.det(mapping)) * W
-        gradients = np.einsum("cqji,jkq->cikq", np.linalg.inv(mapping), reference, optimize=True)
-        yield batch, volume, gradients, values
-
-
-def _stiffness(gradients: Array, volume: Array, lam: float, mu: float) -> Array:
-    """Stiffness of a batch (c, k, 3, k, 3)."""
-    weighted = gradients * volume[:, None, None, :]
-    pairs = np.array([[a @ b.transpose(0, 2, 1) for b in gradients.swapaxes(0, 1)] for a in weighted.swapaxes(0, 1)])
-    K = np.einsum("ijcab->caibj", lam * pairs) + np.einsum("jicab->caibj", mu * pairs)
-    K[:, :, range(3), :, range(3)] += mu * np.einsum("iicab->cab", pairs)
-    return np.asarray(K)
-
-
-def _mass(values: Array, volume: Array, density: float) -> Array:
-    scalar = density * np.einsum("aq,cq,bq->cab", values, volume, values, optimize=True)
-    return np.asarray(np.einsum("cab,ij->caibj", scalar, np.eye(3)))
 
 
 def _zero(mesh: SolidMesh) -> Sparse:
@@ -247,6 +311,7 @@ def require_connected(mesh: SolidMesh) -> None:
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
 
     # Number of the body of cells joined by faces that each cell belongs to; (c,)
     faces = np.sort(np.vstack([mesh.cells[:, list(face)] for face in _faces(mesh)]), axis=1)
@@ -259,7 +324,14 @@ def require_connected(mesh: SolidMesh) -> None:
     loose = np.setdiff1d(label, label[_held_cells(mesh, _on_the_plane(mesh))])
     if not len(loose):
         return
-    said = [_floating(mesh, label == k) for k in loose[:3]]
+    said = []
+    for k in loose[:3]:
+        own, others = np.unique(mesh.cells[label == k]), np.unique(mesh.cells[label != k])
+        names = ", ".join(mesh.parts[part] for part in np.unique(mesh.part[label == k]))
+        distance, _ = cKDTree(mesh.points[others]).query(mesh.points[own])
+        nearest = int(np.argmin(distance))
+        where = _place(mesh.points[own[nearest]])
+        said.append(f"{names} (its node at {where} is {1e3 * distance[nearest]:.3g} mm from the nearest other)")
     more = f"; and {len(loose) - 3} more" if len(loose) > 3 else ""
     raise BadInput(
         source="mesh",
@@ -287,17 +359,6 @@ def require_upright(mesh: SolidMesh) -> None:
         f"{len(bad)} of {len(mesh.cells)} elements are inverted, the worst in {places}. Give a smaller element size",
         elements=bad,
     )
-
-
-def require_filled(mesh: SolidMesh, drawn: Sequence[float]) -> None:
-    """Refuse a mesh that is not as large as its drawing; arguments as of `unfilled`.
-
-    Raises
-    ------
-    CheckFailed : which parts, and how much of each is missing or too much.
-    """
-    if words := unfilled(mesh, drawn):
-        raise CheckFailed(f"{words}. Give a smaller element size")
 
 
 def unfilled(mesh: SolidMesh, drawn: Sequence[float] | Array) -> str:
@@ -329,18 +390,6 @@ def _held_cells(mesh: SolidMesh, on: np.ndarray) -> np.ndarray:
 
 def _faces(mesh: SolidMesh) -> Sequence[tuple[int, ...]]:
     return _FACES[mesh.cells.shape[1]]
-
-
-def _floating(mesh: SolidMesh, cells: np.ndarray) -> str:
-    from scipy.spatial import cKDTree
-
-    own, others = np.unique(mesh.cells[cells]), np.unique(mesh.cells[~cells])
-    names = ", ".join(mesh.parts[k] for k in np.unique(mesh.part[cells]))
-    if not len(others):
-        return names
-    distance, _ = cKDTree(mesh.points[others]).query(mesh.points[own])
-    nearest = int(np.argmin(distance))
-    return f"{names} (its node at {_place(mesh.points[own[nearest]])} is {1e3 * distance[nearest]:.3g} mm from the nearest other)"
 
 
 def _place(point: Array) -> str:

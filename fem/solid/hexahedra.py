@@ -18,10 +18,10 @@ import numpy as np
 import numpy.typing as npt
 
 from fem.solid import assembly
-from fem.solid.mesh import LOCAL_HEX27, SolidMesh, session
-from geometry.article import Box, Cylinder, Part, Placed
-from geometry.errors import BadInput
-from geometry.frames import Array, Integers, Pose, frozen
+from fem.solid.assembly import LOCAL_HEX27, SolidMesh, session
+from geometry.article import Cylinder, Part
+from geometry.errors import BadInput, CheckFailed
+from geometry.frames import Array, Integers, frozen
 
 # Quadrilaterals of a plan view: an article of upright boxes and cylinders from above, every edge a line of the mesh.
 #
@@ -90,17 +90,31 @@ class PlanMesh:
 def covered(outlines: Iterable[Outline], size: float, around: int) -> PlanMesh:
     """The mesh of everything that `outlines` enclose, edges about `size` [m] long, circles of at least `around` edges."""
     distinct = list({outline.key: outline for outline in outlines}.values())
-    walls = {circle.key for ring in _thin_rings(distinct, size) for circle in ring}
+    rings = _thin_rings(distinct, size)
+    walls = {circle.key for ring in rings for circle in ring}
     small = [outline for outline in distinct if outline.round and outline.size[0] < size and outline.key not in walls]
     with session() as gmsh:
-        drawn = [_face(gmsh.model.occ, outline) for outline in [*distinct, *map(_frame, small)]]
-        drawn += [_spoke(gmsh.model.occ, *ring, turn) for ring in _thin_rings(distinct, size) for turn in range(QUARTERS)]
-        drawn += [_diagonal(gmsh.model.occ, hole, turn) for hole in small for turn in range(QUARTERS)]
+        occ, drawn = gmsh.model.occ, []
+        for outline in [*distinct, *map(_frame, small)]:
+            (x, y), (a, b) = outline.centre, outline.size
+            tag = occ.addDisk(x, y, 0.0, a / 2, b / 2) if outline.round else occ.addRectangle(x - a / 2, y - b / 2, 0.0, a, b)
+            # A circle begins where a spoke or a diagonal meets it, so that it falls into four quarters and no more.
+            turn = _frame(outline).angle + np.pi / QUARTERS if outline.round and np.any(outline.centre) else outline.angle
+            occ.rotate([(2, tag)], x, y, 0.0, 0.0, 0.0, 1.0, turn)
+            drawn.append((2, tag))
+        # Spokes cut a thin ring into quarters, which gmsh can divide regularly; diagonals join a small hole to its frame
+        quarters = 2 * np.pi * np.arange(QUARTERS) / QUARTERS
+        lines = [(a.centre, a.size[0] / 2, b.centre, b.size[0] / 2, turn) for a, b in rings for turn in quarters]
+        for hole in small:
+            turns = _frame(hole).angle + 2 * np.pi * (np.arange(QUARTERS) + 0.5) / QUARTERS
+            lines += [(hole.centre, hole.size[0] / 2, hole.centre, FRAME * hole.size[0] / np.sqrt(2), turn) for turn in turns]
+        for start, near, end, far, turn in lines:
+            along = np.array([np.cos(turn), np.sin(turn)])
+            drawn.append((1, occ.addLine(occ.addPoint(*(start + near * along), 0.0), occ.addPoint(*(end + far * along), 0.0))))
         if len(drawn) > 1:
-            gmsh.model.occ.fragment(drawn[:1], drawn[1:])
-        gmsh.model.occ.synchronize()
-        _set_sizes(gmsh, size, around, np.array([circle.size[0] / 2 for ring in _thin_rings(distinct, size) for circle in ring]))
-        _divide_rings(gmsh.model)
+            occ.fragment(drawn[:1], drawn[1:])
+        occ.synchronize()
+        _divide(gmsh, size, around, np.array([circle.size[0] / 2 for ring in rings for circle in ring]))
         gmsh.model.mesh.generate(2)
         tags, coordinates, _ = gmsh.model.mesh.getNodes()
         points = np.reshape(coordinates, (-1, 3))[:, :2]
@@ -110,7 +124,11 @@ def covered(outlines: Iterable[Outline], size: float, around: int) -> PlanMesh:
         place = np.zeros(int(tags.max()) + 1, dtype=np.intp)
         place[tags.astype(np.intp)] = np.arange(len(tags))
         quads = place[np.reshape(nodes[0], (-1, 9)).astype(np.intp)]
-        return PlanMesh(points=points, quads=_counter_clockwise(points, quads))
+        a, b, c = (points[quads[:, corner]] for corner in (0, 1, 3))
+        (x1, y1), (x2, y2) = (b - a).T, (c - a).T
+        clockwise = x1 * y2 - x2 * y1 < 0
+        quads[clockwise] = quads[clockwise][:, [0, 3, 2, 1, 7, 6, 5, 4, 8]]
+        return PlanMesh(points=points, quads=quads)
 
 
 def with_whole_walls(plan: PlanMesh, inner: float, outer: float) -> PlanMesh:
@@ -132,16 +150,6 @@ def with_whole_walls(plan: PlanMesh, inner: float, outer: float) -> PlanMesh:
     return PlanMesh(points=plan.points, quads=np.vstack([np.delete(plan.quads, halves, axis=0), np.array(whole, dtype=np.intp)]))
 
 
-def _face(occ: Any, outline: Outline) -> tuple[int, int]:
-    x, y = outline.centre
-    a, b = outline.size
-    tag = occ.addDisk(x, y, 0.0, a / 2, b / 2) if outline.round else occ.addRectangle(x - a / 2, y - b / 2, 0.0, a, b)
-    # A circle begins where a spoke or a diagonal meets it, so that it falls into four quarters and no more.
-    turn = _frame(outline).angle + np.pi / QUARTERS if outline.round and np.any(outline.centre) else outline.angle
-    occ.rotate([(2, tag)], x, y, 0.0, 0.0, 0.0, 1.0, turn)
-    return 2, tag
-
-
 def _thin_rings(outlines: Sequence[Outline], size: float) -> list[tuple[Outline, Outline]]:
     """Neighbouring concentric circles, inner and outer, whose distance is less than half an edge: a tube's wall."""
     circles = sorted((outline for outline in outlines if outline.round), key=lambda circle: circle.size[0])
@@ -149,50 +157,19 @@ def _thin_rings(outlines: Sequence[Outline], size: float) -> list[tuple[Outline,
     return [(a, b) for a, b in pairs if (b.size[0] - a.size[0]) / 2 < size / 2]
 
 
-def _spoke(occ: Any, inner: Outline, outer: Outline, turn: int) -> tuple[int, int]:
-    """One of the lines that cut a thin ring into quarters, which gmsh can divide regularly."""
-    angle = 2 * np.pi * turn / QUARTERS
-    ends = [occ.addPoint(*(c.centre + c.size[0] / 2 * np.array([np.cos(angle), np.sin(angle)])), 0.0) for c in (inner, outer)]
-    return 1, occ.addLine(*ends)
-
-
 def _frame(hole: Outline) -> Outline:
     """A square around a small hole, one side facing the axis, so that regular cells surround the hole."""
     return Outline(centre=hole.centre, size=FRAME * hole.size, angle=float(np.arctan2(hole.centre[1], hole.centre[0])))
 
 
-def _diagonal(occ: Any, hole: Outline, turn: int) -> tuple[int, int]:
-    """A line from a small hole to a corner of its frame."""
-    angle = _frame(hole).angle + 2 * np.pi * (turn + 0.5) / QUARTERS
-    reach = (hole.size[0] / 2, FRAME * hole.size[0] / np.sqrt(2))
-    ends = [occ.addPoint(*(hole.centre + r * np.array([np.cos(angle), np.sin(angle)])), 0.0) for r in reach]
-    return 1, occ.addLine(*ends)
+def _divide(gmsh: Any, size: float, around: int, walls: Array) -> None:
+    """Recombined quadrilaterals, each divided once more by gmsh to be rid of triangles; circles divided by their size.
 
-
-def _divide_rings(model: Any) -> None:
-    """A regular mesh in every face between a quarter of a circle, two spokes, and another quarter or the side of a frame."""
-    for _, face in model.getEntities(2):
-        curves = [tag for _, tag in model.getBoundary([(2, face)], oriented=False)]
-        kinds = sorted(model.getType(1, tag) for tag in curves)
-        if (
-            len(kinds) == QUARTERS
-            and kinds[:2] != ["Line", "Line"]
-            and kinds[2:] == ["Line", "Line"]
-            and _is_quarter(model, curves)
-        ):
-            for tag in curves:
-                if model.getType(1, tag) == "Line":
-                    model.mesh.setTransfiniteCurve(tag, 2)
-            model.mesh.setTransfiniteSurface(face)
-
-
-def _is_quarter(model: Any, curves: Sequence[int]) -> bool:
-    arcs = [model.getParametrizationBounds(1, tag) for tag in curves if model.getType(1, tag) != "Line"]
-    return all(abs(float(high[0] - low[0]) - 2 * np.pi / QUARTERS) < 1e-6 for low, high in arcs)
-
-
-def _set_sizes(gmsh: Any, size: float, around: int, walls: Array) -> None:
-    """Recombined quadrilaterals, each divided once more by gmsh to be rid of triangles; circles divided by their size."""
+    A whole circle has `around` edges where it bounds the wall of a tube, more where it is larger (so that its polygon stays clear
+    of the holes beside it) and few where it is a small hole. Every face between a quarter of a circle, two spokes, and another
+    quarter or the side of a frame has a regular mesh.
+    """
+    model = gmsh.model
     options = {
         "MeshSizeMax": 2 * size,
         "MeshSizeFromPoints": 0,
@@ -206,33 +183,29 @@ def _set_sizes(gmsh: Any, size: float, around: int, walls: Array) -> None:
     }
     for name, value in options.items():
         gmsh.option.setNumber(f"Mesh.{name}", value)
-    for _, curve in gmsh.model.getEntities(1):
-        if gmsh.model.getType(1, curve) != "Line":
-            gmsh.model.mesh.setTransfiniteCurve(curve, _divisions(gmsh.model, curve, size, around, walls) + 1)
+    for _, curve in model.getEntities(1):
+        if model.getType(1, curve) != "Line":
+            low, high = (float(bound[0]) for bound in model.getParametrizationBounds(1, curve))
+            radius = 1 / float(model.getCurvature(1, curve, [low])[0])
+            if np.any(np.isclose(radius, walls)):
+                whole: float = around
+            else:
+                whole = LEAST_ON_A_CIRCLE if 2 * radius < size else max(around, 6 * np.pi * radius / size)
+            edges = max(1, round(whole * (high - low) / (4 * np.pi)))  # gmsh divides each of them in two
+            model.mesh.setTransfiniteCurve(curve, edges + 1)
+    for _, face in model.getEntities(2):
+        curves = [tag for _, tag in model.getBoundary([(2, face)], oriented=False)]
+        lines = [tag for tag in curves if model.getType(1, tag) == "Line"]
+        arcs = [model.getParametrizationBounds(1, tag) for tag in curves if tag not in lines]
+        kinds = sorted(model.getType(1, tag) for tag in curves)
+        between = len(kinds) == QUARTERS and kinds[:2] != ["Line", "Line"] and kinds[2:] == ["Line", "Line"]
+        if between and all(abs(float(high[0] - low[0]) - 2 * np.pi / QUARTERS) < 1e-6 for low, high in arcs):
+            for tag in lines:
+                model.mesh.setTransfiniteCurve(tag, 2)
+            model.mesh.setTransfiniteSurface(face)
 
 
-def _divisions(model: Any, curve: int, size: float, around: int, walls: Array) -> int:
-    """Edges of an arc before gmsh divides each of them in two.
-
-    A whole circle has `around` of them where it bounds the wall of a tube, more where it is larger (so that its polygon stays
-    clear of the holes beside it) and few where it is a small hole.
-    """
-    low, high = (float(bound[0]) for bound in model.getParametrizationBounds(1, curve))
-    radius = 1 / float(model.getCurvature(1, curve, [low])[0])
-    if np.any(np.isclose(radius, walls)):
-        whole: float = around
-    else:
-        whole = LEAST_ON_A_CIRCLE if 2 * radius < size else max(around, 6 * np.pi * radius / size)
-    return max(1, round(whole * (high - low) / (4 * np.pi)))
-
-
-def _counter_clockwise(points: Array, quads: Integers) -> Integers:
-    a, b, c = (points[quads[:, corner]] for corner in (0, 1, 3))
-    (x1, y1), (x2, y2) = (b - a).T, (c - a).T
-    turned = x1 * y2 - x2 * y1 < 0
-    quads[turned] = quads[turned][:, [0, 3, 2, 1, 7, 6, 5, 4, 8]]
-    return quads
-
+Mask = npt.NDArray[np.bool_]
 
 SAME = 1e-7
 """Heights and points closer than this [m] are one."""
@@ -284,6 +257,19 @@ class Upright:
         """Greatest height [m]."""
         return max(prism.top for prism in self.solids)
 
+    def holds(self, points: Array, height: float) -> Mask:
+        """Which of `points` (p, 2) lie in the part at `height`."""
+        inside = np.zeros(len(points), dtype=bool)
+        for prisms, value in ((self.solids, True), (self.voids, False)):
+            for prism in prisms:
+                if prism.bottom < height < prism.top:
+                    outline = prism.outline
+                    c, s = np.cos(outline.angle), np.sin(outline.angle)
+                    own = (points - outline.centre) @ np.array([[c, -s], [s, c]]) / (outline.size / 2)
+                    enclosed = np.asarray(np.hypot(*own.T) < 1 if outline.round else np.abs(own).max(axis=1) < 1)
+                    inside[enclosed] = value
+        return inside
+
 
 def hexahedra(parts: Sequence[Part], *, sizes: Sequence[float], around: int = 24, cuts: Sequence[float] = ()) -> SolidMesh:
     """Mesh of `parts`, circles of `around` edges; plans change at the heights `cuts` [m], ascending.
@@ -323,7 +309,8 @@ def hexahedra(parts: Sequence[Part], *, sizes: Sequence[float], around: int = 24
         parts=tuple(u.name for u in uprights),
     )
     assembly.require_upright(made)
-    assembly.require_filled(made, [u.volume for u in uprights])
+    if words := assembly.unfilled(made, [u.volume for u in uprights]):
+        raise CheckFailed(f"{words}. Give a smaller element size")
     return made
 
 
@@ -350,35 +337,27 @@ def upright(part: Part) -> Upright:
     ------
     BadInput : one of its primitives is tilted.
     """
-    solids, voids = (
-        tuple(_prism(placed, part) for placed in placed_ones) for placed_ones in (part.shape.solids, part.shape.voids)
-    )
-    return Upright(name=part.name, solids=solids, voids=voids)
+    prisms = []
+    for placed in (*part.shape.solids, *part.shape.voids):
+        pose, primitive = part.pose @ placed.pose, placed.primitive
+        if abs(pose.rotation[2, 2] - 1) > SAME:
+            raise BadInput(
+                source=f"part {part.name}",
+                problem="hexahedra need upright boxes and cylinders, found a tilted one",
+                remedy="Mesh the article with tetrahedra",
+            )
+        if isinstance(primitive, Cylinder):
+            outline = Outline(centre=pose.position[:2], size=np.full(2, primitive.diameter), round=True)
+            height = primitive.height
+        else:
+            angle = float(np.arctan2(pose.rotation[1, 0], pose.rotation[0, 0]))
+            outline = Outline(centre=pose.position[:2], size=primitive.size[:2], angle=angle)
+            height = float(primitive.size[2])
+        middle = float(pose.position[2])
+        prisms.append(Prism(outline=outline, bottom=middle - height / 2, top=middle + height / 2))
+    solids = len(part.shape.solids)
+    return Upright(name=part.name, solids=tuple(prisms[:solids]), voids=tuple(prisms[solids:]))
 
-
-def _prism(placed: Placed, part: Part) -> Prism:
-    pose: Pose = part.pose @ placed.pose
-    if abs(pose.rotation[2, 2] - 1) > SAME:
-        raise BadInput(
-            source=f"part {part.name}",
-            problem="hexahedra need upright boxes and cylinders, found a tilted one",
-            remedy="Mesh the article with tetrahedra",
-        )
-    angle = float(np.arctan2(pose.rotation[1, 0], pose.rotation[0, 0]))
-    height = placed.primitive.height if isinstance(placed.primitive, Cylinder) else float(placed.primitive.size[2])
-    middle = float(pose.position[2])
-    return Prism(
-        outline=_outline(placed.primitive, pose.position[:2], angle), bottom=middle - height / 2, top=middle + height / 2
-    )
-
-
-def _outline(primitive: Box | Cylinder, centre: Array, angle: float) -> Outline:
-    if isinstance(primitive, Cylinder):
-        return Outline(centre=centre, size=np.full(2, primitive.diameter), round=True)
-    return Outline(centre=centre, size=primitive.size[:2], angle=angle)
-
-
-Mask = npt.NDArray[np.bool_]
 
 Piece = tuple[Array, Integers, Integers]
 """Points (p, 3), cells (c, 27) and the part of each (c,)."""
@@ -387,7 +366,13 @@ Piece = tuple[Array, Integers, Integers]
 def _extruded(group: Sequence[Upright], all_parts: Sequence[Upright], size: float, around: int) -> Piece:
     """One plan, extruded; circles of the parts beyond a cut are drawn in it where they stand on it."""
     prisms = [prism for u in group for prism in (*u.solids, *u.voids)]
-    feet = [prism for u in all_parts for prism in (*u.solids, *u.voids) if _touches(prism, group)]
+    bottom, top = min(u.bottom for u in group), max(u.top for u in group)
+    feet = [
+        prism
+        for u in all_parts
+        for prism in (*u.solids, *u.voids)
+        if abs(prism.bottom - top) < SAME or abs(prism.top - bottom) < SAME
+    ]
     plan = covered([prism.outline for prism in (*prisms, *feet)], size, around)
     for inner, outer in _walls(all_parts):
         plan = with_whole_walls(plan, inner, outer)
@@ -401,10 +386,19 @@ def _extruded(group: Sequence[Upright], all_parts: Sequence[Upright], size: floa
         (layer, quads, numbers[u.name])
         for layer, (low, high) in enumerate(pairwise(heights))
         for u in group
-        if len(quads := np.flatnonzero(_within(u, plan.centres, (low + high) / 2)))
+        if len(quads := np.flatnonzero(u.holds(plan.centres, (low + high) / 2)))
     ]
     levels = np.sort(np.concatenate([heights, (heights[1:] + heights[:-1]) / 2]))
-    return _stacked(plan, levels, chosen)
+    # Cells of the chosen quadrilaterals of each layer; node n of level l is l times the nodes of the plan plus n
+    count = len(plan.points)
+    # For every node of a hexahedron the node of the nine-node quadrilateral below it
+    nine = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0], [1, 0.5], [0.5, 1], [0, 0.5], [0.5, 0.5]])
+    quad_place = np.array([int(np.flatnonzero((nine == node[:2]).all(axis=1))[0]) for node in LOCAL_HEX27])
+    corner, level = quad_place, (2 * LOCAL_HEX27[:, 2]).astype(np.intp)
+    cells = [plan.quads[quads][:, corner] + count * (2 * layer + level) for layer, quads, _ in chosen]
+    part = [np.full(len(quads), number, dtype=np.intp) for _, quads, number in chosen]
+    points = np.column_stack([np.tile(plan.points, (len(levels), 1)), np.repeat(levels, count)])
+    return points, np.concatenate(cells), np.concatenate(part)
 
 
 def _walls(uprights: Sequence[Upright]) -> list[tuple[float, float]]:
@@ -419,11 +413,6 @@ def _walls(uprights: Sequence[Upright]) -> list[tuple[float, float]]:
     return sorted({(float(a), float(b)) for a, b in tubes if b - a < THIN * a})
 
 
-def _touches(prism: Prism, group: Sequence[Upright]) -> bool:
-    low, high = min(u.bottom for u in group), max(u.top for u in group)
-    return abs(prism.bottom - high) < SAME or abs(prism.top - low) < SAME
-
-
 def _graded(low: float, high: float, size: float) -> Array:
     """Heights from `low` to `high` [m], layers growing from both ends to `size`."""
     half: list[float] = []
@@ -433,30 +422,3 @@ def _graded(low: float, high: float, size: float) -> Array:
         return np.array([low, high])
     steps = np.array([*half, *half[::-1]])
     return low + (high - low) * np.concatenate([[0.0], np.cumsum(steps) / steps.sum()])
-
-
-def _within(u: Upright, points: Array, height: float) -> Mask:
-    """Which of `points` (p, 2) lie in the part at `height`."""
-    inside = np.zeros(len(points), dtype=bool)
-    for prisms, value in ((u.solids, True), (u.voids, False)):
-        for prism in prisms:
-            if prism.bottom < height < prism.top:
-                outline = prism.outline
-                c, s = np.cos(outline.angle), np.sin(outline.angle)
-                own = (points - outline.centre) @ np.array([[c, -s], [s, c]]) / (outline.size / 2)
-                enclosed = np.asarray(np.hypot(*own.T) < 1 if outline.round else np.abs(own).max(axis=1) < 1)
-                inside[enclosed] = value
-    return inside
-
-
-def _stacked(plan: PlanMesh, levels: Array, chosen: Sequence[tuple[int, Integers, int]]) -> Piece:
-    """Cells of the `chosen` quadrilaterals of each layer; node n of level l is l times the nodes of the plan plus n."""
-    count = len(plan.points)
-    # For every node of a hexahedron the node of the nine-node quadrilateral below it
-    nine = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0], [1, 0.5], [0.5, 1], [0, 0.5], [0.5, 0.5]])
-    quad_place = np.array([int(np.flatnonzero((nine == node[:2]).all(axis=1))[0]) for node in LOCAL_HEX27])
-    corner, level = quad_place, (2 * LOCAL_HEX27[:, 2]).astype(np.intp)
-    cells = [plan.quads[quads][:, corner] + count * (2 * layer + level) for layer, quads, _ in chosen]
-    part = [np.full(len(quads), number, dtype=np.intp) for _, quads, number in chosen]
-    points = np.column_stack([np.tile(plan.points, (len(levels), 1)), np.repeat(levels, count)])
-    return points, np.concatenate(cells), np.concatenate(part)

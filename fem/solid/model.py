@@ -20,10 +20,9 @@ from fem import modes
 from fem.damping import Damping
 from fem.modes import Modes, Progress
 from fem.solid import assembly
-from fem.solid.assembly import assemble
+from fem.solid.assembly import SolidMesh, assemble
 from fem.solid.hexahedra import foot_height, hexahedra
-from fem.solid.mesh import SolidMesh
-from fem.solid.tetrahedra import FINER, LARGEST_MESH, AnyArticle, Sizing, SolidBody, bodies, tetrahedra
+from fem.solid.tetrahedra import FINER, LARGEST_MESH, AnyArticle, Sizing, bodies, tetrahedra
 from fem.structure import Sparse, Structure
 from geometry import atomic
 from geometry.article import Article, Material
@@ -73,7 +72,11 @@ def folder() -> Path | None:
 
 def key(kind: str, described: Any) -> str:
     """Name of the entry that holds the `kind` of thing made from what `described` says (anything that JSON can write)."""
-    whole = {"kind": kind, "format": FORMAT, "versions": {name: _version(name) for name in LIBRARIES}, "described": described}
+    versions = dict.fromkeys(LIBRARIES, "none")
+    for library in LIBRARIES:
+        with suppress(PackageNotFoundError):
+            versions[library] = version(library)
+    whole = {"kind": kind, "format": FORMAT, "versions": versions, "described": described}
     return hashlib.sha256(json.dumps(whole, sort_keys=True, allow_nan=False).encode()).hexdigest()
 
 
@@ -103,7 +106,15 @@ def store(name: str, arrays: Arrays) -> None:
     with suppress(OSError):
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         atomic.write_with(path, lambda temporary: np.savez(temporary, allow_pickle=False, **stamped))
-        _make_room(path.parent)
+        # What killed processes left goes, then the entries unused for longest until all fit
+        for found, stat in _files(path.parent, ".*.npz"):
+            if time.time() - stat.st_mtime > ABANDONED:
+                found.unlink(missing_ok=True)
+        kept = 0
+        for found, stat in sorted(_files(path.parent, "[!.]*.npz"), key=lambda entry: -entry[1].st_mtime_ns):
+            kept += stat.st_size
+            if kept > LARGEST:
+                found.unlink(missing_ok=True)
 
 
 def digest(arrays: Arrays) -> str:
@@ -119,26 +130,6 @@ def digest(arrays: Arrays) -> str:
 def _path(name: str) -> Path | None:
     there = folder()
     return None if there is None else there / f"{name}.npz"
-
-
-def _version(library: str) -> str:
-    try:
-        return version(library)
-    except PackageNotFoundError:
-        return "none"
-
-
-def _make_room(there: Path) -> None:
-    """Remove what killed processes left, then the entries unused for longest until all fit."""
-    now = time.time()
-    for path, stat in _files(there, ".*.npz"):
-        if now - stat.st_mtime > ABANDONED:
-            path.unlink(missing_ok=True)
-    kept = 0
-    for path, stat in sorted(_files(there, "[!.]*.npz"), key=lambda found: -found[1].st_mtime_ns):
-        kept += stat.st_size
-        if kept > LARGEST:
-            path.unlink(missing_ok=True)
 
 
 def _files(there: Path, pattern: str) -> Iterator[tuple[Path, os.stat_result]]:
@@ -181,7 +172,13 @@ def structure(
     """
     sizing = Sizing(size=size, fineness=fineness, refinement=refinement, largest=largest)
     found = bodies(article)
-    made = _hexahedra(article, sizing) or mesh(found, sizing, cached=cached)
+    made = _hexahedra(article, sizing)
+    if made is None:
+        name = key("tetrahedra", {"bodies": [[body.name, body.fingerprint] for body in found], "sizing": sizing.described})
+        kept = load(name) if cached else None
+        made = tetrahedra(found, sizing) if kept is None else assembly.unpack_mesh(kept)
+        if cached and kept is None:
+            store(name, assembly.pack_mesh(made))
     return of_mesh(made, {body.name: body.material for body in found}, cached=cached)
 
 
@@ -207,22 +204,6 @@ def _hexahedra(article: AnyArticle, sizing: Sizing) -> SolidMesh | None:
             )
         return made
     raise CheckFailed(f"no valid mesh of hexahedra after {len(FINER)} attempts: {failures[-1]}", failures=tuple(failures))
-
-
-def mesh(found: tuple[SolidBody, ...], sizing: Sizing, *, cached: bool = True) -> SolidMesh:
-    """Tetrahedra of the bodies `found`, from disk when they are there.
-
-    Raises
-    ------
-    BadInput, CheckFailed : as `fem.solid.tetrahedra.tetrahedra`.
-    """
-    name = key("tetrahedra", {"bodies": [[body.name, body.fingerprint] for body in found], "sizing": sizing.described})
-    if cached and (kept := load(name)) is not None:
-        return assembly.unpack_mesh(kept)
-    made = tetrahedra(found, sizing)
-    if cached:
-        store(name, assembly.pack_mesh(made))
-    return made
 
 
 def of_mesh(mesh: SolidMesh, materials: Mapping[str, Material], *, cached: bool = True) -> Structure:

@@ -23,8 +23,7 @@ from typing import Any
 import numpy as np
 
 from fem.solid import assembly
-from fem.solid.assembly import lame
-from fem.solid.mesh import SolidMesh, session
+from fem.solid.assembly import SolidMesh, lame, session
 from geometry.article import Article, Box, Material, Part, Placed
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, Integers
@@ -107,13 +106,12 @@ def _imported(part: UserPart) -> SolidBody:
 
 
 def _placed(placed: tuple[Placed, ...]) -> list[Any]:
-    return [[type(p.primitive).__name__, *_size(p), *_numbers(p.pose)] for p in placed]
-
-
-def _size(placed: Placed) -> list[str]:
-    primitive = placed.primitive
-    sizes = primitive.size.tolist() if isinstance(primitive, Box) else [primitive.diameter, primitive.height]
-    return [float(size).hex() for size in sizes]
+    described = []
+    for one in placed:
+        shape = one.primitive
+        sizes = shape.size.tolist() if isinstance(shape, Box) else [shape.diameter, shape.height]
+        described.append([type(shape).__name__, *(float(size).hex() for size in sizes), *_numbers(one.pose)])
+    return described
 
 
 def _numbers(pose: Any) -> list[str]:
@@ -136,32 +134,31 @@ FULL_TURN = np.deg2rad(359.0)
 _EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3))
 
 
-def edge_angles(points: Array, cells: Any) -> tuple[Any, Array]:
-    """Edges (e, 2) of the tetrahedra `cells` (c, 4), lower node first, and the angle [rad] of the material around each (e,)."""
+def _re_entrant(gmsh: Any) -> list[int]:
+    """Tags of the re-entrant curves of the current model, which is meshed with first-order tetrahedra."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    points = np.reshape(coordinates, (-1, 3))[np.argsort(tags)]
+    number = np.zeros(int(max(tags)) + 1, dtype=np.int64)
+    number[np.sort(tags)] = np.arange(len(tags))
+    cells = number[np.concatenate(gmsh.model.mesh.getElements(3)[2]).astype(np.int64)].reshape(-1, 4)
     pairs, angles = [], []
-    for a, b in _EDGES:
-        c, d = (other for other in range(4) if other not in (a, b))
-        pairs.append(np.sort(cells[:, [a, b]], axis=1))
-        angles.append(_dihedral(*(points[cells[:, corner]] for corner in (a, b, c, d))))
+    for pair in _EDGES:
+        a, b, c, d = (points[cells[:, corner]] for corner in (*pair, *(other for other in range(4) if other not in pair)))
+        pairs.append(np.sort(cells[:, pair], axis=1))
+        # Angle between the faces abc and abd along ab
+        along = (b - a) / np.linalg.norm(b - a, axis=1, keepdims=True)
+        sides = [v - np.sum(v * along, axis=1, keepdims=True) * along for v in (c - a, d - a)]
+        angles.append(np.arctan2(np.linalg.norm(np.cross(*sides), axis=1), np.sum(sides[0] * sides[1], axis=1)))
     edges, where = np.unique(np.vstack(pairs), axis=0, return_inverse=True)
-    return edges, np.asarray(np.bincount(where.ravel(), weights=np.concatenate(angles)), dtype=np.float64)
-
-
-def _dihedral(a: Array, b: Array, c: Array, d: Array) -> Array:
-    """Angle between the faces abc and abd along ab (n,)."""
-    along = (b - a) / np.linalg.norm(b - a, axis=1, keepdims=True)
-    sides = [v - np.sum(v * along, axis=1, keepdims=True) * along for v in (c - a, d - a)]
-    cross = np.linalg.norm(np.cross(*sides), axis=1)
-    return np.asarray(np.arctan2(cross, np.sum(sides[0] * sides[1], axis=1)))
-
-
-def _is_sharp(gmsh: Any, curve: int, number: Any, sharp: set[tuple[int, ...]]) -> bool:
-    """Whether half of the curve's edges or more are among `sharp`."""
-    nodes = [np.reshape(group, (-1, 2)) for group in gmsh.model.mesh.getElements(1, curve)[2]]
-    if not nodes:
-        return False
-    edges = np.sort(number[np.vstack(nodes).astype(np.int64)], axis=1).tolist()
-    return 2 * sum(tuple(edge) in sharp for edge in edges) >= len(edges)
+    around = np.bincount(where.ravel(), weights=np.concatenate(angles))
+    sharp = {tuple(edge) for edge in edges[(around > HALF_A_TURN) & (around < FULL_TURN)].tolist()}
+    found = []
+    for _, curve in gmsh.model.getEntities(1):
+        nodes = [np.reshape(group, (-1, 2)) for group in gmsh.model.mesh.getElements(1, curve)[2]]
+        own = np.sort(number[np.vstack(nodes).astype(np.int64)], axis=1).tolist() if nodes else []
+        if own and 2 * sum(tuple(edge) in sharp for edge in own) >= len(own):
+            found.append(curve)
+    return found
 
 
 # How large the elements are: from thickness and curvature, by one number finer, and finer still at re-entrant edges.
@@ -237,14 +234,6 @@ class Volume:
     area: float
 
 
-def measured(gmsh: Any, tag: int) -> Volume:
-    """The volume `tag` of the current model."""
-    volume = gmsh.model.occ.getMass(3, tag)
-    area = sum(gmsh.model.occ.getMass(2, face) for face in _faces(gmsh, tag))
-    box = np.reshape(gmsh.model.getBoundingBox(3, tag), (2, 3))
-    return Volume(tag=tag, thickness=2 * volume / area, longest=float(np.ptp(box, axis=0).max()), volume=volume, area=area)
-
-
 def body_size(volume: Volume, sizing: Sizing) -> float:
     """Largest edge of an element of `volume` [mm]."""
     own = max(SOLID * volume.thickness, min(THIN * volume.thickness, volume.longest / SLENDER))
@@ -261,11 +250,28 @@ def apply(gmsh: Any, volumes: Sequence[Volume], sizing: Sizing, re_entrant: Sequ
         for _, curve in gmsh.model.getBoundary([(2, face)], oriented=False):
             curves[curve] = min(size, curves.get(curve, np.inf))
     for curve in re_entrant if sizing.refinement < 1 else ():
-        curves[curve] = sizing.refinement * min(curves.get(curve, np.inf), *(sizes[tag] for tag in _volumes_at(gmsh, curve)))
+        beside, _ = gmsh.model.getAdjacencies(1, curve)
+        around = {int(volume) for face in beside for volume in gmsh.model.getAdjacencies(2, face)[0]}
+        curves[curve] = sizing.refinement * min(curves.get(curve, np.inf), *(sizes[tag] for tag in around))
     fields = [_constant(gmsh, "VolumesList", tag, size) for tag, size in sizes.items()]
     fields += [_constant(gmsh, "SurfacesList", tag, size) for tag, size in faces.items()]
+    # One field for the curves of each size: that size on them, `GROWTH` more with the distance
+    largest = max(sizes.values())
+    for size in sorted(set(np.round(list(curves.values()), 6))):
+        distance = gmsh.model.mesh.field.add("Distance")
+        gmsh.model.mesh.field.setNumbers(distance, "CurvesList", [tag for tag, own in curves.items() if round(own, 6) == size])
+        gmsh.model.mesh.field.setNumber(distance, "Sampling", 40)
+        threshold = gmsh.model.mesh.field.add("Threshold")
+        for key, value in (
+            ("InField", distance),
+            ("SizeMin", size),
+            ("SizeMax", largest),
+            ("DistMin", size),
+            ("DistMax", size + max(largest - size, size) / GROWTH),
+        ):
+            gmsh.model.mesh.field.setNumber(threshold, key, value)
+        fields.append(threshold)
     # The smallest of the fields, and nothing else, rules
-    fields += _growing(gmsh, curves, max(sizes.values()))
     least = gmsh.model.mesh.field.add("Min")
     gmsh.model.mesh.field.setNumbers(least, "FieldsList", fields)
     gmsh.model.mesh.field.setAsBackgroundMesh(least)
@@ -303,38 +309,12 @@ def _faces(gmsh: Any, volume: int) -> list[int]:
     return [tag for _, tag in gmsh.model.getBoundary([(3, volume)], oriented=False)]
 
 
-def _volumes_at(gmsh: Any, curve: int) -> set[int]:
-    faces, _ = gmsh.model.getAdjacencies(1, curve)
-    return {int(volume) for face in faces for volume in gmsh.model.getAdjacencies(2, face)[0]}
-
-
 def _constant(gmsh: Any, kind: str, tag: int, size: float) -> int:
     field: int = gmsh.model.mesh.field.add("Constant")
     gmsh.model.mesh.field.setNumbers(field, kind, [tag])
     gmsh.model.mesh.field.setNumber(field, "VIn", size)
     gmsh.model.mesh.field.setNumber(field, "IncludeBoundary", 1)
     return field
-
-
-def _growing(gmsh: Any, small: Mapping[int, float], largest: float) -> list[int]:
-    """One field for the curves of each size: that size on them, `GROWTH` more with the distance."""
-    fields = []
-    for size in sorted(set(np.round(list(small.values()), 6))):
-        curves = [curve for curve, own in small.items() if round(own, 6) == size]
-        distance = gmsh.model.mesh.field.add("Distance")
-        gmsh.model.mesh.field.setNumbers(distance, "CurvesList", curves)
-        gmsh.model.mesh.field.setNumber(distance, "Sampling", 40)
-        threshold = gmsh.model.mesh.field.add("Threshold")
-        for key, value in (
-            ("InField", distance),
-            ("SizeMin", size),
-            ("SizeMax", largest),
-            ("DistMin", size),
-            ("DistMax", size + max(largest - size, size) / GROWTH),
-        ):
-            gmsh.model.mesh.field.setNumber(threshold, key, value)
-        fields.append(threshold)
-    return fields
 
 
 # gmsh at work, in a process of its own: ``python -m fem.solid.tetrahedra FOLDER``.
@@ -394,9 +374,14 @@ def mesh_bodies(folder: Path, names: Sequence[str], sizes: Sizing) -> SolidMesh:
     Unmeshable : gmsh fails, elements stay inverted, or they do not fill the drawing.
     """
     with session() as gmsh:
-        imported = [_import_brep(gmsh, name, folder / f"{index}.brep") for index, name in enumerate(names)]
+        entities = []
+        for index, name in enumerate(names):
+            solids = [entity for entity in gmsh.model.occ.importShapes(str(folder / f"{index}.brep")) if entity[0] == 3]
+            if not solids:
+                problem, remedy = "gmsh finds no solid in it", "Make it a closed solid in the CAD"
+                raise BadInput(source=f"part {name}", problem=problem, remedy=remedy)
+            entities += [(entity, index) for entity in solids]
         # All volumes cut at each other's faces; the body that each piece belongs to by tag
-        entities = [(entity, index) for index, group in enumerate(imported) for entity in group]
         if len(entities) > 1:
             first, *others = [entity for entity, _ in entities]
             _, pieces = gmsh.model.occ.fragment([first], others)
@@ -407,14 +392,24 @@ def mesh_bodies(folder: Path, names: Sequence[str], sizes: Sizing) -> SolidMesh:
         for (_, index), group in zip(entities, pieces, strict=True):
             for _, tag in group:
                 if tag in owner:
-                    raise _overlap(names[owner[tag]], names[index], gmsh.model.occ.getMass(3, tag))
+                    shared = gmsh.model.occ.getMass(3, tag)
+                    raise BadInput(
+                        source=f"parts {names[owner[tag]]} and {names[index]}",
+                        problem=f"they share {shared:.4g} mm³ of volume, which has no material of its own",
+                        remedy="Cut one by the other in the CAD, or correct its position",
+                    )
                 owner[tag] = index
-        volumes = tuple(measured(gmsh, tag) for tag in sorted(owner))
-        model = _Model(gmsh=gmsh, names=names, volumes=volumes, owner=owner)
+        volumes = []
+        for tag in sorted(owner):
+            volume = gmsh.model.occ.getMass(3, tag)
+            area = sum(gmsh.model.occ.getMass(2, face) for face in _faces(gmsh, tag))
+            longest = float(np.ptp(np.reshape(gmsh.model.getBoundingBox(3, tag), (2, 3)), axis=0).max())
+            volumes.append(Volume(tag=tag, thickness=2 * volume / area, longest=longest, volume=volume, area=area))
+        model = _Model(gmsh=gmsh, names=names, volumes=tuple(volumes), owner=owner)
         # Refuse before the work what a surface mesh of this size alone would need
-        edges = [(volume, body_size(volume, sizes)) for volume in model.volumes]
-        triangles = sum(volume.area / (0.6 * edge**2) for volume, edge in edges)
-        tetrahedra = sum(volume.volume / (0.2 * edge**3) for volume, edge in edges)
+        edges = [(each, body_size(each, sizes)) for each in volumes]
+        triangles = sum(each.area / (0.6 * edge**2) for each, edge in edges)
+        tetrahedra = sum(each.volume / (0.2 * edge**3) for each, edge in edges)
         _refuse_above(sizes, int(max(6 * triangles, 4 * tetrahedra)), "at least ")
         return _mesh(model, sizes)
 
@@ -423,42 +418,11 @@ def _report(folder: Path, fault: Mapping[str, str]) -> None:
     (folder / FAULT).write_text(json.dumps(fault), encoding="utf-8")
 
 
-# --- geometry -------------------------------------------------------------------------------------------------------------
-
-
-def _import_brep(gmsh: Any, name: str, path: Path) -> list[tuple[int, int]]:
-    volumes = [entity for entity in gmsh.model.occ.importShapes(str(path)) if entity[0] == 3]
-    if not volumes:
-        raise BadInput(source=f"part {name}", problem="gmsh finds no solid in it", remedy="Make it a closed solid in the CAD")
-    return volumes
-
-
-def _overlap(first: str, second: str, shared: float) -> BadInput:
-    return BadInput(
-        source=f"parts {first} and {second}",
-        problem=f"they share {shared:.4g} mm³ of volume, which has no material of its own",
-        remedy="Cut one by the other in the CAD, or correct its position",
-    )
-
-
-# --- mesh -----------------------------------------------------------------------------------------------------------------
-
-
 def _mesh(model: _Model, sizes: Sizing) -> SolidMesh:
     curves: Sequence[int] = ()
     if sizes.refinement < 1:
         _generate(model, replace(sizes, refinement=1.0), ())
-        # Tags of the curves of the current model, meshed with first-order tetrahedra, that are re-entrant
-        gmsh = model.gmsh
-        tags, coordinates, _ = gmsh.model.mesh.getNodes()
-        place = np.argsort(tags)
-        points = np.reshape(coordinates, (-1, 3))[place]
-        number = np.zeros(int(max(tags)) + 1, dtype=np.int64)
-        number[np.sort(tags)] = np.arange(len(tags))
-        cells = number[np.concatenate(gmsh.model.mesh.getElements(3)[2]).astype(np.int64)].reshape(-1, 4)
-        edges, angles = edge_angles(points, cells)
-        sharp = {tuple(edge) for edge in edges[(angles > HALF_A_TURN) & (angles < FULL_TURN)].tolist()}
-        curves = [curve for _, curve in gmsh.model.getEntities(1) if _is_sharp(gmsh, curve, number, sharp)]
+        curves = _re_entrant(model.gmsh)
     _generate(model, sizes, curves)
     # Second order on the true surfaces; elements that turn inside out by it are untangled, if that can be done
     mesh = model.gmsh.model.mesh
@@ -470,20 +434,19 @@ def _mesh(model: _Model, sizes: Sizing) -> SolidMesh:
     inverted = _inverted(model)
     if len(inverted):
         worst = [model.gmsh.model.mesh.getElement(tag) for tag in inverted[:3]]
-        places = [f"{model.name(volume)} at {_centre(model, nodes)} mm" for _, nodes, _, volume in worst]
+        places = []
+        for _, nodes, _, volume in worst:
+            centre = np.mean([model.gmsh.model.mesh.getNode(node)[0] for node in nodes[:4]], axis=0)
+            places.append(f"{model.name(volume)} at ({', '.join(f'{value:.1f}' for value in centre)}) mm")
         raise Unmeshable(f"{len(inverted)} elements are inverted, the worst in {'; '.join(places)}")
     made = _read(model)
-    _require_filled(model, made)
-    return made
-
-
-def _require_filled(model: _Model, made: SolidMesh) -> None:
-    """Refuse a mesh that is not as large as OCC says its bodies are."""
+    # It must be as large as OCC says its bodies are
     drawn = np.zeros(len(model.names))
     for volume in model.volumes:
         drawn[model.owner[volume.tag]] += MM**3 * volume.volume
     if words := assembly.unfilled(made, drawn):
         raise Unmeshable(words)
+    return made
 
 
 def _generate(model: _Model, sizes: Sizing, curves: Sequence[int]) -> None:
@@ -495,16 +458,15 @@ def _generate(model: _Model, sizes: Sizing, curves: Sequence[int]) -> None:
         try:
             mesh.generate(dimension)
         except Exception as error:  # gmsh raises nothing else
-            raise Unmeshable(_where(model, str(error))) from error
-        _require_size(model, dimension, sizes)
-
-
-def _where(model: _Model, error: str) -> str:
-    """gmsh's own words, with the bodies where it failed."""
-    failed = model.gmsh.model.mesh.getLastEntityError()
-    names = dict.fromkeys(model.name(int(volume)) for entity in failed for volume in _volumes(model, *entity))
-    there = f"in {', '.join(names)}" if names else "between the bodies"
-    return f"gmsh fails {there} ({error.strip().rstrip('.')})"
+            failed = mesh.getLastEntityError()
+            names = dict.fromkeys(model.name(int(volume)) for entity in failed for volume in _volumes(model, *entity))
+            there = f"in {', '.join(names)}" if names else "between the bodies"
+            raise Unmeshable(f"gmsh fails {there} ({str(error).strip().rstrip('.')})") from error
+        # Two mid-side and corner nodes a triangle of the skin, then corners and edges of all
+        if dimension == 2:
+            _refuse_above(sizes, 6 * _count(mesh, 2), "at least ")
+        elif dimension == 3:
+            _refuse_above(sizes, 3 * (2 * len(mesh.getNodes()[0]) + _count(mesh, 3)), "about ")
 
 
 def _volumes(model: _Model, dimension: int, tag: int) -> list[int]:
@@ -512,17 +474,6 @@ def _volumes(model: _Model, dimension: int, tag: int) -> list[int]:
         return [tag]
     above = model.gmsh.model.getAdjacencies(dimension, tag)[0]
     return [volume for entity in above for volume in _volumes(model, dimension + 1, int(entity))]
-
-
-def _require_size(model: _Model, dimension: int, sizes: Sizing) -> None:
-    """Refuse once the count is known: two mid-side and corner nodes a triangle of the skin, then corners and edges of all."""
-    if dimension == 1:
-        return
-    mesh = model.gmsh.model.mesh
-    if dimension == 2:
-        _refuse_above(sizes, 6 * _count(mesh, 2), "at least ")
-    else:
-        _refuse_above(sizes, 3 * (2 * len(mesh.getNodes()[0]) + _count(mesh, 3)), "about ")
 
 
 def _count(mesh: Any, dimension: int) -> int:
@@ -551,11 +502,6 @@ def _inverted(model: _Model) -> Integers:
     least = np.asarray(mesh.getElementQualities(tags, "minDetJac"))
     order = np.argsort(least, kind="stable")
     return np.asarray(tags[order][least[order] <= 0], dtype=np.intp)
-
-
-def _centre(model: _Model, nodes: Sequence[int]) -> str:
-    points = [model.gmsh.model.mesh.getNode(node)[0] for node in nodes[:4]]
-    return "(" + ", ".join(f"{value:.1f}" for value in np.mean(points, axis=0)) + ")"
 
 
 def _read(model: _Model) -> SolidMesh:
@@ -620,7 +566,17 @@ def _attempt(folder: Path, bodies: Sequence[SolidBody], sizes: Sizing) -> SolidM
     (folder / JOB).write_text(json.dumps(job), encoding="utf-8")
     for left in (MESH, FAULT):
         (folder / left).unlink(missing_ok=True)
-    words = _run(folder)
+    # A process of its own; an interruption here ends it too
+    command = [sys.executable, "-P", "-m", "fem.solid.tetrahedra", str(folder)]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(entry or os.getcwd() for entry in sys.path)}
+    words = ""
+    try:
+        run = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=TIME_LIMIT, check=False)
+        last = [line for line in run.stderr.splitlines() if line.strip()][-1:]
+        if run.returncode:
+            words = f"gmsh broke down ({''.join(last).strip() or run.returncode})"
+    except subprocess.TimeoutExpired:
+        words = f"gmsh has not finished after {TIME_LIMIT / 60:g} minutes"
     if (folder / FAULT).is_file():
         said = json.loads((folder / FAULT).read_text(encoding="utf-8"))
         raise Unmeshable(said["unmeshable"]) if "unmeshable" in said else BadInput(**said)
@@ -628,20 +584,6 @@ def _attempt(folder: Path, bodies: Sequence[SolidBody], sizes: Sizing) -> SolidM
         raise Unmeshable(words)
     with np.load(folder / MESH, allow_pickle=False) as arrays:
         return assembly.unpack_mesh(arrays)
-
-
-def _run(folder: Path) -> str:
-    """How the process ended, in words; nothing when it ended well. An interruption here ends it too."""
-    command = [sys.executable, "-P", "-m", "fem.solid.tetrahedra", str(folder)]
-    path = os.pathsep.join(entry or os.getcwd() for entry in sys.path)
-    try:
-        run = subprocess.run(
-            command, env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True, timeout=TIME_LIMIT, check=False
-        )
-    except subprocess.TimeoutExpired:
-        return f"gmsh has not finished after {TIME_LIMIT / 60:g} minutes"
-    last = [line for line in run.stderr.splitlines() if line.strip()][-1:]
-    return f"gmsh broke down ({''.join(last).strip() or run.returncode})" if run.returncode else ""
 
 
 if __name__ == "__main__":

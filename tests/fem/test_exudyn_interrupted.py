@@ -15,7 +15,7 @@ TIMES = 6
 CHILD = f"""
 import signal, sys
 import numpy as np
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation import rig
 from fem.exudyn import driven_run, large_motion, rope_pendulum, rope_statics
 from geometry.inertia import Inertia

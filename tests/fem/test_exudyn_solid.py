@@ -14,8 +14,7 @@ from fem.exudyn.floating_frame import Flight, FloatingFrame, Instant, floating_f
 from fem.exudyn.linear import linearise_body
 from fem.exudyn.run import from_exudyn
 from fem.modes import fixed_base
-from fem.solid.assembly import assemble
-from fem.solid.mesh import LOCAL_HEX27, SolidMesh
+from fem.solid.assembly import LOCAL_HEX27, SolidMesh, assemble
 from fem.structure import Structure
 from geometry.article import material
 from geometry.errors import BadInput, CheckFailed

@@ -338,7 +338,7 @@ def drive(
 
 
 def require_rate(rate: float) -> None:
-    """Refuse an output rate that is none; whether it can show what is driven is asked by `fem.base_excitation.decimation`.
+    """Refuse an output rate that is none; whether it can show what is driven, `fem.base_excitation.response` asks.
 
     Raises
     ------

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.rig import FlexibleBody, LoadCell, Rig
 from fem.damping import DEFAULT_RATIO
 from geometry.articles import built_in, changes_of

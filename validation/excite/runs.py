@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.response import Response
 from geometry.atomic import write_with
 from geometry.dynamic_mass import MOTIONS
@@ -62,7 +62,7 @@ def of_rig(error: BadInput) -> BadInput:
 
 def of_record(error: BadInput, pattern: Pattern, question: ExciteOptions) -> BadInput:
     """`error` of a record whose rate is too low for `pattern`."""
-    from fem.base_excitation.decimation import PASS
+    from fem.base_excitation.response import PASS
 
     needed = float(np.ceil(2 * pattern.highest / PASS))
     option = "--rate" if question.drive.band == BAND else "--band"
@@ -248,7 +248,7 @@ def done(made: PreparedRuns, *, keep_coordinates: bool = False, quiet: bool = Fa
 
 def _to_make(question: ExciteOptions) -> tuple[Run, ...]:
     """The runs, which a record at the output's rate can hold."""
-    from fem.base_excitation.decimation import require_recorded
+    from fem.base_excitation.response import require_recorded
 
     try:
         found = runs(question.drive)
@@ -264,16 +264,14 @@ def _to_make(question: ExciteOptions) -> tuple[Run, ...]:
 
 def _followed(question: ExciteOptions) -> float:
     """[Hz] of the modes that the step can follow."""
-    from fem.base_excitation.decimation import simulation_rate
-    from fem.base_excitation.response import COARSEST
+    from fem.base_excitation.response import COARSEST, simulation_rate
 
     return simulation_rate(question.rate) / COARSEST
 
 
 def _done(made: PreparedRuns, run: Run, cross: CrossMotion | None, progress: Progress, keep: bool) -> Done:
     from fem.base_excitation import response as ring_down
-    from fem.base_excitation.decimation import decimated, simulation_rate
-    from fem.base_excitation.response import judge
+    from fem.base_excitation.response import decimated, judge, simulation_rate
 
     rate, rig = made.question.rate, made.mounted.rig
     at_rest = run.motion(rate, ring_down=0.0, cross=cross)

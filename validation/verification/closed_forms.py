@@ -18,8 +18,7 @@ import numpy.typing as npt
 from numpy.polynomial import legendre
 
 from fem.modes import Eigenpairs, floating_shift, lowest
-from fem.solid.assembly import Matrices, assemble
-from fem.solid.mesh import LOCAL_HEX27, LOCAL_TET10, SolidMesh
+from fem.solid.assembly import LOCAL_HEX27, LOCAL_TET10, Matrices, SolidMesh, assemble
 from fem.structure import Sparse
 from geometry.article import Material
 from geometry.frames import Array, Integers

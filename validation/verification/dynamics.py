@@ -17,8 +17,7 @@ import numpy.typing as npt
 
 from fem.base_excitation import response
 from fem.base_excitation import rig as base_excitation_rig
-from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.patterns import Sweep, drawn, sweeps
+from fem.base_excitation.patterns import BaseMotion, Sweep, drawn, sweeps
 from fem.base_excitation.rig import Flange, FlexibleBody, Friction, LoadCell, Rig, Strut, dynamic_mass
 from fem.beam import articles
 from fem.beam.articles import structure

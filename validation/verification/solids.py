@@ -15,8 +15,7 @@ import numpy as np
 
 from fem.beam.elements import cowper_rectangle, cowper_tube
 from fem.modes import Modes, fixed_base, floating_shift, lowest
-from fem.solid.assembly import lame
-from fem.solid.mesh import SolidMesh
+from fem.solid.assembly import SolidMesh, lame
 from fem.solid.model import of_mesh, structure
 from fem.structure import Structure, rigid_motion
 from geometry.article import Article, Cylinder, Material, Part, Shape, upright

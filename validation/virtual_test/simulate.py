@@ -17,9 +17,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.decimation import decimated_channels, joined, require_recorded, simulation_rate
-from fem.base_excitation.response import Channels, Piece, Response, accelerations, cell_forces, load, stacked, streamed
+from fem.base_excitation.patterns import BaseMotion
+from fem.base_excitation.response import (
+    Channels,
+    Piece,
+    Response,
+    accelerations,
+    cell_forces,
+    decimated_channels,
+    joined,
+    load,
+    require_recorded,
+    simulation_rate,
+    stacked,
+    streamed,
+)
 from fem.base_excitation.rig import Rig, RigStructure
 from fem.damping import Damping
 from geometry import atomic, toml_file
@@ -545,7 +557,7 @@ def _require_drive(band: tuple[float, float], rate: float, cross: float, seed: i
 
 
 def _require_rate(rate: float, band: tuple[float, float]) -> None:
-    from fem.base_excitation.decimation import require_recorded
+    from fem.base_excitation.response import require_recorded
 
     require_rate(rate)
     try:

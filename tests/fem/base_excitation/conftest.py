@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fem.base_excitation import rig
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.rig import Flange, FlexibleBody, LoadCell, Rig
 from fem.beam import articles
 from fem.damping import Damping

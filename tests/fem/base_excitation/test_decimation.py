@@ -8,9 +8,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from fem.base_excitation.decimation import LEAST, PASS, RIPPLE, decimated, pass_band, require_recorded, simulation_rate, taps
 from fem.base_excitation.patterns import Sweep, drawn
-from fem.base_excitation.response import Response
+from fem.base_excitation.response import (
+    LEAST,
+    PASS,
+    RIPPLE,
+    Response,
+    decimated,
+    pass_band,
+    require_recorded,
+    simulation_rate,
+    taps,
+)
 from geometry.errors import BadInput
 
 FINE, COARSE = 8192.0, 512.0

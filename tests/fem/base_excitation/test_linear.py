@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from fem import reduction
 from fem.base_excitation import response as base_excitation_response
 from fem.base_excitation import rig as base_excitation_rig
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.response import Response
 from fem.base_excitation.rig import Flange, FlexibleBody, Friction, LoadCell, Rig, Strut
 from fem.beam import articles

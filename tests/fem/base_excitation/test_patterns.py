@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.patterns import Burst, CrossMotion, MultiAxis, Random, Sweep, drawn, phased_sweeps, sweeps
+from fem.base_excitation.patterns import BaseMotion, Burst, CrossMotion, MultiAxis, Random, Sweep, drawn, phased_sweeps, sweeps
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput
 

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.base_excitation import response
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.rig import SOFTEST, STIFFEST, Flange, FlexibleBody, Friction, LoadCell, Rig, Strut, require_usable
 from geometry.errors import BadInput
 

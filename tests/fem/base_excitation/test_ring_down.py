@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.base_excitation import first_order_hold, response, rig
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.rig import FlexibleBody, Friction, LoadCell, Rig
 from geometry.inertia import Inertia
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.patterns import Burst, phased_sweeps, sweeps
+from fem.base_excitation.patterns import BaseMotion, Burst, phased_sweeps, sweeps
 from fem.base_excitation.response import LIMIT, judge
 from geometry.frames import Array, skew
 

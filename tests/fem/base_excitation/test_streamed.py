@@ -7,9 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.base_excitation import response as base_excitation_response
-from fem.base_excitation.decimation import decimated_channels, joined
 from fem.base_excitation.patterns import Sweep, drawn
-from fem.base_excitation.response import Channels, accelerations, cell_forces, stacked
+from fem.base_excitation.response import Channels, accelerations, cell_forces, decimated_channels, joined, stacked
 from fem.base_excitation.rig import FlexibleBody, LoadCell, Rig, RigStructure, Strut, rigid
 from geometry.errors import BadInput, CheckFailed
 from geometry.inertia import Inertia

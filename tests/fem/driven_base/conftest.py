@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.rig import FlexibleBody, LoadCell, rigid
 from fem.reduction import Reduced
 from geometry.frames import rigid_transformation

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.rig import Flange, FlexibleBody, Rig, Strut
 from fem.exudyn.driven_run import Solver, respond
 from geometry.frames import Array, rigid_transformation, rigid_transformation_6

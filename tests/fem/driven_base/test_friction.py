@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.rig import FlexibleBody, Friction, Rig
 from fem.exudyn.driven_rig import STICKING
 from fem.exudyn.driven_run import respond

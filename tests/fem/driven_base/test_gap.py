@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.response import Response
 from fem.base_excitation.rig import FlexibleBody, LoadCell, Rig
 from fem.exudyn.driven_run import respond

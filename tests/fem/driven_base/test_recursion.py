@@ -9,8 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.base_excitation import response as base_excitation_response
-from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.patterns import Sweep
+from fem.base_excitation.patterns import BaseMotion, Sweep
 from fem.base_excitation.response import Response
 from fem.base_excitation.rig import Flange, FlexibleBody, LoadCell, Rig, Strut, flexible
 from fem.beam import articles as beam_articles

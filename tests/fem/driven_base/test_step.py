@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.base_excitation import response as base_excitation_response
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.rig import Flange, FlexibleBody, Friction, LoadCell, Rig
 from fem.exudyn.driven_rig import targets
 from fem.exudyn.driven_run import Solver, highest, respond

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.beam import articles
 from fem.beam.frame import assemble
 from fem.exudyn import frame, linear

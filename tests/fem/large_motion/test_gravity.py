@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.beam.elements import rectangle
 from fem.beam.frame import Member, Plan
 from fem.exudyn import large_motion

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.exudyn.driven_run import Solver
 from fem.exudyn.large_motion import SOLVER, Conditions, respond, respond_of_plan, rigid
 from fem.exudyn.run import exudyn_version

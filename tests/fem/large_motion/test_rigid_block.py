@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.exudyn.large_motion import Conditions, respond, respond_of_plan, rigid, turning
 from geometry.articles import built_in
 from geometry.frames import Array

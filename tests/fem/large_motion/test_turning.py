@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.testing import assert_allclose
 
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.exudyn.large_motion import accelerometer, rotation, turning
 from geometry.frames import Array, rotation_about
 

@@ -175,7 +175,7 @@ def test_a_key_changes_with_everything_that_goes_in(monkeypatch: pytest.MonkeyPa
     plain = model.key("mesh", {"size": 0.1})
     assert plain == model.key("mesh", {"size": 0.1})
     others = [model.key("mesh", {"size": 0.10000000000000002}), model.key("modes", {"size": 0.1})]
-    monkeypatch.setattr(model, "_version", lambda library: "another")
+    monkeypatch.setattr(model, "version", lambda library: "another")
     others.append(model.key("mesh", {"size": 0.1}))
     assert len({plain, *others}) == 4
 

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.solid.assembly import QUADRATURE, Matrices, assemble, lame, volumes
-from fem.solid.mesh import SolidMesh
+from fem.solid.assembly import QUADRATURE, Matrices, SolidMesh, assemble, lame, volumes
 from fem.structure import rigid_motion
 from geometry.article import Material, material
 from geometry.errors import BadInput

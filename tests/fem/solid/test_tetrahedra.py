@@ -9,8 +9,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fem.solid import assembly, model, tetrahedra
-from fem.solid.assembly import volumes
-from fem.solid.mesh import LOCAL_TET10, SolidMesh
+from fem.solid.assembly import LOCAL_TET10, SolidMesh, volumes
 from fem.solid.tetrahedra import Sizing, bodies
 from fem.structure import Structure
 from geometry import routes
@@ -253,7 +252,7 @@ def test_straight_edges_would_be_seen() -> None:
 def test_gmsh_is_put_away_after_an_error_and_refused_when_in_use() -> None:
     import gmsh
 
-    from fem.solid.mesh import session
+    from fem.solid.assembly import session
 
     with pytest.raises(KeyboardInterrupt), session():
         raise KeyboardInterrupt

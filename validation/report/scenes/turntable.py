@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.response import Response
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, frozen, rigid_transformation_6
@@ -450,7 +450,7 @@ def _frames(made: PreparedRuns, one: Done, times: Array, frequency: Array) -> tu
 
 def _relative(made: PreparedRuns, motion: BaseMotion, response: Response) -> Array:
     """(n, 6 + m) coordinates of the article's reduced body, its base relative to the table."""
-    from fem.base_excitation.decimation import decimated
+    from fem.base_excitation.response import decimated
     from fem.base_excitation.rig import matrices
 
     rig = made.mounted.rig
