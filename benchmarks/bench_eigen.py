@@ -23,11 +23,10 @@ import numpy as np
 
 from benchmarks.ratios import measure, show
 from fem import factorisers, modes
-from fem.held_base import HeldBase, hold
 from fem.solid import model, tetrahedra
 from fem.solid.assembly import SolidMesh
 from fem.solid.tetrahedra import bodies
-from fem.structure import Structure
+from fem.structure import HeldBase, Structure, hold
 from geometry.article import Material
 from geometry.articles import built_in
 from geometry.frames import Array
@@ -45,7 +44,7 @@ GROWTH = (0.03, 0.0085, 0.006, 0.0048)
 def solid(size: float) -> tuple[SolidMesh, Structure, Material]:
     """Mesh and structure of the block, and what it is made of."""
     found = bodies(built_in(ARTICLE))
-    made = model.mesh(found, tetrahedra.Sizing(size=size))
+    made = tetrahedra.tetrahedra(found, tetrahedra.Sizing(size=size))
     materials = {body.name: body.material for body in found}
     return made, model.of_mesh(made, materials), found[0].material
 

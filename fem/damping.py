@@ -109,9 +109,7 @@ def modal_matrices(damping: Damping, structure: Structure, omega: Array, shapes:
     _require_losses(C, np.sqrt(omega), "viscous")
     _require_losses(S, omega, "structural")
     ratio = equivalent_ratio(C, S, omega)
-    if ratio.max(initial=0.0) < 1:
-        pass
-    else:
+    if not ratio.max(initial=0.0) < 1:  # NaN is wrong too
         r = int(np.argmax(ratio >= 1))
         problem = (
             f"a mode must keep swinging, found the damping ratio {ratio[r]:.4g} for mode {r + 1} at {omega[r] / 2 / np.pi:.4g} Hz"
@@ -155,12 +153,6 @@ def structural_matrix(damping: Damping, structure: Structure) -> Sparse:
     """
     matrices = _lossy(damping, structure)
     return sum(matrices[1:], start=matrices[0]) if matrices else None
-
-
-def uniform_loss_factor(damping: Damping, structure: Structure) -> float | None:
-    """The loss factor that all parts have in common, so that S = eta K; None when they differ."""
-    factors = {damping.loss_factors.get(part, 0.0) for part in structure.part_stiffness}
-    return factors.pop() if len(factors) == 1 else None
 
 
 def viscous_matrix(damping: Damping, structure: Structure) -> Sparse:

@@ -14,9 +14,8 @@ import numpy.typing as npt
 
 from fem.damping import Damping, damping_per_mode, default_damping, structural_matrix, viscous_matrix
 from fem.factorisers import Singular, factorise
-from fem.held_base import HeldBase, hold, restricted
 from fem.modes import Modes
-from fem.structure import Sparse, Structure
+from fem.structure import Structure, hold, restricted
 from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.errors import CheckFailed
 from geometry.frames import Array
@@ -42,7 +41,12 @@ def modal(modes: Modes, frequency: npt.ArrayLike = LINES, *, residual: bool = Tr
     """
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     omega = 2 * np.pi * lines
-    H = modes.rigid_mass + omega[:, None, None] ** 2 * _elastic(modes, omega, residual)
+    A: ComplexArray = np.diag((2 * np.pi * modes.frequency) ** 2) + 1j * modes.structural
+    L, R = modes.participation.astype(np.complex128), modes.residual.astype(np.complex128)
+    if residual and modes.condensed is not None:
+        A, L, R = modes.condensed.stiffness, modes.condensed.participation, modes.condensed.residual
+    elastic = _kept(A, modes.viscous, L, omega) + (R if residual else np.zeros_like(R))
+    H = modes.rigid_mass + omega[:, None, None] ** 2 * elastic
     return DynamicMass(frequency=lines, matrix=_finite(H, lines), reference_point=modes.reference_point)
 
 
@@ -69,12 +73,8 @@ def direct(
     CheckFailed : a line lies on an undamped mode.
     """
     damping = damping or default_damping(structure)
-    held, C, S = (
-        hold(structure),
-        viscous_matrix(damping, structure),
-        structural_matrix(damping, structure),
-    )
-    C, S = (None if matrix is None else restricted(matrix, structure.free) for matrix in (C, S))
+    held, matrices = hold(structure), (viscous_matrix(damping, structure), structural_matrix(damping, structure))
+    C, S = (None if matrix is None else restricted(matrix, structure.free) for matrix in matrices)
     # M Phi (f, n) and the modal viscous matrix of ratios and `modal`, where damping has them
     if damping.ratio is None and damping.modal is None:
         per_mode: tuple[Array, Array] | None = None
@@ -83,18 +83,24 @@ def direct(
             raise ValueError("`modes` are needed where damping is given per mode")
         per_mode = held.mass @ modes.shapes[held.free], damping_per_mode(damping, 2 * np.pi * modes.frequency)
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
-    elastic = [_line(held, omega, C, S, per_mode, factoriser) for omega in 2 * np.pi * lines]
-    H = structure.rigid_mass + np.array(elastic).reshape(-1, 6, 6)
+    H = np.empty((len(lines), 6, 6), dtype=np.complex128)
+    for line, omega in enumerate(2 * np.pi * lines):
+        A = (held.stiffness - omega**2 * held.mass).astype(np.complex128)
+        for matrix, factor in ((C, 1j * omega), (S, 1j)):
+            if matrix is not None:
+                A = A + factor * matrix
+        try:
+            solve = factorise(A, name=factoriser).solve
+        except Singular:
+            raise _undamped() from None
+        X = solve(held.load.astype(np.complex128))
+        if per_mode is not None:  # it enters by Woodbury's identity
+            B, modal_viscous = per_mode
+            Y = solve(B.astype(np.complex128))
+            core = 1j * omega * modal_viscous
+            X = X - Y @ np.linalg.solve(np.eye(len(core)) + core @ (B.T @ Y), core @ (B.T @ X))
+        H[line] = structure.rigid_mass + omega**2 * (held.load.T @ X)
     return DynamicMass(frequency=lines, matrix=_finite(H, lines), reference_point=structure.reference_point)
-
-
-def _elastic(modes: Modes, omega: Array, residual: bool) -> ComplexArray:
-    """L (A + i omega C - omega²)^-1 L^T at every line, with R where it is wanted: (n, 6, 6)."""
-    A: ComplexArray = np.diag((2 * np.pi * modes.frequency) ** 2) + 1j * modes.structural
-    C, L, R = modes.viscous, modes.participation.astype(np.complex128), modes.residual.astype(np.complex128)
-    if residual and modes.condensed is not None:
-        A, L, R = modes.condensed.stiffness, modes.condensed.participation, modes.condensed.residual
-    return _kept(A, C, L, omega) + (R if residual else np.zeros_like(R))
 
 
 def _kept(A: ComplexArray, C: Array, L: ComplexArray, omega: Array) -> ComplexArray:
@@ -106,7 +112,11 @@ def _kept(A: ComplexArray, C: Array, L: ComplexArray, omega: Array) -> ComplexAr
         mu, V = np.linalg.eig(A)
         if np.linalg.cond(V) < WELL_CONDITIONED:
             return _summed(np.asarray(mu - w**2), L @ V, np.asarray(np.linalg.solve(V, L.T)))
-    return _solved(A, C, L, omega)
+    w = w[:, None]
+    try:
+        return np.asarray(L @ np.linalg.solve(A + 1j * w * C - w**2 * np.eye(len(A)), L.T))
+    except np.linalg.LinAlgError:
+        raise _undamped() from None
 
 
 def _diagonal(matrix: Array | ComplexArray) -> bool:
@@ -118,36 +128,6 @@ def _summed(D: ComplexArray, left: ComplexArray, right: ComplexArray) -> Complex
     terms = np.einsum("ir,rj->rij", left, right).reshape(D.shape[1], 36)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray((1 / D @ terms).reshape(-1, 6, 6))
-
-
-def _solved(A: ComplexArray, C: Array, L: ComplexArray, omega: Array) -> ComplexArray:
-    """L (A + i omega C - omega²)^-1 L^T: a solution at every line, all in one call."""
-    w = omega[:, None, None]
-    try:
-        return np.asarray(L @ np.linalg.solve(A + 1j * w * C - w**2 * np.eye(len(A)), L.T))
-    except np.linalg.LinAlgError:
-        raise _undamped() from None
-
-
-def _line(
-    held: HeldBase, omega: float, C: Sparse, S: Sparse, per_mode: tuple[Array, Array] | None, factoriser: str | None
-) -> ComplexArray:
-    """omega² P^T (K + i omega C + i S - omega² M)^-1 P; damping per mode enters by Woodbury's identity."""
-    A = (held.stiffness - omega**2 * held.mass).astype(np.complex128)
-    for matrix, factor in ((C, 1j * omega), (S, 1j)):
-        if matrix is not None:
-            A = A + factor * matrix
-    try:
-        solve = factorise(A, name=factoriser).solve
-    except Singular:
-        raise _undamped() from None
-    X = solve(held.load.astype(np.complex128))
-    if per_mode is not None:
-        B, modal_viscous = per_mode
-        Y = solve(B.astype(np.complex128))
-        core = 1j * omega * modal_viscous
-        X = X - Y @ np.linalg.solve(np.eye(len(core)) + core @ (B.T @ Y), core @ (B.T @ X))
-    return np.asarray(omega**2 * (held.load.T @ X))
 
 
 def _finite(H: ComplexArray, lines: Array) -> ComplexArray:

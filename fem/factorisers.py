@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -51,48 +52,38 @@ class Singular(ArithmeticError):
 # It takes no pivots, so nothing indefinite: K - sigma M qualifies while sigma lies below the lowest eigenvalue.
 
 
-def by_cholmod(matrix: Sparse, definite: bool) -> Factor:
+class Cholmod:
     """Cholesky factor of a real positive definite matrix, of which only the lower triangle is read.
 
     Raises
     ------
     Singular : it is not positive definite.
     """
-    from kvxopt import cholmod
-    from scipy.sparse import tril
-
-    entries, kvxopt = tril(matrix, format="coo"), _library()
-    row, column = (kvxopt.matrix(index.astype(np.int64)) for index in (entries.row, entries.col))
-    lower = kvxopt.spmatrix(kvxopt.matrix(np.asarray(entries.data, dtype=np.float64)), row, column, matrix.shape)
-    factor = Cholmod(cholmod.symbolic(lower))
-    try:
-        cholmod.numeric(lower, factor._factor)
-        factor.solve(np.zeros(matrix.shape[0]))  # a factor that broke off is noticed here only
-    except ArithmeticError as error:
-        raise Singular(f"not positive definite: {error}") from None
-    return factor
-
-
-class Cholmod:
-    """A factor held by CHOLMOD."""
 
     name = "cholmod"
 
-    def __init__(self, factor: Any) -> None:
-        self._factor = factor
+    def __init__(self, matrix: Sparse, definite: bool) -> None:
+        from kvxopt import cholmod
+        from scipy.sparse import tril
+
+        self._kvxopt = kvxopt = import_module("kvxopt")  # its own types know neither its matrices' names nor NumPy's arrays
+        entries = tril(matrix, format="coo")
+        row, column = (kvxopt.matrix(index.astype(np.int64)) for index in (entries.row, entries.col))
+        lower = kvxopt.spmatrix(kvxopt.matrix(np.asarray(entries.data, dtype=np.float64)), row, column, matrix.shape)
+        self._factor = cholmod.symbolic(lower)
+        try:
+            cholmod.numeric(lower, self._factor)
+            self.solve(np.zeros(matrix.shape[0]))  # a factor that broke off is noticed here only
+        except ArithmeticError as error:
+            raise Singular(f"not positive definite: {error}") from None
 
     def solve(self, B: Values) -> Values:
         """Solution of ``A X = B`` for B (n,) or (n, k)."""
         from kvxopt import cholmod
 
-        X = _library().matrix(np.asfortranarray(B, dtype=np.float64))
+        X = self._kvxopt.matrix(np.asfortranarray(B, dtype=np.float64))
         cholmod.solve(self._factor, X)
         return np.array(X).reshape(B.shape)
-
-
-def _library() -> Any:
-    """kvxopt, whose own types know neither its matrices' names nor NumPy's arrays."""
-    return import_module("kvxopt")
 
 
 # How large will the factors be? Estimated from the pattern alone before hours and the machine are spent on it.
@@ -147,7 +138,17 @@ def predicted_bytes(matrix: Sparse, name: str) -> float:
 
 def predicted_entries(matrix: Sparse) -> float:
     """Entries of the Cholesky factor of a matrix with this symmetric pattern, in an order that keeps them few."""
-    graph, weight = _merged(matrix)
+    from scipy.sparse import csr_array
+
+    # Graph of the rows of `matrix`, those with the same pattern merged into one, and how many each stands for
+    pattern = csr_array(matrix)
+    names = np.random.default_rng(0).integers(1, 2**62, pattern.shape[0])
+    starts = np.minimum(pattern.indptr[:-1], max(pattern.nnz - 1, 0))
+    sums = np.where(np.diff(pattern.indptr) > 0, np.add.reduceat(names[pattern.indices], starts), 0)
+    _, first, label, weight = np.unique(sums, return_index=True, return_inverse=True, return_counts=True)
+    kept = pattern[first]
+    graph = csr_array((np.ones(kept.nnz, dtype=np.int32), label[kept.indices], kept.indptr), shape=(len(first), len(first)))
+    graph.sum_duplicates()
     pieces: list[Integers] = [np.arange(len(weight))]
     entries = 0.0
     while pieces:
@@ -164,23 +165,17 @@ def predicted_entries(matrix: Sparse) -> float:
 
 def available() -> float | None:
     """Memory [B] that this process may still take, None where the system does not tell."""
-    limits = [limit for limit in (_free_of_machine(), _free_of_group()) if limit is not None]
+    limits = []
+    try:
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+        limits.append(next(1024.0 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable:")))
+    except (OSError, StopIteration):
+        with suppress(AttributeError, ValueError, OSError):
+            limits.append(float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")))
+    with suppress(OSError, ValueError):  # a container (cgroup version 2); no such file, or "max": no limit
+        limit, used = (int(Path("/sys/fs/cgroup", name).read_text(encoding="ascii")) for name in ("memory.max", "memory.current"))
+        limits.append(float(max(limit - used, 0)))
     return min(limits, default=None)
-
-
-def _merged(matrix: Sparse) -> tuple[Sparse, Integers]:
-    """Graph of the rows of `matrix`, those with the same pattern merged into one, and how many each stands for."""
-    from scipy.sparse import csr_array
-
-    pattern = csr_array(matrix)
-    names = np.random.default_rng(0).integers(1, 2**62, pattern.shape[0])
-    starts = np.minimum(pattern.indptr[:-1], max(pattern.nnz - 1, 0))
-    sums = np.where(np.diff(pattern.indptr) > 0, np.add.reduceat(names[pattern.indices], starts), 0)
-    _, first, label, weight = np.unique(sums, return_index=True, return_inverse=True, return_counts=True)
-    rows = pattern[first]
-    graph = csr_array((np.ones(rows.nnz, dtype=np.int32), label[rows.indices], rows.indptr), shape=(len(first), len(first)))
-    graph.sum_duplicates()
-    return graph, weight
 
 
 def _dissected(graph: Sparse, weight: Integers) -> tuple[Integers, list[Integers]]:
@@ -226,26 +221,6 @@ def _levels(graph: Sparse, start: int) -> tuple[Integers, Integers]:
     return order, np.array(ends)
 
 
-def _free_of_machine() -> float | None:
-    try:
-        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
-        return next(1024.0 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable:"))
-    except (OSError, StopIteration):
-        try:
-            return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
-        except (AttributeError, ValueError, OSError):
-            return None
-
-
-def _free_of_group() -> float | None:
-    """What a container leaves this process (cgroup version 2)."""
-    try:
-        limit, used = (int(Path("/sys/fs/cgroup", name).read_text(encoding="ascii")) for name in ("memory.max", "memory.current"))
-    except (OSError, ValueError):  # no such file, or "max": no limit
-        return None
-    return float(max(limit - used, 0))
-
-
 def _gb(size: float) -> str:
     return f"{size / 1e9:.3g} GB"
 
@@ -264,42 +239,35 @@ _REFINEMENT, _ONLY_AFTER_POOR_PIVOTS = 8, 0
 """By default every solution is refined twice, which costs twice as much again and gains nothing on good pivots."""
 
 
-def by_pardiso(matrix: Sparse, definite: bool) -> Factor:
-    """Symmetric factors of a sparse matrix, of which only the upper triangle is read.
+class Pardiso:
+    """Symmetric factors of a sparse matrix, of which only the upper triangle is read; MKL's memory is freed with this object.
 
     Raises
     ------
     Singular : a pivot is zero, or the matrix was promised to be positive definite and is not.
     """
-    from pypardiso import PyPardisoSolver
-    from pypardiso.pardiso_wrapper import PyPardisoError
-
-    kind = COMPLEX if matrix.dtype.kind == "c" else DEFINITE if definite else INDEFINITE
-    from scipy.sparse import coo_array, csr_array, triu
-
-    # Upper triangle by rows, columns ascending, with every diagonal entry stored, be it zero: PARDISO wants it so
-    entries, every = triu(matrix, format="coo"), np.arange(matrix.shape[0])
-    values = np.append(entries.data, np.zeros(len(every), dtype=matrix.dtype))
-    places = np.append(entries.row, every), np.append(entries.col, every)
-    upper = csr_array(coo_array((values, places), shape=matrix.shape))
-    upper.sort_indices()
-    solver = PyPardisoSolver(mtype=kind, phase=_ANALYSE_AND_FACTORISE)
-    factor = Pardiso(solver, upper)
-    try:
-        solver._call_pardiso(upper, np.zeros((upper.shape[0], 1), dtype=upper.dtype))
-    except PyPardisoError as error:
-        raise Singular(str(error)) from None
-    solver.set_iparm(_REFINEMENT, _ONLY_AFTER_POOR_PIVOTS)
-    return factor
-
-
-class Pardiso:
-    """Factors held by MKL; they are freed with this object."""
 
     name = "pardiso"
+    _solver: Any = None
 
-    def __init__(self, solver: Any, upper: Sparse) -> None:
-        self._solver, self._upper = solver, upper
+    def __init__(self, matrix: Sparse, definite: bool) -> None:
+        from pypardiso import PyPardisoSolver
+        from pypardiso.pardiso_wrapper import PyPardisoError
+        from scipy.sparse import coo_array, csr_array, triu
+
+        kind = COMPLEX if matrix.dtype.kind == "c" else DEFINITE if definite else INDEFINITE
+        # Upper triangle by rows, columns ascending, with every diagonal entry stored, be it zero: PARDISO wants it so
+        entries, every = triu(matrix, format="coo"), np.arange(matrix.shape[0])
+        values = np.append(entries.data, np.zeros(len(every), dtype=matrix.dtype))
+        places = np.append(entries.row, every), np.append(entries.col, every)
+        self._upper = upper = csr_array(coo_array((values, places), shape=matrix.shape))
+        upper.sort_indices()
+        self._solver = solver = PyPardisoSolver(mtype=kind, phase=_ANALYSE_AND_FACTORISE)
+        try:
+            solver._call_pardiso(upper, np.zeros((upper.shape[0], 1), dtype=upper.dtype))
+        except PyPardisoError as error:
+            raise Singular(str(error)) from None
+        solver.set_iparm(_REFINEMENT, _ONLY_AFTER_POOR_PIVOTS)
 
     def solve(self, B: Values) -> Values:
         """Solution of ``A X = B`` for B (n,) or (n, k)."""
@@ -307,7 +275,8 @@ class Pardiso:
         return np.asarray(self._solver._call_pardiso(self._upper, np.asfortranarray(B, dtype=self._upper.dtype)))
 
     def __del__(self) -> None:
-        self._solver.free_memory(everything=True)
+        if self._solver is not None:
+            self._solver.free_memory(everything=True)
 
 
 # SuperLU, which comes with SciPy: sparse LU of any regular matrix, real or complex.
@@ -320,31 +289,25 @@ DIAGONAL_PIVOT = 1e-3
 """A diagonal pivot is taken when it is at least this share of the largest entry of its column."""
 
 
-def by_superlu(matrix: Sparse, definite: bool) -> Factor:
+class SuperLU:
     """Factors of a square sparse matrix; a promise of definiteness is of no use to it.
 
     Raises
     ------
     Singular : a pivot is exactly zero.
     """
-    from scipy.sparse import csc_array
-    from scipy.sparse.linalg import splu
-
-    options = {"SymmetricMode": True}
-    try:
-        lu = splu(csc_array(matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=DIAGONAL_PIVOT, options=options)
-    except RuntimeError as error:
-        raise Singular(str(error)) from None
-    return SuperLU(lu)
-
-
-class SuperLU:
-    """Factors held by SuperLU."""
 
     name = "superlu"
 
-    def __init__(self, lu: Any) -> None:
-        self._lu = lu
+    def __init__(self, matrix: Sparse, definite: bool) -> None:
+        from scipy.sparse import csc_array
+        from scipy.sparse.linalg import splu
+
+        options = {"SymmetricMode": True}
+        try:
+            self._lu = splu(csc_array(matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=DIAGONAL_PIVOT, options=options)
+        except RuntimeError as error:
+            raise Singular(str(error)) from None
 
     def solve(self, B: Values) -> Values:
         """Solution of ``A X = B`` for B (n,) or (n, k)."""
@@ -357,11 +320,7 @@ SMALL = 10_000
 """Up to so many rows SuperLU answers before the library of another is loaded, and memory is no question."""
 
 _LIBRARIES = {"superlu": "scipy", "cholmod": "kvxopt", "pardiso": "pypardiso"}
-_METHODS: dict[str, Callable[[Sparse, bool], Factor]] = {
-    "superlu": by_superlu,
-    "cholmod": by_cholmod,
-    "pardiso": by_pardiso,
-}
+_METHODS: dict[str, Callable[[Sparse, bool], Factor]] = {"superlu": SuperLU, "cholmod": Cholmod, "pardiso": Pardiso}
 
 
 def factorise(matrix: Sparse, *, definite: bool = False, name: str | None = None) -> Factor:

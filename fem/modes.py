@@ -14,10 +14,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from fem.damping import Damping, default_damping, equivalent_ratio, modal_matrices, structural_matrix, uniform_loss_factor
+from fem.damping import Damping, default_damping, equivalent_ratio, modal_matrices, structural_matrix
 from fem.factorisers import Factor, Singular, factorise
-from fem.held_base import HeldBase, check_connected, check_stiff, hold, restricted
-from fem.structure import Sparse, Structure
+from fem.structure import HeldBase, Sparse, Structure, check_connected, check_stiff, hold, restricted
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, frozen
@@ -74,34 +73,24 @@ def condensed(
     """
     n = shapes.shape[1]
     loads = np.hstack([held.mass @ shapes, held.load])
-    F = loads.T @ _solution(held, S, greatest, factor, factoriser)(loads)
+    if greatest > MODERATE or held.free.size <= FEW:
+        whole = factorise((held.stiffness + 1j * S).tocsc(), name=None if factoriser == "cholmod" else factoriser)
+        X = np.asarray(whole.solve(loads.astype(np.complex128)))
+    else:
+        # (1 - i T + (i T)² - ...) K^-1 B with T = K^-1 S: real solutions only, as many as the greatest loss factor asks for
+        real = factor or factorise(held.stiffness, definite=True, name=factoriser)
+        term = np.asarray(real.solve(loads), dtype=np.float64)
+        X, first, turn = term.astype(np.complex128), np.abs(term).max(), 1.0 + 0.0j
+        while np.abs(term).max() > SETTLED * first:
+            term, turn = np.asarray(real.solve(S @ term)), -1j * turn
+            X += turn * term
+    F = loads.T @ X
     A = np.asarray(np.linalg.inv(F[:n, :n]), dtype=np.complex128)
     L = A @ F[:n, n:]
     R = F[n:, n:] - F[n:, :n] @ L
     return Condensed(
         stiffness=np.asarray((A + A.T) / 2), participation=np.ascontiguousarray(L.T), residual=np.asarray((R + R.T) / 2)
     )
-
-
-def _solution(
-    held: HeldBase, S: Sparse, greatest: float, factor: Factor | None, factoriser: str | None
-) -> Callable[[Array], ComplexArray]:
-    """Solution with K + i S."""
-    if greatest > MODERATE or held.free.size <= FEW:
-        whole = factorise((held.stiffness + 1j * S).tocsc(), name=None if factoriser == "cholmod" else factoriser)
-        return lambda B: np.asarray(whole.solve(B.astype(np.complex128)))
-    real = factor or factorise(held.stiffness, definite=True, name=factoriser)
-    return lambda B: _series(S, real, B)
-
-
-def _series(S: Sparse, factor: Factor, B: Array) -> ComplexArray:
-    """(1 - i T + (i T)² - ...) K^-1 B with T = K^-1 S: real solutions only, as many as the greatest loss factor asks for."""
-    term = np.asarray(factor.solve(B), dtype=np.float64)
-    total, first, turn = term.astype(np.complex128), np.abs(term).max(), 1.0 + 0.0j
-    while np.abs(term).max() > SETTLED * first:
-        term, turn = np.asarray(factor.solve(S @ term)), -1j * turn
-        total += turn * term
-    return total
 
 
 # The lowest eigenvalues of K x = lambda M x, by inverting about a shift.
@@ -197,12 +186,18 @@ def floating_shift(stiffness: Sparse, mass: Sparse) -> float:
 
 
 def _by_lanczos(K: Sparse, M: Sparse, count: int, shift: float, factoriser: str | None, progress: Progress) -> Eigenpairs:
-
     try:
         factor = factorise(K - shift * M if shift else K, definite=True, name=factoriser)
     except Singular:
         raise _floats() from None
-    solve = _counting(factor, progress)
+    solved = 0
+
+    def solve(b: Array) -> Array:
+        nonlocal solved
+        solved += 1
+        progress(solved)
+        return np.asarray(factor.solve(b), dtype=np.float64)
+
     pairs = _iterated(K, M, count, shift, solve, np.zeros((K.shape[0], 0)))
     for _ in range(ROUNDS):
         best = largest_left(M, pairs.vectors, solve)
@@ -263,18 +258,6 @@ def largest_left(M: Sparse, vectors: Array, solve: Callable[[Array], Array]) -> 
         vector = solve(weighed)
         diagonal.append(float(weighed @ vector))
     return float(eigh_tridiagonal(diagonal, beside, eigvals_only=True)[-1])
-
-
-def _counting(factor: Factor, progress: Progress) -> Callable[[Array], Array]:
-    solved = 0
-
-    def solve(b: Array) -> Array:
-        nonlocal solved
-        solved += 1
-        progress(solved)
-        return np.asarray(factor.solve(b), dtype=np.float64)
-
-    return solve
 
 
 def _sorted(values: Array, vectors: Array) -> Eigenpairs:
@@ -377,13 +360,16 @@ def fixed_base(
     check_connected(structure)
     pairs = lowest(held.stiffness, held.mass, count, factoriser=factoriser, progress=progress)
     check_stiff(held, structure, pairs.values, pairs.vectors)
-    L, n = held.load.T @ pairs.vectors, pairs.values.size
+    L, n, R = held.load.T @ pairs.vectors, pairs.values.size, np.zeros((6, 6))
+    if held.free.size:  # R = P^T K^-1 P - L Omega^-2 L^T, from one static solution with the base accelerated
+        factor: Factor = pairs.factor or factorise(held.stiffness, definite=True, name=factoriser)
+        R = held.load.T @ factor.solve(held.load) - (L / pairs.values) @ L.T
     undamped = Modes(
         frequency=np.sqrt(pairs.values) / (2 * np.pi),
         damping_ratio=np.zeros(n),
         participation=L,
         rigid_mass=structure.rigid_mass,
-        residual=_residual(held, pairs, L, factoriser),
+        residual=(R + R.T) / 2,
         reference_point=structure.reference_point,
         shapes=held.expand(pairs.vectors),
         viscous=np.zeros((n, n)),
@@ -408,42 +394,20 @@ def _with_damping(
 ) -> Modes:
     damping, omega = damping or default_damping(structure), 2 * np.pi * modes.frequency
     C, S = modal_matrices(damping, structure, omega, modes.shapes)
-    return replace(
-        modes,
-        damping_ratio=equivalent_ratio(C, S, omega),
-        viscous=C,
-        structural=S,
-        condensed=_condensed(modes, structure, damping, held, factor, factoriser),
-    )
-
-
-def _condensed(
-    modes: Modes, structure: Structure, damping: Damping, held: HeldBase, factor: Factor | None, factoriser: str | None
-) -> Condensed | None:
-    S = structural_matrix(damping, structure)
-    if S is None or not held.free.size:
-        return None
-    uniform = uniform_loss_factor(damping, structure)
-    if uniform is not None:
-        squares = (2 * np.pi * modes.frequency) ** 2
-        # Where all parts have one loss factor, K (1 + i eta) couples nothing; `squares` (n,) [rad²/s²] are Omega²
-        turn = 1 + 1j * uniform
-        return Condensed(
-            stiffness=np.diag(turn * squares),
-            participation=modes.participation.astype(np.complex128),
-            residual=np.asarray(modes.residual / turn),
-        )
-    greatest = max(damping.loss_factors.values())
-    return condensed(held, restricted(S, held.free), greatest, modes.shapes[held.free], factor, factoriser)
-
-
-def _residual(held: HeldBase, pairs: Eigenpairs, L: Array, factoriser: str | None) -> Array:
-    """R = P^T K^-1 P - L Omega^-2 L^T, from one static solution with the base accelerated."""
-    if not held.free.size:
-        return np.zeros((6, 6))
-    factor: Factor = pairs.factor or factorise(held.stiffness, definite=True, name=factoriser)
-    R = held.load.T @ factor.solve(held.load) - (L / pairs.values) @ L.T
-    return np.asarray((R + R.T) / 2)
+    whole, together = structural_matrix(damping, structure), None
+    if whole is not None and held.free.size:
+        factors = {damping.loss_factors.get(part, 0.0) for part in structure.part_stiffness}
+        if len(factors) == 1:  # where all parts have one loss factor, K (1 + i eta) couples nothing
+            turn = 1 + 1j * factors.pop()
+            together = Condensed(
+                stiffness=np.diag(turn * omega**2),
+                participation=modes.participation.astype(np.complex128),
+                residual=np.asarray(modes.residual / turn),
+            )
+        else:
+            greatest, shapes = max(damping.loss_factors.values()), modes.shapes[held.free]
+            together = condensed(held, restricted(whole, held.free), greatest, shapes, factor, factoriser)
+    return replace(modes, damping_ratio=equivalent_ratio(C, S, omega), viscous=C, structural=S, condensed=together)
 
 
 # `EffectiveMass`: what each mode moves along each axis, and how much of the structure the kept modes account for.

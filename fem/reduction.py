@@ -18,9 +18,8 @@ import numpy.typing as npt
 
 from fem.damping import Damping
 from fem.factorisers import factorise
-from fem.held_base import restricted
 from fem.modes import Modes, fixed_base, lowest
-from fem.structure import Sparse, Structure
+from fem.structure import Sparse, Structure, restricted
 from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers, frozen
@@ -97,7 +96,15 @@ def general(
     CheckFailed : something of the structure stays loose while the interface is held.
     """
     size = mass.shape[0]
-    _check_interface(np.asarray(interface), size)
+    named = np.asarray(interface)
+    wrong = "" if named.size else "it is empty"
+    if len(set(named)) < named.size:
+        wrong = "it names a degree of freedom twice"
+    if named.size and (named.min() < 0 or named.max() >= size):
+        wrong = f"it names {named.min()} to {named.max()}, and the matrices have {size} rows"
+    if wrong:
+        remedy = "Name every interface degree of freedom once, from 0"
+        raise BadInput(source="reduction", field="interface", problem=wrong, remedy=remedy)
     inner = np.setdiff1d(np.arange(size), interface)
     K = restricted(stiffness, inner)
     pairs = lowest(K, restricted(mass, inner), count, factoriser=factoriser)
@@ -148,14 +155,12 @@ def dynamic_mass(reduced: Reduced, frequency: npt.ArrayLike, reference_point: np
     if reduced.interface != 6:
         raise ValueError(f"`reduced` must have the six motions of a base as its interface, found {reduced.interface} coordinates")
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
-    H = np.array([_condensed(reduced, omega) for omega in 2 * np.pi * lines]).reshape(-1, 6, 6)
+    H = np.empty((len(lines), 6, 6), dtype=np.complex128)
+    for line, omega in enumerate(2 * np.pi * lines):
+        Z = reduced.stiffness + 1j * (omega * reduced.viscous + reduced.structural) - omega**2 * reduced.mass
+        q = np.linalg.solve(Z[6:, 6:], omega**2 * reduced.mass[6:, :6])  # for a unit displacement of the base
+        H[line] = reduced.mass[:6, :6] + reduced.mass[:6, 6:] @ q
     return DynamicMass(frequency=lines, matrix=H, reference_point=np.asarray(reference_point, dtype=np.float64))
-
-
-def _condensed(r: Reduced, omega: float) -> ComplexArray:
-    Z = r.stiffness + 1j * (omega * r.viscous + r.structural) - omega**2 * r.mass
-    q = np.linalg.solve(Z[6:, 6:], omega**2 * r.mass[6:, :6])  # for a unit displacement of the base
-    return np.asarray(r.mass[:6, :6] + r.mass[:6, 6:] @ q)
 
 
 def _beside(interface: Array, modes: Array) -> Array:
@@ -172,17 +177,37 @@ def _congruent(matrix: Sparse, basis: Array, interface: int | None = None) -> Ar
     return np.asarray((small + small.T) / 2)
 
 
-def _check_interface(interface: Integers, size: int) -> None:
-    wrong = (
-        "it is empty"
-        if not interface.size
-        else "it names a degree of freedom twice"
-        if len(set(interface)) < interface.size
-        else ""
-    )
-    if interface.size and (interface.min() < 0 or interface.max() >= size):
-        wrong = f"it names {interface.min()} to {interface.max()}, and the matrices have {size} rows"
-    if wrong:
-        raise BadInput(
-            source="reduction", field="interface", problem=wrong, remedy="Name every interface degree of freedom once, from 0"
-        )
+# What truncated modes answer statically, as coordinates of a reduced body (mode acceleration, attachment modes).
+#
+# The few modes kept would leave the static share of the others out. The static answers to six accelerations of the base, less
+# what the kept modes hold of them, are put beside the modes as further shapes: the reduced body then answers as the full one
+# does up to the fourth power of the frequency, residual mass included (Craig & Chang, AIAA Journal 15, 1977).
+
+
+REDUNDANT = 1e-8
+"""Share of a static answer that may lie outside the modes already there, below which it is left out."""
+
+
+def static_shapes(stiffness: Sparse, mass: Sparse, load: Array, shapes: Array) -> Array:
+    """Static answers to `load` beside mass-normalised `shapes`: orthonormal in the mass, to one another and to `shapes`.
+
+    Parameters
+    ----------
+    stiffness, mass : (f, f) sparse, of the free degrees of freedom
+    load : (f, k), of unit accelerations of the base
+    shapes : (f, n)
+
+    Returns
+    -------
+    (f, m) : m at most k, fewer where the modes already answer a load in full
+    """
+    if not len(load):
+        return np.zeros((0, 0))
+    static = factorise(stiffness, definite=True).solve(load)
+    size = np.sqrt(np.einsum("ir,ir->r", static, mass @ static))
+    static = static[:, size > 0] / size[size > 0]
+    left = static - shapes @ (shapes.T @ (mass @ static))
+    left -= shapes @ (shapes.T @ (mass @ left))  # twice is enough, against rounding
+    square, directions = np.linalg.eigh(left.T @ (mass @ left))
+    kept = square > REDUNDANT**2
+    return np.asarray(left @ directions[:, kept] / np.sqrt(square[kept]))

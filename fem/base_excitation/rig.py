@@ -18,10 +18,9 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from fem.held_base import hold, static_shapes
 from fem.modes import Modes
-from fem.reduction import Reduced, of_modes
-from fem.structure import Structure
+from fem.reduction import Reduced, of_modes, static_shapes
+from fem.structure import Structure, hold
 from geometry.dynamic_mass import MOTIONS, DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen, rigid_transformation, rigid_transformation_6
@@ -167,7 +166,7 @@ class Rig:
 
 # `FlexibleBody` from a structure and its modes, from modal data alone, or rigid: what stands on a base that moves in time.
 #
-# A structure's kept modes are joined by up to six static answers to accelerations of the base (`fem.held_base`), so the
+# A structure's kept modes are joined by up to six static answers to accelerations of the base (`fem.reduction`), so the
 # truncated modes need no term of their own: the body answers as the full structure does up to the fourth power of the frequency.
 # Modes without shapes bring their residual mass R instead; up to six further modes then carry just that R.
 #

@@ -22,8 +22,7 @@ from fem.beam import frame
 from fem.beam.elements import Sandwich, Section, rectangle, sandwich, tube
 from fem.beam.frame import Body, Frame, Member, Plan, Ports, assemble, on_top, placed
 from fem.factorisers import factorise
-from fem.held_base import hold
-from fem.structure import Structure, rigid_motion
+from fem.structure import Structure, hold, rigid_motion
 from geometry.article import Article, Part, Shape, material, prefixes
 from geometry.article import rectangle as corners
 from geometry.articles import built_in, changes_of, dimension_files
@@ -162,8 +161,8 @@ def clumod_plan(blades: Sequence[str], d: Dimensions, *, joints: Sequence[Joint]
     nodes.put(np.zeros(3), carrier=0)
     for piece in pieces:
         nodes.put(piece.middle * Z)
-    # Nodes of the mast: the flange, the ends of rigid pieces (a collar may stand out beyond the top), those asked for, the top, and
-    # enough between; what lies within a rigid piece rides on it
+    # Nodes of the mast: the flange, the ends of rigid pieces (a collar may stand out beyond the top), those asked for, the top,
+    # and enough between; what lies within a rigid piece rides on it
     edges = [min(end, mast["top"]) for piece in pieces for end in (piece.bottom, piece.top)]
     fixed = sorted({foot, mast["top"], *edges, *(port.at for port in asked if port.member == MAST)})
     chain = []

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from fem.exudyn.run import failed, finite, integrated, running
-from fem.held_base import restricted, static_shapes
-from fem.structure import Structure
+from fem.reduction import static_shapes
+from fem.structure import Structure, restricted
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers
 

@@ -17,9 +17,8 @@ from fem import dynamic_mass, reduction
 from fem import modes as fem_modes
 from fem.beam import articles
 from fem.damping import Damping
-from fem.held_base import hold
 from fem.modes import Modes, fixed_base, with_damping
-from fem.structure import Structure, rigid_motion
+from fem.structure import Structure, hold, rigid_motion
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, rigid_transformation_6

@@ -12,9 +12,8 @@ from scipy.linalg import eigvalsh
 from scipy.sparse import block_diag, csc_array, csr_array, diags_array
 
 from fem import factorisers, modes
-from fem.held_base import hold
 from fem.modes import largest_left, lowest
-from fem.structure import Structure
+from fem.structure import Structure, hold
 from geometry.errors import CheckFailed
 
 Block = Callable[..., Structure]

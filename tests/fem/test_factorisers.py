@@ -11,8 +11,7 @@ from scipy.sparse import csc_array, diags_array, eye_array, kron
 from scipy.sparse.linalg import splu
 
 from fem import factorisers
-from fem.held_base import hold
-from fem.structure import Structure
+from fem.structure import Structure, hold
 from geometry.errors import BadInput
 
 Block = Callable[..., Structure]

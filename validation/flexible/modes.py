@@ -11,9 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.held_base import hold
 from fem.modes import Modes
-from fem.structure import Sparse, Structure
+from fem.structure import Sparse, Structure, hold
 from geometry.article import Article, Box, Part
 from geometry.frames import Array, Integers
 from validation.flexible.model import Flexible, distance, family, nearest_part

@@ -19,9 +19,9 @@ from fem import damping as fem_damping
 from fem.base_excitation import rig
 from fem.damping import Damping, damping_per_mode, default_damping
 from fem.factorisers import factorise
-from fem.held_base import HeldBase, hold, restricted, static_shapes
 from fem.modes import Modes, fixed_base
-from fem.structure import Sparse, Structure
+from fem.reduction import static_shapes
+from fem.structure import HeldBase, Sparse, Structure, hold, restricted
 from fem.user_model.reading import UsersModel, is_model, load
 from geometry import routes
 from geometry.article import Article
@@ -44,7 +44,7 @@ from validation.model.setups import FMD, above_fmd, mounted
 #                                                               |   L^T    1 |
 #
 # Beside the kept modes Phi holds static answers of the structure, orthonormal to them in the mass: to accelerations of the base,
-# so that the residual mass of the truncated modes needs no term of its own (`fem.held_base`), and to the elastic forces of
+# so that the residual mass of the truncated modes needs no term of its own (`fem.reduction`), and to the elastic forces of
 # every part in the modes of the band, so that a part that is softer, stiffer or lossier than drawn bends the modes as it bends
 # those of the structure itself (Kirsch, AIAA Journal 29, 1991: the first terms of the series in K^-1 dK are the basis of a
 # reanalysis). Structural damping stays what it is, S = sum of eta_p K_p beside K; places and parts see all coordinates.
