@@ -75,12 +75,12 @@ def condensed(
     loads = np.hstack([held.mass @ shapes, held.load])
     if greatest > MODERATE or held.free.size <= FEW:
         whole = factorise((held.stiffness + 1j * S).tocsc(), name=None if factoriser == "cholmod" else factoriser)
-        X = np.asarray(whole.solve(loads.astype(np.complex128)))
+        X: ComplexArray = np.asarray(whole.solve(loads.astype(np.complex128)), dtype=np.complex128)
     else:
         # (1 - i T + (i T)² - ...) K^-1 B with T = K^-1 S: real solutions only, as many as the greatest loss factor asks for
         real = factor or factorise(held.stiffness, definite=True, name=factoriser)
         term = np.asarray(real.solve(loads), dtype=np.float64)
-        X, first, turn = term.astype(np.complex128), np.abs(term).max(), 1.0 + 0.0j
+        X, first, turn = np.asarray(term, dtype=np.complex128), np.abs(term).max(), 1.0 + 0.0j
         while np.abs(term).max() > SETTLED * first:
             term, turn = np.asarray(real.solve(S @ term)), -1j * turn
             X += turn * term
@@ -363,7 +363,7 @@ def fixed_base(
     L, n, R = held.load.T @ pairs.vectors, pairs.values.size, np.zeros((6, 6))
     if held.free.size:  # R = P^T K^-1 P - L Omega^-2 L^T, from one static solution with the base accelerated
         factor: Factor = pairs.factor or factorise(held.stiffness, definite=True, name=factoriser)
-        R = held.load.T @ factor.solve(held.load) - (L / pairs.values) @ L.T
+        R = np.asarray(held.load.T @ factor.solve(held.load), dtype=np.float64) - (L / pairs.values) @ L.T
     undamped = Modes(
         frequency=np.sqrt(pairs.values) / (2 * np.pi),
         damping_ratio=np.zeros(n),
@@ -408,47 +408,3 @@ def _with_damping(
             greatest, shapes = max(damping.loss_factors.values()), modes.shapes[held.free]
             together = condensed(held, restricted(whole, held.free), greatest, shapes, factor, factoriser)
     return replace(modes, damping_ratio=equivalent_ratio(C, S, omega), viscous=C, structural=S, condensed=together)
-
-
-# `EffectiveMass`: what each mode moves along each axis, and how much of the structure the kept modes account for.
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class EffectiveMass:
-    """Effective mass and moment of inertia about the modes' reference point; axes x, y, z [kg], alpha, beta, gamma [kg m²].
-
-    Attributes
-    ----------
-    frequency : (n,) [Hz]
-    each : (n, 6) of every mode
-    rigid : (6,) of the whole structure moving rigidly: the diagonal of its 6x6 mass matrix
-    """
-
-    frequency: Array
-    each: Array
-    rigid: Array
-
-    def __post_init__(self) -> None:
-        n = np.size(self.frequency)
-        for name, shape in {"frequency": (n,), "each": (n, 6), "rigid": (6,)}.items():
-            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
-
-    @property
-    def total(self) -> Array:
-        """Sum over the modes (6,)."""
-        return np.asarray(self.each.sum(axis=0))
-
-    @property
-    def share(self) -> Array:
-        """Share of the rigid structure in each mode (n, 6) [1]; zero along an axis about which there is no inertia."""
-        return np.asarray(np.divide(self.each, self.rigid, out=np.zeros_like(self.each), where=self.rigid > 0))
-
-    @property
-    def total_share(self) -> Array:
-        """Share of the rigid structure in all modes (6,) [1]; it stays below 1 by what the base itself carries."""
-        return np.asarray(self.share.sum(axis=0))
-
-
-def table(modes: Modes) -> EffectiveMass:
-    """Effective masses of `modes` beside the rigid structure."""
-    return EffectiveMass(frequency=modes.frequency, each=modes.effective_mass, rigid=np.diag(modes.rigid_mass))

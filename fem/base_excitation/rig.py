@@ -288,7 +288,7 @@ def rigid(name: str, inertia: Inertia, places: Places = NOWHERE) -> FlexibleBody
     """
     M = require_physical(inertia, f"body {name}").about(np.zeros(3)).mass_matrix
     nothing = np.zeros((6, 6))
-    reduced = Reduced(stiffness=nothing, mass=M, viscous=nothing, structural=nothing, interface=6, basis=np.eye(6))
+    reduced = Reduced(stiffness=nothing, mass=M, viscous=nothing, structural=nothing, basis=np.eye(6))
     rows = {place: rigid_transformation(at) for place, at in places.items()}
     return FlexibleBody(name=name, reduced=reduced, kept=np.zeros(0), places=rows)
 

@@ -12,7 +12,6 @@ from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.rig import LATERAL, Flange, FlexibleBody, Friction, LoadCell, Rig, Strut
 from fem.exudyn.run import to_exudyn
 from geometry.frames import Array
-from geometry.inertia import Inertia
 
 # `Scene`: an exudyn system while it is put together, and the few things that every part of a rig does to it.
 
@@ -47,18 +46,6 @@ class Scene:
     names: dict[Number, str] = field(default_factory=dict)
     alive: list[Any] = field(default_factory=list)
     before_step: list[Callable[[Any], None]] = field(default_factory=list)
-
-
-def empty(exudyn: Any) -> Scene:
-    """A system with nothing but ground."""
-    from exudyn import itemInterface
-
-    items: Any = itemInterface
-    container = exudyn.SystemContainer()
-    system = container.AddSystem()
-    ground = system.AddObject(items.ObjectGround())
-    origin = system.AddNode(items.NodePointGround())
-    return Scene(exudyn=exudyn, items=items, container=container, system=system, ground=int(ground), origin=int(origin))
 
 
 def node(scene: Scene, name: str, item: Any) -> Number:
@@ -98,6 +85,16 @@ def _watch(scene: Scene, kind: Any, output: str, **what: Number) -> Number:
     return int(scene.system.AddSensor(kind(outputVariableType=variable, storeInternal=True, **what)))
 
 
+def _obey(scene: Scene, number: Any, force: Callable[..., Any]) -> None:
+    """Let the spring-damper `number` follow the law `force`, out of which exudyn reads a formula; it evaluates that by itself."""
+    from exudyn import advancedUtilities
+
+    formula: Any = advancedUtilities.CreateSymbolicUserFunction
+    law = formula(scene.system, force, "springForceUserFunction", number)
+    scene.system.SetObjectParameter(number, "springForceUserFunction", law)
+    scene.alive.append(law)
+
+
 # Table, cover plate and article as exudyn has them.
 #
 # Each has a node of six coordinates: displacement, and angles about x, y, z as `NodeRigidBodyRxyz` counts them.
@@ -132,17 +129,6 @@ class ReducedArticle:
 def massless(scene: Scene) -> Rigid:
     """A table: no mass, so that what moves it is the load of what stands on it and nothing else."""
     return _rigid(scene, "table", mass=0.0, centerOfMass=[0.0] * 3, inertia=[0.0] * 6)
-
-
-def rigid(scene: Scene, inertia: Inertia, name: str) -> Rigid:
-    """A body with `inertia` about the origin.
-
-    Raises
-    ------
-    BadInput : no body has this inertia.
-    """
-    six = to_exudyn(inertia.about(np.zeros(3)), name)
-    return _rigid(scene, name, mass=six.Mass(), centerOfMass=list(six.COM()), inertia=list(six.GetInertia6D()))
 
 
 def reduced(scene: Scene, article: FlexibleBody, seat: Array) -> ReducedArticle:
@@ -185,16 +171,6 @@ def _base(scene: Scene, position: Array, name: str) -> Number:
 # vanish with the pressure, its springs would have to know where it lands.
 
 
-def _gap_law(symbolic: Any, preload: float) -> Callable[..., Any]:
-    """Exudyn reads a formula out of it and evaluates that without Python."""
-
-    def force(_system: Any, _time: Any, _number: Any, u: Any, v: Any, k: Any, d: Any, _offset: Any) -> Any:
-        x, y, z = (k[i] * u[i] + d[i] * v[i] for i in range(3))
-        return [x, y, symbolic.max(z, -preload)]
-
-    return force
-
-
 # Load cells: a spring and a damper along x, y and z between table and cover plate.
 
 
@@ -205,13 +181,13 @@ def cell(scene: Scene, table: Rigid, cover: Rigid, one: LoadCell) -> Number:
     spring = connector(markerNumbers=ends, stiffness=one.stiffness.tolist(), damping=one.damping.tolist())
     number = scene.system.AddObject(spring)  # an index of exudyn's own type, which a law of force needs
     if one.preload is not None:
-        from exudyn import advancedUtilities
+        preload = one.preload
 
-        # Let the Cartesian spring-damper `number` lift off along z at `one.preload` [N]
-        formula: Any = advancedUtilities.CreateSymbolicUserFunction
-        force = formula(scene.system, _gap_law(scene.exudyn.symbolic, one.preload), "springForceUserFunction", number)
-        scene.system.SetObjectParameter(number, "springForceUserFunction", force)
-        scene.alive.append(force)
+        def force(_system: Any, _time: Any, _number: Any, u: Any, v: Any, k: Any, d: Any, _offset: Any) -> Any:
+            x, y, z = (k[i] * u[i] + d[i] * v[i] for i in range(3))
+            return [x, y, scene.exudyn.symbolic.max(z, -preload)]
+
+        _obey(scene, number, force)
     return watch_object(scene, number, "Force")
 
 
@@ -271,11 +247,6 @@ def driven(scene: Scene, table: Rigid, *, velocity: bool) -> tuple[Number, ...]:
     return tuple(int(axis) for axis in axes)
 
 
-def loads(scene: Scene, axes: tuple[Number, ...]) -> tuple[Number, ...]:
-    """Sensors of the constraints' forces: what stands on the table pulls at the ground, which is minus the load on it."""
-    return tuple(watch_object(scene, axis, "Force") for axis in axes)
-
-
 def targets(motion: BaseMotion, subdivision: int, *, velocity: bool) -> Array:
     """(n, 6) what the table must reach at every step, from time 0 on: displacements, or velocities.
 
@@ -288,15 +259,12 @@ def targets(motion: BaseMotion, subdivision: int, *, velocity: bool) -> Array:
     u, v, a, h = motion.displacement, motion.velocity, motion.acceleration, 1 / motion.sampling_rate
     n = len(u) - 1
     ends = np.stack([u[:-1], h * v[:-1], h**2 * a[:-1], u[1:], h * v[1:], h**2 * a[1:]])
-    weights = np.array([_quintic(j / subdivision, velocity=velocity) for j in range(subdivision)])
+    # Weights of value, slope and curvature at 0 and at 1 in the polynomial of fifth degree, or in its slope
+    at_ends = np.array([_powers(x, order) for x in (0.0, 1.0) for order in range(3)])
+    inner = [_powers(j / subdivision, int(velocity)) for j in range(subdivision)]
+    weights = np.array([np.linalg.solve(at_ends.T, row) for row in inner])
     between = np.einsum("je,eni->nji", weights, ends).reshape(n * subdivision, BASE)
     return np.vstack([between / h, v[-1:]]) if velocity else np.vstack([between, u[-1:]])
-
-
-def _quintic(s: float, *, velocity: bool) -> Array:
-    """(6,) weights of value, slope and curvature at 0 and at 1 in the polynomial of fifth degree at `s`, or in its slope."""
-    ends = np.array([_powers(x, order) for x in (0.0, 1.0) for order in range(3)])
-    return np.asarray(np.linalg.solve(ends.T, _powers(s, int(velocity))))
 
 
 def _powers(s: float, order: int) -> Array:
@@ -307,12 +275,6 @@ def _powers(s: float, order: int) -> Array:
 
 
 # The joint under the article: rigid where its compliance is zero, a spring and a damper where it is not.
-
-
-def hold(scene: Scene, carrier: Rigid, upper: Rigid) -> None:
-    """Let `upper` follow `carrier`, with which it shares its origin."""
-    joint = scene.items.ObjectJointGeneric
-    scene.system.AddObject(joint(markerNumbers=list(_frames(scene, carrier, np.zeros(3), upper.node))))
 
 
 def join(scene: Scene, carrier: Rigid, seat: Array, article: ReducedArticle, flange: Flange | None) -> None:
@@ -373,14 +335,13 @@ def lay(scene: Scene, friction: Friction, article: ReducedArticle, seat: Array) 
     k, d = friction.mass * STIFFNESS, 2 * STICKING_RATIO * friction.mass * np.sqrt(STIFFNESS)
     spring = items.ObjectConnectorCoordinateSpringDamper
     connector = system.AddObject(spring(markerNumbers=_ends(scene, article, part, loose), stiffness=k, damping=d))
-    from exudyn import advancedUtilities
+    symbolic, slip_force = scene.exudyn.symbolic, friction.slip_force
 
-    # Let the spring-damper `connector` pull no harder than `friction.slip_force` [N]
-    formula: Any = advancedUtilities.CreateSymbolicUserFunction
-    force = formula(scene.system, _friction_law(scene.exudyn.symbolic, friction.slip_force), "springForceUserFunction", connector)
-    scene.system.SetObjectParameter(connector, "springForceUserFunction", force)
-    scene.alive.append(force)
-    laid = Bristles(scene, connector, k, d, friction.slip_force)
+    def force(_system: Any, _time: Any, _number: Any, q: Any, speed: Any, k: Any, d: Any, stood: Any) -> Any:
+        return symbolic.min(symbolic.max(k * (q - stood) + d * speed, -slip_force), slip_force)
+
+    _obey(scene, connector, force)
+    laid = Bristles(scene, connector, k, d, slip_force)
     scene.before_step.append(laid)
     return laid
 
@@ -405,13 +366,6 @@ class Bristles:
     def share_slipping(self) -> float:
         """[1] of the steps so far."""
         return self.slipped / max(self.steps, 1)
-
-
-def _friction_law(symbolic: Any, slip_force: float) -> Callable[..., Any]:
-    def force(_system: Any, _time: Any, _number: Any, q: Any, speed: Any, k: Any, d: Any, stood: Any) -> Any:
-        return symbolic.min(symbolic.max(k * (q - stood) + d * speed, -slip_force), slip_force)
-
-    return force
 
 
 def _ends(scene: Scene, article: ReducedArticle, part: Number, axis: int) -> list[Number]:
@@ -481,13 +435,24 @@ def assembled(exudyn: Any, rig: Rig, *, velocity: bool, keep_coordinates: bool) 
     ------
     BadInput : a cover plate that no body can be.
     """
-    scene = empty(exudyn)
+    from exudyn import itemInterface
+
+    items: Any = itemInterface
+    container = exudyn.SystemContainer()
+    system = container.AddSystem()
+    ground, origin = int(system.AddObject(items.ObjectGround())), int(system.AddNode(items.NodePointGround()))
+    scene = Scene(exudyn=exudyn, items=items, container=container, system=system, ground=ground, origin=origin)
     table = massless(scene)
     axes = driven(scene, table, velocity=velocity)
-    cover = table if rig.cover is None else rigid(scene, rig.cover, "cover plate")
+    if rig.cover is None:
+        cover = table
+    else:
+        plate = to_exudyn(rig.cover.about(np.zeros(3)), "cover plate")
+        six = list(plate.GetInertia6D())
+        cover = _rigid(scene, "cover plate", mass=plate.Mass(), centerOfMass=list(plate.COM()), inertia=six)
     cells = tuple(cell(scene, table, cover, one) for one in rig.cells)
-    if cover is not table and not cells:
-        hold(scene, table, cover)
+    if cover is not table and not cells:  # it follows the table, with which it shares its origin
+        system.AddObject(items.ObjectJointGeneric(markerNumbers=list(_frames(scene, table, np.zeros(3), cover.node))))
     article = reduced(scene, rig.article, rig.seat)
     join(scene, cover, rig.seat, article, rig.flange)
     for strut in rig.struts:
@@ -498,7 +463,8 @@ def assembled(exudyn: Any, rig: Rig, *, velocity: bool, keep_coordinates: bool) 
         axes=axes,
         table=(watch_node(scene, table.node, "Coordinates_tt"),),
         cover=(watch_node(scene, cover.node, "Coordinates_tt"),),
-        loads=loads(scene, axes),
+        # Forces of the constraints: what stands on the table pulls at the ground, which is minus the load on it
+        loads=tuple(watch_object(scene, axis, "Force") for axis in axes),
         cells=cells,
         article=tuple(watch_node(scene, node, "Coordinates_tt") for node in article.nodes if rig.article.places),
         coordinates=tuple(watch_node(scene, node, "Coordinates") for node in article.nodes if keep_coordinates),

@@ -63,16 +63,13 @@ def integrate(scene: Scene, settings: Any, drive: Drive) -> BaseException | None
 #
 # - "fox-goodwin": Newmark's method with beta = 1/12, gamma = 1/2 (Hughes, The Finite Element Method, 1987, section 9.1), the
 #   table's velocity prescribed. Frequencies are right to the fourth order of the step and the table's acceleration to the
-#     second,
-#   so that a lightly damped resonance comes out like everything else. It is stable only while omega h < sqrt(6) for all that can
-#   swing, which decides on the number of steps a sample (`fem.exudyn.driven_run`).
+#   second, so that a lightly damped resonance comes out like everything else. It is stable only while omega h < sqrt(6) for all
+#   that can swing, which decides on the number of steps a sample.
 # - "newmark": the trapezoidal rule, beta = 1/4, always stable. Frequencies come out too low by (omega h)² / 12, which a mode of
 #   damping ratio zeta shows as an error of (omega h)² / (12 zeta) in its answer.
 # - "generalised-alpha": the table's displacement is prescribed (constraints of index 3; Arnold & Brüls, Multibody System
-#   Dynamics
-#   18, 2007, doi:10.1007/s11044-007-9084-0). Frequencies as "newmark"; what is far too fast for the step dies out. With a
-#     spectral
-#   radius of 1 nothing dies out and the load is lost in an oscillation from step to step.
+#   Dynamics 18, 2007, doi:10.1007/s11044-007-9084-0). Frequencies as "newmark"; what is far too fast for the step dies out. With
+#   a spectral radius of 1 nothing dies out and the load is lost in an oscillation from step to step.
 #
 # Measured against the exact recursion at 8192 Hz, one blade swept from 4 to 32 Hz along x and about z, greatest error of load in
 # units of the greatest load: 1.4e-5 and 7e-5, 1.1e-3 and 6.5e-3, 1.2e-3 and 6.5e-3. All fall with the square of the step; with a
@@ -220,7 +217,14 @@ def highest(rig: Rig) -> float:
     structure = matrices(replace(rig, frictions=(), cells=cells))
     M, K = structure.mass, structure.stiffness
     for friction in rig.frictions:
-        M, K = _with_part(M, K, structure.article[:3], friction.mass, LATERAL.index(friction.axis))
+        # One coordinate more: how far the part moves along its axis on the article's base
+        size, base = len(M), structure.article[:3]
+        rows = np.zeros((3, size + 1))
+        rows[:, : base.shape[1]] = base
+        rows[LATERAL.index(friction.axis), size] = 1.0
+        M, K = (np.pad(matrix, (0, 1)) for matrix in (M, K))
+        K[size, size] = friction.mass * driven_rig.STIFFNESS
+        M = M + friction.mass * rows.T @ rows
     free = slice(TABLE, None)
     return float(np.sqrt(eigvalsh(K[free, free], M[free, free]).max(initial=0.0)) / (2 * pi))
 
@@ -243,17 +247,6 @@ def residual(rig: Rig, motion: BaseMotion, step: float, solver: Solver) -> float
     springs += [friction.mass * driven_rig.STIFFNESS * travel for friction in rig.frictions]
     rounding = EPS * (ROUNDINGS * float(max(springs, default=0.0)) + RESONANT * mass * peak)
     return max(solver.tolerance * peak * step ** (1 if solver.prescribes_velocity else 2), rounding, sys.float_info.min)
-
-
-def _with_part(M: Array, K: Array, base: Array, mass: float, axis: int) -> tuple[Array, Array]:
-    """Matrices with one coordinate more: how far a part of `mass` [kg] moves along `axis` on `base`, (3, n) of the others."""
-    size = len(M)
-    rows = np.zeros((3, size + 1))
-    rows[:, : base.shape[1]] = base
-    rows[axis, size] = 1.0
-    larger = [np.pad(matrix, (0, 1)) for matrix in (M, K)]
-    larger[1][size, size] = mass * driven_rig.STIFFNESS
-    return larger[0] + mass * rows.T @ rows, larger[1]
 
 
 TASK = "integrate the rig on its driven base"

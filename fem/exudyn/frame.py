@@ -1,18 +1,17 @@
 """A frame made of exudyn's own items: geometrically exact beams, rigid bodies, joints and springs.
 
 What there is comes from a `fem.beam.frame.Plan` - places, sections, rigid bodies, who rides on whom - and none of our matrices.
-The
-beams are exudyn's `ObjectBeamGeometricallyExact`, two nodes and interpolated on SE(3): constant strain, which does not lock in
-shear but bends too stiffly by the square of the element length, so two meshes say where they go
-(`fem.exudyn.linear`). Every node is given without rotation and every section turned into the frame's axes; exudyn
-takes the strain of the reference state off, so that a straight beam may run along x, y or z and the coordinates of its nodes stay
-small motions in the frame. Askew it may not: exudyn takes no stiffness between different strains.
+The beams are exudyn's `ObjectBeamGeometricallyExact`, two nodes and interpolated on SE(3): constant strain, which does not lock
+in shear but bends too stiffly by the square of the element length, so two meshes say where they go (`fem.exudyn.linear`). Every
+node is given without rotation and every section turned into the frame's axes; exudyn takes the strain of the reference state
+off, so that a straight beam may run along x, y or z and the coordinates of its nodes stay small motions in the frame. Askew it
+may not: exudyn takes no stiffness between different strains.
 
 A sandwich is what it is in the workshop: two beams as faces and, between them, springs for the layer that only shears. Its
 torsion comes out of that by itself: in a twist the faces shear in their planes and drag the layer, and a clamp holds their
 warping.
 
-Damping, where it is asked for, is viscous and written as a second plan whose stiffnesses are dampings (`losses.viscous`).
+Damping, where it is asked for, is viscous and written as a second plan whose stiffnesses are dampings (`viscous`).
 Exudyn's beam takes a damping matrix and makes no force of it (1.13.6), so a damper stands beside every beam, between arms that
 reach from both nodes to its middle: there the relative motion of the arms is the constant strain of the beam times its length,
 and nothing moves when the whole turns.
@@ -274,7 +273,20 @@ def lossy(plan: Plan) -> Plan:
     """`plan` with its stiffness scaled by the loss factor of each part, so that exudyn's stiffness of it is sum of eta_p K_p."""
     eta = plan.loss_factors
     ports = tuple(replace(p, stiffness=eta.get(p.part, 0.0) * p.stiffness) for p in plan.ports)
-    return replace(plan, members=tuple(_scaled(member, plan) for member in plan.members), ports=ports)
+    members = []
+    for member in plan.members:
+        section = member.section
+        if isinstance(section, Sandwich):
+            bottom, layer, top = (eta.get(part, 0.0) for part in section.parts)
+            face = float(np.mean([bottom, top]))
+            faces = _times(section.faces, face)
+            scaled: Section | Sandwich = replace(
+                section, faces=faces, stretching=face * section.stretching, slip=layer * section.slip
+            )
+        else:
+            scaled = _times(section, eta.get(member.part, 0.0))
+        members.append(replace(member, section=scaled))
+    return replace(plan, members=tuple(members), ports=ports)
 
 
 def viscous(plan: Plan, frequency: float) -> Plan:
@@ -284,16 +296,6 @@ def viscous(plan: Plan, frequency: float) -> Plan:
     """
     omega = 2 * np.pi * frequency
     return lossy(replace(plan, loss_factors={part: eta / omega for part, eta in plan.loss_factors.items()}))
-
-
-def _scaled(member: Member, plan: Plan) -> Member:
-    eta, section = plan.loss_factors, member.section
-    if not isinstance(section, Sandwich):
-        return replace(member, section=_times(section, eta.get(member.part, 0.0)))
-    bottom, layer, top = (eta.get(part, 0.0) for part in section.parts)
-    face = float(np.mean([bottom, top]))
-    faces = _times(section.faces, face)
-    return replace(member, section=replace(section, faces=faces, stretching=face * section.stretching, slip=layer * section.slip))
 
 
 def _times(section: Section, factor: float) -> Section:
@@ -309,17 +311,15 @@ def refined(plan: Plan, pieces: int) -> Plan:
     A new node between two that ride on the same body rides on it as well.
     """
     nodes, carriers = list(plan.nodes), list(plan.carriers)
-    members = tuple(_cut(member, pieces, nodes, carriers) for member in plan.members)
-    return replace(plan, nodes=np.array(nodes), carriers=tuple(carriers), members=members)
-
-
-def _cut(member: Member, pieces: int, nodes: list[Array], carriers: list[int]) -> Member:
-    chain = [member.nodes[0]]
-    for a, b in pairwise(member.nodes):
-        rigid = carriers[a] == carriers[b]
-        for share in np.arange(1, pieces) / pieces:
-            carriers.append(carriers[a] if rigid else len(nodes))
-            chain.append(len(nodes))
-            nodes.append(nodes[a] + share * (nodes[b] - nodes[a]))
-        chain.append(b)
-    return replace(member, nodes=tuple(chain))
+    members = []
+    for member in plan.members:
+        chain = [member.nodes[0]]
+        for a, b in pairwise(member.nodes):
+            rigid = carriers[a] == carriers[b]
+            for share in np.arange(1, pieces) / pieces:
+                carriers.append(carriers[a] if rigid else len(nodes))
+                chain.append(len(nodes))
+                nodes.append(nodes[a] + share * (nodes[b] - nodes[a]))
+            chain.append(b)
+        members.append(replace(member, nodes=tuple(chain)))
+    return replace(plan, nodes=np.array(nodes), carriers=tuple(carriers), members=tuple(members))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import Any
@@ -10,18 +10,17 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from fem.base_excitation.patterns import BaseMotion, Jet, Sweep, sine, window
+from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.response import Response
 from fem.beam import articles
 from fem.beam.elements import Sandwich
-from fem.beam.frame import Body, Member, Plan, assemble, inertia, placed
+from fem.beam.frame import Body, Member, Plan, inertia, placed
 from fem.exudyn import driven_rig, frame
 from fem.exudyn.driven_rig import Drive, Number, Progress, Scene, recorded, targets, watch_node, watch_object
 from fem.exudyn.driven_run import Solver, described, integrate, simulation
-from fem.exudyn.frame import Native, viscous
+from fem.exudyn.frame import viscous
 from fem.exudyn.run import failed, finite, kept, running
 from geometry.articles import built_in
-from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen
 from geometry.inertia import Inertia, judge
@@ -78,7 +77,10 @@ def able_to_turn(plan: Plan) -> Plan:
         weightless = replace(member.section, mass=0.0, rotary_y=0.0, rotary_z=0.0)
         for (a, b), given in zip(_elements(member), near, strict=True):
             members.append(replace(member, nodes=(a, b), section=weightless if given else member.section))
-            bodies += _halves(plan, member, a, b) if given else []
+            if given:
+                middle, rod = (plan.nodes[a] + plan.nodes[b]) / 2, replace(member, nodes=(0, 1))
+                ends = [(node, np.array([plan.nodes[node], middle])) for node in (a, b)]
+                bodies += [Body(node=node, inertia=inertia(rod, half)) for node, half in ends]
     filled = replace(plan, members=tuple(members), bodies=tuple(bodies))
     for node, body in _carried(filled).items():
         if not judge(body).physical:
@@ -100,12 +102,6 @@ def _carried(plan: Plan) -> dict[int, Inertia]:
 
 def _elements(member: Member) -> list[tuple[int, int]]:
     return list(zip(member.nodes[:-1], member.nodes[1:], strict=True))
-
-
-def _halves(plan: Plan, member: Member, a: int, b: int) -> list[Body]:
-    middle = (plan.nodes[a] + plan.nodes[b]) / 2
-    rod = replace(member, nodes=(0, 1))
-    return [Body(node=node, inertia=inertia(rod, np.array([plan.nodes[node], middle]))) for node in (a, b)]
 
 
 # `Conditions`: under what an article is driven, and what motions and methods can be used for it.
@@ -158,36 +154,6 @@ class Conditions:
             raise _bad("axes", f"it must be table or laboratory, found {self.axes!r}", "Name one of them")
         places = {name: frozen(place, (3,), f"places.{name}") for name, place in self.places.items()}
         object.__setattr__(self, "places", MappingProxyType(places))
-
-
-def require_followable(motion: BaseMotion) -> None:
-    """
-    Raises
-    ------
-    BadInput : a motion of one sample, one that does not begin at rest in the origin, or a beta near a quarter turn.
-    """
-    if len(motion.displacement) < 2:
-        raise _refused(motion, "displacement", "at least two samples are needed, found one", "Give a longer motion")
-    for name in ("displacement", "velocity"):
-        values = np.abs(getattr(motion, name))
-        if np.any(values[0] > AT_REST * values.max(axis=0)):
-            problem = f"it must begin at rest in the origin, found {values[0].tolist()} in the first sample"
-            raise _refused(motion, name, problem, "Start it softly")
-    steepest = float(np.abs(motion.displacement[:, 4]).max())
-    if steepest > STEEP:
-        problem = f"beta must stay within {STEEP} rad, where the angles are unique, found {steepest:.3g} rad"
-        raise _refused(motion, "displacement", problem, "Lower the level, or turn about x or z")
-
-
-def require_unconditional(solver: Solver) -> None:
-    """
-    Raises
-    ------
-    BadInput : a method that is not stable for stiff beams, or lets their joints drift.
-    """
-    if solver.method != SOLVER.method:
-        problem = f"beams that swing at a megahertz and joints that turn far need {SOLVER.method}, found {solver.method}"
-        raise BadInput(source="solver", field="method", problem=problem, remedy=f"Take {SOLVER.method} and halve the step")
 
 
 def _bad(name: str, problem: str, remedy: str) -> BadInput:
@@ -264,27 +230,6 @@ class Table:
     places: Mapping[str, Number]
 
 
-def accelerations(scene: Scene, table: Table) -> Array:
-    """(n, 6) of the table's origin [m/s²] and its angular acceleration [rad/s²], in the laboratory's axes."""
-    return recorded(scene, table.accelerations)
-
-
-def loads(scene: Scene, table: Table) -> Array:
-    """(n, 6) force [N] and moment [N m] about the origin of the table on its load, in the table's axes."""
-    return np.asarray(recorded(scene, table.loads) * SIGNS)
-
-
-def _watch_place(scene: Scene, native: Native, place: Array) -> Number:
-    node = int(np.argmin(np.linalg.norm(native.points - place, axis=1)))
-    sensor = scene.items.SensorBody(
-        bodyNumber=_massless(scene, node),
-        localPosition=(place - native.points[node]).tolist(),
-        outputVariableType=scene.exudyn.OutputVariableType.Acceleration,
-        storeInternal=True,
-    )
-    return int(scene.system.AddSensor(sensor))
-
-
 def _massless(scene: Scene, node: Number) -> Number:
     """A body that marks places around `node`."""
     return int(scene.system.AddObject(scene.items.ObjectRigidBody(mass=0.0, inertia=[0.0] * 6, nodeNumber=node)))
@@ -294,7 +239,7 @@ def _marker(scene: Scene, body: Number, place: Array) -> Number:
     return int(scene.system.AddMarker(scene.items.MarkerBodyRigid(bodyNumber=body, localPosition=place.tolist())))
 
 
-# How a table turns: rotation, spin and what accelerometers on it sense, without any assumption of smallness.
+# How a table turns: rotation and spin, without any assumption of smallness.
 #
 # With the angles alpha, beta, gamma of `BaseMotion` a vector of the table's axes is, in the laboratory's,
 #
@@ -338,11 +283,6 @@ class Turning:
         return _product_each("nij,nj->ni", self.rotation, vectors)
 
 
-def rotation(angles: npt.ArrayLike) -> Array:
-    """R (n, 3, 3) of Tait-Bryan angles (n, 3) [rad] about x, y, z."""
-    return np.asarray(np.stack(_axes(np.asarray(angles, dtype=np.float64))[1], axis=-1))
-
-
 def turning(motion: BaseMotion) -> Turning:
     """How the table of `motion` turns."""
     angles, rates, accelerations = (x[:, 3:] for x in (motion.displacement, motion.velocity, motion.acceleration))
@@ -350,24 +290,6 @@ def turning(motion: BaseMotion) -> Turning:
     a, b, c = (rate[:, None] * axis for rate, axis in zip(rates.T, turned_about, strict=True))
     spin_rate = sum(x[:, None] * axis for x, axis in zip(accelerations.T, turned_about, strict=True))
     return Turning(rotation=np.stack(axes, axis=-1), spin=a + b + c, spin_rate=spin_rate + np.cross(a, b) + np.cross(a + b, c))
-
-
-def accelerometer(motion: BaseMotion, place: npt.ArrayLike, gravity: float = 0.0) -> Array:
-    """(n, 3) [m/s²] what an accelerometer fixed to the table at `place` reads, in the table's axes.
-
-    R^T (p'' + g z) + omega' x r + omega x (omega x r) with omega, omega' and r in the table's axes: the last term is the
-    centripetal one that the linear [G] of Eq. 3 does not know, the term of g is what gravity makes it read at rest and in a tilt.
-    In the reference point R^T p'' is left, and R^T omega' is at once the derivative of the spin as the table sees it.
-
-    Parameters
-    ----------
-    place : (3,) [m] from the reference point, in the table's axes
-    gravity : g [m/s²], 0 for a purely kinematic reading
-    """
-    turned, r = turning(motion), np.asarray(place, dtype=np.float64)
-    spin, spin_rate = (turned.seen_from_table(x) for x in (turned.spin, turned.spin_rate))
-    straight = turned.seen_from_table(motion.acceleration[:, :3] + gravity * np.array([0.0, 0.0, 1.0]))
-    return np.asarray(straight + np.cross(spin_rate, r) + np.cross(spin, np.cross(spin, r)))
 
 
 def _product_each(product: str, matrices: Array, vectors: npt.ArrayLike) -> Array:
@@ -447,10 +369,24 @@ def respond_of_plan(
 
     Raises
     ------
-    BadInput, CheckFailed : as `respond`.
+    BadInput : a motion of one sample, one that does not begin at rest in the origin, or a beta near a quarter turn; a method that
+        is not stable for stiff beams, or lets their joints drift; an article or condition that cannot be used.
+    CheckFailed : as `respond`.
     """
-    require_followable(motion)
-    require_unconditional(solver)
+    if len(motion.displacement) < 2:
+        raise _refused(motion, "displacement", "at least two samples are needed, found one", "Give a longer motion")
+    for name in ("displacement", "velocity"):
+        values = np.abs(getattr(motion, name))
+        if np.any(values[0] > AT_REST * values.max(axis=0)):
+            problem = f"it must begin at rest in the origin, found {values[0].tolist()} in the first sample"
+            raise _refused(motion, name, problem, "Start it softly")
+    steepest = float(np.abs(motion.displacement[:, 4]).max())
+    if steepest > STEEP:
+        problem = f"beta must stay within {STEEP} rad, where the angles are unique, found {steepest:.3g} rad"
+        raise _refused(motion, "displacement", problem, "Lower the level, or turn about x or z")
+    if solver.method != SOLVER.method:
+        problem = f"beams that swing at a megahertz and joints that turn far need {SOLVER.method}, found {solver.method}"
+        raise BadInput(source="solver", field="method", problem=problem, remedy=f"Take {SOLVER.method} and halve the step")
     steps = solver.subdivision or 1
     with running(TASK) as exudyn:
         scene, table = _assembled(exudyn, placed(plan, -motion.reference_point), motion, conditions)
@@ -460,11 +396,13 @@ def respond_of_plan(
         steering = Drive(scene, table.axes, path, motion.sampling_rate * steps, progress)
         stopped = integrate(scene, _simulation(exudyn, motion, solver, steps), steering)
         if stopped is None:
-            told = {**described(solver, motion.sampling_rate, steps), **settings, **_said(conditions), "route": ROUTE}
+            said = {f.name: getattr(conditions, f.name) for f in fields(conditions)}
+            said |= {"places": {name: place.tolist() for name, place in conditions.places.items()}, "route": ROUTE}
+            told = {**described(solver, motion.sampling_rate, steps), **settings, **said}
             turned = turning(motion)
-            load = finite(loads(scene, table), TASK)
+            load = finite(recorded(scene, table.loads) * SIGNS, TASK)
             at_rest = load[0] if conditions.gravity else np.zeros(6)
-            acceleration = finite(accelerations(scene, table), TASK)
+            acceleration = finite(recorded(scene, table.accelerations), TASK)
             places = {name: finite(recorded(scene, (sensor,)), TASK) for name, sensor in table.places.items()}
             in_table = conditions.axes == "table"
             acceleration = _turned_each(turned.seen_from_table, acceleration) if in_table else acceleration
@@ -500,18 +438,28 @@ def _assembled(exudyn: Any, plan: Plan, motion: BaseMotion, conditions: Conditio
             if kind in HEAVY:
                 marker = scene.system.AddMarker(scene.items.MarkerBodyMass(bodyNumber=number))
                 scene.system.AddLoad(scene.items.LoadMassProportional(markerNumber=marker, loadVector=[0.0, 0.0, -gravity]))
-    places = {name: place - motion.reference_point for name, place in conditions.places.items()}
     # A table in the origin, joined to the foot of `article` there; places (3,) [m] ride on the node that is nearest to them
     moving = driven_rig.massless(scene)
     axes = driven_rig.driven(scene, moving, velocity=False)
     foot = article.nodes[0][0]
     ends = [_marker(scene, moving.body, np.zeros(3)), _marker(scene, _massless(scene, foot), -article.points[foot])]
     joint = int(scene.system.AddObject(scene.items.ObjectJointGeneric(markerNumbers=ends)))
+    places = {}
+    for name, place in conditions.places.items():
+        at = place - motion.reference_point
+        node = int(np.argmin(np.linalg.norm(article.points - at, axis=1)))
+        sensor = items.SensorBody(
+            bodyNumber=_massless(scene, node),
+            localPosition=(at - article.points[node]).tolist(),
+            outputVariableType=exudyn.OutputVariableType.Acceleration,
+            storeInternal=True,
+        )
+        places[name] = int(scene.system.AddSensor(sensor))
     table = Table(
         axes=axes,
         accelerations=tuple(watch_node(scene, moving.node, output) for output in LEVEL),
         loads=tuple(watch_object(scene, joint, output) for output in ("ForceLocal", "TorqueLocal")),
-        places={name: _watch_place(scene, article, place) for name, place in places.items()},
+        places=places,
     )
     scene.system.Assemble()
     return scene, table
@@ -538,174 +486,3 @@ def _simulation(exudyn: Any, motion: BaseMotion, solver: Solver, steps: int) -> 
 def _turned_each(turned: Callable[[Array], Array], six: Array) -> Array:
     """Forces and moments, or both kinds of acceleration (n, 6), each in other axes."""
     return np.hstack([turned(six[:, :3]), turned(six[:, 3:])])
-
-
-def _said(conditions: Conditions) -> dict[str, object]:
-    values = {f.name: getattr(conditions, f.name) for f in fields(conditions)}
-    return {**values, "places": {name: place.tolist() for name, place in conditions.places.items()}}
-
-
-# What the limit of small motion costs: the load that the linear equations leave out, measured in exudyn level by level.
-#
-# The linear response to a motion is that of the same model at a level so small that nothing but it is left, scaled up. What
-# remains of the full one is compared with it in one figure for all six components, the size of a load,
-#
-#     |f|² = f^T M^-1 f,
-#
-# with M the rigid mass matrix about the reference point. Force and moment so have one unit, and for a rigid body turning about
-# one axis there is a bound: |M a| is the norm of the field of accelerations, weighed with the mass. Tangential accelerations
-# omega' r and centripetal ones omega² r belong to the same radii, and the load has only the share of them that a rigid motion
-# can have, so that at any instant
-#
-#     share left out <= largest omega² / largest omega',
-#
-# which for a sine is its angle. It is proportional to the level, and lies at rest and at twice the driven frequency; at the
-# driven frequency itself there is nothing of it. An elastic article answers to it at these other frequencies, which may come
-# nearer to a resonance than the driven one, and turns second order into third at the driven one. The record of a sweep as a
-# whole has no such separation: the line f also holds twice the frequency that was driven at f / 2.
-#
-# Where an axis is driven along and another about at once, the load also turns away from the prescribed acceleration, by the
-# angle. Whoever measures it on the table does not see that: accelerometers and load cells turn together.
-
-
-FACTORS = (1.0, 3.0, 10.0, 30.0)
-"""Times the nominal levels: from angles of some milliradians to some tenths of a radian."""
-
-SMALL = 1e-4
-"""Times the nominal level: what is of second order is then below the seventh digit."""
-
-RISE, STEADY = 2, 4
-"""Cycles of a sine in which it rises and in which it stays."""
-
-TINY = 1e-300
-"""Where a logarithm is still a number."""
-
-STEPS = 64
-"""Of the integration in a cycle of the sine; its own error is that of the linear response too, and cancels."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Cost:
-    """What the linear equations leave out of one run.
-
-    Attributes
-    ----------
-    factor : on the nominal level
-    angle : [rad] largest
-    rate : [rad/s] largest
-    peak : largest share of the load that is left out [1], over the largest load
-    rms : the same of the root mean squares over the record
-    at_line : the same at the driven frequency alone
-    """
-
-    factor: float
-    angle: float
-    rate: float
-    peak: float
-    rms: float
-    at_line: float
-
-
-def of_a_sine(
-    plan: Plan,
-    axes: Sequence[str],
-    factors: Sequence[float] = FACTORS,
-    conditions: Conditions = Conditions(),
-    *,
-    frequency: float = 4.0,
-    progress: Progress | None = None,
-) -> tuple[Cost, ...]:
-    """The costs of a sine at `frequency` [Hz] of all `axes` at once, in phase, at `factors` times their nominal levels.
-
-    Raises
-    ------
-    BadInput, CheckFailed : as `fem.exudyn.large_motion.respond`.
-    """
-    weight, levels = size_of(plan), {axis: LEVELS[axis] for axis in axes}
-    small = _load(plan, sine_of({axis: SMALL * level for axis, level in levels.items()}, frequency), conditions) / SMALL
-    found = []
-    for number, factor in enumerate(factors):
-        motion = sine_of({axis: factor * level for axis, level in levels.items()}, frequency)
-        found.append(_cost(factor, motion, _load(plan, motion, conditions) - factor * small, factor * small, weight, frequency))
-        if progress is not None:
-            progress((number + 1) / len(factors))
-    return tuple(found)
-
-
-def of_a_sweep(plan: Plan, axis: str, factor: float = 1.0, *, rate: float = 30.0, sampling_rate: float = 512.0) -> Array:
-    """(n, 2) lines [Hz] of the band of a sweep and the share of the load left out at each, in the spectrum of the whole record.
-
-    Parameters
-    ----------
-    rate : [octaves per minute]; a slow sweep and a fast one have the same shares, as both pass a line and its half alike
-    """
-    sweep = Sweep(axis=axis, level=factor, rate=rate)
-    motions = [Sweep(axis=axis, level=k, rate=rate).motion(sampling_rate, ring_down=1.0) for k in (factor, factor * SMALL)]
-    full, small = (_load(plan, motion, Conditions()) for motion in motions)
-    linear, weight = small / SMALL, size_of(plan)
-    lines = np.fft.rfftfreq(len(full), 1 / sampling_rate)
-    band = (lines >= sweep.start) & (lines <= sweep.stop)
-    sizes = [_size(np.fft.rfft(load, axis=0)[band], weight) for load in (full - linear, linear)]
-    return np.column_stack([lines[band], sizes[0] / sizes[1]])
-
-
-def exponents(costs: Sequence[Cost]) -> Mapping[str, float]:
-    """With which power of the level each share grows: 1 for what is of second order in the motion, 2 for third."""
-    grown = np.log([cost.factor for cost in costs])
-    shares = {name: np.log([max(getattr(cost, name), TINY) for cost in costs]) for name in ("peak", "rms", "at_line")}
-    return {name: float(np.polyfit(grown, share, 1)[0]) for name, share in shares.items()}
-
-
-def size_of(plan: Plan) -> Array:
-    """M^-1 (6, 6) of the whole about the origin, which makes one size of forces and moments."""
-    frame = assemble(plan)
-    return np.asarray(np.linalg.inv(frame.rigid.T @ frame.mass @ frame.rigid), dtype=np.float64)
-
-
-def _load(plan: Plan, motion: BaseMotion, conditions: Conditions) -> Array:
-    return respond_of_plan(plan, motion, conditions).load
-
-
-def sine_of(levels: Mapping[str, float], frequency: float) -> BaseMotion:
-    """A sine of all axes in phase that rises to `levels` [m/s², rad/s²] in `RISE` cycles and stays there for `STEADY`."""
-    omega, rate = 2 * np.pi * frequency, STEPS * frequency
-    time = np.arange((RISE + STEADY) * STEPS + 1) / rate
-    end = float(time[-1])
-    angle = Jet(omega * time, np.full_like(time, omega), np.zeros_like(time))
-    jet = omega**-2 * (window(time, 0.0, RISE / frequency, 2 * end, 3 * end) * sine(angle))
-    level = [-levels.get(axis, 0.0) for axis in MOTIONS]
-    displacement, velocity, acceleration = (np.outer(x, level) for x in (jet.value, jet.first, jet.second))
-    return BaseMotion(
-        sampling_rate=rate,
-        displacement=displacement,
-        velocity=velocity,
-        acceleration=acceleration,
-        driven=end,
-        label=f"sine {frequency:g} Hz, {' and '.join(levels)}",
-    )
-
-
-def _cost(factor: float, motion: BaseMotion, left: Array, linear: Array, weight: Array, frequency: float) -> Cost:
-    over_time = [_size(load, weight) for load in (left, linear)]
-    at_line = [float(_size(_line(load, motion, frequency), weight)[0]) for load in (left, linear)]
-    angle, rate = (float(np.linalg.norm(x[:, 3:], axis=1).max()) for x in (motion.displacement, motion.velocity))
-    return Cost(
-        factor=factor,
-        angle=angle,
-        rate=rate,
-        peak=float(over_time[0].max() / over_time[1].max()),
-        rms=float(np.linalg.norm(over_time[0]) / np.linalg.norm(over_time[1])),
-        at_line=at_line[0] / at_line[1],
-    )
-
-
-def _line(load: Array, motion: BaseMotion, frequency: float) -> ComplexArray:
-    """(1, 6) of whole steady cycles under a Hann window, which lets nothing in from rest and from twice the frequency."""
-    steady = slice(RISE * STEPS, -1)
-    turn = np.hanning(STEADY * STEPS + 1)[:-1] * np.exp(-2j * np.pi * frequency * motion.time[steady])
-    return np.asarray(turn @ load[steady])[None, :]
-
-
-def _size(loads: Array | ComplexArray, weight: Array) -> Array:
-    """(n,) of loads (n, 6), real or complex."""
-    return np.asarray(np.sqrt(np.einsum("ni,ij,nj->n", loads.conj(), weight, loads).real))

@@ -13,13 +13,11 @@ from fem.beam import articles
 from fem.beam.articles import Joint
 from fem.beam.frame import Plan
 from fem.damping import DEFAULT_RATIO
-from fem.dynamic_mass import LINES, modal
-from fem.exudyn import floating_frame, frame
+from fem.exudyn import frame
 from fem.exudyn.frame import lossy, refined
 from fem.exudyn.run import failed, finite, running
 from fem.modes import Condensed, Modes
-from fem.structure import Structure, rigid_motion
-from geometry.dynamic_mass import ComplexArray, DynamicMass
+from fem.structure import rigid_motion
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers, frozen
 
@@ -107,8 +105,14 @@ def linearise(plan: Plan, count: int) -> Linearised:
         mass, stiffness, _damping, *rest = free.system.ComputeLinearizedSystem(returnConstraintJacobian=True)
     n = 6 * len(free.points)
     constraints = rest[0] if rest else np.zeros((n, 0))
-    # A body without beams or springs has nothing that swings, and exudyn would be left without an equation.
-    frequency, shapes = _eigen(plan, count) if plan.members or plan.ports else (np.zeros(0), np.zeros((n, 0)))
+    frequency, shapes = np.zeros(0), np.zeros((n, 0))
+    if plan.members or plan.ports:  # a body without has nothing that swings, and exudyn would be left without an equation
+        task = "solve for the eigenfrequencies"
+        with running(task) as exudyn:  # the base held by a joint
+            held = frame.build(exudyn, plan, held=True)
+            squares, found = held.system.ComputeODE2Eigenvalues(numberOfEigenvalues=count, useAbsoluteValues=False)
+        frequency, shapes = _frequencies(squares, task), finite(found, task)
+        task = "linearise the frame"
     result = Linearised(
         mass=finite(mass, task),
         stiffness=finite(stiffness, task),
@@ -125,29 +129,6 @@ def linearise(plan: Plan, count: int) -> Linearised:
     return result
 
 
-def linearise_body(system: MainSystem, count: int, task: str) -> Linearised:
-    """Let exudyn linearise a body without joints whose first six coordinates are its base, and find its lowest `count` modes.
-
-    Raises
-    ------
-    CheckFailed : exudyn failed at `task`, or a result is not finite.
-    """
-    with running(task):
-        mass, stiffness, _damping = system.ComputeLinearizedSystem()
-        # Without a number of modes exudyn returns no shapes at all; with absolute values it makes a frequency of an instability.
-        squares, shapes = system.ComputeODE2Eigenvalues(
-            constrainedCoordinates=list(range(BASE)), numberOfEigenvalues=count, useAbsoluteValues=False
-        )
-    return Linearised(
-        mass=finite(mass, task),
-        stiffness=finite(stiffness, task),
-        constraints=np.zeros((len(mass), 0)),
-        rigid=np.eye(len(mass), BASE),
-        frequency=_frequencies(squares, task),
-        shapes=finite(shapes, task),
-    )
-
-
 def stiffness_of(plan: Plan) -> Array:
     """The (n, n) stiffness of `plan` by exudyn.
 
@@ -158,15 +139,6 @@ def stiffness_of(plan: Plan) -> Array:
     task = "linearise the lossy frame"
     with running(task) as exudyn:
         return finite(frame.build(exudyn, plan, held=False).system.ComputeLinearizedSystem()[1], task)
-
-
-def _eigen(plan: Plan, count: int) -> tuple[Array, Array]:
-    """Frequencies (m,) [Hz] and shapes (n, m) by exudyn, base held by a joint."""
-    task = "solve for the eigenfrequencies"
-    with running(task) as exudyn:
-        held = frame.build(exudyn, plan, held=True)
-        squares, shapes = held.system.ComputeODE2Eigenvalues(numberOfEigenvalues=count, useAbsoluteValues=False)
-    return _frequencies(squares, task), finite(shapes, task)
 
 
 def _frequencies(squares: npt.ArrayLike, task: str) -> Array:
@@ -198,34 +170,8 @@ WINDOW = 0.3
 """How far in frequency, relative, coarse modes may lie to be taken for a fine one."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Found:
-    """Modes on the mesh of `system`, and where extrapolation puts them; all ascending."""
-
-    system: Linearised
-    shapes: Array  # (N, n), mass-normalised
-    squares: Array  # (n,) [(rad/s)²]
-    participation: Array  # (6, n)
-    static: Array  # (6, 6), of all modes
-    own: Array  # (n, n) modal stiffness on the mesh itself
-
-
-def single(system: Linearised, lossy: Array, reference_point: Array, count: int) -> Modes:
-    """The lowest `count` modes of `system`; `lossy` (n, n) is the sum of eta_p K_p in its coordinates."""
-    squares = _squares(system)[:count]
-    found = _Found(
-        system=system,
-        shapes=system.shapes[:, :count],
-        squares=squares,
-        participation=system.participation[:, :count],
-        static=system.compliance(),
-        own=np.diag(squares),
-    )
-    return _modes(found, lossy, reference_point)
-
-
 def extrapolated(coarse: Linearised, fine: Linearised, lossy: Array, reference_point: Array, count: int) -> Modes:
-    """The lowest `count` modes that `coarse` and `fine` lead to; `lossy` is that of `fine`.
+    """The lowest `count` modes that `coarse` and `fine` lead to; `lossy` (n, n) is the sum of eta_p K_p in those of `fine`.
 
     The nodes of the plan of `coarse` come first in that of `fine`.
 
@@ -241,58 +187,40 @@ def extrapolated(coarse: Linearised, fine: Linearised, lossy: Array, reference_p
     squares, V = np.linalg.eigh(_symmetric(A))
     if squares.size and squares[0] <= 0:
         raise failed("solve on two meshes", "both lead to a negative squared frequency; the coarser one needs more elements")
-    found = _Found(
-        system=fine,
-        shapes=fine.shapes[:, :count] @ V,
-        squares=squares,
-        participation=L @ V,
-        static=_richardson(coarse.compliance(), fine.compliance()),
-        own=V.T @ own @ V,
+    # Where extrapolation puts the modes: L (6, n), shapes (N, n), and their modal stiffness on the mesh of `fine` itself
+    omega, shapes, L, own = np.sqrt(squares), fine.shapes[:, :count] @ V, L @ V, V.T @ own @ V
+    moved = omega / np.sqrt(np.diag(own))
+    S = np.outer(moved, moved) * (shapes.T @ lossy @ shapes)  # damping from the strain energy of the shapes
+    residual = _symmetric(_richardson(coarse.compliance(), fine.compliance()) - (L / squares) @ L.T)
+    together = None
+    if squares.size and lossy.any():
+        # What the loss makes of stiffness, participation and residual, as `fem.modes` has it. The mesh's own couplings by loss
+        # are kept; its modal stiffness is scaled by `moved` on both sides, its participation and residual are shifted, to where
+        # extrapolation has put the undamped ones.
+        n, P = squares.size, fine.mass @ fine.rigid
+        own_L = P.T @ shapes
+        F = fine.answer(np.hstack([fine.mass @ shapes, P]), lossy)
+        inverse = np.linalg.inv(F[:n, :n])
+        X = inverse @ F[:n, n:]
+        R = F[n:, n:] - F[n:, :n] @ X + residual - (fine.compliance() - own_L @ np.linalg.solve(own, own_L.T))
+        turned = np.asarray(np.outer(moved, moved) * inverse, dtype=np.complex128)
+        together = Condensed(stiffness=(turned + turned.T) / 2, participation=X.T + (L - own_L), residual=(R + R.T) / 2)
+    return Modes(
+        frequency=omega / (2 * np.pi),
+        damping_ratio=np.diag(S) / (2 * squares),
+        participation=L,
+        rigid_mass=_symmetric(fine.rigid_mass),
+        residual=residual,
+        reference_point=reference_point,
+        shapes=np.zeros((0, len(squares))),
+        viscous=np.zeros((len(squares), len(squares))),
+        structural=_symmetric(S),
+        condensed=together,
     )
-    return _modes(found, lossy, reference_point)
 
 
 def _squares(system: Linearised) -> Array:
     return np.asarray((2 * np.pi * system.frequency) ** 2)
-
-
-def _modes(found: _Found, lossy: Array, reference_point: Array) -> Modes:
-    """`found` as `Modes`; damping from the strain energy of its shapes."""
-    n, omega, L = found.squares.size, np.sqrt(found.squares), found.participation
-    moved = omega / np.sqrt(np.diag(found.own))
-    S = np.outer(moved, moved) * (found.shapes.T @ lossy @ found.shapes)
-    residual = _symmetric(found.static - (L / found.squares) @ L.T)
-    return Modes(
-        frequency=omega / (2 * np.pi),
-        damping_ratio=np.diag(S) / (2 * found.squares),
-        participation=L,
-        rigid_mass=_symmetric(found.system.rigid_mass),
-        residual=residual,
-        reference_point=reference_point,
-        shapes=np.zeros((0, n)),
-        viscous=np.zeros((n, n)),
-        structural=_symmetric(S),
-        condensed=_condensed(found, lossy, moved, residual) if n and lossy.any() else None,
-    )
-
-
-def _condensed(found: _Found, lossy: Array, moved: Array, residual: Array) -> Condensed:
-    """What the loss makes of stiffness, participation and residual, as `fem.modes` has it, on the mesh and carried along.
-
-    The mesh's own couplings by loss are kept; its modal stiffness is scaled by `moved` on both sides, its participation and
-    residual are shifted, to where extrapolation has put the undamped ones.
-    """
-    system, n = found.system, found.squares.size
-    P = system.mass @ system.rigid
-    own_L = P.T @ found.shapes
-    F = system.answer(np.hstack([system.mass @ found.shapes, P]), lossy)
-    A = np.linalg.inv(F[:n, :n])
-    X = A @ F[:n, n:]
-    R = F[n:, n:] - F[n:, :n] @ X + residual - (system.compliance() - own_L @ np.linalg.solve(found.own, own_L.T))
-    stiffness = np.asarray(np.outer(moved, moved) * A, dtype=np.complex128)
-    return Condensed(
-        stiffness=(stiffness + stiffness.T) / 2, participation=X.T + (found.participation - own_L), residual=(R + R.T) / 2
-    )
 
 
 def _turn(coarse: Linearised, fine: Linearised, count: int) -> tuple[Integers, Array]:
@@ -327,12 +255,8 @@ def _symmetric(matrix: Array) -> Array:
     return np.asarray((matrix + matrix.T) / 2)
 
 
-# Eigenfrequencies and dynamic mass by exudyn: from native beams for the built-in articles, from full matrices for any solid.
-#
-# The native beams are the default of ``--model exudyn``. They take from `fem.beam.articles` where things are and what their
-# sections are,
-# and nothing of its elements or eigen-solution. `modes_of_solid` gives exudyn a solid's full sparse matrices; there exudyn
-# solves, but the elements are ours.
+# Eigenfrequencies by exudyn's native beams, ``--model exudyn``: they take from `fem.beam.articles` where things are and what
+# their sections are, and nothing of its elements or eigen-solution.
 
 
 ELEMENTS = 8
@@ -368,28 +292,6 @@ def modes(
     return modes_of_plan(articles.article_plan(article_name, changes, elements=elements, cells=cells, joints=joints), count)
 
 
-def dynamic_mass(
-    article_name: str,
-    frequency: npt.ArrayLike = LINES,
-    changes: Mapping[str, float] = articles.NO_CHANGES,
-    *,
-    count: int = 30,
-    elements: int = ELEMENTS,
-    cells: npt.ArrayLike | None = None,
-    joints: Sequence[Joint] = (),
-) -> DynamicMass:
-    """Blocked dynamic mass at `frequency` (n,) [Hz] about the article's origin, from exudyn's linearised, base-driven system.
-
-    Its modes are those of `modes`, with the static share of all others.
-
-    Raises
-    ------
-    BadInput, CheckFailed : as `modes`.
-    """
-    found = modes(article_name, count, changes, elements=elements, cells=cells, joints=joints)
-    return modal(found, frequency)
-
-
 def modes_of_plan(plan: Plan, count: int = 30) -> Modes:
     """The lowest `count` fixed-base modes of the frame `plan` about its origin, extrapolated from its mesh and one twice as fine.
 
@@ -398,110 +300,11 @@ def modes_of_plan(plan: Plan, count: int = 30) -> Modes:
     BadInput : no mode asked for.
     CheckFailed : exudyn failed.
     """
-    _require_some(count)
+    if count < 1:
+        raise BadInput(source="modes", field="count", problem=f"at least one mode is needed, found {count}", remedy="Ask for 30")
     finer = refined(plan, 2)
     coarse, fine = (linearise(mesh, count + EXTRA) for mesh in (plan, finer))
     found = min(count, coarse.frequency.size)
-    return extrapolated(coarse, fine, _lossy(finer, fine), np.zeros(3), found)
-
-
-def modes_of_solid(structure: Structure, count: int = 30) -> Modes:
-    """The lowest `count` fixed-base modes of a solid: exudyn solves its full K and M and linearises its flexible body.
-
-    Raises
-    ------
-    BadInput : a structure that is no solid, no mode asked for.
-    CheckFailed : exudyn failed.
-    """
-    _require_some(count)
-    body = floating_frame.floating_frame(structure, count)
-    system = linearise_body(body.system, count, "linearise the flexible body")
-    if not (structure.loss_factors and structure.part_stiffness):
-        lossy_solid = np.asarray(2 * DEFAULT_RATIO * system.stiffness)
-    else:
-        order, S = structure.translations.ravel(), np.zeros_like(system.stiffness)
-        for part, eta in structure.loss_factors.items():
-            S[6:, 6:] += eta * (body.modes.T @ (structure.part_stiffness[part].tocsr()[order][:, order] @ body.modes))
-        lossy_solid = S
-    return single(system, lossy_solid, structure.reference_point, count)
-
-
-def _lossy(plan: Plan, system: Linearised) -> Array:
-    """Sum of eta_p K_p by exudyn; a structure without loss factors has one ratio for every mode."""
-    return stiffness_of(lossy(plan)) if plan.loss_factors else 2 * DEFAULT_RATIO * system.stiffness
-
-
-def _require_some(count: int) -> None:
-    if count < 1:
-        raise BadInput(source="modes", field="count", problem=f"at least one mode is needed, found {count}", remedy="Ask for 30")
-
-
-# The driven base, line by line: dynamic mass straight from the matrices that exudyn linearises, no modes in between.
-#
-# The base's six coordinates u are prescribed, the others x and the joints' forces lambda follow from
-#
-#     Z = K + i S - omega² M,    Z_xx x + J_x lambda = -Z_xu u,    J_x^T x = -J_u^T u,
-#
-# and the load of the table on the article is F = Z_uu u + Z_ux x + J_u lambda. With u = -a / omega², H = F / a. For a rigid body
-# Z = -omega² M and H = +M: exudyn, too, has its loads on the right-hand side. It is the oracle of the modal sum and slow.
-
-
-def direct(
-    system: Linearised, lossy: Array, frequency: npt.ArrayLike, reference_point: npt.ArrayLike = (0.0, 0.0, 0.0)
-) -> DynamicMass:
-    """Blocked dynamic mass of `system` at `frequency` (n,) [Hz], above zero, with structural damping S = `lossy` (n, n)."""
-    lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
-    matrices = [_line(system, lossy, omega) for omega in 2 * np.pi * lines]
-    point = np.asarray(reference_point, dtype=np.float64)
-    return DynamicMass(frequency=lines, matrix=np.array(matrices).reshape(-1, BASE, BASE), reference_point=point)
-
-
-def _line(system: Linearised, lossy: Array, omega: float) -> ComplexArray:
-    J, c = system.constraints, system.constraints.shape[1]
-    Z = np.block(
-        [[system.stiffness + 1j * lossy - omega**2 * system.mass, J], [J.T, np.zeros((c, c))]]  # base, others, joints
-    )
-    others = np.linalg.solve(Z[BASE:, BASE:], -Z[BASE:, :BASE])
-    return np.asarray((Z[:BASE, :BASE] + Z[:BASE, BASE:] @ others) / -(omega**2))
-
-
-# Plumbing: our reduced matrices put into exudyn as they are.
-#
-# Six rigid motions of the base come first, fixed-base modes after them, as Craig and Bampton order them. Exudyn adds nothing but
-# its own reading of them, so that agreement says that they arrived - not that they are right. It is how a reduced article gets
-# into a larger multibody system.
-
-
-def placed(stiffness: npt.ArrayLike, mass: npt.ArrayLike, damping: npt.ArrayLike | None = None) -> tuple[Any, Any]:
-    """Exudyn's container and assembled system with one `ObjectGenericODE2` of these (6 + n, 6 + n) matrices, the base free.
-
-    Raises
-    ------
-    CheckFailed : exudyn refused them.
-    """
-    K, M = np.asarray(stiffness, dtype=np.float64), np.asarray(mass, dtype=np.float64)
-    C = np.zeros_like(K) if damping is None else np.asarray(damping, dtype=np.float64)
-    with running("take reduced matrices") as exudyn:
-        from exudyn import itemInterface
-
-        items: Any = itemInterface
-
-        container = exudyn.SystemContainer()
-        system = container.AddSystem()
-        rest = {name: [0.0] * len(M) for name in ("referenceCoordinates", "initialCoordinates", "initialCoordinates_t")}
-        node = system.AddNode(items.NodeGenericODE2(numberOfODE2Coordinates=len(M), **rest))
-        item = items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=M, stiffnessMatrix=K, dampingMatrix=C)
-        system.AddObject(item)
-        system.Assemble()
-    return container, system
-
-
-def linearised(stiffness: npt.ArrayLike, mass: npt.ArrayLike) -> Linearised:
-    """What exudyn makes of reduced matrices (6 + n, 6 + n): its linearised system, and all modes with the base held.
-
-    Raises
-    ------
-    CheckFailed : exudyn refused them, or they hold a mode without stiffness.
-    """
-    _container, system = placed(stiffness, mass)
-    return linearise_body(system, len(np.asarray(mass)) - BASE, "linearise reduced matrices")
+    # A structure without loss factors has one ratio for every mode
+    losses = stiffness_of(lossy(finer)) if finer.loss_factors else 2 * DEFAULT_RATIO * fine.stiffness
+    return extrapolated(coarse, fine, losses, np.zeros(3), found)

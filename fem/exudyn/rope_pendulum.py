@@ -21,19 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from fem.exudyn.rope_statics import (
-    VERTICAL,
-    Pose,
-    Ropework,
-    Suspension,
-    at_rest,
-    energy,
-    mass,
-    refused,
-    require_positive,
-    ropework,
-    stiffness,
-)
+from fem.exudyn import rope_statics
+from fem.exudyn.rope_statics import VERTICAL, Pose, Ropework, Suspension, at_rest, refused, require_positive, ropework
 from fem.exudyn.run import exudyn_version, failed, finite, integrated, running, to_exudyn
 from geometry.errors import CheckFailed
 from geometry.frames import Array, frozen
@@ -72,15 +61,9 @@ class Model:
     lowest: tuple[Number, ...]
 
 
-def build(exudyn: Any, work: Ropework, pose: Pose, velocity: Array, torsional: float, stretching: float) -> Model:
-    """`work` in exudyn, starting at `pose` with `velocity` (k,) of the coordinates of `statics`.
-
-    `torsional` [N m s/rad] damps the twist, `stretching` [N s/m] every link that stretches.
-    """
-    return _RopeBuilder(exudyn, work).build(pose, velocity, torsional, stretching)
-
-
 class _RopeBuilder:
+    """`work` put into exudyn piece by piece."""
+
     def __init__(self, exudyn: Any, work: Ropework) -> None:
         from exudyn import itemInterface
 
@@ -90,6 +73,10 @@ class _RopeBuilder:
         self.system = self.container.AddSystem()
 
     def build(self, pose: Pose, velocity: Array, torsional: float, stretching: float) -> Model:
+        """The model, starting at `pose` with `velocity` (k,) of the coordinates of `rope_statics`.
+
+        `torsional` [N m s/rad] damps the twist, `stretching` [N s/m] every link that stretches.
+        """
         ceiling = self.system.AddObject(self.items.ObjectGround())
         body = self._body(pose, velocity[:6])
         joints = self._joints(pose, velocity[6:].reshape(pose.joints.shape))
@@ -213,8 +200,10 @@ def swings(work: Ropework, pose: Pose) -> Swings:
     """
     from scipy.linalg import eigh, null_space
 
-    H, G = stiffness(work, pose)
-    M = mass(work, pose)
+    H, G = rope_statics.stiffness(work, pose)
+    M = work.point_mass * np.eye(work.size)
+    M[:3, :3] = work.body.mass * np.eye(3)
+    M[3:6, 3:6] = pose.rotation @ work.body.tensor @ pose.rotation.T
     c = np.repeat(work.compliance, work.links)
     if c.any():
         Z, K = np.eye(work.size), H + G.T @ (G / c[:, None])
@@ -393,21 +382,44 @@ def swing(
         require_positive("rate", rate, "Hz")
         every = int(np.ceil(1 / (rate * wanted) - 1e-9))
         h = 1 / (rate * every)
-    bearable = coarsest_step(small, stretching=bool(work.compliance.any()))
-    _require_little(
-        work, duration, h, bearable, "step" if step is not None else "rate" if every == 1 and rate is not None else ""
-    )
+    much = duration / h * work.size / MOST
+    if much > 1:  # blame what was asked for steps so short, or links, or time
+        asked = "step" if step is not None else "rate" if every == 1 and rate is not None else ""
+        longer = 1.1 * h * much  # of two digits, and still enough
+        name = asked if asked and longer < needed else "links" if work.links > 1 else "duration"
+        remedy = {"step": f"Use {longer:.2g} s or more", "rate": f"Record at {1 / longer:.2g} Hz or less"}
+        problem = f"{duration / h:.3g} steps of {work.size} coordinates each are {much:.3g} times as many as are simulated"
+        shorter = f"Swing {1.1 * much:.2g} times shorter"
+        if work.links > 1:
+            shorter = "Use fewer, 1 for a straight rope, or swing for less time"
+        raise refused(name, problem, remedy.get(name, shorter))
     steps = every * int(np.ceil(duration / (h * every) - 1e-9))
     held = at_rest(work, suspension.amplitude)
     if suspension.start == "twist":
         start, velocity = held, np.zeros(work.size)
     else:
-        rise = energy(work, held) - energy(work, rest)
+        rise = rope_statics.energy(work, held) - rope_statics.energy(work, rest)
         start, velocity = rest, small.shape * np.sqrt(2 * rise / small.inertia)
+    torsional, stretching = 2 * suspension.damping_ratio * small.inertia * float(small.omega[small.twist]), 0.0
+    if work.compliance.any():  # damping [N s/m] of one link that gives the heave of the body on all ropes its ratio
+        rope = 1 / (work.compliance.mean() * work.links)
+        whole = 2 * suspension.stretch_damping * np.sqrt(work.ropes * rope * work.body.mass)
+        stretching = float(whole / work.ropes * work.links)
+    settings: dict[str, object] = {
+        "solver": "exudyn",
+        "version": exudyn_version(),
+        "method": "generalised alpha, index 3",
+        "spectral_radius": RADIUS,
+        "step_s": h,
+        "steps_per_sample": every,
+        "steps_per_period": small.period / h,
+        "gravity_m_per_s2": gravity,
+        "start": suspension.start,
+    }
     with running(TASK) as exudyn:
-        model = build(exudyn, work, start, velocity, _torsional(small, suspension), _stretching(work, suspension))
+        model = _RopeBuilder(exudyn, work).build(start, velocity, torsional, stretching)
         Watch(steps=steps, step=h, progress=progress).run(model.system, _solver(exudyn, work, h, steps, every), TASK)
-        return _told(model, work, small, _settings(suspension, small, h, every, gravity))
+        return _told(model, work, small, settings)
 
 
 def small_period(inertia: Inertia, suspension: Suspension, gravity: float = STANDARD_GRAVITY) -> float:
@@ -425,34 +437,6 @@ def coarsest_step(small: Swings, *, stretching: bool) -> float:
     """The longest step [s] with which `swing` gives a period of the body and not of the method."""
     slow = small.period / LEAST_STEPS
     return slow if stretching else min(slow, RESOLVED / float(small.omega[-1]))
-
-
-def _require_little(work: Ropework, duration: float, h: float, bearable: float, asked: str) -> None:
-    """Refuse a run of more than `MOST` steps times coordinates, blaming what `asked` for steps so short, or links, or time."""
-    much = duration / h * work.size / MOST
-    if much <= 1:
-        return
-    longer = 1.1 * h * much  # of two digits, and still enough
-    name = asked if asked and longer < bearable else "links" if work.links > 1 else "duration"
-    remedy = {"step": f"Use {longer:.2g} s or more", "rate": f"Record at {1 / longer:.2g} Hz or less"}
-    problem = f"{duration / h:.3g} steps of {work.size} coordinates each are {much:.3g} times as many as are simulated"
-    shorter = f"Swing {1.1 * much:.2g} times shorter"
-    if work.links > 1:
-        shorter = "Use fewer, 1 for a straight rope, or swing for less time"
-    raise refused(name, problem, remedy.get(name, shorter))
-
-
-def _torsional(small: Swings, suspension: Suspension) -> float:
-    return 2 * suspension.damping_ratio * small.inertia * float(small.omega[small.twist])
-
-
-def _stretching(work: Ropework, suspension: Suspension) -> float:
-    """Damping [N s/m] of one link that gives the heave of the body on all ropes its ratio."""
-    if not work.compliance.any():
-        return 0.0
-    rope = 1 / (work.compliance.mean() * work.links)
-    whole = 2 * suspension.stretch_damping * np.sqrt(work.ropes * rope * work.body.mass)
-    return float(whole / work.ropes * work.links)
 
 
 def _solver(exudyn: Any, work: Ropework, h: float, steps: int, every: int) -> Any:
@@ -483,9 +467,11 @@ def _told(model: Model, work: Ropework, small: Swings, settings: dict[str, objec
     feet = centre[:, None, :] + np.einsum("tij,rj->tri", rotation, work.feet)
     top = np.broadcast_to(work.anchors[None, :, None, :], (n, work.ropes, 1, 3))
     chains = np.concatenate([top, joints.transpose(2, 0, 1, 3), feet[:, :, None, :]], axis=2)
-    tension = np.column_stack(
-        [_along(read(sensor)[:, 1:], chain) for sensor, chain in zip(model.lowest, chains.swapaxes(0, 1), strict=True)]
-    )
+    tension = np.empty((n, work.ropes))
+    for i, sensor in enumerate(model.lowest):
+        # Exudyn gives the force of a constraint as a number, that of a spring as a vector
+        force, link = read(sensor)[:, 1:], chains[:, i, -1] - chains[:, i, -2]
+        tension[:, i] = force[:, 0] if force.shape[1] == 1 else np.sum(force * link, axis=1) / np.linalg.norm(link, axis=1)
     # Ropes cannot push, exudyn's links can
     slack = np.argwhere(tension <= 0)
     if len(slack):
@@ -502,25 +488,3 @@ def _told(model: Model, work: Ropework, small: Swings, settings: dict[str, objec
         small_period=small.period,
         settings=settings,
     )
-
-
-def _along(force: Array, chain: Array) -> Array:
-    """Tension (n,) [N] in the lowest link of a rope: exudyn gives that of a constraint as a number, of a spring as a vector."""
-    if force.shape[1] == 1:
-        return force[:, 0]
-    link = chain[:, -1] - chain[:, -2]
-    return np.asarray(np.sum(force * link, axis=1) / np.linalg.norm(link, axis=1))
-
-
-def _settings(s: Suspension, small: Swings, h: float, every: int, gravity: float) -> dict[str, object]:
-    return {
-        "solver": "exudyn",
-        "version": exudyn_version(),
-        "method": "generalised alpha, index 3",
-        "spectral_radius": RADIUS,
-        "step_s": h,
-        "steps_per_sample": every,
-        "steps_per_period": small.period / h,
-        "gravity_m_per_s2": gravity,
-        "start": s.start,
-    }

@@ -77,7 +77,35 @@ class Suspension:
         object.__setattr__(self, "extra", frozen(extra, (n,), "extra"))
         if n not in (2, 3):
             raise refused("ropes", f"two or three are simulated, found {n}", "More would share the weight in unknown parts")
-        _require_sizes(self)
+        require_positive("length", self.length, "m")
+        if self.length > LONGEST:
+            raise refused("length", f"ropes of {self.length:.6g} m are longer than {LONGEST:g} m", f"Give {LONGEST:g} m or less")
+        # Refuse a rope longer or shorter than the others by as much as their feet are apart: the body would stand on end
+        across = np.linalg.norm(self.feet[:, None] - self.feet[None], axis=2)
+        apart = min(self.length, float(across[across > 0].min(initial=np.inf)))
+        worst = float(np.ptp(self.extra))
+        if not (worst < apart and self.lengths.min() > 0):
+            problem = f"ropes of {self.length:.4g} m whose feet are {apart:.3g} m apart cannot be {worst:.4g} m unequal"
+            raise refused("extra", problem, f"The body would stand on end: give well below {apart / 2:.2g} m")
+        require_positive("amplitude", self.amplitude, "rad")
+        if self.stiffness is not None:
+            require_positive("stiffness", self.stiffness, "N")
+        if not (np.isfinite(self.rope_mass) and self.rope_mass >= 0):
+            raise refused(
+                "rope_mass", f"it cannot be negative, found {self.rope_mass:.6g} kg", "Give the mass of all ropes together"
+            )
+        if self.links > MOST_LINKS:
+            raise refused("links", f"at most {MOST_LINKS} a rope are simulated, found {self.links}", f"Use {MOST_LINKS} or fewer")
+        if self.links < 1 or (self.links > 1 and self.rope_mass == 0):
+            remedy = "Give 1, or a mass to put between them"
+            raise refused("links", f"ropes of {self.rope_mass:.6g} kg cannot have {self.links} links", remedy)
+        for name in ("damping_ratio", "stretch_damping"):
+            if not 0 <= getattr(self, name) < 1:
+                raise refused(
+                    name, f"it must be from 0 to below 1, found {getattr(self, name):.6g}", "A ratio of 1 no longer swings"
+                )
+        if self.start not in ("twist", "push"):
+            raise refused("start", f"found {self.start!r}", "Start from a held twist or with a push")
 
     @property
     def ropes(self) -> int:
@@ -168,37 +196,6 @@ def _moved(feet: npt.NDArray[np.float64], off_centre: Sequence[float], more: dic
     return Suspension(feet=feet - shift, **more)
 
 
-def _require_sizes(s: Suspension) -> None:
-    require_positive("length", s.length, "m")
-    if s.length > LONGEST:
-        raise refused("length", f"ropes of {s.length:.6g} m are longer than {LONGEST:g} m", f"Give {LONGEST:g} m or less")
-    # Refuse a rope longer or shorter than the others by as much as their feet are apart: the body would stand on end
-    across = np.linalg.norm(s.feet[:, None] - s.feet[None], axis=2)
-    apart = min(s.length, float(across[across > 0].min(initial=np.inf)))
-    worst = float(np.ptp(s.extra))
-    if not (worst < apart and s.lengths.min() > 0):
-        problem = f"ropes of {s.length:.4g} m whose feet are {apart:.3g} m apart cannot be {worst:.4g} m unequal"
-        raise refused("extra", problem, f"The body would stand on end: give well below {apart / 2:.2g} m")
-    require_positive("amplitude", s.amplitude, "rad")
-    if s.stiffness is not None:
-        require_positive("stiffness", s.stiffness, "N")
-    if not (np.isfinite(s.rope_mass) and s.rope_mass >= 0):
-        raise refused("rope_mass", f"it cannot be negative, found {s.rope_mass:.6g} kg", "Give the mass of all ropes together")
-    if s.links > MOST_LINKS:
-        raise refused("links", f"at most {MOST_LINKS} a rope are simulated, found {s.links}", f"Use {MOST_LINKS} or fewer")
-    if s.links < 1 or (s.links > 1 and s.rope_mass == 0):
-        remedy = "Give 1, or a mass to put between them"
-        raise refused("links", f"ropes of {s.rope_mass:.6g} kg cannot have {s.links} links", remedy)
-    for name in ("damping_ratio", "stretch_damping"):
-        if not 0 <= getattr(s, name) < 1:
-            raise refused(name, f"it must be from 0 to below 1, found {getattr(s, name):.6g}", "A ratio of 1 no longer swings")
-    if s.start not in ("twist", "push"):
-        raise refused("start", f"found {s.start!r}", "Start from a held twist or with a push")
-
-
-# What ropes bear before anything swings: their shares of the weight, and the suspensions that no rope could bear.
-
-
 IN_LINE = 1e-12
 """Twice the area [m²] between three feet below which they are in one line."""
 
@@ -207,55 +204,6 @@ def shares(feet: Array) -> Array:
     """Share of the weight on every rope (n,) of a level body whose CoG is the origin; negative where it would have to push."""
     lever = np.vstack([np.ones(len(feet)), feet[:, :2].T])
     return np.asarray(np.linalg.lstsq(lever, np.array([1.0, 0.0, 0.0]), rcond=None)[0])
-
-
-def require_pull(suspension: Suspension, weight: float) -> None:
-    """Pass ropes that all pull on a body of `weight` [N], do not lie in one line, and do not let it tip over.
-
-    Raises
-    ------
-    BadInput : they do not.
-    """
-    feet = suspension.feet
-    share = shares(feet)
-    if share.min() <= 0:
-        worst = int(share.argmin())
-        problem = f"the CoG is not between the ropes: rope {worst + 1} would have to push with {-share[worst] * weight:.4g} N"
-        raise refused("off_centre", problem, "Hang the body so that its CoG lies between them")
-    lever = feet[:, :2] - feet[0, :2]
-    if len(feet) == 3 and abs(np.linalg.det(lever[1:])) < IN_LINE:
-        raise refused("feet", "three ropes in one line hold nothing more than two", "Set them on a circle")
-    if len(feet) == 2 and feet[:, 2].min() <= 0:
-        problem = f"on two ropes whose feet are {feet[:, 2].min():.4g} m above the CoG the body tips over"
-        raise refused("height", problem, "Tie them above the CoG")
-
-
-def require_light(suspension: Suspension, mass: float) -> None:
-    """Pass ropes that are no heavier than the body of `mass` [kg].
-
-    Raises
-    ------
-    BadInput : they are.
-    """
-    if suspension.rope_mass > mass:
-        problem = f"ropes of {suspension.rope_mass:.4g} kg are heavier than the body of {mass:.4g} kg: they swing it, not it them"
-        raise refused("rope_mass", problem, f"Give {np.floor(1000 * mass) / 1000:g} kg or less for all ropes together")
-
-
-def require_stiff(suspension: Suspension, weight: float, ropes: float) -> None:
-    """Pass ropes that stretch no further than `MOST_STRAIN` under the `weight` [N] of the body and of all `ropes`.
-
-    Raises
-    ------
-    BadInput : they do.
-    """
-    if suspension.stiffness is None:
-        return
-    load = float(shares(suspension.feet).max()) * weight + ropes / suspension.ropes
-    strain = load / suspension.stiffness
-    if strain > MOST_STRAIN:
-        problem = f"a rope would stretch by {100 * strain:.3g} % under {load:.4g} N, more than {100 * MOST_STRAIN:g} %"
-        raise refused("stiffness", problem, f"Use an EA of {1.01 * load / MOST_STRAIN:.3g} N or more")
 
 
 # Where the body hangs at rest: statics of a rigid body on chains of links, some of which stretch.
@@ -361,11 +309,29 @@ def ropework(inertia: Inertia, suspension: Suspension, gravity: float) -> Ropewo
     require_positive("mass", inertia.mass, "kg")
     require_positive("gravity", gravity, "m/s²")
     article = require_physical(inertia, "inertia")
-    require_pull(suspension, article.mass * gravity)
-    require_light(suspension, article.mass)
-    require_stiff(suspension, article.mass * gravity, suspension.rope_mass * gravity)
-    lump = suspension.rope_mass / suspension.ropes / suspension.links
-    body = article
+    # Ropes must all pull, not lie in one line, not let the body tip over, be no heavier than it and not stretch too far
+    feet, share, weight = suspension.feet, shares(suspension.feet), article.mass * gravity
+    if share.min() <= 0:
+        worst = int(share.argmin())
+        problem = f"the CoG is not between the ropes: rope {worst + 1} would have to push with {-share[worst] * weight:.4g} N"
+        raise refused("off_centre", problem, "Hang the body so that its CoG lies between them")
+    lever = feet[:, :2] - feet[0, :2]
+    if len(feet) == 3 and abs(np.linalg.det(lever[1:])) < IN_LINE:
+        raise refused("feet", "three ropes in one line hold nothing more than two", "Set them on a circle")
+    if len(feet) == 2 and feet[:, 2].min() <= 0:
+        problem = f"on two ropes whose feet are {feet[:, 2].min():.4g} m above the CoG the body tips over"
+        raise refused("height", problem, "Tie them above the CoG")
+    ropes, body = suspension.rope_mass, article
+    if ropes > article.mass:
+        problem = f"ropes of {ropes:.4g} kg are heavier than the body of {article.mass:.4g} kg: they swing it, not it them"
+        raise refused("rope_mass", problem, f"Give {np.floor(1000 * article.mass) / 1000:g} kg or less for all ropes together")
+    if suspension.stiffness is not None:
+        load = float(share.max()) * weight + ropes * gravity / suspension.ropes
+        strain = load / suspension.stiffness
+        if strain > MOST_STRAIN:
+            problem = f"a rope would stretch by {100 * strain:.3g} % under {load:.4g} N, more than {100 * MOST_STRAIN:g} %"
+            raise refused("stiffness", problem, f"Use an EA of {1.01 * load / MOST_STRAIN:.3g} N or more")
+    lump = ropes / suspension.ropes / suspension.links
     for foot in suspension.feet:
         body += Inertia.from_cog(lump / 2, foot, np.zeros((3, 3)))
     links = suspension.lengths / suspension.links
@@ -415,18 +381,6 @@ def at_rest(work: Ropework, twist: float | None = None) -> Pose:
     return pose
 
 
-def moved(work: Ropework, pose: Pose, step: Array) -> Pose:
-    """`pose` after a `step` (k,) of its coordinates, the body's six first, its rotation by a vector in the fixed frame."""
-    from scipy.spatial.transform import Rotation
-
-    return replace(
-        pose,
-        place=pose.place + step[:3],
-        rotation=Rotation.from_rotvec(step[3:6]).as_matrix() @ pose.rotation,
-        joints=pose.joints + step[6:].reshape(pose.joints.shape),
-    )
-
-
 def feet_of(work: Ropework, pose: Pose) -> Array:
     """(n, 3) [m] the feet of the ropes in the fixed frame."""
     return np.asarray(pose.place + work.feet @ pose.rotation.T)
@@ -459,16 +413,10 @@ def stiffness(work: Ropework, pose: Pose) -> tuple[Array, Array]:
     return H, G
 
 
-def mass(work: Ropework, pose: Pose) -> Array:
-    """Mass matrix (k, k) at `pose`, coordinates as those of `stiffness`."""
-    M = work.point_mass * np.eye(work.size)
-    M[:3, :3] = work.body.mass * np.eye(3)
-    M[3:6, 3:6] = pose.rotation @ work.body.tensor @ pose.rotation.T
-    return M
-
-
 def _relaxed(work: Ropework, pose: Pose, *, held: bool) -> Pose:
     """Newton's method from `pose`, with the rotation about the vertical held or not."""
+    from scipy.spatial.transform import Rotation
+
     free = np.array([k for k in range(work.size) if not (held and k == VERTICAL)])
     # Gradient (k,) of the energy of weight
     weight = np.zeros(work.size)
@@ -495,7 +443,14 @@ def _relaxed(work: Ropework, pose: Pose, *, held: bool) -> Pose:
         step *= min(1.0, LARGEST_TURN / max(np.abs(step[3 : 6 - held]).max(), SMALL))
         full = np.zeros(work.size)
         full[free] = step[: len(free)]
-        pose = replace(moved(work, pose, full), tension=pose.tension + step[len(free) :].reshape(pose.tension.shape))
+        # The body's six coordinates come first, its rotation moved by a vector in the fixed frame
+        pose = replace(
+            pose,
+            place=pose.place + full[:3],
+            rotation=Rotation.from_rotvec(full[3:6]).as_matrix() @ pose.rotation,
+            joints=pose.joints + full[6:].reshape(pose.joints.shape),
+            tension=pose.tension + step[len(free) :].reshape(pose.tension.shape),
+        )
     raise CheckFailed("the rope pendulum has no equilibrium there: statics did not converge", place=pose.place.tolist())
 
 

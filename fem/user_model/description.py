@@ -163,12 +163,6 @@ def read_description(path: Path) -> Description:
     return parse(toml_file.read(path), str(path), path)
 
 
-def embedded(text: str, path: Path) -> Description:
-    """The description `text` that the data file `path` carries."""
-    source = f"{path}, description"
-    return parse(toml_file.parse(text, source), source, path)
-
-
 def parse(table: Mapping[str, Any], source: str, path: Path) -> Description:
     """The description in `table`; other files are relative to `path` and lie in its folder or below.
 
@@ -190,6 +184,16 @@ def parse(table: Mapping[str, Any], source: str, path: Path) -> Description:
     if twice is not None:
         problem = f"names node {twice} {value.count(twice)} times"
         raise BadInput(source=source, field=where, problem=problem, remedy="Name every interface node once")
+    named = toml_file.require_table(model.get("matrices", {}), source=source, where=f"{TABLE}.matrices")
+    toml_file.require_known(named, MATRICES, source=source, where=f"{TABLE}.matrices")
+    for key, name in named.items():
+        if not isinstance(name, str) or not name.isidentifier():
+            remedy = 'Write it like { stiffness = "kaa" }'
+            raise _wrong(name, "the name of a matrix", source, f"{TABLE}.matrices.{key}", remedy)
+    loss = model.get("loss_factor")
+    if loss is not None and (isinstance(loss, bool) or not isinstance(loss, int | float) or not 0 <= loss < 2):
+        remedy = "It is twice the damping ratio at resonance"
+        raise _wrong(loss, "at least 0 and below 2", source, f"{TABLE}.loss_factor", remedy)
     return Description(
         source=source,
         name=_text(model, "name", source) or path.stem,
@@ -199,8 +203,8 @@ def parse(table: Mapping[str, Any], source: str, path: Path) -> Description:
         file=_file(model, "file", source, path),
         grids=_file(model, "grids", source, path),
         interface=tuple(value),
-        matrices=_names(model.get("matrices", {}), source),
-        loss_factor=_loss_factor(model.get("loss_factor"), source),
+        matrices={key: name.lower() for key, name in named.items()},
+        loss_factor=None if loss is None else float(loss),
         sha256=(_text(model, "sha256", source) or "").strip().lower(),
         stated=_stated(table.get("stated", {}), source),
     )
@@ -232,26 +236,6 @@ def _file(table: Mapping[str, Any], key: str, source: str, path: Path) -> Path |
     if not there.is_file():
         raise BadInput(source=source, field=where, problem=f"there is no file {name!r}", remedy=f"Looked for {there}")
     return there
-
-
-def _names(value: Any, source: str) -> dict[str, str]:
-    where = f"{TABLE}.matrices"
-    table = toml_file.require_table(value, source=source, where=where)
-    toml_file.require_known(table, MATRICES, source=source, where=where)
-    for key, name in table.items():
-        if not isinstance(name, str) or not name.isidentifier():
-            raise _wrong(name, "the name of a matrix", source, f"{where}.{key}", 'Write it like { stiffness = "kaa" }')
-    return {key: name.lower() for key, name in table.items()}
-
-
-def _loss_factor(value: Any, source: str) -> float | None:
-    if value is None:
-        return None
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < 2:
-        raise _wrong(
-            value, "at least 0 and below 2", source, f"{TABLE}.loss_factor", "It is twice the damping ratio at resonance"
-        )
-    return float(value)
 
 
 def _stated(value: Any, source: str) -> Stated:
@@ -471,7 +455,16 @@ def require_as_stated(inertia: Inertia, description: Description) -> None:
     if stated.mass is not None and abs(inertia.mass - stated.mass) > max(MASS * stated.mass, 3 * stated.mass_tolerance):
         ratio = inertia.mass / stated.mass
         problem = f"the matrices weigh {inertia.mass:.6g} kg where {stated.mass:.6g} kg are stated, {ratio:.6g} times as much"
-        raise BadInput(source=description.source, field="stated.mass", problem=problem, remedy=_slip(ratio, description))
+        known = description.units.name
+        slips = ((slip, words) for factor, words in SLIPS.items() for slip in (factor, 1 / factor))
+        named = (
+            f"A factor of {slip:.4g} is {words}: check `fe_model.units`, found {known}"
+            for slip, words in slips
+            if abs(ratio / slip - 1) < MASS
+        )
+        unnamed = f"Check `fe_model.units`, found {known}, and whether all parts and lumped masses are in the model"
+        remedy = next(named, unnamed)
+        raise BadInput(source=description.source, field="stated.mass", problem=problem, remedy=remedy)
     if stated.cog is None:
         return
     cog = description.reference_point + inertia.first_moment / inertia.mass
@@ -481,14 +474,6 @@ def require_as_stated(inertia: Inertia, description: Description) -> None:
         problem = f"the matrices have their CoG at ({_listed(cog)}) m where ({_listed(stated.cog)}) m is stated"
         remedy = f"Check the coordinates, their unit ({description.units.name}), and the frame that the CoG is stated in"
         raise BadInput(source=description.source, field="stated.cog", problem=problem, remedy=remedy)
-
-
-def _slip(ratio: float, description: Description) -> str:
-    for factor, words in SLIPS.items():
-        for slip in (factor, 1 / factor):
-            if abs(ratio / slip - 1) < MASS:
-                return f"A factor of {slip:.4g} is {words}: check `fe_model.units`, found {description.units.name}"
-    return f"Check `fe_model.units`, found {description.units.name}, and whether all parts and lumped masses are in the model"
 
 
 def _listed(values: Array) -> str:

@@ -9,7 +9,7 @@ carried along, M of base and free coordinates together must not be negative, and
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -74,26 +74,6 @@ def asymmetry(A: Sparse, masses: Array) -> tuple[float, int, int]:
     share = np.abs(D.data) / np.maximum(rows[i] * rows[j], np.finfo(np.float64).tiny)  # entries may be as small as that
     worst = int(np.argmax(share))
     return float(share[worst]), int(i[worst]), int(j[worst])
-
-
-def factored(A: Sparse) -> Factored:
-    """L D L^T of the symmetric sparse A, whose diagonal is positive."""
-    from scipy.sparse import csc_array, diags_array
-    from scipy.sparse.linalg import splu
-
-    scale = 1 / np.sqrt(A.diagonal())
-    S = diags_array(scale)
-    B = csc_array(S @ A @ S)
-    options: dict[str, Any] = {"SymmetricMode": True}
-    try:
-        lu = splu(B, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
-    except RuntimeError:  # a pivot that is exactly zero; which one it is, is found with a little added to the diagonal
-        lu = splu(B + csc_array(diags_array(np.full(B.shape[0], SINGULAR / 10))), "MMD_AT_PLUS_A", 0.0, options=options)
-    pivots = lu.U.diagonal()
-    zero = np.flatnonzero(np.abs(pivots) <= SINGULAR)
-    columns = np.argsort(lu.perm_c)
-    negative = int(np.count_nonzero(pivots < -SINGULAR))
-    return Factored(solve=lambda b: scale[:, None] * lu.solve(scale[:, None] * b), negative=negative, zero=columns[zero])
 
 
 # Which motion every row of K and M is, which of them the base carries, and what they do when it moves.
@@ -185,7 +165,14 @@ def _by_nodes(contents: Contents, description: Description, n: int) -> DofMap:
     if np.any(count > 1):
         problem = f"names node {unique[np.argmax(count > 1)]} {count.max()} times"
         raise contents.refused("nodes", problem, "Name every node once")
-    row = _row_of_nodes(contents, labels, nodes)
+    # Row in `nodes` of every degree of freedom (n,); meaningless where it is a generalised coordinate
+    order = np.argsort(nodes)
+    nearby = np.searchsorted(nodes, labels[:, 0], sorter=order)
+    row = order[np.minimum(nearby, len(nodes) - 1)] if len(nodes) else np.full(len(labels), -1)
+    lost = np.flatnonzero((labels[:, 1] > 0) & ((row < 0) | (nodes[row] != labels[:, 0] if len(nodes) else True)))
+    if lost.size:
+        problem = f"node {labels[lost[0], 0]} has no coordinates, as {len(np.unique(labels[lost, 0]))} node(s) in all"
+        raise contents.refused("dof", problem, "Add the missing nodes to nodes and coordinates")
     if "rigid" in contents:  # Nastran, whose displacements may have directions of their own
         rigid, basic = contents.numbers("rigid", (n, 6)), contents.whole("basic", (len(nodes),)).astype(bool)
     else:
@@ -197,14 +184,16 @@ def _by_nodes(contents: Contents, description: Description, n: int) -> DofMap:
     units = description.units
     scale = units.coordinates(labels[:, 1])
     moved = rigid_transformation_6(-description.reference_point / units.length)
-    points, translations = _points(labels, nodes[basic], coordinates[basic])
-    # SI value (6,) of the user's unit of the six rigid motions
+    # The nodes that can move along x, y and z, and the degrees of freedom that do it
+    index = {(int(node), int(component)): k for k, (node, component) in enumerate(labels)}
+    full = [k for k in np.flatnonzero(basic) if all((int(nodes[k]), c) in index for c in (1, 2, 3))]
+    translations = np.array([[index[int(nodes[k]), c] for c in (1, 2, 3)] for k in full], dtype=np.intp).reshape(-1, 3)
     return DofMap(
         labels=labels,
         scale=scale,
         rigid=scale[:, None] * (rigid @ moved) / np.array([*3 * [units.length], *3 * [1.0]]),
         held=_held(contents, description, labels),
-        points=points * units.length,
+        points=coordinates[full].reshape(-1, 3) * units.length,
         translations=translations,
     )
 
@@ -225,26 +214,6 @@ def _labels(contents: Contents, n: int) -> Integers:
         problem = f"names node {node}, component {component} {count.max()} times"
         raise contents.refused("dof", problem, "Name every degree of freedom once; number generalised coordinates")
     return labels
-
-
-def _row_of_nodes(contents: Contents, labels: Integers, nodes: Integers) -> Integers:
-    """Row in `nodes` of every degree of freedom (n,); meaningless where it is a generalised coordinate."""
-    order = np.argsort(nodes)
-    place = np.searchsorted(nodes, labels[:, 0], sorter=order)
-    row = order[np.minimum(place, len(nodes) - 1)] if len(nodes) else np.full(len(labels), -1)
-    lost = np.flatnonzero((labels[:, 1] > 0) & ((row < 0) | (nodes[row] != labels[:, 0] if len(nodes) else True)))
-    if lost.size:
-        problem = f"node {labels[lost[0], 0]} has no coordinates, as {len(np.unique(labels[lost, 0]))} node(s) in all"
-        raise contents.refused("dof", problem, "Add the missing nodes to nodes and coordinates")
-    return np.asarray(row)
-
-
-def _points(labels: Integers, nodes: Integers, coordinates: Array) -> tuple[Array, Integers]:
-    """The nodes that can move along x, y and z, and the degrees of freedom that do it."""
-    index = {(int(node), int(component)): k for k, (node, component) in enumerate(labels)}
-    full = [k for k, node in enumerate(nodes) if all((int(node), c) in index for c in (1, 2, 3))]
-    dofs = [[index[int(nodes[k]), c] for c in (1, 2, 3)] for k in full]
-    return coordinates[full].reshape(-1, 3), np.array(dofs, dtype=np.intp).reshape(-1, 3)
 
 
 def _held(contents: Contents, description: Description, labels: Integers) -> Integers:
@@ -279,7 +248,12 @@ def _require_hold(found: DofMap, contents: Contents, description: Description) -
     if not 0 < len(held) < len(found.rigid):
         problem = f"holds {len(held)} of all {len(found.rigid)} degrees of freedom"
         raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
-    centred = _about_interface(held)
+    # Motions about a point in the middle of the held degrees of freedom rather than the reference point: a shift of that by d
+    # adds translations @ skew(d) to the rotations; the best d in the least-squares sense.
+    translations, rotations = held[:, :3], held[:, 3:]
+    generators = np.stack([translations @ skew(axis) for axis in np.eye(3)], axis=-1).reshape(-1, 3)
+    shift, *_ = np.linalg.lstsq(generators, -rotations.reshape(-1), rcond=None)
+    centred = np.hstack([translations, rotations + (generators @ shift).reshape(rotations.shape)])
     size = np.sqrt((centred[:, 3:] ** 2).sum(axis=0).max())
     scaled = centred / np.array([*3 * [1.0], *3 * [size or 1.0]])
     _, values, motions = np.linalg.svd(scaled, full_matrices=True)
@@ -288,15 +262,6 @@ def _require_hold(found: DofMap, contents: Contents, description: Description) -
         axis = MOTIONS[int(np.argmax(np.abs(motions[-1])))]
         problem = f"does not hold the structure: it is free to move along or about {axis}"
         raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
-
-
-def _about_interface(held: Array) -> Array:
-    """The rigid motions of the held degrees of freedom (b, 6), about a point in their middle rather than the reference point."""
-    translations, rotations = held[:, :3], held[:, 3:]
-    # A shift of the reference point by d adds translations @ skew(d) to the rotations; the best d in the least-squares sense.
-    generators = np.stack([translations @ skew(axis) for axis in np.eye(3)], axis=-1).reshape(-1, 3)
-    shift, *_ = np.linalg.lstsq(generators, -rotations.reshape(-1), rcond=None)
-    return np.hstack([translations, rotations + (generators @ shift).reshape(rotations.shape)])
 
 
 OPTIONAL = (
@@ -330,7 +295,24 @@ def structure(contents: Contents, description: Description) -> tuple[Structure, 
     M = _converted(M, scale, u.energy * u.time**2)
     K = _symmetric(contents, "stiffness", _converted(K, scale, u.energy), dofs, M.diagonal())
     M = _symmetric(contents, "mass", M, dofs, M.diagonal())
-    parts, loss_factors = _losses(contents, description, K, M, dofs)
+    # Structural damping as shares of K with a loss factor each: the whole, or what the user's matrix says
+    whole = description.loss_factor
+    parts: dict[str, Sparse] = {"all": K} if whole else {}
+    loss_factors = {"all": whole} if whole else {}
+    if "structural" in contents:
+        if whole is not None:
+            problem, field = "is given beside a matrix `structural`", "fe_model.loss_factor"
+            raise BadInput(source=description.source, field=field, problem=problem, remedy="Leave one of the two out")
+        S = _sized(contents, "structural", n)
+        S = _symmetric(contents, "structural", _converted(S, scale, u.energy), dofs, M.diagonal())
+        _require_internal(contents, "structural", S, dofs)
+        # i S = i (S / g) g: any g serves, and the largest ratio of the two diagonals keeps the rest of K positive.
+        diagonal = K.diagonal()
+        g = float((S.diagonal()[diagonal > 0] / diagonal[diagonal > 0]).max(initial=0.0))
+        if not 0 < g < 2:
+            problem = f"is {g:.3g} of the stiffness at most, no loss factor between 0 and 2"
+            raise contents.refused("structural", problem, "Give the matrix that multiplies i, in the unit of K")
+        parts, loss_factors = {"damped": S / g, "rest": K - S / g}, {"damped": g}
     found = Structure(
         stiffness=K,
         mass=M,
@@ -339,8 +321,8 @@ def structure(contents: Contents, description: Description) -> tuple[Structure, 
         reference_point=description.reference_point,
         points=dofs.points,
         translations=dofs.translations,
-        part_stiffness=parts,
-        loss_factors=loss_factors,
+        part_stiffness=MappingProxyType(parts),
+        loss_factors=MappingProxyType(loss_factors),
     )
     _require_mechanics(found, contents, description, dofs)
     if "viscous" not in contents:
@@ -396,31 +378,6 @@ def _symmetric(contents: Contents, name: str, A: Sparse, dofs: DofMap, masses: A
     return csr_array((A + A.T) / 2)
 
 
-def _losses(
-    contents: Contents, description: Description, K: Sparse, M: Sparse, dofs: DofMap
-) -> tuple[Mapping[str, Sparse], Mapping[str, float]]:
-    """Structural damping as shares of K with a loss factor each: the whole, or what the user's matrix says."""
-    whole = description.loss_factor
-    if "structural" in contents:
-        if whole is not None:
-            problem = "is given beside a matrix `structural`"
-            field = "fe_model.loss_factor"
-            raise BadInput(source=description.source, field=field, problem=problem, remedy="Leave one of the two out")
-        S = _sized(contents, "structural", dofs.scale.size)
-        S = _symmetric(contents, "structural", _converted(S, dofs.scale, description.units.energy), dofs, M.diagonal())
-        _require_internal(contents, "structural", S, dofs)
-        # i S = i (S / g) g: any g serves, and the largest ratio of the two diagonals keeps the rest of K positive.
-        diagonal = K.diagonal()
-        g = float((S.diagonal()[diagonal > 0] / diagonal[diagonal > 0]).max(initial=0.0))
-        if not 0 < g < 2:
-            problem = f"is {g:.3g} of the stiffness at most, no loss factor between 0 and 2"
-            raise contents.refused("structural", problem, "Give the matrix that multiplies i, in the unit of K")
-        return MappingProxyType({"damped": S / g, "rest": K - S / g}), MappingProxyType({"damped": g})
-    if whole:
-        return MappingProxyType({"all": K}), MappingProxyType({"all": whole})
-    return MappingProxyType({}), MappingProxyType({})
-
-
 # --- mechanics --------------------------------------------------------------------------------------------------------------
 
 
@@ -437,15 +394,44 @@ def _require_mechanics(found: Structure, contents: Contents, description: Descri
         raise contents.refused("mass", "gives no free degree of freedom any mass", "Check that this is M, and the interface")
     heavy = np.flatnonzero(~without)
     mass = _factored(contents, "mass", M[heavy][:, heavy], free[heavy], dofs)
-    _require_mass_of_base(found, free[heavy], mass, contents)
-    stiffness = _factored(contents, "stiffness", K, free, dofs)
-    _require_not_grounded(found, free, K, M, stiffness, contents)
+    # The mass that the base would feel at infinite frequency, M_rr - M_rf M_ff^-1 M_fr, must not be negative
+    inertia, momenta = np.diag(found.rigid_mass), np.asarray(found.mass @ found.rigid)
+    if np.any(inertia <= 0):
+        problem = f"is indefinite: the whole has the inertia {inertia.min():.6g} [SI] along {MOTIONS[int(np.argmin(inertia))]}"
+        raise contents.refused("mass", problem, "Check the rows and columns of the interface in M, and the coordinates")
+    left = found.rigid_mass - momenta[free[heavy]].T @ mass.solve(momenta[free[heavy]])
+    scale = 1 / np.sqrt(inertia)
+    values, vectors = np.linalg.eigh(scale[:, None] * left * scale)
+    if values[0] < -NEGATIVE_MASS:
+        axis = MOTIONS[int(np.argmax(np.abs(vectors[:, 0])))]
+        problem = f"is indefinite: what the interface itself carries is {values[0]:.3g} of the rigid inertia, mostly along {axis}"
+        raise contents.refused("mass", problem, "Check the rows and columns of the interface in M")
+    # The six rigid motions must cost no energy, beside what the lowest mode costs (from above: the static answer to gravity)
+    sag = _factored(contents, "stiffness", K, free, dofs).solve(momenta[free])
+    lowest = np.min(np.sum(sag * (K @ sag), axis=0) / np.sum(sag * (M @ sag), axis=0))
+    energy = found.rigid.T @ (found.stiffness @ found.rigid)
+    values, vectors = np.linalg.eigh(scale[:, None] * energy * scale)
+    worst = int(np.argmax(np.abs(values)))
+    if abs(values[worst]) > GROUNDED * lowest:
+        axis = MOTIONS[int(np.argmax(np.abs(vectors[:, worst])))]
+        problem = (
+            f"resists the rigid motions (K @ rigid must be 0), most along {axis}: the free body would oscillate at "
+            f"{np.sqrt(abs(values[worst])) / (2 * np.pi):.4g} Hz"
+        )
+        remedy = (
+            "Write K without supports or springs to ground; otherwise the coordinates, their unit, the order of the degrees of "
+            "freedom or the displacement coordinate systems do not belong to it"
+        )
+        raise contents.refused("stiffness", problem, remedy)
     remedy = "Check the order of the degrees of freedom, the coordinates and the units; every mass moves in three directions"
     require_as_stated(require_rigid_body(found.rigid_mass, contents.source, "mass", remedy), description)
 
 
 def _factored(contents: Contents, name: str, A: Sparse, free: Integers, dofs: DofMap) -> Factored:
-    """A of the free degrees of freedom, factored, when it is positive definite."""
+    """L D L^T of A of the free degrees of freedom, when it is positive definite."""
+    from scipy.sparse import csc_array, diags_array
+    from scipy.sparse.linalg import splu
+
     diagonal = A.diagonal()
     empty = np.flatnonzero(diagonal <= 0)
     if empty.size:
@@ -455,7 +441,20 @@ def _factored(contents: Contents, name: str, A: Sparse, free: Integers, dofs: Do
             f"is not positive definite: {what}, such as {dofs.name(free[worst])}, {diagonal[worst]:.6g} [SI] on the diagonal"
         )
         raise contents.refused(name, problem, _REMEDIES[name])
-    factor = factored(A)
+    # L D L^T; where a pivot is exactly zero, which one it is, is found with a little added to the diagonal
+    scale = 1 / np.sqrt(diagonal)
+    S = diags_array(scale)
+    B = csc_array(S @ A @ S)
+    options: dict[str, Any] = {"SymmetricMode": True}
+    try:
+        lu = splu(B, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    except RuntimeError:
+        lu = splu(B + csc_array(diags_array(np.full(B.shape[0], SINGULAR / 10))), "MMD_AT_PLUS_A", 0.0, options=options)
+    pivots = lu.U.diagonal()
+    zero = np.flatnonzero(np.abs(pivots) <= SINGULAR)
+    columns = np.argsort(lu.perm_c)
+    negative = int(np.count_nonzero(pivots < -SINGULAR))
+    factor = Factored(solve=lambda b: scale[:, None] * lu.solve(scale[:, None] * b), negative=negative, zero=columns[zero])
     if factor.negative:
         problem = f"is not positive definite with the interface held: it has {factor.negative} negative eigenvalue(s)"
         raise contents.refused(name, problem, _REMEDIES[name])
@@ -472,40 +471,3 @@ _REMEDIES = {
     "stiffness": "Look for parts that hang loose and for an interface that leaves a mechanism, and name all its nodes; "
     "write K unreduced by loads or pre-stress beyond buckling",
 }
-
-
-def _require_mass_of_base(found: Structure, free: Integers, mass: Factored, contents: Contents) -> None:
-    """The mass that the base would feel at infinite frequency, M_rr - M_rf M_ff^-1 M_fr, must not be negative."""
-    inertia = np.diag(found.rigid_mass)
-    if np.any(inertia <= 0):
-        problem = f"is indefinite: the whole has the inertia {inertia.min():.6g} [SI] along {MOTIONS[int(np.argmin(inertia))]}"
-        raise contents.refused("mass", problem, "Check the rows and columns of the interface in M, and the coordinates")
-    coupling = np.asarray((found.mass @ found.rigid)[free])
-    left = found.rigid_mass - coupling.T @ mass.solve(coupling)
-    scale = 1 / np.sqrt(inertia)
-    values, vectors = np.linalg.eigh(scale[:, None] * left * scale)
-    if values[0] < -NEGATIVE_MASS:
-        axis = MOTIONS[int(np.argmax(np.abs(vectors[:, 0])))]
-        problem = f"is indefinite: what the interface itself carries is {values[0]:.3g} of the rigid inertia, mostly along {axis}"
-        raise contents.refused("mass", problem, "Check the rows and columns of the interface in M")
-
-
-def _require_not_grounded(found: Structure, free: Integers, K: Sparse, M: Sparse, factor: Factored, contents: Contents) -> None:
-    """The six rigid motions must cost no energy, beside what the lowest mode costs (from above: the static answer to gravity)."""
-    sag = factor.solve(np.asarray((found.mass @ found.rigid)[free]))
-    lowest = np.min(np.sum(sag * (K @ sag), axis=0) / np.sum(sag * (M @ sag), axis=0))
-    energy = found.rigid.T @ (found.stiffness @ found.rigid)
-    scale = 1 / np.sqrt(np.diag(found.rigid_mass))
-    values, vectors = np.linalg.eigh(scale[:, None] * energy * scale)
-    worst = int(np.argmax(np.abs(values)))
-    if abs(values[worst]) > GROUNDED * lowest:
-        axis = MOTIONS[int(np.argmax(np.abs(vectors[:, worst])))]
-        problem = (
-            f"resists the rigid motions (K @ rigid must be 0), most along {axis}: the free body would oscillate at "
-            f"{np.sqrt(abs(values[worst])) / (2 * np.pi):.4g} Hz"
-        )
-        remedy = (
-            "Write K without supports or springs to ground; otherwise the coordinates, their unit, the order of the degrees of "
-            "freedom or the displacement coordinate systems do not belong to it"
-        )
-        raise contents.refused("stiffness", problem, remedy)

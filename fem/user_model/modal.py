@@ -34,35 +34,6 @@ def modes(contents: Contents, description: Description) -> Modes:
         field = "fe_model.interface" if description.interface else "fe_model.loss_factor"
         problem = "belongs to matrices, not to modal data, whose base is the reference point and whose damping is damping_ratio"
         raise BadInput(source=description.source, field=field, problem=problem, remedy="Leave it out")
-    frequency = _frequency(contents)
-    n = len(frequency)
-    u = description.units
-    rigid = contents.numbers("rigid_mass", (6, 6)) * np.outer(u.six, u.six) * u.mass
-    participation = contents.numbers("participation", (6, n)) * u.six[:, None] * np.sqrt(u.mass)
-    remedy = "Write the 6 x 6 mass matrix about the reference point: products are matrix entries, Ixy = -∫xy dm"
-    inertia = require_rigid_body(rigid, contents.source, "rigid_mass", remedy)
-    require_as_stated(inertia, description)
-    _require_within_rigid_mass(contents, rigid, participation)
-    viscous, structural = (_damping(contents, name, n) for name in ("viscous", "structural"))
-    ratio = _damping_ratio(contents, n)
-    omega = 2 * np.pi * frequency
-    if viscous is None:
-        viscous = np.diag(2 * ratio * omega - (0 if structural is None else np.diag(structural) / omega))
-    _require_ratios_of(contents, ratio, viscous, structural, omega)
-    return Modes(
-        frequency=frequency,
-        damping_ratio=ratio,
-        participation=participation,
-        rigid_mass=(rigid + rigid.T) / 2,
-        residual=_residual(contents) * np.outer(u.six, u.six) * u.mass * u.time**2,
-        reference_point=description.reference_point,
-        shapes=np.zeros((0, n)),
-        viscous=viscous,
-        structural=np.zeros((n, n)) if structural is None else structural,
-    )
-
-
-def _frequency(contents: Contents) -> Array:
     frequency = contents.numbers("frequency", (-1,))
     if not len(frequency):
         raise contents.refused("frequency", "holds no mode", "Write at least one; a rigid body needs no model")
@@ -77,10 +48,15 @@ def _frequency(contents: Contents) -> Array:
         problem = f"must ascend, found {frequency[k]:.6g} Hz for mode {k + 1} and {frequency[k + 1]:.6g} Hz for mode {k + 2}"
         remedy = "Sort frequency, damping_ratio and the columns of participation together; here nobody knows which are sorted"
         raise contents.refused("frequency", problem, remedy)
-    return frequency
-
-
-def _damping_ratio(contents: Contents, n: int) -> Array:
+    n = len(frequency)
+    u = description.units
+    rigid = contents.numbers("rigid_mass", (6, 6)) * np.outer(u.six, u.six) * u.mass
+    participation = contents.numbers("participation", (6, n)) * u.six[:, None] * np.sqrt(u.mass)
+    about = "Write the 6 x 6 mass matrix about the reference point: products are matrix entries, Ixy = -∫xy dm"
+    inertia = require_rigid_body(rigid, contents.source, "rigid_mass", about)
+    require_as_stated(inertia, description)
+    _require_within_rigid_mass(contents, rigid, participation)
+    viscous, structural = (_damping(contents, name, n) for name in ("viscous", "structural"))
     ratio = contents.numbers("damping_ratio", (n,))
     wrong = np.flatnonzero((ratio < 0) | (ratio >= 1))
     if wrong.size:
@@ -89,7 +65,29 @@ def _damping_ratio(contents: Contents, n: int) -> Array:
         raise contents.refused(
             "damping_ratio", problem, "Write the share of critical damping, 0.01 for 1 %" if found >= 1 else "Correct it"
         )
-    return ratio
+    omega = 2 * np.pi * frequency
+    if viscous is None:
+        viscous = np.diag(2 * ratio * omega - (0 if structural is None else np.diag(structural) / omega))
+    # `damping_ratio` repeats the diagonals of the damping matrices where these are given
+    equivalent = (np.diag(viscous) + (0 if structural is None else np.diag(structural) / omega)) / (2 * omega)
+    off = np.abs(equivalent - ratio)
+    mode = int(np.argmax(off))
+    if off[mode] > 1e-3 * ratio[mode] + 1e-9 or np.any(np.diag(viscous) < -1e-9 * omega):
+        problem = f"is {ratio[mode]:.6g} for mode {mode + 1} where the damping matrices make it {equivalent[mode]:.6g}"
+        raise contents.refused(
+            "damping_ratio", problem, "Write (C_rr + S_rr / omega_r) / (2 omega_r), with C in rad/s and S in rad²/s²"
+        )
+    return Modes(
+        frequency=frequency,
+        damping_ratio=ratio,
+        participation=participation,
+        rigid_mass=(rigid + rigid.T) / 2,
+        residual=_residual(contents) * np.outer(u.six, u.six) * u.mass * u.time**2,
+        reference_point=description.reference_point,
+        shapes=np.zeros((0, n)),
+        viscous=viscous,
+        structural=np.zeros((n, n)) if structural is None else structural,
+    )
 
 
 def _damping(contents: Contents, name: str, n: int) -> Array | None:
@@ -103,18 +101,6 @@ def _damping(contents: Contents, name: str, n: int) -> Array | None:
     if lowest < -SYMMETRIC * np.abs(D).max():
         raise contents.refused(name, f"has the negative eigenvalue {lowest:.6g}, which feeds energy in", "Correct it")
     return (D + D.T) / 2
-
-
-def _require_ratios_of(contents: Contents, ratio: Array, viscous: Array, structural: Array | None, omega: Array) -> None:
-    """`damping_ratio` repeats the diagonals of the damping matrices where these are given."""
-    equivalent = (np.diag(viscous) + (0 if structural is None else np.diag(structural) / omega)) / (2 * omega)
-    off = np.abs(equivalent - ratio)
-    worst = int(np.argmax(off))
-    if off[worst] > 1e-3 * ratio[worst] + 1e-9 or np.any(np.diag(viscous) < -1e-9 * omega):
-        problem = f"is {ratio[worst]:.6g} for mode {worst + 1} where the damping matrices make it {equivalent[worst]:.6g}"
-        raise contents.refused(
-            "damping_ratio", problem, "Write (C_rr + S_rr / omega_r) / (2 omega_r), with C in rad/s and S in rad²/s²"
-        )
 
 
 def _residual(contents: Contents) -> Array:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import io
 import struct
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -47,10 +47,29 @@ def read(path: Path, description: Description) -> Contents:
     """
     punched = path.suffix.lower() in PUNCH_ENDINGS
     found = _guarded(path, lambda: _punched(path) if punched else _output4(path))
-    chosen = {ours: name for ours in NAMES if (name := _name(ours, found, path, description)) is not None}
-    matrices = {ours: found[name] for ours, name in chosen.items()}
+    matrices = {}
+    for ours, known in NAMES.items():
+        given = description.matrices.get(ours)
+        choices = (given,) if given else known
+        name = next((choice for choice in choices if choice in found), None)
+        if name is None and (given or ours not in _OPTIONAL):
+            remedy = f"{nearest(choices[0], found)}There are {', '.join(found) or 'none'}; name it by fe_model.matrices.{ours}"
+            raise BadInput(source=str(path), field=choices[0].upper(), problem=f"is missing, the {ours}", remedy=remedy)
+        if name is None:
+            continue
+        # EXTSEOUT writes a single zero for a matrix that the model does not have
+        matrix = found[name]
+        empty = hasattr(matrix, "nnz") and matrix.shape == (1, 1) and not matrix.count_nonzero()
+        if given or not empty or ours not in _OPTIONAL:
+            matrices[ours] = matrix
     matrices, dof = _on_common_rows(matrices, path) if punched else (matrices, None)
-    grids = _grids(path, description)
+    # The grid points are where the description says, or in an ``.asm`` or ``.bdf`` of the same name
+    beside = (path.with_suffix(ending) for ending in (".asm", ".bdf", ".dat", ".blk"))
+    grids = description.grids or next((file for file in beside if file.is_file()), None)
+    if grids is None:
+        problem = "is missing, and there is no .asm, .bdf, .dat or .blk of the same name: the matrices have no coordinates"
+        remedy = 'Add grids = "model.bdf"'
+        raise BadInput(source=description.source, field="fe_model.grids", problem=problem, remedy=remedy)
     nodes = _guarded(grids, lambda: _nodes(grids, dof))
     return Contents(source=str(path), arrays=matrices | nodes)
 
@@ -74,7 +93,20 @@ def _guarded(path: Path, work: Callable[[], Any]) -> Any:
 def _output4(path: Path) -> dict[str, Sparse]:
     from pyyeti.nastran import op4
 
-    _require_whole_records(path)
+    # A binary file is a chain of Fortran records, each between two equal lengths; a broken chain could be read for ever
+    with path.open("rb") as file:
+        head, size = file.read(4), path.stat().st_size
+        if len(head) < 4:
+            raise BadInput(source=str(path), problem="it is empty or nearly so", remedy="Write it again")
+        order, place = "<I" if int.from_bytes(head, "little") <= 48 else ">I", 0
+        while min(head) == 0 and place < size:  # else it is formatted
+            file.seek(place)
+            length = _length(file.read(4), order)
+            file.seek(place + 4 + length)
+            if place + 8 + length > size or _length(file.read(4), order) != length:
+                problem = f"the record that begins at byte {place} is not whole"
+                raise BadInput(source=str(path), problem=problem, remedy="Write it again; it is cut short or damaged")
+            place += 8 + length
     names, matrices, _, types = op4.OP4().listload(str(path), sparse=True)
     found: dict[str, Sparse] = {}
     for name, matrix, kind in zip(names, matrices, types, strict=True):
@@ -86,26 +118,6 @@ def _output4(path: Path) -> dict[str, Sparse]:
             raise BadInput(source=str(path), field=name, problem=problem, remedy="Write the file again")
         found[name] = matrix
     return found
-
-
-def _require_whole_records(path: Path) -> None:
-    """A binary OUTPUT4 is a chain of Fortran records, each between two equal lengths; a broken chain could be read for ever."""
-    with path.open("rb") as file:
-        head, size = file.read(4), path.stat().st_size
-        if len(head) < 4:
-            raise BadInput(source=str(path), problem="it is empty or nearly so", remedy="Write it again")
-        if min(head) != 0:
-            return  # formatted
-        order = "<I" if int.from_bytes(head, "little") <= 48 else ">I"
-        place = 0
-        while place < size:
-            file.seek(place)
-            length = _length(file.read(4), order)
-            file.seek(place + 4 + length)
-            if place + 8 + length > size or _length(file.read(4), order) != length:
-                problem = f"the record that begins at byte {place} is not whole"
-                raise BadInput(source=str(path), problem=problem, remedy="Write it again; it is cut short or damaged")
-            place += 8 + length
 
 
 def _length(raw: bytes, order: str) -> int:
@@ -120,9 +132,20 @@ def _punched(path: Path) -> dict[str, tuple[Array, Integers, Integers, bool]]:
     from pyyeti.nastran import bulk
 
     cards = bulk.rdcards(_text(path), "dmig", return_var="list", blank=0, no_data_return=[])
+    groups: dict[str, tuple[list[Any], list[list[Any]]]] = {}  # header card and column cards of every matrix
+    for card in cards:
+        name = str(card[0]).strip().lower()
+        if card[1] == 0:
+            if name in groups:
+                raise BadInput(source=str(path), field=name, problem="is there twice", remedy="Punch every matrix once")
+            groups[name] = (card, [])
+        elif name not in groups:
+            problem = f"a column of {name.upper()} stands before its header card"
+            raise BadInput(source=str(path), field=name, problem=problem, remedy="Keep the order in which it was punched")
+        else:
+            groups[name][1].append(card)
     found: dict[str, tuple[Array, Integers, Integers, bool]] = {}
-    for name, group in _by_name(cards, path).items():
-        header, columns = group
+    for name, (header, columns) in groups.items():
         form, kind = header[2], header[3]
         if form not in (1, 6):
             problem = f"has the form {form!r} (IFO), where a square (1) or symmetric (6) matrix is needed"
@@ -141,23 +164,6 @@ def _punched(path: Path) -> dict[str, tuple[Array, Integers, Integers, bool]]:
         values = np.array([entry[4] for entry in entries], dtype=np.float64)
         labels = np.array([entry[:4] for entry in entries], dtype=np.intp)
         found[name] = values, labels[:, 2:], labels[:, :2], form == 6
-    return found
-
-
-def _by_name(cards: Iterable[list[Any]], path: Path) -> dict[str, tuple[list[Any], list[list[Any]]]]:
-    """Header card and column cards of every matrix."""
-    found: dict[str, tuple[list[Any], list[list[Any]]]] = {}
-    for card in cards:
-        name = str(card[0]).strip().lower()
-        if card[1] == 0:
-            if name in found:
-                raise BadInput(source=str(path), field=name, problem="is there twice", remedy="Punch every matrix once")
-            found[name] = (card, [])
-        elif name not in found:
-            problem = f"a column of {name.upper()} stands before its header card"
-            raise BadInput(source=str(path), field=name, problem=problem, remedy="Keep the order in which it was punched")
-        else:
-            found[name][1].append(card)
     return found
 
 
@@ -181,17 +187,6 @@ def _on_common_rows(found: dict[str, tuple[Array, Integers, Integers, bool]], pa
 
 
 # --- grid points ------------------------------------------------------------------------------------------------------------
-
-
-def _grids(path: Path, description: Description) -> Path:
-    """Where the grid points are: as described, or an ``.asm`` or ``.bdf`` of the same name."""
-    if description.grids is not None:
-        return description.grids
-    for ending in (".asm", ".bdf", ".dat", ".blk"):
-        if path.with_suffix(ending).is_file():
-            return path.with_suffix(ending)
-    problem = "is missing, and there is no .asm, .bdf, .dat or .blk of the same name: the matrices have no coordinates"
-    raise BadInput(source=description.source, field="fe_model.grids", problem=problem, remedy='Add grids = "model.bdf"')
 
 
 def _nodes(grids: Path, dof: Integers | None) -> dict[str, Any]:
@@ -232,20 +227,3 @@ def _nodes(grids: Path, dof: Integers | None) -> dict[str, Any]:
 def _text(path: Path) -> io.StringIO:
     """The file as text that pyyeti cannot follow INCLUDE statements from."""
     return io.StringIO(path.read_text(encoding="utf-8"))
-
-
-def _name(ours: str, found: dict[str, Any], path: Path, description: Description) -> str | None:
-    """The name in the file of our matrix; None for one that may be absent."""
-    given = description.matrices.get(ours)
-    choices = (given,) if given else NAMES[ours]
-    name = next((choice for choice in choices if choice in found), None)
-    if name is None and (given or ours not in _OPTIONAL):
-        remedy = f"{nearest(choices[0], found)}There are {', '.join(found) or 'none'}; name it by fe_model.matrices.{ours}"
-        raise BadInput(source=str(path), field=choices[0].upper(), problem=f"is missing, the {ours}", remedy=remedy)
-    # EXTSEOUT writes a single zero for a matrix that the model does not have.
-    absent = ours in _OPTIONAL and not given and name is not None and _empty(found[name])
-    return None if absent else name
-
-
-def _empty(matrix: Any) -> bool:
-    return hasattr(matrix, "nnz") and matrix.shape == (1, 1) and not matrix.count_nonzero()

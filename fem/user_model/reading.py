@@ -16,8 +16,8 @@ from fem.damping import Damping
 from fem.modes import Modes
 from fem.structure import Structure
 from fem.user_model import matrices, modal, nastran
-from fem.user_model.description import LARGEST_BYTES, TABLE, TOO_LARGE, Contents, Description, embedded, read_description
-from geometry import atomic
+from fem.user_model.description import LARGEST_BYTES, TABLE, TOO_LARGE, Contents, Description, parse, read_description
+from geometry import atomic, toml_file
 from geometry.errors import BadInput
 
 # Arrays from HDF5. Only what lies in the file itself: no links to other files, and nothing that is declared but not there.
@@ -43,7 +43,10 @@ def read_hdf5(path: Path) -> Contents:
     try:
         with h5py.File(path, "r") as file:
             found = _datasets(file, "", source)
-            _require_reasonable(found, source)
+            total = sum(int(dataset.size or 0) * dataset.dtype.itemsize for dataset in found.values())
+            if total > LARGEST_BYTES:
+                problem = f"its datasets would take {total / 2**30:.3g} GiB, more than {LARGEST_BYTES / 2**30:.3g}"
+                raise BadInput(source=source, problem=problem, remedy=TOO_LARGE)
             arrays = {name: np.asarray(dataset[()]) for name, dataset in found.items()}
             text = file.attrs.get("description")
     except BadInput:
@@ -87,13 +90,6 @@ def _datasets(group: Any, prefix: str, source: str) -> dict[str, Any]:
     return found
 
 
-def _require_reasonable(found: dict[str, Any], source: str) -> None:
-    total = sum(int(dataset.size or 0) * dataset.dtype.itemsize for dataset in found.values())
-    if total > LARGEST_BYTES:
-        problem = f"its datasets would take {total / 2**30:.3g} GiB, more than {LARGEST_BYTES / 2**30:.3g}"
-        raise BadInput(source=source, problem=problem, remedy=TOO_LARGE)
-
-
 # Arrays from a NumPy ``.npz``: never unpickled, and no larger in memory than the archive's own list says.
 
 
@@ -111,7 +107,15 @@ def read_npz(path: Path) -> Contents:
     source = str(path)
     try:
         with zipfile.ZipFile(path) as archive:
-            _require_reasonable_npz(archive, source)
+            names = [entry.filename for entry in archive.infolist()]
+            if not names:
+                raise BadInput(source=source, problem="it holds no arrays", remedy=_WRITE_NPZ_AGAIN)
+            if len(set(names)) < len(names):
+                raise BadInput(source=source, problem="it holds two arrays of one name", remedy=_WRITE_NPZ_AGAIN)
+            total = sum(entry.file_size for entry in archive.infolist())
+            if total > LARGEST_BYTES:
+                problem = f"its arrays would take {total / 2**30:.3g} GiB, more than {LARGEST_BYTES / 2**30:.3g}"
+                raise BadInput(source=source, problem=problem, remedy=TOO_LARGE)
             arrays = {entry.filename.removesuffix(".npy"): _array(archive, entry, source) for entry in archive.infolist()}
     except BadInput:
         raise
@@ -120,18 +124,6 @@ def read_npz(path: Path) -> Contents:
         raise BadInput(source=source, problem=problem, remedy=f"{_WRITE_NPZ_AGAIN}; it may be cut short or damaged") from None
     text = arrays.pop("description", None)
     return Contents(source=source, arrays=arrays, description=None if text is None else str(text))
-
-
-def _require_reasonable_npz(archive: zipfile.ZipFile, source: str) -> None:
-    names = [entry.filename for entry in archive.infolist()]
-    if not names:
-        raise BadInput(source=source, problem="it holds no arrays", remedy=_WRITE_NPZ_AGAIN)
-    if len(set(names)) < len(names):
-        raise BadInput(source=source, problem="it holds two arrays of one name", remedy=_WRITE_NPZ_AGAIN)
-    total = sum(entry.file_size for entry in archive.infolist())
-    if total > LARGEST_BYTES:
-        problem = f"its arrays would take {total / 2**30:.3g} GiB, more than {LARGEST_BYTES / 2**30:.3g}"
-        raise BadInput(source=source, problem=problem, remedy=TOO_LARGE)
 
 
 def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, source: str) -> Any:
@@ -198,34 +190,33 @@ def read(path: str | Path) -> Structure | Modes:
 
 def load(path: str | Path) -> UsersModel:
     """As `read`, with the name and the damping that the user gave."""
-    contents, description = _opened(Path(path))
+    path = Path(path)
+    if path.suffix.lower() == ".toml":
+        description = read_description(path)
+        if description.file is None:
+            problem = f"is missing: the data are {', '.join(DATA_ENDINGS)}"
+            raise BadInput(source=str(path), field="fe_model.file", problem=problem, remedy='Add file = "..."')
+        contents = _contents(description.file, description)
+    else:
+        _require_file(path)
+        if path.suffix.lower() in nastran.ENDINGS:
+            description = _beside(path)
+            contents = _contents(path, description)
+        else:
+            contents = read_npz(path) if path.suffix.lower() == ".npz" else read_hdf5(path)
+            if contents.description is None:
+                description = _beside(path)
+                _require_digest(path, description)
+            else:
+                source = f"{path}, description"
+                description = parse(toml_file.parse(contents.description, source), source, path)
+            _require_not_nastrans(path, description)
     if description.kind == "modal":
         return UsersModel(name=description.name, model=modal.modes(contents, description))
     structure, viscous = matrices.structure(contents, description)
     damped = viscous is not None or bool(structure.loss_factors)
     damping = Damping(loss_factors=structure.loss_factors, viscous=viscous) if damped else None
     return UsersModel(name=description.name, model=structure, damping=damping)
-
-
-def _opened(path: Path) -> tuple[Contents, Description]:
-    if path.suffix.lower() == ".toml":
-        description = read_description(path)
-        if description.file is None:
-            problem = f"is missing: the data are {', '.join(DATA_ENDINGS)}"
-            raise BadInput(source=str(path), field="fe_model.file", problem=problem, remedy='Add file = "..."')
-        return _contents(description.file, description), description
-    _require_file(path)
-    if path.suffix.lower() in nastran.ENDINGS:
-        description = _beside(path)
-        return _contents(path, description), description
-    contents = _data(path)
-    if contents.description is None:
-        description = _beside(path)
-        _require_digest(path, description)
-    else:
-        description = embedded(contents.description, path)
-    _require_not_nastrans(path, description)
-    return contents, description
 
 
 def _beside(path: Path) -> Description:
@@ -248,7 +239,7 @@ def _contents(path: Path, description: Description) -> Contents:
     if path.suffix.lower() in nastran.ENDINGS:
         return nastran.read(path, description)
     _require_not_nastrans(path, description)
-    return _data(path)
+    return read_npz(path) if path.suffix.lower() == ".npz" else read_hdf5(path)
 
 
 def _require_not_nastrans(path: Path, description: Description) -> None:
@@ -268,10 +259,6 @@ def _require_digest(path: Path, description: Description) -> None:
         problem = f"is not that of {path.name}, which has {found}"
         remedy = "Copy the file again; if it was changed on purpose, write its new sum here"
         raise BadInput(source=description.source, field="fe_model.sha256", problem=problem, remedy=remedy)
-
-
-def _data(path: Path) -> Contents:
-    return read_npz(path) if path.suffix.lower() == ".npz" else read_hdf5(path)
 
 
 def _require_file(path: Path) -> None:
@@ -303,41 +290,34 @@ def write(model: Structure | Modes, path: str | Path, name: str = "") -> None:
     ------
     BadInput : another ending.
     """
+    from scipy.sparse import csr_array
+
     path = Path(path)
     if path.suffix.lower() not in WRITTEN_ENDINGS:
         problem = f"its ending {path.suffix!r} is none of {', '.join(WRITTEN_ENDINGS)}"
         raise BadInput(source=str(path), problem=problem, remedy="Choose one of them")
     if isinstance(model, Modes):
-        names = ("frequency", "damping_ratio", "participation", "rigid_mass", "residual", "viscous", "structural")
-        arrays = {name: getattr(model, name) for name in names}
+        fields = ("frequency", "damping_ratio", "participation", "rigid_mass", "residual", "viscous", "structural")
+        arrays: dict[str, Any] = {field: getattr(model, field) for field in fields}
     else:
-        arrays = _of_structure(model)
+        arrays = {"rigid": model.rigid, "held": model.held}
+        if len(model.points):
+            arrays |= {"points": model.points, "translations": model.translations}
+        matrices: dict[str, Any] = {"stiffness": model.stiffness, "mass": model.mass}
+        damped = [factor * model.part_stiffness[part] for part, factor in model.loss_factors.items() if factor]
+        if damped:
+            matrices["structural"] = sum(damped[1:], damped[0])
+        for matrix_name, matrix in matrices.items():
+            A = csr_array(matrix)
+            A.sum_duplicates()
+            parts = {"data": A.data, "indices": A.indices, "indptr": A.indptr, "shape": np.array(A.shape)}
+            arrays |= {f"{matrix_name}/{part}": array for part, array in parts.items()}
     kind = "modal" if isinstance(model, Modes) else "matrices"
     metres = ", ".join(f'"{value!r} m"' for value in model.reference_point.tolist())
     title = "".join(letter for letter in name or path.stem if letter.isprintable() and letter not in '"\\')
     text = f'format = 1\n\n[fe_model]\nname = "{title}"\nkind = "{kind}"\nunits = "m-kg-N-s"\nreference_point = [{metres}]\n'
     save = _save_npz if path.suffix.lower() == ".npz" else _save_hdf5
     atomic.write_with(path, lambda temporary: save(temporary, arrays, text))
-
-
-def _of_structure(structure: Structure) -> dict[str, Any]:
-    arrays = {"rigid": structure.rigid, "held": structure.held}
-    if len(structure.points):
-        arrays |= {"points": structure.points, "translations": structure.translations}
-    matrices = {"stiffness": structure.stiffness, "mass": structure.mass}
-    damped = [factor * structure.part_stiffness[part] for part, factor in structure.loss_factors.items() if factor]
-    if damped:
-        matrices["structural"] = sum(damped[1:], damped[0])
-    return arrays | {key: array for name, matrix in matrices.items() for key, array in _compressed(name, matrix).items()}
-
-
-def _compressed(name: str, matrix: Any) -> dict[str, Any]:
-    from scipy.sparse import csr_array
-
-    A = csr_array(matrix)
-    A.sum_duplicates()
-    parts = {"data": A.data, "indices": A.indices, "indptr": A.indptr, "shape": np.array(A.shape)}
-    return {f"{name}/{part}": array for part, array in parts.items()}
 
 
 def _save_npz(path: Path, arrays: dict[str, Any], text: str) -> None:

@@ -11,6 +11,7 @@ import pytest
 from scipy.sparse import csr_array, eye_array, kron
 
 from fem import factorisers
+from fem.exudyn.linear import Linearised
 from fem.structure import Structure, rigid_motion
 
 
@@ -62,6 +63,27 @@ def saved(own_model: dict[str, Any], tmp_path: Path) -> Callable[..., Path]:
         return path
 
     return save
+
+
+@pytest.fixture(scope="session")
+def driven() -> Callable[[Linearised, np.ndarray, float], np.ndarray]:
+    """``driven(system, lossy, frequency)``: blocked dynamic mass (6, 6) straight from the matrices that exudyn linearises.
+
+    The base's six coordinates u are prescribed, the others x and the joints' forces lambda follow from
+
+        Z = K + i S - omega² M,    Z_xx x + J_x lambda = -Z_xu u,    J_x^T x = -J_u^T u,
+
+    and the load of the table is F = Z_uu u + Z_ux x + J_u lambda; with u = -a / omega², H = F / a.
+    """
+    return _driven
+
+
+def _driven(system: Linearised, lossy: np.ndarray, frequency: float) -> np.ndarray:
+    J, omega = system.constraints, 2 * np.pi * frequency
+    none = np.zeros((J.shape[1], J.shape[1]))
+    Z = np.block([[system.stiffness + 1j * lossy - omega**2 * system.mass, J], [J.T, none]])  # base, others, joints
+    others = np.linalg.solve(Z[6:, 6:], -Z[6:, :6])
+    return (Z[:6, :6] + Z[:6, 6:] @ others) / -(omega**2)
 
 
 @pytest.fixture(scope="session")

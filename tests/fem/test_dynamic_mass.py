@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
@@ -154,7 +155,7 @@ def test_pyyeti_drives_the_same_base() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)
         from pyyeti import cb
-    r = reduction.craig_bampton(clumod(), 30)
+    r = reduction.of_modes(clumod_modes(), clumod().rigid)
     found = dynamic_mass.modal(clumod_modes(), BAND, residual=False).matrix
     K = r.stiffness + 1j * r.structural
     peer = np.array([cb.cbtf(r.mass, r.viscous, K, row, BAND, np.arange(6)).frc for row in np.eye(6)])  # axis, load, line
@@ -208,3 +209,17 @@ def test_direct_solution_with_ratios_asks_for_the_modes() -> None:
 def test_damping_that_the_structure_does_not_know_is_refused() -> None:
     with pytest.raises(BadInput, match="Did you mean mast"):
         fixed_base(clumod(), 5, damping=Damping(loss_factors={"masd": 0.1}))
+
+
+def test_reduced_matrices_give_the_modal_dynamic_mass_without_residual() -> None:
+    found = reduction.dynamic_mass(reduction.of_modes(clumod_modes(), clumod().rigid), BAND)
+    expected = dynamic_mass.modal(clumod_modes(), BAND, residual=False)
+    assert_allclose(found.matrix, expected.matrix, rtol=0, atol=1e-11 * np.abs(expected.matrix).max())
+
+
+def test_reduced_matrices_are_the_full_ones_seen_through_the_basis(block: Callable[..., Structure]) -> None:
+    structure = block(4, 4, 5)
+    r = reduction.of_modes(fixed_base(structure, 12), structure.rigid)
+    for full, small in ((structure.mass, r.mass), (structure.stiffness, r.stiffness)):
+        assert_allclose(r.basis.T @ full @ r.basis, small, rtol=0, atol=1e-9 * np.abs(small).max())
+    assert_allclose(r.basis[:, :6], structure.rigid)  # coordinates of the base move everything rigidly

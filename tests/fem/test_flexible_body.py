@@ -1,4 +1,4 @@
-"""The conversion to and from exudyn, and a free rigid body that exudyn accelerates as the mass matrix of Eq. 1 says."""
+"""The conversion to exudyn, and a free rigid body that exudyn accelerates as the mass matrix of Eq. 1 says."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.exudyn.run import from_exudyn, quiet, to_exudyn
+from fem.exudyn.run import quiet, to_exudyn
 from geometry.errors import BadInput
 from geometry.frames import Array, rotation_about
 from geometry.inertia import Inertia
@@ -26,20 +26,14 @@ def test_exudyn_and_we_agree_on_every_entry_of_the_tensor_and_the_order_of_six()
     assert_allclose(body.GetInertia6D(), [xx, yy, zz, yz, xz, xy], rtol=1e-15)
 
 
-@pytest.mark.parametrize("point", [(0.0, 0.0, 0.0), (0.3, -0.1, 0.6)])
-def test_there_and_back_changes_nothing(point: tuple[float, float, float]) -> None:
-    there = BODY.about(point)
-    back = from_exudyn(to_exudyn(there), point)
-    assert_allclose(back.parameters, there.parameters, rtol=1e-14)
-    assert_allclose(back.reference_point, point, rtol=0)
-
-
 def test_exudyn_moves_and_turns_a_body_as_we_do() -> None:
     """Exudyn's own homogeneous transformation against ours."""
     HT = np.eye(4)
     HT[:3, :3], HT[:3, 3] = TURN, [0.2, 0.5, -0.4]
     expected = BODY.rotated(TURN).moved(HT[:3, 3])
-    assert_allclose(from_exudyn(to_exudyn(BODY).Transformed(HT)).parameters, expected.parameters, rtol=0, atol=1e-14)
+    found = to_exudyn(BODY).Transformed(HT)
+    assert_allclose([found.Mass(), *found.COM()], [expected.mass, *expected.first_moment / expected.mass], rtol=0, atol=1e-14)
+    assert_allclose(found.Inertia(), expected.tensor, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("point", [(0.0, 0.0, 0.0), (0.3, -0.1, 0.6)])

@@ -75,7 +75,7 @@ def reed(inertia: Inertia) -> Callable[..., FlexibleBody]:
         M, K, C = np.eye(7), np.zeros((7, 7)), np.zeros((7, 7))
         M[:6, :6], M[6, :6], M[:6, 6] = inertia.mass_matrix, L, L
         K[6, 6], C[6, 6] = omega**2, 2 * ratio * omega
-        reduced = Reduced(stiffness=K, mass=M, viscous=C, structural=np.zeros((7, 7)), interface=6, basis=np.eye(7))
+        reduced = Reduced(stiffness=K, mass=M, viscous=C, structural=np.zeros((7, 7)), basis=np.eye(7))
         tip = np.hstack([rigid_transformation([0.1, 0.2, 0.3]), [[0.3], [0.1], [0.0]]])
         return FlexibleBody(name="reed", reduced=reduced, kept=np.array([frequency]), places={"tip": tip})
 

@@ -68,3 +68,20 @@ def newton_euler() -> Callable[..., Array]:
         return np.hstack([force, np.cross(h, a) + rate @ I + np.cross(spin, spin @ I)])
 
     return load
+
+
+@pytest.fixture(scope="session")
+def accelerometer() -> Callable[..., Array]:
+    """``accelerometer(motion, place, gravity=0)``: (n, 3) [m/s²] what one fixed to the table reads there, in the table's axes.
+
+    R^T (p'' + g z) + omega' x r + omega x (omega x r): the last term is the centripetal one that the linear [G] of Eq. 3 does not
+    know, that of g is what gravity makes it read at rest and in a tilt.
+    """
+
+    def read(motion: BaseMotion, place: Array, gravity: float = 0.0) -> Array:
+        turned = turning(motion)
+        spin, rate = (turned.seen_from_table(x) for x in (turned.spin, turned.spin_rate))
+        straight = turned.seen_from_table(motion.acceleration[:, :3] + [0.0, 0.0, gravity])
+        return straight + np.cross(rate, place) + np.cross(spin, np.cross(spin, place))
+
+    return read

@@ -4,30 +4,36 @@ import io
 import re
 import runpy
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from rich.console import Console
 
-from fem.exudyn import large_motion
-from fem.exudyn.large_motion import Cost, exponents, of_a_sine, of_a_sweep, plan_of, respond_of_plan, rigid
+from fem.exudyn.large_motion import plan_of, respond_of_plan, rigid
 from geometry.articles import built_in
 from geometry.dynamic_mass import LEVELS
 from geometry.inertia import Inertia
 from geometry.routes import inertia as drawn_inertia
 
+STUDY = runpy.run_path(str(Path(__file__).parents[3] / "examples" / "large_motion.py"))
+"""The example's own functions."""
+
+exponents, of_a_sine, of_a_sweep = STUDY["exponents"], STUDY["of_a_sine"], STUDY["of_a_sweep"]
+
 FACTORS = (1.0, 10.0, 30.0)
+Costs = dict[tuple[str, ...], tuple[Any, ...]]
 
 
 @pytest.fixture(scope="module")
-def costs(block: Inertia) -> dict[tuple[str, ...], tuple[Cost, ...]]:
+def costs(block: Inertia) -> Costs:
     driven = [("alpha",), ("beta",), ("gamma",), ("x", "gamma"), ("alpha", "beta", "gamma")]
     return {axes: of_a_sine(rigid(block), axes, FACTORS) for axes in driven}
 
 
 @pytest.mark.parametrize("axis", ["alpha", "beta", "gamma"])
-def test_one_axis_turning_leaves_out_at_most_its_angle(axis: str, costs: dict[tuple[str, ...], tuple[Cost, ...]]) -> None:
+def test_one_axis_turning_leaves_out_at_most_its_angle(axis: str, costs: Costs) -> None:
     """The bound at the head of `cost`: omega² / omega', in a sine the angle. The nominal ones are 4.75 and 9.5 mrad at 4 Hz."""
     for each in costs[(axis,)]:
         assert each.angle == pytest.approx(each.factor * LEVELS[axis] / (8 * np.pi) ** 2, rel=1e-2)
@@ -48,7 +54,7 @@ def test_what_is_left_out_of_a_rigid_body_is_its_centripetal_and_gyroscopic_load
     assert found.peak == pytest.approx(sizes[0] / sizes[1] * level / (8 * np.pi) ** 2, rel=1e-2)
 
 
-def test_second_order_in_the_record_and_third_at_the_driven_line(costs: dict[tuple[str, ...], tuple[Cost, ...]]) -> None:
+def test_second_order_in_the_record_and_third_at_the_driven_line(costs: Costs) -> None:
     """Shares grow with the level and with its square. About one axis the driven line has nothing at all."""
     for axes, found in costs.items():
         grown = exponents(found)
@@ -66,7 +72,7 @@ def test_turned_axes_cost_nothing_when_cells_and_accelerometers_ride_on_the_tabl
     with its CoG on the z axis has no other term there: against what the table's own accelerometers sense nothing is left out.
     """
     M = drawn_inertia(built_in("cuboid")).mass_matrix
-    motion = large_motion.sine_of({"x": 2.5, "gamma": 60.0}, 4.0)
+    motion = STUDY["sine_of"]({"x": 2.5, "gamma": 60.0}, 4.0)
     found = respond_of_plan(plan_of("cuboid"), motion)
     turned = np.abs(found.load - motion.acceleration @ M).max()
     assert turned > 0.05 * np.abs(found.load).max()
@@ -105,7 +111,7 @@ def test_progress_of_a_study_goes_to_one(block: Inertia) -> None:
 
 def test_the_size_of_a_load_has_no_units_to_choose(block: Inertia) -> None:
     """In centimetres and with another mass unit every share is the same."""
-    weight = large_motion.size_of(rigid(block))
+    weight = STUDY["size_of"](rigid(block))
     T = np.diag([1.0, 1.0, 1.0, 100.0, 100.0, 100.0]) * 1e3
     f, g = np.array([1.0, 2.0, 3.0, 0.4, 0.5, 0.6]), np.array([0.3, -2.0, 1.0, 0.1, 0.9, -0.2])
     other = np.linalg.inv(T / 1e3 @ block.mass_matrix @ T)
@@ -113,10 +119,9 @@ def test_the_size_of_a_load_has_no_units_to_choose(block: Inertia) -> None:
     assert shares[0] == pytest.approx(shares[1], rel=1e-12)
 
 
-def test_the_example_prints_shares_that_grow_and_the_limit(root: Path) -> None:
+def test_the_example_prints_shares_that_grow_and_the_limit() -> None:
     printed = io.StringIO()
-    program = runpy.run_path(str(root / "examples" / "large_motion.py"))
-    program["main"](Console(file=printed, width=160), ["clumod-1:rigid"], [("alpha",), ("x", "gamma")])
+    STUDY["main"](Console(file=printed, width=160), ["clumod-1:rigid"], [("alpha",), ("x", "gamma")])
     text = printed.getvalue()
     rows = re.findall(r"│ clumod-1:rigid │ ([a-z +]+?) +│ +(\d+) │ +([\d.]+) │ +([\d.]+) │ +(\S+) │ +(\S+) │ +(\S+) │", text)
     assert [row[1] for row in rows] == 2 * ["1", "3", "10", "30"]

@@ -10,7 +10,7 @@ from fem.base_excitation.patterns import BaseMotion
 from fem.beam.elements import rectangle
 from fem.beam.frame import Member, Plan
 from fem.exudyn import large_motion
-from fem.exudyn.large_motion import Conditions, accelerometer, respond, respond_of_plan, rigid, turning
+from fem.exudyn.large_motion import Conditions, respond, respond_of_plan, rigid, turning
 from fem.exudyn.run import running
 from geometry.article import material
 from geometry.frames import Array, rigid_transformation
@@ -67,7 +67,7 @@ def test_the_height_of_the_cog_would_be_off_by_g_over_omega_squared(block: Inert
 
 
 def test_with_accelerometers_that_sense_the_tilt_gravity_cancels_exactly_at_any_angle(
-    block: Inertia, smooth: Callable[..., BaseMotion]
+    block: Inertia, smooth: Callable[..., BaseMotion], accelerometer: Callable[..., Array]
 ) -> None:
     """Through a radian: what gravity adds to the load is M times what it adds to their reading, so H does not know of it."""
     motion = smooth(LARGE, RATES, 0.5)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.testing import assert_allclose
 
 from fem.base_excitation.patterns import BaseMotion
-from fem.exudyn.large_motion import accelerometer, rotation, turning
+from fem.exudyn.large_motion import turning
 from geometry.frames import Array, rotation_about
 
 LARGE = np.array([0.1, -0.05, 0.03, 1.1, -0.9, 1.4])
@@ -16,9 +16,11 @@ RATE = 4096.0
 
 
 def test_rotation_is_that_about_x_then_about_the_turned_y_then_about_the_turned_z() -> None:
-    angles = np.array([[0.3, -0.7, 1.1], [-1.2, 0.4, 2.0]])
+    angles, none = np.array([[0.3, -0.7, 1.1], [-1.2, 0.4, 2.0]]), np.zeros((2, 6))
+    turned = np.hstack([np.zeros((2, 3)), angles])
+    motion = BaseMotion(sampling_rate=1.0, displacement=turned, velocity=none, acceleration=none, driven=1.0)
     product = [rotation_about("x", a) @ rotation_about("y", b) @ rotation_about("z", c) for a, b, c in angles]
-    assert_allclose(rotation(angles), product, rtol=0, atol=1e-15)
+    assert_allclose(turning(motion).rotation, product, rtol=0, atol=1e-15)
 
 
 def test_spin_is_the_rate_of_the_rotation(smooth: Callable[..., BaseMotion]) -> None:
@@ -40,7 +42,7 @@ def test_spin_rate_is_the_derivative_of_the_spin_in_both_frames(smooth: Callable
 
 
 def test_an_accelerometer_on_the_table_reads_the_second_derivative_of_its_place_and_gravity(
-    smooth: Callable[..., BaseMotion],
+    smooth: Callable[..., BaseMotion], accelerometer: Callable[..., Array]
 ) -> None:
     motion = smooth(LARGE, OMEGA, rate=RATE)
     R = turning(motion).rotation
@@ -56,7 +58,7 @@ def test_small_motion_needs_no_turning(smooth: Callable[..., BaseMotion], sensed
 
 
 def test_the_linear_transformation_lacks_the_centripetal_acceleration(
-    smooth: Callable[..., BaseMotion], sensed: Callable[[BaseMotion], Array]
+    smooth: Callable[..., BaseMotion], sensed: Callable[[BaseMotion], Array], accelerometer: Callable[..., Array]
 ) -> None:
     """About one axis: omega² r towards it."""
     motion = smooth(0.5 * np.eye(6)[5], OMEGA)
