@@ -51,7 +51,17 @@ class Material:
 def library() -> Mapping[str, Material]:
     """The materials that ship with massline, by name."""
     table = tomllib.loads(files("geometry").joinpath("materials.toml").read_text(encoding="utf-8"))
-    return MappingProxyType({name: Material(name=name, **_fields(entry)) for name, entry in table.items()})
+    keys = {
+        "density": "density_kg_m3",
+        "youngs_modulus": "youngs_modulus_Pa",
+        "poisson_ratio": "poisson_ratio",
+        "loss_factor": "loss_factor",
+    }
+    found = {}
+    for name, entry in table.items():
+        values = {field: float(str(entry[key])) for field, key in keys.items() if key in entry}
+        found[name] = Material(name=name, **values)
+    return MappingProxyType(found)
 
 
 def material(name: str, source: str = "material") -> Material:
@@ -70,12 +80,6 @@ def material(name: str, source: str = "material") -> Material:
             problem=f"no material is called {name!r}",
             remedy=f"Known are {', '.join(sorted(library()))}; or state a density",
         ) from None
-
-
-def _fields(entry: Mapping[str, object]) -> dict[str, float]:
-    units = {"density": "density_kg_m3", "youngs_modulus": "youngs_modulus_Pa"}
-    names = ("density", "youngs_modulus", "poisson_ratio", "loss_factor")
-    return {name: float(str(entry[key])) for name in names if (key := units.get(name, name)) in entry}
 
 
 # Shapes as data: boxes and cylinders that add material, boxes and cylinders that take it away.
@@ -151,11 +155,6 @@ class Shape:
         there, taken = (sum(placed.primitive.volume for placed in kind) for kind in (self.solids, self.voids))
         if taken >= there:
             raise ValueError(f"`voids` must take away less than there is, found {taken:.6g} m³ of {there:.6g} m³")
-
-    @property
-    def planar(self) -> bool:
-        """Whether every face is a plane, so that a mesh of it is exact."""
-        return all(isinstance(placed.primitive, Box) for placed in self.solids + self.voids)
 
 
 def upright(primitive: Primitive, *, bottom: float, x: float = 0.0, y: float = 0.0) -> Placed:

@@ -54,22 +54,16 @@ def write_folder(folder: Path, fill: Callable[[Path], object]) -> None:
     try:
         new.mkdir()
         fill(new)
-        _exchange(target, new, old)
+        if target.exists():
+            target.rename(old)
+        try:
+            new.rename(target)
+        except BaseException:  # all is left as it was
+            if old.exists():
+                old.rename(target)
+            raise
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
-
-
-def _exchange(target: Path, new: Path, old: Path) -> None:
-    """Put the folder `new` in the place of `target`, if that is there, and `target` in that of `old`; or leave all as it was."""
-    if not target.exists():
-        new.rename(target)
-        return
-    target.rename(old)
-    try:
-        new.rename(target)
-    except BaseException:
-        old.rename(target)
-        raise
 
 
 def probe(path: Path) -> None:

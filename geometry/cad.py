@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from geometry import atomic
-from geometry.article import Article, Box, Part, Placed, Primitive
+from geometry.article import Article, Box, Part, Placed
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose
 from geometry.inertia import Inertia
@@ -44,18 +44,17 @@ def solid(part: Part) -> OccShape:
 
 
 def _placed(placed: Placed) -> OccShape:
-    return _primitive(placed.primitive).moved(location(placed.pose))
-
-
-def _primitive(primitive: Primitive) -> OccShape:
-    """The primitive centred on its own origin."""
+    """The primitive, drawn centred on its own origin, at its place."""
     from cadquery import Solid, Vector
 
+    primitive = placed.primitive
     if isinstance(primitive, Box):
         x, y, z = primitive.size / MM
-        return Solid.makeBox(x, y, z, Vector(-x / 2, -y / 2, -z / 2))
-    height = primitive.height / MM
-    return Solid.makeCylinder(primitive.diameter / 2 / MM, height, Vector(0, 0, -height / 2))
+        drawn = Solid.makeBox(x, y, z, Vector(-x / 2, -y / 2, -z / 2))
+    else:
+        height = primitive.height / MM
+        drawn = Solid.makeCylinder(primitive.diameter / 2 / MM, height, Vector(0, 0, -height / 2))
+    return drawn.moved(location(placed.pose))
 
 
 def location(pose: Pose) -> Any:
@@ -129,7 +128,14 @@ def read(path: Path) -> tuple[Body, ...]:
             remedy="Export solids; surfaces must be closed and made solid in the CAD first",
         )
     for body in bodies:
-        _require_sound(body, source)
+        volume, valid = body.solid.Volume(), body.solid.isValid()
+        if not valid or not volume > 0:
+            raise BadInput(
+                source=source,
+                field=body.name,
+                problem=f"the solid is not sound: OCC finds it {'valid' if valid else 'invalid'}, volume {volume:.6g} mm³",
+                remedy="Heal the solid in the CAD (closed shell, faces outwards) and export it again",
+            )
     return tuple(bodies)
 
 
@@ -200,9 +206,12 @@ def _leaves(path: Path) -> list[tuple[str, OccShape]]:
 def _walk(tool: Any, label: Any, location: Any, inherited: str) -> Iterator[tuple[str, OccShape]]:
     """The leaves below `label`, at `location` (a TopLoc_Location or None); a nameless one has the name of what holds it."""
     from cadquery import Shape
+    from OCP.TDataStd import TDataStd_Name
     from OCP.TDF import TDF_Label
 
-    name = _name(label) or inherited
+    attribute = TDataStd_Name()
+    own = str(attribute.Get().ToExtString()).strip() if label.FindAttribute(TDataStd_Name.GetID_s(), attribute) else ""
+    name = own or inherited
     if tool.IsReference_s(label):
         target = TDF_Label()
         tool.GetReferredShape_s(label, target)
@@ -222,25 +231,6 @@ def _sequence(fill: Any) -> list[Any]:
     found = TDF_LabelSequence()
     fill(found)
     return [found.Value(number) for number in range(1, found.Length() + 1)]
-
-
-def _name(label: Any) -> str:
-    from OCP.TDataStd import TDataStd_Name
-
-    attribute = TDataStd_Name()
-    return str(attribute.Get().ToExtString()).strip() if label.FindAttribute(TDataStd_Name.GetID_s(), attribute) else ""
-
-
-def _require_sound(body: Body, source: str) -> None:
-    volume = body.solid.Volume()
-    valid = body.solid.isValid()
-    if not valid or not volume > 0:
-        raise BadInput(
-            source=source,
-            field=body.name,
-            problem=f"the solid is not sound: OCC finds it {'valid' if valid else 'invalid'}, volume {volume:.6g} mm³",
-            remedy="Heal the solid in the CAD (closed shell, faces outwards) and export it again",
-        )
 
 
 @contextmanager
@@ -293,12 +283,6 @@ def from_occ(shape: OccShape, density: float) -> Inertia:
     )
 
 
-def to_occ(inertia: Inertia) -> tuple[float, tuple[float, float, float], tuple[tuple[float, ...], ...]]:
-    """Mass [kg], CoG [mm] and tensor about the CoG [kg mm²] as nested tuples: what a CAD's mass-property sheet lists."""
-    x, y, z = (inertia.cog / MM).tolist()
-    return inertia.mass, (x, y, z), tuple(tuple(row) for row in (inertia.tensor_cog / MM**2).tolist())
-
-
 def overlaps(article: Article) -> dict[tuple[str, str], float]:
     """Pairs of parts that share volume, and how much [m³], by intersecting their B-reps.
 
@@ -307,18 +291,15 @@ def overlaps(article: Article) -> dict[tuple[str, str], float]:
     """
     solids = {part.name: solid(part) for part in article.parts}
     volumes = {name: shape.Volume() for name, shape in solids.items()}
-    shared = {
-        (a, b): solids[a].intersect(solids[b]).Volume() for a, b in combinations(solids, 2) if _boxes_meet(solids[a], solids[b])
-    }
+    boxes = {name: shape.BoundingBox() for name, shape in solids.items()}
+    shared = {}
+    for a, b in combinations(solids, 2):
+        p, q = boxes[a], boxes[b]
+        lower = np.maximum([p.xmin, p.ymin, p.zmin], [q.xmin, q.ymin, q.zmin])
+        upper = np.minimum([p.xmax, p.ymax, p.zmax], [q.xmax, q.ymax, q.zmax])
+        if np.all(upper > lower):
+            shared[a, b] = solids[a].intersect(solids[b]).Volume()
     return {pair: v * MM**3 for pair, v in shared.items() if v > 1e-9 * min(volumes[pair[0]], volumes[pair[1]])}
-
-
-def _boxes_meet(a: OccShape, b: OccShape) -> bool:
-    """Whether the axis-aligned bounding boxes share a volume."""
-    p, q = a.BoundingBox(), b.BoundingBox()
-    lower = np.maximum([p.xmin, p.ymin, p.zmin], [q.xmin, q.ymin, q.zmin])
-    upper = np.minimum([p.xmax, p.ymax, p.zmax], [q.xmax, q.ymax, q.zmax])
-    return bool(np.all(upper > lower))
 
 
 # Solids out of the house: STEP assemblies with a name for every body, BREP files and STL meshes. In millimetres.

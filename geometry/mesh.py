@@ -141,11 +141,6 @@ def merged(mesh: TriangleMesh) -> TriangleMesh:
     return selected(TriangleMesh(vertices=places, faces=faces), np.ones(len(faces), dtype=np.bool_))
 
 
-def turned(mesh: TriangleMesh) -> TriangleMesh:
-    """`mesh` with its inside out."""
-    return TriangleMesh(vertices=mesh.vertices, faces=mesh.faces[:, ::-1])
-
-
 def placed(mesh: TriangleMesh, pose: Pose) -> TriangleMesh:
     """`mesh`, given in its own frame, seen in the outer frame of `pose`."""
     return TriangleMesh(vertices=pose.apply(mesh.vertices), faces=mesh.faces)
@@ -264,7 +259,15 @@ def require_closed_volume(mesh: TriangleMesh, source: str, unit: LengthUnit = ME
             remedy="Remove the doubled faces; if the body was exported twice, export it once",
         )
     found = edges(mesh)
-    _require_watertight(mesh, found, source, unit)
+    single, crowded = found.ends[found.uses == 1], found.ends[found.uses > 2]
+    if single.size or crowded.size:
+        wrong, remedy = len(single) + len(crowded), "Close the holes and take bodies that share an edge apart in the program"
+        problem = f"the mesh is not watertight: {wrong} of its {len(found.ends)} edges do not join exactly two faces"
+        problem += f"; {_count(len(single), 'open edge')}" + _clusters(mesh, single, "hole", unit)
+        if crowded.size:
+            problem += f"; {_count(len(crowded), 'edge')} where up to {found.uses.max()} faces meet"
+            problem += _clusters(mesh, crowded, "line", unit)
+        raise BadInput(source=source, problem=problem, remedy=f"{remedy} that made the mesh, then export it again")
     broken = found.turns != 0
     if broken.any():
         raise BadInput(
@@ -274,30 +277,6 @@ def require_closed_volume(mesh: TriangleMesh, source: str, unit: LengthUnit = ME
             remedy="Make the normals consistent (all outwards) in the program that made the mesh and export it again",
         )
     return _require_simple(mesh, source, unit)
-
-
-# --- triangles ------------------------------------------------------------------------------------------------------------
-
-
-# --- edges ----------------------------------------------------------------------------------------------------------------
-
-
-def _require_watertight(mesh: TriangleMesh, found: Edges, source: str, unit: LengthUnit) -> None:
-    single, crowded = found.ends[found.uses == 1], found.ends[found.uses > 2]
-    if not single.size and not crowded.size:
-        return
-    problem = (
-        f"the mesh is not watertight: {len(single) + len(crowded)} of its {len(found.ends)} edges do not join exactly two faces"
-    )
-    problem += f"; {_count(len(single), 'open edge')}" + _clusters(mesh, single, "hole", unit)
-    if crowded.size:
-        problem += f"; {_count(len(crowded), 'edge')} where up to {found.uses.max()} faces meet"
-        problem += _clusters(mesh, crowded, "line", unit)
-    raise BadInput(
-        source=source,
-        problem=problem,
-        remedy="Close the holes and take bodies that share an edge apart in the program that made the mesh, then export it again",
-    )
 
 
 def _clusters(mesh: TriangleMesh, ends: Integers, what: str, unit: LengthUnit) -> str:
@@ -313,14 +292,17 @@ def _clusters(mesh: TriangleMesh, ends: Integers, what: str, unit: LengthUnit) -
     return f" in {_count(len(clusters), what)}: {_listed(where, len(clusters))}"
 
 
-# --- pieces ---------------------------------------------------------------------------------------------------------------
-
-
 def _require_simple(mesh: TriangleMesh, source: str, unit: LengthUnit) -> tuple[str, ...]:
     label, bodies = piece_of_face(mesh), pieces(mesh)
     pairs = intersecting_faces(mesh)
     within = label[pairs[:, 0]] == label[pairs[:, 1]]
-    _require_no_crossing(mesh, pairs[within], source, unit)
+    if np.any(within):
+        raise BadInput(
+            source=source,
+            problem=f"the surface runs through itself: {_count(int(within.sum()), 'pair')} of faces intersect, "
+            f"within {_box(mesh.triangles[pairs[within]].reshape(-1, 3), unit)}",
+            remedy="Unite the crossing surfaces in the program that made the mesh and export it again",
+        )
     volumes = np.array([body.volume for body in bodies])
     if np.all(volumes <= 0):
         raise BadInput(
@@ -340,32 +322,17 @@ def _require_simple(mesh: TriangleMesh, source: str, unit: LengthUnit) -> tuple[
             raise _misplaced(body, number, "does not lie within another piece", source, unit)
         if body.volume > 0 and around != 0:
             raise _overlap(f"piece {number + 1} lies within another piece", body.volume, body.vertices, source, unit)
-    return tuple(
-        warning for first, second in touching if (warning := _contact(bodies, int(first), int(second), source, unit)) is not None
-    )
-
-
-def _require_no_crossing(mesh: TriangleMesh, pairs: Integers, source: str, unit: LengthUnit) -> None:
-    if pairs.size:
-        raise BadInput(
-            source=source,
-            problem=f"the surface runs through itself: {_count(len(pairs), 'pair')} of faces intersect, "
-            f"within {_box(mesh.triangles[pairs].reshape(-1, 3), unit)}",
-            remedy="Unite the crossing surfaces in the program that made the mesh and export it again",
-        )
-
-
-def _contact(bodies: tuple[TriangleMesh, ...], first: int, second: int, source: str, unit: LengthUnit) -> str | None:
-    a, b = bodies[first], bodies[second]
-    shared = shared_volume(a, b)
-    if shared > SLIVER * min(a.volume, b.volume):
-        raise _overlap(f"pieces {first + 1} and {second + 1} overlap", shared, _common(a, b), source, unit)
-    if shared > ROUNDING * min(a.volume, b.volume):
-        return (
-            f"{source}: pieces {first + 1} and {second + 1} touch and their meshes overlap by {_volume(shared, unit)}, "
-            f"{shared / min(a.volume, b.volume):.2%} of the smaller one, which counts twice"
-        )
-    return None
+    warned = []
+    for first, second in touching:
+        a, b, both = bodies[first], bodies[second], f"pieces {first + 1} and {second + 1}"
+        shared, smaller = shared_volume(a, b), min(a.volume, b.volume)
+        if shared > SLIVER * smaller:
+            common = np.array([np.maximum(a.bounds[0], b.bounds[0]), np.minimum(a.bounds[1], b.bounds[1])])
+            raise _overlap(f"{both} overlap", shared, common, source, unit)
+        if shared > ROUNDING * smaller:
+            said = f"{both} touch and their meshes overlap by {_volume(shared, unit)}"
+            warned.append(f"{source}: {said}, {shared / smaller:.2%} of the smaller one, which counts twice")
+    return tuple(warned)
 
 
 def _misplaced(body: TriangleMesh, number: int, what: str, source: str, unit: LengthUnit) -> BadInput:
@@ -382,14 +349,6 @@ def _overlap(what: str, volume: float, points: Array, source: str, unit: LengthU
         problem=f"{what}: {_volume(volume, unit)} within {_box(points, unit)} would count twice",
         remedy="Unite the pieces or cut one by the other in the program that made them; of a cavity, turn the normals inwards",
     )
-
-
-def _common(a: TriangleMesh, b: TriangleMesh) -> Array:
-    """Two corners of the box that the boxes around `a` and `b` have in common."""
-    return np.array([np.maximum(a.bounds[0], b.bounds[0]), np.minimum(a.bounds[1], b.bounds[1])])
-
-
-# --- words ----------------------------------------------------------------------------------------------------------------
 
 
 def _count(number: int, what: str) -> str:
@@ -501,24 +460,6 @@ def _unreadable(ending: str, why: str, source: str) -> BadInput:
 # is told.
 
 
-class MassProperties(NamedTuple):
-    """Mass properties as trimesh has them: `mass` [kg], `center_mass` (3,) [m], `inertia` (3, 3) [kg m²] about it."""
-
-    mass: float
-    center_mass: Array
-    inertia: Array
-
-
-def from_trimesh(mass: float, center_mass: npt.ArrayLike, inertia: npt.ArrayLike) -> Inertia:
-    """From trimesh's mass [kg], centre of mass (3,) [m] and tensor (3, 3) [kg m²] about it; the result is about the origin."""
-    return Inertia.from_cog(mass, center_mass, inertia)
-
-
-def to_trimesh(inertia: Inertia) -> MassProperties:
-    """Mass, centre of mass and the tensor about it, as trimesh has them; the mass must not be zero."""
-    return MassProperties(mass=inertia.mass, center_mass=inertia.cog, inertia=inertia.tensor_cog)
-
-
 def inertia(mesh: TriangleMesh, density: float, source: str, unit: LengthUnit = METRE) -> Inertia:
     """Inertia about the mesh's origin of the body within `mesh`, of `density` [kg/m³].
 
@@ -539,4 +480,4 @@ def inertia_unchecked(mesh: TriangleMesh, density: float) -> Inertia:
 
     middle = mesh.bounds.mean(axis=0)  # integrated about its middle, so that a body far from the origin loses no digits
     found: Any = mass_properties(mesh.triangles - middle, density=density)
-    return from_trimesh(found.mass, found.center_mass, found.inertia).moved(middle)
+    return Inertia.from_cog(found.mass, found.center_mass, found.inertia).moved(middle)

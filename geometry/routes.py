@@ -14,7 +14,7 @@ operation fails, and when either is fed a wrong place: a disagreement is a faile
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import reduce
 from itertools import combinations
@@ -22,10 +22,10 @@ from typing import Any
 
 import numpy as np
 
-from geometry.article import Article, Box, Cylinder, Part, Placed
+from geometry.article import Article, Box, Cylinder, Placed
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose, frozen
-from geometry.inertia import PARAMETERS, UNITS, Inertia, Kind, judge, require_physical
+from geometry.inertia import PARAMETERS, UNITS, Inertia, Kind, judge
 
 # Do inertias that were found by different routes agree, and what were they allowed to differ by?
 
@@ -62,17 +62,23 @@ def held_together(inertias: Mapping[str, Inertia], allowed: Mapping[str, Array])
     inertias : by route, all about the same origin
     allowed : by route, (10,) what it may be off by; a pair may differ by the larger of the two
     """
-    verdicts = (
-        _judged(f"{a} and {b}", np.abs(inertias[a].parameters - inertias[b].parameters), np.maximum(allowed[a], allowed[b]))
-        for a, b in combinations(inertias, 2)
-    )
+    verdicts = []
+    for a, b in combinations(inertias, 2):
+        difference, tolerance = np.abs(inertias[a].parameters - inertias[b].parameters), np.maximum(allowed[a], allowed[b])
+        ratio = difference / tolerance
+        k = int(np.argmax(ratio))
+        agree = bool(ratio[k] <= 1)
+        off = f"{PARAMETERS[k]} about the origin differs by {difference[k]:.2e} {UNITS[k]}, {tolerance[k]:.2e} {UNITS[k]} allowed"
+        verdicts.append(
+            Agreement(
+                agree=agree,
+                text=f"{a} and {b} {'agree' if agree else 'disagree'}: {off}",
+                difference=frozen(difference, (10,), "difference"),
+                tolerance=frozen(tolerance, (10,), "tolerance"),
+                excess=float(ratio[k]),
+            )
+        )
     return max(verdicts, key=lambda verdict: verdict.excess)
-
-
-def single(text: str) -> Agreement:
-    """The verdict on one route, which nothing can contradict; `text` says why there is no other."""
-    nothing = frozen(np.zeros(10), (10,), "nothing")
-    return Agreement(agree=True, text=text, difference=nothing, tolerance=nothing, excess=0.0)
 
 
 def rounding(inertia: Inertia) -> Array:
@@ -88,22 +94,6 @@ def missing_mass(mass: float, reach: Array) -> Array:
     """What `mass` [kg], missing anywhere up to `reach` (3,) [m] from the origin takes off each parameter at most; (10,)."""
     x, y, z = reach
     return mass * np.array([1, x, y, z, y * y + z * z, x * x + z * z, x * x + y * y, x * y, x * z, y * z])
-
-
-def _judged(pair: str, difference: Array, tolerance: Array) -> Agreement:
-    ratio = difference / tolerance
-    k = int(np.argmax(ratio))
-    agree = bool(ratio[k] <= 1)
-    relation = "agree" if agree else "disagree"
-    what = f"{PARAMETERS[k]} about the origin"
-    text = f"{pair} {relation}: {what} differs by {difference[k]:.2e} {UNITS[k]}, {tolerance[k]:.2e} {UNITS[k]} allowed"
-    return Agreement(
-        agree=agree,
-        text=text,
-        difference=frozen(difference, (10,), "difference"),
-        tolerance=frozen(tolerance, (10,), "tolerance"),
-        excess=float(ratio[k]),
-    )
 
 
 ROUTES = ("occ", "trimesh", "pinocchio")
@@ -151,22 +141,16 @@ def tessellation_error(article: Article, chord: float) -> Array:
 
 def _missing(article: Article, chord: float, kind: str) -> Array:
     """Bound on what the inscribed polygons of all solids, or of all voids, miss; (10,)."""
-    return sum((_segments(*cylinder, chord) for cylinder in _cylinders(article, kind)), np.zeros(10))
-
-
-def _cylinders(article: Article, kind: str) -> Iterator[tuple[float, Pose, Cylinder]]:
-    """Density, place in the article's frame and size of every cylinder."""
+    missing = np.zeros(10)
     for part in article.counted_parts:
         for placed in getattr(part.shape, kind):
-            if isinstance(placed.primitive, Cylinder):
-                yield part.material.density, part.pose @ placed.pose, placed.primitive
-
-
-def _segments(density: float, pose: Pose, cylinder: Cylinder, chord: float) -> Array:
-    mass = density * 2 / 3 * np.pi * cylinder.diameter * cylinder.height * chord
-    axis = np.abs(pose.rotation[:, 2])
-    half = axis * cylinder.height / 2 + np.sqrt(1 - np.minimum(axis, 1) ** 2) * cylinder.diameter / 2
-    return missing_mass(mass, np.abs(pose.position) + half)
+            if isinstance(cylinder := placed.primitive, Cylinder):
+                pose = part.pose @ placed.pose
+                mass = part.material.density * 2 / 3 * np.pi * cylinder.diameter * cylinder.height * chord
+                axis = np.abs(pose.rotation[:, 2])
+                half = axis * cylinder.height / 2 + np.sqrt(1 - np.minimum(axis, 1) ** 2) * cylinder.diameter / 2
+                missing = missing + missing_mass(mass, np.abs(pose.position) + half)
+    return missing
 
 
 _POSITIVE = np.array([True, False, False, False, True, True, True, False, False, False])
@@ -188,20 +172,12 @@ PinocchioInertia = Any
 
 def inertia(article: Article) -> Inertia:
     """Inertia of the article's counted parts from their drawings, about the article's origin, in its frame."""
-    return from_pinocchio(_sum([_part(part) for part in article.counted_parts]))
-
-
-def to_pinocchio(inertia: Inertia, source: str = "inertia") -> PinocchioInertia:
-    """`inertia` as a `pinocchio.Inertia` about the body frame's origin.
-
-    Raises
-    ------
-    BadInput : no body has these parameters. Pinocchio itself would take them silently.
-    """
-    import pinocchio
-
-    body = require_physical(inertia, source)
-    return pinocchio.Inertia(body.mass, body.cog.copy(), body.tensor_cog)
+    parts = []
+    for part in article.counted_parts:  # material first, so that the running mass never passes through zero
+        density = part.material.density
+        bodies = [_body(solid, density) for solid in part.shape.solids] + [_body(void, -density) for void in part.shape.voids]
+        parts.append(_se3(part.pose).act(_sum(bodies)))
+    return from_pinocchio(_sum(parts))
 
 
 def from_pinocchio(body: PinocchioInertia) -> Inertia:
@@ -240,13 +216,6 @@ def from_log_cholesky(coordinates: Array) -> Inertia:
     import pinocchio
 
     return from_pinocchio(pinocchio.Inertia.FromLogCholeskyParameters(pinocchio.LogCholeskyParameters(coordinates)))
-
-
-def _part(part: Part) -> PinocchioInertia:
-    """One part in the article's frame: material first, so that the running mass never passes through zero."""
-    density = part.material.density
-    bodies = [_body(solid, density) for solid in part.shape.solids] + [_body(void, -density) for void in part.shape.voids]
-    return _se3(part.pose).act(_sum(bodies))
 
 
 def _body(placed: Placed, density: float) -> PinocchioInertia:

@@ -184,7 +184,8 @@ def summation(channels: Sequence[Channel], point: npt.ArrayLike) -> Summation:
             key = (channel.quantity, *np.round(place.position, 9), *np.round(place.direction, 9))
             if key not in keys:
                 keys[key] = len(keys)
-                gives.append(_given(channel.quantity, place, point))
+                moment = np.concatenate([np.zeros(3), place.direction])
+                gives.append(moment if channel.quantity == "moment" else row(place, point))
                 elements.append((channel.quantity, place))
             adds[k, keys[key]] += 1.0
     return Summation(adds=adds[:, : len(keys)], gives=np.asarray(gives).reshape(-1, 6).T, elements=tuple(elements))
@@ -198,12 +199,6 @@ def resultants(channels: Sequence[Channel], point: npt.ArrayLike) -> Array:
     """
     of = summation(channels, point)
     return np.asarray(of.gives @ np.linalg.pinv(of.adds)) if channels else np.zeros((6, 0))
-
-
-def _given(quantity: str, place: Place, point: npt.ArrayLike) -> Array:
-    if quantity == "moment":
-        return np.concatenate([np.zeros(3), place.direction])
-    return row(place, point)
 
 
 # `Tolerances`: what an ordinary, careful laboratory does not know of its own measurement chain, one standard deviation each.

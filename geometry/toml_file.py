@@ -41,7 +41,21 @@ def read(name: str | Path, *, remedy: str = "Check the path") -> dict[str, Any]:
     BadInput : no name, no such file, a folder, a device, not UTF-8, not TOML or JSON (with the line), too deeply nested.
     OSError : the file cannot be read.
     """
-    return parse(_text(str(name), remedy), str(name))
+    path, name = Path(name), str(name)
+    if not name.strip():
+        raise BadInput(source="file", problem=f"the name is empty, found {name!r}", remedy=remedy)
+    if path.is_dir():
+        raise BadInput(source=name, problem="it is a folder, where a file is needed", remedy=remedy)
+    if path.is_char_device() or path.is_block_device():
+        raise BadInput(source=name, problem="it is a device, where a file is needed", remedy=remedy)
+    if not path.exists():
+        raise BadInput(source=name, problem="there is no such file", remedy=remedy)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        problem = f"it is not text in UTF-8, found the byte {error.object[error.start]:#04x} at place {error.start}"
+        raise BadInput(source=name, problem=problem, remedy="Save it as UTF-8") from None
+    return parse(text, name)
 
 
 def parse(text: str, name: str) -> dict[str, Any]:
@@ -51,9 +65,9 @@ def parse(text: str, name: str) -> dict[str, Any]:
     ------
     BadInput : not TOML or JSON (with the line), too deeply nested.
     """
-    form, parser = ("JSON", _json) if name.lower().endswith(".json") else ("TOML", tomllib.loads)
+    form = "JSON" if name.lower().endswith(".json") else "TOML"
     try:
-        table = parser(text)
+        table: Any = json.loads(text, parse_constant=_refused_constant) if form == "JSON" else tomllib.loads(text)
     except ValueError as error:  # also what Python says of a whole number of thousands of digits
         raise BadInput(
             source=name,
@@ -79,27 +93,6 @@ def require_format(table: Mapping[str, Any], source: str) -> None:
     if found != FORMAT or isinstance(found, bool):
         problem = f"must be {FORMAT}, found {found!r}" if "format" in table else "is missing"
         raise BadInput(source=source, field="format", problem=problem, remedy=f"Write format = {FORMAT}")
-
-
-def _text(name: str, remedy: str) -> str:
-    path = Path(name)
-    if not name.strip():
-        raise BadInput(source="file", problem=f"the name is empty, found {name!r}", remedy=remedy)
-    if path.is_dir():
-        raise BadInput(source=name, problem="it is a folder, where a file is needed", remedy=remedy)
-    if path.is_char_device() or path.is_block_device():
-        raise BadInput(source=name, problem="it is a device, where a file is needed", remedy=remedy)
-    if not path.exists():
-        raise BadInput(source=name, problem="there is no such file", remedy=remedy)
-    try:
-        return path.read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        problem = f"it is not text in UTF-8, found the byte {error.object[error.start]:#04x} at place {error.start}"
-        raise BadInput(source=name, problem=problem, remedy="Save it as UTF-8") from None
-
-
-def _json(text: str) -> Any:
-    return json.loads(text, parse_constant=_refused_constant)
 
 
 def _refused_constant(word: str) -> None:
@@ -395,17 +388,12 @@ def _factor(unit: str, dimension: str, source: str, field: str) -> float:
         raise _refused(f"the unit {unit!r} is not known", dimension, source, field) from error
     angular = "radian" in str(found.to_root_units().units)
     if found.dimensionality != wanted.dimensionality or (dimension == "angle") != angular:
-        what = "an angle" if angular else _described(found.dimensionality)
+        like = (known for known, si in _NAMED.items() if registry.Unit(si).dimensionality == found.dimensionality)
+        named = next((known for known in like if known not in {"angle", "ratio"}), None)
+        unnamed = f"of dimension {found.dimensionality}" if found.dimensionality else "a pure number"
+        what = "an angle" if angular else _a(named) if named else unnamed
         raise _refused(f"{unit!r} is {what}, where {_a(dimension)} should be", dimension, source, field)
     return float(found.to(wanted).magnitude)
-
-
-def _described(dimensionality: Any) -> str:
-    registry = _registry()
-    for name, unit in _NAMED.items():
-        if name not in {"angle", "ratio"} and registry.Unit(unit).dimensionality == dimensionality:
-            return _a(name)
-    return "a pure number" if not dimensionality else f"of dimension {dimensionality}"
 
 
 def _a(name: str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
@@ -13,7 +13,7 @@ import numpy as np
 from geometry import toml_file
 from geometry.article import Material, material
 from geometry.errors import BadInput
-from geometry.frames import Array, Pose, rotation_about
+from geometry.frames import Pose, frozen, rotation_about
 from geometry.inertia import Inertia
 from geometry.mesh import (
     MESH_ENDINGS,
@@ -26,11 +26,11 @@ from geometry.mesh import (
     require_closed_volume,
     shared_volume,
 )
-from geometry.routes import Agreement, held_together, missing_mass, rounding, single
+from geometry.routes import Agreement, held_together, missing_mass, rounding
 from geometry.toml_file import MILLIMETRE, doubts, length_unit, quantity
 
 if TYPE_CHECKING:
-    from geometry import cad
+    pass
 
 
 # Materials as users write them: a name of the library, or a density with its unit.
@@ -150,20 +150,16 @@ def template(name: str, parts: Iterable[Path]) -> str:
     """An ``article.toml`` for the files `parts`, to be corrected by the user."""
     parts = tuple(parts)
     lines = [f"format = {toml_file.FORMAT}", "", "[article]", f'name = "{name}"']
-    for part, name_of_part in zip(parts, _numbered([part.stem for part in parts]), strict=True):
+    names, taken = [part.stem for part in parts], list[str]()
+    for name_of_part in names:  # x, x and x become x, x-2 and x-3, or the next number where such a name is there already
+        tries = (name_of_part, *(f"{name_of_part}-{number}" for number in range(2, len(names) + 2)))
+        free = (each for each in tries if each not in taken and (each == name_of_part or each not in names))
+        taken.append(next(free))
+    for part, name_of_part in zip(parts, taken, strict=True):
         step = part.suffix.lower() in (".step", ".stp")
         lines += ["", "[[part]]", f'name = "{name_of_part}"', f'file = "{part.name}"', *([] if step else ['unit = "mm"'])]
         lines.append('material = "steel"')
     return "\n".join(lines) + "\n"
-
-
-def _numbered(names: Sequence[str]) -> list[str]:
-    """`names`, each once: x, x and x become x, x-2 and x-3, or the next number where such a name is there already."""
-    taken: list[str] = []
-    for name in names:
-        tries = (name, *(f"{name}-{number}" for number in range(2, len(names) + 2)))
-        taken.append(next(each for each in tries if each not in taken and (each == name or each not in names)))
-    return taken
 
 
 def _part(entry: Any, number: int, path: Path, own: Mapping[str, Material]) -> PartEntry:
@@ -171,33 +167,51 @@ def _part(entry: Any, number: int, path: Path, own: Mapping[str, Material]) -> P
     if not isinstance(entry, dict):
         raise BadInput(source=source, field="part", problem=f"must be a table, found {entry!r}", remedy="Write it as [[part]]")
     toml_file.require_known(entry, _PART, source=source, where=where)
-    name, file = (_needed(entry, key, source, where) for key in ("name", "file"))
+    for key in ("name", "file"):
+        if not _text(entry, key, source, where):
+            raise BadInput(source=source, field=f"{where}.{key}", problem="is missing", remedy=f'Add {key} = "..."')
+    name, file = entry["name"], entry["file"]
     there = path.parent / file
     if not there.is_file():
         raise BadInput(source=source, field=f"{where}.file", problem=f"there is no file {file!r}", remedy=f"Looked for {there}")
     unit = _text(entry, "unit", source, where)
     if unit is not None:
         unit = length_unit(unit, source, f"{where}.unit").name
+    whole: Material | None = None
+    if "density" in entry:
+        if "material" in entry:
+            remedy = "Leave one of the two out"
+            raise BadInput(source=source, field=f"{where}.density", problem="is given beside a material", remedy=remedy)
+        whole = Material(name=str(entry["density"]), density=density(entry["density"], source, f"{where}.density"))
+    elif "material" in entry:
+        whole = _named(entry["material"], source, f"{where}.material", own)
+    several = entry.get("materials", {})
+    if not isinstance(several, dict):
+        raise _wrong(several, "a table of body = material", source, f"{where}.materials")
+    materials = {body: _named(value, source, f"{where}.materials.{body}", own) for body, value in several.items()}
+    body = entry.get("body")
+    if body is not None and (isinstance(body, bool) or not isinstance(body, str | int)):
+        raise _wrong(body, "a body's name (STEP) or its number from 1 (mesh)", source, f"{where}.body")
+    # Turned about the article's x, then y, then z, then carried to its position
+    threes = []
+    for key in ("position_mm", "rotation_deg"):
+        found = entry.get(key, [0, 0, 0])
+        numbers = isinstance(found, list) and all(isinstance(v, int | float) and not isinstance(v, bool) for v in found)
+        if not numbers or len(found) != 3 or not np.isfinite(np.array(found, dtype=np.float64)).all():
+            raise _wrong(found, "three finite numbers", source, f"{where}.{key}")
+        threes.append(np.array(found, dtype=np.float64))
+    x, y, z = np.deg2rad(threes[1])
+    turn = rotation_about("z", z) @ rotation_about("y", y) @ rotation_about("x", x)
     return PartEntry(
         name=name,
         file=there,
         unit=unit,
-        material=_material(entry, source, where, own),
-        materials=_materials(entry, source, where, own),
-        body=_body(entry, source, where),
-        pose=_pose(entry, source, where),
+        material=whole,
+        materials=materials,
+        body=None if body is None else str(body),
+        pose=Pose(position=1e-3 * threes[0], rotation=turn),
         named=True,
     )
-
-
-def _material(entry: dict[str, Any], source: str, where: str, own: Mapping[str, Material]) -> Material | None:
-    if "material" in entry and "density" in entry:
-        raise BadInput(
-            source=source, field=f"{where}.density", problem="is given beside a material", remedy="Leave one of the two out"
-        )
-    if "density" in entry:
-        return Material(name=str(entry["density"]), density=density(entry["density"], source, f"{where}.density"))
-    return _named(entry["material"], source, f"{where}.material", own) if "material" in entry else None
 
 
 def _named(value: Any, source: str, where: str, own: Mapping[str, Material]) -> Material:
@@ -232,44 +246,6 @@ def _own_material(name: str, entry: Any, source: str) -> Material:
                 )
             elastic[key] = float(found)
     return Material(name=name, density=density(table["density"], source, f"{where}.density"), **elastic)
-
-
-def _materials(entry: dict[str, Any], source: str, where: str, own: Mapping[str, Material]) -> dict[str, Material]:
-    found = entry.get("materials", {})
-    if not isinstance(found, dict):
-        raise _wrong(found, "a table of body = material", source, f"{where}.materials")
-    return {body: _named(value, source, f"{where}.materials.{body}", own) for body, value in found.items()}
-
-
-def _body(entry: dict[str, Any], source: str, where: str) -> str | None:
-    found = entry.get("body")
-    if found is None:
-        return None
-    if isinstance(found, bool) or not isinstance(found, str | int):
-        raise _wrong(found, "a body's name (STEP) or its number from 1 (mesh)", source, f"{where}.body")
-    return str(found)
-
-
-def _pose(entry: dict[str, Any], source: str, where: str) -> Pose:
-    """Turned about the article's x, then y, then z, then carried to its position."""
-    position, angles = (_three(entry, key, source, where) for key in ("position_mm", "rotation_deg"))
-    x, y, z = np.deg2rad(angles)
-    return Pose(position=1e-3 * position, rotation=rotation_about("z", z) @ rotation_about("y", y) @ rotation_about("x", x))
-
-
-def _three(entry: dict[str, Any], key: str, source: str, where: str) -> np.ndarray:
-    found = entry.get(key, [0, 0, 0])
-    numbers = isinstance(found, list) and all(isinstance(v, int | float) and not isinstance(v, bool) for v in found)
-    if not numbers or len(found) != 3 or not np.isfinite(np.array(found, dtype=np.float64)).all():
-        raise _wrong(found, "three finite numbers", source, f"{where}.{key}")
-    return np.array(found, dtype=np.float64)
-
-
-def _needed(table: dict[str, Any], key: str, source: str, where: str) -> str:
-    found = _text(table, key, source, where)
-    if not found:
-        raise BadInput(source=source, field=f"{where}.{key}", problem="is missing", remedy=f'Add {key} = "..."')
-    return found
 
 
 def _text(table: dict[str, Any], key: str, source: str, where: str) -> str | None:
@@ -349,21 +325,29 @@ NOTHING = 1e-3
 
 def inertias(article: UserArticle) -> Mapping[str, Inertia]:
     """Inertia of `article` about its origin by route: "trimesh", and before it "occ" when every part is a solid."""
-    by_mesh = sum((inertia_unchecked(part.mesh, part.material.density) for part in article.parts), _NOTHING)
-    return {"occ": _by_occ(article), "trimesh": by_mesh} if article.exact else {"trimesh": by_mesh}
+    nothing = Inertia(parameters=np.zeros(10))
+    by_mesh = sum((inertia_unchecked(part.mesh, part.material.density) for part in article.parts), nothing)
+    if not article.exact:
+        return {"trimesh": by_mesh}
+    from geometry.cad import from_occ
+
+    return {"occ": sum((from_occ(part.solid, part.material.density) for part in article.parts), nothing), "trimesh": by_mesh}
 
 
 def agreement(article: UserArticle, found: Mapping[str, Inertia]) -> Agreement:
     """Hold "occ" against "trimesh", to rounding and to what the chord error of the curved faces can make."""
     if "occ" not in found:
-        return single("one route only: a mesh is integrated exactly as it is, and nothing else is known of it")
-    exact = rounding(found["occ"])
-    return held_together(found, {"occ": exact, "trimesh": exact + tessellation_error(article)})
+        text = "one route only: a mesh is integrated exactly as it is, and nothing else is known of it"
+        nothing = frozen(np.zeros(10), (10,), "nothing")
+        return Agreement(agree=True, text=text, difference=nothing, tolerance=nothing, excess=0.0)
+    from geometry import cad
 
-
-def tessellation_error(article: UserArticle) -> Array:
-    """What meshes of solids may be off by: bound on each of the ten parameters (10,), about the article's origin."""
-    return sum((_missed(part) for part in article.parts if part.solid is not None), np.zeros(10))
+    # A mesh within the chord error of the true surface misses or adds at most a shell over the curved faces
+    exact, missed = rounding(found["occ"]), np.zeros(10)
+    for part in article.parts:
+        area, reach = cad.curved_reach(part.solid)
+        missed = missed + missing_mass(part.material.density * area * part.chord, reach)
+    return held_together(found, {"occ": exact, "trimesh": exact + missed})
 
 
 def overlap_warnings(article: str, parts: tuple[UserPart, ...]) -> Iterator[str]:
@@ -383,23 +367,6 @@ def overlap_warnings(article: str, parts: tuple[UserPart, ...]) -> Iterator[str]
             raise BadInput(source=article, problem=said, remedy="Cut one by the other in the CAD, or correct its position")
         if share > NOTHING:
             yield said
-
-
-def _by_occ(article: UserArticle) -> Inertia:
-    from geometry.cad import from_occ
-
-    return sum((from_occ(part.solid, part.material.density) for part in article.parts), _NOTHING)
-
-
-def _missed(part: UserPart) -> Array:
-    """Bound on what a mesh within the chord error of the true surface misses or adds: a shell over the curved faces; (10,)."""
-    from geometry import cad
-
-    area, reach = cad.curved_reach(part.solid)
-    return missing_mass(part.material.density * area * part.chord, reach)
-
-
-_NOTHING = Inertia(parameters=np.zeros(10))
 
 
 # From a path to a `UserArticle`: one file with one material, or an ``article.toml`` that says which body is made of what.
@@ -516,35 +483,21 @@ def _parts(entry: PartEntry, chord: float | None) -> tuple[tuple[UserPart, ...],
                 remedy=f"Give one for all (--material steel), or one for each in an {DESCRIPTION}: "
                 f'[[part]] name = "{entry.name}", file = "{entry.file.name}", materials = {{ {rows} }}',
             )
-        made_of_it = ((body, materials[body.name]) for body in found)
-        parts = tuple(_of_solid(entry, body, _name(entry, body, len(found)), made, chord) for body, made in made_of_it if made)
+        parts = []
+        for body in found:
+            if (made := materials[body.name]) is None:
+                continue
+            solid = cad.moved(body.solid, entry.pose)
+            fine = chord or RELATIVE_CHORD * cad.diagonal(solid)
+            mesh = cad.tessellate_solid(solid, fine)
+            require_closed_volume(mesh, f"{entry.file}, mesh of {body.name}", MILLIMETRE)
+            name = body.name if not entry.named else entry.name if len(found) == 1 else f"{entry.name}/{body.name}"
+            parts.append(UserPart(name=name, material=made, source=str(entry.file), mesh=mesh, chord=fine, solid=solid))
         corners = np.vstack([part.mesh.bounds for part in parts])
-        return parts, doubts(float(np.ptp(corners, axis=0).max()), str(entry.file))
+        return tuple(parts), doubts(float(np.ptp(corners, axis=0).max()), str(entry.file))
     if ending in MESH_ENDINGS:
         return _from_mesh(entry)
     raise _unreadable(entry.file)
-
-
-# --- STEP -----------------------------------------------------------------------------------------------------------------
-
-
-def _name(entry: PartEntry, body: cad.Body, count: int) -> str:
-    return body.name if not entry.named else entry.name if count == 1 else f"{entry.name}/{body.name}"
-
-
-def _of_solid(entry: PartEntry, body: cad.Body, name: str, made: Material, chord: float | None) -> UserPart:
-    """The part that is made of one solid, with its mesh."""
-    from geometry import cad
-    from geometry.cad import tessellate_solid
-
-    solid = cad.moved(body.solid, entry.pose)
-    chord = chord or RELATIVE_CHORD * cad.diagonal(solid)
-    mesh = tessellate_solid(solid, chord)
-    require_closed_volume(mesh, f"{entry.file}, mesh of {body.name}", MILLIMETRE)
-    return UserPart(name=name, material=made, source=str(entry.file), mesh=mesh, chord=chord, solid=solid)
-
-
-# --- meshes ---------------------------------------------------------------------------------------------------------------
 
 
 def _from_mesh(entry: PartEntry) -> tuple[tuple[UserPart, ...], tuple[str, ...]]:
@@ -594,6 +547,3 @@ def _no_body(entry: PartEntry, names: list[str], wanted: str | None = None) -> N
         problem=f"it holds no body {wanted or entry.body!r}",
         remedy=f"It holds {', '.join(names)}",
     )
-
-
-# --- folders --------------------------------------------------------------------------------------------------------------

@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geometry.article import rectangle
-from geometry.articles.dimensions import load
+from geometry.articles.parts import load
 from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen, rigid_transformation, rigid_transformation_6, skew

@@ -26,8 +26,7 @@ from fem.structure import Structure, hold, rigid_motion
 from geometry.article import Article, Part, Shape, material, prefixes
 from geometry.article import rectangle as corners
 from geometry.articles import built_in, changes_of, dimension_files
-from geometry.articles.dimensions import Dimensions, load
-from geometry.articles.parts import FOUR_BLADES, ONE_BLADE, build_clumod
+from geometry.articles.parts import FOUR_BLADES, ONE_BLADE, Dimensions, build_clumod, load
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers, Pose, frozen, rigid_transformation, rigid_transformation_6
 from geometry.inertia import Inertia

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from itertools import pairwise
 from types import MappingProxyType
 
 from geometry.article import Article, stacked
 from geometry.articles import parts
-from geometry.articles.dimensions import Dimensions, changed_files, load
+from geometry.articles.parts import FOUR_BLADES, ONE_BLADE, Dimensions, build_clumod, changed_files, load
 from geometry.errors import BadInput
 from geometry.toml_file import nearest
 
@@ -16,8 +17,8 @@ _BUILDERS: dict[str, tuple[str, Callable[[Dimensions], Article]]] = {
     "cuboid": ("cuboid", parts.build_cuboid),
     "disc": ("disc", parts.build_disc),
     "fmd": ("fmd", parts.build_fmd),
-    "clumod-1": ("clumod", parts.one_blade),
-    "clumod-4": ("clumod", parts.four_blades),
+    "clumod-1": ("clumod", partial(build_clumod, ONE_BLADE)),
+    "clumod-4": ("clumod", partial(build_clumod, FOUR_BLADES)),
 }
 """By name: the dimension file of an article and what builds it."""
 
@@ -31,7 +32,7 @@ SETUPS = ("fmd+disc+cuboid", "fmd+clumod-1", "fmd+clumod-4")
 def built_in(name: str, changes: Mapping[str, float] = MappingProxyType({})) -> Article:
     """The built-in article or stack called `name`, parts joined by "+" from bottom to top; frame of the lowest part.
 
-    `changes` are the user's own dimensions, ``{"fmd.load_cell.moving_fraction": 0.6}``; see `geometry.articles.dimensions`.
+    `changes` are the user's own dimensions, ``{"fmd.load_cell.moving_fraction": 0.6}``; see `geometry.articles.parts`.
 
     Raises
     ------
@@ -48,7 +49,18 @@ def built_in(name: str, changes: Mapping[str, float] = MappingProxyType({})) -> 
             problem=f"a dimension of {file!r} was given, but {name} is made of {', '.join(sorted(used))}",
             remedy="Name a dimension of a part of the article",
         )
-    articles = [_built(part, changes) for part in parts]
+    articles = []
+    for part in parts:
+        file, build = _BUILDERS[part]
+        dimensions = load(file, changes)
+        try:
+            articles.append(build(dimensions))
+        except ValueError as error:
+            if isinstance(error, BadInput) or not changes:
+                raise
+            given = ", ".join(f"{key}={value:g}" for key, value in changes.items())
+            problem = f"no body has the dimensions {given}: {error}"
+            raise BadInput(source=f"article {part}", problem=problem, remedy="Check the sizes and their unit") from error
     for lower, upper in pairwise(articles):
         if lower.seat is None:
             raise BadInput(
@@ -80,21 +92,6 @@ def changes_of(name: str, changes: Mapping[str, float]) -> dict[str, float]:
     """
     own = dimension_files(name)
     return {key: value for key, value in changes.items() if changed_files({key: value}) <= set(own)}
-
-
-def _built(part: str, changes: Mapping[str, float]) -> Article:
-    file, build = _BUILDERS[part]
-    dimensions = load(file, changes)
-    try:
-        return build(dimensions)
-    except ValueError as error:
-        if isinstance(error, BadInput) or not changes:
-            raise
-        raise BadInput(
-            source=f"article {part}",
-            problem=f"no body has the dimensions {', '.join(f'{key}={value:g}' for key, value in changes.items())}: {error}",
-            remedy="Check the sizes and their unit",
-        ) from error
 
 
 def _require_known(parts: list[str], whole: str) -> None:

@@ -9,7 +9,7 @@ Cuboid's. Corners are numbered counter-clockwise from +x +y, like the load cells
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Literal
 
@@ -17,11 +17,8 @@ import numpy as np
 
 from geometry.article import prefixes, rectangle
 from geometry.articles import built_in, changes_of, dimension_files
-from geometry.articles.dimensions import Dimensions, load
-from geometry.articles.parts import FOUR_BLADES, ONE_BLADE
-from geometry.errors import BadInput
+from geometry.articles.parts import FOUR_BLADES, ONE_BLADE, load
 from geometry.frames import Array, Pose
-from geometry.toml_file import nearest
 
 Places = dict[str, Array]
 """By name (3,) [m]."""
@@ -48,29 +45,6 @@ def locations(
     }
 
 
-def location(
-    name: str,
-    place: str,
-    changes: Mapping[str, float] = MappingProxyType({}),
-    *,
-    origin: Literal["lowest", "top"] = "lowest",
-) -> Array:
-    """One of `locations`, (3,) [m].
-
-    Raises
-    ------
-    BadInput : there is no such place on the article; with the nearest one.
-    """
-    known = locations(name, changes, origin=origin)
-    if place not in known:
-        raise BadInput(
-            source=f"article {name}",
-            problem=f"no place on it is called {place!r}",
-            remedy=f"{nearest(place, known)}Known are {', '.join(known)}",
-        )
-    return known[place]
-
-
 def seats(name: str, changes: Mapping[str, float] = MappingProxyType({})) -> list[Pose]:
     """Where the frame of every article of the stack `name` sits in that of the lowest one, bottom to top.
 
@@ -89,40 +63,24 @@ def seats(name: str, changes: Mapping[str, float] = MappingProxyType({})) -> lis
 def _own(part: str, changes: Mapping[str, float]) -> Places:
     """The places of one article in its own frame."""
     (file,) = dimension_files(part)
-    return _PLACES[part](load(file, changes))
-
-
-def _cuboid(d: Dimensions) -> Places:
-    return _upper_side("top", d["size"], d["size"][2])
-
-
-def _disc(d: Dimensions) -> Places:
-    return {"disc": _above(d["height"])}
-
-
-def _fmd(d: Dimensions) -> Places:
-    size = d["cover_plate"]["size"]
-    return _upper_side("cover", size, d["load_cell"]["height"] / 2 + size[2])
-
-
-def _one_blade(d: Dimensions) -> Places:
-    return _clumod(d, ONE_BLADE)
-
-
-def _four_blades(d: Dimensions) -> Places:
-    return _clumod(d, FOUR_BLADES)
-
-
-def _clumod(d: Dimensions, blades: tuple[str, ...]) -> Places:
-    """Hubs stay on the mast when their blade is taken off; tips do not."""
-    hubs = {f"hub-{number}": _above(blade["z"]) for number, blade in enumerate(d["blade"], start=1)}
-    tips = {name: tip for blade in d["blade"] if blade["name"] in blades for name, tip in _tips(blade).items()}
-    return {"flange": _above(d["flange"]["height"]), **hubs, "mast-top": _above(d["mast"]["top"]), **tips}
-
-
-def _tips(blade: Dimensions) -> Places:
-    along = np.array({"x": [1.0, 0.0, 0.0], "y": [0.0, 1.0, 0.0]}[blade["axis"]]) * blade["length"] / 2
-    return {f"{blade['name']}{sign}": _above(blade["z"]) + float(f"{sign}1") * along for sign in "+-"}
+    d = load(file, changes)
+    if part == "cuboid":
+        return _upper_side("top", d["size"], d["size"][2])
+    if part == "disc":
+        return {"disc": _above(d["height"])}
+    if part == "fmd":
+        size = d["cover_plate"]["size"]
+        return _upper_side("cover", size, d["load_cell"]["height"] / 2 + size[2])
+    # Hubs of Clumod stay on the mast when their blade is taken off; tips do not
+    found = {"flange": _above(d["flange"]["height"])}
+    found |= {f"hub-{number}": _above(blade["z"]) for number, blade in enumerate(d["blade"], start=1)}
+    found["mast-top"] = _above(d["mast"]["top"])
+    for blade in d["blade"]:
+        if blade["name"] in (ONE_BLADE if part == "clumod-1" else FOUR_BLADES):
+            along = np.array({"x": [1.0, 0.0, 0.0], "y": [0.0, 1.0, 0.0]}[blade["axis"]]) * blade["length"] / 2
+            for sign in "+-":
+                found[f"{blade['name']}{sign}"] = _above(blade["z"]) + float(f"{sign}1") * along
+    return found
 
 
 def _upper_side(name: str, size: list[float], height: float) -> Places:
@@ -132,12 +90,3 @@ def _upper_side(name: str, size: list[float], height: float) -> Places:
 
 def _above(height: float) -> Array:
     return np.array([0.0, 0.0, height])
-
-
-_PLACES: dict[str, Callable[[Dimensions], Places]] = {
-    "cuboid": _cuboid,
-    "disc": _disc,
-    "fmd": _fmd,
-    "clumod-1": _one_blade,
-    "clumod-4": _four_blades,
-}

@@ -1,13 +1,12 @@
-"""Clumod: bottom flange, hollow mast, four hubs and one or four blades that cross the mast at their middle.
-
-No two bodies share volume: each blade has a hole through which the mast passes and is clamped between the two collars of its hub,
-which stay on the mast when the blade is taken off. The shorter upper blade is a sandwich, two steel faces and a silicone layer in
-the neutral axis, three bodies. Bolts are not modelled; their holes are.
-"""
+"""The built-in articles, from the dimension files beside them to their drawings: Clumod, Cuboid, disc and FMD."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+import tomllib
+from collections.abc import Mapping
+from importlib.resources import files
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -25,40 +24,123 @@ from geometry.article import (
     seat_at,
     upright,
 )
-from geometry.articles.dimensions import Dimensions, load
+from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
+from geometry.toml_file import nearest
+
+# Dimension files: lengths leave here in metres, names without their unit, a user's own dimensions on top of the built-in ones.
+#
+# A key of these is the dimension file, the tables in it and the entry, joined by dots, in the file's own unit:
+# ``fmd.load_cell.moving_fraction`` or ``clumod.blade.lower-1.length_mm``. An entry of a list of tables is named by its ``name``.
+
+
+Dimensions = dict[str, Any]
+"""One dimension file or a table of it: numbers in SI, strings, and nested tables."""
+
+
+def load(name: str, changes: Mapping[str, float] = MappingProxyType({})) -> Dimensions:
+    """The dimensions of the built-in part `name`, from ``geometry/articles/<name>.toml``; lengths [m], angles [rad].
+
+    `changes` that begin with `name` replace entries, in the file's own units.
+
+    Raises
+    ------
+    BadInput : a key that is not in the file, or that is no number there.
+    """
+    table = tomllib.loads(files("geometry.articles").joinpath(f"{name}.toml").read_text(encoding="utf-8"))
+    for key, value in changes.items():
+        head, *steps = key.split(".")
+        if head != name:
+            continue
+        found: Any = table
+        inner: Any = table
+        for step in steps:
+            entries = _entries(found)
+            if step not in entries:
+                remedy = f"{nearest(step, entries)}Known are {', '.join(entries) or 'no further entries'}"
+                raise _refused(key, f"there is no {step!r} here", remedy)
+            inner, found = found, entries[step]
+        if isinstance(found, dict) or (isinstance(found, list) and found and isinstance(found[0], dict)):
+            names = ", ".join(f"{key}.{each}" for each, entry in _entries(found).items() if not isinstance(entry, str))
+            raise _refused(key, "this is a table of dimensions", f"Name one of {names}")
+        if isinstance(found, bool) or not isinstance(found, (int, float)):
+            raise _refused(key, f"only a number can be changed, found {found!r}", "Name a number")
+        if isinstance(found, int) and not float(value).is_integer():
+            raise _refused(key, f"this is a count, found {value:g}", "Give a whole number")
+        inner[steps[-1]] = type(found)(value)
+    return to_si(table)
+
+
+def to_si(table: dict[str, Any]) -> Dimensions:
+    """`table` with every ``…_mm`` turned into metres and every ``…_deg`` into radians, the suffix dropped."""
+    found: Dimensions = {}
+    for key, value in table.items():
+        name, factor = key, 1.0
+        for suffix, unit in (("_mm", 1e-3), ("_deg", 0.017453292519943295)):
+            if key.endswith(suffix):
+                name, factor = key.removesuffix(suffix), unit
+        if isinstance(value, dict):
+            found[key] = to_si(value)
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            found[key] = [to_si(entry) for entry in value]
+        elif name == key:
+            found[key] = value
+        else:
+            found[name] = [each * factor for each in value] if isinstance(value, list) else value * factor
+    return found
+
+
+def changed_files(changes: Mapping[str, float]) -> set[str]:
+    """The dimension files that `changes` speak of."""
+    return {key.split(".")[0] for key in changes}
+
+
+def _entries(table: Any) -> dict[str, Any]:
+    """By name what a table holds, or a list of tables that have names; nothing of anything else."""
+    if isinstance(table, list):
+        return {entry["name"]: entry for entry in table if isinstance(entry, dict)}
+    return table if isinstance(table, dict) else {}
+
+
+def _refused(key: str, problem: str, remedy: str) -> BadInput:
+    return BadInput(source=f"--set, dimension file {key.split('.')[0]}.toml", field=key, problem=problem, remedy=remedy)
+
+
+# Clumod: bottom flange, hollow mast, four hubs and one or four blades that cross the mast at their middle.
+#
+# No two bodies share volume: each blade has a hole through which the mast passes and is clamped between the two collars of its
+# hub, which stay on the mast when the blade is taken off. The shorter upper blade is a sandwich, two steel faces and a silicone
+# layer in the neutral axis, three bodies. Bolts are not modelled; their holes are.
+
 
 ONE_BLADE = ("lower-1",)
+"""As the paper's section 5 identifies it: the two upper blades and one lower blade removed."""
+
 FOUR_BLADES = ("lower-1", "lower-2", "upper-long", "upper-short")
 
 
 def build_clumod(blades: tuple[str, ...], dimensions: Dimensions | None = None) -> Article:
     """Clumod with the `blades` named; origin on the mast axis at the flange's underside, z up [m]."""
     d = dimensions or load("clumod")
-    parts = [_flange(d["flange"]), _mast(d)]
+    flange, mast = d["flange"], d["mast"]
+    height, pockets = flange["height"], flange["pockets"]
+    bores = (
+        upright(Cylinder(diameter=flange["bore"]["diameter"], height=height), bottom=0.0),
+        *_holes(flange["bolts"], bottom=0.0, depth=height),
+        *_holes(pockets, bottom=height - pockets["depth"], depth=pockets["depth"]),
+    )
+    disc = upright(Cylinder(diameter=flange["diameter"], height=height), bottom=0.0)
+    outer, inner = (Cylinder(diameter=mast[k], height=mast["top"] - height) for k in ("outer_diameter", "inner_diameter"))
+    tube = Shape(solids=(upright(outer, bottom=height),), voids=(upright(inner, bottom=height),))
+    parts = [
+        Part(name="flange", material=material(flange["material"]), shape=Shape(solids=(disc,), voids=bores)),
+        Part(name="mast", material=material(mast["material"]), shape=tube),
+    ]
     parts += [_hub(d, number, blade) for number, blade in enumerate(d["blade"], start=1)]
     for blade in d["blade"]:
         if blade["name"] in blades:
             parts += _blade(d, blade)
     return Article(name=f"clumod-{len(blades)}", parts=tuple(parts), note=d["note"])
-
-
-def _flange(d: Dimensions) -> Part:
-    height, pockets = d["height"], d["pockets"]
-    voids = (
-        upright(Cylinder(diameter=d["bore"]["diameter"], height=height), bottom=0.0),
-        *_holes(d["bolts"], bottom=0.0, depth=height),
-        *_holes(pockets, bottom=height - pockets["depth"], depth=pockets["depth"]),
-    )
-    disc = upright(Cylinder(diameter=d["diameter"], height=height), bottom=0.0)
-    return Part(name="flange", material=material(d["material"]), shape=Shape(solids=(disc,), voids=voids))
-
-
-def _mast(d: Dimensions) -> Part:
-    mast, bottom = d["mast"], d["flange"]["height"]
-    outer, inner = (Cylinder(diameter=mast[k], height=mast["top"] - bottom) for k in ("outer_diameter", "inner_diameter"))
-    shape = Shape(solids=(upright(outer, bottom=bottom),), voids=(upright(inner, bottom=bottom),))
-    return Part(name="mast", material=material(mast["material"]), shape=shape)
 
 
 def _hub(d: Dimensions, number: int, blade: Dimensions) -> Part:
@@ -110,16 +192,6 @@ def _holes(d: Dimensions, *, bottom: float, depth: float) -> tuple[Placed, ...]:
     return drilled(circle, diameter=d["diameter"], bottom=bottom, depth=depth)
 
 
-def one_blade(dimensions: Dimensions | None = None) -> Article:
-    """Clumod as the paper's section 5 identifies it: the two upper blades and one lower blade removed."""
-    return replace(build_clumod(ONE_BLADE, dimensions), name="clumod-1")
-
-
-def four_blades(dimensions: Dimensions | None = None) -> Article:
-    """Clumod with all four blades."""
-    return replace(build_clumod(FOUR_BLADES, dimensions), name="clumod-4")
-
-
 # The Cuboid: a homogeneous aluminium block with four threaded holes in its underside.
 
 
@@ -162,42 +234,25 @@ def build_disc(dimensions: Dimensions | None = None) -> Article:
 def build_fmd(dimensions: Dimensions | None = None) -> Article:
     """The FMD from `dimensions` (`fmd.toml` by default); origin F, the centre of the force-measuring plane, z up [m]."""
     d = dimensions or load("fmd")
-    underside = d["load_cell"]["height"] / 2
-    size = d["mounting_plate"]["size"]
-    shape = Shape(solids=(upright(Box(size=size), bottom=-underside - size[2]),))
-    mounting_plate = Part(name="mounting-plate", material=material(d["mounting_plate"]["material"]), shape=shape, counted=False)
-    return Article(
-        name="fmd",
-        parts=(_cover_plate(d["cover_plate"], underside), *_load_cells(d["load_cell"]), mounting_plate),
-        seat=seat_at(underside + d["cover_plate"]["size"][2]),
-        note=d["note"],
+    cover, cell, mounting = d["cover_plate"], d["load_cell"], d["mounting_plate"]
+    underside, threads = cell["height"] / 2, cover["threads"]
+    top = underside + cover["size"][2]
+    circle = bolt_circle(threads["count"], threads["circle"], threads["first_angle"])
+    drawn = Shape(
+        solids=(upright(Box(size=cover["size"]), bottom=underside),),
+        voids=drilled(circle, diameter=threads["diameter"], bottom=top - threads["depth"], depth=threads["depth"]),
     )
-
-
-def _cover_plate(d: Dimensions, underside: float) -> Part:
-    t = d["threads"]
-    top = underside + d["size"][2]
-    circle = bolt_circle(t["count"], t["circle"], t["first_angle"])
-    shape = Shape(
-        solids=(upright(Box(size=d["size"]), bottom=underside),),
-        voids=drilled(circle, diameter=t["diameter"], bottom=top - t["depth"], depth=t["depth"]),
-    )
-    return Part(name="cover-plate", material=material(d["material"]), shape=shape)
-
-
-def _load_cells(d: Dimensions) -> tuple[Part, ...]:
-    if not 0 <= d["moving_fraction"] <= 1:
-        raise ValueError(f"`moving_fraction` must lie between 0 and 1, found {d['moving_fraction']:g}")
-    split = d["height"] * (0.5 - d["moving_fraction"])
-    halves = (("moving", split, d["height"] / 2, True), ("fixed", -d["height"] / 2, split, False))
-    return tuple(
-        Part(
-            name=f"cell-{number}-{half}",
-            material=material(d["material"]),
-            shape=Shape(solids=(upright(Cylinder(diameter=d["diameter"], height=top - bottom), bottom=bottom, x=x, y=y),)),
-            counted=counted,
-        )
-        for number, (x, y) in enumerate(rectangle(d["square"], d["square"]), start=1)
-        for half, bottom, top, counted in halves
-        if top > bottom
-    )
+    parts = [Part(name="cover-plate", material=material(cover["material"]), shape=drawn)]
+    if not 0 <= cell["moving_fraction"] <= 1:
+        raise ValueError(f"`moving_fraction` must lie between 0 and 1, found {cell['moving_fraction']:g}")
+    split = cell["height"] * (0.5 - cell["moving_fraction"])
+    for number, (x, y) in enumerate(rectangle(cell["square"], cell["square"]), start=1):
+        for half, low, high, counted in (("moving", split, underside, True), ("fixed", -underside, split, False)):
+            if high > low:
+                solid = upright(Cylinder(diameter=cell["diameter"], height=high - low), bottom=low, x=x, y=y)
+                name, made_of = f"cell-{number}-{half}", material(cell["material"])
+                parts.append(Part(name=name, material=made_of, shape=Shape(solids=(solid,)), counted=counted))
+    size = mounting["size"]
+    plate = Shape(solids=(upright(Box(size=size), bottom=-underside - size[2]),))
+    parts.append(Part(name="mounting-plate", material=material(mounting["material"]), shape=plate, counted=False))
+    return Article(name="fmd", parts=tuple(parts), seat=seat_at(top), note=d["note"])

@@ -17,8 +17,7 @@ from fem.beam.elements import Section
 from fem.beam.frame import Body, Frame, Member, Plan, assemble
 from fem.structure import Structure
 from geometry.articles import NAMES, SETUPS, built_in
-from geometry.articles.dimensions import load
-from geometry.articles.parts import FOUR_BLADES, ONE_BLADE
+from geometry.articles.parts import FOUR_BLADES, ONE_BLADE, load
 from geometry.errors import BadInput
 from geometry.frames import rigid_transformation_6
 from geometry.inertia import Inertia

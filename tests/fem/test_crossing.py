@@ -11,8 +11,7 @@ from fem.beam.articles import ClumodPiece, Joint
 from fem.beam.elements import tube
 from fem.structure import rigid_motion
 from geometry.article import material
-from geometry.articles.dimensions import Dimensions, load
-from geometry.articles.parts import FOUR_BLADES, ONE_BLADE
+from geometry.articles.parts import FOUR_BLADES, ONE_BLADE, Dimensions, load
 from geometry.frames import rigid_transformation_6
 
 SIZE = 0.045

@@ -19,7 +19,7 @@ from fem.exudyn.run import exudyn_version, running
 from fem.modes import Modes, fixed_base
 from geometry.article import material
 from geometry.articles import built_in
-from geometry.articles.dimensions import load
+from geometry.articles.parts import load
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, rigid_transformation_6, rotation_about
 from geometry.inertia import Inertia

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from geometry.article import Article, Box, Part, Placed, Shape, material, placed, seat_at, stacked
 from geometry.articles import NAMES, SETUPS, built_in
 from geometry.articles import parts as articles_parts
-from geometry.articles.dimensions import load, to_si
+from geometry.articles.parts import load, to_si
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 

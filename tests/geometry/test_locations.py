@@ -6,8 +6,7 @@ from numpy.testing import assert_allclose
 
 from geometry.article import Article, Box, Part
 from geometry.articles import NAMES, SETUPS, built_in
-from geometry.articles.locations import location, locations, seats
-from geometry.errors import BadInput
+from geometry.articles.locations import locations, seats
 from geometry.frames import Pose
 
 STACKS = [*NAMES, *SETUPS, "disc+cuboid", "disc+disc+cuboid"]
@@ -44,7 +43,7 @@ def test_clumod_has_the_places_of_the_campaign_folder_and_no_tips_of_blades_that
 
 @pytest.mark.parametrize("place", CAMPAIGN)
 def test_what_both_configurations_have_is_at_the_same_place(place: str) -> None:
-    assert_allclose(location("clumod-1", place), location("clumod-4", place), rtol=0, atol=0)
+    assert_allclose(locations("clumod-1")[place], locations("clumod-4")[place], rtol=0, atol=0)
 
 
 @pytest.mark.parametrize("blade", ["lower-1", "lower-2", "upper-long", "upper-short"])
@@ -55,13 +54,13 @@ def test_a_tip_lies_in_the_end_face_of_its_blade_on_the_side_of_its_sign(blade: 
     axis = int(np.argmax(high - low))
     expected = (low + high) / 2
     expected[axis] = high[axis] if sign == "+" else low[axis]
-    assert_allclose(location("clumod-4", f"{blade}{sign}"), expected, rtol=0, atol=1e-12)
+    assert_allclose(locations("clumod-4")[f"{blade}{sign}"], expected, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("number", [1, 2, 3, 4])
 def test_a_hub_is_found_in_the_middle_of_its_collars(number: int) -> None:
     low, high = bounds(part(built_in("clumod-4"), f"hub-{number}"))
-    assert_allclose(location("clumod-4", f"hub-{number}"), (low + high) / 2, rtol=0, atol=1e-12)
+    assert_allclose(locations("clumod-4")[f"hub-{number}"], (low + high) / 2, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -76,14 +75,14 @@ def test_a_hub_is_found_in_the_middle_of_its_collars(number: int) -> None:
 )
 def test_a_place_on_top_is_the_middle_of_the_upper_side(article: str, place: str, body: str) -> None:
     low, high = bounds(part(built_in(article), body))
-    assert_allclose(location(article, place), [*(low + high)[:2] / 2, high[2]], rtol=0, atol=1e-12)
+    assert_allclose(locations(article)[place], [*(low + high)[:2] / 2, high[2]], rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize(("article", "side", "body"), [("cuboid", "top", "block"), ("fmd", "cover", "cover-plate")])
 def test_corners_are_numbered_counter_clockwise_from_x_and_y_like_the_load_cells(article: str, side: str, body: str) -> None:
     low, high = bounds(part(built_in(article), body))
     expected = [[high[0], high[1]], [low[0], high[1]], [low[0], low[1]], [high[0], low[1]]]
-    found = [location(article, f"{side}-{number}") for number in range(1, 5)]
+    found = [locations(article)[f"{side}-{number}"] for number in range(1, 5)]
     assert_allclose(found, [[*corner, high[2]] for corner in expected], rtol=0, atol=1e-12)
 
 
@@ -112,8 +111,8 @@ def test_on_the_fmd_an_article_keeps_its_places_about_its_own_origin(top: str) -
 
 def test_the_place_between_two_articles_belongs_to_both() -> None:
     """What stands on the cover plate has its origin there."""
-    assert_allclose(location("fmd+clumod-4", "cover"), seats("fmd+clumod-4")[1].position, rtol=0, atol=1e-15)
-    assert_allclose(location("fmd+clumod-4", "cover", origin="top"), 0, rtol=0, atol=1e-15)
+    assert_allclose(locations("fmd+clumod-4")["cover"], seats("fmd+clumod-4")[1].position, rtol=0, atol=1e-15)
+    assert_allclose(locations("fmd+clumod-4", origin="top")["cover"], 0, rtol=0, atol=1e-15)
 
 
 def test_a_stack_has_the_places_of_all_its_articles_and_a_second_one_of_a_kind_says_so() -> None:
@@ -134,18 +133,3 @@ def test_places_follow_the_users_own_dimensions() -> None:
     places = locations("fmd+clumod-1", changes, origin="top")
     assert_allclose(places["lower-1-"][1], -0.5, rtol=1e-15)
     assert_allclose(places["mast-top"], [0, 0, 1.65], rtol=0, atol=1e-15)
-
-
-@pytest.mark.parametrize(
-    ("name", "place", "message"),
-    [
-        ("clumod-1", "mast_top", "article clumod-1: no place on it is called 'mast_top'. Did you mean mast-top"),
-        ("clumod-1", "upper-long+", r"no place on it is called 'upper-long\+'.* Known are flange, hub-1"),
-        ("cuboid", "flange", "Known are top, top-1"),
-        ("clumod-2", "flange", "no built-in article is called 'clumod-2'"),
-        ("cuboid+disc", "top", "nothing can be mounted on cuboid"),
-    ],
-)
-def test_a_place_that_does_not_exist_is_refused_with_the_nearest(name: str, place: str, message: str) -> None:
-    with pytest.raises(BadInput, match=message):
-        location(name, place)

@@ -9,7 +9,7 @@ import trimesh
 
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
-from geometry.mesh import TriangleMesh, inertia, joined, merged, placed, require_closed_volume, scaled, selected, turned
+from geometry.mesh import TriangleMesh, inertia, joined, merged, placed, require_closed_volume, scaled, selected
 from geometry.toml_file import MILLIMETRE
 
 
@@ -21,6 +21,11 @@ def box(size=(2.0, 2.0, 2.0), centre=(0.0, 0.0, 0.0)) -> TriangleMesh:
     """A box with `size` and `centre` in millimetres."""
     solid = of_trimesh(trimesh.creation.box(size))
     return scaled(placed(solid, Pose(position=np.array(centre, dtype=float))), 1e-3)
+
+
+def turned(mesh: TriangleMesh) -> TriangleMesh:
+    """`mesh` with its inside out."""
+    return TriangleMesh(vertices=mesh.vertices, faces=mesh.faces[:, ::-1])
 
 
 def without_faces(mesh: TriangleMesh, *numbers: int) -> TriangleMesh:

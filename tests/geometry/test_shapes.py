@@ -50,13 +50,6 @@ def test_a_rectangle_runs_counter_clockwise_from_plus_plus() -> None:
     assert_allclose(rectangle(4.0, 2.0), [[2, 1], [-2, 1], [-2, -1], [2, -1]], rtol=0)
 
 
-def test_only_boxes_make_a_shape_planar() -> None:
-    box, hole = upright(Box(size=np.ones(3)), bottom=0.0), upright(Cylinder(diameter=0.1, height=1.0), bottom=0.0)
-    assert Shape(solids=(box,)).planar
-    assert not Shape(solids=(box,), voids=(hole,)).planar
-    assert not Shape(solids=(hole,)).planar
-
-
 @pytest.mark.parametrize("wrong", [0.0, -1.0, np.nan, np.inf])
 def test_a_length_that_cannot_be_is_named_with_what_was_found(wrong: float) -> None:
     with pytest.raises(ValueError, match="`diameter` must be positive and finite"):

@@ -10,8 +10,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from geometry.articles.dimensions import load
 from geometry.articles.locations import locations
+from geometry.articles.parts import load
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from geometry.inertia import Inertia

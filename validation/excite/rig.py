@@ -183,7 +183,7 @@ def _cells(asked: FlexibleOptions, attached: Attached, mass: float) -> tuple[Loa
         return ()
     from fem.beam.articles import load_cells
     from geometry.article import material, rectangle
-    from geometry.articles.dimensions import load
+    from geometry.articles.parts import load
 
     d = load(FMD, changes_of(FMD, asked.changes))["load_cell"]
     loss = material(d["material"]).loss_factor

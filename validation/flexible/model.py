@@ -16,7 +16,7 @@ from fem.user_model.reading import is_model, load
 from geometry import toml_file
 from geometry.article import Article, Box, Part, Placed
 from geometry.articles import built_in, changes_of
-from geometry.articles.dimensions import load as load_dimensions
+from geometry.articles.parts import load as load_dimensions
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers
 from validation.model.setups import is_file

@@ -81,7 +81,7 @@ class Model:
     tolerances : of the measurement chain
     kind : of `KINDS`, how the articles are modelled
     modes : how many are kept
-    changes : a user's own dimensions of built-in articles, as `geometry.articles.dimensions` names them
+    changes : a user's own dimensions of built-in articles, as `geometry.articles.parts` names them
     damping_ratio : of every mode; None for the loss factors of the parts
     own : by article, the path of a user's own model (`fem.user_model`)
     structure : tolerances of the structure

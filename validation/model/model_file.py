@@ -20,7 +20,7 @@ import numpy as np
 
 from geometry import routes, toml_file
 from geometry.articles import NAMES, built_in, changes_of, dimension_files
-from geometry.articles.dimensions import load
+from geometry.articles.parts import load
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.inertia import Inertia, judge, parallel_axis, six_from_tensor, tensor_from_six

@@ -32,7 +32,7 @@ from rich.progress import Progress
 from fem.base_excitation.response import Response
 from fem.beam import articles
 from geometry.articles import parts
-from geometry.articles.dimensions import Dimensions, to_si
+from geometry.articles.parts import Dimensions, to_si
 from geometry.atomic import write_text
 from geometry.dynamic_mass import MOTIONS, ComplexArray, DynamicMass
 from geometry.errors import CheckFailed

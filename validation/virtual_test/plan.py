@@ -191,7 +191,7 @@ class Plan:
     ringing : share of the greatest load of a run below which the load of every mode must fall before the record may end
     highest : [Hz] modes above it answer statically, but for the article's first
     gravity : [m/s²]
-    dimensions : a user's own of built-in articles, as `geometry.articles.dimensions` names them
+    dimensions : a user's own of built-in articles, as `geometry.articles.parts` names them
     """
 
     article: str

@@ -195,7 +195,7 @@ def parts_of(plan: Plan) -> tuple[str, ...]:
 def middles_of_cells(plan: Plan) -> Array:
     """(4, 3) [m] middles of the FMD's load cells."""
     from geometry.article import rectangle
-    from geometry.articles.dimensions import load
+    from geometry.articles.parts import load
 
     side = load(FMD, changes_of(FMD, plan.dimensions))["load_cell"]["square"]
     return np.array([[x, y, 0.0] for x, y in rectangle(side, side)])

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation.rig import Rig, dynamic_mass
 from fem.damping import Damping
-from geometry.articles.locations import location
+from geometry.articles.locations import locations
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import rigid_transformation, rigid_transformation_6, rotation_about
@@ -56,7 +56,7 @@ def close(found: npt.ArrayLike, expected: npt.ArrayLike, share: float = 1e-9) ->
 
 def gamma(rig: Rig, article: str, place: str) -> np.ndarray:
     """(3, 6) what F does to `place` of a rigid article."""
-    return rigid_transformation(rig.seat + location(article, place))
+    return rigid_transformation(rig.seat + locations(article)[place])
 
 
 def resonator(m: float, f: float, zeta: float) -> ComplexArray:
@@ -133,7 +133,7 @@ def test_a_turned_article_is_r_h_r(lab: Lab) -> None:
 def test_a_turned_articles_places_turn_with_it(lab: Lab) -> None:
     before, after = lab("fmd+clumod-1").rig, lab("fmd+clumod-1", "orientation:z=0.3").rig
     R = rotation_about("z", 0.3)
-    turned = R @ location("clumod-1", "lower-1+")
+    turned = R @ locations("clumod-1")["lower-1+"]
     close(after.article.places["lower-1+"][:, :6], rigid_transformation(turned), 1e-6)
     close(after.article.places["lower-1+"][:, 6:], R @ before.article.places["lower-1+"][:, 6:])
 
