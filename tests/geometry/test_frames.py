@@ -1,4 +1,4 @@
-"""Positions, rotations and [G]: the printed matrix, the cross product it stands for, and the group that poses form."""
+"""Arrays, positions, rotations and the rigid transformation of Eq. 3."""
 
 from dataclasses import FrozenInstanceError
 
@@ -8,7 +8,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from geometry.frames import Array, Pose, proper_rotation, rigid_transformation, rigid_transformation_6, rotation_about, skew
+from geometry.frames import (
+    Array,
+    Pose,
+    frozen,
+    proper_rotation,
+    rigid_transformation,
+    rigid_transformation_6,
+    rotation_about,
+    skew,
+)
 
 ROUNDING = {"rtol": 0.0, "atol": 1e-13}
 """Numbers of order 10 and a handful of operations."""
@@ -116,3 +125,15 @@ def test_a_pose_cannot_be_changed() -> None:
             array[0] = 5.0
     with pytest.raises(FrozenInstanceError):
         where.position = position  # type: ignore[misc]
+
+
+def test_of_a_long_array_that_is_not_finite_the_first_such_entry_is_named() -> None:
+    long = np.zeros((100_000, 6))
+    long[70_001, 2], long[70_002:] = np.inf, np.nan
+    with pytest.raises(ValueError, match=r"`load` must be finite, found inf at \[70001, 2\]$"):
+        frozen(long, long.shape, "load")
+
+
+def test_a_single_number_has_no_place() -> None:
+    with pytest.raises(ValueError, match=r"`mass` must be finite, found nan$"):
+        frozen(np.nan, (), "mass")

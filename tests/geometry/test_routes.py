@@ -1,15 +1,21 @@
-"""The three routes agree, each can be caught when it does not, and the mesh converges at the rate of its chord error."""
+"""The three routes agree, each can be caught when it does not; OCC's solids, and Pinocchio's order and signs."""
 
 from dataclasses import replace
 
 import numpy as np
+import pinocchio
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from geometry import cad, routes
-from geometry.article import Article, Box, Cylinder, Part, Placed, Shape, drilled, material, upright
+from geometry.article import Article, Box, Cylinder, Part, Placed, Shape, drilled, material, placed, upright
 from geometry.articles import NAMES, SETUPS, built_in
+from geometry.cad import MM, solid
+from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
+from geometry.inertia import Inertia
 from geometry.routes import ROUTES, agreement, by_mesh, by_routes, tessellation_error
 
 COARSE = 2e-5
@@ -128,3 +134,78 @@ def _tube(scale: float, pose: Pose | None = None) -> Article:
     )
     part = Part(name="tube", material=material("steel"), shape=shape, pose=pose or Pose())
     return Article(name="tube", parts=(part,))
+
+
+@pytest.mark.parametrize("name", SETUPS)
+def test_no_two_bodies_of_a_set_up_overlap(name: str) -> None:
+    assert cad.overlaps(built_in(name)) == {}
+
+
+def test_an_overlap_is_found_and_measured() -> None:
+    """A disc sunk by a millimetre into the cover plate shares what it displaces, counted by its solid area."""
+    fmd, disc = built_in("fmd"), built_in("disc")
+    sunk = placed(disc, Pose(position=[0, 0, 0.0445 - 0.0005]))
+    both = Article(name="both", parts=fmd.parts + sunk.parts)
+    (pair, shared), *rest = cad.overlaps(both).items()
+    assert rest == []
+    assert set(pair) == {"cover-plate", "plate"}
+    plate = solid(disc.parts[0])
+    assert shared == pytest.approx(plate.Volume() * MM**3 / 0.0145 * 0.001, rel=1e-6)
+
+
+def test_uncounted_parts_are_looked_at_too() -> None:
+    cuboid = built_in("cuboid")
+    ghost = replace(cuboid.parts[0], name="ghost", counted=False)
+    assert cad.overlaps(Article(name="two", parts=(*cuboid.parts, ghost)))
+
+
+def test_uncounted_parts_have_no_inertia() -> None:
+    fmd = built_in("fmd")
+    counted = Article(name="fmd", parts=fmd.counted_parts)
+    assert len(counted.parts) < len(fmd.parts)
+    assert_allclose(cad.inertia(fmd).parameters, cad.inertia(counted).parameters, rtol=0)
+
+
+coordinates = st.lists(st.floats(-1, 1), min_size=10, max_size=10)
+
+
+def in_pinocchio(inertia: Inertia) -> pinocchio.Inertia:
+    return pinocchio.Inertia(inertia.mass, inertia.cog.copy(), inertia.tensor_cog)
+
+
+@settings(max_examples=50, deadline=None)
+@given(coordinates)
+def test_any_body_goes_to_pinocchio_and_back(values: list[float]) -> None:
+    inertia = routes.from_log_cholesky(np.array(values))
+    back = routes.from_pinocchio(in_pinocchio(inertia))
+    assert_allclose(back.parameters, inertia.parameters, rtol=1e-9, atol=1e-9 * np.abs(inertia.parameters).max())
+
+
+@settings(max_examples=50, deadline=None)
+@given(coordinates)
+def test_log_cholesky_coordinates_go_there_and_back(values: list[float]) -> None:
+    assert_allclose(routes.log_cholesky(routes.from_log_cholesky(np.array(values))), values, atol=1e-9)
+
+
+def test_regressor_times_parameters_is_the_wrench() -> None:
+    """The ten parameters in Pinocchio's order give the wrench of its recursive Newton-Euler equations: order and signs hold."""
+    rng = np.random.default_rng(1)
+    inertia = routes.from_log_cholesky(rng.normal(size=10) / 2)
+    body = in_pinocchio(inertia)
+    velocity, acceleration = pinocchio.Motion(rng.normal(size=6)), pinocchio.Motion(rng.normal(size=6))
+    regressor = pinocchio.bodyRegressor(velocity, acceleration)
+    in_their_order = np.empty(10)
+    in_their_order[routes.FROM_PINOCCHIO] = inertia.parameters
+    wrench = body * acceleration + body.vxiv(velocity)
+    assert_allclose(regressor @ in_their_order, wrench.vector, rtol=1e-12, atol=1e-12)
+
+
+def test_mass_matrix_of_eq_1_is_pinocchios() -> None:
+    inertia = routes.inertia(built_in("fmd+clumod-1"))
+    assert_allclose(inertia.mass_matrix, in_pinocchio(inertia).matrix(), rtol=1e-12, atol=1e-12)
+
+
+def test_ideal_bodies_have_no_log_cholesky_coordinates() -> None:
+    rod = Inertia.from_cog(1.0, [0, 0, 0], np.diag([1.0, 1.0, 0.0]))
+    with pytest.raises(BadInput, match="body with volume"):
+        routes.log_cholesky(rod)

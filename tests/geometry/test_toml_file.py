@@ -1,11 +1,21 @@
-"""Whatever a user hands over as TOML or JSON: a table comes out, or a refusal that says what it is."""
+"""What users write down: TOML and JSON at the door, quantities with units and tolerances, files damaged at random."""
 
 from pathlib import Path
 
+import numpy as np
 import pytest
+import trimesh
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from uncertainties import UFloat
 
 from geometry import toml_file
 from geometry.errors import BadInput
+from geometry.toml_file import doubtful_at_first_order, exact, quantity, tagged
+from geometry.user_article import inertias, load
+from validation.classical.files import dominating, itemised
+from validation.classical.pendulum import rope_pendulum
 from validation.cli.main import run
 
 
@@ -96,3 +106,182 @@ def test_a_refusal_ends_with_one_mark_only() -> None:
     asked = BadInput(source="a.toml", field="k", problem="is unknown", remedy="Did you mean l? ")
     told = BadInput(source="a.toml", field="k", problem="is unknown", remedy="Write l.")
     assert (str(asked), str(told)) == ("a.toml: `k`: is unknown. Did you mean l?", "a.toml: `k`: is unknown. Write l.")
+
+
+def read(text: object, dimension: str = "mass") -> UFloat:
+    return quantity(text, dimension, source="file.toml", field="article.mass")
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "value", "tolerance"),
+    [
+        ("47.40 +/- 0.05 kg", "mass", 47.4, 0.05),
+        ("47.40 ± 0.05 kg", "mass", 47.4, 0.05),
+        ("(47.40 +/- 0.05) kg", "mass", 47.4, 0.05),
+        ("47.40 kg +/- 50 g", "mass", 47.4, 0.05),
+        ("47.40 kg ± 0.1 %", "mass", 47.4, 0.0474),
+        ("603.0 +/- 0.5 mm", "length", 0.603, 0.0005),
+        ("9.81 m/s^2", "acceleration", 9.81, 0.0),
+        ("9.81 m/s²", "acceleration", 9.81, 0.0),
+        ("0.3 %", "ratio", 0.003, 0.0),
+        ("0.003", "ratio", 0.003, 0.0),
+        ("180 deg", "angle", np.pi, 0.0),
+        ("1.9e3 +/- 1 ms", "time", 1.9, 1e-3),
+        ("-5 mm", "length", -0.005, 0.0),
+    ],
+)
+def test_what_people_write_is_understood(text: str, dimension: str, value: float, tolerance: float) -> None:
+    found = read(text, dimension)
+    assert_allclose([found.nominal_value, found.std_dev], [value, tolerance], rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "words"),
+    [
+        ("47.4", "mass", "needs its unit"),
+        (47.4, "mass", "bare number 47.4"),
+        ("300 mm", "mass", "'mm' is a length, where a mass should be"),
+        ("47 N", "mass", "'N' is a force, where a mass should be"),
+        ("5 %", "angle", "a pure number, where an angle"),
+        ("1 rad", "ratio", "an angle, where a ratio"),
+        ("5 kgm", "mass", "'kgm' is not known"),
+        ("5 +/- -1 kg", "mass", "must not be negative"),
+        ("1e400 kg", "mass", "finite"),
+        ("1e30 kg", "mass", "no measured mass has this size"),
+        ("nan kg", "mass", "cannot be read"),
+        ("1,5 kg", "mass", "cannot be read"),
+        ("5 kg +/- 1", "mass", "tolerance needs its unit"),
+        (True, "mass", "cannot be read"),
+        (None, "mass", "cannot be read"),
+        (["1 kg"], "mass", "cannot be read"),
+    ],
+)
+def test_everything_else_is_refused_with_file_field_and_an_example(text: object, dimension: str, words: str) -> None:
+    with pytest.raises(BadInput) as refusal:
+        read(text, dimension)
+    assert words in str(refusal.value)
+    assert "file.toml: `article.mass`" in str(refusal.value)
+    assert "Write it like" in str(refusal.value)
+
+
+@pytest.mark.parametrize("text", ["2.1e-149 m", "-3.1e-17 m", "1e-400 m", "1e-16 +/- 1e-17 m", "0 +/- 1e-200 m"])
+def test_the_rounding_that_is_left_of_a_zero_is_zero(text: str) -> None:
+    found = read(text, "length")
+    assert (found.nominal_value, found.std_dev) == (0.0, 0.0)
+
+
+@given(st.text(max_size=20))
+def test_no_text_ends_in_another_error(text: str) -> None:
+    try:
+        found = read(text)
+    except BadInput:
+        return
+    assert np.isfinite(found.nominal_value)
+
+
+def test_units_scale_value_and_tolerance_alike() -> None:
+    assert_allclose(read("1.5 +/- 0.1 m", "length").std_dev, read("1500 +/- 100 mm", "length").std_dev, rtol=1e-14)
+
+
+SWING = {
+    "mass": (47.4, 0.05),
+    "gravity": (9.811, 0.001),
+    "s1": (0.55, 0.002),
+    "s2": (0.9, 0.003),
+    "length": (2.0, 0.002),
+    "period": (3.0, 0.004),
+}
+
+
+def test_first_order_agrees_with_monte_carlo_on_eq_5() -> None:
+    result = rope_pendulum(**{name: tagged(*pair, name) for name, pair in SWING.items()})
+    rng = np.random.default_rng(5)
+    drawn = rope_pendulum(**{name: rng.normal(*pair, size=200_000) for name, pair in SWING.items()})
+    # 200 000 draws know a standard deviation to 0.16 %, a mean to 0.002 of it; second order adds less than 1e-4
+    assert_allclose(result.std_dev, drawn.std(), rtol=0.007)
+    assert_allclose(result.nominal_value, drawn.mean(), atol=0.012 * result.std_dev)
+
+
+def test_first_order_fails_where_the_library_says_it_is_doubtful() -> None:
+    wide = tagged(3.0, 1.0, "period")
+    assert doubtful_at_first_order(3.0, 1.0)
+    drawn = np.random.default_rng(1).normal(3.0, 1.0, size=100_000) ** 2
+    assert drawn.mean() > 1.1 * (wide**2).nominal_value  # E[T²] = T² + σ²: the first order sees none of it
+
+
+def test_shares_add_up_and_follow_the_exponents_of_eq_5() -> None:
+    items = itemised(rope_pendulum(**{name: tagged(*pair, name) for name, pair in SWING.items()}))
+    assert_allclose(sum(item.share for item in items), 1.0, rtol=1e-12)
+    by_name = {item.name: item for item in items}
+    # T enters squared: 2 x 0.004/3.0; s1 once: 0.002/0.55
+    assert_allclose(by_name["period"].contribution / by_name["s1"].contribution, (2 * 0.004 / 3) / (0.002 / 0.55), rtol=1e-12)
+    assert items[0].name == "s1"
+
+
+def test_inputs_of_one_name_are_taken_together() -> None:
+    (item,) = itemised(tagged(1, 0.3, "reading") + tagged(1, 0.4, "reading"))
+    assert_allclose(item.contribution, 0.5, rtol=1e-14)
+
+
+def test_an_exact_value_has_no_dominating_input() -> None:
+    assert dominating(exact(3.0)) == ""
+
+
+DESCRIPTION = """format = 1
+[article]
+name = "block"
+[material.lead]
+density = "11.34 g/cm^3"
+[[part]]
+name = "block"
+file = "block.stl"
+unit = "mm"
+material = "lead"
+position_mm = [1, 2, 3]
+"""
+
+
+def damaged(content: bytes, generator: np.random.Generator) -> bytes:
+    """`content` cut short, with bytes changed, with a stretch missing, or with a stretch twice."""
+    data = bytearray(content)
+    a, b = sorted(generator.integers(0, len(data), 2).tolist())
+    match generator.integers(0, 4):
+        case 0:
+            return bytes(data[:b])
+        case 1:
+            for place in generator.integers(0, len(data), 5):
+                data[place] = int(generator.integers(0, 256))
+            return bytes(data)
+        case 2:
+            return bytes(data[:a] + data[min(b, a + 40) :])
+        case _:
+            return bytes(data[:a] + data[a : a + 40] + data[a:])
+
+
+@pytest.mark.parametrize(("ending", "count"), [(".stl", 70), (".ply", 70), (".obj", 70), (".toml", 60), (".step", 60)])
+def test_a_damaged_file_is_read_or_refused_in_words(
+    tmp_path: Path, ending: str, count: int, capfd: pytest.CaptureFixture[str]
+) -> None:
+    solid = trimesh.creation.box((16.0, 7.0, 40.0))
+    (tmp_path / "block.stl").write_bytes(solid.export(file_type="stl"))
+    if ending == ".step":
+        import cadquery
+
+        cadquery.exporters.export(cadquery.Workplane().box(16, 7, 40), str(tmp_path / "whole.step"))
+        content = (tmp_path / "whole.step").read_bytes()
+    else:
+        content = DESCRIPTION.encode() if ending == ".toml" else solid.export(file_type=ending[1:])
+    content = content.encode() if isinstance(content, str) else content
+    generator = np.random.default_rng([2026, len(content)])
+    path = tmp_path / f"damaged{ending}"
+    options = {} if ending == ".toml" else {"material": "steel"} if ending == ".step" else {"material": "steel", "unit": "mm"}
+    capfd.readouterr()  # what writing says is not what is looked at here
+    refusals = 0
+    for _ in range(count):
+        path.write_bytes(damaged(content, generator))
+        try:
+            inertias(load(path, **options))
+        except BadInput:
+            refusals += 1
+    assert refusals > count / 4  # the damage is real
+    assert capfd.readouterr() == ("", "")

@@ -1,27 +1,140 @@
-"""Curved tetrahedra of any article: its inertia, its faults in words, nothing on the terminal, the same mesh twice."""
+"""Solid elements against scikit-fem's own forms; tetrahedra of any article, its inertia, its faults in words."""
 
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fem.solid import assembly, model, tetrahedra
-from fem.solid.assembly import LOCAL_TET10, SolidMesh, volumes
+from fem.solid.assembly import LOCAL_TET10, QUADRATURE, Matrices, SolidMesh, assemble, lame, volumes
 from fem.solid.tetrahedra import Sizing, bodies
-from fem.structure import Structure
+from fem.structure import Structure, rigid_motion
 from geometry import routes
 from geometry.article import Article, Box, Cylinder, Material, Part, Shape, material, placed, upright
 from geometry.articles import built_in
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Pose, rotation_about
+from validation.verification.closed_forms import block
+
+SIDES = (1.0, 0.8, 0.6)
+FIRM = Material(name="firm", density=7850.0, youngs_modulus=207e9, poisson_ratio=0.3)
+SOFT = Material(name="soft", density=1100.0, youngs_modulus=2e6, poisson_ratio=0.49)
+MATERIALS = {"low": FIRM, "high": SOFT}
+
+
+def bent(points: np.ndarray) -> np.ndarray:
+    """Parabolas that cells of degree 2 hold exactly; every section slides, so that volume is kept."""
+    x, y, z = points.T
+    return np.column_stack([x + 0.2 * y**2 - 0.1 * z**2, y + 0.15 * z**2, z])
+
+
+@pytest.fixture(scope="module", params=[10, 27], ids=["tetrahedra", "hexahedra"])
+def mesh(request: pytest.FixtureRequest) -> SolidMesh:
+    made = block(SIDES, (2, 2, 2), request.param, bent)
+    high = made.points[made.cells].mean(axis=1)[:, 2] > SIDES[2] / 2
+    return replace(made, part=high.astype(np.intp), parts=("low", "high"))
+
+
+@pytest.fixture(scope="module")
+def matrices(mesh: SolidMesh) -> Matrices:
+    return assemble(mesh, MATERIALS)
+
+
+def by_scikit_fem(mesh: SolidMesh, straight: np.ndarray, cells: np.ndarray, form: Any) -> np.ndarray:
+    """`form` over `cells`, visited one basis function after the other by scikit-fem, in our order of degrees of freedom."""
+    import skfem
+
+    first, second, element = {
+        10: (skfem.MeshTet, skfem.MeshTet2, skfem.ElementTetP2()),
+        27: (skfem.MeshHex, skfem.MeshHex2, skfem.ElementHex2()),
+    }[mesh.cells.shape[1]]
+    corners, numbered = np.unique(mesh.cells[:, : {10: 4, 27: 8}[mesh.cells.shape[1]]], return_inverse=True)
+    plain = second.from_mesh(first(straight[corners].T, numbered.reshape(len(mesh.cells), -1).T))
+    ours = np.array([np.argmin(np.linalg.norm(straight - place, axis=1)) for place in plain.doflocs.T])
+    curved = replace(plain, doflocs=mesh.points[ours].T)
+    basis = skfem.Basis(curved, skfem.ElementVector(element), intorder=QUADRATURE[mesh.cells.shape[1]], elements=cells)
+    place = np.array([np.argmin(np.linalg.norm(mesh.points - place, axis=1)) for place in basis.doflocs.T])
+    axis = np.zeros(basis.N, dtype=np.intp)
+    for dofs in (basis.nodal_dofs, basis.edge_dofs, basis.facet_dofs, basis.interior_dofs):
+        for row, numbers in enumerate(dofs):
+            axis[numbers] = row
+    back = np.empty(basis.N, dtype=np.intp)
+    back[3 * place + axis] = np.arange(basis.N)
+    return np.asarray(form.assemble(basis).toarray()[np.ix_(back, back)])
+
+
+def test_it_is_what_scikit_fem_assembles_from_its_own_forms(mesh: SolidMesh, matrices: Matrices) -> None:
+    from skfem import BilinearForm
+    from skfem.helpers import dot
+    from skfem.models.elasticity import linear_elasticity
+
+    straight = block(SIDES, (2, 2, 2), mesh.cells.shape[1]).points
+    mass = np.zeros(matrices.mass.shape)
+    for number, name in enumerate(mesh.parts):
+        own = np.flatnonzero(mesh.part == number)
+        density = MATERIALS[name].density
+        K = by_scikit_fem(mesh, straight, own, linear_elasticity(*lame(MATERIALS[name])))
+        assert_allclose(matrices.part_stiffness[name].toarray(), K, rtol=0, atol=1e-12 * np.abs(K).max())
+        mass += by_scikit_fem(mesh, straight, own, BilinearForm(lambda u, v, w, rho=density: rho * dot(u, v)))
+    assert_allclose(matrices.mass.toarray(), mass, rtol=0, atol=1e-12 * np.abs(mass).max())
+
+
+def test_rigid_motion_costs_nothing_and_weighs_what_the_volume_does(mesh: SolidMesh, matrices: Matrices) -> None:
+    motion = rigid_motion(mesh.points).reshape(len(mesh.points), 6, 6)[:, :3].reshape(-1, 6)
+    assert np.abs(matrices.stiffness @ motion).max() < 1e-11 * np.abs(matrices.stiffness.data).max()
+    half = np.prod(SIDES) / 2
+    assert_allclose(motion[:, 0] @ matrices.mass @ motion[:, 0], half * (7850.0 + 1100.0), rtol=1e-12)
+    assert_allclose(np.bincount(mesh.part, weights=volumes(mesh)), half, rtol=1e-12)
+
+
+def test_each_part_has_its_own_share_of_the_stiffness(matrices: Matrices) -> None:
+    assert abs(matrices.stiffness - sum(matrices.part_stiffness.values())).max() == 0
+    assert set(matrices.part_stiffness) == {"low", "high"}
+
+
+def test_an_even_stretch_stores_the_energy_of_its_volume_and_moduli(mesh: SolidMesh, matrices: Matrices) -> None:
+    """Twice the energy of a strain of 1 along x, over the volume, is lambda + 2 mu, however the cells are bent."""
+    stretch = np.zeros((len(mesh.points), 3))
+    stretch[:, 0] = mesh.points[:, 0]
+    for name, K in matrices.part_stiffness.items():
+        lam, mu = lame(MATERIALS[name])
+        energy = stretch.ravel() @ (K @ stretch.ravel())
+        assert_allclose(energy, (lam + 2 * mu) * np.prod(SIDES) / 2, rtol=1e-12)
+
+
+def test_a_cell_inside_out_has_negative_volume(mesh: SolidMesh) -> None:
+    mirrored = replace(mesh, points=mesh.points * [-1.0, 1.0, 1.0])
+    assert_allclose(volumes(mirrored), -volumes(mesh), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"youngs_modulus": None}, "found none"),
+        ({"poisson_ratio": None}, "found none"),
+        ({"youngs_modulus": -1.0}, "must be positive"),
+        ({"youngs_modulus": np.inf}, "finite"),
+        ({"poisson_ratio": 0.5}, r"between -1 and 0\.5"),
+    ],
+)
+def test_a_material_that_is_not_elastic_is_refused_by_part_and_field(
+    mesh: SolidMesh, change: dict[str, float | None], words: str
+) -> None:
+    spoilt = Material(name="spoilt", density=1.0, **{"youngs_modulus": 1.0, "poisson_ratio": 0.3, **change})
+    with pytest.raises(BadInput, match=f"(?s)of high.*{next(iter(change))}.*{words}"):
+        assemble(mesh, {"low": material("steel"), "high": spoilt})
+
 
 COARSE = {"size": 0.06, "cached": False}
 
 
-def block(size: tuple[float, float, float], bottom: float = 0.0, name: str = "block", made_of: str = "steel") -> Part:
+def block_of_tetrahedra(
+    size: tuple[float, float, float], bottom: float = 0.0, name: str = "block", made_of: str = "steel"
+) -> Part:
     return Part(name=name, material=material(made_of), shape=Shape(solids=(upright(Box(size=np.array(size)), bottom=bottom),)))
 
 
@@ -88,7 +201,7 @@ def test_curved_edges_lose_volume_with_the_fourth_power_of_the_size_and_straight
 
 def test_parts_in_contact_share_nodes_and_keep_their_own_material() -> None:
     """A smaller rod on a larger block, of two materials: the joint carries load, the mass is that of each."""
-    both = article(block((0.2, 0.2, 0.05), name="foot", made_of="aluminium"), rod(bottom=0.05))
+    both = article(block_of_tetrahedra((0.2, 0.2, 0.05), name="foot", made_of="aluminium"), rod(bottom=0.05))
     structure = model.structure(both, **COARSE)
     drawn = routes.inertia(both).mass_matrix
     assert_allclose(structure.rigid_mass, drawn, rtol=0, atol=2e-4 * drawn[0, 0])
@@ -103,7 +216,10 @@ def test_the_same_article_gives_the_same_mesh_to_the_last_bit() -> None:
 
 
 def test_a_size_is_kept_and_fineness_divides_it() -> None:
-    coarse, fine = (tetrahedra.tetrahedra(bodies(article(block((0.2, 0.1, 0.1)))), Sizing(size=0.05, fineness=f)) for f in (1, 2))
+    coarse, fine = (
+        tetrahedra.tetrahedra(bodies(article(block_of_tetrahedra((0.2, 0.1, 0.1)))), Sizing(size=0.05, fineness=f))
+        for f in (1, 2)
+    )
     edges = [m.points[m.cells[:, 0]] - m.points[m.cells[:, 1]] for m in (coarse, fine)]
     longest = [np.linalg.norm(e, axis=1).max() for e in edges]
     assert longest[0] < 2 * 0.05
@@ -112,7 +228,7 @@ def test_a_size_is_kept_and_fineness_divides_it() -> None:
 
 def test_elements_shrink_at_re_entrant_edges_only() -> None:
     """The rod's foot on the block is one, the block's own edges are none."""
-    both = article(block((0.3, 0.3, 0.05), name="foot"), rod(bottom=0.05))
+    both = article(block_of_tetrahedra((0.3, 0.3, 0.05), name="foot"), rod(bottom=0.05))
     plain, refined = (tetrahedra.tetrahedra(bodies(both), Sizing(size=0.05, refinement=r)).points[:, :3] for r in (1.0, 0.3))
     at_foot, at_corner = np.array([0.05, 0.0, 0.05]), np.array([0.15, 0.15, 0.05])
 
@@ -133,19 +249,19 @@ def test_gmsh_says_nothing(capfd: pytest.CaptureFixture[str]) -> None:
 
 def test_bodies_that_overlap_are_refused_with_the_volume_they_share() -> None:
     with pytest.raises(BadInput, match=r"(?s)block and rod.*share 3\.9\d+e\+05 mm³"):
-        model.structure(article(block((0.2, 0.2, 0.1)), rod(bottom=0.05)), **COARSE)
+        model.structure(article(block_of_tetrahedra((0.2, 0.2, 0.1)), rod(bottom=0.05)), **COARSE)
 
 
 def test_a_body_that_touches_nothing_is_named_with_its_distance() -> None:
     with pytest.raises(BadInput, match=r"rod \(its node at .* is 10 mm from"):
-        model.structure(article(block((0.2, 0.2, 0.1)), rod(bottom=0.11)), **COARSE)
+        model.structure(article(block_of_tetrahedra((0.2, 0.2, 0.1)), rod(bottom=0.11)), **COARSE)
 
 
 def test_touching_along_an_edge_is_no_joint() -> None:
-    other = block((0.1, 0.1, 0.1), bottom=0.1, name="upper")
+    other = block_of_tetrahedra((0.1, 0.1, 0.1), bottom=0.1, name="upper")
     aside = placed(article(other), Pose(position=np.array([0.1, 0.0, 0.0]))).parts[0]
     with pytest.raises(BadInput, match="upper"):
-        model.structure(article(block((0.1, 0.1, 0.1)), aside), **COARSE)
+        model.structure(article(block_of_tetrahedra((0.1, 0.1, 0.1)), aside), **COARSE)
 
 
 def test_an_article_that_stands_on_a_line_cannot_be_held() -> None:
@@ -166,13 +282,13 @@ def test_an_article_that_stands_on_a_line_cannot_be_held() -> None:
     ],
 )
 def test_a_material_that_is_not_elastic_is_refused_before_anything_is_meshed(change: dict[str, float], words: str) -> None:
-    part = block((0.1, 0.1, 0.1), name="foot")
+    part = block_of_tetrahedra((0.1, 0.1, 0.1), name="foot")
     with pytest.raises(BadInput, match=f"(?s)of foot.*{words}"):
         model.structure(article(replace(part, material=replace(part.material, **change))), **COARSE)
 
 
 def test_a_density_alone_makes_no_solid_model() -> None:
-    part = replace(block((0.1, 0.1, 0.1)), material=Material(name="7800 kg/m^3", density=7800.0))
+    part = replace(block_of_tetrahedra((0.1, 0.1, 0.1)), material=Material(name="7800 kg/m^3", density=7800.0))
     with pytest.raises(BadInput, match=r"state your own in an article\.toml"):
         model.structure(article(part), **COARSE)
 
@@ -219,7 +335,7 @@ def test_a_gmsh_that_ends_its_process_is_a_failed_attempt(monkeypatch: pytest.Mo
 
 
 def test_inverted_elements_are_counted_and_placed() -> None:
-    mesh = tetrahedra.tetrahedra(bodies(article(block((0.1, 0.1, 0.1)))), Sizing(size=0.1))
+    mesh = tetrahedra.tetrahedra(bodies(article(block_of_tetrahedra((0.1, 0.1, 0.1)))), Sizing(size=0.1))
     cells = mesh.cells.copy()
     cells[3] = cells[3][[1, 0, 2, 3, 4, 6, 5, 8, 7, 9]]
     with pytest.raises(CheckFailed, match=rf"1 of {len(cells)} elements are inverted, the worst in block at \(") as caught:

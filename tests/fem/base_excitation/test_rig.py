@@ -1,22 +1,25 @@
-"""A linear rig answers its table as closed forms and the frequency domain say, on every axis."""
+"""A linear rig answers as closed forms and the frequency domain say; its reduced bodies as their structure; what is refused."""
 
 import json
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem import reduction
+from fem import dynamic_mass, reduction
+from fem.base_excitation import response, rig
 from fem.base_excitation import response as base_excitation_response
 from fem.base_excitation import rig as base_excitation_rig
 from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.response import Response
-from fem.base_excitation.rig import Flange, FlexibleBody, Friction, LoadCell, Rig, Strut
+from fem.base_excitation.rig import SOFTEST, STIFFEST, Flange, FlexibleBody, Friction, LoadCell, Rig, Strut, require_usable
 from fem.beam import articles
 from fem.damping import Damping
-from fem.modes import fixed_base
+from fem.modes import Modes, fixed_base
+from fem.structure import Structure, rigid_motion
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import rigid_transformation, rigid_transformation_6
 from geometry.inertia import Inertia
@@ -275,3 +278,229 @@ def test_a_response_that_grows_beyond_all_numbers_is_lost_with_channel_and_time(
     assert 0 < float(str(lost.value.evidence["time"])) < 5.6
     assert len(str(lost.value)) < 300
     assert capfd.readouterr() == ("", "")
+
+
+LINES = np.linspace(4.0, 32.0, 281)
+RATIO = Damping(ratio=0.003)
+
+
+@pytest.fixture(scope="module")
+def four() -> Structure:
+    return articles.structure("clumod-4")
+
+
+@pytest.fixture(scope="module")
+def modes(four: Structure) -> Modes:
+    return fixed_base(four, 30, damping=RATIO)
+
+
+def error(H: np.ndarray, truth: np.ndarray) -> np.ndarray:
+    """At every line, the largest difference as a share of the largest entry, axes scaled by the root of their inertia."""
+    scale = np.sqrt(np.abs(truth[0].diagonal()))
+    scale = np.outer(scale, scale)
+    return (np.abs(H - truth) / scale).max(axis=(1, 2)) / (np.abs(truth) / scale).max(axis=(1, 2))
+
+
+def dynamic_mass_of(made: FlexibleBody, lines: np.ndarray = LINES) -> np.ndarray:
+    return reduction.dynamic_mass(made.reduced, lines).matrix
+
+
+def viscous_alone(modes: Modes) -> Modes:
+    """`modes` as they answer in time."""
+    _, C = rig.viscous(modes)
+    return replace(modes, viscous=C, structural=np.zeros_like(C), condensed=None)
+
+
+@pytest.mark.parametrize("name", ["clumod-1", "clumod-4"])
+def test_a_reduced_body_has_the_dynamic_mass_of_its_modes_and_residual(name: str) -> None:
+    structure = articles.structure(name)
+    modes = fixed_base(structure, 30, damping=RATIO)
+    H = dynamic_mass_of(rig.flexible(name, structure, modes))
+    # Modes and R leave out what grows with the fourth power of the frequency; 30 modes of clumod-4 go to 78 Hz.
+    assert error(H, dynamic_mass.modal(modes, LINES).matrix).max() < 2e-4
+
+
+def test_static_coordinates_beat_the_residual_against_the_direct_solution(four: Structure, modes: Modes) -> None:
+    truth = dynamic_mass.direct(four, LINES, RATIO, modes=modes).matrix
+    mine = error(dynamic_mass_of(rig.flexible("c", four, modes)), truth).max()
+    assert mine < error(dynamic_mass.modal(modes, LINES).matrix, truth).max() / 3
+    assert mine < 2e-5
+
+
+def test_what_is_left_out_grows_with_the_sixth_power_of_the_frequency(four: Structure) -> None:
+    lines = np.array([8.0, 16.0])
+    few = fixed_base(four, 11, damping=Damping())
+    truth = dynamic_mass.direct(four, lines, Damping()).matrix
+    left = np.abs(dynamic_mass_of(rig.flexible("c", four, few), lines) - truth).max(axis=(1, 2))
+    assert_allclose(np.log2(left[1] / left[0]), 6.0, atol=0.4)  # the next mode, at 38 Hz, is not infinitely far
+
+
+def test_structural_damping_made_viscous_costs_what_is_said(four: Structure) -> None:
+    lossy = fixed_base(four, 30)
+    truth = dynamic_mass.direct(four, LINES).matrix
+    assert error(dynamic_mass_of(rig.flexible("c", four, lossy)), truth).max() < 0.01
+    # Without the condensation of the truncated modes it is twice as much.
+    assert error(dynamic_mass.modal(viscous_alone(replace(lossy, condensed=None)), LINES).matrix, truth).max() > 0.015
+
+
+def test_modal_data_alone_answer_as_modes_with_their_residual(modes: Modes) -> None:
+    made = rig.of_modal_data("own", modes)
+    assert_allclose(error(dynamic_mass_of(made), dynamic_mass.modal(modes, LINES).matrix), 0, atol=2e-4)
+    low = np.array([0.5, 1.0])  # where R is all that the carriers are
+    assert error(dynamic_mass_of(made, low), dynamic_mass.modal(modes, low).matrix).max() < 1e-9
+    assert np.linalg.eigvalsh(made.reduced.mass).min() > 0
+    assert np.sqrt(made.reduced.stiffness.diagonal()[36:].min()) / (2 * np.pi) > 2 * modes.frequency[-1]
+
+
+def test_modal_data_about_another_point_is_moved_to_the_origin(modes: Modes) -> None:
+    T = rigid_transformation_6([0.1, -0.2, 0.3]).T
+    elsewhere = replace(
+        modes,
+        participation=np.linalg.solve(T, modes.participation),
+        rigid_mass=np.linalg.solve(T, np.linalg.solve(T, modes.rigid_mass).T),
+        residual=np.linalg.solve(T, np.linalg.solve(T, modes.residual).T),
+        reference_point=[0.1, -0.2, 0.3],
+    )
+    here, there = (dynamic_mass_of(rig.of_modal_data("own", m)) for m in (modes, elsewhere))
+    assert_allclose(there, here, atol=1e-8 * np.abs(here).max())  # the carriers' directions depend on the units
+
+
+def test_a_body_without_residual_needs_no_carriers(four: Structure, modes: Modes) -> None:
+    bare = replace(modes, residual=np.zeros((6, 6)))
+    assert rig.of_modal_data("own", bare).reduced.mass.shape == (36, 36)
+
+
+def test_modes_that_move_more_mass_than_there_is_are_refused(modes: Modes) -> None:
+    with pytest.raises(BadInput, match=r"`participation`: its modes must not move more mass"):
+        rig.of_modal_data("own", replace(modes, participation=3 * modes.participation))
+
+
+def test_a_rigid_body_is_its_mass_matrix_everywhere() -> None:
+    inertia = Inertia.from_cog(3.0, [0.1, 0.2, 0.3], np.diag([0.4, 0.5, 0.6]))
+    made = rig.rigid("block", inertia, {"top": [0.0, 0.0, 0.5]})
+    H = dynamic_mass_of(made)
+    assert_allclose(H, np.broadcast_to(inertia.mass_matrix, H.shape), rtol=1e-14)
+    assert_allclose(made.places["top"] @ [0, 0, 0, 0, 1.0, 0], [0.5, 0, 0])  # rotation about y carries the top along x
+
+
+def test_an_inertia_that_no_body_has_is_refused() -> None:
+    with pytest.raises(BadInput, match="body block"):
+        rig.rigid("block", Inertia.from_cog(-3.0, [0.0, 0.0, 0.0], np.diag([0.4, 0.5, 0.6])))
+
+
+def test_places_move_with_the_base_and_with_the_shapes(four: Structure, modes: Modes) -> None:
+    made = rig.flexible("c", four, modes, places={"flange": [0.1, 0.0, 0.0], "top": [0.0, 0.0, 1.6]})
+    assert_allclose(made.places["flange"][:, 6:], 0.0)
+    assert_allclose(made.places["flange"][:, 5], [0.0, 0.1, 0.0], atol=1e-15)
+    top = int(np.argmax(four.points[:, 2]))
+    assert_allclose(made.places["top"][:, 6:36], modes.shapes[four.translations[top]])
+    assert_allclose(made.places["top"][:, :6], four.rigid[four.translations[top]])
+
+
+def test_a_place_off_the_structure_is_refused(four: Structure, modes: Modes) -> None:
+    with pytest.raises(BadInput, match=r"`places.nowhere`.*nearest is .* mm away"):
+        rig.flexible("c", four, modes, places={"nowhere": [0.0, 0.0, 3.0]})
+
+
+def test_modes_without_shapes_are_refused(four: Structure, modes: Modes) -> None:
+    with pytest.raises(BadInput, match="`modes`: shapes on all 402"):
+        rig.flexible("c", four, replace(modes, shapes=np.zeros((0, 30))))
+
+
+def test_a_solid_about_another_point_is_reduced_about_the_articles_origin(block: Callable[..., Structure]) -> None:
+    """A column of point masses and springs, whose base is not where its reference point is."""
+    column, point = block(2, 2, 4), np.array([0.3, -0.2, 0.1])
+    points = column.points
+    elsewhere = replace(column, reference_point=point, rigid=translations(points, point))
+    modes = fixed_base(elsewhere, 4, damping=Damping())
+    made = rig.flexible("column", elsewhere, modes, places={"corner": points[-1]})
+    lines = np.array([0.0, 0.2, 0.4]) * modes.frequency[0]
+    expected = dynamic_mass.direct(elsewhere, lines, Damping()).about(np.zeros(3)).matrix
+    # Four of 36 modes and six static answers leave out what grows with the sixth power.
+    assert_allclose(dynamic_mass_of(made, lines), expected, atol=1e-6 * np.abs(expected).max())
+    assert_allclose(made.reduced.basis[:, :6], translations(points, np.zeros(3)), atol=1e-15)
+    assert_allclose(made.places["corner"], made.reduced.basis[-3:], atol=1e-15)
+
+
+def translations(points: np.ndarray, reference_point: np.ndarray) -> np.ndarray:
+    return rigid_motion(points, reference_point).reshape(-1, 6, 6)[:, :3].reshape(-1, 6)
+
+
+CORNERS = np.array([[0.1, 0.1, 0], [-0.1, 0.1, 0], [-0.1, -0.1, 0], [0.1, -0.1, 0]])
+STIFF = np.full(3, 1e8)
+
+
+def cells(places: np.ndarray = CORNERS, **last: Any) -> tuple[LoadCell, ...]:
+    made = [LoadCell(position=place, stiffness=STIFF) for place in places]
+    return (*made[:-1], replace(made[-1], **last))
+
+
+def test_a_rig_that_can_be_built_is_handed_back(mounted: Callable[..., Rig], rigid_block: FlexibleBody) -> None:
+    rig = replace(mounted(rigid_block, preload=1e4), struts=(Strut(place="top", stiffness=STIFF),))
+    rig = replace(rig, frictions=(Friction(axis="y", slip_force=5.0),))
+    assert require_usable(rig) is rig
+
+
+REFUSED: dict[str, tuple[dict[str, Any], str]] = {
+    "a cell without stiffness": (
+        {"cells": cells(stiffness=[1e8, 0, 1e8])},
+        r"`cells.4.stiffness`.*above zero, found 0 N/m along y",
+    ),
+    "a cell that drives": ({"cells": cells(damping=[0, 0, -1.0])}, r"`cells.4.damping`.*found -1 N s/m along z"),
+    "a negative preload": ({"cells": cells(preload=-200.0)}, r"`cells.4.preload`.*above zero, found -200 N"),
+    "a preload of nothing": ({"cells": cells(preload=0.0)}, r"`cells.4.preload`.*above zero, found 0 N"),
+    "cells in one line": ({"cells": cells(CORNERS[[0, 2]])}, r"`cells`.*hold the cover plate.*found 2"),
+    "one cell in the middle": ({"cells": cells(np.zeros((1, 3)))}, r"`cells`.*hold the cover plate.*found 1"),
+    "a negative compliance": ({"flange": Flange(compliance=[0, 0, -1e-9, 0, 0, 0])}, r"`flange.compliance`.*found -1e-09"),
+    "a flange that drives": ({"flange": Flange(compliance=np.zeros(6), damping_time=-1.0)}, r"`flange.damping_time`.*-1 s"),
+    "a joint that holds nothing": ({"flange": Flange(compliance=[0, 0, 0, 0, 1e9, 0])}, r"`flange.compl.*for beta, found 1e\+09"),
+    "a joint as good as rigid": ({"flange": Flange(compliance=[1e-30, 0, 0, 0, 0, 0])}, r"`flange.compl.*for x, found 1e-30"),
+    "a joint in tar": (
+        {"flange": Flange(compliance=[0, 0, 0, 1e-6, 0, 0], damping_time=1e9)},
+        r"`flange.damping_time`.*for alpha, found 1e\+09",
+    ),
+    "a cell of rubber": ({"cells": cells(stiffness=[1e8, 1e8, 1e-9])}, r"`cells.4.stiffness`.*along z, found 1e-09"),
+    "a cell as good as rigid": ({"cells": cells(stiffness=[1e20, 1e8, 1e8])}, r"`cells.4.stiffness`.*along x, found 1e\+20"),
+    "a cell in tar": ({"cells": cells(damping=[0, 1e30, 0])}, r"`cells.4.damping`.*along y, found 1e\+30"),
+    "a strut as good as rigid": ({"struts": (Strut(place="top", stiffness=[1e30] * 3),)}, r"`struts.stiffness`.*found 1e\+30"),
+    "a strut in tar": ({"struts": (Strut(place="top", damping=[1e30] * 3),)}, r"`struts.damping`.*found 1e\+30"),
+    "a loose part of many tons": ({"frictions": (Friction(axis="x", slip_force=5.0, mass=1e6),)}, r"`frictions.mass`"),
+    "a strut nowhere": ({"struts": (Strut(place="tpo"),)}, r"`struts.place`.*block has no place 'tpo'.*top"),
+    "a strut to the moon": ({"struts": (Strut(place="top", to="moon"),)}, r"`struts.to`.*'moon'"),
+    "a strut that pushes": ({"struts": (Strut(place="top", stiffness=-STIFF),)}, r"`struts.stiffness`.*found -1e\+08"),
+    "a strut that drives": ({"struts": (Strut(place="top", damping=-STIFF),)}, r"`struts.damping`.*found -1e\+08"),
+    "friction along z": ({"frictions": (Friction(axis="z", slip_force=5.0),)}, r"`frictions.axis`.*'z'"),
+    "friction that slips at nothing": ({"frictions": (Friction(axis="x", slip_force=0.0),)}, r"`frictions.slip_force`"),
+    "friction without mass": ({"frictions": (Friction(axis="x", slip_force=5.0, mass=-2.0),)}, r"`frictions.mass`.*-2 kg"),
+}
+
+
+@pytest.mark.parametrize(("changes", "message"), REFUSED.values(), ids=list(REFUSED))
+def test_what_nobody_can_build_is_refused(rigid_block: FlexibleBody, changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(BadInput, match=message):
+        require_usable(replace(Rig(article=rigid_block), **changes))
+
+
+def test_structural_damping_has_no_place_in_time(rigid_block: FlexibleBody) -> None:
+    lossy = replace(rigid_block, reduced=replace(rigid_block.reduced, structural=np.eye(6)))
+    with pytest.raises(BadInput, match=r"`article.reduced`.*must be viscous"):
+        require_usable(Rig(article=lossy))
+
+
+def test_a_joint_as_stiff_as_may_be_hides_nothing_of_the_article(
+    clumod: Callable[[str], FlexibleBody], burst: Callable[..., BaseMotion]
+) -> None:
+    """The response is that on a rigid joint; what is left is the recursion's own (omega h)² / 12 in a joint that only follows."""
+    article, motion = clumod("clumod-1"), burst(8192.0, np.ones(6), 0.2)
+    stiffest = Flange(compliance=1.01 / (STIFFEST * np.diag(article.reduced.mass)[:6]), damping_time=1e-7)
+    found, rigid = (response.respond(Rig(article=article, flange=flange), motion).load for flange in (stiffest, None))
+    assert_allclose(found, rigid, rtol=0, atol=1e-4 * np.abs(rigid).max())
+
+
+def test_a_joint_as_soft_as_may_be_leaves_the_article_where_it_is(
+    rigid_block: FlexibleBody, burst: Callable[..., BaseMotion]
+) -> None:
+    compliance = 0.99 / (SOFTEST * np.diag(rigid_block.reduced.mass)[:6])
+    motion = burst(1024.0, np.eye(6)[0], 0.2)
+    load = response.respond(Rig(article=rigid_block, flange=Flange(compliance=compliance)), motion).load
+    assert np.abs(load[:, 0]).max() < 1e-4 * rigid_block.reduced.mass[0, 0] * np.abs(motion.acceleration).max()

@@ -1,7 +1,12 @@
-"""Exudyn's own beams: closed forms and rates, the sign of the driven base, and the built-in articles against our beam model."""
+"""Exudyn's bodies and beams: inertia, closed forms and rates, the built-in articles; and Ctrl-C while it works."""
 
+import os
+import signal
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +20,7 @@ from fem.dynamic_mass import modal
 from fem.exudyn import frame, linear
 from fem.exudyn.frame import lossy, refined
 from fem.exudyn.linear import extrapolated, linearise, stiffness_of
-from fem.exudyn.run import exudyn_version, running
+from fem.exudyn.run import exudyn_version, is_interruption, kept, quiet, running, to_exudyn
 from fem.modes import Modes, fixed_base
 from geometry.article import material
 from geometry.articles import built_in
@@ -284,3 +289,193 @@ def accelerated_by(load: Array) -> Array:
         made.system.SolveDynamic(settings)
         kinds = exudyn.OutputVariableType.Velocity, exudyn.OutputVariableType.AngularVelocity
         return np.concatenate([made.system.GetNodeOutput(0, kind) for kind in kinds]) / duration
+
+
+COG = np.array([0.11, -0.23, 0.37])
+BODY = Inertia.from_cog(3.0, COG, TURN @ np.diag([0.5, 0.7, 0.9]) @ TURN.T)
+"""All ten parameters different and none zero: an exchanged index or sign cannot hide."""
+
+
+def test_exudyn_and_we_agree_on_every_entry_of_the_tensor_and_the_order_of_six() -> None:
+    body = to_exudyn(BODY)
+    assert_allclose(body.Inertia(), BODY.tensor, rtol=1e-15)
+    assert_allclose(body.InertiaCOM(), BODY.tensor_cog, rtol=0, atol=1e-15)
+    assert_allclose(body.COM(), COG, rtol=1e-15)
+    xx, yy, zz, xy, xz, yz = BODY.parameters[4:]
+    assert_allclose(body.GetInertia6D(), [xx, yy, zz, yz, xz, xy], rtol=1e-15)
+
+
+def test_exudyn_moves_and_turns_a_body_as_we_do() -> None:
+    """Exudyn's own homogeneous transformation against ours."""
+    HT = np.eye(4)
+    HT[:3, :3], HT[:3, 3] = TURN, [0.2, 0.5, -0.4]
+    expected = BODY.rotated(TURN).moved(HT[:3, 3])
+    found = to_exudyn(BODY).Transformed(HT)
+    assert_allclose([found.Mass(), *found.COM()], [expected.mass, *expected.first_moment / expected.mass], rtol=0, atol=1e-14)
+    assert_allclose(found.Inertia(), expected.tensor, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("point", [(0.0, 0.0, 0.0), (0.3, -0.1, 0.6)])
+def test_the_mass_matrix_that_exudyn_assembles_is_eq_1(point: tuple[float, float, float]) -> None:
+    system, _, _ = free_body(BODY.about(point))
+    assert_allclose(assembled_mass_matrix(system), BODY.about(point).mass_matrix, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("axis", range(6))
+def test_a_free_body_accelerates_under_force_and_torque_as_the_mass_matrix_says(axis: int) -> None:
+    """From rest for 0.1 ms: it turns by 1e-8 rad, so that f = M a holds to that order."""
+    wrench, duration = np.eye(6)[axis], 1e-4
+    velocity = velocity_after(duration, BODY, wrench)
+    assert_allclose(BODY.mass_matrix @ velocity / duration, wrench, rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("moments", [[0.0, 0.3, 0.3], [0.1, 0.2, 0.3]])
+def test_ideal_bodies_pass_without_a_word(moments: list[float], capfd: pytest.CaptureFixture[str]) -> None:
+    """Rounding may put a lamina a hair outside of the triangle inequality, of which exudyn would warn on standard output."""
+    for angle in np.linspace(0, 3, 20):
+        to_exudyn(Inertia.from_cog(1.0, COG, np.diag(moments)).rotated(rotation_about("x", angle)))
+    assert capfd.readouterr() == ("", "")
+
+
+def test_what_no_body_has_is_refused_in_words_before_exudyn_sees_it(capfd: pytest.CaptureFixture[str]) -> None:
+    impossible = Inertia.from_cog(1.0, COG, np.diag([0.1, 0.2, 0.5]))
+    with pytest.raises(BadInput, match=r"model\.toml: `inertia`: no body has these parameters"):
+        to_exudyn(impossible, "model.toml")
+    assert capfd.readouterr() == ("", "")
+
+
+def test_quiet_holds_back_and_gives_back(capfd: pytest.CaptureFixture[str]) -> None:
+    with quiet() as exudyn:
+        exudyn.Print("held back")
+    exudyn.Print("heard again")
+    assert capfd.readouterr().out.strip() == "heard again"
+
+
+def free_body(inertia: Inertia, wrench: Array | None = None) -> tuple[Any, int, Any]:
+    """A rigid body that nothing holds, its reference point at the origin, `wrench` (6,) on it; also its node and container."""
+    with quiet() as exudyn:
+        from exudyn import itemInterface
+
+        container = exudyn.SystemContainer()
+        system = container.AddSystem()
+        body = to_exudyn(inertia)
+        node = system.AddNode(itemInterface.NodeRigidBodyRxyz(referenceCoordinates=[0.0] * 6))
+        item = itemInterface.ObjectRigidBody(
+            mass=body.Mass(), inertia=body.GetInertia6D(), centerOfMass=body.COM().tolist(), nodeNumber=node
+        )
+        marker = system.AddMarker(itemInterface.MarkerBodyRigid(bodyNumber=system.AddObject(item)))
+        if wrench is not None:
+            system.AddLoad(itemInterface.LoadForceVector(markerNumber=marker, loadVector=wrench[:3].tolist()))
+            system.AddLoad(itemInterface.LoadTorqueVector(markerNumber=marker, loadVector=wrench[3:].tolist()))
+        system.Assemble()
+        return system, node, container
+
+
+def assembled_mass_matrix(system: Any) -> Array:
+    """The 6x6 that exudyn integrates with; at zero angles the rates of its coordinates are the angular velocity."""
+    with quiet() as exudyn:
+        solver, settings = exudyn.MainSolverImplicitSecondOrder(), exudyn.SimulationSettings()
+        settings.solution.file.write = False
+        solver.InitializeSolver(system, settings)
+        solver.ComputeMassMatrix(system)
+        M = np.array(solver.GetSystemMassMatrix())
+        solver.FinalizeSolver(system, settings)
+    return M
+
+
+def velocity_after(duration: float, inertia: Inertia, wrench: Array) -> Array:
+    """Velocity and angular velocity (6,) of the reference point after `duration` [s] from rest."""
+    system, node, _container = free_body(inertia, wrench)
+    with quiet() as exudyn:
+        settings = exudyn.SimulationSettings()
+        settings.solution.file.write = False
+        settings.timeIntegration.numberOfSteps, settings.timeIntegration.endTime = 10, duration
+        system.SolveDynamic(settings)
+        kinds = exudyn.OutputVariableType.Velocity, exudyn.OutputVariableType.AngularVelocity
+        return np.concatenate([system.GetNodeOutput(node, kind) for kind in kinds])
+
+
+TIMES = 6
+"""Runs of one kind; before Ctrl-C was kept, every second one ended as something else."""
+
+CHILD = f"""
+import signal, sys
+import numpy as np
+from fem.base_excitation.patterns import BaseMotion
+from fem.base_excitation import rig
+from fem.exudyn import driven_run, large_motion, rope_pendulum, rope_statics
+from geometry.inertia import Inertia
+from validation.cli.main import held_while_importing
+
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell makes children in the background deaf to it
+block = Inertia.from_cog(7.0, [0.0, 0.0, 0.1], np.diag([0.3, 0.25, 0.1]))
+t = np.arange(60 * 4096)[:, None] / 4096
+push = np.array([1e-3, 0, 0, 0, 0, 0])
+moves = [push * x for x in (1 - np.cos(9 * t), 9 * np.sin(9 * t), 81 * np.cos(9 * t))]
+motion = BaseMotion(sampling_rate=4096, displacement=moves[0], velocity=moves[1], acceleration=moves[2], driven=60.0)
+ropes = rope_statics.on_three_ropes(0.3, length=2.0, amplitude=0.1)
+told = lambda share: print(f"at {{share}}", flush=True)
+runs = {{
+    "driven": lambda: driven_run.respond(rig.Rig(article=rig.rigid("block", block, {{}})), motion, progress=told),
+    "large": lambda: large_motion.respond("cuboid", motion, elements=None, progress=told),
+    "swing": lambda: rope_pendulum.swing(block, ropes, duration=600.0, progress=told),
+}}
+for _ in range({TIMES}):
+    try:
+        with held_while_importing():
+            runs[sys.argv[1]]()
+    except BaseException as reason:
+        print("ended as", type(reason).__name__, reason, flush=True)
+"""
+
+
+@pytest.mark.parametrize("kind", ["driven", "large", "swing"])
+def test_ctrl_c_from_another_process_always_ends_a_run_as_ctrl_c(kind: str) -> None:
+    """Sent at some moment after the first, second, ... word of progress."""
+    ended: list[str] = []
+    with subprocess.Popen([sys.executable, "-c", CHILD, kind], stdout=subprocess.PIPE, text=True) as child:
+        assert child.stdout is not None
+        heard = 0
+        for line in child.stdout:
+            if line.startswith("ended as"):
+                ended.append(line.strip())
+                heard = 0
+                continue
+            heard += 1
+            if heard == 1 + len(ended):
+                os.kill(child.pid, signal.SIGINT)
+    assert ended == ["ended as KeyboardInterrupt"] * TIMES
+
+
+@pytest.mark.usefixtures("keyboard")
+def test_what_is_kept_is_raised_at_the_end_even_where_the_work_failed_and_the_handler_is_restored() -> None:
+    before = signal.getsignal(signal.SIGINT)
+
+    def fail() -> None:
+        with kept() as found:
+            assert found.reason is None
+            signal.raise_signal(signal.SIGINT)
+            assert isinstance(found.reason, KeyboardInterrupt)
+            raise ValueError("the solver gave up")
+
+    with pytest.raises(KeyboardInterrupt):
+        fail()
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+@pytest.mark.usefixtures("keyboard")
+def test_a_handler_that_raises_nothing_stays_in_charge() -> None:
+    heard: list[int] = []
+    signal.signal(signal.SIGINT, lambda number, frame: heard.append(number))
+    with kept() as found:
+        signal.raise_signal(signal.SIGINT)
+    assert heard == [signal.SIGINT]
+    assert found.reason is None
+
+
+def test_an_error_that_exudyn_made_of_ctrl_c_is_known() -> None:
+    made = SystemError("returned a result with an exception set")
+    assert not is_interruption(made)
+    made.__context__ = KeyboardInterrupt()
+    assert is_interruption(made)
+    assert is_interruption(RuntimeError("in a user function: KeyboardInterrupt: <EMPTY MESSAGE>"))
