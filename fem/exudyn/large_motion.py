@@ -15,9 +15,8 @@ from fem.base_excitation.response import Response
 from fem.beam import articles
 from fem.beam.elements import Sandwich
 from fem.beam.frame import Body, Member, Plan, inertia, placed
-from fem.exudyn import driven_rig, frame
-from fem.exudyn.driven_rig import Drive, Number, Progress, Scene, recorded, targets, watch_node, watch_object
-from fem.exudyn.driven_run import Solver, described, integrate, simulation
+from fem.exudyn import driven_run, frame
+from fem.exudyn.driven_run import Drive, Number, Progress, Scene, Solver, recorded, targets, watch_node, watch_object
 from fem.exudyn.frame import viscous
 from fem.exudyn.run import failed, finite, kept, running
 from geometry.articles import built_in
@@ -394,11 +393,11 @@ def respond_of_plan(
             settle(scene)
         path = targets(motion, steps, velocity=False)
         steering = Drive(scene, table.axes, path, motion.sampling_rate * steps, progress)
-        stopped = integrate(scene, _simulation(exudyn, motion, solver, steps), steering)
+        stopped = driven_run.integrate(scene, _simulation(exudyn, motion, solver, steps), steering)
         if stopped is None:
             said = {f.name: getattr(conditions, f.name) for f in fields(conditions)}
             said |= {"places": {name: place.tolist() for name, place in conditions.places.items()}, "route": ROUTE}
-            told = {**described(solver, motion.sampling_rate, steps), **settings, **said}
+            told = {**driven_run.described(solver, motion.sampling_rate, steps), **settings, **said}
             turned = turning(motion)
             load = finite(recorded(scene, table.loads) * SIGNS, TASK)
             at_rest = load[0] if conditions.gravity else np.zeros(6)
@@ -439,8 +438,8 @@ def _assembled(exudyn: Any, plan: Plan, motion: BaseMotion, conditions: Conditio
                 marker = scene.system.AddMarker(scene.items.MarkerBodyMass(bodyNumber=number))
                 scene.system.AddLoad(scene.items.LoadMassProportional(markerNumber=marker, loadVector=[0.0, 0.0, -gravity]))
     # A table in the origin, joined to the foot of `article` there; places (3,) [m] ride on the node that is nearest to them
-    moving = driven_rig.massless(scene)
-    axes = driven_rig.driven(scene, moving, velocity=False)
+    moving = driven_run.massless(scene)
+    axes = driven_run.driven(scene, moving, velocity=False)
     foot = article.nodes[0][0]
     ends = [_marker(scene, moving.body, np.zeros(3)), _marker(scene, _massless(scene, foot), -article.points[foot])]
     joint = int(scene.system.AddObject(scene.items.ObjectJointGeneric(markerNumbers=ends)))
@@ -475,7 +474,7 @@ def _simulation(exudyn: Any, motion: BaseMotion, solver: Solver, steps: int) -> 
     travel = max(1.0, float(np.abs(motion.displacement).max()))
     allowed = max(solver.tolerance * float(np.abs(motion.acceleration).max()) / (rate * steps) ** 2, ROUNDING * travel)
     samples = len(motion.acceleration)
-    settings = simulation(exudyn, solver, rate=rate, samples=samples, subdivision=steps, residual=allowed)
+    settings = driven_run.simulation(exudyn, solver, rate=rate, samples=samples, subdivision=steps, residual=allowed)
     settings.linearSolverType = exudyn.LinearSolverType.EigenSparse
     newton = settings.timeIntegration.newton
     newton.residualMode, newton.modifiedNewtonJacUpdatePerStep = 1, True

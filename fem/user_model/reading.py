@@ -15,7 +15,7 @@ import numpy as np
 from fem.damping import Damping
 from fem.modes import Modes
 from fem.structure import Structure
-from fem.user_model import matrices, modal, nastran
+from fem.user_model import matrices, nastran
 from fem.user_model.description import LARGEST_BYTES, TABLE, TOO_LARGE, Contents, Description, parse, read_description
 from geometry import atomic, toml_file
 from geometry.errors import BadInput
@@ -212,7 +212,7 @@ def load(path: str | Path) -> UsersModel:
                 description = parse(toml_file.parse(contents.description, source), source, path)
             _require_not_nastrans(path, description)
     if description.kind == "modal":
-        return UsersModel(name=description.name, model=modal.modes(contents, description))
+        return UsersModel(name=description.name, model=matrices.modes(contents, description))
     structure, viscous = matrices.structure(contents, description)
     damped = viscous is not None or bool(structure.loss_factors)
     damping = Damping(loss_factors=structure.loss_factors, viscous=viscous) if damped else None

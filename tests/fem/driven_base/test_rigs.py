@@ -15,8 +15,7 @@ from fem.base_excitation.patterns import BaseMotion, Sweep
 from fem.base_excitation.response import Response
 from fem.base_excitation.rig import Flange, FlexibleBody, Friction, LoadCell, Rig, Strut, flexible
 from fem.beam import articles as beam_articles
-from fem.exudyn.driven_rig import STICKING
-from fem.exudyn.driven_run import Solver, respond
+from fem.exudyn.driven_run import STICKING, Solver, respond
 from fem.modes import fixed_base
 from geometry.dynamic_mass import MOTIONS
 from geometry.frames import Array, rigid_transformation, rigid_transformation_6

@@ -15,8 +15,7 @@ from numpy.testing import assert_allclose
 from fem.base_excitation import response as base_excitation_response
 from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.rig import Flange, FlexibleBody, Friction, LoadCell, Rig, Strut
-from fem.exudyn.driven_rig import targets
-from fem.exudyn.driven_run import Solver, highest, respond
+from fem.exudyn.driven_run import Solver, highest, respond, targets
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from geometry.inertia import Inertia
