@@ -55,26 +55,17 @@ class Damping:
         if self.ratio is not None:
             ratio = np.asarray(self.ratio, dtype=np.float64)
             if ratio.ndim > 1:
-                raise _bad(
-                    "ratio",
-                    f"one value or a list of one per mode is needed, found shape {ratio.shape}",
-                    "Use `modal` for a matrix",
-                )
+                problem = f"one value or a list of one per mode is needed, found shape {ratio.shape}"
+                raise _bad("ratio", problem, "Use `modal` for a matrix")
             wrong = ~((ratio >= 0) & (ratio < 1))  # NaN is wrong too
             if np.any(wrong):
                 found = np.atleast_1d(ratio)[np.atleast_1d(wrong)][0]
-                raise _bad(
-                    "ratio",
-                    f"a damping ratio must be at least 0 and below 1, found {found:g}",
-                    "Give it as a fraction: 0.5 % is 0.005",
-                )
+                problem = f"a damping ratio must be at least 0 and below 1, found {found:g}"
+                raise _bad("ratio", problem, "Give it as a fraction: 0.5 % is 0.005")
         for part, eta in self.loss_factors.items():
             if not 0 <= eta < 2:
-                raise _bad(
-                    f"loss_factors.{part}",
-                    f"a loss factor must be at least 0 and below 2, which is a damping ratio of 1, found {eta:g}",
-                    "Give it as a fraction: steel about 0.001, silicone about 0.2",
-                )
+                problem = f"a loss factor must be at least 0 and below 2, which is a damping ratio of 1, found {eta:g}"
+                raise _bad(f"loss_factors.{part}", problem, "Give it as a fraction: steel about 0.001, silicone about 0.2")
         if self.modal is not None:
             _check_matrix(np.asarray(self.modal, dtype=np.float64), "modal")
         if self.viscous is not None:
@@ -129,18 +120,12 @@ def damping_per_mode(damping: Damping, omega: Array) -> Array:
     count = len(omega)
     ratio = np.asarray(0.0 if damping.ratio is None else damping.ratio, dtype=np.float64)
     if ratio.ndim and ratio.shape != (count,):
-        raise _bad(
-            "ratio",
-            f"one value or one for each of the {count} modes is needed, found {ratio.size}",
-            "Give one ratio for all modes, or ask for as many modes as there are ratios",
-        )
+        problem = f"one value or one for each of the {count} modes is needed, found {ratio.size}"
+        raise _bad("ratio", problem, "Give one ratio for all modes, or ask for as many modes as there are ratios")
     matrix = np.zeros((count, count)) if damping.modal is None else np.asarray(damping.modal, dtype=np.float64)
     if matrix.shape != (count, count):
-        raise _bad(
-            "modal",
-            f"it must have a row and a column for each of the {count} modes, found {matrix.shape}",
-            "Ask for as many modes as it has rows",
-        )
+        problem = f"it must have a row and a column for each of the {count} modes, found {matrix.shape}"
+        raise _bad("modal", problem, "Ask for as many modes as it has rows")
     return np.diag(2 * np.broadcast_to(ratio, (count,)) * omega) + matrix
 
 
@@ -163,11 +148,8 @@ def viscous_matrix(damping: Damping, structure: Structure) -> Sparse:
     BadInput : it has another size than `structure`.
     """
     if damping.viscous is not None and damping.viscous.shape != structure.mass.shape:
-        raise _bad(
-            "viscous",
-            f"it must be as large as the structure's matrices {structure.mass.shape}, found {damping.viscous.shape}",
-            "Give it on all degrees of freedom of the structure, the held ones too",
-        )
+        problem = f"it must be as large as the structure's matrices {structure.mass.shape}, found {damping.viscous.shape}"
+        raise _bad("viscous", problem, "Give it on all degrees of freedom of the structure, the held ones too")
     return damping.viscous
 
 

@@ -30,7 +30,6 @@ from geometry.toml_file import one_of
 
 # What every factoriser gives back, and how it says that there are no factors.
 
-
 Values = npt.NDArray[np.floating[Any] | np.complexfloating[Any, Any]]
 
 
@@ -93,7 +92,6 @@ class Cholmod:
 # both halves are dissected again (George, SIAM J. Numer. Anal. 10, 1973). A separator of s rows whose piece touches b rows of
 # earlier separators fills s (s + 1) / 2 + s b entries of the Cholesky factor. Minimum degree does a little better; that allowed
 # for, the sum lies within a factor of 1.4 of what SuperLU fills on bars, plates and blocks of hexahedra and curved tetrahedra.
-
 
 BYTES = {"superlu": 30.0, "cholmod": 30.0, "pardiso": 16.0}
 """Peak memory for each entry of a real Cholesky factor [B], measured on plates and blocks of 45 000 to 165 000 rows."""
@@ -284,7 +282,6 @@ class Pardiso:
 # For a symmetric matrix the fill is ordered for A + A^T and the pivots are taken from the diagonal unless they are poor, which
 # keeps the factors near the size of a Cholesky factor (Li, ACM TOMS 31, 2005).
 
-
 DIAGONAL_PIVOT = 1e-3
 """A diagonal pivot is taken when it is at least this share of the largest entry of its column."""
 
@@ -361,19 +358,11 @@ def choose(matrix: Sparse, definite: bool, name: str | None = None) -> str:
         return next(name for name in able if name in installed())
     one_of(name, NAMES, source="factoriser", where="name")
     if name not in installed():
-        raise BadInput(
-            source="factoriser",
-            field=name,
-            problem=f"the library {_LIBRARIES[name]} is not installed",
-            remedy="Install massline[fast], or use superlu",
-        )
+        problem = f"the library {_LIBRARIES[name]} is not installed"
+        raise BadInput(source="factoriser", field=name, problem=problem, remedy="Install massline[fast], or use superlu")
     if name == "cholmod" and not _real_definite(matrix, definite):
-        raise BadInput(
-            source="factoriser",
-            field=name,
-            problem="it serves real positive definite matrices only, and this one is complex or shifted into its spectrum",
-            remedy="Use superlu or pardiso",
-        )
+        problem = "it serves real positive definite matrices only, and this one is complex or shifted into its spectrum"
+        raise BadInput(source="factoriser", field=name, problem=problem, remedy="Use superlu or pardiso")
     return name
 
 

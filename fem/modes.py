@@ -19,7 +19,7 @@ from fem.factorisers import Factor, Singular, factorise
 from fem.structure import HeldBase, Sparse, Structure, check_connected, check_stiff, hold, restricted
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput, CheckFailed
-from geometry.frames import Array, frozen
+from geometry.frames import Array, freeze
 
 # `Condensed`: kept modes with the static answer of the truncated ones, where structural damping couples the two.
 #
@@ -32,7 +32,6 @@ from geometry.frames import Array, frozen
 #     A = F_kk^-1,   L^T = A F_kb,   R = F_bb - F_kb^T A F_kb.
 #
 # Without damping these are Omega², the participation and the residual mass themselves.
-
 
 MODERATE = 0.5
 """Up to this loss factor the real factors serve: the series in K^-1 S converges like its powers."""
@@ -102,7 +101,6 @@ def condensed(
 # Lanczos sees one vector of equal eigenvalues, and the others only as rounding brings them in; symmetric articles have many. So
 # the rest of the space is searched once more from another start. When a mode turns up there below the last one kept, the
 # iteration is repeated in that rest, and the lowest of both are kept.
-
 
 DENSE = 250
 """Up to so many degrees of freedom LAPACK is the faster way."""
@@ -310,19 +308,8 @@ class Modes:
         n = np.size(self.frequency)
         structural = self.structural if np.size(self.structural) else np.zeros((n, n))
         object.__setattr__(self, "structural", structural)
-        shapes = {
-            "frequency": (n,),
-            "damping_ratio": (n,),
-            "participation": (6, n),
-            "rigid_mass": (6, 6),
-            "residual": (6, 6),
-            "reference_point": (3,),
-            "shapes": (np.shape(self.shapes)[0], n),
-            "viscous": (n, n),
-            "structural": (n, n),
-        }
-        for name, shape in shapes.items():
-            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+        freeze(self, frequency=(n,), damping_ratio=(n,), participation=(6, n), rigid_mass=(6, 6), residual=(6, 6))
+        freeze(self, reference_point=(3,), shapes=(np.shape(self.shapes)[0], n), viscous=(n, n), structural=(n, n))
 
     @property
     def effective_mass(self) -> Array:

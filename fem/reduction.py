@@ -19,7 +19,7 @@ from fem.factorisers import factorise
 from fem.modes import Modes
 from fem.structure import Sparse
 from geometry.dynamic_mass import DynamicMass
-from geometry.frames import Array, frozen
+from geometry.frames import Array, freeze
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -40,9 +40,8 @@ class Reduced:
 
     def __post_init__(self) -> None:
         size = np.shape(self.mass)[0]
-        for name in ("stiffness", "mass", "viscous", "structural"):
-            object.__setattr__(self, name, frozen(getattr(self, name), (size, size), name))
-        object.__setattr__(self, "basis", frozen(self.basis, (np.shape(self.basis)[0], size), "basis"))
+        square = (size, size)
+        freeze(self, stiffness=square, mass=square, viscous=square, structural=square, basis=(np.shape(self.basis)[0], size))
 
 
 def of_modes(modes: Modes, rigid: Array) -> Reduced:
@@ -79,7 +78,6 @@ def _beside(interface: Array, modes: Array) -> Array:
 # The few modes kept would leave the static share of the others out. The static answers to six accelerations of the base, less
 # what the kept modes hold of them, are put beside the modes as further shapes: the reduced body then answers as the full one
 # does up to the fourth power of the frequency, residual mass included (Craig & Chang, AIAA Journal 15, 1977).
-
 
 REDUNDANT = 1e-8
 """Share of a static answer that may lie outside the modes already there, below which it is left out."""

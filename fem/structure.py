@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geometry.errors import CheckFailed
-from geometry.frames import Array, Integers, frozen, rigid_transformation_6
+from geometry.frames import Array, Integers, freeze, rigid_transformation_6
 
 Sparse = Any
 """A `scipy.sparse.csr_array`; SciPy ships no types."""
@@ -50,8 +50,7 @@ class Structure:
     loss_factors: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "rigid", frozen(self.rigid, (self.mass.shape[0], 6), "rigid"))
-        object.__setattr__(self, "reference_point", frozen(self.reference_point, (3,), "reference_point"))
+        freeze(self, rigid=(self.mass.shape[0], 6), reference_point=(3,))
 
     @property
     def free(self) -> Integers:
@@ -78,7 +77,6 @@ def rigid_motion(points: npt.ArrayLike, reference_point: npt.ArrayLike = (0.0, 0
 #     M_ff w'' + (C_ff + ...) w' + K_ff w = -P u_b'',   P = (M T)_f,   f = T^T M T u_b'' + P^T w'',
 #
 # because neither stiffness nor internal damping resists a rigid motion. Modes, direct solution and reduction all start from here.
-
 
 LOOSE = 100 * float(np.finfo(np.float64).eps)
 """Strain energy of a mode, as a share of what its terms would add up to if none cancelled, below which there is none."""

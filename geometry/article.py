@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geometry.errors import BadInput
-from geometry.frames import Array, Pose, frozen
+from geometry.frames import Array, Pose, freeze
 
 # Materials: what a part is made of. The library lives in `materials.toml`; a user's article brings its own.
 
@@ -89,7 +89,6 @@ def material(name: str, source: str = "material") -> Material:
 # negative mass. They can only agree when every void lies wholly inside the material and no two voids overlap, so a wrong drawing
 # shows itself as a disagreement of the routes.
 
-
 MOST_HOLES = 200
 """On one circle; every hole is cut by OCC, one after the other."""
 
@@ -101,7 +100,7 @@ class Box:
     size: Array
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "size", frozen(self.size, (3,), "size"))
+        freeze(self, size=(3,))
         _require_positive(self.size, "size")
 
     @property

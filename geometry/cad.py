@@ -25,7 +25,6 @@ from geometry.mesh import TriangleMesh
 
 # Drawings turned into OCC solids by CadQuery: material united, voids cut. In millimetres.
 
-
 MM = 1e-3
 """One OCC length unit in metres."""
 
@@ -251,7 +250,6 @@ def silence() -> Iterator[None]:
 
 # Exact mass properties of OCC solids: the faces' own surfaces are integrated, nothing is meshed.
 
-
 INTEGRATION_ERROR = 1e-12
 """Relative error asked of OCC's adaptive integration over curved faces."""
 
@@ -334,7 +332,6 @@ def brep_digest(solid: OccShape) -> str:
 
 
 # Solids turned into closed triangle meshes with a stated chord error.
-
 
 ANGLE = 0.5
 """Largest angle between neighbouring facets [rad]: small holes keep at least twelve sides whatever the chord error."""

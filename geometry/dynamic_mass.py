@@ -14,7 +14,7 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
-from geometry.frames import Array, frozen, rigid_transformation_6
+from geometry.frames import Array, freeze, frozen, rigid_transformation_6
 
 ComplexArray = npt.NDArray[np.complex128]
 
@@ -53,7 +53,7 @@ class DynamicMass:
             raise ValueError("`matrix` must be finite")
         array.setflags(write=False)
         object.__setattr__(self, "matrix", array)
-        object.__setattr__(self, "reference_point", frozen(self.reference_point, (3,), "reference_point"))
+        freeze(self, reference_point=(3,))
         if frequency.size and (frequency[0] < 0 or np.any(np.diff(frequency) <= 0)):
             raise ValueError("`frequency` must ascend and not be negative")
 

@@ -13,7 +13,6 @@ import numpy.typing as npt
 
 # Arrays that cannot change under anybody's feet.
 
-
 Array = npt.NDArray[np.float64]
 
 Integers = npt.NDArray[np.intp]
@@ -34,6 +33,18 @@ def frozen(value: npt.ArrayLike, shape: tuple[int, ...], name: str) -> Array:
         raise ValueError(f"`{name}` must be finite, found {array[first]:g}" + (f" at {list(first)}" if first else ""))
     array.setflags(write=False)
     return array
+
+
+def freeze(holder: object, *names: str, **shapes: tuple[int, ...]) -> None:
+    """Make fields of a frozen dataclass `frozen` copies: those of these `names` as they are, the others of these `shapes`.
+
+    Raises
+    ------
+    ValueError : as `frozen`.
+    """
+    for name in (*names, *shapes):
+        value = getattr(holder, name)
+        object.__setattr__(holder, name, frozen(value, shapes.get(name, np.shape(value)), name))
 
 
 ROTATION_ROUNDING = 1e-9
@@ -107,7 +118,7 @@ class Pose:
     rotation: Array = field(default_factory=lambda: np.eye(3))
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "position", frozen(self.position, (3,), "position"))
+        freeze(self, position=(3,))
         object.__setattr__(self, "rotation", proper_rotation(self.rotation))
 
     def __matmul__(self, inner: Pose) -> Pose:

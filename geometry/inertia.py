@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
-from geometry.frames import Array, Pose, frozen, proper_rotation, skew
+from geometry.frames import Array, Pose, freeze, frozen, proper_rotation, skew
 from geometry.sensors import Channel, ChannelTable, motion_rows, resultants, summation
 
 PARAMETERS = ("m", "mx", "my", "mz", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
@@ -66,8 +66,7 @@ class Inertia:
     reference_point: Array = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "parameters", frozen(self.parameters, (10,), "parameters"))
-        object.__setattr__(self, "reference_point", frozen(self.reference_point, (3,), "reference_point"))
+        freeze(self, parameters=(10,), reference_point=(3,))
 
     # --- ways in -----------------------------------------------------------------------------------------------------
 
@@ -229,7 +228,6 @@ class Inertia:
 # largest tensor that the numbers have been through: about the reference point, and about the frame's origin, through which
 # bodies are placed (another reference point does not bring the lost digits back). The moments themselves are no measure of it.
 
-
 ROUNDING = 1e-12
 
 
@@ -309,7 +307,6 @@ def _kind(margin: Array, zero: float) -> Kind:
 
 
 # Can the six base motions and the six resultants be told from the channels, how well, and what is missing by name?
-
 
 LOADS = ("f_x", "f_y", "f_z", "t_x", "t_y", "t_z")
 """The six resultants, in the order of `MOTIONS`."""

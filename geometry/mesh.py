@@ -205,7 +205,6 @@ def bodies(mesh: TriangleMesh) -> tuple[TriangleMesh, ...]:
 # orientation may touch: the meshes of two curved parts that fit into one another always overlap by a sliver, so a share up to
 # `SLIVER` of the smaller one is a warning; more is an overlap, its mass would count twice, and it is refused.
 
-
 ROUNDING = 16 * float(np.finfo(np.float64).eps)
 """Heights of triangles up to this times the largest coordinate are no more than rounding."""
 
@@ -232,11 +231,8 @@ def require_closed_volume(mesh: TriangleMesh, source: str, unit: LengthUnit = ME
     corners = mesh.triangles.reshape(-1, 3)
     spread = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
     if spread[2] <= ROUNDING * np.sqrt(len(corners)) * np.abs(corners).max():
-        raise BadInput(
-            source=source,
-            problem=f"the mesh is flat: all its {len(mesh.faces)} faces lie in one plane, so that it encloses no volume",
-            remedy="Export the body, not one of its faces or its drawing",
-        )
+        problem = f"the mesh is flat: all its {len(mesh.faces)} faces lie in one plane, so that it encloses no volume"
+        raise BadInput(source=source, problem=problem, remedy="Export the body, not one of its faces or its drawing")
     t = mesh.triangles
     sides = t - np.roll(t, 1, axis=1)
     longest = np.linalg.norm(sides, axis=2).max(axis=1)
@@ -374,7 +370,6 @@ def _volume(volume: float, unit: LengthUnit) -> str:
 
 # STL, PLY and OBJ files: bare numbers that become lengths only with a unit.
 
-
 MESH_ENDINGS = (".stl", ".ply", ".obj")
 """What can be read, upper or lower case."""
 
@@ -406,12 +401,8 @@ def read_mesh(path: Path, unit: str | None = None) -> MeshFile:
     found = _STATED.search(comments)
     stated = found.group(1) if found else None
     if unit is None and stated is None:
-        raise BadInput(
-            source=source,
-            field="unit",
-            problem="the file does not say in which unit its lengths are, and none was given",
-            remedy=f"Give one of {', '.join(UNITS)}",
-        )
+        problem = "the file does not say in which unit its lengths are, and none was given"
+        raise BadInput(source=source, field="unit", problem=problem, remedy=f"Give one of {', '.join(UNITS)}")
     meant = length_unit((stated if unit is None else unit) or "", source)
     if unit is not None and stated is not None and meant != length_unit(stated, source):
         raise BadInput(

@@ -29,7 +29,6 @@ from geometry.inertia import PARAMETERS, UNITS, Inertia, Kind, judge
 
 # Do inertias that were found by different routes agree, and what were they allowed to differ by?
 
-
 ROUNDING = 1e-9
 """What exact routes may differ by, relative to the size of the body."""
 
@@ -162,7 +161,6 @@ _POSITIVE = np.array([True, False, False, False, True, True, True, False, False,
 # SE(3) and adds them with its own parallel-axis rule. Its parameter vector orders the tensor Ixx, Ixy, Iyy, Ixz, Iyz, Izz about
 # the frame's origin, matrix entries as ours, so the conversion is an index and no sign.
 
-
 FROM_PINOCCHIO = [0, 1, 2, 3, 4, 6, 9, 5, 7, 8]
 """Where the ten parameters of Eq. 4 stand in Pinocchio's dynamic parameters."""
 
@@ -198,12 +196,8 @@ def log_cholesky(inertia: Inertia, source: str = "inertia") -> Array:
     """
     verdict = judge(inertia)
     if verdict.kind is not Kind.BODY:
-        raise BadInput(
-            source=source,
-            field="inertia",
-            problem=f"log-Cholesky coordinates need a body with volume: {verdict.text}",
-            remedy="Give the ideal body a finite size",
-        )
+        problem = f"log-Cholesky coordinates need a body with volume: {verdict.text}"
+        raise BadInput(source=source, field="inertia", problem=problem, remedy="Give the ideal body a finite size")
     J = inertia.about(np.zeros(3)).pseudo_inertia
     U = np.linalg.cholesky(J[::-1, ::-1])[::-1, ::-1]
     V = U / U[3, 3]

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geometry.errors import BadInput
-from geometry.frames import Array, frozen, rigid_transformation
+from geometry.frames import Array, freeze, frozen, rigid_transformation
 
 SI = {"acceleration": "m/s^2", "force": "N", "moment": "N m"}
 """What can be measured, and the unit in which it stands in every array."""
@@ -59,7 +59,7 @@ class Place:
         if abs(length - 1) > UNIT_LENGTH:
             raise ValueError(f"`direction` must be a unit vector, found {direction.tolist()} of length {length:.6g}")
         unit = direction if abs(length - 1) < 1e-15 else direction / length
-        object.__setattr__(self, "position", frozen(self.position, (3,), "position"))
+        freeze(self, position=(3,))
         object.__setattr__(self, "direction", frozen(unit, (3,), "direction"))
 
 
@@ -118,7 +118,7 @@ class ChannelTable:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "channels", tuple(self.channels))
-        object.__setattr__(self, "origin", frozen(self.origin, (3,), "origin"))
+        freeze(self, origin=(3,))
         twice = sorted({name for name in self.names if self.names.count(name) > 1})
         if twice:
             raise ValueError(f"`channels` must have names of their own, found {', '.join(twice)} more than once")

@@ -172,12 +172,8 @@ def one_of(value: object, choices: Collection[str], *, source: str, where: str) 
     """
     if isinstance(value, str) and value in choices:
         return value
-    raise BadInput(
-        source=source,
-        field=where,
-        problem=f"must be one of {', '.join(choices)}, found {value!r}",
-        remedy=nearest(str(value), choices) or "Choose one of them",
-    )
+    problem = f"must be one of {', '.join(choices)}, found {value!r}"
+    raise BadInput(source=source, field=where, problem=problem, remedy=nearest(str(value), choices) or "Choose one of them")
 
 
 def nearest(word: str, known: Collection[str]) -> str:
@@ -276,7 +272,6 @@ def length_unit(text: str, source: str, field: str = "unit") -> LengthUnit:
 # standard deviation, or all 95 % limits: the reader need not know which) and comes back at that level. Inputs are independent,
 # and tolerances combine in quadrature to first order (ISO/IEC Guide 98-3, the GUM, section 5.1.2). A value without a tolerance
 # is exact. `uncertainties` carries the derivatives; every input is tagged with its name, so that each result can be itemised.
-
 
 SI_UNITS = {
     "mass": "kg",

@@ -238,12 +238,8 @@ def _own_material(name: str, entry: Any, source: str) -> Material:
             )
             found = quantity(text, dimension, source=source, field=place).nominal_value
             if not lowest < found < highest:
-                raise BadInput(
-                    source=source,
-                    field=place,
-                    problem=f"must lie between {lowest:g} and {highest:g}, both excluded, found {value!r}",
-                    remedy=f"Steel has {example}",
-                )
+                problem = f"must lie between {lowest:g} and {highest:g}, both excluded, found {value!r}"
+                raise BadInput(source=source, field=place, problem=problem, remedy=f"Steel has {example}")
             elastic[key] = float(found)
     return Material(name=name, density=density(table["density"], source, f"{where}.density"), **elastic)
 
@@ -318,7 +314,6 @@ class UserArticle:
 # Solids from STEP go two ways: OCC integrates the B-rep, trimesh a closed mesh of it with a stated chord
 # error. Meshes are already what trimesh integrates, exactly, and there is no second opinion on them.
 
-
 NOTHING = 1e-3
 """Share of the smaller of two parts that their meshes may have in common before it is worth a warning."""
 
@@ -370,7 +365,6 @@ def overlap_warnings(article: str, parts: tuple[UserPart, ...]) -> Iterator[str]
 
 
 # From a path to a `UserArticle`: one file with one material, or an ``article.toml`` that says which body is made of what.
-
 
 RELATIVE_CHORD = 1e-4
 """Chord error of the mesh of a solid where none is asked for, relative to the diagonal of the box around it."""
@@ -425,11 +419,8 @@ def require_file(path: str | Path) -> Path:
             return there
         parts = sorted(file for file in path.iterdir() if file.suffix.lower() in (*STEP_ENDINGS, *MESH_ENDINGS))
         if not parts:
-            raise BadInput(
-                source=str(path),
-                problem=f"the folder holds neither {DESCRIPTION} nor a part ({', '.join(ENDINGS[:-1])})",
-                remedy="Check the path",
-            )
+            problem = f"the folder holds neither {DESCRIPTION} nor a part ({', '.join(ENDINGS[:-1])})"
+            raise BadInput(source=str(path), problem=problem, remedy="Check the path")
         raise BadInput(
             source=str(path),
             problem=f"the folder holds {len(parts)} part(s) but no {DESCRIPTION} to say what they are of",
@@ -458,12 +449,8 @@ def _parts(entry: PartEntry, chord: float | None) -> tuple[tuple[UserPart, ...],
         from geometry import cad
 
         if entry.unit is not None:
-            raise BadInput(
-                source=str(entry.file),
-                field="unit",
-                problem=f"a STEP file states its own unit, and {entry.unit!r} was given beside it",
-                remedy="Leave the unit out",
-            )
+            problem = f"a STEP file states its own unit, and {entry.unit!r} was given beside it"
+            raise BadInput(source=str(entry.file), field="unit", problem=problem, remedy="Leave the unit out")
         found = cad.read(entry.file)
         if entry.body is not None:
             chosen = tuple(body for body in found if entry.body in (body.name, body.label))

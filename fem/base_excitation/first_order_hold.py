@@ -29,7 +29,7 @@ import numpy as np
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import CheckFailed
-from geometry.frames import Array, frozen
+from geometry.frames import Array, freeze
 
 Progress = Callable[[float], None]
 """Called with the share done, 0 to 1; it may raise to end the run."""
@@ -66,8 +66,7 @@ class States:
     direct: Array
 
     def __post_init__(self) -> None:
-        for name in ("A", "B", "displacement", "velocity", "acceleration", "direct"):
-            object.__setattr__(self, name, frozen(getattr(self, name), np.shape(getattr(self, name)), name))
+        freeze(self, "A", "B", "displacement", "velocity", "acceleration", "direct")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

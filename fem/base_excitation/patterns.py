@@ -11,9 +11,9 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
+from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput
-from geometry.frames import Array, frozen
+from geometry.frames import Array, freeze
 from geometry.toml_file import one_of
 
 # `BaseMotion`: what the table does, sampled, all six axes at once.
@@ -46,9 +46,7 @@ class BaseMotion:
 
     def __post_init__(self) -> None:
         n = np.shape(self.acceleration)[0]
-        for name in ("displacement", "velocity", "acceleration"):
-            object.__setattr__(self, name, frozen(getattr(self, name), (n, 6), name))
-        object.__setattr__(self, "reference_point", frozen(self.reference_point, (3,), "reference_point"))
+        freeze(self, displacement=(n, 6), velocity=(n, 6), acceleration=(n, 6), reference_point=(3,))
 
     @property
     def time(self) -> Array:
@@ -118,7 +116,6 @@ def require_band(start: float, stop: float, source: str, *, line: bool = False) 
 # middle frequency later. Their two real weights give any share and phase lag there; away from it both change smoothly. A filter
 # of finite length keeps what the patterns promise: derivatives stay exact, and the table comes to rest, one delay later.
 
-
 SOURCE = "cross motion"
 
 MIDDLE = float(np.sqrt(4.0 * 32.0))
@@ -145,8 +142,7 @@ class CrossMotion:
     frequency: float = MIDDLE
 
     def __post_init__(self) -> None:
-        for name in ("share", "lag"):
-            object.__setattr__(self, name, frozen(getattr(self, name), (6, 6), name))
+        freeze(self, share=(6, 6), lag=(6, 6))
         require_positive(self.frequency, "frequency", SOURCE, "Hz")
         worst = np.unravel_index(np.argmax(np.abs(self.share)), (6, 6))
         if abs(self.share[worst]) > LARGEST_SHARE:
@@ -175,11 +171,6 @@ class CrossMotion:
         levels = np.array([LEVELS[axis] for axis in MOTIONS])
         return np.asarray(levels[:, None] / levels)
 
-    def transfer(self, frequency: npt.ArrayLike) -> ComplexArray:
-        """(n, 6, 6) motion of all axes (rows) for a unit drive of each (columns), in SI, at `frequency` (n,) [Hz]."""
-        late = np.exp(-2j * np.pi * self.delay * np.atleast_1d(np.asarray(frequency, dtype=np.float64)))
-        return np.asarray(self.at_once + late[:, None, None] * self.delayed)
-
 
 def drawn(generator: np.random.Generator, share: float = 0.03) -> CrossMotion:
     """Cross motion of any table: shares of `share` on average, anything between none and twice that, and lags of every size.
@@ -197,7 +188,6 @@ def drawn(generator: np.random.Generator, share: float = 0.03) -> CrossMotion:
 #
 # A pattern writes its displacement as products of such functions (a window, an amplitude, a carrier), and velocity and
 # acceleration follow to rounding, without a difference quotient.
-
 
 SMOOTH = 5
 """Derivatives of the smooth step that vanish at both of its ends: what is built of it has five continuous derivatives."""
@@ -581,7 +571,6 @@ class Burst:
 
 
 # `Sweep`: a sine whose frequency rises by a constant number of octaves a minute, the excitation of the paper's tests.
-
 
 RAMP_OCTAVES = 1 / 12
 """Least width of soft start and soft stop, below and above the band."""

@@ -17,7 +17,7 @@ from fem.base_excitation.patterns import BaseMotion, Clock, CrossMotion, Pattern
 from fem.base_excitation.rig import TABLE, FlexibleBody, Rig, RigStructure, matrices
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput, CheckFailed
-from geometry.frames import Array, frozen
+from geometry.frames import Array, freeze, frozen
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -58,16 +58,8 @@ class Response:
         n = np.shape(self.table)[0]
         coordinates = self.coordinates if np.size(self.coordinates) else np.zeros((n, 0))
         object.__setattr__(self, "coordinates", coordinates)
-        shapes = {
-            "table": (n, 6),
-            "cover": (n, 6),
-            "load": (n, 6),
-            "cells": (n, np.shape(self.cells)[1], 3),
-            "coordinates": (n, np.shape(coordinates)[1]),
-            "reference_point": (3,),
-        }
-        for name, shape in shapes.items():
-            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+        freeze(self, table=(n, 6), cover=(n, 6), load=(n, 6), cells=(n, np.shape(self.cells)[1], 3))
+        freeze(self, coordinates=(n, np.shape(coordinates)[1]), reference_point=(3,))
         object.__setattr__(
             self, "places", MappingProxyType({name: frozen(a, (n, 3), f"places.{name}") for name, a in self.places.items()})
         )
@@ -81,9 +73,7 @@ class Response:
 
 # A rig on a driven table in first-order form: what drives it, and what is seen of it.
 #
-# The inputs are the accelerations of the table, joined by its velocities and displacements where something is tied to the
-# ground.
-
+# The inputs are the accelerations of the table, joined by its velocities and displacements where something is tied to the ground.
 
 BEYOND = 1e100
 """What no channel reaches in any unit; the square of it is still a number."""
@@ -236,7 +226,6 @@ def seen(channels: Channels, system: States) -> Outputs:
 # them loads the table by less than a share of the greatest load of the run, a moment counting as the force that makes it at the
 # radius of gyration.
 
-
 SHARE = 1e-4
 """Share of the greatest load below which what is left of a mode does no harm."""
 
@@ -323,7 +312,6 @@ def size(structure: RigStructure, loads: Array) -> Array:
 #
 # The load is all that the table feels: through the load cells, and through what is tied to the table beside them.
 
-
 COARSEST = 8
 """Samples a period of the highest kept mode that straight lines between samples need; driven there, its answer lacks 5 %."""
 
@@ -397,8 +385,7 @@ def require_fine(article: FlexibleBody, sampling_rate: float) -> None:
 # Whether a run stays where the linear equations hold: "rotational amplitudes and velocities sufficiently small" (paper 2.1).
 #
 # Eqs. 1 take the table's axes for those of the laboratory and velocities for nothing. With the rotation vector phi(t) of the
-# table, R its rotation, omega its angular velocity, r the arm from the reference point A to a particle, the exact acceleration
-# is
+# table, R its rotation, omega its angular velocity, r the arm from the reference point A to a particle, the exact acceleration is
 #
 #     a = a_A + omega' x (R r) + omega x (omega x (R r)),
 #
@@ -407,8 +394,7 @@ def require_fine(article: FlexibleBody, sampling_rate: float) -> None:
 # - turned axes: (R^T - 1) a_A and omega' x ((R - 1) r), at most |phi| times what is kept, and nothing where accelerometers and
 #   load cells turn with the table together;
 # - centripetal acceleration and the gyroscopic moment omega x (Theta omega): |omega|² beside |omega'|, which for a harmonic
-#   motion
-#   is |phi| again;
+#   motion is |phi| again;
 # - phi'' - omega', which vanishes while one axis turns alone and is of the order |phi| |phi''| and |phi'|² otherwise.
 #
 # One figure says how small all of it is beside what is kept, `left_out`: the larger of the largest angle and of the largest
@@ -420,7 +406,6 @@ def require_fine(article: FlexibleBody, sampling_rate: float) -> None:
 # magnifies it.
 #
 # Gravity is not among these terms: its tilt m g |phi| is of first order, and belongs to the linear equations that include it.
-
 
 LIMIT = 0.02
 """Largest share of the load, in the time record of a rigid article, that the linear equations may leave out: 2 %, an angle of 1.1
@@ -482,7 +467,6 @@ def judge(motion: BaseMotion) -> SmallMotion:
 # The motion of every block is a closed form, the state of the rig is all that passes from one to the next, and how long the
 # record goes on after the drive is decided when it ends: until what still rings is nothing (`ring_down`), and some quiet after
 # that.
-
 
 BLOCK = 16_384
 """Samples that are answered at a time."""
@@ -573,7 +557,6 @@ def streamed(
 # Nyquist frequency of the record amplitudes change by less than `RIPPLE`, and from that Nyquist frequency on everything is
 # pressed below `RIPPLE`. What it does to one channel it does to all, so ratios of channels stay what they were. At both ends of
 # the record it takes for granted that all is at rest beyond.
-
 
 LEAST = 8000.0
 """[Hz] at which a run is simulated at least."""

@@ -23,7 +23,7 @@ from fem.reduction import Reduced, of_modes, static_shapes
 from fem.structure import Structure, hold
 from geometry.dynamic_mass import MOTIONS, DynamicMass
 from geometry.errors import BadInput
-from geometry.frames import Array, frozen, rigid_transformation, rigid_transformation_6
+from geometry.frames import Array, freeze, frozen, rigid_transformation, rigid_transformation_6
 from geometry.inertia import Inertia, require_physical
 from geometry.toml_file import nearest
 
@@ -50,7 +50,7 @@ class FlexibleBody:
 
     def __post_init__(self) -> None:
         size = self.reduced.mass.shape[0]
-        object.__setattr__(self, "kept", frozen(self.kept, np.shape(self.kept), "kept"))
+        freeze(self, "kept")
         object.__setattr__(
             self, "places", MappingProxyType({name: frozen(a, (3, size), f"places.{name}") for name, a in self.places.items()})
         )
@@ -74,8 +74,7 @@ class LoadCell:
     preload: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("position", "stiffness", "damping"):
-            object.__setattr__(self, name, frozen(getattr(self, name), (3,), name))
+        freeze(self, position=(3,), stiffness=(3,), damping=(3,))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -92,7 +91,7 @@ class Flange:
     damping_time: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "compliance", frozen(self.compliance, (6,), "compliance"))
+        freeze(self, compliance=(6,))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -113,8 +112,7 @@ class Strut:
     damping: Array = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:
-        for name in ("stiffness", "damping"):
-            object.__setattr__(self, name, frozen(getattr(self, name), (3,), name))
+        freeze(self, stiffness=(3,), damping=(3,))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -156,7 +154,7 @@ class Rig:
     frictions: tuple[Friction, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "seat", frozen(self.seat, (3,), "seat"))
+        freeze(self, seat=(3,))
 
     @property
     def linear(self) -> bool:
@@ -176,7 +174,6 @@ class Rig:
 # with K + i S, the greatest difference of Clumod's dynamic mass at any line from 4 to 32 Hz is 0.5 % (one blade) and 0.9 %
 # (four, one with a silicone layer; 1.9 % without the condensation) of the largest entry there. The static coordinates lose as
 # much as the kept modes do on average: they follow the base quietly, and must only not ring on.
-
 
 Places = Mapping[str, npt.ArrayLike]
 """(3,) [m] by name, in the article's frame."""
@@ -329,7 +326,6 @@ def _reduced(modes: Modes, omega: Array, L: Array, rigid_motion: Array, shapes: 
 
 # What a `Rig` must be before anybody makes equations of it.
 
-
 AXES = MOTIONS[:3]
 
 HELD = 1e-12
@@ -461,7 +457,6 @@ def _require(good: bool, field: str, problem: str, remedy: str) -> None:
 #
 #     M_yy y'' + C_yy y' + K_yy y = -(M_yt u'' + C_yt u' + K_yt u),   load = M_t x'' + C_t x' + K_t x,   x = (u, y).
 
-
 TABLE = 6
 
 
@@ -490,8 +485,7 @@ class RigStructure:
     places: Mapping[str, Array]
 
     def __post_init__(self) -> None:
-        for name in ("mass", "viscous", "stiffness", "cover", "article", "cells", "cell_stiffness", "cell_damping"):
-            object.__setattr__(self, name, frozen(getattr(self, name), np.shape(getattr(self, name)), name))
+        freeze(self, "mass", "viscous", "stiffness", "cover", "article", "cells", "cell_stiffness", "cell_damping")
 
     @property
     def grounded(self) -> bool:

@@ -35,7 +35,6 @@ from geometry.toml_file import nearest
 
 # Cuboid and disc as stiff columns of their section, the FMD as a rigid cover plate, on springs when asked.
 
-
 AXES = ("x", "y", "z")
 REFINED = 3
 """Elements in a column for one in a half-blade: it is stubby, and there shear converges slowly."""
@@ -71,7 +70,6 @@ def _column(article: Article, section: Section, height: float, elements: int) ->
 #
 # What a rigid hub cannot say - the collars' own give, the blade that is wider than they are - enters as `Joint`: matrices on
 # ports, from a local solid model of the crossing.
-
 
 ELEMENTS = 6
 """In a half-blade; the mast, three times as long and stiffer, has twice as many."""
@@ -478,7 +476,6 @@ def _refused(whole: str, field: str, problem: str, remedy: str) -> BadInput:
 # them as the mean over the cut section. The difference of the two stiffnesses, expanded to all ports by rigid motion, is the
 # joint: added to the beams it gives them the flexibility of the solid, and nothing else. The mast's foot on the elastic flange
 # is a joint as well.
-
 
 STUB = 0.75
 """Length of a blade's root beyond the collars, in widths of the blade: where the plate has become a beam."""

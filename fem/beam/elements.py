@@ -21,7 +21,6 @@ from geometry.frames import Array
 
 # Elastic moduli of a material, checked: a library entry or a user's material may lack them or hold nonsense.
 
-
 _REMEDY = (
     "Name one that has both, such as steel (207e9 Pa and 0.3) or aluminium (70e9 Pa and 0.33), or state your own in an "
     'article.toml ([material."..."] with density, youngs_modulus and poisson_ratio)'
@@ -119,12 +118,8 @@ def tube(outer_diameter: float, inner_diameter: float, material: Material) -> Se
     """
     require_positive(outer_diameter=outer_diameter)
     if not 0 <= inner_diameter < outer_diameter:
-        raise BadInput(
-            source="section of a tube",
-            field="inner_diameter",
-            problem=f"must lie between 0 and the outer diameter {outer_diameter:g} m, found {inner_diameter:g} m",
-            remedy="Check both diameters",
-        )
+        problem = f"must lie between 0 and the outer diameter {outer_diameter:g} m, found {inner_diameter:g} m"
+        raise BadInput(source="section of a tube", field="inner_diameter", problem=problem, remedy="Check both diameters")
     E, G = moduli(material)
     area = np.pi / 4 * (outer_diameter**2 - inner_diameter**2)
     second = np.pi / 64 * (outer_diameter**4 - inner_diameter**4)

@@ -15,7 +15,7 @@ from types import MappingProxyType
 import numpy as np
 
 from fem.beam.elements import Element, Sandwich, Section, sandwich_element, timoshenko
-from geometry.frames import Array, frozen, rigid_transformation_6
+from geometry.frames import Array, freeze, rigid_transformation_6
 from geometry.inertia import Inertia
 
 
@@ -39,7 +39,7 @@ class Member:
     bonded: frozenset[int] = frozenset()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "z_axis", frozen(self.z_axis, (3,), "z_axis"))
+        freeze(self, z_axis=(3,))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

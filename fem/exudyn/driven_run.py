@@ -21,7 +21,6 @@ from geometry.frames import Array
 
 # `Scene`: an exudyn system while it is put together, and the few things that every part of a rig does to it.
 
-
 Number = int
 """Exudyn's number of a node, marker, object or sensor."""
 
@@ -104,7 +103,6 @@ def _obey(scene: Scene, number: Any, force: Callable[..., Any]) -> None:
 # Table, cover plate and article as exudyn has them.
 #
 # Each has a node of six coordinates: displacement, and angles about x, y, z as `NodeRigidBodyRxyz` counts them.
-
 
 BASE = 6
 """Coordinates of a rigid node."""
@@ -203,7 +201,6 @@ def cell(scene: Scene, table: Rigid, cover: Rigid, one: LoadCell) -> Number:
 # whatever is raised there is kept and raised again once exudyn has stopped: exudyn itself would make an error of its own of it.
 #
 # Between two samples the motion is the polynomial of fifth degree that has displacement, velocity and acceleration of both.
-
 
 Progress = Callable[[float], None]
 """Called with the share done, 0 to 1; what it raises ends the run."""
@@ -314,7 +311,6 @@ def _frames(scene: Scene, lower: Rigid, at: Array, node: Number) -> tuple[Number
 # q - (f - d q') / k of its end, which is the backward Euler method of an elastic, perfectly plastic spring (Simo & Hughes,
 # Computational Inelasticity, 1998, section 1.4). Sticking, the part would swing at `STICKING` [Hz], far above anything that is
 # driven, and adds its mass at the article's origin but for a share (f / STICKING)².
-
 
 STICKING = 1000.0
 """[Hz] at which the part would swing on its bristles."""
@@ -535,7 +531,6 @@ def integrate(scene: Scene, settings: Any, drive: Drive) -> BaseException | None
 # units of the greatest load: 1.4e-5 and 7e-5, 1.1e-3 and 6.5e-3, 1.2e-3 and 6.5e-3. All fall with the square of the step; with a
 # radius of 1 the last one is 7e-2, and more than 1 at half the step.
 
-
 Method = Literal["fox-goodwin", "newmark", "generalised-alpha"]
 
 BETA = {"fox-goodwin": 1 / 12, "newmark": 1 / 4}
@@ -629,7 +624,6 @@ def _bad(field: str, problem: str, remedy: str) -> BadInput:
 # A step must be short enough for the modes of the article that are kept as such: `fem.base_excitation.response.require_fine` says
 # how many a period of the highest of them. Coordinates that carry static answers, load cells and joints may swing far faster;
 # they need not be followed, but a method that is not always stable must bear them.
-
 
 MARGIN = 0.9
 """Share of the stability limit that is used."""

@@ -29,7 +29,7 @@ import numpy as np
 from fem.beam.elements import Sandwich, Section
 from fem.beam.frame import Member, Plan, Ports
 from fem.exudyn.run import ORDER_OF_SIX
-from geometry.frames import Array, frozen
+from geometry.frames import Array, freeze
 from geometry.inertia import Inertia, judge
 
 THICKNESS_OVER_SHEAR = 50.0
@@ -59,7 +59,7 @@ class Native:
     nodes: tuple[tuple[Node, ...], ...]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "points", frozen(self.points, np.shape(self.points), "points"))
+        freeze(self, "points")
 
 
 def build(exudyn: Any, plan: Plan, *, held: bool, damping: Plan | None = None) -> Native:
@@ -264,7 +264,6 @@ def _axes(along: Array, z_axis: Array) -> Array:
 
 
 # The share of a frame's stiffness that loses energy: the plan with every part's stiffness times its loss factor.
-
 
 _STIFFNESSES = ("axial", "torsion", "bending_y", "bending_z", "shear_y", "shear_z")
 

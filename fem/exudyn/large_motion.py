@@ -21,7 +21,7 @@ from fem.exudyn.frame import viscous
 from fem.exudyn.run import failed, finite, kept, running
 from geometry.articles import built_in
 from geometry.errors import BadInput
-from geometry.frames import Array, frozen
+from geometry.frames import Array, freeze, frozen
 from geometry.inertia import Inertia, judge
 from geometry.routes import inertia as drawn_inertia
 
@@ -105,7 +105,6 @@ def _elements(member: Member) -> list[tuple[int, int]]:
 
 # `Conditions`: under what an article is driven, and what motions and methods can be used for it.
 
-
 AXES = ("table", "laboratory")
 
 LOSS_FREQUENCY = 12.0
@@ -168,7 +167,6 @@ def _refused(motion: BaseMotion, name: str, problem: str, remedy: str) -> BadInp
 # It acts along -z of the laboratory, so a table that tilts meets it along another of its own axes. A structure that stands in it
 # at rest is already bent and pressed, which changes its frequencies a little: exudyn's beams know that, linear models do not.
 
-
 HEAVY = ("RigidBody", "BeamGeometricallyExact3D")
 """Exudyn's types of object on which gravity acts."""
 
@@ -199,7 +197,6 @@ def settle(scene: Scene) -> None:
 #
 # The joint's own sensors are the load cells: exudyn gives force and torque in the axes of the joint's first marker, which are
 # the table's, about the joint, which is the reference point.
-
 
 SIGNS = np.array([-1.0, -1.0, -1.0, -1.0, 1.0, 1.0])
 """From what exudyn's joint reports to the load of the table on the foot.
@@ -270,8 +267,7 @@ class Turning:
 
     def __post_init__(self) -> None:
         n = len(self.rotation)
-        for name, shape in {"rotation": (n, 3, 3), "spin": (n, 3), "spin_rate": (n, 3)}.items():
-            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+        freeze(self, rotation=(n, 3, 3), spin=(n, 3), spin_rate=(n, 3))
 
     def seen_from_table(self, vectors: npt.ArrayLike) -> Array:
         """R^T v: vectors (n, 3) of the laboratory's axes in the table's."""

@@ -19,7 +19,7 @@ from fem.exudyn.run import failed, finite, running
 from fem.modes import Condensed, Modes
 from fem.structure import rigid_motion
 from geometry.errors import BadInput
-from geometry.frames import Array, Integers, frozen
+from geometry.frames import Array, Integers, freeze
 
 BASE = 6
 """The first coordinates are those of the base."""
@@ -55,16 +55,8 @@ class Linearised:
 
     def __post_init__(self) -> None:
         n, m = np.shape(self.shapes)
-        shapes = {
-            "mass": (n, n),
-            "stiffness": (n, n),
-            "constraints": (n, np.shape(self.constraints)[1]),
-            "rigid": (n, 6),
-            "frequency": (m,),
-            "shapes": (n, m),
-        }
-        for name, shape in shapes.items():
-            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+        freeze(self, mass=(n, n), stiffness=(n, n), constraints=(n, np.shape(self.constraints)[1]))
+        freeze(self, rigid=(n, 6), frequency=(m,), shapes=(n, m))
 
     @property
     def participation(self) -> Array:
@@ -162,7 +154,6 @@ def _frequencies(squares: npt.ArrayLike, task: str) -> Array:
 # frequency may pass one another or mix from mesh to mesh, so the coarse modes are first turned among themselves to look like the
 # fine ones (Procrustes), within a window of frequency; short waves that the coarse mesh cannot tell keep what the fine one says.
 
-
 ALIKE = 0.8
 """Least share of a mode of the fine mesh that coarse modes near its frequency must hold for it to be extrapolated."""
 
@@ -257,7 +248,6 @@ def _symmetric(matrix: Array) -> Array:
 
 # Eigenfrequencies by exudyn's native beams, ``--model exudyn``: they take from `fem.beam.articles` where things are and what
 # their sections are, and nothing of its elements or eigen-solution.
-
 
 ELEMENTS = 8
 """In a half-blade of the coarser of both meshes: the first 11 modes of Clumod are then known to 3e-5."""

@@ -25,16 +25,14 @@ from fem.exudyn import rope_statics
 from fem.exudyn.rope_statics import VERTICAL, Pose, Ropework, Suspension, at_rest, refused, require_positive, ropework
 from fem.exudyn.run import exudyn_version, failed, finite, integrated, running, to_exudyn
 from geometry.errors import CheckFailed
-from geometry.frames import Array, frozen
+from geometry.frames import Array, freeze
 from geometry.inertia import Inertia
 
 # The rope pendulum made of exudyn's items.
 #
 # The body is a rigid body on Euler parameters, so that it may turn as far as it likes; joints of ropes are mass points; a link
-# that does not stretch is a distance constraint, one that does a spring. Viscous damping about the vertical is a torsional
-# damper between ceiling and body. Exudyn makes the equations of motion of these; `statics` only says where everything is when it
-# starts.
-
+# that does not stretch is a distance constraint, one that does a spring. Viscous damping about the vertical is a torsional damper
+# between ceiling and body. Exudyn makes the equations of motion of these; `statics` only says where everything is when it starts.
 
 Number = Any
 """Exudyn's number of a node, marker, object or sensor."""
@@ -157,7 +155,6 @@ class _RopeBuilder:
 # Mass and stiffness are those of `statics` at rest: links that stretch add G^T G / c, links that do not take their direction
 # away from the motions. No exudyn in it: it says beforehand what step a simulation needs, and afterwards whether it was right.
 
-
 NEUTRAL = 1e-9
 """Eigenvalue over the largest of the slow ones below which the body does not come back."""
 
@@ -224,7 +221,6 @@ def swings(work: Ropework, pose: Pose) -> Swings:
 #
 # Before every step exudyn calls back. What is raised there is kept and raised again once exudyn has stopped: exudyn itself would
 # make an error of its own of it.
-
 
 Progress = Callable[[float], None]
 """Called with the share done, 0 to 1; what it raises ends the run."""
@@ -330,16 +326,7 @@ class Swing:
 
     def __post_init__(self) -> None:
         n, ropes, ends = np.shape(self.chains)[:3]
-        shapes = {
-            "time": (n,),
-            "yaw": (n,),
-            "place": (n, 3),
-            "rotation": (n, 3, 3),
-            "chains": (n, ropes, ends, 3),
-            "tension": (n, ropes),
-        }
-        for name, shape in shapes.items():
-            object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+        freeze(self, time=(n,), yaw=(n,), place=(n, 3), rotation=(n, 3, 3), chains=(n, ropes, ends, 3), tension=(n, ropes))
         object.__setattr__(self, "settings", MappingProxyType(dict(self.settings)))
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geometry.errors import BadInput, CheckFailed
-from geometry.frames import Array, frozen, skew
+from geometry.frames import Array, freeze, frozen, skew
 from geometry.inertia import Inertia, require_physical
 
 HEIGHT = 0.1
@@ -73,7 +73,7 @@ class Suspension:
     def __post_init__(self) -> None:
         n = len(self.feet)
         extra = self.extra if np.size(self.extra) else np.zeros(n)
-        object.__setattr__(self, "feet", frozen(self.feet, (n, 3), "feet"))
+        freeze(self, feet=(n, 3))
         object.__setattr__(self, "extra", frozen(extra, (n,), "extra"))
         if n not in (2, 3):
             raise refused("ropes", f"two or three are simulated, found {n}", "More would share the weight in unknown parts")
@@ -221,7 +221,6 @@ def shares(feet: Array) -> Array:
 #
 # with H = sum_k T_k d²|d_k|, the geometric stiffness, converges from the level body. Rotations are moved by small rotation
 # vectors in the fixed frame. With `twist` held, the rotation about the vertical is no unknown.
-
 
 VERTICAL = 5
 """Number of the rotation about the vertical among the coordinates of the body: x, y, z, alpha, beta, gamma."""

@@ -29,7 +29,6 @@ from geometry.inertia import Inertia, require_physical
 # goes on, so what enters is judged first and what it says to the console is held back: standard output belongs to the user's
 # result.
 
-
 ORDER_OF_SIX = [0, 1, 2, 5, 4, 3]
 """Exudyn's xx, yy, zz, yz, xz, xy read as xx, yy, zz, xy, xz, yz; the exchange is its own inverse."""
 
@@ -70,7 +69,6 @@ def to_exudyn(inertia: Inertia, source: str = "inertia") -> ExudynInertia:
 # Exudyn looks for signals in the middle of a step. An exception that it finds there stays set while it calls back, and the first
 # thing that Python does in the callback then fails with a SystemError that nobody meant. So nothing is raised while it runs:
 # what the handler of SIGINT raises is kept, and the next callback ends the run.
-
 
 BeforeStep = Callable[[Any, float], bool]
 """Exudyn's callback before every step, with the system and the time [s] at its end; False ends the run."""

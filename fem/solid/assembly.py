@@ -28,7 +28,7 @@ from fem.beam.elements import moduli
 from fem.structure import Sparse
 from geometry.article import Material
 from geometry.errors import BadInput, CheckFailed
-from geometry.frames import Array, Integers, frozen
+from geometry.frames import Array, Integers, freeze, frozen
 
 _VERTICES = ([0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1])
 _EDGES = ([1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1])
@@ -65,7 +65,7 @@ class SolidMesh:
     parts: tuple[str, ...]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "points", frozen(self.points, (len(self.points), 3), "points"))
+        freeze(self, points=(len(self.points), 3))
         if self.cells.shape[1] not in NODES_OF_A_CELL:
             raise ValueError(f"`cells` must have {' or '.join(map(str, NODES_OF_A_CELL))} nodes, found {self.cells.shape[1]}")
         if len(self.part) != len(self.cells):
@@ -76,7 +76,6 @@ class SolidMesh:
 #
 # gmsh is a single set of global variables. Its own handling of Ctrl-C ends the whole process and works in the main thread only,
 # so it is switched off: an interruption is raised by Python as soon as gmsh returns.
-
 
 _ALONE = threading.Lock()
 
@@ -216,7 +215,6 @@ def _scattered(mesh: SolidMesh, cells: Integers, blocks: Array) -> Sparse:
 #
 # The mass is the same in all three directions and does not couple them, so that one third of its rows says it all.
 
-
 Arrays = dict[str, np.ndarray]
 
 
@@ -265,7 +263,6 @@ def _symmetric(arrays: Mapping[str, np.ndarray], name: str) -> Sparse:
 
 
 # What a mesh must be: a face to be held at, every body joined to it by faces, no cell inside out, all the volume drawn.
-
 
 ON_THE_PLANE = 1e-6
 """Distance from the base plane, as a share of the article's size, within which a node lies on it."""

@@ -21,13 +21,12 @@ from fem.solid import assembly
 from fem.solid.assembly import LOCAL_HEX27, SolidMesh, session
 from geometry.article import Cylinder, Part
 from geometry.errors import BadInput, CheckFailed
-from geometry.frames import Array, Integers, frozen
+from geometry.frames import Array, Integers, freeze
 
 # Quadrilaterals of a plan view: an article of upright boxes and cylinders from above, every edge a line of the mesh.
 #
 # gmsh cuts all outlines with one another and covers what they enclose with curved quadrilaterals of nine nodes. A thin ring that
 # two plans share is divided equally in both, so that their meshes meet there node on node.
-
 
 QUAD9 = 10
 """gmsh's number for the quadrilateral of nine nodes: corners, edges, middle."""
@@ -59,8 +58,7 @@ class Outline:
     round: bool = False
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "centre", frozen(self.centre, (2,), "centre"))
-        object.__setattr__(self, "size", frozen(self.size, (2,), "size"))
+        freeze(self, centre=(2,), size=(2,))
 
     @property
     def key(self) -> tuple[float, ...]:
@@ -291,11 +289,8 @@ def hexahedra(parts: Sequence[Part], *, sizes: Sequence[float], around: int = 24
     there = {int(number) for numbers in [part for _, _, part in pieces] for number in np.unique(numbers)}
     for number, u in enumerate(uprights):
         if number not in there:
-            raise BadInput(
-                source=f"part {u.name}",
-                problem=f"reaches from {1e3 * u.bottom:g} to {1e3 * u.top:g} mm, through a height at which the mesh is cut",
-                remedy="Cut where one part stands on another",
-            )
+            problem = f"reaches from {1e3 * u.bottom:g} to {1e3 * u.top:g} mm, through a height at which the mesh is cut"
+            raise BadInput(source=f"part {u.name}", problem=problem, remedy="Cut where one part stands on another")
     # One mesh, nodes of equal place made one, nodes of no cell left out
     offsets = np.cumsum([0, *(len(points) for points, _, _ in pieces)])
     points = np.concatenate([points for points, _, _ in pieces])
@@ -341,11 +336,8 @@ def upright(part: Part) -> Upright:
     for placed in (*part.shape.solids, *part.shape.voids):
         pose, primitive = part.pose @ placed.pose, placed.primitive
         if abs(pose.rotation[2, 2] - 1) > SAME:
-            raise BadInput(
-                source=f"part {part.name}",
-                problem="hexahedra need upright boxes and cylinders, found a tilted one",
-                remedy="Mesh the article with tetrahedra",
-            )
+            problem = "hexahedra need upright boxes and cylinders, found a tilted one"
+            raise BadInput(source=f"part {part.name}", problem=problem, remedy="Mesh the article with tetrahedra")
         if isinstance(primitive, Cylinder):
             outline = Outline(centre=pose.position[:2], size=np.full(2, primitive.diameter), round=True)
             height = primitive.height

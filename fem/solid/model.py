@@ -39,7 +39,6 @@ from geometry.frames import Array, Integers, rigid_transformation
 # The folder is ``MASSLINE_CACHE``, else ``massline`` in ``XDG_CACHE_HOME``, else ``~/.cache/massline``; it may be deleted at
 # any time.
 
-
 FORMAT = 2
 """Of the entries; a change of what is stored or computed counts it up, and older ones are no longer found."""
 
@@ -197,11 +196,8 @@ def _hexahedra(article: AnyArticle, sizing: Sizing) -> SolidMesh | None:
             continue
         unknowns = 3 * len(made.points)
         if unknowns > sizing.largest:
-            raise BadInput(
-                source=f"article {article.name}",
-                problem=f"hexahedra of {1e3 * size:.3g} mm make {unknowns} degrees of freedom, {sizing.largest} are allowed",
-                remedy="Use larger elements, or allow more",
-            )
+            problem = f"hexahedra of {1e3 * size:.3g} mm make {unknowns} degrees of freedom, {sizing.largest} are allowed"
+            raise BadInput(source=f"article {article.name}", problem=problem, remedy="Use larger elements, or allow more")
         return made
     raise CheckFailed(f"no valid mesh of hexahedra after {len(FINER)} attempts: {failures[-1]}", failures=tuple(failures))
 
@@ -248,7 +244,6 @@ def _dofs(nodes: Integers) -> Integers:
 # Fixed-base modes of a large structure, remembered: what `fem.modes.fixed_base` takes minutes for is there at once next time.
 #
 # Only what the matrices alone decide is kept. Damping is worked out afresh, so that another loss factor finds the same modes.
-
 
 _KEPT = ("frequency", "damping_ratio", "participation", "rigid_mass", "residual", "reference_point", "shapes", "viscous")
 
@@ -373,12 +368,8 @@ def convergence_study(
     """
     h = np.asarray(sizes, dtype=np.float64)
     if len(h) < 3 or np.any(np.diff(h) >= 0) or h[-1] <= 0:
-        raise BadInput(
-            source="convergence study",
-            field="sizes",
-            problem=f"needs three or more positive sizes, from coarse to fine, found {h.tolist()}",
-            remedy="Give for example 30, 20 and 14 mm",
-        )
+        problem = f"needs three or more positive sizes, from coarse to fine, found {h.tolist()}"
+        raise BadInput(source="convergence study", field="sizes", problem=problem, remedy="Give for example 30, 20 and 14 mm")
     frequency, unknowns = [], []
     for size in h:
         structure = model(float(size))

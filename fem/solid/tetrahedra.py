@@ -31,10 +31,8 @@ from geometry.user_article import UserArticle, UserPart
 
 # What a solid model is made from: bodies that OCC can draw, each of one material with a stiffness.
 #
-# A drawing of primitives (`geometry.article.Article`) and a user's STEP file (`geometry.user_article.UserArticle`) both end
-# here. The drawing itself is put off until a mesh is wanted; what a body's geometry is known by, its `fingerprint`, needs no
-# OCC.
-
+# A drawing of primitives (`geometry.article.Article`) and a user's STEP file (`geometry.user_article.UserArticle`) both end here.
+# The drawing itself is put off until a mesh is wanted; what a body's geometry is known by, its `fingerprint`, needs no OCC.
 
 AnyArticle = Article | UserArticle
 
@@ -89,11 +87,8 @@ def _drawn(part: Part) -> SolidBody:
 
 def _imported(part: UserPart) -> SolidBody:
     if part.solid is None:
-        raise BadInput(
-            source=part.source,
-            problem=f"part {part.name} is a surface mesh, and the solid model needs the solid itself",
-            remedy="Export it from the CAD as STEP",
-        )
+        problem = f"part {part.name} is a surface mesh, and the solid model needs the solid itself"
+        raise BadInput(source=part.source, problem=problem, remedy="Export it from the CAD as STEP")
 
     def write(path: Path) -> None:
         from geometry.cad import write_brep
@@ -123,7 +118,6 @@ def _numbers(pose: Any) -> list[str]:
 # The angles of all tetrahedra at an edge add up to the angle of the material there, whatever faces, bodies and seams meet in
 # it. The elastic stress is singular at such an edge, and uniform meshes converge slowly there (Williams, J. Appl. Mech. 19,
 # 1952, 526).
-
 
 HALF_A_TURN = np.deg2rad(200.0)
 """A flat skin has 180 degrees, and a coarse mesh of a round hole a little more."""
@@ -167,7 +161,6 @@ def _re_entrant(gmsh: Any) -> list[int]:
 # third of a cube's edge). A curved face has at least `AROUND` elements on a full circle, and on a thin wall so many that a
 # chord does not cut through a quarter of the wall. At a re-entrant edge, where stress is singular, elements are `refinement`
 # times smaller. Away from what is small the size grows by `GROWTH` metres a metre.
-
 
 AROUND = 12
 """Elements on a full circle, at the least."""

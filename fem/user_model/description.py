@@ -30,7 +30,6 @@ from geometry.toml_file import quantity, require_known, require_present
 # agree when M_SI = m L² M / (s_i s_j), K_SI = m L² / T² K / (s_i s_j) and C_SI = m L² / T C / (s_i s_j). A generalised
 # coordinate has no unit of its own; s = L m^0.5 leaves modes that are normalised to unit mass so.
 
-
 KNOWN = ("m-kg-N-s", "mm-t-N-s", "mm-kg-mN-s", "mm-kg-kN-ms", "in-lbf-s", "ft-lbf-s")
 """Systems that a message may propose; any other one that pint can read and that is consistent does as well."""
 
@@ -256,7 +255,6 @@ def _wrong(found: Any, wanted: str, source: str, where: str, remedy: str) -> Bad
 
 # What a user's file holds, as arrays by name, and the judge of every one: there, numbers, finite, real, of the right shape.
 
-
 LARGEST_BYTES = 4 * 2**30
 """What the arrays of one file may take in memory; it is compared with what the file declares before anything is read."""
 
@@ -392,7 +390,6 @@ class Contents:
 
 
 # The rigid body that a model is, held against what is known of the structure: the check that finds a slip of units.
-
 
 MASS = 0.02
 """Share by which the mass of a finite-element model may differ from the stated one, beyond three times its tolerance."""

@@ -29,7 +29,6 @@ from geometry.frames import Array, Integers, rigid_transformation_6, skew
 # the pivots on the diagonal when it is told that the matrix is symmetric; the matrix is scaled to a diagonal of ones first, so
 # that what counts as zero does not depend on units.
 
-
 SYMMETRIC = 1e-6
 """Two entries across the diagonal may differ by this share of the largest in their rows: single precision and printed digits."""
 
@@ -78,7 +77,6 @@ def asymmetry(A: Sparse, masses: Array) -> tuple[float, int, int]:
 
 
 # Which motion every row of K and M is, which of them the base carries, and what they do when it moves.
-
 
 INDEPENDENT = 1e-9
 """Singular value of the held rigid motions, scaled to the size of the interface, below which one of the six is not held."""
@@ -475,7 +473,6 @@ _REMEDIES = {
 
 
 # Modal data about the reference point as `Modes`, held against the rigid body that they belong to.
-
 
 NEEDED_MODAL = ("frequency", "damping_ratio", "participation", "rigid_mass")
 OPTIONAL_MODAL = ("residual", "viscous", "structural")

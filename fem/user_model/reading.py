@@ -22,7 +22,6 @@ from geometry.errors import BadInput
 
 # Arrays from HDF5. Only what lies in the file itself: no links to other files, and nothing that is declared but not there.
 
-
 HDF5_ENDINGS = (".h5", ".hdf5", ".hdf")
 
 _WRITE_AGAIN = "Write it again; it may be cut short or damaged"
@@ -91,7 +90,6 @@ def _datasets(group: Any, prefix: str, source: str) -> dict[str, Any]:
 
 
 # Arrays from a NumPy ``.npz``: never unpickled, and no larger in memory than the archive's own list says.
-
 
 _WRITE_NPZ_AGAIN = "Write it again with numpy.savez_compressed"
 
@@ -276,7 +274,6 @@ def _require_file(path: Path) -> None:
 
 
 # A `Structure` or `Modes` into a file of its own, which `read` takes back to the last digit.
-
 
 WRITTEN_ENDINGS = (*HDF5_ENDINGS, ".npz")
 

@@ -33,7 +33,6 @@ from geometry.toml_file import nearest
 # A key of these is the dimension file, the tables in it and the entry, joined by dots, in the file's own unit:
 # ``fmd.load_cell.moving_fraction`` or ``clumod.blade.lower-1.length_mm``. An entry of a list of tables is named by its ``name``.
 
-
 Dimensions = dict[str, Any]
 """One dimension file or a table of it: numbers in SI, strings, and nested tables."""
 
@@ -111,7 +110,6 @@ def _refused(key: str, problem: str, remedy: str) -> BadInput:
 # No two bodies share volume: each blade has a hole through which the mast passes and is clamped between the two collars of its
 # hub, which stay on the mast when the blade is taken off. The shorter upper blade is a sandwich, two steel faces and a silicone
 # layer in the neutral axis, three bodies. Bolts are not modelled; their holes are.
-
 
 ONE_BLADE = ("lower-1",)
 """As the paper's section 5 identifies it: the two upper blades and one lower blade removed."""

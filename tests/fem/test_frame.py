@@ -334,16 +334,15 @@ def test_two_plans_on_top_of_one_another_are_one_beam() -> None:
         assert_allclose(found, expected, rtol=1e-12, atol=1e-12 * np.abs(expected).max())
 
 
-SANDWICH_STEEL, SILICONE = material("steel"), material("silicone")
+SILICONE = material("silicone")
 WIDTH, THICKNESS, LAYER, LENGTH = 0.16, 0.005, 0.0005, 0.47
 FACE = (THICKNESS - LAYER) / 2
 PARTS = ("bottom", "silicone", "top")
-SANDWICH_Z = np.array([0.0, 0.0, 1.0])
 
 
 def _section(stiffer: float = 1.0) -> Sandwich:
     soft = replace(SILICONE, youngs_modulus=SILICONE.youngs_modulus * stiffer)
-    return sandwich(WIDTH, THICKNESS, LAYER, SANDWICH_STEEL, soft, PARTS)
+    return sandwich(WIDTH, THICKNESS, LAYER, STEEL, soft, PARTS)
 
 
 def _without_rotary_inertia(section: Sandwich) -> Sandwich:
@@ -354,9 +353,7 @@ def _without_rotary_inertia(section: Sandwich) -> Sandwich:
 
 def _beam(section: Sandwich | Section, elements: int, *, bonded: bool = False) -> Frame:
     nodes = np.linspace([0, 0, 0], [LENGTH, 0, 0], elements + 1)
-    member = Member(
-        nodes=tuple(range(elements + 1)), section=section, z_axis=SANDWICH_Z, bonded=frozenset({0}) if bonded else frozenset()
-    )
+    member = Member(nodes=tuple(range(elements + 1)), section=section, z_axis=Z, bonded=frozenset({0}) if bonded else frozenset())
     return assemble(Plan(nodes=nodes, carriers=tuple(range(elements + 1)), members=(member,)))
 
 
@@ -463,8 +460,8 @@ def test_soft_layer_leaves_two_faces_and_a_stiff_one_bonds_them() -> None:
 
 def test_bonded_faces_without_a_layer_are_the_solid_blade() -> None:
     """A layer of a nanometre, and of a modulus that bonds it: the closed forms sum to the solid's, bending, torsion and mass."""
-    thin = sandwich(WIDTH, THICKNESS, 1e-9, SANDWICH_STEEL, replace(SANDWICH_STEEL, name="glue"), PARTS)
-    solid = rectangle(WIDTH, THICKNESS, SANDWICH_STEEL)
+    thin = sandwich(WIDTH, THICKNESS, 1e-9, STEEL, replace(STEEL, name="glue"), PARTS)
+    solid = rectangle(WIDTH, THICKNESS, STEEL)
     assert thin.faces.bending_y + thin.stretching / 2 * thin.distance**2 == pytest.approx(solid.bending_y, rel=1e-6)
     assert thin.faces.torsion + thin.layer_torsion == pytest.approx(solid.torsion, rel=0.02)  # the layer's edges: 1.5 % here
     for name in ("mass", "rotary_y", "rotary_z"):
@@ -479,7 +476,7 @@ def test_rigid_motion_costs_nothing_and_weighs_all() -> None:
     M = frame.rigid.T @ frame.mass @ frame.rigid
     assert M[0, 0] == pytest.approx(section.mass * LENGTH, rel=1e-12)
     assert M[4, 4] == pytest.approx(section.mass * LENGTH**3 / 3 + section.rotary_y * LENGTH, rel=1e-12)
-    layers = 2 * SANDWICH_STEEL.density * FACE * (FACE**2 / 12 + (FACE + LAYER) ** 2 / 4) + SILICONE.density * LAYER**3 / 12
+    layers = 2 * STEEL.density * FACE * (FACE**2 / 12 + (FACE + LAYER) ** 2 / 4) + SILICONE.density * LAYER**3 / 12
     assert section.rotary_y == pytest.approx(WIDTH * layers, rel=1e-12)
 
 
@@ -515,14 +512,14 @@ def _torsion_by_minimum_energy(G: float, G_layer: float) -> float:
 
 @pytest.mark.parametrize("stiffer", [1e-3, 1.0, 1e2, 1e4])
 def test_torsion_of_the_coupled_faces_is_that_of_least_energy(stiffer: float) -> None:
-    G, G_layer = moduli(SANDWICH_STEEL)[1], stiffer * moduli(SILICONE)[1]
+    G, G_layer = moduli(STEEL)[1], stiffer * moduli(SILICONE)[1]
     found, _ = layer_torsion(WIDTH, FACE, LAYER, G, G_layer)
     assert found == pytest.approx(_torsion_by_minimum_energy(G, G_layer), rel=1e-3)
 
 
 @pytest.mark.parametrize("stiffer", [1e-9, 1e-4, 1.0, 1e3])
 def test_share_of_torsion_in_the_layer_is_what_its_modulus_changes(stiffer: float) -> None:
-    G, G_layer, step = moduli(SANDWICH_STEEL)[1], stiffer * moduli(SILICONE)[1], 1e-4
+    G, G_layer, step = moduli(STEEL)[1], stiffer * moduli(SILICONE)[1], 1e-4
     more, less = (layer_torsion(WIDTH, FACE, LAYER, G, G_layer * factor)[0] for factor in (1 + step, 1 - step))
     coupled, share = layer_torsion(WIDTH, FACE, LAYER, G, G_layer)
     assert share == pytest.approx((more - less) / (2 * step) / coupled, rel=1e-5)
@@ -540,10 +537,10 @@ def test_parts_add_up_and_the_faces_share_equally() -> None:
 @pytest.mark.parametrize("layer", [0.005, 0.02])
 def test_layer_that_leaves_no_faces_is_refused(layer: float) -> None:
     with pytest.raises(BadInput, match="must be less than the thickness of the blade 5 mm, found"):
-        sandwich(WIDTH, THICKNESS, layer, SANDWICH_STEEL, SILICONE, PARTS)
+        sandwich(WIDTH, THICKNESS, layer, STEEL, SILICONE, PARTS)
 
 
 @pytest.mark.parametrize("layer", [0.0, -0.001])
 def test_layer_without_thickness_is_refused(layer: float) -> None:
     with pytest.raises(BadInput, match=r"layer_thickness.*must be positive"):
-        sandwich(WIDTH, THICKNESS, layer, SANDWICH_STEEL, SILICONE, PARTS)
+        sandwich(WIDTH, THICKNESS, layer, STEEL, SILICONE, PARTS)

@@ -21,6 +21,10 @@ from fem.user_model.description import UnitSystem, unit_system
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput
 
+Arrays = dict[str, np.ndarray]
+Saved = Callable[..., Path]
+Own = dict[str, Any]
+
 LINES = np.linspace(4.0, 200.0, 50)
 SAME = {"rtol": 1e-9}
 
@@ -77,7 +81,7 @@ def test_modes_written_are_read_back_with_their_damping_and_residual(bracket_fil
 # --- units and reference point ----------------------------------------------------------------------------------------------
 
 
-def in_units(arrays: dict[str, np.ndarray], old: UnitSystem, new: UnitSystem) -> dict[str, np.ndarray]:
+def in_units(arrays: Arrays, old: UnitSystem, new: UnitSystem) -> Arrays:
     """The same structure in another system: what a program prints when it is fed with other units."""
     scale = np.where(arrays["dof"][:, 1] <= 3, old.length / new.length, 1.0)
     energy = old.mass * old.length**2 / old.time**2 / (new.mass * new.length**2 / new.time**2)
@@ -90,9 +94,7 @@ def in_units(arrays: dict[str, np.ndarray], old: UnitSystem, new: UnitSystem) ->
 
 
 @pytest.mark.parametrize("name", ["m-kg-N-s", "mm-kg-mN-s", "mm-kg-kN-ms", "in-lbf-s", "ft-slug-lbf-s", "cm-g-dyn-s"])
-def test_units_make_no_difference(
-    name: str, arrays: dict[str, np.ndarray], saved: Callable[..., Path], own_model: dict[str, Any]
-) -> None:
+def test_units_make_no_difference(name: str, arrays: Arrays, saved: Saved, own_model: Own) -> None:
     millimetres = unit_system("mm-t-N-s", "test")
     reference = reading.read(saved(arrays))
     text = own_model["DESCRIPTION"].replace("mm-t-N-s", name)
@@ -102,7 +104,7 @@ def test_units_make_no_difference(
     assert_same(dynamic_mass(found), dynamic_mass(reference))
 
 
-def test_modal_data_come_in_units_too(bracket_files: Path, saved: Callable[..., Path], own_model: dict[str, Any]) -> None:
+def test_modal_data_come_in_units_too(bracket_files: Path, saved: Saved, own_model: Own) -> None:
     reference = reading.read(bracket_files / "bracket-modes.h5")
     lever, tonne = np.array([1, 1, 1, 1e3, 1e3, 1e3]), 1e-3
     arrays = {
@@ -119,7 +121,7 @@ def test_modal_data_come_in_units_too(bracket_files: Path, saved: Callable[..., 
 @settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(point=st.tuples(*3 * [st.floats(-2.0, 2.0)]))
 def test_another_reference_point_is_the_same_dynamic_mass_seen_from_there(
-    point: tuple[float, float, float], arrays: dict[str, np.ndarray], saved: Callable[..., Path], own_model: dict[str, Any]
+    point: tuple[float, float, float], arrays: Arrays, saved: Saved, own_model: Own
 ) -> None:
     reference = dynamic_mass(reading.read(saved(arrays)))
     shifted = own_model["DESCRIPTION"].replace('["0 mm", "0 mm", "0 mm"]', str([f"{x!r} m" for x in point]))
@@ -131,9 +133,7 @@ def test_another_reference_point_is_the_same_dynamic_mass_seen_from_there(
 
 @pytest.mark.parametrize("made", [csr_array, csc_array])
 @pytest.mark.parametrize("ending", [".h5", ".npz"])
-def test_sparse_matrices_are_those_of_scipy(
-    made: Any, ending: str, arrays: dict[str, np.ndarray], saved: Callable[..., Path]
-) -> None:
+def test_sparse_matrices_are_those_of_scipy(made: Any, ending: str, arrays: Arrays, saved: Saved) -> None:
     reference = reading.read(saved(arrays))
     sparse = {name: made(arrays.pop(name)) for name in ("stiffness", "mass")}
     parts = {f"{name}/{part}": getattr(A, part) for name, A in sparse.items() for part in ("data", "indices", "indptr", "shape")}
@@ -141,9 +141,7 @@ def test_sparse_matrices_are_those_of_scipy(
     assert_allclose(found.stiffness.toarray(), reference.stiffness.toarray(), rtol=0, atol=0)
 
 
-def test_a_reduced_model_with_six_interface_coordinates_is_the_full_one(
-    arrays: dict[str, np.ndarray], saved: Callable[..., Path]
-) -> None:
+def test_a_reduced_model_with_six_interface_coordinates_is_the_full_one(arrays: Arrays, saved: Saved) -> None:
     """Craig-Bampton with every fixed-interface mode kept loses nothing; the interface is off the reference point."""
     full = dynamic_mass(reading.read(saved(arrays)))
     K, M, base = arrays["stiffness"], arrays["mass"], slice(0, 6)
@@ -161,9 +159,7 @@ def test_a_reduced_model_with_six_interface_coordinates_is_the_full_one(
     assert_same(dynamic_mass(reading.read(saved(reduced))), full, 1e-8)
 
 
-def test_several_interface_nodes_ride_on_the_reference_point(
-    arrays: dict[str, np.ndarray], saved: Callable[..., Path], own_model: dict[str, Any]
-) -> None:
+def test_several_interface_nodes_ride_on_the_reference_point(arrays: Arrays, saved: Saved, own_model: Own) -> None:
     """Three nodes held rigid: the six lowest nodes of the column would bend otherwise. Against a hand-made elimination."""
     text = own_model["DESCRIPTION"].replace("[101]", "[101, 102, 110]")
     found = reading.read(saved(arrays, text))
@@ -174,7 +170,7 @@ def test_several_interface_nodes_ride_on_the_reference_point(
     assert_allclose(fixed_base(found, 12).frequency, np.sqrt(squares[:12]) / (2 * np.pi), **SAME)
 
 
-def test_rotations_without_mass_are_no_mistake(arrays: dict[str, np.ndarray], saved: Callable[..., Path]) -> None:
+def test_rotations_without_mass_are_no_mistake(arrays: Arrays, saved: Saved) -> None:
     """Lumped masses: the frequencies are those after static condensation of the rotations, which is exact for them."""
     rotations, moving = np.flatnonzero(arrays["dof"][:, 1] > 3), np.flatnonzero(arrays["dof"][:, 1] <= 3)
     lumped = np.repeat(np.array([0.2, *8 * [0.3], 0.2]) * 1e-3, 3)
@@ -198,7 +194,7 @@ def _without_stated() -> str:
 
 
 def test_a_loss_factor_a_structural_matrix_and_a_complex_stiffness_are_one_thing(
-    arrays: dict[str, np.ndarray], saved: Callable[..., Path], own_model: dict[str, Any]
+    arrays: Arrays, saved: Saved, own_model: Own
 ) -> None:
     text = own_model["DESCRIPTION"].replace("interface", "loss_factor = 0.02\ninterface")
     by_factor = reading.load(saved(arrays, text))
@@ -212,14 +208,14 @@ def test_a_loss_factor_a_structural_matrix_and_a_complex_stiffness_are_one_thing
     assert_allclose(one.matrix[7], expected, rtol=1e-8, atol=1e-8)
 
 
-def test_a_viscous_matrix_damps_the_structure(arrays: dict[str, np.ndarray], saved: Callable[..., Path]) -> None:
+def test_a_viscous_matrix_damps_the_structure(arrays: Arrays, saved: Saved) -> None:
     """Proportional to the stiffness, C = beta K, it gives every mode zeta = beta omega / 2."""
     found = reading.load(saved(arrays | {"viscous": 1e-6 * arrays["stiffness"]}))
     modes = fixed_base(found.model, 8, damping=found.damping)
     assert_allclose(modes.damping_ratio, 1e-6 * np.pi * modes.frequency, rtol=1e-8)
 
 
-def test_a_matrix_in_single_precision_is_read(arrays: dict[str, np.ndarray], saved: Callable[..., Path]) -> None:
+def test_a_matrix_in_single_precision_is_read(arrays: Arrays, saved: Saved) -> None:
     """And without a warning of numpy: the greatest number that is believed does not fit into it."""
     found = reading.load(saved(arrays | {"mass": arrays["mass"].astype(np.float32)}, ending=".npz"))
     assert_allclose(found.model.rigid_mass[0, 0], 2.51, atol=0.02)

@@ -21,6 +21,12 @@ from geometry.dynamic_mass import MOTIONS
 from geometry.frames import Array, rigid_transformation, rigid_transformation_6
 from geometry.inertia import Inertia
 
+Shake = Callable[..., BaseMotion]
+Cells = tuple[LoadCell, ...]
+Reed = Callable[..., FlexibleBody]
+Loose = Callable[..., tuple[BaseMotion, Array]]
+Preloaded = Callable[..., Response]
+
 SEAT = (0.01, -0.02, 0.0445)
 
 AXES = range(6)
@@ -41,12 +47,12 @@ def about_f(inertia: Inertia) -> Array:
 
 
 @pytest.fixture(scope="module", params=AXES)
-def motion(request: pytest.FixtureRequest, shake: Callable[..., BaseMotion]) -> BaseMotion:
+def motion(request: pytest.FixtureRequest, shake: Shake) -> BaseMotion:
     return shake(2.5 * np.eye(6)[request.param])
 
 
 @pytest.fixture(scope="module")
-def on_cells(motion: BaseMotion, block: FlexibleBody, cover: Inertia, cells: tuple[LoadCell, ...]) -> Response:
+def on_cells(motion: BaseMotion, block: FlexibleBody, cover: Inertia, cells: Cells) -> Response:
     return respond(Rig(article=block, cover=cover, cells=cells, seat=SEAT), motion)
 
 
@@ -78,7 +84,7 @@ def test_cells_carry_the_mass_matrix_times_the_acceleration_of_the_cover(
     assert_allclose(on_cells.load / largest(load), load / largest(load), atol=SECOND_ORDER)
 
 
-def test_the_forces_of_the_cells_one_by_one_add_up_to_the_load(on_cells: Response, cells: tuple[LoadCell, ...]) -> None:
+def test_the_forces_of_the_cells_one_by_one_add_up_to_the_load(on_cells: Response, cells: Cells) -> None:
     total = sum(on_cells.cells[:, i] @ rigid_transformation(cell.position) for i, cell in enumerate(cells))
     assert_allclose(total / largest(on_cells.load), on_cells.load / largest(on_cells.load), atol=SECOND_ORDER)
 
@@ -149,7 +155,7 @@ def test_a_reduced_article_on_cells_and_a_flange_that_gives_in_some_directions(
     articles: Mapping[str, FlexibleBody],
     soft_sweeps: Mapping[str, BaseMotion],
     cover: Inertia,
-    cells: tuple[LoadCell, ...],
+    cells: Cells,
     flange: Flange,
 ) -> None:
     rig = Rig(article=articles[name], cover=cover, cells=cells, flange=flange, seat=(0.0, 0.0, 0.0445))
@@ -160,7 +166,7 @@ def test_a_reduced_article_on_cells_and_a_flange_that_gives_in_some_directions(
 
 
 def test_exudyn_turns_the_forces_of_the_cells_with_the_cover_plate_which_a_linear_rig_does_not(
-    block: FlexibleBody, cover: Inertia, cells: tuple[LoadCell, ...]
+    block: FlexibleBody, cover: Inertia, cells: Cells
 ) -> None:
     """What separates them is of second order in the level: ten times the level, a hundred times the difference."""
     rig, difference = Rig(article=block, cover=cover, cells=cells), []
@@ -173,7 +179,7 @@ def test_exudyn_turns_the_forces_of_the_cells_with_the_cover_plate_which_a_linea
 
 
 @pytest.mark.parametrize("to", ["ground", "table"])
-def test_a_strut_on_a_place_that_swings(to: str, reed: Callable[..., FlexibleBody], shake: Callable[..., BaseMotion]) -> None:
+def test_a_strut_on_a_place_that_swings(to: str, reed: Reed, shake: Shake) -> None:
     strut = Strut(place="tip", to=to, stiffness=[2e3, 1e3, 3e3], damping=[5.0, 10.0, 20.0])
     rig = Rig(article=reed(11.0, 0.01), struts=(strut,), seat=(0.01, -0.02, 0.05))
     motion = shake([1.0, -0.5, 0.7, 2.0, 1.0, -1.0], rate=8192.0)
@@ -183,13 +189,13 @@ def test_a_strut_on_a_place_that_swings(to: str, reed: Callable[..., FlexibleBod
 
 
 @pytest.fixture(scope="module")
-def motion_of_gap(shake: Callable[..., BaseMotion]) -> BaseMotion:
+def motion_of_gap(shake: Shake) -> BaseMotion:
     """Slow, so that statics say what the cells carry."""
     return shake([2.5, 0, 0, 0, 0, 0], frequency=6.0, seconds=0.5)
 
 
 @pytest.fixture(scope="module")
-def on(block: FlexibleBody, cover: Inertia, cells: tuple[LoadCell, ...], motion_of_gap: BaseMotion) -> Callable[..., Response]:
+def on(block: FlexibleBody, cover: Inertia, cells: Cells, motion_of_gap: BaseMotion) -> Preloaded:
     """The response with a preload of the first cell."""
 
     def made(preload: float | None) -> Response:
@@ -200,12 +206,12 @@ def on(block: FlexibleBody, cover: Inertia, cells: tuple[LoadCell, ...], motion_
 
 
 @pytest.fixture(scope="module")
-def held(on: Callable[..., Response]) -> Response:
+def held(on: Preloaded) -> Response:
     return on(None)
 
 
 @pytest.fixture(scope="module")
-def pull(held: Response, cells: tuple[LoadCell, ...]) -> float:
+def pull(held: Response, cells: Cells) -> float:
     """[N] with which statics let the load pull at the first cell at most, its stiffness shared with the others."""
     G = np.array([rigid_transformation(cell.position) for cell in cells])
     K = sum(g.T @ np.diag(cell.stiffness) @ g for g, cell in zip(G, cells, strict=True))
@@ -214,17 +220,15 @@ def pull(held: Response, cells: tuple[LoadCell, ...]) -> float:
 
 
 @pytest.fixture(scope="module")
-def lifted(on: Callable[..., Response], pull: float) -> Response:
+def lifted(on: Preloaded, pull: float) -> Response:
     return on(0.6 * pull)
 
 
-def test_it_stays_down_as_long_as_statics_pull_less_than_the_preload(
-    on: Callable[..., Response], held: Response, pull: float
-) -> None:
+def test_it_stays_down_as_long_as_statics_pull_less_than_the_preload(on: Preloaded, held: Response, pull: float) -> None:
     assert_allclose(on(1.01 * pull).cells, held.cells, atol=1e-6 * np.abs(held.cells).max())
 
 
-def test_it_lifts_where_statics_pull_more(on: Callable[..., Response], held: Response, pull: float) -> None:
+def test_it_lifts_where_statics_pull_more(on: Preloaded, held: Response, pull: float) -> None:
     response = on(0.99 * pull)
     assert np.abs(response.cells - held.cells).max() > 1e-3 * np.abs(held.cells).max()
 
@@ -236,7 +240,7 @@ def test_its_force_stops_at_the_preload_and_stays_there(lifted: Response, held: 
     assert_allclose(open_share, pulled_share, atol=0.02)
 
 
-def test_the_others_carry_what_statics_leave_them(lifted: Response, cells: tuple[LoadCell, ...], pull: float) -> None:
+def test_the_others_carry_what_statics_leave_them(lifted: Response, cells: Cells, pull: float) -> None:
     """Three cells that stand are determinate: force along z and the moments about x and y."""
     opened = lifted.cells[:, 0, 2] < -0.6 * pull * (1 - 1e-9)
     rows = np.array([rigid_transformation(cell.position)[2, [2, 3, 4]] for cell in cells]).T
@@ -256,7 +260,7 @@ FRICTION_SEAT = (0.0, 0.0, 0.05)
 
 
 @pytest.fixture(scope="module")
-def loose(block: FlexibleBody, shake: Callable[..., BaseMotion], inertia: Inertia) -> Callable[..., tuple[BaseMotion, Array]]:
+def loose(block: FlexibleBody, shake: Shake, inertia: Inertia) -> Loose:
     """Motion along an axis, and the load (n, 6) of nothing but the part, about F."""
 
     def made(slip_force: float, axis: Literal["x", "y"] = "x", driven: str = "x") -> tuple[BaseMotion, Array]:
@@ -268,22 +272,20 @@ def loose(block: FlexibleBody, shake: Callable[..., BaseMotion], inertia: Inerti
     return made
 
 
-def test_the_pull_of_a_loose_part_saturates_at_its_slip_force(loose: Callable[..., tuple[BaseMotion, Array]]) -> None:
+def test_the_pull_of_a_loose_part_saturates_at_its_slip_force(loose: Loose) -> None:
     _, load = loose(0.4 * MASS * LEVEL)
     assert_allclose([load[:, 0].max(), -load[:, 0].min()], 0.4 * MASS * LEVEL, rtol=1e-6)
 
 
 @pytest.mark.parametrize("share", [1.02, 20.0])
-def test_below_the_level_at_which_it_slips_it_is_an_added_mass(
-    share: float, loose: Callable[..., tuple[BaseMotion, Array]]
-) -> None:
+def test_below_the_level_at_which_it_slips_it_is_an_added_mass(share: float, loose: Loose) -> None:
     motion, load = loose(share * MASS * LEVEL)
     stuck = MASS * motion.acceleration[:, 0]
     assert_allclose(load[:, 0], stuck, atol=2 * (FREQUENCY / STICKING) ** 2 * MASS * LEVEL)
 
 
 @pytest.mark.parametrize("share", [0.1, 1.02])
-def test_how_long_it_slips_is_told(share: float, block: FlexibleBody, shake: Callable[..., BaseMotion]) -> None:
+def test_how_long_it_slips_is_told(share: float, block: FlexibleBody, shake: Shake) -> None:
     """From when the table's sine has swollen to F / m, 1 - exp(-(3 t)^4) = F / (m a) in a record of 1 s; else never."""
     motion = shake([LEVEL, 0, 0, 0, 0, 0], frequency=FREQUENCY, seconds=1.0, rate=8192.0)
     friction = Friction(axis="x", slip_force=share * MASS * LEVEL, mass=MASS)
@@ -293,14 +295,12 @@ def test_how_long_it_slips_is_told(share: float, block: FlexibleBody, shake: Cal
 
 
 @pytest.mark.parametrize(("axis", "driven"), [("x", "y"), ("x", "z"), ("y", "x")])
-def test_across_its_axis_it_is_an_added_mass_at_any_level(
-    axis: Literal["x", "y"], driven: str, loose: Callable[..., tuple[BaseMotion, Array]]
-) -> None:
+def test_across_its_axis_it_is_an_added_mass_at_any_level(axis: Literal["x", "y"], driven: str, loose: Loose) -> None:
     motion, load = loose(0.1, axis, driven)
     assert_allclose(load[:, :3], MASS * motion.acceleration[:, :3], atol=2e-4 * MASS * LEVEL)
 
 
-def test_it_sits_at_the_origin_of_the_article(block: FlexibleBody, shake: Callable[..., BaseMotion], inertia: Inertia) -> None:
+def test_it_sits_at_the_origin_of_the_article(block: FlexibleBody, shake: Shake, inertia: Inertia) -> None:
     motion = shake([0, 2.0, 0, 1.0, 0, 0], rate=8192.0)
     frictions = (Friction(axis="x", slip_force=100.0, mass=MASS),)
     with_part, without = (
@@ -312,9 +312,7 @@ def test_it_sits_at_the_origin_of_the_article(block: FlexibleBody, shake: Callab
 
 
 @pytest.mark.parametrize("share", [0.1, 0.25, 0.4])
-def test_a_part_that_always_slides_wears_away_the_energy_of_coulombs_law(
-    share: float, loose: Callable[..., tuple[BaseMotion, Array]]
-) -> None:
+def test_a_part_that_always_slides_wears_away_the_energy_of_coulombs_law(share: float, loose: Loose) -> None:
     """Its speed is a triangle under the table's sine: a cycle takes W = 4 F U sqrt(1 - (pi F / 2 m a)²), U the table's stroke.
 
     (Den Hartog, Trans. ASME 53, 1931, for a mass without spring: it slides all the time while F / (m a) < 0.537.)
@@ -328,7 +326,7 @@ def test_a_part_that_always_slides_wears_away_the_energy_of_coulombs_law(
     assert_allclose(work, expected, rtol=5e-3)
 
 
-def test_two_loose_parts_lie_on_one_flange(block: FlexibleBody, shake: Callable[..., BaseMotion], inertia: Inertia) -> None:
+def test_two_loose_parts_lie_on_one_flange(block: FlexibleBody, shake: Shake, inertia: Inertia) -> None:
     motion = shake([2.0, 1.0, 0, 0, 0, 0], rate=8192.0)
     parts = (Friction(axis="x", slip_force=0.5, mass=MASS), Friction(axis="y", slip_force=0.3, mass=MASS))
     response = respond(Rig(article=block, frictions=parts), motion)
@@ -344,7 +342,7 @@ DEFAULT = Solver()
 
 
 @pytest.fixture(scope="module")
-def moves(shake: Callable[..., BaseMotion]) -> Callable[[int], BaseMotion]:
+def moves(shake: Shake) -> Callable[[int], BaseMotion]:
     """A small motion along one axis, so that a place moves straight."""
     return lambda axis: shake(0.2 * np.eye(6)[axis], frequency=ATTACHED_FREQUENCY, seconds=0.5)
 
@@ -422,7 +420,7 @@ def steady_amplitude(values: Array, motion: BaseMotion) -> Array:
 @pytest.mark.parametrize("axis", AXES)
 @pytest.mark.parametrize("rigid", [False, True], ids=["gives everywhere", "gives about x and y only"])
 def test_a_flange_turns_the_dynamic_mass_into_that_behind_its_compliance(
-    rigid: bool, axis: int, shake: Callable[..., BaseMotion], block: FlexibleBody, inertia: Inertia
+    rigid: bool, axis: int, shake: Shake, block: FlexibleBody, inertia: Inertia
 ) -> None:
     """H' = (1 - omega² H C)^-1 H with C = compliance / (1 + i omega tau), in axes of the article's origin."""
     compliance = np.array([2e-6, 3e-6, 1e-6, 4e-5, 3e-5, 2e-5]) * ([0, 0, 0, 1, 1, 0] if rigid else 1)
@@ -438,7 +436,7 @@ def test_a_flange_turns_the_dynamic_mass_into_that_behind_its_compliance(
     assert_allclose(found / scale, expected / scale, atol=1e-3 * np.abs(expected / scale).max())
 
 
-def test_the_flange_sits_at_the_seat(block: FlexibleBody, inertia: Inertia, shake: Callable[..., BaseMotion]) -> None:
+def test_the_flange_sits_at_the_seat(block: FlexibleBody, inertia: Inertia, shake: Shake) -> None:
     """Under a block beside F the same joint stands in another place, and moments about F know it."""
     motion = shake([0.2, 0, 0, 0, 0, 0], frequency=ATTACHED_FREQUENCY, seconds=1.0)
     flange = Flange(compliance=[0, 0, 0, 4e-5, 4e-5, 4e-5], damping_time=4e-3)

@@ -20,14 +20,19 @@ from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from geometry.inertia import Inertia
 
+Shake = Callable[..., BaseMotion]
+Cells = tuple[LoadCell, ...]
+Reed = Callable[..., FlexibleBody]
+Moves = Callable[[float], BaseMotion]
+
 
 @pytest.fixture(scope="module")
-def motion(shake: Callable[..., BaseMotion]) -> BaseMotion:
+def motion(shake: Shake) -> BaseMotion:
     return shake([1.0, 0, 0, 0, 0, 0])
 
 
 @pytest.fixture(scope="module")
-def long(shake: Callable[..., BaseMotion]) -> BaseMotion:
+def long(shake: Shake) -> BaseMotion:
     """So long that nobody waits for its end."""
     return shake([1.0, 0, 0, 0, 0, 0], seconds=60.0)
 
@@ -71,9 +76,7 @@ def test_ctrl_c_ends_the_run(block: FlexibleBody, long: BaseMotion) -> None:
         respond(Rig(article=block), long, progress=press)
 
 
-def test_a_rig_that_gains_energy_is_lost_with_the_time_the_step_and_the_last_state(
-    reed: Callable[..., FlexibleBody], shake: Callable[..., BaseMotion]
-) -> None:
+def test_a_rig_that_gains_energy_is_lost_with_the_time_the_step_and_the_last_state(reed: Reed, shake: Shake) -> None:
     """A damping ratio of -3 grows by exp(6 omega t): lost after some hundredths of a second, whatever the step."""
     with pytest.raises(CheckFailed, match="coordinate 1 of the article") as lost:
         respond(Rig(article=reed(40.0, -3.0)), shake([1.0, 0, 0, 0, 0, 0], seconds=2.0))
@@ -101,7 +104,7 @@ def test_a_step_that_cannot_bear_the_fastest_joint_is_lost_when_nobody_judged_it
 
 
 def test_nothing_is_printed(
-    block: FlexibleBody, cover: Inertia, cells: tuple[LoadCell, ...], motion: BaseMotion, capfd: pytest.CaptureFixture[str]
+    block: FlexibleBody, cover: Inertia, cells: Cells, motion: BaseMotion, capfd: pytest.CaptureFixture[str]
 ) -> None:
     gap = replace(cells[0], preload=3.0)
     rig = Rig(
@@ -117,7 +120,7 @@ def test_nothing_is_printed(
 
 
 def test_a_response_says_how_it_was_found_and_holds_every_sample(
-    block: FlexibleBody, cover: Inertia, cells: tuple[LoadCell, ...], motion: BaseMotion
+    block: FlexibleBody, cover: Inertia, cells: Cells, motion: BaseMotion
 ) -> None:
     solver = Solver(method="generalised-alpha", spectral_radius=0.8, subdivision=2, tolerance=1e-5)
     response = respond(Rig(article=block, cover=cover, cells=cells), motion, solver=solver)
@@ -130,7 +133,7 @@ def test_a_response_says_how_it_was_found_and_holds_every_sample(
     assert response.coordinates.size == 0
 
 
-def test_coordinates_come_when_they_are_asked_for(reed: Callable[..., FlexibleBody], motion: BaseMotion) -> None:
+def test_coordinates_come_when_they_are_asked_for(reed: Reed, motion: BaseMotion) -> None:
     body = reed(20.0, 0.01)
     q = respond(Rig(article=body), motion, keep_coordinates=True).coordinates
     assert q.shape == (len(motion.displacement), 7)
@@ -157,7 +160,7 @@ def test_a_rig_that_cannot_be_is_refused_by_name(
 
 @pytest.mark.parametrize("preload", [0.0, -5.0])
 def test_a_preload_that_does_not_press_is_refused(
-    preload: float, block: FlexibleBody, cover: Inertia, cells: tuple[LoadCell, ...], motion: BaseMotion
+    preload: float, block: FlexibleBody, cover: Inertia, cells: Cells, motion: BaseMotion
 ) -> None:
     rig = Rig(article=block, cover=cover, cells=(*cells[:3], replace(cells[3], preload=preload)))
     with pytest.raises(BadInput, match=r"preload.*above zero"):
@@ -192,23 +195,23 @@ FINE = 32768.0
 
 
 @pytest.fixture(scope="module")
-def ringing(reed: Callable[..., FlexibleBody]) -> Rig:
+def ringing(reed: Reed) -> Rig:
     """An oscillator of 12 Hz that hardly loses energy."""
     return Rig(article=reed(12.0, 1e-3))
 
 
 @pytest.fixture(scope="module")
-def moves(shake: Callable[..., BaseMotion]) -> Callable[[float], BaseMotion]:
+def moves(shake: Shake) -> Moves:
     return lambda rate: shake([1.0, 0, 0, 0, 0, 0], frequency=11.0, seconds=2.0, rate=rate)
 
 
 @pytest.fixture(scope="module")
-def truth(ringing: Rig, moves: Callable[[float], BaseMotion]) -> Array:
+def truth(ringing: Rig, moves: Moves) -> Array:
     """(n,) [N] along x, by the exact recursion with steps so short that they do not count."""
     return base_excitation_response.respond(ringing, moves(FINE)).load[:, 0]
 
 
-def errors(rig: Rig, moves: Callable[[float], BaseMotion], truth: Array, solver: Solver) -> Array:
+def errors(rig: Rig, moves: Moves, truth: Array, solver: Solver) -> Array:
     """Of the load, of the largest load, at each of the `RATES`."""
     found = []
     for rate in RATES:
@@ -220,23 +223,17 @@ def errors(rig: Rig, moves: Callable[[float], BaseMotion], truth: Array, solver:
 @pytest.mark.parametrize(
     "solver", [Solver(), Solver(method="newmark"), Solver(method="generalised-alpha")], ids=lambda solver: str(solver.method)
 )
-def test_the_load_converges_with_the_square_of_the_step(
-    solver: Solver, ringing: Rig, moves: Callable[[float], BaseMotion], truth: Array
-) -> None:
+def test_the_load_converges_with_the_square_of_the_step(solver: Solver, ringing: Rig, moves: Moves, truth: Array) -> None:
     found = errors(ringing, moves, truth, solver)
     assert_allclose(np.log2(found[:-1] / found[1:]), 2.0, atol=0.15)
 
 
-def test_fox_and_goodwin_keep_a_lightly_damped_resonance_twenty_times_better(
-    ringing: Rig, moves: Callable[[float], BaseMotion], truth: Array
-) -> None:
+def test_fox_and_goodwin_keep_a_lightly_damped_resonance_twenty_times_better(ringing: Rig, moves: Moves, truth: Array) -> None:
     trapezoidal, default = (errors(ringing, moves, truth, Solver(method=m)) for m in ("newmark", "fox-goodwin"))
     assert np.all(default < trapezoidal / 20)
 
 
-def test_a_spectral_radius_of_one_loses_the_load_the_shorter_the_step(
-    ringing: Rig, moves: Callable[[float], BaseMotion], truth: Array
-) -> None:
+def test_a_spectral_radius_of_one_loses_the_load_the_shorter_the_step(ringing: Rig, moves: Moves, truth: Array) -> None:
     lossless, default = (
         errors(ringing, moves, truth, Solver(method="generalised-alpha", spectral_radius=radius)) for radius in (1.0, 0.9)
     )
@@ -253,7 +250,7 @@ def test_between_samples_the_table_follows_a_polynomial_of_fifth_degree_exactly(
     assert_allclose(targets(motion, 5, velocity=velocity)[:, 3], expected, atol=1e-12)
 
 
-def test_half_the_step_at_the_same_samples_is_half_the_step(ringing: Rig, moves: Callable[[float], BaseMotion]) -> None:
+def test_half_the_step_at_the_same_samples_is_half_the_step(ringing: Rig, moves: Moves) -> None:
     solver = Solver(method="generalised-alpha")
     halved = respond(ringing, moves(1024.0), solver=replace(solver, subdivision=2)).load
     fine = respond(ringing, moves(2048.0), solver=solver).load[::2]
@@ -261,7 +258,7 @@ def test_half_the_step_at_the_same_samples_is_half_the_step(ringing: Rig, moves:
 
 
 def test_the_highest_frequency_is_that_of_the_softest_cells_and_heaviest_plate(
-    block: FlexibleBody, cover: Inertia, cells: tuple[LoadCell, ...]
+    block: FlexibleBody, cover: Inertia, cells: Cells
 ) -> None:
     """Up and down, centred: sqrt(sum k / m); the other way round for the bristles of a loose part on a heavy table."""
     still = Inertia.from_cog(8.0, [0, 0, 0], np.eye(3) * 100.0)
@@ -271,9 +268,7 @@ def test_the_highest_frequency_is_that_of_the_softest_cells_and_heaviest_plate(
     assert_allclose(highest(Rig(article=block, frictions=(Friction(axis="x", slip_force=1.0),))), 1000.0, rtol=1e-6)
 
 
-def test_stiff_joints_get_as_many_steps_a_sample_as_they_need(
-    block: FlexibleBody, cover: Inertia, shake: Callable[..., BaseMotion]
-) -> None:
+def test_stiff_joints_get_as_many_steps_a_sample_as_they_need(block: FlexibleBody, cover: Inertia, shake: Shake) -> None:
     rig = Rig(article=block, cover=cover, flange=Flange(compliance=[0, 0, 1e-10, 0, 0, 0]))
     motion = shake([0, 0, 1.0, 0, 0, 0], seconds=0.2)
     response = respond(rig, motion)
@@ -285,9 +280,7 @@ def test_stiff_joints_get_as_many_steps_a_sample_as_they_need(
     assert_allclose(response.load, base_excitation_response.respond(rig, motion).load, atol=1e-3 * np.abs(response.load).max())
 
 
-def test_a_step_too_coarse_for_the_highest_kept_mode_is_refused_with_the_rate_that_is_needed(
-    reed: Callable[..., FlexibleBody], shake: Callable[..., BaseMotion]
-) -> None:
+def test_a_step_too_coarse_for_the_highest_kept_mode_is_refused_with_the_rate_that_is_needed(reed: Reed, shake: Shake) -> None:
     rig, motion = Rig(article=reed(300.0, 0.01)), shake([1.0, 0, 0, 0, 0, 0], rate=1024.0, seconds=0.1)
     with pytest.raises(BadInput, match=r"300 Hz.*Simulate at 2400 Hz or more, or keep fewer modes"):
         respond(rig, motion, solver=Solver(method="newmark"))

@@ -23,6 +23,10 @@ from geometry.frames import Array, rigid_transformation, rotation_about
 from geometry.inertia import Inertia
 from geometry.routes import inertia as drawn_inertia
 
+MakeMotion = Callable[..., BaseMotion]
+Makes = Callable[..., Array]
+Senses = Callable[[BaseMotion], Array]
+
 LARGE = np.array([0.1, -0.05, 0.03, 1.1, -0.9, 1.4])
 OMEGA = np.array([3.0, 4.0, 5.0, 4.3, 5.1, 3.7])
 PLACE = np.array([0.4, -0.3, 0.2])
@@ -37,7 +41,7 @@ def test_rotation_is_that_about_x_then_about_the_turned_y_then_about_the_turned_
     assert_allclose(turning(motion).rotation, product, rtol=0, atol=1e-15)
 
 
-def test_spin_is_the_rate_of_the_rotation(smooth: Callable[..., BaseMotion]) -> None:
+def test_spin_is_the_rate_of_the_rotation(smooth: MakeMotion) -> None:
     """omega x R = R', by central differences, whose error is (omega h)² / 6."""
     turned = turning(smooth(LARGE, OMEGA, rate=RATE))
     R, spin = turned.rotation, turned.spin[1:-1]
@@ -45,7 +49,7 @@ def test_spin_is_the_rate_of_the_rotation(smooth: Callable[..., BaseMotion]) -> 
     assert_allclose(np.cross(spin[:, :, None], R[1:-1], axis=1), derivative, rtol=0, atol=1e-4)
 
 
-def test_spin_rate_is_the_derivative_of_the_spin_in_both_frames(smooth: Callable[..., BaseMotion]) -> None:
+def test_spin_rate_is_the_derivative_of_the_spin_in_both_frames(smooth: MakeMotion) -> None:
     turned = turning(smooth(LARGE, OMEGA, rate=RATE))
     for spin, rate in (
         (turned.spin, turned.spin_rate),
@@ -56,7 +60,7 @@ def test_spin_rate_is_the_derivative_of_the_spin_in_both_frames(smooth: Callable
 
 
 def test_an_accelerometer_on_the_table_reads_the_second_derivative_of_its_place_and_gravity(
-    smooth: Callable[..., BaseMotion], accelerometer: Callable[..., Array]
+    smooth: MakeMotion, accelerometer: Makes
 ) -> None:
     motion = smooth(LARGE, OMEGA, rate=RATE)
     R = turning(motion).rotation
@@ -66,13 +70,13 @@ def test_an_accelerometer_on_the_table_reads_the_second_derivative_of_its_place_
     assert_allclose(read, np.einsum("nji,nj->ni", R[1:-1], second), rtol=0, atol=1e-4 * np.abs(read).max())
 
 
-def test_small_motion_needs_no_turning(smooth: Callable[..., BaseMotion], sensed: Callable[[BaseMotion], Array]) -> None:
+def test_small_motion_needs_no_turning(smooth: MakeMotion, sensed: Senses) -> None:
     motion = smooth(1e-6 * LARGE, OMEGA)
     assert_allclose(sensed(motion), motion.acceleration, rtol=0, atol=1e-10)
 
 
 def test_the_linear_transformation_lacks_the_centripetal_acceleration(
-    smooth: Callable[..., BaseMotion], sensed: Callable[[BaseMotion], Array], accelerometer: Callable[..., Array]
+    smooth: MakeMotion, sensed: Senses, accelerometer: Makes
 ) -> None:
     """About one axis: omega² r towards it."""
     motion = smooth(0.5 * np.eye(6)[5], OMEGA)
@@ -89,7 +93,7 @@ POINT = np.array([0.1, 0.2, -0.3])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("axis", range(6))
 def test_load_on_a_rigid_block_is_plus_its_mass_matrix_times_acceleration(
-    axis: int, sign: float, block: Inertia, smooth: Callable[..., BaseMotion]
+    axis: int, sign: float, block: Inertia, smooth: MakeMotion
 ) -> None:
     """All six components. At a microradian the terms of second order are 1e-6; the integrator's own error cancels."""
     motion = smooth(sign * 1e-6 * np.eye(6)[axis], OMEGA, 0.5)
@@ -100,7 +104,7 @@ def test_load_on_a_rigid_block_is_plus_its_mass_matrix_times_acceleration(
     assert_allclose(found.table, motion.acceleration, rtol=0, atol=1e-4 * np.abs(motion.acceleration).max())
 
 
-def test_the_cuboid_as_one_rigid_body_weighs_what_is_drawn(smooth: Callable[..., BaseMotion]) -> None:
+def test_the_cuboid_as_one_rigid_body_weighs_what_is_drawn(smooth: MakeMotion) -> None:
     found = respond("cuboid", smooth(1e-6 * RIGID_BLOCK_LARGE, OMEGA, 0.5), elements=None)
     M = drawn_inertia(built_in("cuboid")).mass_matrix
     assert_allclose(found.load, found.table @ M, rtol=0, atol=2e-6 * np.abs(found.load).max())
@@ -109,7 +113,7 @@ def test_the_cuboid_as_one_rigid_body_weighs_what_is_drawn(smooth: Callable[...,
 @pytest.mark.parametrize("gravity", [0.0, 9.81])
 @pytest.mark.parametrize("point", [np.zeros(3), POINT], ids=["origin", "elsewhere"])
 def test_at_large_motion_newton_and_euler_hold_in_the_tables_axes(
-    gravity: float, point: Array, block: Inertia, smooth: Callable[..., BaseMotion], newton_euler: Callable[..., Array]
+    gravity: float, point: Array, block: Inertia, smooth: MakeMotion, newton_euler: Makes
 ) -> None:
     """Through a radian at 4 rad/s. The error of the step is of second order, so two steps say where it goes."""
     loads = []
@@ -124,16 +128,14 @@ def test_at_large_motion_newton_and_euler_hold_in_the_tables_axes(
     assert np.all(errors[2] < 2e-6)
 
 
-def test_without_its_gyroscopic_and_centripetal_terms_the_load_would_be_far_off(
-    block: Inertia, smooth: Callable[..., BaseMotion]
-) -> None:
+def test_without_its_gyroscopic_and_centripetal_terms_the_load_would_be_far_off(block: Inertia, smooth: MakeMotion) -> None:
     """The same run against M a: the test above would not pass for want of turning."""
     found = respond_of_plan(rigid(block), smooth(RIGID_BLOCK_LARGE, OMEGA))
     missing = np.abs(found.load - found.table @ block.mass_matrix).max(axis=0)
     assert np.all(missing > 0.07 * np.abs(found.load).max(axis=0))
 
 
-def test_loads_in_the_laboratorys_axes_are_those_of_the_table_turned(block: Inertia, smooth: Callable[..., BaseMotion]) -> None:
+def test_loads_in_the_laboratorys_axes_are_those_of_the_table_turned(block: Inertia, smooth: MakeMotion) -> None:
     motion = smooth(RIGID_BLOCK_LARGE, OMEGA, 0.5)
     table, laboratory = (respond_of_plan(rigid(block), motion, Conditions(axes=axes)) for axes in ("table", "laboratory"))
     R = turning(motion).rotation
@@ -147,9 +149,7 @@ def test_loads_in_the_laboratorys_axes_are_those_of_the_table_turned(block: Iner
     assert_allclose(force, second, rtol=0, atol=2e-4 * np.abs(second).max())
 
 
-def test_exudyns_accelerations_of_the_table_are_those_of_the_formula(
-    block: Inertia, smooth: Callable[..., BaseMotion], sensed: Callable[[BaseMotion], Array]
-) -> None:
+def test_exudyns_accelerations_of_the_table_are_those_of_the_formula(block: Inertia, smooth: MakeMotion, sensed: Senses) -> None:
     motion = smooth(RIGID_BLOCK_LARGE, OMEGA)
     found = respond_of_plan(rigid(block), motion).table
     assert_allclose(found, sensed(motion), rtol=0, atol=1e-4 * np.abs(found).max())
@@ -162,7 +162,7 @@ GRAVITY_LARGE = np.array([0.1, -0.05, 0.03, 0.6, -0.5, 1.0])
 RATES = np.array([3.0, 4.0, 5.0, 4.3, 5.1, 3.7])
 
 
-def added(axis: int, axes: str, block: Inertia, smooth: Callable[..., BaseMotion]) -> Array:
+def added(axis: int, axes: str, block: Inertia, smooth: MakeMotion) -> Array:
     """(6,) what gravity adds to a column of H at 4 Hz, per kinematic acceleration, in exudyn: the load with it less that without.
 
     At a microradian nothing of second order is left; theta'' = -omega² theta in a sine, so theta stands for -theta'' / omega².
@@ -174,7 +174,7 @@ def added(axis: int, axes: str, block: Inertia, smooth: Callable[..., BaseMotion
     return np.asarray(-per_angle / GRAVITY_OMEGA**2)
 
 
-def test_signs_of_the_tilt_in_the_tables_axes(block: Inertia, smooth: Callable[..., BaseMotion]) -> None:
+def test_signs_of_the_tilt_in_the_tables_axes(block: Inertia, smooth: MakeMotion) -> None:
     """f_x/beta'' += m g/omega², f_y/alpha'' -= m g/omega², t_alpha/alpha'' and t_beta/beta'' += m g z/omega²; about gamma, which
     tilts nothing, no column but a row: t_gamma/alpha'' -= m g x/omega², t_gamma/beta'' -= m g y/omega².
     """
@@ -185,9 +185,7 @@ def test_signs_of_the_tilt_in_the_tables_axes(block: Inertia, smooth: Callable[.
         assert_allclose(added(axis, "table", block, smooth), column, rtol=0, atol=1e-5 * weight)
 
 
-def test_in_the_laboratorys_axes_the_weight_is_constant_and_only_moments_are_added(
-    block: Inertia, smooth: Callable[..., BaseMotion]
-) -> None:
+def test_in_the_laboratorys_axes_the_weight_is_constant_and_only_moments_are_added(block: Inertia, smooth: MakeMotion) -> None:
     """There the force has no tilt, and a gamma column does stand: the CoG goes round under a weight that does not.
 
     t = r x m g z with r turned by the angle: for gamma, t_alpha = m g (y + x gamma), t_beta = -m g (x - y gamma).
@@ -199,14 +197,14 @@ def test_in_the_laboratorys_axes_the_weight_is_constant_and_only_moments_are_add
         assert_allclose(added(axis, "laboratory", block, smooth), column, rtol=0, atol=1e-5 * weight)
 
 
-def test_the_height_of_the_cog_would_be_off_by_g_over_omega_squared(block: Inertia, smooth: Callable[..., BaseMotion]) -> None:
+def test_the_height_of_the_cog_would_be_off_by_g_over_omega_squared(block: Inertia, smooth: MakeMotion) -> None:
     """m z is read from f_x/beta'': 15.5 mm at 4 Hz, whatever the body."""
     assert added(4, "table", block, smooth)[0] / block.mass == pytest.approx(G / GRAVITY_OMEGA**2, rel=1e-5)
     assert pytest.approx(15.5e-3, abs=5e-5) == G / GRAVITY_OMEGA**2
 
 
 def test_with_accelerometers_that_sense_the_tilt_gravity_cancels_exactly_at_any_angle(
-    block: Inertia, smooth: Callable[..., BaseMotion], accelerometer: Callable[..., Array]
+    block: Inertia, smooth: MakeMotion, accelerometer: Makes
 ) -> None:
     """Through a radian: what gravity adds to the load is M times what it adds to their reading, so H does not know of it."""
     motion = smooth(GRAVITY_LARGE, RATES, 0.5)
@@ -218,14 +216,14 @@ def test_with_accelerometers_that_sense_the_tilt_gravity_cancels_exactly_at_any_
     assert np.abs(sensed).max() > 0.5 * G
 
 
-def test_weight_at_rest_is_told_and_taken_off(block: Inertia, smooth: Callable[..., BaseMotion]) -> None:
+def test_weight_at_rest_is_told_and_taken_off(block: Inertia, smooth: MakeMotion) -> None:
     found = respond_of_plan(rigid(block), smooth(GRAVITY_LARGE, RATES, 0.1), Conditions(gravity=G))
     at_rest = block.mass * G * (rigid_transformation(block.cog).T @ [0.0, 0.0, 1.0])
     assert_allclose(found.settings["load_at_rest"], at_rest, rtol=0, atol=1e-9 * block.mass * G)
     assert_allclose(found.load[0], np.zeros(6), rtol=0, atol=1e-12)
 
 
-def test_an_elastic_article_weighs_as_much_and_stands_still_under_gravity(smooth: Callable[..., BaseMotion]) -> None:
+def test_an_elastic_article_weighs_as_much_and_stands_still_under_gravity(smooth: MakeMotion) -> None:
     """Bent by its weight from the first instant on: no jolt, and the load at rest is that of the rigid body."""
     motion = smooth(1e-9 * GRAVITY_LARGE, RATES, 0.2, 256.0)
     elastic, stiff = (respond("clumod-4", motion, elements=elements, gravity=G) for elements in (1, None))
@@ -260,7 +258,7 @@ def lowest_square(plan: Plan, gravity: float) -> float:
         return float(scene.system.ComputeODE2Eigenvalues(numberOfEigenvalues=2, useAbsoluteValues=False)[0][0])
 
 
-def test_rotation_of_the_block_is_what_the_angles_say(block: Inertia, smooth: Callable[..., BaseMotion]) -> None:
+def test_rotation_of_the_block_is_what_the_angles_say(block: Inertia, smooth: MakeMotion) -> None:
     """Weight in the table's axes after a slow turn is R^T m g: the sense of all three angles at once, without any dynamics."""
     motion = smooth(GRAVITY_LARGE, 0.05 * RATES, 4.0, 64.0)
     found = respond_of_plan(rigid(block), motion, Conditions(gravity=G))
@@ -291,9 +289,7 @@ def kicked() -> tuple[BaseMotion, Array]:
     return motion, np.array([2.0, 4.0, 6.0, 8.0])
 
 
-def test_at_small_motion_the_response_is_that_of_the_linear_dynamic_mass(
-    kicked: tuple[BaseMotion, Array], driven: Callable[..., Array]
-) -> None:
+def test_at_small_motion_the_response_is_that_of_the_linear_dynamic_mass(kicked: tuple[BaseMotion, Array], driven: Makes) -> None:
     """Clumod on one mesh, time against frequency: transforms of whole records. Below the first mode, at 11.5 Hz; the step shifts
     its square by (omega h)² / 6 = 3e-3 at 512 Hz, and the elastic eighth of the load at 8 Hz by about as much.
     """
@@ -324,7 +320,7 @@ def test_dampers_beside_the_beams_are_the_lossy_stiffness_over_omega(name: str) 
     assert np.abs((damping - expected)[kept] / size[kept]).max() < 1e-9
 
 
-def test_a_turning_beam_feels_nothing_of_its_dampers(smooth: Callable[..., BaseMotion]) -> None:
+def test_a_turning_beam_feels_nothing_of_its_dampers(smooth: MakeMotion) -> None:
     """The Cuboid through a radian, damped a hundred times as much as it is: the load changes by what bending at 1e-5 loses.
 
     The same dampers against the laboratory would hold it with meganewtons.
@@ -335,9 +331,7 @@ def test_a_turning_beam_feels_nothing_of_its_dampers(smooth: Callable[..., BaseM
 
 
 @pytest.mark.parametrize("name", ["cuboid", "fmd+disc+cuboid"])
-def test_a_stiff_article_of_beams_is_nearly_the_rigid_body_even_when_it_turns_far(
-    name: str, smooth: Callable[..., BaseMotion]
-) -> None:
+def test_a_stiff_article_of_beams_is_nearly_the_rigid_body_even_when_it_turns_far(name: str, smooth: MakeMotion) -> None:
     """Its holes included. The Cuboid gives by 3e-5; the rest is the step, 1.1e-4 at 512 Hz, and falls with its square."""
     motion = smooth(np.array([0.1, -0.05, 0.03, 0.6, -0.5, 1.0]), np.array([3.0, 4.0, 5.0, 4.3, 5.1, 3.7]), 0.5, 512.0)
     elastic, stiff = (respond(name, motion, elements=elements, gravity=9.81).load for elements in (1, None))
@@ -357,9 +351,7 @@ def test_an_article_with_nothing_to_fill_is_taken_as_it_is() -> None:
     assert able_to_turn(plan) is plan
 
 
-def test_places_tell_their_acceleration_in_the_axes_that_were_asked_for(
-    smooth: Callable[..., BaseMotion], accelerometer: Callable[..., Array]
-) -> None:
+def test_places_tell_their_acceleration_in_the_axes_that_were_asked_for(smooth: MakeMotion, accelerometer: Makes) -> None:
     """Beside a node high on the stiff Cuboid: what an accelerometer on the table itself would read there, turned or not."""
     place = np.array([0.1, -0.2, 0.35])
     motion = smooth(np.array([0.1, -0.05, 0.03, 0.6, -0.5, 1.0]), np.array([3.0, 4.0, 5.0, 4.3, 5.1, 3.7]), 0.5, 2048.0)

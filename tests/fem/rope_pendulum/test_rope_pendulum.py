@@ -24,11 +24,11 @@ def eq_5(product: float = S**2) -> float:
 
 
 def three(**more: Any) -> Suspension:
-    return on_three_ropes(S, **({"length": LENGTH, "amplitude": 0.01} | more))
+    return on_three_ropes(S, **({"length": LENGTH, "amplitude": 1e-3} | more))
 
 
 def two(s1: float, s2: float, **more: Any) -> Suspension:
-    return on_two_ropes(s1, s2, **({"length": LENGTH, "amplitude": 0.01} | more))
+    return on_two_ropes(s1, s2, **({"length": LENGTH, "amplitude": 1e-3} | more))
 
 
 def test_small_swings_have_the_period_of_eq_5_on_two_ropes_and_on_three() -> None:
@@ -179,11 +179,7 @@ def test_a_twist_at_which_the_ropes_lie_flat_has_no_equilibrium() -> None:
 
 
 SKEW = Inertia.from_cog(MASS, np.zeros(3), [[5.0, 0.1, 0.2], [0.1, 6.0, -0.1], [0.2, -0.1, MOMENT]])
-PERIOD = float(2 * np.pi * np.sqrt(MOMENT * LENGTH / (MASS * G * S**2)))
-
-
-def three_of_rope_swing(**more: Any) -> Suspension:
-    return on_three_ropes(S, **({"length": LENGTH, "amplitude": 1e-3} | more))
+PERIOD = eq_5()
 
 
 def run(suspension: Suspension, cycles: float = 3.1, body: Inertia = BODY, **more: Any) -> Swing:
@@ -200,20 +196,20 @@ def period(found: Swing) -> float:
 
 def test_the_period_converges_with_the_square_of_the_step_and_is_right_to_1e_5_at_the_default() -> None:
     steps = np.array([200, 400, 800])
-    errors = np.array([period(run(three_of_rope_swing(), step=PERIOD / n)) / PERIOD - 1 for n in steps])
+    errors = np.array([period(run(three(), step=PERIOD / n)) / PERIOD - 1 for n in steps])
     assert_allclose(np.polyfit(np.log(steps), np.log(errors), 1)[0], -2, atol=0.02)
     assert_allclose(errors, (2 * np.pi / steps) ** 2 / 12, rtol=0.04)  # as the module's head says; radius 0.9 adds 1 %
-    assert abs(period(run(three_of_rope_swing())) / PERIOD - 1) < 5e-6
+    assert abs(period(run(three())) / PERIOD - 1) < 5e-6
 
 
 @pytest.mark.parametrize(
     ("suspension", "body"),
     [
-        (three_of_rope_swing(rope_mass=0.3, links=4), BODY),
-        (three_of_rope_swing(stiffness=1e5, off_centre=(0.02, 0.01)), BODY),
-        (three_of_rope_swing(stiffness=1e6, rope_mass=0.3, links=4, stretch_damping=0.02), BODY),
-        (three_of_rope_swing(extra=np.array([0.005, 0.0, 0.0])), SKEW),
-        (on_two_ropes(0.3, 0.9, length=LENGTH, amplitude=1e-3, rope_mass=0.5, links=3), BODY),
+        (three(rope_mass=0.3, links=4), BODY),
+        (three(stiffness=1e5, off_centre=(0.02, 0.01)), BODY),
+        (three(stiffness=1e6, rope_mass=0.3, links=4, stretch_damping=0.02), BODY),
+        (three(extra=np.array([0.005, 0.0, 0.0])), SKEW),
+        (two(0.3, 0.9, rope_mass=0.5, links=3), BODY),
     ],
     ids=["chain", "elastic, off centre", "elastic chain", "unequal, askew", "two ropes"],
 )
@@ -223,7 +219,7 @@ def test_exudyn_and_statics_agree_on_the_small_period(suspension: Suspension, bo
 
 
 def test_the_body_stays_where_statics_hangs_it() -> None:
-    suspension = three_of_rope_swing(
+    suspension = three(
         amplitude=1e-9, stiffness=1e5, rope_mass=0.5, links=3, off_centre=(0.03, 0.02), extra=np.array([0.003, 0, 0])
     )
     found = run(suspension, cycles=1.0, body=SKEW)
@@ -234,7 +230,7 @@ def test_the_body_stays_where_statics_hangs_it() -> None:
 
 
 def test_let_go_or_pushed_the_body_swings_equally_far_and_fast() -> None:
-    let_go, pushed = (run(three_of_rope_swing(amplitude=0.3, start=start)) for start in ("twist", "push"))
+    let_go, pushed = (run(three(amplitude=0.3, start=start)) for start in ("twist", "push"))
     assert_allclose(let_go.yaw[0], 0.3, rtol=1e-12)
     assert_allclose(pushed.yaw[0], 0, atol=1e-12)
     # the energy of the push is that of the held twist, and the method keeps it to its own 3e-6 and better
@@ -243,7 +239,7 @@ def test_let_go_or_pushed_the_body_swings_equally_far_and_fast() -> None:
 
 
 def test_a_tilted_body_is_pushed_about_the_vertical_not_about_an_axis_of_its_own() -> None:
-    tilted = on_two_ropes(0.3, 0.3, length=LENGTH, amplitude=1e-3, off_centre=(0.0, 0.06), start="push")
+    tilted = two(0.3, 0.3, off_centre=(0.0, 0.06), start="push")
     found = run(tilted, body=SKEW)
     assert abs(found.rotation[0, 2, 1]) > 0.5  # sine of the tilt
     # one small mode and nothing else: after one period of the statics all is back where it was
@@ -255,7 +251,7 @@ def test_a_tilted_body_is_pushed_about_the_vertical_not_about_an_axis_of_its_own
 
 
 def test_ropes_keep_their_length_and_carry_the_weight() -> None:
-    found = run(three_of_rope_swing(amplitude=1.0))
+    found = run(three(amplitude=1.0))
     assert_allclose(np.linalg.norm(np.diff(found.chains, axis=2), axis=3), LENGTH, rtol=1e-9)
     # the mean upward force over whole cycles is the weight: momentum comes back
     vertical = found.tension[..., None] * (found.chains[:, :, 0] - found.chains[:, :, -1]) / LENGTH
@@ -265,14 +261,14 @@ def test_ropes_keep_their_length_and_carry_the_weight() -> None:
 
 @pytest.mark.parametrize("zeta", [0.01, 0.05])
 def test_peaks_fall_by_the_logarithmic_decrement_that_was_asked_for(zeta: float) -> None:
-    found = run(three_of_rope_swing(amplitude=0.01, damping_ratio=zeta), cycles=3.1)
+    found = run(three(amplitude=0.01, damping_ratio=zeta), cycles=3.1)
     peaks = [found.yaw[k] for k in range(1, len(found.yaw) - 1) if found.yaw[k - 1] < found.yaw[k] >= found.yaw[k + 1]]
     assert_allclose(np.log(peaks[0] / peaks[2]) / 2, 2 * np.pi * zeta / np.sqrt(1 - zeta**2), rtol=1e-4)
     assert_allclose(period(found) / PERIOD, 1 / np.sqrt(1 - zeta**2), rtol=1e-5)
 
 
 def test_the_recorder_hears_every_sample_it_asks_for() -> None:
-    found = run(three_of_rope_swing(), rate=20.0, cycles=2.0)
+    found = run(three(), rate=20.0, cycles=2.0)
     assert_allclose(found.time, np.arange(len(found.time)) / 20.0, atol=1e-9)
     assert found.time[-1] >= 2.0 * PERIOD - 1e-9
     assert float(found.settings["step_s"]) <= PERIOD / 1000  # type: ignore[arg-type]
@@ -280,29 +276,29 @@ def test_the_recorder_hears_every_sample_it_asks_for() -> None:
 
 
 def test_a_step_that_no_rope_sway_survives_is_refused_with_the_one_that_is_needed() -> None:
-    heavy = three_of_rope_swing(rope_mass=0.3, links=8)
+    heavy = three(rope_mass=0.3, links=8)
     with pytest.raises(BadInput, match=r"too coarse.*fastest sway.*Use 0\.0034") as caught:
         run(heavy, step=PERIOD / 200)
     assert caught.value.field == "step"
     with pytest.raises(BadInput, match="too coarse for a twist"):
-        run(three_of_rope_swing(), step=PERIOD / 150)
+        run(three(), step=PERIOD / 150)
 
 
 def test_where_the_refusal_is_overruled_exudyn_fails_and_says_when_and_where(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rope_pendulum, "RESOLVED", 100.0)
     with pytest.raises(CheckFailed, match=r"exudyn [\d.]+ failed.* s, step \d+ of \d+") as caught:
-        run(three_of_rope_swing(rope_mass=0.3, links=8), step=PERIOD / 200)
+        run(three(rope_mass=0.3, links=8), step=PERIOD / 200)
     assert caught.value.evidence["time"] < 3.1 * PERIOD  # type: ignore[operator]
     assert np.size(caught.value.evidence["state"]) == 7 + 3 * 3 * 7
 
 
 def test_more_than_can_be_done_is_refused_and_said_of_what_asked_for_it() -> None:
-    light = three_of_rope_swing(rope_mass=1e-9, links=8)
+    light = three(rope_mass=1e-9, links=8)
     for name, suspension, more in (
-        ("step", three_of_rope_swing(), {"step": 1e-9}),
-        ("rate", three_of_rope_swing(), {"rate": 1e9}),
+        ("step", three(), {"step": 1e-9}),
+        ("rate", three(), {"rate": 1e9}),
         ("links", light, {}),
-        ("duration", three_of_rope_swing(), {"duration": 1e5}),
+        ("duration", three(), {"duration": 1e5}),
     ):
         with pytest.raises(BadInput, match="times as many as are simulated") as caught:
             swing(BODY, suspension, **({"duration": 10.0, "gravity": G} | more))
@@ -318,19 +314,19 @@ def test_ctrl_c_and_whatever_else_progress_raises_ends_the_run_as_itself() -> No
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run(three_of_rope_swing(), progress=progress)
+        run(three(), progress=progress)
     assert told == sorted(told)
     assert 0.4 < told[-1] < 0.45
 
 
 def test_ropes_that_slack_on_the_way_are_no_result() -> None:
-    rubber = three_of_rope_swing(amplitude=2.0, length=1.0, stiffness=2000.0)
+    rubber = three(amplitude=2.0, length=1.0, stiffness=2000.0)
     with pytest.raises(CheckFailed, match=r"rope \d slacks at .* s of the swing"):
         run(rubber)
 
 
 def test_the_place_told_is_that_of_the_article_not_of_its_ropes() -> None:
-    found = run(on_three_ropes(S, length=LENGTH, amplitude=0.5, height=0.5, rope_mass=3.0, links=1), cycles=0.5)
+    found = run(three(amplitude=0.5, height=0.5, rope_mass=3.0, links=1), cycles=0.5)
     assert_allclose(found.place[:, :2], 0, atol=1e-9)
     assert_allclose(found.chains[0, :, -1, 2] - found.place[0, 2], 0.5, rtol=1e-9)
 
@@ -338,8 +334,4 @@ def test_the_place_told_is_that_of_the_article_not_of_its_ropes() -> None:
 @pytest.mark.parametrize(("name", "value"), [("duration", -1.0), ("step", 0.0), ("rate", -5.0), ("gravity", 0.0)])
 def test_sizes_of_a_run_must_be_positive(name: str, value: float) -> None:
     with pytest.raises(BadInput, match="must be positive"):
-        swing(BODY, three_of_rope_swing(), **({"duration": 1.0, "gravity": G} | {name: value}))
-
-
-def test_small_period_needs_no_exudyn() -> None:
-    assert_allclose(small_period(BODY, three_of_rope_swing(), G), PERIOD, rtol=1e-10)
+        swing(BODY, three(), **({"duration": 1.0, "gravity": G} | {name: value}))

@@ -44,56 +44,44 @@ def test_what_was_never_stored_is_not_there() -> None:
     assert model.load("nothing") is None
 
 
-def _shortened(path: Path) -> None:
-    path.write_bytes(path.read_bytes()[:-100])
-
-
-def _emptied(path: Path) -> None:
-    path.write_bytes(b"")
-
-
-def _damaged(path: Path) -> None:
+def damage(path: Path) -> None:
     content = bytearray(path.read_bytes())
     content[len(content) // 4] ^= 0xFF
     path.write_bytes(content)
 
 
-def _foreign(path: Path) -> None:
-    np.savez(path, a=np.zeros(3))
-
-
-def _text(path: Path) -> None:
-    path.write_text("not an archive", encoding="utf-8")
-
-
-def _pickled(path: Path) -> None:
-    np.savez(path, a=np.array([{"an": "object"}], dtype=object))
-
-
-def _another(path: Path) -> None:
+def swap(path: Path) -> None:
     model.store("another", ARRAYS)
     path.with_name("another.npz").replace(path)
 
 
-def _forged(path: Path) -> None:
+def forge(path: Path) -> None:
     """The right name and digest, other numbers: what a wrong digest looks like."""
     np.savez(path, **{**ARRAYS, "a": np.ones(1000), "massline-key": np.array("entry"), "massline-digest": model.digest(ARRAYS)})
 
 
-def _folder(path: Path) -> None:
-    path.unlink()
-    path.mkdir()
+SPOILERS: dict[str, Callable[[Path], object]] = {
+    "shortened": lambda path: path.write_bytes(path.read_bytes()[:-100]),
+    "emptied": lambda path: path.write_bytes(b""),
+    "damaged": damage,
+    "foreign": lambda path: np.savez(path, a=np.zeros(3)),
+    "text": lambda path: path.write_text("not an archive", encoding="utf-8"),
+    "pickled": lambda path: np.savez(path, a=np.array([{"an": "object"}], dtype=object)),
+    "another": swap,
+    "forged": forge,
+    "a folder": lambda path: (path.unlink(), path.mkdir()),
+}
 
 
-@pytest.mark.parametrize("spoilt", [_shortened, _emptied, _damaged, _foreign, _text, _pickled, _another, _forged, _folder])
-def test_a_file_that_is_not_whole_and_its_own_is_ignored(spoilt: Callable[[Path], None], entry: Path) -> None:
-    spoilt(entry)
+@pytest.mark.parametrize("spoilt", SPOILERS)
+def test_a_file_that_is_not_whole_and_its_own_is_ignored(spoilt: str, entry: Path) -> None:
+    SPOILERS[spoilt](entry)
     assert model.load("entry") is None
 
 
-@pytest.mark.parametrize("spoilt", [_shortened, _foreign, _another])
-def test_and_made_again(spoilt: Callable[[Path], None], entry: Path) -> None:
-    spoilt(entry)
+@pytest.mark.parametrize("spoilt", ["shortened", "foreign", "another"])
+def test_and_made_again(spoilt: str, entry: Path) -> None:
+    SPOILERS[spoilt](entry)
     model.store("entry", ARRAYS)
     assert model.load("entry") is not None
 
