@@ -23,6 +23,7 @@ from fem.beam.elements import Sandwich, Section, rectangle, sandwich, tube
 from fem.beam.frame import Body, Frame, Member, Plan, Ports, assemble, on_top, placed
 from fem.factorisers import factorise
 from fem.structure import Structure, hold, rigid_motion
+from geometry import cache
 from geometry.article import Article, Part, Shape, material, prefixes
 from geometry.article import rectangle as corners
 from geometry.articles import built_in, changes_of, dimension_files
@@ -583,7 +584,6 @@ def solid_flexibility(piece: ClumodPiece, size: float) -> Array:
 
 def _kept_flexibility(piece: ClumodPiece, size: float) -> Array:
     """`solid_flexibility`, remembered on disk by the drawing of the piece and its materials."""
-    from fem.solid import model
     from fem.solid.tetrahedra import bodies
 
     drawn = [
@@ -591,11 +591,11 @@ def _kept_flexibility(piece: ClumodPiece, size: float) -> Array:
         for body in bodies(build_clumod(piece.blades, piece.dimensions))
     ]
     ports = [[port.member, port.at] for port in piece.ports]
-    name = model.key("flexibility of ports", {"drawn": drawn, "ports": ports, "size": size, "foot": piece.foot})
-    kept = model.load(name)
+    name = cache.key("flexibility of ports", {"drawn": drawn, "ports": ports, "size": size, "foot": piece.foot})
+    kept = cache.load(name)
     if kept is None:
         kept = {"flexibility": solid_flexibility(piece, size)}
-        model.store(name, kept)
+        cache.store(name, kept)
     return kept["flexibility"]
 
 

@@ -2,15 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-import os
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -24,118 +17,10 @@ from fem.solid.assembly import SolidMesh, assemble
 from fem.solid.hexahedra import foot_height, hexahedra
 from fem.solid.tetrahedra import FINER, LARGEST_MESH, AnyArticle, Sizing, bodies, tetrahedra
 from fem.structure import Sparse, Structure
-from geometry import atomic
+from geometry import cache
 from geometry.article import Article, Material
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, Integers, rigid_transformation
-
-# Arrays kept on disk by what they were made from: a mesh, matrices, modes. Nothing here may ever be in the way.
-#
-# An entry is one ``.npz`` file, named after the digest of everything that went into it, versions of the libraries included. It
-# carries that name and a digest of its own arrays inside, so that a file that is half-written, cut short, damaged, renamed or
-# somebody else's is seen and ignored, and made again. No pickle is read or written. A disk that is full or read-only costs the
-# time that the entry would have saved, and nothing else.
-#
-# The folder is ``MASSLINE_CACHE``, else ``massline`` in ``XDG_CACHE_HOME``, else ``~/.cache/massline``; it may be deleted at
-# any time.
-
-FORMAT = 2
-"""Of the entries; a change of what is stored or computed counts it up, and older ones are no longer found."""
-
-LARGEST = 4 * 2**30
-"""Bytes that the folder may hold; the entries unused for longest go first."""
-
-ABANDONED = 24 * 3600.0
-"""Seconds after which a temporary file of a process that was killed is removed."""
-
-LIBRARIES = ("gmsh", "scikit-fem", "cadquery-ocp", "numpy", "scipy")
-
-Arrays = Mapping[str, np.ndarray]
-
-_KEY, _DIGEST = "massline-key", "massline-digest"
-
-
-def folder() -> Path | None:
-    """Where entries are kept, there or not yet; None where a home cannot be found."""
-    own = os.environ.get("MASSLINE_CACHE")
-    if own:
-        return Path(own)
-    base = Path(os.environ.get("XDG_CACHE_HOME", ""))
-    if base.is_absolute():
-        return base / "massline"
-    try:
-        return Path.home() / ".cache" / "massline"
-    except RuntimeError:
-        return None
-
-
-def key(kind: str, described: Any) -> str:
-    """Name of the entry that holds the `kind` of thing made from what `described` says (anything that JSON can write)."""
-    versions = dict.fromkeys(LIBRARIES, "none")
-    for library in LIBRARIES:
-        with suppress(PackageNotFoundError):
-            versions[library] = version(library)
-    whole = {"kind": kind, "format": FORMAT, "versions": versions, "described": described}
-    return hashlib.sha256(json.dumps(whole, sort_keys=True, allow_nan=False).encode()).hexdigest()
-
-
-def load(name: str) -> dict[str, np.ndarray] | None:
-    """The arrays of the entry `name`; None when there is none that is whole and its own."""
-    path = _path(name)
-    if path is None:
-        return None
-    try:
-        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
-            arrays = {each: file[each] for each in file.files}
-        genuine = str(arrays.pop(_KEY)) == name and str(arrays.pop(_DIGEST)) == digest(arrays)
-    except Exception:  # whatever damaged or foreign bytes make numpy, zipfile and zlib raise
-        return None
-    if genuine:
-        with suppress(OSError):
-            os.utime(path)  # used now
-    return arrays if genuine else None
-
-
-def store(name: str, arrays: Arrays) -> None:
-    """Keep `arrays` under `name`, as far as the disk allows."""
-    path = _path(name)
-    if path is None or sum(array.nbytes for array in arrays.values()) > LARGEST:
-        return
-    stamped = {**arrays, _KEY: np.array(name), _DIGEST: np.array(digest(arrays))}
-    with suppress(OSError):
-        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        atomic.write_with(path, lambda temporary: np.savez(temporary, allow_pickle=False, **stamped))
-        # What killed processes left goes, then the entries unused for longest until all fit
-        for found, stat in _files(path.parent, ".*.npz"):
-            if time.time() - stat.st_mtime > ABANDONED:
-                found.unlink(missing_ok=True)
-        kept = 0
-        for found, stat in sorted(_files(path.parent, "[!.]*.npz"), key=lambda entry: -entry[1].st_mtime_ns):
-            kept += stat.st_size
-            if kept > LARGEST:
-                found.unlink(missing_ok=True)
-
-
-def digest(arrays: Arrays) -> str:
-    """Digest of names, types, shapes and bytes of `arrays`, hexadecimal."""
-    found = hashlib.blake2b(digest_size=32)
-    for name in sorted(arrays):
-        array = np.ascontiguousarray(arrays[name])
-        found.update(f"{name} {array.dtype.str} {array.shape};".encode())
-        found.update(array.reshape(-1).view(np.uint8).data)
-    return found.hexdigest()
-
-
-def _path(name: str) -> Path | None:
-    there = folder()
-    return None if there is None else there / f"{name}.npz"
-
-
-def _files(there: Path, pattern: str) -> Iterator[tuple[Path, os.stat_result]]:
-    for path in there.glob(pattern):
-        with suppress(OSError):
-            yield path, path.stat()
-
 
 PLATE_SIZE, FOOT_SIZE = 0.035, 0.04
 """Width of a hexahedron [m] in plates and, at the least, in the foot, before it is divided by the fineness."""
@@ -173,11 +58,11 @@ def structure(
     found = bodies(article)
     made = _hexahedra(article, sizing)
     if made is None:
-        name = key("tetrahedra", {"bodies": [[body.name, body.fingerprint] for body in found], "sizing": sizing.described})
-        kept = load(name) if cached else None
+        name = cache.key("tetrahedra", {"bodies": [[body.name, body.fingerprint] for body in found], "sizing": sizing.described})
+        kept = cache.load(name) if cached else None
         made = tetrahedra(found, sizing) if kept is None else assembly.unpack_mesh(kept)
         if cached and kept is None:
-            store(name, assembly.pack_mesh(made))
+            cache.store(name, assembly.pack_mesh(made))
     return of_mesh(made, {body.name: body.material for body in found}, cached=cached)
 
 
@@ -218,11 +103,11 @@ def of_mesh(mesh: SolidMesh, materials: Mapping[str, Material], *, cached: bool 
         matrices = assembly.unpack_matrices(assembly.pack_matrices(assemble(mesh, materials)), mesh.parts)
     else:
         moduli = [[materials[name].youngs_modulus, materials[name].poisson_ratio, materials[name].density] for name in mesh.parts]
-        name = key("matrices", {"mesh": digest(assembly.pack_mesh(mesh)), "materials": moduli})
-        kept = load(name)
+        name = cache.key("matrices", {"mesh": cache.digest(assembly.pack_mesh(mesh)), "materials": moduli})
+        kept = cache.load(name)
         if kept is None:
             kept = assembly.pack_matrices(assemble(mesh, materials))
-            store(name, kept)
+            cache.store(name, kept)
         matrices = assembly.unpack_matrices(kept, mesh.parts)
     return Structure(
         stiffness=matrices.stiffness,
@@ -270,11 +155,11 @@ def fixed_base(
         "held": structure.held,
         "reference_point": structure.reference_point,
     }
-    name = key("modes", {"structure": digest(content), "count": count})
-    kept = load(name)
+    name = cache.key("modes", {"structure": cache.digest(content), "count": count})
+    kept = cache.load(name)
     if kept is None:
         solved = modes.fixed_base(structure, count, damping=Damping(ratio=0.0), factoriser=factoriser, progress=progress)
-        store(name, {field: getattr(solved, field) for field in _KEPT})
+        cache.store(name, {field: getattr(solved, field) for field in _KEPT})
     else:
         solved = Modes(**dict[str, Any](kept))
     return modes.with_damping(solved, structure, damping, factoriser=factoriser)

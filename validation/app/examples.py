@@ -1,6 +1,6 @@
 """The built-in examples: virtual tests with an effect that their model does not know, simulated at first use and kept.
 
-They lie in the user's cache (`fem.solid.model.folder`), made by the very functions behind `massline simulate` and `massline
+They lie in the user's cache (`geometry.cache.folder`), made by the very functions behind `massline simulate` and `massline
 model`; the same every time. Nothing is shipped, and the folder may be deleted at any time. Whatever one of them is made of is in
 the name of its folder, so that another version of massline makes its own.
 """
@@ -16,7 +16,7 @@ from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 
-from fem.solid import model
+from geometry import cache
 from geometry.atomic import write_text
 from geometry.errors import BadInput
 from geometry.toml_file import nearest
@@ -142,7 +142,7 @@ def _named(name: str) -> Example:
 
 
 def _folder(of: Example) -> Path:
-    there = model.folder()
+    there = cache.folder()
     if there is None:
         remedy = "Name a folder in the environment variable MASSLINE_CACHE"
         raise BadInput(source="example", field=of.name, problem="there is no folder in which it could be kept", remedy=remedy)

@@ -18,7 +18,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
-from fem.solid import model
+from geometry import cache
 from geometry.errors import BadInput, CheckFailed
 from validation.app import session, workers
 from validation.app.options import StartOptions
@@ -288,7 +288,7 @@ def _copied(folder: Path) -> Path:
     BadInput : there is no cache, or the model cannot be read.
     OSError : it cannot be written there.
     """
-    place = model.folder()
+    place = cache.folder()
     if place is None:
         raise BadInput(source="workbench", problem="there is no folder for a cache", remedy="Set MASSLINE_CACHE")
     to = place / PLACE / next(_names(folder, place / PLACE))

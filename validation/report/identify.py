@@ -13,6 +13,7 @@ import click
 import numpy as np
 import numpy.typing as npt
 
+from geometry import cache
 from geometry.atomic import write_text
 from geometry.dynamic_mass import MOTIONS, DynamicMass
 from geometry.errors import BadInput, CheckFailed
@@ -1132,7 +1133,9 @@ def command(asked: IdentifyOptions) -> str:
 
 def _findings(asked: IdentifyOptions, missing: list[str]) -> IdentificationFindings | None:
     try:
-        return identification_identified(asked)
+        return cache.answer(
+            lambda: identification_identified(asked), "identification", asked, cache.content([asked.campaign, *asked.tares])
+        )
     except (BadInput, CheckFailed) as error:
         missing.append(f"No inertia was identified: {error}")
         return None
@@ -1141,7 +1144,15 @@ def _findings(asked: IdentifyOptions, missing: list[str]) -> IdentificationFindi
 def _sensors(one: Campaign, missing: list[str]) -> Picture | None:
     said = f"Sensors of {Path(one.source).name}, seen from F: accelerometers of table, cover plate and article, and load cells"
     try:
-        return drawn(lambda folder: sensor_map_draw(one, folder), said)
+        return cache.answer(
+            lambda: drawn(lambda folder: sensor_map_draw(one, folder), said),
+            "sensors",
+            one.table,
+            one.article,
+            one.source,
+            one.title,
+            one.mounting,
+        )
     except CheckFailed as error:
         missing.append(f"No map of the sensors: {error}")
         return None

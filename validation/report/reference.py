@@ -9,6 +9,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from fem.user_model.reading import is_model
+from geometry import cache
 from geometry.errors import BadInput, CheckFailed
 from geometry.inertia import Inertia
 from geometry.routes import DEFAULT_CHORD, ROUTES
@@ -185,9 +186,13 @@ def article_part(name: str, model: Model, comparison: Comparison, classical: Seq
         words = f"{name} is known by an FE model of your own, which has no drawing: no picture and no routes"
         return ArticlePart(name=name, missing=(words,))
     asked = ArticleOptions(changes=model.changes if is_stack(source) else {})
-    table = _tried(lambda: _table(source, asked, name, classical), missing)
-    picture = _tried(lambda: drawn(lambda folder: draw(source, asked, folder), _said(name)), missing)
-    shapes = _tried(lambda: _shapes(source, model), missing) if _bends(name, model, comparison) else None
+    table = _tried(
+        lambda: _table(_kept(lambda: reference_table(source, asked), source, asked, "table"), name, classical), missing
+    )
+    said = f"{name}, with centre of gravity, principal axes and equivalent inertia ellipsoid, in the article's own frame"
+    picture = _tried(lambda: _kept(lambda: drawn(lambda folder: draw(source, asked, folder), said), source, asked, said), missing)
+    bends = _bends(name, model, comparison)
+    shapes = _tried(lambda: _kept(lambda: _shapes(source, model), source, asked, "shapes"), missing) if bends else None
     return ArticlePart(name=name, table=table, picture=picture, shapes=shapes, missing=tuple(missing))
 
 
@@ -205,13 +210,13 @@ def drawn(draw_into: Callable[[Path], Path], said: str) -> Picture:
         return Picture(png=draw_into(Path(folder)).read_bytes(), said=said)
 
 
-def _said(name: str) -> str:
-    return f"{name}, with centre of gravity, principal axes and equivalent inertia ellipsoid, in the article's own frame"
+def _kept(make: Callable[[], Made], source: str, asked: ArticleOptions, what: str) -> Made:
+    """What `make` makes of the drawing `source`, of a built-in article once for all reports; a file may lean on others."""
+    return cache.answer(make, what, source, asked) if is_stack(source) else make()
 
 
-def _table(source: str, asked: ArticleOptions, name: str, classical: Sequence[Reduction]) -> ReferenceTable:
-    """The reference table with a column for each measurement that is about the article `name`."""
-    table = reference_table(source, asked)
+def _table(table: ReferenceTable, name: str, classical: Sequence[Reduction]) -> ReferenceTable:
+    """The reference `table` with a column for each measurement that is about the article `name`."""
     own = [one for one in classical if one.article == name and any(key in KEYS for key in one.results)]
     columns = {f"classical {k}": _statement(one) for k, one in enumerate(own, start=1)}
     notes = tuple(f"Tolerances of {one.title} are ASSUMED." for one in own if one.assumed)
