@@ -46,7 +46,16 @@ by_name = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 
 LONG = {
     *("base-excitation.md", "campaigns.md", "classical-measurements.md", "compare.md", "diagnose.md", "flexible-body.md"),
-    *("identification.md", "ladder.md", "own-effect.md", "reference-tables.md", "report.md", "tutorial.md"),
+    *(
+        "identification.md",
+        "ladder.md",
+        "own-effect.md",
+        "reference-tables.md",
+        "report.md",
+        "tutorial.md",
+        "README.md",
+        "python.md",
+    ),
 }
 """Pages whose commands take ten seconds of computing and more: they are run by `make proof`, the others by `make test`."""
 
