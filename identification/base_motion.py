@@ -13,7 +13,7 @@ Pick-ups of the table and of the cover plate are never used together unless aske
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 
@@ -134,7 +134,8 @@ def base_motion(
     # (r, n, c) as (1, n, c) where all runs have the same: what follows from it is computed once
     each_run = spectra.noise[:, :, chosen]
     noise = each_run[:1] if np.all(each_run == each_run[:1]) else each_run
-    T = _solver(G, _roots(noise, weights))
+    roots = _roots(noise, weights)
+    T = np.linalg.pinv(roots[..., None] * G) * roots[:, :, None, :]  # (r, n, 6, c): [T] of Eq. 6, weighted
     y = spectra.values[:, :, chosen]
     u = (T @ y[..., None])[..., 0]
     residual = y - (G @ u[..., None])[..., 0]
@@ -143,6 +144,13 @@ def base_motion(
     sd = np.sqrt((left**2 @ noise[..., None] ** 2)[..., 0])
     expected = np.broadcast_to(np.where(sd > 1e-6 * noise, sd, 0.0), y.shape)
     covariance = (T * noise[:, :, None, :] ** 2) @ T.swapaxes(2, 3)
+    warnings: tuple[str, ...] = ()
+    if {"table", "cover"} <= set(used):
+        rigid = "they are taken for one rigid body, load cells for rigid"
+        warnings = (f"base motion from table and cover plate together: {rigid}",)
+    elif "cover" not in used:
+        lacking = of_motions(spectra.table, ("cover",)).text
+        warnings = (f"base motion from {' and '.join(used)}: cells are taken for rigid (the cover plate: {lacking})",)
     return BaseMotion(
         channels=tuple(spectra.table.names[k] for k in chosen),
         values=u,
@@ -152,7 +160,7 @@ def base_motion(
         sigmas=in_sigmas(residual, expected),
         percent=in_percent(residual, y),
         redundancy=len(chosen) - 6,
-        warnings=_warnings(spectra.table, used),
+        warnings=warnings,
     )
 
 
@@ -214,20 +222,6 @@ def _roots(noise: Array, weights: npt.ArrayLike | None) -> Array:
     return np.where(known, least / np.where(known, noise, 1.0), 1.0)
 
 
-def _solver(G: Array, roots: Array) -> Array:
-    """(r, n, 6, c): the matrix [T] of Eq. 6, weighted."""
-    return np.asarray(np.linalg.pinv(roots[..., None] * G) * roots[:, :, None, :])
-
-
-def _warnings(table: ChannelTable, groups: Sequence[str]) -> tuple[str, ...]:
-    if {"table", "cover"} <= set(groups):
-        return ("base motion from table and cover plate together: they are taken for one rigid body, load cells for rigid",)
-    if "cover" not in groups:
-        lacking = of_motions(table, ("cover",)).text
-        return (f"base motion from {' and '.join(groups)}: cells are taken for rigid (the cover plate: {lacking})",)
-    return ()
-
-
 # How well the runs tell six base motions apart, line by line, and in words where they do not.
 #
 # Columns of S_u are runs. Every row is divided by the nominal level of its axis, so that metres stand beside radians; the
@@ -271,6 +265,46 @@ class DrivenMotions:
         largest = np.maximum(self.singular[:, 0], np.finfo(np.float64).tiny)
         return np.asarray(1 / np.maximum(self.singular[:, -1] / largest, 1e-16))
 
+    @staticmethod
+    def of_runs(scaled: ComplexArray, frequency: Array) -> DrivenMotions:
+        """By base motions (r, n, 6) at `frequency` (n,) [Hz], every axis divided by its level."""
+        directions, found, _ = np.linalg.svd(scaled.transpose(1, 2, 0))
+        singular = np.zeros((len(frequency), 6))
+        singular[:, : found.shape[1]] = found
+        return DrivenMotions(frequency=frequency, singular=singular, directions=directions)
+
+    def require_told_apart(self) -> None:
+        """Six base motions must be told apart at every line.
+
+        Raises
+        ------
+        BadInput : the runs leave a combination of base motions undriven; it is named.
+        """
+        worst = int(np.argmax(self.condition))
+        if self.condition[worst] >= SINGULAR:
+            where = f"at {self.frequency[worst]:g} Hz (condition number {self.condition[worst]:.1e})"
+            raise BadInput(
+                source="dynamic mass from runs",
+                field="runs",
+                problem=f"the base motions are linearly dependent {where}: {said(self.weak(worst, SINGULAR))}",
+                remedy="Drive every one of the six axes in a run of its own",
+            )
+
+    def excluded(self, limit: float) -> Exclusions:
+        """Lines whose condition number exceeds `limit` are left out; the reason names the base motions that move together."""
+        kept = self.condition <= limit
+        out = [(k, names(self.weak(k, limit))) for k in np.flatnonzero(~kept).tolist()]
+        reasons = []
+        # Neighbours with the same motions share a sentence: index minus rank is constant in a run of neighbours.
+        for _, stretch in groupby(enumerate(out), key=lambda item: (item[1][0] - item[0], item[1][1])):
+            lines = [k for _, (k, _) in stretch]
+            f, condition = self.frequency[lines], self.condition[lines]
+            where = f"{f[0]:g} Hz is" if len(f) == 1 else f"{f[0]:g} to {f[-1]:g} Hz ({len(f)} lines) are"
+            allowed = f"condition number up to {condition.max():.3g} where {limit:g} is allowed"
+            worst = self.weak(lines[int(np.argmax(condition))], limit)
+            reasons.append(f"{where} left out, {allowed}: {said(worst)}")
+        return Exclusions(kept=kept, reasons=tuple(reasons))
+
     def weak(self, line: int, limit: float) -> ComplexArray:
         """(6, k) combinations of the scaled base motions at `line` that are driven less than 1 / `limit` of the strongest."""
         open_ = self.singular[line] * limit <= self.singular[line, 0]
@@ -291,44 +325,6 @@ class Exclusions:
     reasons: tuple[str, ...]
 
 
-def of_runs(motion: ComplexArray, frequency: Array, levels: Mapping[str, float]) -> DrivenMotions:
-    """The excitation by base motions (r, n, 6) at `frequency` (n,) [Hz], every axis scaled by its level."""
-    scaled = (motion / np.array([levels[axis] for axis in MOTIONS])).transpose(1, 2, 0)
-    directions, found, _ = np.linalg.svd(scaled)
-    singular = np.zeros((len(frequency), 6))
-    singular[:, : found.shape[1]] = found
-    return DrivenMotions(frequency=frequency, singular=singular, directions=directions)
-
-
-def excluded_lines(excitation: DrivenMotions, limit: float) -> Exclusions:
-    """Lines whose condition number exceeds `limit` are left out; the reason names the base motions that move together there."""
-    kept = excitation.condition <= limit
-    out = [(k, names(excitation.weak(k, limit))) for k in np.flatnonzero(~kept).tolist()]
-    # Neighbours with the same motions share a sentence: index minus rank is constant in a run of neighbours.
-    stretches = groupby(enumerate(out), key=lambda item: (item[1][0] - item[0], item[1][1]))
-    chosen = [[k for _, (k, _) in stretch] for _, stretch in stretches]
-    return Exclusions(kept=kept, reasons=tuple(_reason(excitation, lines, limit) for lines in chosen))
-
-
-def require_driven(excitation: DrivenMotions) -> None:
-    """Six base motions must be told apart at every line.
-
-    Raises
-    ------
-    BadInput : the runs leave a combination of base motions undriven; it is named.
-    """
-    worst = int(np.argmax(excitation.condition))
-    if excitation.condition[worst] < SINGULAR:
-        return
-    where = f"at {excitation.frequency[worst]:g} Hz (condition number {excitation.condition[worst]:.1e})"
-    raise BadInput(
-        source="dynamic mass from runs",
-        field="runs",
-        problem=f"the base motions are linearly dependent {where}: {said(excitation.weak(worst, SINGULAR))}",
-        remedy="Drive every one of the six axes in a run of its own",
-    )
-
-
 def names(weak: ComplexArray) -> tuple[str, ...]:
     """The base motions that take part in the combinations `weak` (6, k)."""
     size = np.linalg.norm(weak, axis=1)
@@ -343,23 +339,12 @@ def said(weak: ComplexArray) -> str:
         return f"hardly any run drives {listed}"
     if weak.shape[1] > 1:
         return f"{listed} move together so that {weak.shape[1]} combinations of them hardly move in any run"
-    return f"{listed} move together: {_combined(weak[:, 0])} hardly moves in any run (every motion as a share of its level)"
-
-
-def _combined(weak: ComplexArray) -> str:
-    """The combination that stands still. It is v^H u, so shares are conjugate; the largest is real."""
-    size = np.abs(weak)
-    largest = weak[int(np.argmax(size))]
-    share = np.where(size >= SHARE * size.max(), np.conj(weak) * largest / np.abs(largest), 0)
+    # The combination that stands still is v^H u, so shares are conjugate; the largest is real
+    size, largest = np.abs(weak[:, 0]), weak[int(np.argmax(np.abs(weak[:, 0]))), 0]
+    share = np.where(size >= SHARE * size.max(), np.conj(weak[:, 0]) * largest / np.abs(largest), 0)
     lag = ", partly out of phase," if np.abs(share.imag).max() > IN_PHASE * size.max() else ""
-    return combination(share.real, MOTIONS) + lag
-
-
-def _reason(excitation: DrivenMotions, lines: list[int], limit: float) -> str:
-    f, condition = excitation.frequency[lines], excitation.condition[lines]
-    where = f"{f[0]:g} Hz is" if len(f) == 1 else f"{f[0]:g} to {f[-1]:g} Hz ({len(f)} lines) are"
-    worst = excitation.weak(lines[int(np.argmax(condition))], limit)
-    return f"{where} left out, condition number up to {condition.max():.3g} where {limit:g} is allowed: {said(worst)}"
+    still = combination(share.real, MOTIONS) + lag
+    return f"{listed} move together: {still} hardly moves in any run (every motion as a share of its level)"
 
 
 # What the base motion would be without each of its accelerometers: how far it moves, how much noise grows, what is lost.
@@ -401,27 +386,27 @@ def without_each(spectra: Spectra, *, groups: Sequence[str] | None = None, gravi
     BadInput : as of `base_motion`.
     """
     used = groups_used(spectra.table) if groups is None else tuple(groups)
-    known = _with_noise(_only(spectra, spectra.table.select(group=used, quantity="acceleration")))
-    whole = base_motion(known, groups=used, gravity=gravity)
-    return tuple(_lost(known, k, whole, used, gravity) for k in range(len(known.table)))
-
-
-def _lost(spectra: Spectra, gone: int, whole: BaseMotion, groups: Sequence[str], gravity: float) -> Loss:
-    left = _only(spectra, [k for k in range(len(spectra.table)) if k != gone])
-    verdict, name = of_motions(left.table, groups), spectra.table.names[gone]
-    if not verdict.complete:
-        text = f"without {name} {verdict.text}"
-        untold = np.zeros((len(spectra.runs), 6))
-        return Loss(channel=name, lost=verdict.missing, text=text, moved=untold, amplification=np.full(6, np.inf))
-    rest = base_motion(left, groups=groups, gravity=gravity)
-    amplification = np.sqrt(np.median(_variance(rest) / _variance(whole), axis=(0, 1)))
+    known = _only(spectra, spectra.table.select(group=used, quantity="acceleration"))
+    if not np.all(known.noise > 0):  # equal noise then: what matters here is how it spreads
+        known = replace(known, noise=np.ones_like(known.noise))
+    whole, found = base_motion(known, groups=used, gravity=gravity), []
     size = np.sqrt(np.mean(np.abs(whole.values / NOMINAL) ** 2, axis=1)).max(axis=1)
-    change = np.sqrt(np.mean(np.abs((rest.values - whole.values) / NOMINAL) ** 2, axis=1))
-    moved = np.asarray(change / np.where(size > 0, size, 1.0)[:, None])
-    k = int(np.argmax(moved.max(axis=0)))
-    most = f"moves {MOTIONS[k]} most, by {100 * moved[:, k].max():.2g} % of the driven motion"
-    text = f"without {name} {most}; noise grows up to {amplification.max():.2g} times"
-    return Loss(channel=name, lost=(), text=text, moved=moved, amplification=amplification)
+    for gone, name in enumerate(known.table.names):
+        left = _only(known, [k for k in range(len(known.table)) if k != gone])
+        verdict = of_motions(left.table, used)
+        if not verdict.complete:
+            untold, text = np.zeros((len(known.runs), 6)), f"without {name} {verdict.text}"
+            found.append(Loss(channel=name, lost=verdict.missing, text=text, moved=untold, amplification=np.full(6, np.inf)))
+            continue
+        rest = base_motion(left, groups=used, gravity=gravity)
+        amplification = np.sqrt(np.median(_variance(rest) / _variance(whole), axis=(0, 1)))
+        change = np.sqrt(np.mean(np.abs((rest.values - whole.values) / NOMINAL) ** 2, axis=1))
+        moved = np.asarray(change / np.where(size > 0, size, 1.0)[:, None])
+        k = int(np.argmax(moved.max(axis=0)))
+        most = f"moves {MOTIONS[k]} most, by {100 * moved[:, k].max():.2g} % of the driven motion"
+        text = f"without {name} {most}; noise grows up to {amplification.max():.2g} times"
+        found.append(Loss(channel=name, lost=(), text=text, moved=moved, amplification=amplification))
+    return tuple(found)
 
 
 def _variance(motion: BaseMotion) -> Array:
@@ -432,11 +417,6 @@ def _only(spectra: Spectra, chosen: Sequence[int]) -> Spectra:
     taken = list(chosen)
     values, noise = spectra.values[:, :, taken], spectra.noise[:, :, taken]
     return replace(spectra, table=spectra.table.subset(taken), values=values, noise=noise)
-
-
-def _with_noise(spectra: Spectra) -> Spectra:
-    """Equal noise where that of a channel is not known: what matters here is how it spreads."""
-    return spectra if np.all(spectra.noise > 0) else replace(spectra, noise=np.ones_like(spectra.noise))
 
 
 # `RunNoise`: the noise of loads and base motions, run by run and line by line.

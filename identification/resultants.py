@@ -77,6 +77,11 @@ def resultants(spectra: Spectra) -> Resultants:
     names = tuple(channel.name for channel in channels)
     R = sensors.resultants(channels, spectra.table.origin)
     V = combinations(spectra.table, chosen)
+    words = []
+    for row in V / np.abs(V).max(axis=1, keepdims=True, initial=0.0):
+        parts = [(abs(v), "-" if v < 0 else "+", name) for v, name in zip(row, names, strict=True) if v]
+        terms = [f"{sign} {'' if abs(size - 1) < 1e-6 else f'{size:.3g} '}{name}" for size, sign, name in parts]
+        words.append(" ".join(terms).removeprefix("+ "))
     y, noise = spectra.values[:, :, chosen], spectra.noise[:, :, chosen]
     parity = y @ V.T
     known = np.all(noise > 0, axis=2, keepdims=True)
@@ -86,7 +91,7 @@ def resultants(spectra: Spectra) -> Resultants:
         values=y @ R.T,
         covariance=np.einsum("kc,rnc,lc->rnkl", R, noise**2, R),
         combinations=V,
-        names=tuple(_words(row, names) for row in V),
+        names=tuple(words),
         parity=parity,
         expected=expected,
         sigmas=in_sigmas(parity, expected),
@@ -100,18 +105,14 @@ def combinations(table: ChannelTable, chosen: Sequence[int]) -> Array:
     With equal stiffness the cells share a load f as B (B^T B)^-1 f, and a combination v of the sums S balances when v S B = 0.
     The rows are as sparse as elimination makes them: a lateral one and a vertical one are not mixed.
     """
+    from scipy.linalg import qr
+
     of = sensors.summation([table.channels[k] for k in chosen], table.origin)
     shown = of.adds @ of.gives.T  # (c, 6): what a channel reads of each load, up to (B^T B)^-1
     scale = np.linalg.norm(shown, axis=0)
     U, singular, _ = np.linalg.svd(shown / np.where(scale > 0, scale, 1.0))
     rank = int(np.sum(singular > 1e-6 * singular[0]))
-    return _sparse(U[:, rank:])
-
-
-def _sparse(null: Array) -> Array:
-    """The span of the columns (c, k) as unit rows (k, c) that share as few channels as elimination can separate."""
-    from scipy.linalg import qr
-
+    null = U[:, rank:]
     count = null.shape[1]
     if not count:
         return np.zeros((0, len(null)))
@@ -121,13 +122,3 @@ def _sparse(null: Array) -> Array:
     rows = rows[np.argsort([int(np.flatnonzero(row)[0]) for row in rows], kind="stable")]
     first = np.array([np.sign(row[np.flatnonzero(row)[0]]) for row in rows])
     return np.asarray(rows * first[:, None] / np.linalg.norm(rows, axis=1, keepdims=True))
-
-
-def _words(row: Array, names: Sequence[str]) -> str:
-    largest = float(np.abs(row).max())
-    parts = [(value / largest, name) for value, name in zip(row, names, strict=True) if value]
-    return " ".join(f"{'-' if value < 0 else '+'} {_factor(abs(value))}{name}" for value, name in parts).removeprefix("+ ")
-
-
-def _factor(size: float) -> str:
-    return "" if abs(size - 1) < 1e-6 else f"{size:.3g} "

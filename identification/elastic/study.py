@@ -141,7 +141,8 @@ class BandStudy:
             return np.full(10, np.nan)
         away = np.array([np.abs(cell.parameters - self.fitted.parameters) for cell in counted])
         telling = np.array([cell.deviation <= limit / 2 * self.scale for cell in counted])
-        return np.array([_ninth_of_ten(away[telling[:, k], k]) for k in range(10)])
+        enough = telling.sum(axis=0) >= FEWEST
+        return np.array([np.quantile(away[telling[:, k], k], 0.9) if enough[k] else np.nan for k in range(10)])
 
     def verdicts(self, *, rigid: bool = False, limit: float = LIMIT) -> Mapping[str, str]:
         """In words, by parameter; `rigid` judges the way without elastic terms.
@@ -225,7 +226,9 @@ def study(
     cells: list[StudiedFit] = []
     for k, band in enumerate(bands):
         data = lines_of(dynamic_mass, weights, floor, band)
-        cells.extend(_judged([_cell(count, trial, data, band) for count, trial in trials.items()], whole))
+        found = [_cell(count, trial, data, band) for count, trial in trials.items()]
+        explained = EXPLAINED * max(min(cell.misfit for cell in found), min(whole.misfit, 1.0), 1.0)
+        cells += [replace(cell, plausible=cell.misfit <= explained) for cell in found]
         tell(0.3 + 0.7 * (k + 1) / len(bands))
     # Nothing tells here whether the rigid way explains its data, so that these cells are drawn and judge nothing.
     cells += [_cell(0, trials[0], lines_of(dynamic_mass, weights, floor, band), band) for band in _bands(first, lower)]
@@ -260,12 +263,3 @@ def _cell(count: int, trial: Trial, data: Lines, band: tuple[float, float]) -> S
         covariance=covariance_of_the_ten(found.information / price_of([found], thin).unit),
         misfit=found.chi2 / max(thin.count - layout.size, 1),
     )
-
-
-def _judged(cells: list[StudiedFit], whole: Fitted) -> list[StudiedFit]:
-    best = min(cell.misfit for cell in cells)
-    return [replace(cell, plausible=cell.misfit <= EXPLAINED * max(best, min(whole.misfit, 1.0), 1.0)) for cell in cells]
-
-
-def _ninth_of_ten(values: Array) -> float:
-    return float(np.quantile(values, 0.9)) if len(values) >= FEWEST else float("nan")

@@ -58,7 +58,15 @@ def read(path: Path) -> Signals:
         require_one_length(samples, len(axis), source)
         rate = rate_of_times(axis, source, "time")
         return Signals(source=source, samples=samples, sampling_rate=rate, warnings=warnings)
-    samples = _complex(header, table, source)
+    for name in header[1:]:
+        stem, _, part = name.rpartition(".")
+        other = f"{stem}.{'im' if part == 're' else 're'}"
+        if part not in ("re", "im") or other not in header:
+            missing = f"{name}.re and {name}.im are needed" if part not in ("re", "im") else f"{other} is missing"
+            problem = f"a spectrum takes two columns: {missing}"
+            raise BadInput(source=source, field=name, problem=problem, remedy="Write real and imaginary part")
+    stems, at = dict.fromkeys(name.rpartition(".")[0] for name in header[1:]), {name: k for k, name in enumerate(header)}
+    samples = {name: as_complex(table[:, at[f"{name}.re"]], table[:, at[f"{name}.im"]]) for name in stems}
     require_one_length(samples, len(axis), source)
     require_lines(axis, source, "frequency")
     return Signals(source=source, samples=samples, frequency=axis, warnings=warnings)
@@ -118,16 +126,3 @@ def _table(body: bytes, width: int, source: str) -> Array:
         problem = f"its rows have {table.shape[1]} columns where the header names {width}"
         raise BadInput(source=source, problem=problem, remedy=DAMAGED)
     return np.asarray(table, dtype=np.float64)
-
-
-def _complex(header: list[str], table: Array, source: str) -> dict[str, Samples]:
-    names = list(dict.fromkeys(name.rpartition(".")[0] for name in header[1:]))
-    for name in header[1:]:
-        stem, _, part = name.rpartition(".")
-        other = f"{stem}.{'im' if part == 're' else 're'}"
-        if part not in ("re", "im") or other not in header:
-            missing = f"{name}.re and {name}.im are needed" if part not in ("re", "im") else f"{other} is missing"
-            problem = f"a spectrum takes two columns: {missing}"
-            raise BadInput(source=source, field=name, problem=problem, remedy="Write real and imaginary part")
-    at = {name: k for k, name in enumerate(header)}
-    return {name: as_complex(table[:, at[f"{name}.re"]], table[:, at[f"{name}.im"]]) for name in names}

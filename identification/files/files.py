@@ -203,14 +203,6 @@ def roundest(low: float, high: float) -> float:
     return middle
 
 
-def rate_of_increment(increment: float) -> tuple[float, float]:
-    """Least and largest sampling rate [Hz] that a printed time `increment` [s], positive, may stand for."""
-    # Half a unit of the last digit that `increment` was printed with, at least `5` decimals behind an exponent
-    digits = next((d for d in range(5, 17) if float(f"{increment:.{d}e}") == increment), 17)
-    rounding = float(0.5 * 10.0 ** (np.floor(np.log10(abs(increment))) - digits))
-    return 1 / (increment + rounding), 1 / (increment - rounding)
-
-
 def rate_of_times(time: Array, source: str, field: str) -> float:
     """The sampling rate [Hz] behind time stamps (n,) [s].
 

@@ -54,7 +54,18 @@ def opened(path: Path) -> Iterator[Any]:
     """
     import h5py
 
-    _require_whole(path)
+    # The file is as long as its superblock says: a stretch that was lost, or came twice, shifts all that follows it
+    with path.open("rb") as raw:
+        head = raw.read(8192)
+    start = next((k for k in (0, 512, 1024, 2048, 4096) if head[k : k + 8] == SIGNATURE), None)
+    if start is None:
+        raise BadInput(source=str(path), problem="it cannot be read as HDF5: it does not begin so", remedy=DAMAGED)
+    block = head[start : start + 64].ljust(64, b"\0")
+    field, width = (40 if block[8] < 2 else 28) + 4 * (block[8] == 1), block[13] if block[8] < 2 else block[9]
+    stated, found = int.from_bytes(block[field : field + 8], "little"), path.stat().st_size
+    if width == 8 and stated != found:
+        problem = f"it cannot be read as HDF5: it says that it is {stated} bytes long, found {found}"
+        raise BadInput(source=str(path), problem=problem, remedy=DAMAGED)
     try:
         with h5py.File(path, "r") as file:
             yield file
@@ -81,7 +92,12 @@ def datasets(group: Any, source: str) -> dict[str, Any]:
     # No two datasets share bytes of the file, nor do numbers and the heads of datasets
     heads = [(h5o.get_info(one.id).addr, 1, f"the head of {name}") for name, one in found.items()]
     ranges = sorted(
-        heads + [(one.id.get_offset(), one.id.get_storage_size(), name) for name, one in found.items() if _is_whole(one)]
+        heads
+        + [
+            (one.id.get_offset(), one.id.get_storage_size(), name)
+            for name, one in found.items()
+            if one.chunks is None and one.id.get_offset() is not None
+        ]
     )
     for (start, size, name), (after, _, other) in pairwise(ranges):
         if start + size > after:
@@ -109,7 +125,10 @@ def dataset(group: Any, name: str, source: str) -> Any:
         raise refused("is no dataset", "Put one dataset a channel there")
     if entry.external or entry.is_virtual:
         raise refused("has its numbers in another file", _OWN_DATA)
-    if not _is_plain(entry.dtype) or not _is_ieee(entry):
+    # The type in the file is the standard one, bit by bit: with a damaged one, other numbers would be read
+    if not _is_plain(entry.dtype) or not any(
+        entry.id.get_type().equal(h5py.h5t.py_create(entry.dtype.newbyteorder(sign))) for sign in "<>"
+    ):
         raise refused(f"must hold floating-point numbers, found the type {entry.dtype}", "Write it as 64-bit floating point")
     if int(entry.size or 0) * entry.dtype.itemsize > LARGEST_BYTES:
         raise too_large(source, int(entry.size) * entry.dtype.itemsize)
@@ -145,35 +164,12 @@ def number(group: Any, name: str, source: str) -> float:
     return float(value.item())
 
 
-def _require_whole(path: Path) -> None:
-    """The file is as long as its superblock says: a stretch that was lost, or came twice, shifts all that follows it."""
-    with path.open("rb") as file:
-        head = file.read(8192)
-    start = next((k for k in (0, 512, 1024, 2048, 4096) if head[k : k + 8] == SIGNATURE), None)
-    if start is None:
-        raise BadInput(source=str(path), problem="it cannot be read as HDF5: it does not begin so", remedy=DAMAGED)
-    block = head[start : start + 64].ljust(64, b"\0")
-    field, width = (40 if block[8] < 2 else 28) + 4 * (block[8] == 1), block[13] if block[8] < 2 else block[9]
-    stated, found = int.from_bytes(block[field : field + 8], "little"), path.stat().st_size
-    if width == 8 and stated != found:
-        problem = f"it cannot be read as HDF5: it says that it is {stated} bytes long, found {found}"
-        raise BadInput(source=str(path), problem=problem, remedy=DAMAGED)
-
-
 def _is_plain(dtype: Any) -> bool:
     """Real or complex IEEE numbers of four or eight bytes a part, complex also as MATLAB's pair of fields."""
     if dtype.names:
         parts = [dtype[name] for name in dtype.names]
         return dtype.names in (("real", "imag"), ("r", "i")) and parts[0] == parts[1] and _is_plain(parts[0])
     return dtype.kind in "fc" and dtype.itemsize in ((4, 8) if dtype.kind == "f" else (8, 16))
-
-
-def _is_ieee(entry: Any) -> bool:
-    """Whether the type in the file is the standard one, bit by bit: with a damaged one, other numbers would be read."""
-    import h5py
-
-    stored = entry.id.get_type()
-    return any(stored.equal(h5py.h5t.py_create(entry.dtype.newbyteorder(sign))) for sign in "<>")
 
 
 def _require_written(entry: Any, name: str, source: str) -> None:
@@ -190,26 +186,17 @@ def _require_written(entry: Any, name: str, source: str) -> None:
         raise refused(f"declares {entry.size} samples in {expected} pieces, found {found}")
     corners = (tuple(at * step for at, step in zip(place, entry.chunks, strict=True)) for place in np.ndindex(*counts))
     plain = int(np.prod(entry.chunks)) * entry.dtype.itemsize
-    filters = _filters(entry, refused)
-    for corner in corners:
-        left_out, _ = entry.id.read_direct_chunk(corner)  # fails where reading the numbers would fill in zeros
-        if left_out or not (filters or entry.id.get_chunk_info_by_coord(corner).size == plain):
-            raise refused("is stored otherwise than it says")
-
-
-def _filters(entry: Any, refused: Any) -> list[int]:
     properties = entry.id.get_create_plist()
-    found = [properties.get_filter(k) for k in range(properties.get_nfilters())]
-    for code, _, parameters, _ in found:
+    filters = [properties.get_filter(k) for k in range(properties.get_nfilters())]
+    for code, _, parameters, _ in filters:
         if code not in _FILTERS:
             raise refused(f"is packed by filter {code}, where {', '.join(_FILTERS.values())} are known")
         if code == 2 and tuple(parameters[:1]) != (entry.dtype.itemsize,):
             raise refused("is shuffled by another size than that of its numbers")
-    return [code for code, *_ in found]
-
-
-def _is_whole(one: Any) -> bool:
-    return one.chunks is None and one.id.get_offset() is not None
+    for corner in corners:
+        left_out, _ = entry.id.read_direct_chunk(corner)  # fails where reading the numbers would fill in zeros
+        if left_out or not (filters or entry.id.get_chunk_info_by_coord(corner).size == plain):
+            raise refused("is stored otherwise than it says")
 
 
 ENDINGS = (".h5", ".hdf5")

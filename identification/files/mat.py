@@ -79,17 +79,27 @@ def read_version_5(path: Path) -> dict[str, Samples]:
     from scipy.io import loadmat
 
     source = str(path)
-    # `unpacked_content` with its compressed elements unpacked, all of it measured
-    unpacked_content = path.read_bytes()
-    if len(unpacked_content) < HEADER or unpacked_content[124:128] not in (b"\x00\x01IM", b"\x01\x00MI"):
+    # Its compressed elements are unpacked, and all of it is measured
+    packed = path.read_bytes()
+    if len(packed) < HEADER or packed[124:128] not in (b"\x00\x01IM", b"\x01\x00MI"):
         raise BadInput(source=source, problem="it is no MAT file of version 5", remedy="Save it with -v7 or -v7.3")
-    order = _Order(sign="<" if unpacked_content[126:128] == b"IM" else ">")
-    pieces, place, names, room = [unpacked_content[:HEADER]], HEADER, [], LARGEST_BYTES
-    while place < len(unpacked_content):
-        kind, size = order.words(_enough(unpacked_content, place, 8, source), place, 2)
-        body = _enough(unpacked_content, place + 8, size, source)[place + 8 : place + 8 + size]
+    order = _Order(sign="<" if packed[126:128] == b"IM" else ">")
+    pieces, place, names, room = [packed[:HEADER]], HEADER, [], LARGEST_BYTES
+    while place < len(packed):
+        kind, size = order.words(_enough(packed, place, 8, source), place, 2)
+        body = _enough(packed, place + 8, size, source)[place + 8 : place + 8 + size]
         place += 8 + size
-        element = _inflated(body, room, source) if kind == COMPRESSED else struct.pack(f"{order.sign}2I", kind, size) + body
+        element = struct.pack(f"{order.sign}2I", kind, size) + body
+        if kind == COMPRESSED:
+            unpacker = zlib.decompressobj()
+            try:
+                element = unpacker.decompress(body, room)
+            except zlib.error as error:
+                raise BadInput(source=source, problem=f"a variable cannot be unpacked: {error}", remedy=DAMAGED) from None
+            if unpacker.unconsumed_tail:
+                raise too_large(source, room + 1)
+            if not unpacker.eof or unpacker.unused_data:
+                raise BadInput(source=source, problem="a packed variable does not end where it says", remedy=DAMAGED)
         room -= len(element)
         name = _measured(element, order, source)
         if name in names:
@@ -103,19 +113,6 @@ def read_version_5(path: Path) -> dict[str, Samples]:
         problem = f"it cannot be read as a MAT file: {str(error) or type(error).__name__}"
         raise BadInput(source=source, problem=problem, remedy=DAMAGED) from None
     return {name: np.asarray(values) for name, values in found.items() if not name.startswith("__")}
-
-
-def _inflated(packed: bytes, room: int, source: str) -> bytes:
-    unpacker = zlib.decompressobj()
-    try:
-        element = unpacker.decompress(packed, room)
-    except zlib.error as error:
-        raise BadInput(source=source, problem=f"a variable cannot be unpacked: {error}", remedy=DAMAGED) from None
-    if unpacker.unconsumed_tail:
-        raise too_large(source, room + 1)
-    if not unpacker.eof or unpacker.unused_data:
-        raise BadInput(source=source, problem="a packed variable does not end where it says", remedy=DAMAGED)
-    return element
 
 
 def _measured(element: bytes, order: _Order, source: str) -> str:
@@ -191,8 +188,15 @@ def read(path: Path) -> Signals:
         head = file.read(V73 + 8)
     if head[V73:] == SIGNATURE:
         with opened(path) as hdf5:
-            for name in hdf5:
-                _require_numeric(hdf5, name, source)
+            import h5py
+
+            for name in hdf5:  # MATLAB's own word for what is no array of numbers; `datasets` refuses what has no such word
+                is_own = isinstance(hdf5.get(name, getlink=True), h5py.HardLink)
+                word = hdf5[name].attrs.get("MATLAB_class") if is_own else None
+                if word is not None and bytes(word) not in (b"double", b"single"):
+                    said = bytes(word).decode("utf-8", errors="replace")
+                    problem = f"is of class {said!r}, where a vector of numbers is needed"
+                    raise BadInput(source=source, field=name, problem=problem, remedy="Save signals and fs or frequency only")
             found = {name: values(one, name, source) for name, one in datasets(hdf5, source).items()}
     else:
         found = read_version_5(path)
@@ -252,18 +256,6 @@ def _fill_v73(path: Path, variables: dict[str, Any]) -> None:
     text = b"MATLAB 7.3 MAT-file, written by massline".ljust(116) + b"\0" * 8 + b"\x00\x02IM"
     with path.open("r+b") as raw:
         raw.write(text)
-
-
-def _require_numeric(file: Any, name: str, source: str) -> None:
-    """Refuse by MATLAB's own word what is no array of numbers; `datasets` refuses what has no such word."""
-    import h5py
-
-    if not isinstance(file.get(name, getlink=True), h5py.HardLink):
-        return
-    kind = file[name].attrs.get("MATLAB_class")
-    if kind is not None and bytes(kind) not in (b"double", b"single"):
-        problem = f"is of class {bytes(kind).decode('utf-8', errors='replace')!r}, where a vector of numbers is needed"
-        raise BadInput(source=source, field=name, problem=problem, remedy="Save signals and fs or frequency only")
 
 
 def _vector(numbers: Samples, name: str, source: str) -> Samples:

@@ -69,19 +69,11 @@ def observed(spectra: Spectra, channels: Sequence[int], lines: npt.NDArray[np.in
     E|noise|² = sd² is shared by real and imaginary part.
     """
     chosen = np.ix_(np.arange(len(spectra.runs)), lines, np.asarray(channels))
-    variance = np.square(spectra.noise[chosen]) + np.square(floor * np.hypot(level(spectra), SILENT * kind(spectra))[chosen])
+    kind = level_of_groups(spectra.values, np.array([one.quantity for one in spectra.table.channels]))
+    level = np.hypot(smoothed_level(spectra.frequency, spectra.values), SILENT * kind)
+    variance = np.square(spectra.noise[chosen]) + np.square(floor * level[chosen])
     weight = np.sqrt(2 / np.maximum(variance, np.finfo(np.float64).tiny))
     return Observed(frequency=spectra.frequency[lines], values=spectra.values[chosen], weight=weight)
-
-
-def level(spectra: Spectra) -> Array:
-    """(r, n, c) root mean square of every channel over the lines within `SMOOTHED` of each line."""
-    return smoothed_level(spectra.frequency, spectra.values)
-
-
-def kind(spectra: Spectra) -> Array:
-    """(c,) what channels of the quantity of each channel read: the median of their rms over the runs, at the median line."""
-    return level_of_groups(spectra.values, np.array([one.quantity for one in spectra.table.channels]))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

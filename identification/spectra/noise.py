@@ -25,8 +25,7 @@ from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
 from identification.base_motion import base_motion
-from identification.campaign import Campaign, Recording
-from identification.campaign_file import block_length, quiet_blocks
+from identification.campaign import Campaign, Recording, block_length, quiet_blocks
 from identification.resultants import resultants
 from identification.spectra.line_spectra import Spectra
 
@@ -132,12 +131,13 @@ def of_lines(campaign: Campaign, frequency: Array) -> OfLines:
         return OfLines(density=whole, unknown=words)
     at_a_line = _variance(found, silent, _width(_step(found)))
     of_all = _variance(found, silent, float(np.ptp(frequency)) / _step(found))
-    return OfLines(density=whole, scatter=float(np.sqrt(at_a_line.mean())), spread=_of_mean(of_all), unknown=words)
-
-
-def _of_mean(variance: Array) -> float:
-    """Standard deviation of the mean of what has such variances (c,) and knows nothing of each other."""
-    return float(np.sqrt(np.sum(variance)) / len(variance))
+    # Standard deviation of the mean of what has such variances (c,) and knows nothing of each other
+    return OfLines(
+        density=whole,
+        scatter=float(np.sqrt(at_a_line.mean())),
+        spread=float(np.sqrt(np.sum(of_all)) / len(of_all)),
+        unknown=words,
+    )
 
 
 def _variance(found: Density, silent: npt.NDArray[np.bool_], lines: float) -> Array:

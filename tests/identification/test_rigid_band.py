@@ -5,7 +5,7 @@ import pytest
 
 from geometry.dynamic_mass import DynamicMass
 from identification.elastic.model import ElasticTerms, dynamic_mass
-from identification.rigid_band import FEWEST, STOP, first_resonance, stop_below
+from identification.identify import first_resonance
 
 LINES = np.arange(4.0, 32.01, 0.05)
 BODY = np.diag([50.0, 50.0, 50.0, 10.0, 10.0, 1.0])
@@ -39,8 +39,3 @@ def test_a_rigid_body_resonates_nowhere() -> None:
 def test_a_resonance_just_beyond_the_band_counts_as_at_its_end() -> None:
     found = first_resonance(measured(33.0, noise=0.0))
     assert found == LINES[-1]
-
-
-def test_the_band_ends_below_it_and_never_holds_hardly_a_line() -> None:
-    assert stop_below(20.0, LINES) == pytest.approx(20 * STOP)
-    assert stop_below(4.1, LINES) == LINES[FEWEST - 1]

@@ -8,8 +8,7 @@ from numpy.testing import assert_allclose
 
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.sensors import motion_rows
-from identification.campaign import Campaign, Recording
-from identification.campaign_file import NOMINAL, base_motion, levels, noise_floors
+from identification.campaign import NOMINAL, Campaign, Recording, base_motion, levels, noise_floors
 
 RATE = 256.0
 

@@ -13,7 +13,7 @@ from geometry.errors import BadInput
 from geometry.inertia import Inertia
 from identification.elastic import fit as elastic_fit
 from identification.elastic import model
-from identification.elastic.fit import correlation_time, effective_size, fit, refine
+from identification.elastic.fit import fit, refine
 from identification.elastic.model import ElasticLayout, ElasticTerms
 
 LINES = np.linspace(4.0, 32.0, 561)
@@ -101,8 +101,8 @@ def test_white_noise_repeats_nothing_and_a_slope_repeats_itself() -> None:
     at = refine(np.zeros(31), ElasticLayout(modes=0), lines, iterations=0)
     white = replace(at, residual=rng.standard_normal(at.residual.shape))
     slope = replace(at, residual=np.repeat(np.linspace(-1, 1, 561), 42))
-    assert correlation_time(white) < 1.1
-    assert correlation_time(slope) > 50
+    assert white.correlation_time < 1.1
+    assert slope.correlation_time > 50
 
 
 def test_what_priors_decide_is_no_parameter_of_the_data() -> None:
@@ -111,8 +111,8 @@ def test_what_priors_decide_is_no_parameter_of_the_data() -> None:
     seen = refine(x, layout, lines, iterations=0)
     blind = model.pack(BODY.parameters, replace(TWO, participation=np.zeros((2, 6))), layout)
     unseen = refine(blind, layout, lines, iterations=0)
-    assert effective_size(seen) > layout.size - 0.1
-    assert_allclose(effective_size(unseen), layout.size - 5, atol=0.1)
+    assert seen.effective_size > layout.size - 0.1
+    assert_allclose(unseen.effective_size, layout.size - 5, atol=0.1)
 
 
 @pytest.mark.parametrize(

@@ -7,9 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from identification.self_calibration import fit
-from identification.self_calibration.likelihood import kind, observed, residual
+from identification.self_calibration.likelihood import observed, residual
 from identification.self_calibration.problem import assembled, normals
-from identification.self_calibration.solve import SILENT, inverse, total
+from identification.self_calibration.solve import SILENT, level_of_groups, total
 
 
 @pytest.fixture(scope="module")
@@ -77,17 +77,9 @@ def test_a_channel_that_reads_nothing_is_not_trusted_without_bound(exact, lab):
     values[0, :, silent] = 0.0
     some = replace(read, values=values)
     weight = observed(some, range(len(read.table)), np.arange(len(read.frequency)), floor).weight
-    assert_allclose(weight[0][:, silent] * floor * SILENT * kind(some)[silent], np.sqrt(2), rtol=1e-12)
+    kind = level_of_groups(some.values, np.array([one.quantity for one in some.table.channels]))
+    assert_allclose(weight[0][:, silent] * floor * SILENT * kind[silent], np.sqrt(2), rtol=1e-12)
     assert np.all(weight[0][:, silent] < 1e3 * np.median(weight, axis=(0, 1))[silent])
-
-
-def test_the_parametric_bootstrap_has_the_posterior_covariance():
-    rng = np.random.default_rng(3)
-    J, rows = rng.standard_normal((30, 4)), rng.standard_normal((3, 4))
-    normal = J.T @ J
-    C = inverse(normal + rows.T @ rows)
-    draws = fit.parametric(C, normal, rows, np.random.default_rng(7), draws=20_000)
-    assert_allclose(np.cov(draws.T), C, atol=0.05 * np.diag(C).max())  # 1 % is one standard error
 
 
 @pytest.mark.parametrize(("repeated", "wider"), [(1, 1.0), (4, 2.0)])
@@ -102,7 +94,7 @@ def test_the_block_bootstrap_sees_residuals_that_repeat(repeated, wider):
     assert_allclose(sd / np.sqrt(C[0, 0]), wider, rtol=0.2)  # 200 blocks tell a deviation to 5 %
 
 
-def test_both_bootstraps_agree_where_lines_are_independent(ordinary):
+def test_the_block_bootstrap_agrees_with_the_covariance_where_lines_are_independent(ordinary):
     from identification.self_calibration.fit import calibrated
 
     found = calibrated(ordinary.evidence(), replace(ordinary.settings(modes=0), floor=1e-5))

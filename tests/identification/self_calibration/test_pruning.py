@@ -47,7 +47,7 @@ def longer(elastic):
 
 def test_a_pole_that_is_not_there_goes_and_those_that_are_stay(longer, lab):
     problem, solution = longer
-    assert fit.modes(problem) == 3
+    assert problem.modes == 3
     shorter, x = fit.pruned(problem, solution, size(problem))
     assert_allclose(frequencies(shorter, x), lab.MODES.frequency, rtol=1e-3)
     assert minimum(shorter, x).converged
@@ -56,13 +56,13 @@ def test_a_pole_that_is_not_there_goes_and_those_that_are_stay(longer, lab):
 def test_a_pole_above_the_limit_is_left_alone(longer):
     problem, solution = longer
     left = fit.pruned(problem, solution, size(problem), below=20.0)
-    assert left is None or fit.modes(left[0]) == 3
+    assert left is None or left[0].modes == 3
 
 
 def test_nothing_goes_where_every_pole_pays(elastic):
     problem, solution = elastic
     left = fit.pruned(problem, solution, size(problem))
-    assert left is None or fit.modes(left[0]) == 2
+    assert left is None or left[0].modes == 2
 
 
 def test_a_worth_is_what_the_quadratic_cost_rises_by_without_the_pole(longer):
@@ -92,9 +92,9 @@ def test_a_pole_beyond_the_band_is_found_where_the_residual_mass_does_not_do(ord
     laboratory = replace(ordinary, frequency=np.arange(4.0, 32.01, 0.25), rng=np.random.default_rng(8))
     problem = assembled(laboratory.evidence(terms=beyond), laboratory.settings(modes=1))
     solution = minimum(problem, problem.layout.start)
-    assert fit.beyond(problem, solution.x) == 0
+    assert problem.modes_beyond(solution.x) == 0
     longer = fit.with_one_beyond(problem, solution.x)
     more = minimum(*longer)
     assert 2 * (solution.normal.cost - more.normal.cost) > 10 * fit.pole_penalty(size(problem))
-    assert fit.beyond(longer[0], more.x) == 1
+    assert longer[0].modes_beyond(more.x) == 1
     assert_allclose(frequencies(longer[0], more.x)[-1], 38.0, rtol=0.05)

@@ -7,8 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.sensors import Tolerances
-from identification.plain import sensitivity
-from identification.setup import setup
+from identification.plain import sensitivity, setup
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.sensors import Tolerances
-from identification.setup import setup
+from identification.plain import setup
 
 
 @pytest.fixture(scope="module")
