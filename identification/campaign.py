@@ -232,7 +232,6 @@ class Campaign:
 
 # Units of signal files. A channel states its own; its samples are multiplied once, where they are read.
 
-
 STANDARD_GRAVITY = 9.80665
 POUND_FORCE = 4.4482216152605
 FOOT, INCH = 0.3048, 0.0254
@@ -288,7 +287,6 @@ def named(size: float, quantity: str) -> str:
 # A first look at recorded runs: what the table did, and what the channels read when nothing moved.
 #
 # Both come from short blocks of the time histories. Spectra have no quiet part and no level; they are left out.
-
 
 RIGID_GROUPS = ("table", "cover")
 """Groups whose accelerometers may tell the base motion: they move with the table as long as the FMD is stiff."""
@@ -410,7 +408,6 @@ def block_rms(values: Array, rate: float) -> Array:
 
 
 # What the runs of a campaign drive together: six motions that are told apart, and no run that is another one once more.
-
 
 UNDRIVEN = 0.15
 """Share of the largest motion of a run, every axis by its nominal level, below which a run does not drive an axis: cross

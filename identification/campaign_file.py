@@ -84,7 +84,6 @@ def warnings_of_recordings(campaign: Campaign, recordings: Mapping[str, Recordin
 
 # Values out of a parsed TOML file, checked one by one; what is wrong is collected, so that all of it can be said at once.
 
-
 LARGEST_NUMBER = 1e9
 """No figure of a test lies beyond, in whatever unit."""
 
@@ -314,7 +313,6 @@ def is_number(value: Any) -> bool:
 
 # The tables [[channel]] of ``campaign.toml``: one channel each, in metres and SI.
 
-
 CHANNEL = (
     "name",
     "quantity",
@@ -336,7 +334,6 @@ LONGEST_NAME = 80
 #
 # Everything that is wrong with it is collected, so that it can be corrected in one go. Lengths leave here in metres and noise
 # floors in SI, whatever the file is written in. Positions and the origin of [mounting] are in the `length_unit` of [frame].
-
 
 TOP = ("format", "campaign", "mounting", "environment", "frame", "processing", "channel", "run")
 CAMPAIGN = ("title", "article", "hardware", "notes")
@@ -403,7 +400,6 @@ def parse(table: Mapping[str, Any], source: str, problems: Problems) -> Campaign
 
 
 # A `Campaign` as the text of its ``campaign.toml``, in the order and the layout of the contract.
-
 
 ROUNDING = 1e-12
 """How far a mounting may be turned about another axis than z [1]: rounding of a rotation matrix."""
@@ -490,13 +486,11 @@ def _numbers(values: Iterable[float]) -> str:
 
 # Signals that cannot be true: NaN, infinite, dead, clipped. One channel at a time, named, with what to do.
 
-
 FLAT = 3
 """Samples in a row at the largest value from which a record may be clipped; rounding alone does that near a slow peak, too."""
 
 OVERSHOOT = 4.0
 """Steps of resolution by which the signal, continued as it arrived, would have passed the flat top: beyond, it was cut off."""
-
 
 LARGEST_SAMPLE = 1e15
 """In the unit of the file: numbers whose bytes came in another order are of any size at all."""

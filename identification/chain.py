@@ -3,8 +3,7 @@
     y = (A0 + A1 H) u
 
 u (6,) is the motion of the reference point F on the cover plate - the *apparent* acceleration that the structure feels, tilt
-included - and H the dynamic mass of all that stands above the force plane. Accelerometers are `identification.chain`,
-load cells `identification.chain`; what a load cell does to table and cover plate alike is `identification.chain`.
+included - and H the dynamic mass of all that stands above the force plane.
 
 Identification calibrates with the chain, validation predicts with it: there is no other. Source: the paper's Eqs. 2, 3, 6 and 7
 with their errors written out; "The likelihood" of the catalogue of effects.
@@ -34,7 +33,6 @@ from identification.parameter import Parameter
 # Names are the ids of the catalogue of effects: ``family:target``. A vector theta holds the parameters' offsets from nominal;
 # scale factors that must stay positive - stiffnesses - are offset by their logarithm, and `Parameter.value` says what a number
 # means.
-
 
 Offsets = Mapping[str, float]
 """Offsets of the open parameters by name; a parameter that is not in it stands at its nominal value."""
@@ -71,7 +69,6 @@ def opened(candidates: Iterable[Parameter], overrides: Mapping[str, float]) -> t
 #     K_c B K^-1 F.
 #
 # Only the relative stiffness matters for that; the absolute one, known less well, tells table from cover plate: K^-1.
-
 
 ELEMENT = "cell-stiffness"
 COMPLIANCE = "fmd-compliance"
@@ -158,7 +155,6 @@ class Springs:
 # after its cell and the axis along which it senses: ``1x``. Where the elements do not carry all six loads by themselves - the
 # campaign gives moments, or loads that somebody has already added up - nothing is known of the cells, and the cover plate is
 # taken to stand on one spring for each of the six motions.
-
 
 ASSUMED = log(5.0)
 """Standard deviation of ln(compliance) where no stiffness is stated: quartz cells with their bolts differ by such a factor."""
@@ -329,7 +325,6 @@ class Placed:
 # the sensing elements, part of what each carries may pass it by (shunt), and S, the summation box, adds elements up. A moment
 # channel beside elements that carry everything reads the resultant moment.
 
-
 AXES = "xyz"
 CROSSTALK = tuple(f"{i}{j}" for i in AXES for j in AXES if i != j)
 """``zx``: the x resultant shows in the z channels."""
@@ -482,7 +477,6 @@ def _unit(row: int, column: int) -> Array:
 #
 # The latent u of the chain is the apparent acceleration that drives the *structure*. A sensor that tilts reads the same, and
 # gravity cancels; a kinematic one reads (I - g/omega² E) u.
-
 
 STRUCTURE = "gravity"
 SENSOR = "accelerometer-tilt"

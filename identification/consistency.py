@@ -24,9 +24,9 @@ from geometry.frames import Array, Integers, rigid_transformation
 from geometry.inertia import LOADS
 from geometry.sensors import Channel, ChannelTable, Tolerances, resultants
 from identification.base_motion import STANDARD_GRAVITY, base_motion, groups_used, rows_at_lines
+from identification.base_motion import resultants as identification_resultants
 from identification.campaign import RIGID_GROUPS, UNITS
 from identification.dynamic_mass import from_runs
-from identification.resultants import resultants as identification_resultants
 from identification.rigid_body import BASIS
 from identification.spectra.line_spectra import Spectra
 
@@ -44,13 +44,11 @@ from identification.spectra.line_spectra import Spectra
 # them, with omega². Everything is computed for many variants of the readings at once, since mistakes are found by trying to undo
 # them.
 
-
 REACH = 1.5
 """Lines up to so many times the lowest one are used."""
 
 LINES = 3
 """How many of them: faults that do not depend on frequency show at every line alike."""
-
 
 CLIP = 2.0
 """How far the largest reading of a channel may lie beyond that of most others, and still tell how much moved."""
@@ -277,7 +275,7 @@ def _mean_square(values: ComplexArray) -> Array:
 
 # Discrete mistakes of a test, and which of them the readings themselves accuse.
 #
-# A wrong sign, two plugs exchanged, a unit taken for another: each is undone in turn, and the misfit of `self_consistency` says
+# A wrong sign, two plugs exchanged, a unit taken for another: each is undone in turn, and the misfit above says
 # how well the readings then agree. The mistake whose undoing brings agreement is suspected by name. Where undoing one helps and
 # is not enough, a second is looked for behind it.
 #
@@ -285,7 +283,6 @@ def _mean_square(values: ComplexArray) -> Array:
 # that *all* force channels share, or all accelerometers - H keeps its structure then, and only a weighing knows. A sign that all
 # share shows as a negative mass, but not on which side. What all pick-ups of the table share might as well be the inverse on the
 # cover plate; both are named.
-
 
 LIMIT = 16.0
 """Mean square from which readings disagree: four tolerances. Three on every channel at once still pass."""

@@ -188,7 +188,6 @@ def _rms(values: npt.NDArray[np.complex128] | Array) -> Array:
 # iterated until it stands still (Fuller, Measurement Error Models, 1987; total least squares of Golub and Van Loan, SIAM J.
 # Numer. Anal. 17, 1980, where all noise is alike). With six runs there is nothing to be corrected: e_r = 0 whatever they read.
 
-
 STEADY, ROUNDS = 1e-10, 100
 """Relative change of H at which the iteration ends, and after how many rounds at the latest."""
 

@@ -18,13 +18,12 @@ from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from identification import dynamic_mass
-from identification.base_motion import BaseMotion, Exclusions, base_motion
+from identification.base_motion import BaseMotion, Exclusions, Resultants, base_motion, resultants
 from identification.campaign import Campaign, problems_of_runs
 from identification.consistency import Finding
 from identification.dynamic_mass import CrossMotion, Estimate, from_runs
 from identification.plain import plain
 from identification.request import Evidence, Identified, Known, Request, Settings, evidence_of, settings_of
-from identification.resultants import Resultants, resultants
 from identification.self_calibration.fit import calibrated, fitted, identified
 from identification.self_calibration.likelihood import Rows, normal
 from identification.self_calibration.problem import Assembly, Part, assembled
@@ -148,7 +147,6 @@ def identify(request: Request, progress: Progress | None = None) -> Identificati
 # A rigid body's dynamic mass is the same at every line (Eq. 1). One diagonal entry that has grown by half is on its way to a
 # resonance, and the largest value before it falls again is where it stands; one that grows up to the last line resonates beyond
 # it. Elasticity raises it by about (f / f1)² below that, so that a few per cent remain in a band that ends well below.
-
 
 GROWN = 1.5
 """Of its size at the low end, from which an entry of the dynamic mass rises towards a resonance: no sensor is as wrong."""
@@ -317,7 +315,6 @@ def _information(one: _At, blind: str | None = None) -> Array:
 # that had to be bent far beyond what a laboratory is off by, a fit that did not settle: each says that the model does not hold,
 # and then no interval is worth its digits. Simulated laboratories with ordinary tolerances leave a misfit of 0.8 to 1.2 and a
 # mean z² of 0.7 to 1.2; a channel in a wrong unit leaves hundreds.
-
 
 MISFIT = 3.0
 """chi² per degree of freedom up to which noise and model error are what they were taken for."""

@@ -16,14 +16,13 @@ from geometry.errors import CheckFailed
 from geometry.frames import Array
 from geometry.inertia import Inertia
 from identification import rigid_body
-from identification.base_motion import RunNoise, base_motion
+from identification.base_motion import RunNoise, base_motion, resultants
 from identification.chain import Chain, chain
 from identification.dynamic_mass import Estimate, bias, corrected, covariance, deviation, from_runs
 from identification.elastic import model
 from identification.elastic.fit import Fitted, fit, kept, levels, lines_of
 from identification.elastic.model import UPPER, ElasticTerms
 from identification.request import WITHOUT_TARE, Evidence, Identified, Settings, TareSpectra, hardware_groups
-from identification.resultants import resultants
 from identification.self_calibration.solve import inverse
 from identification.spectra.line_spectra import Spectra
 
@@ -32,7 +31,6 @@ from identification.spectra.line_spectra import Spectra
 # Base motion and resultants (Eqs. 2, 3, 6, 7), dynamic mass (Eqs. 9 to 11), then ten parameters and the modal terms of Eq. 8b,
 # its entries weighed by the noise of the channels where that is known. Where noise of the motions would make least squares of
 # many runs too small, they are corrected for it. Beside this the ten follow from the raw spectra, which hide nothing in an H.
-
 
 CHAIN_ERROR = 0.02
 """Error of a plain dynamic mass by gains, angles and positions, as a share of its level: a pole must lower more than that."""
@@ -121,13 +119,11 @@ def setup(spectra: Spectra, settings: Settings) -> Setup:
 # difference is taken for one standard deviation, in the direction in which it points, where it exceeds the scatter of the low
 # end.
 
-
 LOW_END_SHARE = 0.1
 """Share of the band that is its low end."""
 
 LOW_END_LINES = 5
 """Lines at least that make a low end."""
-
 
 SIGNIFICANT = 18.3
 """Square of the difference in its scatter, 95th percentile of ten."""

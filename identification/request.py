@@ -103,7 +103,6 @@ class Request:
 # A fact is a value of mass, CoG (from F) or inertia about the CoG, with its standard deviation. All but the mass are nonlinear
 # in the parameters of Eq. 4; residual and derivative are evaluated at every step.
 
-
 QUANTITIES = (
     "mass_kg",
     *("cog_x_mm", "cog_y_mm", "cog_z_mm"),
@@ -165,7 +164,6 @@ def name(fact: Fact) -> str:
 # What an identification is told: spectra of the article, tares, an FMD known from before, classical facts, settings.
 #
 # Every inertia here is about the reference point F of the campaigns, in their axes.
-
 
 KNOWN_RELATIVE = 3e-4
 """Standard deviation, relative, of the ten parameters of an article that was drawn, weighed and measured with care."""
@@ -316,7 +314,6 @@ def settings_of(request: Request) -> Settings:
 
 # `Identified`: ten inertia parameters with their covariance, and where their uncertainty comes from.
 
-
 PARAMETERS = ("m", "mx", "my", "mz", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
 """Order of Eq. 4."""
 
@@ -381,7 +378,6 @@ def counts(ways: Sequence[Identified]) -> int:
 
 
 # Which campaigns share FMD and sensors, and so their errors.
-
 
 WITHOUT_TARE = "no tare and no known FMD: the result includes the moving part of the FMD"
 

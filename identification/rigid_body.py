@@ -37,7 +37,6 @@ from identification.elastic.model import ElasticTerms
 # log-Cholesky coordinates are free of constraints (`geometry.routes`). Where least squares lies outside, that minimum lies on
 # the boundary - a body without thickness - which logarithms approach and never reach: what is returned is a body, by a hair.
 
-
 INSIDE = 1e-3
 """How far inside the boundary, relative to the trace of the pseudo-inertia, the search starts."""
 
@@ -127,7 +126,6 @@ class Unidentifiable(CheckFailed):
 
 
 # Complex linear equations for ten real unknowns: weighted, robust, and refused where they leave a combination open.
-
 
 OPEN = 1e-8
 """Singular value, relative to the largest, below which equations of scaled unknowns say nothing: what is left is rounding."""

@@ -1,6 +1,6 @@
 """The ten inertia parameters together with the elastic terms of Eq. 8b, from a measured dynamic mass and nothing else.
 
-Poles are added one by one where they take most out of what is left (`poles`), all parameters are refined together after each
+Poles are added one by one where they take most out of what is left (`next_poles`), all parameters are refined together after each
 (`refine`), and a pole stays when it pays: when it lowers chi² by more than its eight parameters would by chance and model error
 (Schwarz, Ann. Statist. 6 (1978) 461, with the misfit of the best model as the unit of chi²). H(0) = M_F is the extrapolation.
 """
@@ -25,7 +25,6 @@ from identification.elastic.model import SCALE, UPPER, ElasticLayout, ElasticTer
 # A gain, an angle or a cross-talk of a sensor that is off makes an error in proportion to what else that row and that column
 # carry, alike at neighbouring lines. So the model-error floor is a share of the level of row and column at the line, and lines
 # away from resonances, which repeat the same error, count once in a quarter of a hertz.
-
 
 LINES_APART = 0.25
 """Distance [Hz] of lines that are kept where the dynamic mass is smooth."""
@@ -139,7 +138,6 @@ def _refused(field: str, problem: str, remedy: str) -> BadInput:
 #
 # Source: Marquardt, J. SIAM 11 (1963) 431; its damping as in Nielsen, IMM-REP-1999-05, Technical University of Denmark.
 
-
 DAMPING_PRIOR = (np.log(0.004), 1.5)
 """Mean and standard deviation of ln zeta."""
 
@@ -194,7 +192,7 @@ class Refined:
     converged: bool
 
     def _step(self, damping: float, lines: Lines) -> tuple[Array, float]:
-        """The vector of the next trial and what cost it should save; what stands self a limit and pushes against it stays."""
+        """The vector of the next trial and what cost it should save; what stands at a limit and pushes against it stays."""
         x, A, blocks = self.vector, self.information, self.layout.blocks
         g = self.jacobian @ self.residual + self.prior
         limited = slice(blocks["frequency"].start, blocks["pairs"].stop)
@@ -328,13 +326,11 @@ def _prior(x: Array, layout: ElasticLayout, lines: Lines) -> tuple[Array, Array]
 # order, so that the slope which a resonance out of tune leaves beside it is not taken for another one, and the matrix of
 # amplitudes is cut down to rank one with a positive sign, for a mode of a symmetric structure answers by L L^T.
 
-
 TRIAL_DAMPING = (0.0015, 0.004, 0.01, 0.03)
 """Ratios that are tried."""
 
 BEYOND = (0.6, 1.7)
 """How far out of the band a pole is looked for: of its lower and of its upper end."""
-
 
 SHORT = 150
 """Poles of the grid that are looked at closely."""

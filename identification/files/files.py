@@ -16,7 +16,6 @@ from geometry.frames import Array
 
 # What a signal file holds, whatever its format: samples by name, one common axis, and the units that the file itself states.
 
-
 LARGEST_BYTES = 2 * 2**30
 """A run of more is refused, on disk and unpacked: 22 channels at 8192 Hz take 0.13 GiB in ninety seconds."""
 
@@ -178,7 +177,6 @@ def _module(path: Path) -> Any:
 
 
 # The common axis: is it evenly sampled, and at what rate, when the file says so in a few digits only?
-
 
 UNEVEN = 0.3
 """How far a time stamp may lie from its place at most, in sampling intervals, when its printed digits have no more to say."""

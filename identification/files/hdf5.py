@@ -16,23 +16,13 @@ import numpy as np
 
 from geometry.atomic import write_with
 from geometry.errors import BadInput
-from identification.files.files import (
-    DAMAGED,
-    LARGEST_BYTES,
-    Samples,
-    Signals,
-    as_complex,
-    require_file,
-    require_lines,
-    require_one_length,
-    too_large,
-)
+from identification.files import files
+from identification.files.files import DAMAGED, LARGEST_BYTES, Samples, Signals
 
 # HDF5 that may come from anywhere: opened, and one dataset read, without believing more than the file can vouch for.
 #
 # The library follows links into other files, fills what was never written with zeros, and reads whatever stands where a damaged
 # address points. All of that is looked at before.
-
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
@@ -86,7 +76,7 @@ def datasets(group: Any, source: str) -> dict[str, Any]:
     found = {name: dataset(group, name, source) for name in group}
     total = sum(int(one.size or 0) * one.dtype.itemsize for one in found.values())
     if total > LARGEST_BYTES:
-        raise too_large(source, total)
+        raise files.too_large(source, total)
     from h5py import h5o
 
     # No two datasets share bytes of the file, nor do numbers and the heads of datasets
@@ -131,7 +121,7 @@ def dataset(group: Any, name: str, source: str) -> Any:
     ):
         raise refused(f"must hold floating-point numbers, found the type {entry.dtype}", "Write it as 64-bit floating point")
     if int(entry.size or 0) * entry.dtype.itemsize > LARGEST_BYTES:
-        raise too_large(source, int(entry.size) * entry.dtype.itemsize)
+        raise files.too_large(source, int(entry.size) * entry.dtype.itemsize)
     return entry
 
 
@@ -146,7 +136,7 @@ def values(entry: Any, name: str, source: str) -> Samples:
         _require_written(entry, name, source)
     numbers = np.asarray(entry[()])
     if numbers.dtype.names:
-        numbers = as_complex(*(numbers[part] for part in numbers.dtype.names))
+        numbers = files.as_complex(*(numbers[part] for part in numbers.dtype.names))
     return numbers.astype(np.complex128 if numbers.dtype.kind == "c" else np.float64)
 
 
@@ -209,7 +199,7 @@ def read(path: Path) -> Signals:
     ------
     BadInput : no HDF5, damaged, links, no channels, no axis or two, channels of different lengths or of more dimensions than one.
     """
-    require_file(path)
+    files.require_file(path)
     source = str(path)
     with opened(path) as file:
         import h5py
@@ -236,8 +226,8 @@ def read(path: Path) -> Signals:
         raise BadInput(source=source, field="sampling_rate", problem=f"must be positive, found {rate:g}", remedy="Correct it")
     if lines is not None:
         lines = _one_dimensional(lines, "frequency", source).real
-        require_lines(lines, source, "frequency")
-    require_one_length(samples, None if lines is None else len(lines), source)
+        files.require_lines(lines, source, "frequency")
+    files.require_one_length(samples, None if lines is None else len(lines), source)
     return Signals(source=source, samples=samples, sampling_rate=rate, frequency=lines)
 
 

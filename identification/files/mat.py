@@ -18,17 +18,8 @@ import numpy as np
 from geometry.atomic import write_with
 from geometry.errors import BadInput
 from geometry.frames import Array
-from identification.files.files import (
-    DAMAGED,
-    LARGEST_BYTES,
-    Samples,
-    Signals,
-    require_file,
-    require_lines,
-    require_one_length,
-    too_large,
-    variable,
-)
+from identification.files import files
+from identification.files.files import DAMAGED, LARGEST_BYTES, Samples, Signals
 from identification.files.hdf5 import SIGNATURE, datasets, opened, values
 
 # MAT files of version 5, measured before scipy reads them: every element within the file, every array as long as it says.
@@ -36,7 +27,6 @@ from identification.files.hdf5 import SIGNATURE, datasets, opened, values
 # A variable may only be an array of real or complex floating-point numbers. Cells, structures, characters, sparse arrays,
 # functions and objects of MATLAB are refused by their class before anything is made of them. Nothing here or in scipy runs what
 # a file holds. Format: MAT-File Format, The MathWorks, level 5.
-
 
 HEADER = 128
 MATRIX, COMPRESSED = 14, 15
@@ -97,7 +87,7 @@ def read_version_5(path: Path) -> dict[str, Samples]:
             except zlib.error as error:
                 raise BadInput(source=source, problem=f"a variable cannot be unpacked: {error}", remedy=DAMAGED) from None
             if unpacker.unconsumed_tail:
-                raise too_large(source, room + 1)
+                raise files.too_large(source, room + 1)
             if not unpacker.eof or unpacker.unused_data:
                 raise BadInput(source=source, problem="a packed variable does not end where it says", remedy=DAMAGED)
         room -= len(element)
@@ -182,7 +172,7 @@ def read(path: Path) -> Signals:
     ------
     BadInput : no MAT file, damaged, variables that are no vectors of numbers, no axis or two.
     """
-    require_file(path)
+    files.require_file(path)
     source = str(path)
     with path.open("rb") as file:
         head = file.read(V73 + 8)
@@ -206,14 +196,14 @@ def read(path: Path) -> Signals:
         problem = f"one variable fs or frequency is needed, found {'both' if axes else 'neither'}"
         raise BadInput(source=source, field="fs", problem=problem, remedy="Save the one that fits the data")
     if "fs" in axes:
-        require_one_length(samples, None, source)
+        files.require_one_length(samples, None, source)
         rate = np.asarray(axes["fs"]).ravel()
         if rate.size != 1 or np.iscomplexobj(rate) or not 0 < rate[0] < np.inf:
             raise BadInput(source=source, field="fs", problem="must be one positive number", remedy=DAMAGED)
         return Signals(source=source, samples=samples, sampling_rate=float(rate[0]))
     lines = _vector(axes["frequency"], "frequency", source).real.astype(np.float64)
-    require_lines(lines, source, "frequency")
-    require_one_length(samples, len(lines), source)
+    files.require_lines(lines, source, "frequency")
+    files.require_one_length(samples, len(lines), source)
     return Signals(source=source, samples=samples, frequency=lines)
 
 
@@ -272,7 +262,7 @@ def _variables(signals: Signals, source: str) -> dict[str, float | Array | Sampl
     if signals.frequency is not None:
         found["frequency"] = np.asarray(signals.frequency)[:, None]
     for name, samples in signals.samples.items():
-        called = variable(name)
+        called = files.variable(name)
         good = called.isidentifier() and called.isascii() and called[0] != "_" and len(called) <= LONGEST_NAME
         if not good or called in found or called in ("fs", "frequency"):
             problem = f"cannot be a variable of MATLAB: {called!r}" + (" is another one already" if called in found else "")

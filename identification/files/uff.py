@@ -1,7 +1,7 @@
 """Signals in universal files: dataset 58, ASCII or binary (58b), one a channel, its name in the first id line.
 
 Function type 1 is a time history, 12 a spectrum. A dataset 164 states the units of the functions behind it. Other datasets (151
-header, nodes, traces) are passed over. `uff_blocks` measures and reads the numbers, pyuff the headers. `uff_writing` writes.
+header, nodes, traces) are passed over. The numbers are measured and read here, the headers by pyuff.
 """
 
 from __future__ import annotations
@@ -17,26 +17,14 @@ import numpy as np
 from geometry.atomic import write_with
 from geometry.errors import BadInput
 from geometry.frames import Array
-from identification.files.files import (
-    DAMAGED,
-    LARGEST,
-    Samples,
-    Signals,
-    StatedUnits,
-    as_complex,
-    rate_of_times,
-    require_file,
-    require_lines,
-    require_one_length,
-    roundest,
-)
+from identification.files import files
+from identification.files.files import DAMAGED, LARGEST, Samples, Signals, StatedUnits
 
 # The datasets of a universal file, told apart and measured before anybody reads numbers from them.
 #
 # pyuff looks for the end of a dataset by its sign and takes as many numbers as it finds. Here every dataset 58 must have exactly
 # the numbers that its header promises, in fields of the width that the format has, so that a byte too many or too few is
 # noticed. What has been measured is read at once, an order of magnitude faster than line by line.
-
 
 MARK = b"    -1"
 HEADER = 11
@@ -226,7 +214,6 @@ def _next_mark(content: bytes, place: int) -> re.Match[bytes] | None:
 # the published description of the format, and pyuff reads it back in the tests. ASCII numbers have the thirteen digits of
 # E20.12.
 
-
 RATE = "sampling rate {} Hz"
 """The fourth id line: the increment of the header has six digits only, and a record's length needs more."""
 
@@ -336,7 +323,7 @@ def read(path: Path) -> Signals:
     ------
     BadInput : no universal file, damaged, no function, one of another type, without name or with another's, axes that differ.
     """
-    require_file(path)
+    files.require_file(path)
     source = str(path)
     found = blocks(path.read_bytes(), source)
     functions = [block for block in found if block.number == 58]
@@ -376,15 +363,15 @@ def read(path: Path) -> Signals:
         else:
             abscissae.append(rows[:, 0])
             rows = rows[:, 1:]
-        samples[name] = as_complex(rows[:, 0], rows[:, 1]) if one["ord_data_type"] in COMPLEX else rows[:, 0]
+        samples[name] = files.as_complex(rows[:, 0], rows[:, 1]) if one["ord_data_type"] in COMPLEX else rows[:, 0]
     _require_one_axis(sets, abscissae, names, source)
-    require_one_length(samples, None, source)
+    files.require_one_length(samples, None, source)
     axis: dict[str, Any] = {}
     if kind == TIME_RESPONSE:
         axis["sampling_rate"] = _rate(sets[0], abscissae[0], functions, names, source)
     else:
         axis["frequency"] = abscissae[0]
-        require_lines(axis["frequency"], source, names[0])
+        files.require_lines(axis["frequency"], source, names[0])
     labels = {name: str(one.get("ordinate_axis_units_lab", "")).strip() for name, one in zip(names, sets, strict=True)}
     units = _units(found, names, source)
     warnings = tuple(text for block in functions for text in block.warnings)
@@ -426,7 +413,7 @@ def _require_one_axis(sets: list[dict[str, Any]], abscissae: Sequence[Array], na
 def _rate(one: dict[str, Any], time: Array, functions: list[Dataset], names: list[str], source: str) -> float:
     """The sampling rate behind an increment of six digits, or behind time stamps; an id line of ours has it in full."""
     if not one["abscissa_spacing"]:
-        return rate_of_times(time, source, "time")
+        return files.rate_of_times(time, source, "time")
     increment = float(one["abscissa_inc"])
     if not 0 < increment < np.inf:
         problem = f"has the abscissa increment {increment:g} s"
@@ -443,7 +430,7 @@ def _rate(one: dict[str, Any], time: Array, functions: list[Dataset], names: lis
             raise BadInput(source=source, field=name, problem=problem, remedy=DAMAGED)
         if full is not None:
             return full
-    return roundest(low, high)
+    return files.roundest(low, high)
 
 
 def _units(found: list[Dataset], names: list[str], source: str) -> dict[str, StatedUnits]:

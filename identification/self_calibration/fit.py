@@ -26,7 +26,6 @@ from identification.self_calibration.solve import CLOSE, MOST, Solution, inverse
 # which sensors were off. What it holds beyond the fitted one at the line that fits worst is, at a resonance, -i l l^T / (2
 # zeta): its leading eigenvector is where the participation of a further pole begins.
 
-
 MISFIT = 8.0
 """How far above the median of all lines a line may lie before a pole is looked for."""
 
@@ -121,7 +120,6 @@ def replaced(problem: Assembly, x: Array, elastic: model.ElasticLayout, layout: 
 # participation were zero, all else refitted to second order, is l^T C_ll^-1 l (Wald; the exponent of Savage and Dickey's ratio
 # with Gaussian priors). Poles go the weakest first, each time with what the others then are.
 
-
 COUPLED = 1.0
 """Standard deviations from zero from which the coupled damping of a pair is kept: below, the prior at zero says as much."""
 
@@ -191,7 +189,6 @@ def _participation(problem: Assembly, r: int) -> Integers:
 # that are there: runs are cut into blocks of neighbouring lines, blocks are drawn with replacement (Kuensch, Ann. Statist. 17
 # (1989) 1217), and what each contributes to the gradient comes along with whatever correlation it has. Priors are drawn anew.
 
-
 BLOCK = 1.0
 """[Hz] of a block: wider than a resonance."""
 
@@ -222,7 +219,6 @@ def blocks(C: Array, found: Sequence[Array], rows: Array, rng: np.random.Generat
 #
 # The posterior covariance of the whole vector is C = (J^T J + A^T A)^-1 = C J^T J C + sum C A_b^T A_b C: what noise gives, and
 # what every family b of tolerances leaves. Noise counts for elasticity as far as it would be less were the elastic terms known.
-
 
 NOISE = "noise"
 

@@ -276,7 +276,6 @@ def normals(parts: Sequence[Part], layout: Layout, x: Array) -> list[Normal]:
 # What no measurement of ours says: participation cannot exceed the mass that there is, a residual is at most of the size of the
 # mass matrix at 20 Hz, coupled damping is a share below 1. Frequencies and damping are free within far more than any fit leaves.
 
-
 FAMILY = "elasticity"
 
 FREQUENCY = 0.3
@@ -340,7 +339,6 @@ def _size(ten: Array) -> Array:
 
 
 # From the evidence to the joint problem: what campaigns share, what is known beforehand, where the iteration begins.
-
 
 HELD = (
     "spectra of peak-reference-hold are biased near lightly damped modes, by tens of per cent at the peak; elastic terms "

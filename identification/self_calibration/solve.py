@@ -113,7 +113,6 @@ TINY = float(np.finfo(np.float64).tiny)
 WORTH_IT = 1e-4
 """Share of the expected gain from which a step is taken."""
 
-
 Knowledge = Callable[[Array], tuple[Array, Array]]
 """Whitened residuals (p,) at x (k,), and their derivatives (p, k)."""
 

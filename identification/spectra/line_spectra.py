@@ -77,7 +77,6 @@ class Spectra:
 # block that is shorter than the ring-down is wrong by tens of per cent. It needs no window and no bins: lines lie where they are
 # wanted (Bluestein's chirp transform; Rabiner, Schafer & Rader, IEEE Trans. Audio 17, 1969).
 
-
 EVEN = 1e-9
 """How far lines may lie from an even grid, relative to their distance, and still be evenly spaced."""
 

@@ -24,13 +24,12 @@ import numpy.typing as npt
 from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
-from identification.base_motion import base_motion
+from identification.base_motion import base_motion, resultants
 from identification.campaign import Campaign, Recording, block_length, quiet_blocks
-from identification.resultants import resultants
 from identification.spectra.line_spectra import Spectra
 
 SEGMENT = 4
-"""Blocks of `survey.BLOCK` seconds that make a segment of the spectral density, where so many in a row are quiet."""
+"""Blocks of `identification.campaign.BLOCK` seconds that make a segment of the spectral density, where so many in a row are quiet."""
 
 STILL = 2.0
 """How far above that of the quietest segment the power of a segment may lie: beyond, something still rings."""
@@ -201,7 +200,6 @@ def _width(step: float) -> int:
 # Eight accelerometers tell six motions, eight force channels six resultants. What is left over is noise, and gains, positions
 # and angles that are off. The latter are transfer functions: as shares of the driven motion they go smoothly over the lines,
 # while noise does not. The fourth difference of neighbouring lines leaves noise alone.
-
 
 ORDER = 4
 """Of the difference: what changes over five lines like a cubic is no noise."""

@@ -22,9 +22,8 @@ from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import ChannelTable, motion_rows
-from identification.base_motion import base_motion
+from identification.base_motion import base_motion, resultants
 from identification.campaign import METHODS, Campaign, Processing, Recording, Run
-from identification.resultants import resultants
 from identification.spectra import noise, peak_hold
 from identification.spectra.line_spectra import Spectra, full_record
 from identification.spectra.noise import of_redundancy

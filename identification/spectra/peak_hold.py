@@ -164,7 +164,6 @@ def _refused(source: str, field: str, problem: str, remedy: str) -> BadInput:
 # all of them: the resonance keeps its shape, is too high or too low, and is turned. A fit that knows nothing of it takes it for
 # mass.
 
-
 WIDEST = 0.5
 """Damping ratio beyond which no resonance is left to fit."""
 
@@ -233,7 +232,6 @@ def _fitted(omega: Array, y: ComplexArray, x: Array) -> tuple[ComplexArray, Comp
 # The integral is free of leakage only when the record holds everything from rest to rest. Half a second of missing ring-down is
 # visible as misfit at the sweep's end.
 
-
 IN_MOTION = 2.0
 """How far above its noise a channel reads when it still moves."""
 
@@ -296,7 +294,6 @@ def _said(run: str, names: tuple[str, ...], rms: Array, level: Array, moving: np
 # The mode is integrated in time with a step so short that its own error (the drive taken for piecewise linear, relative (omega
 # dt)² / 12) is a millionth, brought to the campaign's rate by leaving samples out, and both kinds of spectra are divided by
 # those of the drive.
-
 
 REST = 1.0
 """[s] before the drive."""

@@ -9,13 +9,12 @@ from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput
 from geometry.inertia import Inertia
 from geometry.sensors import ChannelTable, Place, Tolerances, motion_rows, summation
-from identification.base_motion import base_motion, tilt
+from identification.base_motion import base_motion, resultants, tilt
 from identification.campaign import Campaign
 from identification.consistency import LIMIT, Finding, Mistake, Suspect, candidates, checks, misfit, readings, suspects, undone
 from identification.dynamic_mass import from_runs
 from identification.elastic import model
 from identification.elastic.model import ElasticTerms
-from identification.resultants import resultants
 from identification.spectra.line_spectra import Spectra
 
 LINES = np.linspace(4.0, 32.0, 29)

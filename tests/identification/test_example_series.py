@@ -9,10 +9,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from identification import campaign_file, consistency
-from identification.base_motion import RunNoise, base_motion
+from identification.base_motion import RunNoise, base_motion, resultants
 from identification.consistency import Mistake, readings, suspects, undone
 from identification.dynamic_mass import Estimate, cost, from_runs
-from identification.resultants import resultants
 from identification.rigid_body import fit, from_spectra
 from identification.spectra.line_spectra import Spectra
 from identification.spectra.of_campaign import spectra

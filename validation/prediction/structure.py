@@ -49,7 +49,6 @@ from validation.model.setups import FMD, above_fmd, mounted
 # those of the structure itself (Kirsch, AIAA Journal 29, 1991: the first terms of the series in K^-1 dK are the basis of a
 # reanalysis). Structural damping stays what it is, S = sum of eta_p K_p beside K; places and parts see all coordinates.
 
-
 BASE = 6
 
 Places = Mapping[str, npt.ArrayLike]
