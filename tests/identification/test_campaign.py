@@ -219,21 +219,3 @@ def test_noise_and_rests_are_not_clipped() -> None:
 @given(st.floats(1e-9, 1e9))
 def test_the_verdict_does_not_depend_on_the_unit(scale: float) -> None:
     assert campaign_file.clipped(scale * np.minimum(sine(8.0), 0.7)) == campaign_file.clipped(np.minimum(sine(8.0), 0.7))
-
-
-@pytest.mark.parametrize("value", [0.0, -3.5, 1 + 1j])
-def test_a_constant_channel_is_dead(value: complex) -> None:
-    with pytest.raises(BadInput, match="is dead"):
-        campaign_file.require_alive(np.full(10, value), "a", "run.h5")
-
-
-@pytest.mark.parametrize(
-    ("bad", "word"), [(np.nan, "NaN"), (np.inf, "infinite"), (-np.inf, "infinite"), (1e20, "no sensor reads")]
-)
-def test_impossible_samples_are_refused_with_their_place(bad: float, word: str) -> None:
-    samples = sine(4.0)
-    samples[41] = bad
-    with pytest.raises(BadInput, match=word) as refused:
-        campaign_file.require_finite(samples, "cover-z1", "run.h5")
-    assert (refused.value.field, refused.value.source) == ("cover-z1", "run.h5")
-    assert "number 42 of 4000" in refused.value.problem

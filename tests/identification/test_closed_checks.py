@@ -94,9 +94,6 @@ def with_mistake(spectra: Spectra, mistake: Mistake) -> Spectra:
     return replace(spectra, values=undone(spectra.table, spectra.values, inverse))
 
 
-# --- sound campaigns -----------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("seed", range(5))
 def test_sound_campaigns_pass_every_check_with_ordinary_tolerances(campaign: Campaign, seed: int) -> None:
     failed = [one.text for one in found(made(campaign.table, seed=seed)).values() if not one.holds]
@@ -123,8 +120,6 @@ def test_mean_squares_are_about_one_at_the_tolerances(campaign: Campaign) -> Non
     assert np.all((np.mean(squares, axis=0) > 0.3) & (np.mean(squares, axis=0) < 1.3))
     assert np.max(squares) < LIMIT / 3
 
-
-# --- mistakes, by name ---------------------------------------------------------------------------------------------------
 
 SLIPS = {"acceleration": (1 / 9.80665, 9.80665, 1e3, 1e-3), "force": (1e3, 1e-3, 4.4482216152605, 1 / 4.4482216152605)}
 """Units taken for another: g, mm, kN, lbf, and the other way round."""
@@ -234,9 +229,6 @@ def test_each_check_of_the_dynamic_mass_sees_its_own_departure(
     assert not turned["phase"].holds
 
 
-# --- what no check can see -----------------------------------------------------------------------------------------------
-
-
 def test_what_reads_the_same_may_be_exchanged_and_what_all_share_leaves_no_trace(campaign: Campaign) -> None:
     table = campaign.table
     twin = replace(table.channels[6], name="cover-z1-twin")
@@ -261,9 +253,6 @@ def test_a_unit_of_the_whole_cover_plate_is_named_beside_the_inverse_on_the_tabl
     accused = {one.mistakes[0].channels: one.mistakes[0].factor for one in suspected(with_mistake(made(campaign.table), slip))}
     assert set(accused) == {cover, below}
     np.testing.assert_allclose([accused[cover], accused[below]], [1 / 9.80665, 9.80665], rtol=1e-12)  # the same product
-
-
-# --- the door ------------------------------------------------------------------------------------------------------------
 
 
 def test_pick_ups_that_do_not_feel_a_tilt_are_no_mistake_and_those_that_wrongly_say_so_show(campaign: Campaign) -> None:

@@ -79,9 +79,6 @@ def test_loads_of_other_lines_than_the_motions_are_refused() -> None:
         from_runs(_loads(U)[:, :5], U, LINES)
 
 
-# --- which lines, and why not ----------------------------------------------------------------------------------------------
-
-
 def _together(U: np.ndarray, share: float, lines: slice) -> np.ndarray:
     """The same motions, but beta follows `share` of x at some lines, both as shares of their levels."""
     V = U.copy()
@@ -121,9 +118,6 @@ def test_singular_runs_say_which_base_motions_are_linearly_dependent() -> None:
     W[:, :, 1] = W[:, :, 2] = W[:, :, 0]
     with pytest.raises(BadInput, match="x, y and z move together so that 2 combinations of them hardly move"):
         from_runs(_loads(W), W, LINES)
-
-
-# --- weights and noise -----------------------------------------------------------------------------------------------------
 
 
 def test_a_run_of_small_weight_does_not_spoil_the_others() -> None:
@@ -196,9 +190,6 @@ def test_six_runs_leave_nothing_to_correct() -> None:
     mass, C = corrected(F, U, noise, plain)
     np.testing.assert_allclose(mass.matrix, plain.dynamic_mass.matrix, rtol=0, atol=1e-9 * np.abs(H).max())
     np.testing.assert_allclose(C, covariance(plain, noise), rtol=0, atol=0.02 * np.abs(C).max())  # noise squared
-
-
-# --- the quotient beside ---------------------------------------------------------------------------------------------------
 
 
 def test_the_cost_of_cross_motion_is_what_the_table_did_besides_times_what_it_couples_to() -> None:

@@ -16,7 +16,6 @@ from identification.campaign import Campaign, Processing, Recording
 from identification.dynamic_mass import from_runs
 from identification.spectra import noise
 from identification.spectra.line_spectra import full_record
-from identification.spectra.noise import of_redundancy
 from identification.spectra.of_campaign import reference_channel, spectra
 from identification.spectra.peak_hold import hann
 
@@ -254,21 +253,15 @@ def test_the_noise_of_a_block_is_the_scatter_of_windowed_blocks() -> None:
     assert_allclose(np.sqrt(np.mean(np.abs(lines) ** 2, axis=1)), expected, rtol=0.08)
 
 
-def test_the_spread_of_the_noise_is_that_of_its_estimates(campaign: Campaign) -> None:
-    """Thirty silences of two seconds: their powers scatter as each of them says of itself."""
+def test_the_spread_of_the_noise_and_the_scatter_of_a_line_are_those_of_their_estimates(campaign: Campaign) -> None:
+    """Thirty silences of two seconds scatter as each says of itself: all lines together, and one channel and line on average."""
     estimates = [noise.of_lines(longer(campaign, seconds=2.0, seed=seed), LINES) for seed in range(30)]
     stated = np.array([channel.noise_rms for channel in campaign.table.channels]) ** 2 / RATE
     powers = np.array([np.mean(one.density / stated) for one in estimates])
-    spread = np.mean([one.spread for one in estimates])
     # 30 estimates of a standard deviation: 13 %, three of them, and what smoothing adds at the ends of the band
-    assert_allclose(np.std(powers), spread, rtol=0.5)
-
-
-def test_the_scatter_of_a_line_is_that_of_its_estimates(campaign: Campaign) -> None:
-    """Of one channel and line over thirty silences, averaged over channels and the lines in the middle."""
-    estimates = [noise.of_lines(longer(campaign, seconds=2.0, seed=seed), LINES) for seed in range(30)]
-    powers = np.stack([one.density[0, 8:-8] for one in estimates])
-    scatter = np.sqrt(np.mean(np.var(powers, axis=0) / np.mean(powers, axis=0) ** 2))
+    assert_allclose(np.std(powers), np.mean([one.spread for one in estimates]), rtol=0.5)
+    lines = np.stack([one.density[0, 8:-8] for one in estimates])
+    scatter = np.sqrt(np.mean(np.var(lines, axis=0) / np.mean(lines, axis=0) ** 2))
     # tops that are cut off take some of it away
     assert_allclose(scatter, np.mean([one.scatter for one in estimates]), rtol=0.25)
 
@@ -350,32 +343,3 @@ def test_rounding_is_not_taken_for_noise(campaign: Campaign) -> None:
         return values
 
     assert not spectra(changed(campaign, exact, stated=False), frequency=LINES).noise.any()
-
-
-# Noise of spectra without a quiet part: sensors that are off do not count as noise, and noise comes out as it went in
-
-
-FINE = np.arange(4.0, 32.01, 0.05)
-
-
-def test_the_noise_is_found_below_sensors_that_are_off(ordinary, lab):
-    read = replace(ordinary, frequency=FINE).spectra(lab.ARTICLE, lab.MODES)
-    found = of_redundancy(replace(read, noise=np.zeros_like(read.noise)), 9.81)
-    # the median of 561 lines of two independent combinations: 4 %; six runs, the worst
-    assert_allclose(found / read.noise, 1.0, atol=0.15)
-
-
-def test_without_noise_hardly_any_is_found(ordinary, lab):
-    read = replace(ordinary, frequency=FINE, noise=0.0).spectra(lab.ARTICLE, lab.MODES)
-    found = of_redundancy(read, 9.81)
-    assert np.all(found < 1e-3 * np.sqrt(np.mean(np.abs(read.values) ** 2, axis=(0, 1))).max())
-
-
-def test_few_lines_and_lone_channels_tell_none(ordinary, lab):
-    assert not of_redundancy(replace(ordinary, frequency=FINE[:10]).spectra(lab.CUBOID), 9.81).any()
-    read = replace(ordinary, frequency=FINE).spectra(lab.CUBOID)
-    lone = [k for k, name in enumerate(read.table.names) if name not in {"cover-z4", "cover-x2"}]
-    few = replace(read, table=read.table.subset(lone), values=read.values[:, :, lone], noise=read.noise[:, :, lone])
-    found = of_redundancy(few, 9.81)
-    assert not found[:, :, list(few.table.select(quantity="acceleration"))].any()
-    assert found[:, :, list(few.table.select(quantity="force"))].all()

@@ -1,6 +1,8 @@
 """The equations of the structure's families by themselves: closed forms, limits, scaling, and nothing where there is nothing."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -49,15 +51,19 @@ def mounted() -> MountedDynamicMass:
     return MountedDynamicMass(frequency=LINES, matrix=dynamic_mass.dynamic_mass(stiff(), LINES).matrix, seat=SEAT, cog=BODY.cog)
 
 
-def on_matrices(family: str, *targets: str, **values: float) -> ComplexArray:
+def equation(family: str) -> Callable[..., Any]:
     change = FAMILIES[family].change
     assert change is not None
+    return change
+
+
+def on_matrices(family: str, *targets: str, **values: float) -> ComplexArray:
+    change = equation(family)
     return dynamic_mass.dynamic_mass(change(stiff(), targets, _keyed(values)), LINES).matrix
 
 
 def on_body(family: str, *targets: str, stage: MountedDynamicMass | None = None, **values: float) -> ComplexArray:
-    change = FAMILIES[family].change
-    assert change is not None
+    change = equation(family)
     matrix: ComplexArray = change(stage or mounted(), targets, _keyed(values)).matrix
     return matrix
 
@@ -98,8 +104,7 @@ def test_every_family_has_all_its_words(family: str) -> None:
 @pytest.mark.parametrize("family", NULL)
 def test_the_size_of_nothing_changes_nothing(family: str) -> None:
     targets, values = NULL[family]
-    change = FAMILIES[family].change
-    assert change is not None
+    change = equation(family)
     if FAMILIES[family].stage == STRUCTURE_STAGE and not {"m"} & set(values):
         after = change(stiff(), targets, values)
         for name in ("mass", "stiffness", "viscous", "structural"):
@@ -113,8 +118,7 @@ def test_the_size_of_nothing_changes_nothing(family: str) -> None:
 
 def test_a_mass_on_a_rigid_body_is_the_composed_body() -> None:
     rigid = Matrices(base=6, mass=BODY.about(np.zeros(3)).mass_matrix, **nothing(6), places={"tip": rigid_transformation(PLACE)})
-    change = FAMILIES["point-mass"].change
-    assert change is not None
+    change = equation("point-mass")
     expected = BODY.about(np.zeros(3)) + Inertia.from_cog(0.7, PLACE, np.zeros((3, 3))).about(np.zeros(3))
     np.testing.assert_allclose(change(rigid, ("tip",), {"": 0.7}).mass, expected.mass_matrix, rtol=1e-12, atol=1e-12)
 
@@ -128,8 +132,7 @@ def test_rigid_inertia_is_the_article_with_that_parameter_about_its_centre_of_gr
     about = np.array(BODY.about(BODY.cog).parameters)
     about[PARAMETERS.index(parameter)] += 0.05
     expected = Inertia(parameters=about, reference_point=BODY.cog).about(np.zeros(3)).mass_matrix
-    change = FAMILIES["rigid-inertia"].change
-    assert change is not None
+    change = equation("rigid-inertia")
     np.testing.assert_allclose(change(stiff(), (parameter,), {"": 0.05}).mass[:6, :6], expected, rtol=1e-12, atol=1e-12)
 
 
@@ -170,8 +173,7 @@ def test_slosh_swings_sideways_only() -> None:
     rigid = Matrices(
         base=6, mass=BODY.about(np.zeros(3)).mass_matrix, **nothing(6), places={"tip": rigid_transformation(np.zeros(3))}
     )
-    change = FAMILIES["slosh"].change
-    assert change is not None
+    change = equation("slosh")
     H = dynamic_mass.dynamic_mass(change(rigid, ("tip",), {"m": 0.5, "f": 6.0, "zeta": 0.02}), LINES).matrix
     added = np.einsum("nii->ni", H - rigid.mass)
     np.testing.assert_allclose(added[:, 0], added[:, 1], rtol=1e-12)
@@ -180,8 +182,7 @@ def test_slosh_swings_sideways_only() -> None:
 
 
 def test_a_cable_that_does_not_give_holds_its_place() -> None:
-    change = FAMILIES["cable"].change
-    assert change is not None
+    change = equation("cable")
     answered = dynamic_mass.dynamic_mass(change(stiff(), ("tip", "vertical"), {"": 1e12}), LINES)
     moved = np.einsum("k,knj->nj", stiff().places["tip"][2], answered.right)
     freely = np.einsum("k,knj->nj", stiff().places["tip"][2], dynamic_mass.dynamic_mass(stiff(), LINES).right)
@@ -190,8 +191,7 @@ def test_a_cable_that_does_not_give_holds_its_place() -> None:
 
 def test_a_cable_on_a_rigid_body_is_its_stiffness_over_omega_squared() -> None:
     rigid = Matrices(base=6, mass=BODY.about(np.zeros(3)).mass_matrix, **nothing(6), places={"tip": rigid_transformation(PLACE)})
-    change = FAMILIES["cable"].change
-    assert change is not None
+    change = equation("cable")
     H = dynamic_mass.dynamic_mass(change(rigid, ("tip", "lateral"), {"": 2000.0}), LINES).matrix
     rows = rigid_transformation(PLACE)[:2]
     expected = rigid.mass - 2000.0 * rows.T @ rows / (2 * np.pi * LINES[:, None, None]) ** 2
@@ -212,8 +212,7 @@ def test_a_joint_is_a_spring_between_two_bodies() -> None:
 
 
 def test_two_joints_in_series_give_the_sum_of_their_compliance() -> None:
-    change = FAMILIES["joint-compliance"].change
-    assert change is not None
+    change = equation("joint-compliance")
     once = on_body("joint-compliance", "rotation", size=3e-6)
     twice = change(change(mounted(), ("rotation",), {"": 1e-6}), ("rotation",), {"": 2e-6}).matrix
     np.testing.assert_allclose(twice, once, rtol=1e-10, atol=1e-10)
@@ -229,8 +228,7 @@ def test_a_quarter_turn_swaps_the_axes_and_four_are_none() -> None:
     np.testing.assert_allclose(H[:, 1, 1], NOMINAL[:, 0, 0], rtol=1e-12)
     np.testing.assert_allclose(H[:, 3, 3], NOMINAL[:, 4, 4], rtol=1e-12)
     stage = mounted()
-    change = FAMILIES["orientation"].change
-    assert change is not None
+    change = equation("orientation")
     for _ in range(4):
         stage = change(stage, ("z",), {"": np.pi / 2})
     np.testing.assert_allclose(stage.matrix, NOMINAL, rtol=1e-12, atol=1e-12)
@@ -254,8 +252,7 @@ def test_an_offset_is_another_seat() -> None:
     ("family", "part", "of"), [("structural-damping", "mast", "mast"), ("layer-damping", "blade", "blade-silicone")]
 )
 def test_a_loss_factor_is_an_imaginary_stiffness_of_its_part(family: str, part: str, of: str) -> None:
-    change = FAMILIES[family].change
-    assert change is not None
+    change = equation(family)
     after = change(stiff(), (part,), {"": 0.03})
     np.testing.assert_allclose(after.structural - stiff().structural, 0.03 * stiff().parts[of], rtol=1e-9, atol=1e-9)
 
