@@ -21,11 +21,12 @@ import numpy as np
 import numpy.typing as npt
 
 from geometry import sensors
-from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray, DynamicMass
+from geometry.dynamic_mass import MOTIONS, ComplexArray, DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen
 from geometry.inertia import combination, of_motions, of_resultants
 from geometry.sensors import ChannelTable, motion_rows
+from identification.campaign import NOMINAL
 from identification.spectra.line_spectra import Spectra
 
 # Gravity has two halves: the weight of a tilted body, and the tilt that accelerometers feel. Here is the one that is missing.
@@ -350,8 +351,6 @@ def said(weak: ComplexArray) -> str:
 #
 # An accelerometer whose absence moves a motion by much contradicts the others; one whose absence leaves a motion untold is the
 # only one that sees it, and its errors go into the result unseen.
-
-NOMINAL = np.array([LEVELS[axis] for axis in MOTIONS])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -292,6 +292,7 @@ RIGID_GROUPS = ("table", "cover")
 """Groups whose accelerometers may tell the base motion: they move with the table as long as the FMD is stiff."""
 
 NOMINAL = np.array([LEVELS[axis] for axis in MOTIONS])
+"""(6,) nominal acceleration of every axis, by which motions are made comparable [m/s², rad/s²]."""
 
 BLOCK = 0.5
 """[s] of a block: two periods of the lowest line that the paper uses."""

@@ -11,9 +11,9 @@ with their errors written out; "The likelihood" of the catalogue of effects.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import isfinite, log
+from math import log
 from types import MappingProxyType
 
 import numpy as np
@@ -25,41 +25,11 @@ from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen, rigid_transformation, rigid_transformation_6, skew
 from geometry.sensors import Channel, ChannelTable, Place, Summation, Tolerances, row, summation
-from identification.base_motion import TILT
-from identification.parameter import Parameter
-
-# `Parameter`: one thing that a laboratory does not know of its measurement chain, and how far it may be from nominal.
-#
-# Names are the ids of the catalogue of effects: ``family:target``. A vector theta holds the parameters' offsets from nominal;
-# scale factors that must stay positive - stiffnesses - are offset by their logarithm, and `Parameter.value` says what a number
-# means.
+from identification.base_motion import STANDARD_GRAVITY, TILT
+from identification.parameter import Parameter, opened
 
 Offsets = Mapping[str, float]
-"""Offsets of the open parameters by name; a parameter that is not in it stands at its nominal value."""
-
-
-def opened(candidates: Iterable[Parameter], overrides: Mapping[str, float]) -> tuple[Parameter, ...]:
-    """The parameters that may move: those of a positive tolerance once `overrides`, by name or by family, have replaced theirs.
-
-    A name goes before its family; 0 closes a parameter.
-
-    Raises
-    ------
-    BadInput : an override that fits no parameter of this chain, or is negative or not finite.
-    """
-    known = tuple(candidates)
-    names = {one.name for one in known} | {one.family for one in known}
-    for name, size in overrides.items():
-        if name not in names:
-            families = ", ".join(sorted({one.family for one in known}))
-            problem = "this chain has no such parameter"
-            raise BadInput(source="tolerances", field=name, problem=problem, remedy=f"Name one of the families {families}")
-        if not (isfinite(size) and size >= 0):
-            problem = f"a standard deviation must be finite and not negative, found {size}"
-            raise BadInput(source="tolerances", field=name, problem=problem, remedy="Give it in SI units; 0 closes the parameter")
-    changed = (replace(one, tolerance=overrides.get(one.name, overrides.get(one.family, one.tolerance))) for one in known)
-    return tuple(one for one in changed if one.tolerance > 0)
-
+"""Of the open parameters by name, from nominal, where a parameter stands that is not in it; stiffnesses by their logarithm."""
 
 # The load cells as springs: how they share a load between them, and how far the cover plate moves on them.
 #
@@ -662,10 +632,6 @@ def _rotation(turn: Array) -> Array:
     """(3, 3) rotation about the vector `turn` (3,) by its length [rad] (Rodrigues)."""
     angle, S = float(np.linalg.norm(turn)), skew(turn)
     return np.asarray(np.eye(3) + np.sinc(angle / np.pi) * S + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * S @ S)
-
-
-STANDARD_GRAVITY = 9.81
-"""[m/s²] of a campaign that states none, as `campaign.toml` does by default."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -20,11 +20,11 @@ from math import comb
 import numpy as np
 import numpy.typing as npt
 
-from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
+from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
 from identification.base_motion import base_motion, resultants
-from identification.campaign import Campaign, block_length, quiet_blocks
+from identification.campaign import NOMINAL, Campaign, block_length, quiet_blocks
 from identification.spectra.line_spectra import Spectra
 
 SEGMENT = 4
@@ -191,8 +191,6 @@ FEWEST = 20
 
 ROUNDING = 1e-12
 """Share of the level of a channel below which a difference is rounding, and its noise counts as 0."""
-
-NOMINAL = np.array([LEVELS[axis] for axis in MOTIONS])
 
 
 def of_redundancy(spectra: Spectra, gravity: float) -> Array:
