@@ -23,23 +23,27 @@ def table(campaign: Campaign) -> ChannelTable:
     return campaign.table
 
 
-def read(table: ChannelTable, motion: np.ndarray, noise: float = 0.0, seed: int = 1) -> Spectra:
-    """What a rigid body makes of the motions (r, n, 6), with complex noise of standard deviation `noise`."""
-    pickups = list(table.select(quantity="acceleration"))
-    values = np.zeros((*motion.shape[:2], len(table)), dtype=complex)
-    values[:, :, pickups] = motion @ motion_rows([table.channels[k] for k in pickups], table.origin).T
-    random = np.random.default_rng(seed)
-    values += noise / np.sqrt(2) * (random.standard_normal(values.shape) + 1j * random.standard_normal(values.shape))
-    runs = tuple(f"run {k}" for k in range(len(motion)))
+def as_spectra(table: ChannelTable, values: np.ndarray, noise: float, seed: int) -> Spectra:
+    """Exact `values` (r, n, c) with complex noise of standard deviation `noise`."""
+    random, (runs, lines, _) = np.random.default_rng(seed), values.shape
+    values = values + noise / np.sqrt(2) * (random.standard_normal(values.shape) + 1j * random.standard_normal(values.shape))
     return Spectra(
         table=table,
-        frequency=4.0 + np.arange(motion.shape[1]) if motion.shape[1] != len(LINES) else LINES,
+        frequency=4.0 + np.arange(lines) / lines if lines != len(LINES) else LINES,
         values=values,
         noise=np.full(values.shape, noise),
         quality=np.ones(values.shape[:2]),
-        runs=runs,
-        axes=("",) * len(runs),
+        runs=tuple(f"run {k}" for k in range(runs)),
+        axes=("",) * runs,
     )
+
+
+def read(table: ChannelTable, motion: np.ndarray, noise: float = 0.0) -> Spectra:
+    """What a rigid body makes of the motions (r, n, 6)."""
+    pickups = list(table.select(quantity="acceleration"))
+    values = np.zeros((*motion.shape[:2], len(table)), dtype=complex)
+    values[:, :, pickups] = motion @ motion_rows([table.channels[k] for k in pickups], table.origin).T
+    return as_spectra(table, values, noise, 1)
 
 
 def some(runs: int = 2, lines: int = 4, seed: int = 0) -> np.ndarray:
@@ -205,20 +209,9 @@ def read_loads(table: ChannelTable, loads: np.ndarray, noise: float = 0.0, stiff
     of = summation([table.channels[k] for k in chosen], table.origin)
     B, K = of.gives.T, np.diag(np.ones(of.gives.shape[1]) if stiffness is None else stiffness)
     share = of.adds @ K @ B @ np.linalg.inv(B.T @ K @ B)
-    random = np.random.default_rng(5)
     values = np.zeros((*loads.shape[:2], len(table)), dtype=complex)
     values[:, :, chosen] = loads @ share.T
-    values += noise / np.sqrt(2) * (random.standard_normal(values.shape) + 1j * random.standard_normal(values.shape))
-    runs = tuple(f"run {k}" for k in range(len(loads)))
-    return Spectra(
-        table=table,
-        frequency=4.0 + np.arange(loads.shape[1]) / loads.shape[1],
-        values=values,
-        noise=np.full(values.shape, noise),
-        quality=np.ones(values.shape[:2]),
-        runs=runs,
-        axes=("",) * len(runs),
-    )
+    return as_spectra(table, values, noise, 5)
 
 
 def some_loads(lines: int = 5) -> np.ndarray:
