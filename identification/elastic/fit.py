@@ -588,19 +588,14 @@ def fit(
                 found, reason = rigid, "rigid: neither a pole nor a residual mass pays"
             else:
                 found = _pruned(refine(best.vector, best.layout, thin), thin, of)
-                reason = (
-                    f"{found.layout.modes} poles leave a misfit of {_misfit(found, thin):.3g}; nothing else in it is a resonance"
+                left = f"{found.layout.modes} poles leave a misfit of {_misfit(found, thin):.3g}"
+                gains = [max(found.chi2 - one.chi2, 0.0) for one in tried if one.layout.modes > found.layout.modes]
+                more_gains = (
+                    f"one more would take {gains[0]:.3g} out of chi², less than its price of {of.pole:.3g}" if gains else ""
                 )
-                longer = next((one for one in tried if one.layout.modes > found.layout.modes), None)
-                if longer is not None:
-                    gain = max(found.chi2 - longer.chi2, 0.0)
-                    reason = f"{reason.partition(';')[0]}; one more would take {gain:.3g} out of chi², less than its price of "
-                    reason += f"{of.pole:.3g}"
+                reason = f"{left}; {more_gains or 'nothing else in it is a resonance'}"
     tell(1.0)
     return _result(found, history, reason, data, thin, dynamic_mass.reference_point)
-
-
-# --- the search ------------------------------------------------------------------------------------------------------
 
 
 def _with_one_more(at: Refined, lines: Lines) -> Refined | None:
@@ -622,9 +617,6 @@ def _with_one_more(at: Refined, lines: Lines) -> Refined | None:
         if longer.chi2 < at.chi2 and np.all(longer._room(lines) > 0):
             return longer
     return None
-
-
-# --- the choice ------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -676,9 +668,6 @@ def _pruned(at: Refined, lines: Lines, price: Price) -> Refined:
             return at
         at = shorter
     return at
-
-
-# --- the result ------------------------------------------------------------------------------------------------------
 
 
 def _result(found: Refined, history: list[Refined], reason: str, data: Lines, thin: Lines, reference_point: Array) -> Fitted:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +18,7 @@ from identification.elastic import model
 from identification.elastic.model import ElasticTerms
 from identification.plain import CHAIN_ERROR, Setup, drift, setup
 from identification.request import Evidence, Fact, Known, Settings
+from identification.rigid_body import BASIS
 from identification.self_calibration import likelihood
 from identification.self_calibration.likelihood import Observed, Rows, observed
 from identification.self_calibration.solve import Normal
@@ -193,7 +193,7 @@ class Structure:
 
     def derivatives(self, layout: Layout, x: Array, frequency: Array) -> ComplexArray:
         """dH (k, n, 6, 6): by the ten in SI, then by the elastic terms."""
-        ten = np.broadcast_to(ten_matrices()[:, None], (10, len(frequency), 6, 6)).astype(np.complex128)
+        ten = np.broadcast_to(BASIS[:, None], (10, len(frequency), 6, 6)).astype(np.complex128)
         if self.elastic is None:
             return ten
         return np.concatenate([ten, model.derivatives(self.terms(layout, x), frequency, self.elastic)[10:]])
@@ -208,12 +208,6 @@ class Structure:
         if own:
             chosen[10:, layout.at(self.elastic_block)] = np.eye(own)
         return chosen
-
-
-@lru_cache(maxsize=1)
-def ten_matrices() -> Array:
-    """(10, 6, 6): the mass matrix of Eq. 1 is linear in the ten parameters of Eq. 4."""
-    return np.stack([Inertia(parameters=row).mass_matrix for row in np.eye(10)])
 
 
 def rooted(block: str, mean: Array, covariance: Array) -> Body:

@@ -17,7 +17,7 @@ from geometry.frames import Array
 from geometry.inertia import PARAMETERS
 from identification.campaign import Campaign
 from identification.request import jacobian, quantities
-from identification.self_calibration.problem import ten_matrices
+from identification.rigid_body import BASIS
 from identification.self_calibration.solve import inverse
 from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES, Named, parse
@@ -373,7 +373,7 @@ def inertia(prediction: SeriesPrediction, offsets: Offsets) -> tuple[Array, dict
 
 def _nearest(mass: Array) -> Array:
     """(10,) of the rigid body whose mass matrix is nearest to the base's share of `mass`."""
-    basis = ten_matrices().reshape(10, 36).T
+    basis = BASIS.reshape(10, 36).T
     return np.asarray(np.linalg.lstsq(basis, mass[:6, :6].ravel(), rcond=None)[0])
 
 

@@ -21,7 +21,7 @@ from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.frames import Array, Pose, frozen, rigid_transformation_6
 from geometry.inertia import PARAMETERS, UNITS, Inertia
 from identification.campaign import Campaign, Excitation, Processing
-from identification.self_calibration.problem import ten_matrices
+from identification.rigid_body import BASIS
 from validation.effects.stages import Matrices, MountedDynamicMass
 from validation.estimation.problem import IDENTIFIED, Offsets, Parameter
 from validation.model.model import Added
@@ -299,7 +299,7 @@ class SupportedDynamicMass:
         if derivatives and not self.exact:
             found = {
                 name: np.broadcast_to(E.astype(np.complex128), (len(frequency), 6, 6))
-                for name, E in zip(names(), ten_matrices(), strict=True)
+                for name, E in zip(names(), BASIS, strict=True)
             }
         if self.nuisances is None:
             return H, found
