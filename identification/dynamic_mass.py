@@ -75,13 +75,13 @@ def from_runs(
         raise _refused("load", f"spectra of six loads and six motions at {len(lines)} lines are needed, {found}")
     if len(F) < 6:
         raise _refused("runs", f"six linearly independent base motions take at least six runs, found {len(F)}")
+    scale = np.array([levels[axis] for axis in MOTIONS])
+    excited = DrivenMotions.of_runs(U / scale, lines)
+    excited.require_told_apart()
     shape = F.shape[:2]
     given = np.ones(shape) if weights is None else np.asarray(weights, dtype=np.float64)
     if given.shape not in (shape[:1], shape) or not np.all((given > 0) & np.isfinite(given)):
         raise _refused("weights", f"one positive number for each of {shape[0]} runs, or for each run and line, is needed")
-    scale = np.array([levels[axis] for axis in MOTIONS])
-    excited = DrivenMotions.of_runs(U / scale, lines)
-    excited.require_told_apart()
     w = np.broadcast_to(given[:, None] if given.ndim == 1 else given, shape).T  # (n, r)
     columns = (U / scale).transpose(1, 2, 0) * w[:, None, :]
     inverted = np.linalg.inv(columns) if len(U) == 6 else np.linalg.pinv(columns)
