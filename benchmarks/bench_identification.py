@@ -21,7 +21,6 @@ from geometry.frames import Array
 from geometry.inertia import Inertia
 from geometry.sensors import Channel, ChannelTable, Place, motion_rows, resultants
 from identification import base_motion, identify, rigid_body
-from identification import resultants as identification_resultants
 from identification.base_motion import RunNoise
 from identification.campaign import Campaign
 from identification.dynamic_mass import corrected, from_runs
@@ -64,7 +63,7 @@ def campaign() -> None:
 
 def plain(of: Spectra) -> rigid_body.RigidFit:
     """Eqs. 2 to 11, and Eqs. 1 and 4 turned round."""
-    motion, load = base_motion.base_motion(of), identification_resultants.resultants(of)
+    motion, load = base_motion.base_motion(of), base_motion.resultants(of)
     return rigid_body.fit(from_runs(load.values, motion.values, of.frequency).dynamic_mass)
 
 
@@ -74,7 +73,7 @@ def plain(of: Spectra) -> rigid_body.RigidFit:
 def written_out() -> None:
     """All lines at once, with condition numbers, beside a loop over the lines; and errors in variables."""
     of = drawn(ChannelTable(channels=channels()), LINES, 12)
-    U, F = base_motion.base_motion(of), identification_resultants.resultants(of)
+    U, F = base_motion.base_motion(of), base_motion.resultants(of)
     noise = RunNoise(load=F.covariance, motion=U.covariance)
     estimate = from_runs(F.values, U.values, of.frequency)
     calls: dict[str, Call] = {

@@ -35,8 +35,7 @@ from geometry.frames import Array
 from validation.effects.catalogue import Named, parse
 from validation.effects.effect import Vocabulary, built_in_places, evidence_threshold
 from validation.estimation.evaluate import evaluate, named, without
-from validation.estimation.problem import EFFECT, Problem
-from validation.estimation.result import Evaluation
+from validation.estimation.problem import EFFECT, Evaluation, Problem
 from validation.history import add
 from validation.history.add import starting_sizes
 from validation.model.model import Model

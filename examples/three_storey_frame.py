@@ -26,7 +26,7 @@ from fem.beam.elements import bending_stiffness, rectangle
 from geometry.article import Material
 from validation.model.model import StructureTolerances
 from validation.prediction.accelerance import AcceleranceTest
-from validation.prediction.nuisances import Nuisances
+from validation.prediction.effects import Nuisances
 
 # The model, in ten lines: lengths [m], mass of a storey [kg], legs of a storey, damping ratio of every mode.
 ALUMINIUM = Material(name="aluminium", density=2700.0, youngs_modulus=70e9, poisson_ratio=0.33)

@@ -1,4 +1,4 @@
-"""Base motion from accelerometers: the paper's Eqs. 2, 3, 6 and 7 on spectra, and how far accelerometers contradict each other.
+"""Base motion and resultants: the paper's Eqs. 2, 3, 6 and 7 on spectra, and how far channels contradict each other.
 
 What accelerometers on a rigid cover plate read is y = G u, with a row d^T [G] each (Eq. 3). Six motions u of the reference
 point F follow from more than six readings by weighted least squares (Eq. 2; Eq. 7 with equal weights)
@@ -13,18 +13,20 @@ Pick-ups of the table and of the cover plate are never used together unless aske
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 
 import numpy as np
 import numpy.typing as npt
 
-from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray, DynamicMass
+from geometry import sensors
+from geometry.dynamic_mass import MOTIONS, ComplexArray, DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen
-from geometry.inertia import combination, of_motions
+from geometry.inertia import combination, of_motions, of_resultants
 from geometry.sensors import ChannelTable, motion_rows
+from identification.campaign import NOMINAL
 from identification.spectra.line_spectra import Spectra
 
 # Gravity has two halves: the weight of a tilted body, and the tilt that accelerometers feel. Here is the one that is missing.
@@ -37,7 +39,6 @@ from identification.spectra.line_spectra import Spectra
 #
 # A dynamic mass against kinematic motions is H (1 + g/omega² E), not symmetric any more; E² = 0, so its inverse is 1 - g/omega²
 # E.
-
 
 TILT = np.zeros((6, 6))
 """E, the one place where its signs stand."""
@@ -134,7 +135,8 @@ def base_motion(
     # (r, n, c) as (1, n, c) where all runs have the same: what follows from it is computed once
     each_run = spectra.noise[:, :, chosen]
     noise = each_run[:1] if np.all(each_run == each_run[:1]) else each_run
-    T = _solver(G, _roots(noise, weights))
+    roots = _roots(noise, weights)
+    T = np.linalg.pinv(roots[..., None] * G) * roots[:, :, None, :]  # (r, n, 6, c): [T] of Eq. 6, weighted
     y = spectra.values[:, :, chosen]
     u = (T @ y[..., None])[..., 0]
     residual = y - (G @ u[..., None])[..., 0]
@@ -143,6 +145,13 @@ def base_motion(
     sd = np.sqrt((left**2 @ noise[..., None] ** 2)[..., 0])
     expected = np.broadcast_to(np.where(sd > 1e-6 * noise, sd, 0.0), y.shape)
     covariance = (T * noise[:, :, None, :] ** 2) @ T.swapaxes(2, 3)
+    warnings: tuple[str, ...] = ()
+    if {"table", "cover"} <= set(used):
+        rigid = "they are taken for one rigid body, load cells for rigid"
+        warnings = (f"base motion from table and cover plate together: {rigid}",)
+    elif "cover" not in used:
+        lacking = of_motions(spectra.table, ("cover",)).text
+        warnings = (f"base motion from {' and '.join(used)}: cells are taken for rigid (the cover plate: {lacking})",)
     return BaseMotion(
         channels=tuple(spectra.table.names[k] for k in chosen),
         values=u,
@@ -152,7 +161,7 @@ def base_motion(
         sigmas=in_sigmas(residual, expected),
         percent=in_percent(residual, y),
         redundancy=len(chosen) - 6,
-        warnings=_warnings(spectra.table, used),
+        warnings=warnings,
     )
 
 
@@ -214,27 +223,12 @@ def _roots(noise: Array, weights: npt.ArrayLike | None) -> Array:
     return np.where(known, least / np.where(known, noise, 1.0), 1.0)
 
 
-def _solver(G: Array, roots: Array) -> Array:
-    """(r, n, 6, c): the matrix [T] of Eq. 6, weighted."""
-    return np.asarray(np.linalg.pinv(roots[..., None] * G) * roots[:, :, None, :])
-
-
-def _warnings(table: ChannelTable, groups: Sequence[str]) -> tuple[str, ...]:
-    if {"table", "cover"} <= set(groups):
-        return ("base motion from table and cover plate together: they are taken for one rigid body, load cells for rigid",)
-    if "cover" not in groups:
-        lacking = of_motions(table, ("cover",)).text
-        return (f"base motion from {' and '.join(groups)}: cells are taken for rigid (the cover plate: {lacking})",)
-    return ()
-
-
 # How well the runs tell six base motions apart, line by line, and in words where they do not.
 #
 # Columns of S_u are runs. Every row is divided by the nominal level of its axis, so that metres stand beside radians; the
 # condition number of what is left does not know units. The left singular vector of the smallest singular value is the
 # combination of base motions that the runs drive least: where it holds one motion alone, that one is hardly driven; where it
 # holds several, they move together in every run and cannot be told apart.
-
 
 SINGULAR = 1e9
 """Condition number of the scaled base motions from which runs do not tell six motions apart: what is left is rounding."""
@@ -271,6 +265,46 @@ class DrivenMotions:
         largest = np.maximum(self.singular[:, 0], np.finfo(np.float64).tiny)
         return np.asarray(1 / np.maximum(self.singular[:, -1] / largest, 1e-16))
 
+    @staticmethod
+    def of_runs(scaled: ComplexArray, frequency: Array) -> DrivenMotions:
+        """By base motions (r, n, 6) at `frequency` (n,) [Hz], every axis divided by its level."""
+        directions, found, _ = np.linalg.svd(scaled.transpose(1, 2, 0))
+        singular = np.zeros((len(frequency), 6))
+        singular[:, : found.shape[1]] = found
+        return DrivenMotions(frequency=frequency, singular=singular, directions=directions)
+
+    def require_told_apart(self) -> None:
+        """Six base motions must be told apart at every line.
+
+        Raises
+        ------
+        BadInput : the runs leave a combination of base motions undriven; it is named.
+        """
+        worst = int(np.argmax(self.condition))
+        if self.condition[worst] >= SINGULAR:
+            where = f"at {self.frequency[worst]:g} Hz (condition number {self.condition[worst]:.1e})"
+            raise BadInput(
+                source="dynamic mass from runs",
+                field="runs",
+                problem=f"the base motions are linearly dependent {where}: {said(self.weak(worst, SINGULAR))}",
+                remedy="Drive every one of the six axes in a run of its own",
+            )
+
+    def excluded(self, limit: float) -> Exclusions:
+        """Lines whose condition number exceeds `limit` are left out; the reason names the base motions that move together."""
+        kept = self.condition <= limit
+        out = [(k, names(self.weak(k, limit))) for k in np.flatnonzero(~kept).tolist()]
+        reasons = []
+        # Neighbours with the same motions share a sentence: index minus rank is constant in a run of neighbours.
+        for _, stretch in groupby(enumerate(out), key=lambda item: (item[1][0] - item[0], item[1][1])):
+            lines = [k for _, (k, _) in stretch]
+            f, condition = self.frequency[lines], self.condition[lines]
+            where = f"{f[0]:g} Hz is" if len(f) == 1 else f"{f[0]:g} to {f[-1]:g} Hz ({len(f)} lines) are"
+            allowed = f"condition number up to {condition.max():.3g} where {limit:g} is allowed"
+            worst = self.weak(lines[int(np.argmax(condition))], limit)
+            reasons.append(f"{where} left out, {allowed}: {said(worst)}")
+        return Exclusions(kept=kept, reasons=tuple(reasons))
+
     def weak(self, line: int, limit: float) -> ComplexArray:
         """(6, k) combinations of the scaled base motions at `line` that are driven less than 1 / `limit` of the strongest."""
         open_ = self.singular[line] * limit <= self.singular[line, 0]
@@ -291,44 +325,6 @@ class Exclusions:
     reasons: tuple[str, ...]
 
 
-def of_runs(motion: ComplexArray, frequency: Array, levels: Mapping[str, float]) -> DrivenMotions:
-    """The excitation by base motions (r, n, 6) at `frequency` (n,) [Hz], every axis scaled by its level."""
-    scaled = (motion / np.array([levels[axis] for axis in MOTIONS])).transpose(1, 2, 0)
-    directions, found, _ = np.linalg.svd(scaled)
-    singular = np.zeros((len(frequency), 6))
-    singular[:, : found.shape[1]] = found
-    return DrivenMotions(frequency=frequency, singular=singular, directions=directions)
-
-
-def excluded_lines(excitation: DrivenMotions, limit: float) -> Exclusions:
-    """Lines whose condition number exceeds `limit` are left out; the reason names the base motions that move together there."""
-    kept = excitation.condition <= limit
-    out = [(k, names(excitation.weak(k, limit))) for k in np.flatnonzero(~kept).tolist()]
-    # Neighbours with the same motions share a sentence: index minus rank is constant in a run of neighbours.
-    stretches = groupby(enumerate(out), key=lambda item: (item[1][0] - item[0], item[1][1]))
-    chosen = [[k for _, (k, _) in stretch] for _, stretch in stretches]
-    return Exclusions(kept=kept, reasons=tuple(_reason(excitation, lines, limit) for lines in chosen))
-
-
-def require_driven(excitation: DrivenMotions) -> None:
-    """Six base motions must be told apart at every line.
-
-    Raises
-    ------
-    BadInput : the runs leave a combination of base motions undriven; it is named.
-    """
-    worst = int(np.argmax(excitation.condition))
-    if excitation.condition[worst] < SINGULAR:
-        return
-    where = f"at {excitation.frequency[worst]:g} Hz (condition number {excitation.condition[worst]:.1e})"
-    raise BadInput(
-        source="dynamic mass from runs",
-        field="runs",
-        problem=f"the base motions are linearly dependent {where}: {said(excitation.weak(worst, SINGULAR))}",
-        remedy="Drive every one of the six axes in a run of its own",
-    )
-
-
 def names(weak: ComplexArray) -> tuple[str, ...]:
     """The base motions that take part in the combinations `weak` (6, k)."""
     size = np.linalg.norm(weak, axis=1)
@@ -343,32 +339,18 @@ def said(weak: ComplexArray) -> str:
         return f"hardly any run drives {listed}"
     if weak.shape[1] > 1:
         return f"{listed} move together so that {weak.shape[1]} combinations of them hardly move in any run"
-    return f"{listed} move together: {_combined(weak[:, 0])} hardly moves in any run (every motion as a share of its level)"
-
-
-def _combined(weak: ComplexArray) -> str:
-    """The combination that stands still. It is v^H u, so shares are conjugate; the largest is real."""
-    size = np.abs(weak)
-    largest = weak[int(np.argmax(size))]
-    share = np.where(size >= SHARE * size.max(), np.conj(weak) * largest / np.abs(largest), 0)
+    # The combination that stands still is v^H u, so shares are conjugate; the largest is real
+    size, largest = np.abs(weak[:, 0]), weak[int(np.argmax(np.abs(weak[:, 0]))), 0]
+    share = np.where(size >= SHARE * size.max(), np.conj(weak[:, 0]) * largest / np.abs(largest), 0)
     lag = ", partly out of phase," if np.abs(share.imag).max() > IN_PHASE * size.max() else ""
-    return combination(share.real, MOTIONS) + lag
-
-
-def _reason(excitation: DrivenMotions, lines: list[int], limit: float) -> str:
-    f, condition = excitation.frequency[lines], excitation.condition[lines]
-    where = f"{f[0]:g} Hz is" if len(f) == 1 else f"{f[0]:g} to {f[-1]:g} Hz ({len(f)} lines) are"
-    worst = excitation.weak(lines[int(np.argmax(condition))], limit)
-    return f"{where} left out, condition number up to {condition.max():.3g} where {limit:g} is allowed: {said(worst)}"
+    still = combination(share.real, MOTIONS) + lag
+    return f"{listed} move together: {still} hardly moves in any run (every motion as a share of its level)"
 
 
 # What the base motion would be without each of its accelerometers: how far it moves, how much noise grows, what is lost.
 #
 # An accelerometer whose absence moves a motion by much contradicts the others; one whose absence leaves a motion untold is the
 # only one that sees it, and its errors go into the result unseen.
-
-
-NOMINAL = np.array([LEVELS[axis] for axis in MOTIONS])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -401,27 +383,27 @@ def without_each(spectra: Spectra, *, groups: Sequence[str] | None = None, gravi
     BadInput : as of `base_motion`.
     """
     used = groups_used(spectra.table) if groups is None else tuple(groups)
-    known = _with_noise(_only(spectra, spectra.table.select(group=used, quantity="acceleration")))
-    whole = base_motion(known, groups=used, gravity=gravity)
-    return tuple(_lost(known, k, whole, used, gravity) for k in range(len(known.table)))
-
-
-def _lost(spectra: Spectra, gone: int, whole: BaseMotion, groups: Sequence[str], gravity: float) -> Loss:
-    left = _only(spectra, [k for k in range(len(spectra.table)) if k != gone])
-    verdict, name = of_motions(left.table, groups), spectra.table.names[gone]
-    if not verdict.complete:
-        text = f"without {name} {verdict.text}"
-        untold = np.zeros((len(spectra.runs), 6))
-        return Loss(channel=name, lost=verdict.missing, text=text, moved=untold, amplification=np.full(6, np.inf))
-    rest = base_motion(left, groups=groups, gravity=gravity)
-    amplification = np.sqrt(np.median(_variance(rest) / _variance(whole), axis=(0, 1)))
+    known = _only(spectra, spectra.table.select(group=used, quantity="acceleration"))
+    if not np.all(known.noise > 0):  # equal noise then: what matters here is how it spreads
+        known = replace(known, noise=np.ones_like(known.noise))
+    whole, found = base_motion(known, groups=used, gravity=gravity), []
     size = np.sqrt(np.mean(np.abs(whole.values / NOMINAL) ** 2, axis=1)).max(axis=1)
-    change = np.sqrt(np.mean(np.abs((rest.values - whole.values) / NOMINAL) ** 2, axis=1))
-    moved = np.asarray(change / np.where(size > 0, size, 1.0)[:, None])
-    k = int(np.argmax(moved.max(axis=0)))
-    most = f"moves {MOTIONS[k]} most, by {100 * moved[:, k].max():.2g} % of the driven motion"
-    text = f"without {name} {most}; noise grows up to {amplification.max():.2g} times"
-    return Loss(channel=name, lost=(), text=text, moved=moved, amplification=amplification)
+    for gone, name in enumerate(known.table.names):
+        left = _only(known, [k for k in range(len(known.table)) if k != gone])
+        verdict = of_motions(left.table, used)
+        if not verdict.complete:
+            untold, text = np.zeros((len(known.runs), 6)), f"without {name} {verdict.text}"
+            found.append(Loss(channel=name, lost=verdict.missing, text=text, moved=untold, amplification=np.full(6, np.inf)))
+            continue
+        rest = base_motion(left, groups=used, gravity=gravity)
+        amplification = np.sqrt(np.median(_variance(rest) / _variance(whole), axis=(0, 1)))
+        change = np.sqrt(np.mean(np.abs((rest.values - whole.values) / NOMINAL) ** 2, axis=1))
+        moved = np.asarray(change / np.where(size > 0, size, 1.0)[:, None])
+        k = int(np.argmax(moved.max(axis=0)))
+        most = f"moves {MOTIONS[k]} most, by {100 * moved[:, k].max():.2g} % of the driven motion"
+        text = f"without {name} {most}; noise grows up to {amplification.max():.2g} times"
+        found.append(Loss(channel=name, lost=(), text=text, moved=moved, amplification=amplification))
+    return tuple(found)
 
 
 def _variance(motion: BaseMotion) -> Array:
@@ -434,14 +416,9 @@ def _only(spectra: Spectra, chosen: Sequence[int]) -> Spectra:
     return replace(spectra, table=spectra.table.subset(taken), values=values, noise=noise)
 
 
-def _with_noise(spectra: Spectra) -> Spectra:
-    """Equal noise where that of a channel is not known: what matters here is how it spreads."""
-    return spectra if np.all(spectra.noise > 0) else replace(spectra, noise=np.ones_like(spectra.noise))
-
-
 # `RunNoise`: the noise of loads and base motions, run by run and line by line.
 #
-# `identification.base_motion` and `identification.resultants` tell it from the noise of the channels: their `covariance`.
+# `identification.base_motion` and `identification.base_motion` tell it from the noise of the channels: their `covariance`.
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -463,3 +440,112 @@ class RunNoise:
             raise ValueError(f"`load` must have shape (r, n, 6, 6), found {shape}")
         object.__setattr__(self, "load", frozen(self.load, shape, "load"))
         object.__setattr__(self, "motion", frozen(self.motion, shape, "motion"))
+
+
+# From load-cell channels to the six resultants about F, and the combinations of channels that must balance.
+#
+# Eight channels y of the paper's box give six resultants f = R y (`geometry.sensors.resultants`). Two combinations are left
+# that no resultant shows: how cells of equal stiffness share a load says that they are zero, for example
+#
+#     x12 - x34 + y14 - y23      and      z1 - z2 + z3 - z4
+#
+# A combination that does not balance is a wrong gain, a swapped or dead channel - or cells that are not equally stiff: an error
+# of one per cent in one channel or one cell shows as a quarter of a per cent of what that channel reads.
+
+NOTHING = 1e-9
+"""Relative size below which a channel takes no part in a combination: rounding."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Resultants:
+    """Six resultants about the reference point, run by run and line by line.
+
+    Attributes
+    ----------
+    channels : (c,) names of the force and moment channels used
+    values : (r, n, 6) complex forces and moments of the table on the structure, in the unit of the spectra
+    covariance : (r, n, 6, 6) of the noise in them, E[e e^H]; 0 where the noise is not known
+    combinations : (k, c) parity rows, unit vectors
+    names : (k,) of the combinations, in words
+    parity : (r, n, k) complex, what the combinations read; 0 for exact channels on equal cells
+    expected : (r, n, k) standard deviation that noise alone gives them; 0 where the noise is not known
+    sigmas : (r, k) rms of parity / expected over the lines; nan where the noise is not known
+    percent : (r, k) rms of the parity, in per cent of the rms reading of all these channels in the run
+    """
+
+    channels: tuple[str, ...]
+    values: ComplexArray
+    covariance: Array
+    combinations: Array
+    names: tuple[str, ...]
+    parity: ComplexArray
+    expected: Array
+    sigmas: Array
+    percent: Array
+
+
+def resultants(spectra: Spectra) -> Resultants:
+    """The six resultants about the table's reference point, with covariance and parity.
+
+    Raises
+    ------
+    BadInput : the load cells do not tell six resultants, which are missing.
+    """
+    verdict = of_resultants(spectra.table)
+    if not verdict.complete:
+        raise BadInput(
+            source="resultants",
+            field="channel",
+            problem=f"the load cells do not tell the six resultants: {verdict.text}",
+            remedy=f"Add a load cell that sees {', '.join(verdict.missing)}",
+        )
+    chosen = spectra.table.select(group=("fmd",), quantity=("force", "moment"))
+    channels = [spectra.table.channels[k] for k in chosen]
+    names = tuple(channel.name for channel in channels)
+    R = sensors.resultants(channels, spectra.table.origin)
+    V = combinations(spectra.table, chosen)
+    words = []
+    for row in V / np.abs(V).max(axis=1, keepdims=True, initial=0.0):
+        parts = [(abs(v), "-" if v < 0 else "+", name) for v, name in zip(row, names, strict=True) if v]
+        terms = [f"{sign} {'' if abs(size - 1) < 1e-6 else f'{size:.3g} '}{name}" for size, sign, name in parts]
+        words.append(" ".join(terms).removeprefix("+ "))
+    y, noise = spectra.values[:, :, chosen], spectra.noise[:, :, chosen]
+    parity = y @ V.T
+    known = np.all(noise > 0, axis=2, keepdims=True)
+    expected = np.where(known, np.sqrt(noise**2 @ (V**2).T), 0.0)
+    return Resultants(
+        channels=names,
+        values=y @ R.T,
+        covariance=np.einsum("kc,rnc,lc->rnkl", R, noise**2, R),
+        combinations=V,
+        names=tuple(words),
+        parity=parity,
+        expected=expected,
+        sigmas=in_sigmas(parity, expected),
+        percent=in_percent(parity, y),
+    )
+
+
+def combinations(table: ChannelTable, chosen: Sequence[int]) -> Array:
+    """(k, c) unit rows of the combinations of the force and moment channels `chosen` that equal cells balance.
+
+    With equal stiffness the cells share a load f as B (B^T B)^-1 f, and a combination v of the sums S balances when v S B = 0.
+    The rows are as sparse as elimination makes them: a lateral one and a vertical one are not mixed.
+    """
+    from scipy.linalg import qr
+
+    of = sensors.summation([table.channels[k] for k in chosen], table.origin)
+    shown = of.adds @ of.gives.T  # (c, 6): what a channel reads of each load, up to (B^T B)^-1
+    scale = np.linalg.norm(shown, axis=0)
+    U, singular, _ = np.linalg.svd(shown / np.where(scale > 0, scale, 1.0))
+    rank = int(np.sum(singular > 1e-6 * singular[0]))
+    null = U[:, rank:]
+    count = null.shape[1]
+    if not count:
+        return np.zeros((0, len(null)))
+    _, _, pivots = qr(null.T, pivoting=True)
+    rows = np.linalg.solve(null[pivots[:count]].T, null.T)
+    rows[np.abs(rows) < NOTHING * np.abs(rows).max()] = 0.0
+    rows = rows[np.argsort([int(np.flatnonzero(row)[0]) for row in rows], kind="stable")]
+    first = np.array([np.sign(row[np.flatnonzero(row)[0]]) for row in rows])
+    return np.asarray(rows * first[:, None] / np.linalg.norm(rows, axis=1, keepdims=True))

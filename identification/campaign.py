@@ -9,15 +9,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import combinations
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput
-from geometry.frames import Array, Pose
-from geometry.sensors import ChannelTable
+from geometry.frames import Array, Pose, frozen
+from geometry.inertia import Observability, of_motions, of_resultants
+from geometry.sensors import ChannelTable, motion_rows
 from geometry.toml_file import nearest
 
 # `Recording`: the samples of one run, every channel on one common axis, in SI.
@@ -56,7 +59,16 @@ class Recording:
         if self.sampling_rate is not None and not 0 < self.sampling_rate < np.inf:
             raise ValueError(f"`sampling_rate` must be positive, found {self.sampling_rate}")
         if self.frequency is not None:
-            object.__setattr__(self, "frequency", _lines(self.frequency, len(values)))
+            lines = np.array(self.frequency, dtype=np.float64)
+            if (
+                lines.shape != values.shape[:1]
+                or not np.all(np.isfinite(lines))
+                or np.any(np.diff(lines) <= 0)
+                or np.any(lines < 0)
+            ):
+                raise ValueError(f"`frequency` must be {len(values)} ascending frequencies, not negative")
+            lines.setflags(write=False)
+            object.__setattr__(self, "frequency", lines)
 
     def __len__(self) -> int:
         return len(self.values)
@@ -89,14 +101,6 @@ class Recording:
             raise BadInput(source=self.source, field=name, problem="there is no such channel", remedy="Check the name")
         column: npt.NDArray[Any] = self.values[:, self.names.index(name)]
         return column
-
-
-def _lines(frequency: npt.ArrayLike, count: int) -> Array:
-    lines = np.array(frequency, dtype=np.float64)
-    if lines.shape != (count,) or not np.all(np.isfinite(lines)) or np.any(np.diff(lines) <= 0) or np.any(lines < 0):
-        raise ValueError(f"`frequency` must be {count} ascending frequencies, not negative")
-    lines.setflags(write=False)
-    return lines
 
 
 METHODS = ("full-record", "peak-reference-hold")
@@ -134,10 +138,8 @@ class Excitation:
     @property
     def sweep_duration(self) -> float | None:
         """[s] that a sine sweep at the stated rate takes; None where start, stop or rate is not stated."""
-        from math import log2
-
         start, stop, rate = (self.figure(key) for key in ("start_hz", "stop_hz", "octaves_per_minute"))
-        return None if not (start and stop and rate) else 60 * abs(log2(stop / start)) / rate
+        return None if not (start and stop and rate) else 60 * abs(math.log2(stop / start)) / rate
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -230,7 +232,6 @@ class Campaign:
 
 # Units of signal files. A channel states its own; its samples are multiplied once, where they are read.
 
-
 STANDARD_GRAVITY = 9.80665
 POUND_FORCE = 4.4482216152605
 FOOT, INCH = 0.3048, 0.0254
@@ -281,3 +282,194 @@ def named(size: float, quantity: str) -> str:
     """The unit of `quantity` with the factor `size`, or the factor in SI when it has no name."""
     names = [name for name, value in UNITS[quantity].items() if math.isclose(value, size, rel_tol=SAME_UNIT)]
     return names[0] if names else f"{size:.7g} {next(iter(UNITS[quantity]))}"
+
+
+# A first look at recorded runs: what the table did, and what the channels read when nothing moved.
+#
+# Both come from short blocks of the time histories. Spectra have no quiet part and no level; they are left out.
+
+RIGID_GROUPS = ("table", "cover")
+"""Groups whose accelerometers may tell the base motion: they move with the table as long as the FMD is stiff."""
+
+NOMINAL = np.array([LEVELS[axis] for axis in MOTIONS])
+"""(6,) nominal acceleration of every axis, by which motions are made comparable [m/s², rad/s²]."""
+
+BLOCK = 0.5
+"""[s] of a block: two periods of the lowest line that the paper uses."""
+
+DRIVEN = 0.5
+"""Share of the strongest block from which a block counts as driven."""
+
+STILL = 2.0
+"""How far above those of the quietest block of its run the accelerometers of table and cover plate may read in a quiet block."""
+
+QUIET = 0.05
+"""Share of the driven level above which no block of a run is quiet."""
+
+
+def observed(table: ChannelTable) -> dict[str, Observability]:
+    """Every verdict on `table`: the base motion by cover plate, by table and by both, and the resultants."""
+    return {
+        "base motion by cover": of_motions(table, ("cover",)),
+        "base motion by table": of_motions(table, ("table",)),
+        "base motion by table and cover": of_motions(table, RIGID_GROUPS),
+        "resultants by fmd": of_resultants(table),
+    }
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Levels:
+    """What the table did in one run, about the reference point.
+
+    Attributes
+    ----------
+    amplitude : (6,) of each base motion while it was driven, sqrt(2) times its rms: the amplitude of a sine [m/s², rad/s²]
+    share : (6,) the same as a share of the largest, every axis divided by its nominal level [1]
+    driven : [s] how long the table was driven
+    """
+
+    amplitude: Array
+    share: Array
+    driven: float
+
+    def __post_init__(self) -> None:
+        for name in ("amplitude", "share"):
+            object.__setattr__(self, name, frozen(getattr(self, name), (6,), name))
+
+
+def levels(recorded: Recording, table: ChannelTable) -> Levels | None:
+    """The levels of one run by Eqs. 6 and 7; None for spectra, records below two blocks, and tables that tell no base motion.
+
+    The cover plate's accelerometers are used where they tell all six motions, else the table's, too.
+    """
+    motion = base_motion(recorded, table)
+    if motion is None or recorded.sampling_rate is None:
+        return None
+    rms = block_rms(motion, recorded.sampling_rate)
+    if len(rms) < 2:
+        return None
+    size = np.linalg.norm(rms / NOMINAL, axis=1)
+    driven = size > DRIVEN * size.max()
+    amplitude = np.sqrt(2 * np.mean(np.square(rms[driven]), axis=0))
+    scaled = amplitude / NOMINAL
+    return Levels(
+        amplitude=amplitude, share=scaled / max(scaled.max(), np.finfo(np.float64).tiny), driven=float(driven.sum() * BLOCK)
+    )
+
+
+def base_motion(recorded: Recording, table: ChannelTable) -> npt.NDArray[Any] | None:
+    """The six accelerations (n, 6) of the reference point by Eqs. 6 and 7, of time histories or spectra; None where not told."""
+    for groups in (("cover",), RIGID_GROUPS):
+        if of_motions(table, groups).complete:
+            chosen = table.select(group=groups, quantity="acceleration")
+            rows = motion_rows([table.channels[k] for k in chosen], table.origin)
+            return np.asarray(recorded.values[:, chosen] @ np.linalg.pinv(rows).T)
+    return None
+
+
+def noise_floors(campaign: Campaign) -> Array | None:
+    """Broadband rms (c,) of every channel while nothing moved, in SI; None where no run has a quiet part.
+
+    A block is quiet when the accelerometers of table and cover plate are. What still rings on the structure is louder than noise,
+    so of the quiet blocks of all runs the quieter half of each channel counts.
+    """
+    blocks = []
+    for recorded in campaign.recordings.values():
+        quiet = quiet_blocks(recorded, campaign.table)
+        if quiet is not None and recorded.sampling_rate is not None:
+            blocks.append(block_rms(recorded.values, recorded.sampling_rate)[quiet])
+    if not blocks:
+        return None
+    rms = np.sort(np.vstack(blocks), axis=0)
+    return np.asarray(np.sqrt(np.mean(np.square(rms[: max(len(rms) // 2, 1)]), axis=0)))
+
+
+def quiet_blocks(recorded: Recording, table: ChannelTable) -> npt.NDArray[np.bool_] | None:
+    """Which of the consecutive blocks of `BLOCK` seconds (b,) are quiet; None for spectra and where no block is."""
+    watched = table.select(group=RIGID_GROUPS, quantity="acceleration")
+    if recorded.sampling_rate is None or not watched:
+        return None
+    rms = block_rms(recorded.values[:, watched], recorded.sampling_rate)
+    if len(rms) < 2:
+        return None
+    size = np.linalg.norm(rms, axis=1)
+    return np.asarray(size <= STILL * size.min()) if size.min() < QUIET * size.max() else None
+
+
+def block_length(rate: float) -> int:
+    """Samples of a block at `rate` [Hz]."""
+    return max(round(BLOCK * rate), 2)
+
+
+def block_rms(values: Array, rate: float) -> Array:
+    """(b, c) rms about the mean of consecutive blocks of (n, c); what does not fill a block at the end is left out."""
+    length = block_length(rate)
+    count = len(values) // length
+    return np.asarray(np.std(values[: count * length].reshape(count, length, -1), axis=1))
+
+
+# What the runs of a campaign drive together: six motions that are told apart, and no run that is another one once more.
+
+UNDRIVEN = 0.15
+"""Share of the largest motion of a run, every axis by its nominal level, below which a run does not drive an axis: cross
+motion of real tables stays below."""
+
+SAME = 1e-6
+"""Relative difference below which two recordings are one: a copy, or an export of it with fewer digits. Noise is far above."""
+
+
+def problems_of_runs(campaign: Campaign) -> list[BadInput]:
+    """Why six base motions cannot be told from the runs: too few of them, or an axis that none drives."""
+    driven = {name: share for name, one in campaign.recordings.items() if (share := shares(one, campaign.table)) is not None}
+    # The axes that no run drives, in words; by what the runs say they drive where their motion cannot be told
+    if len(driven) == len(campaign.runs) and driven:
+        most = np.max(list(driven.values()), axis=0)
+        missing = [axis for axis, share in zip(MOTIONS, most, strict=True) if share < UNDRIVEN]
+    else:
+        said = {run.axis for run in campaign.runs}
+        missing = [] if "" in said else [axis for axis in MOTIONS if axis not in said]
+    words = f"no run drives {' or '.join(missing)}" if missing else ""
+    if len(campaign.runs) < 6:
+        many = "1 run" if len(campaign.runs) == 1 else f"{len(campaign.runs)} runs"
+        words = f"six base motions take at least six runs, found {many}{f'; {words}' if words else ''}"
+    if not words:
+        return []
+    alike = "".join(f"; {text}" for text in _copies(campaign))
+    remedy = "Record a run that drives each axis, or correct which file belongs to which run"
+    return [BadInput(source=campaign.source, field="run", problem=words + alike, remedy=remedy)]
+
+
+def warnings_of_runs(campaign: Campaign) -> tuple[str, ...]:
+    """Runs that are one and the same, and runs that drive another axis than they say."""
+    found = []
+    for run in campaign.runs:
+        recorded = campaign.recordings.get(run.name)
+        share = None if recorded is None or not run.axis else shares(recorded, campaign.table)
+        if share is not None and share[MOTIONS.index(run.axis)] < UNDRIVEN:
+            most = MOTIONS[int(np.argmax(share))]
+            found.append(f"run {run.name} says that it drives {run.axis}, but it drives {most}")
+    return tuple(f"{campaign.source}: {text}" for text in (*_copies(campaign), *found))
+
+
+def shares(recorded: Recording, table: ChannelTable) -> Array | None:
+    """(6,) every base motion of a run as a share of its largest, each by its nominal level; None where it cannot be told."""
+    if not recorded.is_spectrum:
+        found = levels(recorded, table)
+        return None if found is None else found.share
+    motion = base_motion(recorded, table)
+    if motion is None:
+        return None
+    size = np.sqrt(np.mean(np.square(np.abs(motion)), axis=0)) / NOMINAL
+    return np.asarray(size / max(size.max(), np.finfo(np.float64).tiny))
+
+
+def _copies(campaign: Campaign) -> list[str]:
+    found = []
+    for (a, one), (b, other) in combinations(campaign.recordings.items(), 2):
+        parts = (slice(None, None, max(len(one) // 100, 1)), slice(None))  # nearly every pair differs in a hundred samples
+        alike = one.values.shape == other.values.shape and all(
+            np.linalg.norm(one.values[at] - other.values[at]) <= SAME * np.linalg.norm(one.values[at]) for at in parts
+        )
+        if alike:
+            found.append(f"runs {a} and {b} are the same recording")
+    return found

@@ -10,12 +10,10 @@ The contract is the page "campaign format" of the project's shared documents; `d
 from __future__ import annotations
 
 import json
-import os
-import stat
+import os.path
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import combinations
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any, TypeVar
 
@@ -24,11 +22,10 @@ import numpy.typing as npt
 
 from geometry import toml_file
 from geometry.atomic import write_text
-from geometry.dynamic_mass import LEVELS, MOTIONS
+from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
-from geometry.frames import Array, Pose, frozen, rotation_about
-from geometry.inertia import Observability, of_motions, of_resultants
-from geometry.sensors import GROUPS, SI, Channel, ChannelTable, Place, motion_rows
+from geometry.frames import Array, Pose, rotation_about
+from geometry.sensors import GROUPS, SI, Channel, ChannelTable, Place
 from geometry.toml_file import doubts, length_unit, nearest
 from identification.campaign import (
     METHODS,
@@ -42,28 +39,13 @@ from identification.campaign import (
     is_same,
     is_unit,
     named,
+    observed,
 )
 from identification.files import files
 from identification.files.files import Samples, Signals, StatedUnits, require_file, variable
 
-# What a campaign as a whole must satisfy: six motions and six resultants that can be told, runs that fit each other.
-
-
-RIGID_GROUPS = ("table", "cover")
-"""Groups whose accelerometers may tell the base motion: they move with the table as long as the FMD is stiff."""
-
 WEAK = 100.0
 """Condition number from which a transformation multiplies errors of the sensors so much that it is said aloud."""
-
-
-def observed(table: ChannelTable) -> dict[str, Observability]:
-    """Every verdict on `table`: the base motion by cover plate, by table and by both, and the resultants."""
-    return {
-        "base motion by cover": of_motions(table, ("cover",)),
-        "base motion by table": of_motions(table, ("table",)),
-        "base motion by table and cover": of_motions(table, RIGID_GROUPS),
-        "resultants by fmd": of_resultants(table),
-    }
 
 
 def warnings_of_recordings(campaign: Campaign, recordings: Mapping[str, Recording]) -> tuple[str, ...]:
@@ -71,7 +53,7 @@ def warnings_of_recordings(campaign: Campaign, recordings: Mapping[str, Recordin
     source = campaign.source
     verdicts = observed(campaign.table)
     cover = verdicts["base motion by cover"]
-    found = []
+    found, of_runs = [], []
     if not cover.complete and verdicts["base motion by table and cover"].complete:
         found.append(
             f"{source}: the cover plate alone does not tell the base motion ({', '.join(cover.missing)}); the table must help"
@@ -79,42 +61,28 @@ def warnings_of_recordings(campaign: Campaign, recordings: Mapping[str, Recordin
     for key, verdict in verdicts.items():
         if verdict.complete and verdict.condition > WEAK:
             found.append(f"{source}: {key} has the condition number {verdict.condition:.3g}; move the pick-ups farther apart")
+    axes = {"spectra" if one.is_spectrum else f"{one.sampling_rate:g} Hz" for one in recordings.values()}
+    alike = f"its runs are not recorded alike, found {', '.join(sorted(axes))}; one run may have been exported otherwise"
+    for run in campaign.runs:
+        recorded = recordings.get(run.name)
+        if recorded is None or run.excitation is None or (rate := recorded.sampling_rate) is None:
+            continue
+        stop, needed = run.excitation.figure("stop_hz"), run.excitation.sweep_duration
+        if stop is not None and stop > rate / 2:
+            ends = f"sampled at {rate:g} Hz it ends at {rate / 2:g} Hz"
+            of_runs.append(f"{recorded.source}: drives up to {stop:g} Hz, {ends}; check the rate")
+        if needed is not None and recorded.duration < needed * (1 - 1e-3):
+            lasts = f"lasts {recorded.duration:.1f} s where its sweep takes {needed:.1f} s and must ring down"
+            of_runs.append(f"{recorded.source}: {lasts}; is it cut short?")
     return (
         *found,
         *(text for recorded in recordings.values() for text in recorded.warnings),
-        *_of_rates(recordings, campaign.source),
-        *(text for run in campaign.runs if run.name in recordings for text in _of_run(campaign, run.name, recordings[run.name])),
+        *([f"{source}: {alike}"] if len(axes) > 1 else []),
+        *of_runs,
     )
 
 
-def _of_rates(recordings: Mapping[str, Recording], source: str) -> list[str]:
-    axes = {"spectra" if one.is_spectrum else f"{one.sampling_rate:g} Hz" for one in recordings.values()}
-    if len(axes) < 2:
-        return []
-    return [
-        f"{source}: its runs are not recorded alike, found {', '.join(sorted(axes))}; one run may have been exported otherwise"
-    ]
-
-
-def _of_run(campaign: Campaign, name: str, recorded: Recording) -> list[str]:
-    excitation = campaign.run(name).excitation
-    if excitation is None or recorded.sampling_rate is None:
-        return []
-    found = []
-    stop, needed = excitation.figure("stop_hz"), excitation.sweep_duration
-    if stop is not None and stop > recorded.sampling_rate / 2:
-        rate = recorded.sampling_rate
-        found.append(
-            f"{recorded.source}: drives up to {stop:g} Hz, sampled at {rate:g} Hz it ends at {rate / 2:g} Hz; check the rate"
-        )
-    if needed is not None and recorded.duration < needed * (1 - 1e-3):
-        lasts = f"lasts {recorded.duration:.1f} s where its sweep takes {needed:.1f} s and must ring down"
-        found.append(f"{recorded.source}: {lasts}; is it cut short?")
-    return found
-
-
 # Values out of a parsed TOML file, checked one by one; what is wrong is collected, so that all of it can be said at once.
-
 
 LARGEST_NUMBER = 1e9
 """No figure of a test lies beyond, in whatever unit."""
@@ -219,6 +187,124 @@ class Reader:
         made = [make(entry, f"{key}.{place}") for entry, place in zip(entries, places, strict=True)]
         return [one for one in made if one is not None]
 
+    def channel(self, entry: dict[str, Any], where: str, *, metres: float) -> Channel | None:
+        """The channel in `entry`, the table at `where`, lengths in units of so many `metres`; None where it has a problem."""
+        before = len(self.problems.found)
+        known = self.known(entry, where, CHANNEL)
+        words = self.strings(known, where, ("name", "quantity", "unit", "group"))
+        name = words.get("name", "ok")
+        if name != name.strip() or not name.isprintable() or "/" in name or name in (".", "..") or len(name) > LONGEST_NAME:
+            problem = f"must be up to {LONGEST_NAME} printable characters without / and spaces at the ends, found {name!r}"
+            self.refuse(f"{where}.name", problem, "Rename it here and in the signal files")
+        for key, choices in (("quantity", SI), ("group", GROUPS)):
+            if key in words:
+                self.problems.attempt(toml_file.one_of, words[key], tuple(choices), source=self.source, where=f"{where}.{key}")
+        size = None
+        if words.get("quantity") in SI and "unit" in words:
+            unit, quantity = words["unit"], words["quantity"]
+            size = self.problems.attempt(factor, unit, quantity, source=self.source, field=f"{where}.unit")
+        places = self.places(known, where, metres)
+        reference = self.flag(known, where, "reference", False)
+        senses = self.flag(known, where, "senses_gravity", words.get("quantity") == "acceleration")
+        if senses and words.get("quantity") in ("force", "moment"):
+            self.refuse(f"{where}.senses_gravity", "is for accelerometers", "Leave it out")
+        noise = self.number(known, where, "noise_rms", low=0.0) if "noise_rms" in known else None
+        if len(self.problems.found) > before or size is None:
+            return None
+        return Channel(
+            **words,
+            places=places,
+            reference=reference,
+            senses_gravity=senses,
+            noise_rms=None if noise is None else noise * size,
+        )
+
+    def places(self, entry: dict[str, Any], where: str, metres: float) -> tuple[Place, ...]:
+        if "cells" not in entry:
+            one = self.place(entry, where, metres)
+            return () if one is None else (one,)
+        both = [key for key in ("position", "direction") if key in entry]
+        if both:
+            self.refuse(f"{where}.cells", f"stands beside {' and '.join(both)}", "Give either, cells for a sum of several")
+        cells = entry["cells"]
+        if not isinstance(cells, list) or not cells or not all(isinstance(cell, dict) for cell in cells):
+            self.refuse(
+                f"{where}.cells", f"must be tables, found {cells!r}", "Write { position = [...], direction = [...] } for each"
+            )
+            return ()
+        made = []
+        for k, cell in enumerate(cells):
+            at = f"{where}.cells[{k + 1}]"
+            made.append(self.place(self.known(cell, at, ("position", "direction")), at, metres))
+        return tuple(one for one in made if one is not None)
+
+    def place(self, entry: dict[str, Any], where: str, metres: float) -> Place | None:
+        before = len(self.problems.found)
+        for key in ("position", "direction"):
+            if key not in entry:
+                self.refuse(f"{where}.{key}", "is missing", "Add it")
+        position, direction = (
+            self.vector(entry[key], f"{where}.{key}", scale) if key in entry else None
+            for key, scale in (("position", metres), ("direction", 1.0))
+        )
+        if position is None or direction is None or len(self.problems.found) > before:
+            return None
+        try:
+            return Place(position=position, direction=direction)
+        except ValueError as error:
+            self.refuse(f"{where}.direction", str(error).removeprefix("`direction` "), "Divide it by its length")
+            return None
+
+    def processing(self, table: Mapping[str, Any]) -> Processing | None:
+        if "processing" not in table:
+            return None
+        where, plain = "processing", Processing()
+        found = self.table(table, where, PROCESSING)
+        method = found.get("method", plain.method)
+        self.problems.attempt(toml_file.one_of, method, METHODS, source=self.source, where=f"{where}.method")
+        size = found.get("block_size", plain.block_size)
+        if not isinstance(size, int) or isinstance(size, bool) or not 2 <= size <= LARGEST_NUMBER:
+            self.refuse(f"{where}.block_size", f"must be a whole number of samples, found {size!r}", "Write for example 8192")
+        overlap = self.number({"overlap": plain.overlap, **found}, where, "overlap", low=0.0, high=1 - 1e-6)
+        grid = self.table({"frequency": found.get("frequency", {})}, "frequency", ("start", "stop", "step"))
+        start, stop, step = (
+            self.number({key: getattr(plain, key), **grid}, f"{where}.frequency", key, low=0.0)
+            for key in ("start", "stop", "step")
+        )
+        if start is None or stop is None or step is None or overlap is None or method not in METHODS or not isinstance(size, int):
+            return None
+        if not (stop > start and 0 < step <= stop - start and (stop - start) / step < 1e7):
+            self.refuse(f"{where}.frequency", f"is no grid of lines: {start:g} to {stop:g} in steps of {step:g} Hz", "Correct it")
+        return Processing(method=method, block_size=size, overlap=overlap, start=start, stop=stop, step=step)
+
+    def run(self, entry: dict[str, Any], where: str) -> Run | None:
+        before = len(self.problems.found)
+        known = self.known(entry, where, RUN)
+        words = self.strings(known, where, ("name", "file"), ("axis",))
+        if "axis" in words:
+            self.problems.attempt(toml_file.one_of, words["axis"], MOTIONS, source=self.source, where=f"{where}.axis")
+        if "file" in words:
+            self.problems.attempt(files.require_known, words["file"], self.source, f"{where}.file")
+        excitation = self.excitation(known["excitation"], f"{where}.excitation") if "excitation" in known else None
+        return None if len(self.problems.found) > before else Run(**words, excitation=excitation)
+
+    def excitation(self, value: Any, where: str) -> Excitation | None:
+        kind = value.get("kind") if isinstance(value, dict) else value
+        if not isinstance(value, dict) or not isinstance(kind, str) or kind not in EXCITATIONS:
+            self.refuse(f"{where}.kind", f"must be one of {', '.join(EXCITATIONS)}, found {kind!r}", "Correct it")
+            return None
+        figures: dict[str, float | tuple[float, ...]] = {}
+        for key, one in self.known(value, where, ("kind", *EXCITATIONS[kind])).items():
+            if key == "levels":
+                if not isinstance(one, list) or len(one) != 6 or not all(map(is_number, one)):
+                    self.refuse(f"{where}.{key}", f"must be six finite numbers, found {one!r}", "Correct it")
+                    continue
+                figures[key] = tuple(map(float, one))
+            elif key != "kind":
+                number = self.number(value, where, key, low=0.0)
+                figures |= {} if number is None else {key: number}
+        return Excitation(kind=kind, figures=figures)
+
 
 def is_number(value: Any) -> bool:
     """Whether `value` is a number, no truth value, and of a size that a test has."""
@@ -226,7 +312,6 @@ def is_number(value: Any) -> bool:
 
 
 # The tables [[channel]] of ``campaign.toml``: one channel each, in metres and SI.
-
 
 CHANNEL = (
     "name",
@@ -245,87 +330,10 @@ LONGEST_NAME = 80
 """Characters of a channel's name: the id line of a universal file has no more."""
 
 
-def channel(reader: Reader, entry: dict[str, Any], where: str, *, metres: float) -> Channel | None:
-    """The channel in `entry`, the table at `where`, with lengths in units of so many `metres`; None where it has a problem."""
-    before = len(reader.problems.found)
-    known = reader.known(entry, where, CHANNEL)
-    words = reader.strings(known, where, ("name", "quantity", "unit", "group"))
-    _require_name(reader, words.get("name"), f"{where}.name")
-    for key, choices in (("quantity", SI), ("group", GROUPS)):
-        if key in words:
-            reader.problems.attempt(toml_file.one_of, words[key], tuple(choices), source=reader.source, where=f"{where}.{key}")
-    size = None
-    if words.get("quantity") in SI and "unit" in words:
-        unit, quantity = words["unit"], words["quantity"]
-        size = reader.problems.attempt(factor, unit, quantity, source=reader.source, field=f"{where}.unit")
-    places = _places(reader, known, where, metres)
-    reference = reader.flag(known, where, "reference", False)
-    senses = reader.flag(known, where, "senses_gravity", words.get("quantity") == "acceleration")
-    if senses and words.get("quantity") in ("force", "moment"):
-        reader.refuse(f"{where}.senses_gravity", "is for accelerometers", "Leave it out")
-    noise = reader.number(known, where, "noise_rms", low=0.0) if "noise_rms" in known else None
-    if len(reader.problems.found) > before or size is None:
-        return None
-    return Channel(
-        **words,
-        places=places,
-        reference=reference,
-        senses_gravity=senses,
-        noise_rms=None if noise is None else noise * size,
-    )
-
-
-def _require_name(reader: Reader, name: str | None, where: str) -> None:
-    if name is None:
-        return
-    if name != name.strip() or not name.isprintable() or "/" in name or name in (".", "..") or len(name) > LONGEST_NAME:
-        problem = f"must be up to {LONGEST_NAME} printable characters without / and spaces at the ends, found {name!r}"
-        reader.refuse(where, problem, "Rename it here and in the signal files")
-
-
-def _places(reader: Reader, entry: dict[str, Any], where: str, metres: float) -> tuple[Place, ...]:
-    if "cells" not in entry:
-        one = _place(reader, entry, where, metres)
-        return () if one is None else (one,)
-    both = [key for key in ("position", "direction") if key in entry]
-    if both:
-        reader.refuse(f"{where}.cells", f"stands beside {' and '.join(both)}", "Give either, cells for a sum of several")
-    cells = entry["cells"]
-    if not isinstance(cells, list) or not cells or not all(isinstance(cell, dict) for cell in cells):
-        reader.refuse(
-            f"{where}.cells", f"must be tables, found {cells!r}", "Write { position = [...], direction = [...] } for each"
-        )
-        return ()
-    made = []
-    for k, cell in enumerate(cells):
-        at = f"{where}.cells[{k + 1}]"
-        made.append(_place(reader, reader.known(cell, at, ("position", "direction")), at, metres))
-    return tuple(one for one in made if one is not None)
-
-
-def _place(reader: Reader, entry: dict[str, Any], where: str, metres: float) -> Place | None:
-    before = len(reader.problems.found)
-    for key in ("position", "direction"):
-        if key not in entry:
-            reader.refuse(f"{where}.{key}", "is missing", "Add it")
-    position, direction = (
-        reader.vector(entry[key], f"{where}.{key}", scale) if key in entry else None
-        for key, scale in (("position", metres), ("direction", 1.0))
-    )
-    if position is None or direction is None or len(reader.problems.found) > before:
-        return None
-    try:
-        return Place(position=position, direction=direction)
-    except ValueError as error:
-        reader.refuse(f"{where}.direction", str(error).removeprefix("`direction` "), "Divide it by its length")
-        return None
-
-
 # ``campaign.toml``: from its tables to a `Campaign` without samples. `campaign_words` writes it.
 #
 # Everything that is wrong with it is collected, so that it can be corrected in one go. Lengths leave here in metres and noise
 # floors in SI, whatever the file is written in. Positions and the origin of [mounting] are in the `length_unit` of [frame].
-
 
 TOP = ("format", "campaign", "mounting", "environment", "frame", "processing", "channel", "run")
 CAMPAIGN = ("title", "article", "hardware", "notes")
@@ -370,9 +378,9 @@ def parse(table: Mapping[str, Any], source: str, problems: Problems) -> Campaign
             mounting = None
         else:
             mounting = Pose(position=seat, rotation=rotation_about("z", float(np.radians(turn))))
-    processing = _processing(reader, table)
-    channels = reader.named(table, "channel", partial(channel, reader, metres=metres))
-    runs = reader.named(table, "run", partial(_run, reader))
+    processing = reader.processing(table)
+    channels = reader.named(table, "channel", partial(reader.channel, metres=metres))
+    runs = reader.named(table, "run", reader.run)
     if len(problems.found) > before or origin is None or gravity is None:
         return None
     extent = np.ptp([place.position for one in channels for place in one.places], axis=0).max()
@@ -391,60 +399,7 @@ def parse(table: Mapping[str, Any], source: str, problems: Problems) -> Campaign
     )
 
 
-def _processing(reader: Reader, table: Mapping[str, Any]) -> Processing | None:
-    if "processing" not in table:
-        return None
-    where, plain = "processing", Processing()
-    found = reader.table(table, where, PROCESSING)
-    method = found.get("method", plain.method)
-    reader.problems.attempt(toml_file.one_of, method, METHODS, source=reader.source, where=f"{where}.method")
-    size = found.get("block_size", plain.block_size)
-    if not isinstance(size, int) or isinstance(size, bool) or not 2 <= size <= LARGEST_NUMBER:
-        reader.refuse(f"{where}.block_size", f"must be a whole number of samples, found {size!r}", "Write for example 8192")
-    overlap = reader.number({"overlap": plain.overlap, **found}, where, "overlap", low=0.0, high=1 - 1e-6)
-    grid = reader.table({"frequency": found.get("frequency", {})}, "frequency", ("start", "stop", "step"))
-    start, stop, step = (
-        reader.number({key: getattr(plain, key), **grid}, f"{where}.frequency", key, low=0.0) for key in ("start", "stop", "step")
-    )
-    if start is None or stop is None or step is None or overlap is None or method not in METHODS or not isinstance(size, int):
-        return None
-    if not (stop > start and 0 < step <= stop - start and (stop - start) / step < 1e7):
-        reader.refuse(f"{where}.frequency", f"is no grid of lines: {start:g} to {stop:g} in steps of {step:g} Hz", "Correct it")
-    return Processing(method=method, block_size=size, overlap=overlap, start=start, stop=stop, step=step)
-
-
-def _run(reader: Reader, entry: dict[str, Any], where: str) -> Run | None:
-    before = len(reader.problems.found)
-    known = reader.known(entry, where, RUN)
-    words = reader.strings(known, where, ("name", "file"), ("axis",))
-    if "axis" in words:
-        reader.problems.attempt(toml_file.one_of, words["axis"], MOTIONS, source=reader.source, where=f"{where}.axis")
-    if "file" in words:
-        reader.problems.attempt(files.require_known, words["file"], reader.source, f"{where}.file")
-    excitation = _excitation(reader, known["excitation"], f"{where}.excitation") if "excitation" in known else None
-    return None if len(reader.problems.found) > before else Run(**words, excitation=excitation)
-
-
-def _excitation(reader: Reader, value: Any, where: str) -> Excitation | None:
-    kind = value.get("kind") if isinstance(value, dict) else value
-    if not isinstance(value, dict) or not isinstance(kind, str) or kind not in EXCITATIONS:
-        reader.refuse(f"{where}.kind", f"must be one of {', '.join(EXCITATIONS)}, found {kind!r}", "Correct it")
-        return None
-    figures: dict[str, float | tuple[float, ...]] = {}
-    for key, one in reader.known(value, where, ("kind", *EXCITATIONS[kind])).items():
-        if key == "levels":
-            if not isinstance(one, list) or len(one) != 6 or not all(map(is_number, one)):
-                reader.refuse(f"{where}.{key}", f"must be six finite numbers, found {one!r}", "Correct it")
-                continue
-            figures[key] = tuple(map(float, one))
-        elif key != "kind":
-            number = reader.number(value, where, key, low=0.0)
-            figures |= {} if number is None else {key: number}
-    return Excitation(kind=kind, figures=figures)
-
-
 # A `Campaign` as the text of its ``campaign.toml``, in the order and the layout of the contract.
-
 
 ROUNDING = 1e-12
 """How far a mounting may be turned about another axis than z [1]: rounding of a rotation matrix."""
@@ -457,46 +412,38 @@ def text(campaign: Campaign) -> str:
     ------
     BadInput : a mounting that is turned about another axis than z, which the format cannot say.
     """
-    blocks = [
-        f"format = {toml_file.FORMAT}",
-        _block("[campaign]", _about(campaign)),
-        *([] if campaign.mounting is None else [_block("[mounting]", _mounting_lines(campaign.mounting, campaign.source))]),
-        _block("[environment]", [("gravity", _number(campaign.gravity))]),
-        _block("[frame]", [("origin", _numbers(campaign.table.origin)), ("length_unit", '"m"')]),
-        *([] if campaign.processing is None else [_block("[processing]", _processing_lines(campaign.processing))]),
-        *(_block("[[channel]]", _channel(channel)) for channel in campaign.table.channels),
-        *(_block("[[run]]", _run_lines(run)) for run in campaign.runs),
-    ]
-    return "\n\n".join(blocks) + "\n"
+    blocks: list[tuple[str, Lines]] = []
+    about = [(key, getattr(campaign, key)) for key in ("title", "article", "hardware", "notes")]
+    blocks.append(("[campaign]", [(key, _string(value)) for key, value in about if value]))
+    if campaign.mounting is not None:
+        R = campaign.mounting.rotation
+        if abs(R[2, 2] - 1) > ROUNDING:
+            problem, remedy = "is turned about another axis than z", "The format knows rotation_deg about z only"
+            raise BadInput(source=campaign.source, field="mounting", problem=problem, remedy=remedy)
+        turn = float(np.degrees(np.arctan2(R[1, 0], R[0, 0])))
+        seat = _numbers(campaign.mounting.position)
+        blocks.append(("[mounting]", [("origin", seat), ("rotation_deg", _number(turn))]))
+    blocks.append(("[environment]", [("gravity", _number(campaign.gravity))]))
+    blocks.append(("[frame]", [("origin", _numbers(campaign.table.origin)), ("length_unit", '"m"')]))
+    if (of := campaign.processing) is not None:
+        held = of.method == "peak-reference-hold"
+        blocked = [("block_size", str(of.block_size)), ("overlap", _number(of.overlap))] if held else []
+        grid = f"{{ start = {_number(of.start)}, stop = {_number(of.stop)}, step = {_number(of.step)} }}"
+        blocks.append(("[processing]", [("method", _string(of.method)), *blocked, ("frequency", grid)]))
+    blocks += [("[[channel]]", _channel(channel)) for channel in campaign.table.channels]
+    for run in campaign.runs:
+        lines = [(key, _string(value)) for key in ("name", "file", "axis") if (value := getattr(run, key)) or key != "axis"]
+        if run.excitation is not None:
+            figures = {"kind": _string(run.excitation.kind)}
+            for key, value in run.excitation.figures.items():
+                figures[key] = _numbers(value) if isinstance(value, tuple) else _number(value)
+            lines.append(("excitation", "{ " + ", ".join(f"{key} = {value}" for key, value in figures.items()) + " }"))
+        blocks.append(("[[run]]", lines))
+    written = ["\n".join([head, *(f"{key} = {value}" for key, value in lines)]) for head, lines in blocks]
+    return "\n\n".join([f"format = {toml_file.FORMAT}", *written]) + "\n"
 
 
 Lines = list[tuple[str, str]]
-
-
-def _block(head: str, lines: Lines) -> str:
-    return "\n".join([head, *(f"{key} = {value}" for key, value in lines)])
-
-
-def _about(campaign: Campaign) -> Lines:
-    words = (("title", campaign.title), ("article", campaign.article), ("hardware", campaign.hardware), ("notes", campaign.notes))
-    return [(key, _string(value)) for key, value in words if value]
-
-
-def _mounting_lines(pose: Pose, source: str) -> Lines:
-    R = pose.rotation
-    if abs(R[2, 2] - 1) > ROUNDING:
-        problem = "is turned about another axis than z"
-        raise BadInput(source=source, field="mounting", problem=problem, remedy="The format knows rotation_deg about z only")
-    turn = float(np.degrees(np.arctan2(R[1, 0], R[0, 0])))
-    return [("origin", _numbers(pose.position)), ("rotation_deg", _number(turn))]
-
-
-def _processing_lines(of: Processing) -> Lines:
-    lines = [("method", _string(of.method))]
-    if of.method == "peak-reference-hold":
-        lines += [("block_size", str(of.block_size)), ("overlap", _number(of.overlap))]
-    grid = f"{{ start = {_number(of.start)}, stop = {_number(of.stop)}, step = {_number(of.step)} }}"
-    return [*lines, ("frequency", grid)]
 
 
 def _channel(channel: Channel) -> Lines:
@@ -515,24 +462,12 @@ def _channel(channel: Channel) -> Lines:
     if channel.quantity == "acceleration":
         lines.append(("senses_gravity", "true" if channel.senses_gravity else "false"))
     if channel.noise_rms is not None:
-        size = factor(channel.unit, channel.quantity, source="channel", field=channel.name)
-        lines.append(("noise_rms", _number(channel.noise_rms / size)))
+        lines.append(("noise_rms", _number(channel.noise_rms / _factor(channel))))
     return lines
 
 
 def _place_text(place: Place) -> tuple[str, str]:
     return _numbers(place.position), _numbers(place.direction)
-
-
-def _run_lines(run: Run) -> Lines:
-    lines = [("name", _string(run.name)), ("file", _string(run.file))]
-    lines += [("axis", _string(run.axis))] if run.axis else []
-    return lines if run.excitation is None else [*lines, ("excitation", _excitation_text(run.excitation))]
-
-
-def _excitation_text(of: Excitation) -> str:
-    figures = [f"{key} = {_numbers(value) if isinstance(value, tuple) else _number(value)}" for key, value in of.figures.items()]
-    return "{ " + ", ".join([f"kind = {_string(of.kind)}", *figures]) + " }"
 
 
 def _string(value: str) -> str:
@@ -551,13 +486,11 @@ def _numbers(values: Iterable[float]) -> str:
 
 # Signals that cannot be true: NaN, infinite, dead, clipped. One channel at a time, named, with what to do.
 
-
 FLAT = 3
 """Samples in a row at the largest value from which a record may be clipped; rounding alone does that near a slow peak, too."""
 
 OVERSHOOT = 4.0
 """Steps of resolution by which the signal, continued as it arrived, would have passed the flat top: beyond, it was cut off."""
-
 
 LARGEST_SAMPLE = 1e15
 """In the unit of the file: numbers whose bytes came in another order are of any size at all."""
@@ -656,7 +589,9 @@ def recording(signals: Signals, table: ChannelTable, toml: str) -> tuple[Recordi
     if problems:
         return None, problems
     columns = [samples[channel.name] * _factor(channel) for channel in table.channels]
-    warnings = (*signals.warnings, *_clipped(samples, table, signals.source))
+    cut = {name: clipped(samples[name].real) for name in table.names}
+    flat = "samples lie on a flat top; raise its range and repeat the run, or leave it out"
+    warnings = (*signals.warnings, *(f"{signals.source}: {name} is clipped: {n} {flat}" for name, n in cut.items() if n))
     made = Recording(
         names=table.names,
         values=np.column_stack(columns),
@@ -698,15 +633,6 @@ def _problems(values: Samples, channel: Channel, signals: Signals, toml: str) ->
     remedy = "Correct the one that is wrong"
     contradictions = [BadInput(source=signals.source, field=channel.name, problem=problem, remedy=remedy) for problem in said]
     return found + contradictions
-
-
-def _clipped(samples: Mapping[str, Samples], table: ChannelTable, source: str) -> list[str]:
-    cut = {name: clipped(samples[name].real) for name in table.names}
-    return [
-        f"{source}: {name} is clipped: {count} samples lie on a flat top; raise its range and repeat the run, or leave it out"
-        for name, count in cut.items()
-        if count
-    ]
 
 
 NAME = "campaign.toml"
@@ -816,7 +742,13 @@ def write(folder: str | Path, campaign: Campaign, *, ending: str | None = ".h5",
         raise BadInput(source=str(folder), problem=problem, remedy="Name a new folder; a campaign is never overwritten")
     if ending is not None:
         files.require_known(f"x{ending}", "write", "ending")
-    runs = [run if ending is None else replace(run, file=_file_name(run, ending, folder)) for run in campaign.runs]
+    runs = list(campaign.runs)
+    for k, run in enumerate(runs if ending is not None else ()):
+        file = f"{run.name}{ending}"
+        if PurePosixPath(file).name != file or "\\" in file or not file.isprintable() or file.startswith("."):
+            problem = f"cannot be the name of a file, found {run.name!r}"
+            raise BadInput(source=str(folder), field="run.name", problem=problem, remedy="Rename the run")
+        runs[k] = replace(run, file=file)
     for k, run in enumerate(runs):
         if run.name not in campaign.recordings:
             raise BadInput(
@@ -880,24 +812,9 @@ def inside(folder: Path, name: str, source: str, field: str) -> Path:
     path = folder
     for part in parts:
         path = path / part
-        if _is_link(path):
+        if os.path.islink(path):
             raise refused(f"is reached over the link {part!r}, which is not followed")
     return path
-
-
-def _is_link(path: Path) -> bool:
-    try:
-        return stat.S_ISLNK(os.lstat(path).st_mode)
-    except (OSError, ValueError):
-        return False
-
-
-def _file_name(run: Run, ending: str, folder: Path) -> str:
-    name = f"{run.name}{ending}"
-    if PurePosixPath(name).name != name or "\\" in name or not name.isprintable() or name.startswith("."):
-        problem = f"cannot be the name of a file, found {run.name!r}"
-        raise BadInput(source=str(folder), field="run.name", problem=problem, remedy="Rename the run")
-    return name
 
 
 def _signals(recorded: Recording, campaign: Campaign) -> Signals:
@@ -905,205 +822,17 @@ def _signals(recorded: Recording, campaign: Campaign) -> Signals:
     if recorded.names != campaign.table.names:
         problem = f"has other channels than the table: {', '.join(recorded.names)}"
         raise BadInput(source=recorded.source, problem=problem, remedy="Put them in the order of the table")
-    sizes = [factor(c.unit, c.quantity, source="channel", field=c.name) for c in campaign.table.channels]
+    sizes = [_factor(channel) for channel in campaign.table.channels]
     samples = {name: recorded.values[:, k] / sizes[k] for k, name in enumerate(recorded.names)}
+    units = {}  # systems of units in which each quantity has the unit of its size in SI
+    for c, size in zip(campaign.table.channels, sizes, strict=True):
+        length, force = (size, 1.0) if c.quantity == "acceleration" else (1.0, size)
+        units[c.name] = StatedUnits(length=length, force=force, words="massline")
     return Signals(
         source=recorded.source,
         samples=samples,
         sampling_rate=recorded.sampling_rate,
         frequency=recorded.frequency,
-        units={c.name: _stated(c.quantity, sizes[k]) for k, c in enumerate(campaign.table.channels)},
+        units=units,
         labels={c.name: c.unit for c in campaign.table.channels},
-    )
-
-
-def _stated(quantity: str, size: float) -> StatedUnits:
-    """A system of units in which `quantity` has the unit of `size` in SI."""
-    length, force = (size, 1.0) if quantity == "acceleration" else (1.0, size)
-    return StatedUnits(length=length, force=force, words="massline")
-
-
-# A first look at recorded runs: what the table did, and what the channels read when nothing moved.
-#
-# Both come from short blocks of the time histories. Spectra have no quiet part and no level; they are left out.
-
-
-NOMINAL = np.array([LEVELS[axis] for axis in MOTIONS])
-
-BLOCK = 0.5
-"""[s] of a block: two periods of the lowest line that the paper uses."""
-
-DRIVEN = 0.5
-"""Share of the strongest block from which a block counts as driven."""
-
-STILL = 2.0
-"""How far above those of the quietest block of its run the accelerometers of table and cover plate may read in a quiet block."""
-
-QUIET = 0.05
-"""Share of the driven level above which no block of a run is quiet."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Levels:
-    """What the table did in one run, about the reference point.
-
-    Attributes
-    ----------
-    amplitude : (6,) of each base motion while it was driven, sqrt(2) times its rms: the amplitude of a sine [m/s², rad/s²]
-    share : (6,) the same as a share of the largest, every axis divided by its nominal level [1]
-    driven : [s] how long the table was driven
-    """
-
-    amplitude: Array
-    share: Array
-    driven: float
-
-    def __post_init__(self) -> None:
-        for name in ("amplitude", "share"):
-            object.__setattr__(self, name, frozen(getattr(self, name), (6,), name))
-
-
-def levels(recorded: Recording, table: ChannelTable) -> Levels | None:
-    """The levels of one run by Eqs. 6 and 7; None for spectra, records below two blocks, and tables that tell no base motion.
-
-    The cover plate's accelerometers are used where they tell all six motions, else the table's, too.
-    """
-    motion = base_motion(recorded, table)
-    if motion is None or recorded.sampling_rate is None:
-        return None
-    rms = block_rms(motion, recorded.sampling_rate)
-    if len(rms) < 2:
-        return None
-    size = np.linalg.norm(rms / NOMINAL, axis=1)
-    driven = size > DRIVEN * size.max()
-    amplitude = np.sqrt(2 * np.mean(np.square(rms[driven]), axis=0))
-    scaled = amplitude / NOMINAL
-    return Levels(
-        amplitude=amplitude, share=scaled / max(scaled.max(), np.finfo(np.float64).tiny), driven=float(driven.sum() * BLOCK)
-    )
-
-
-def base_motion(recorded: Recording, table: ChannelTable) -> Array | None:
-    """The six accelerations (n, 6) of the reference point by Eqs. 6 and 7; None for spectra and where no base motion is told."""
-    for groups in (("cover",), RIGID_GROUPS):
-        if of_motions(table, groups).complete and not recorded.is_spectrum:
-            chosen = table.select(group=groups, quantity="acceleration")
-            rows = motion_rows([table.channels[k] for k in chosen], table.origin)
-            return np.asarray(recorded.values[:, chosen] @ np.linalg.pinv(rows).T)
-    return None
-
-
-def noise_floors(campaign: Campaign) -> Array | None:
-    """Broadband rms (c,) of every channel while nothing moved, in SI; None where no run has a quiet part.
-
-    A block is quiet when the accelerometers of table and cover plate are. What still rings on the structure is louder than noise,
-    so of the quiet blocks of all runs the quieter half of each channel counts.
-    """
-    blocks = [block for recorded in campaign.recordings.values() if (block := _quiet(recorded, campaign.table)) is not None]
-    if not blocks:
-        return None
-    rms = np.sort(np.vstack(blocks), axis=0)
-    return np.asarray(np.sqrt(np.mean(np.square(rms[: max(len(rms) // 2, 1)]), axis=0)))
-
-
-def _quiet(recorded: Recording, table: ChannelTable) -> Array | None:
-    """The rms (b, c) of all channels in the quiet blocks of a run; None where there is none."""
-    quiet = quiet_blocks(recorded, table)
-    return None if quiet is None or recorded.sampling_rate is None else block_rms(recorded.values, recorded.sampling_rate)[quiet]
-
-
-def quiet_blocks(recorded: Recording, table: ChannelTable) -> npt.NDArray[np.bool_] | None:
-    """Which of the consecutive blocks of `BLOCK` seconds (b,) are quiet; None for spectra and where no block is."""
-    watched = table.select(group=RIGID_GROUPS, quantity="acceleration")
-    if recorded.sampling_rate is None or not watched:
-        return None
-    rms = block_rms(recorded.values[:, watched], recorded.sampling_rate)
-    if len(rms) < 2:
-        return None
-    size = np.linalg.norm(rms, axis=1)
-    return np.asarray(size <= STILL * size.min()) if size.min() < QUIET * size.max() else None
-
-
-def block_length(rate: float) -> int:
-    """Samples of a block at `rate` [Hz]."""
-    return max(round(BLOCK * rate), 2)
-
-
-def block_rms(values: Array, rate: float) -> Array:
-    """(b, c) rms about the mean of consecutive blocks of (n, c); what does not fill a block at the end is left out."""
-    length = block_length(rate)
-    count = len(values) // length
-    return np.asarray(np.std(values[: count * length].reshape(count, length, -1), axis=1))
-
-
-# What the runs of a campaign drive together: six motions that are told apart, and no run that is another one once more.
-
-
-UNDRIVEN = 0.15
-"""Share of the largest motion of a run, every axis by its nominal level, below which a run does not drive an axis: cross
-motion of real tables stays below."""
-
-SAME = 1e-6
-"""Relative difference below which two recordings are one: a copy, or an export of it with fewer digits. Noise is far above."""
-
-
-def problems_of_runs(campaign: Campaign) -> list[BadInput]:
-    """Why six base motions cannot be told from the runs: too few of them, or an axis that none drives."""
-    driven = {name: share for name, one in campaign.recordings.items() if (share := shares(one, campaign.table)) is not None}
-    # The axes that no run drives, in words; by what the runs say they drive where their motion cannot be told
-    if len(driven) == len(campaign.runs) and driven:
-        most = np.max(list(driven.values()), axis=0)
-        missing = [axis for axis, share in zip(MOTIONS, most, strict=True) if share < UNDRIVEN]
-    else:
-        said = {run.axis for run in campaign.runs}
-        missing = [] if "" in said else [axis for axis in MOTIONS if axis not in said]
-    words = f"no run drives {' or '.join(missing)}" if missing else ""
-    if len(campaign.runs) < 6:
-        many = "1 run" if len(campaign.runs) == 1 else f"{len(campaign.runs)} runs"
-        words = f"six base motions take at least six runs, found {many}{f'; {words}' if words else ''}"
-    if not words:
-        return []
-    alike = "".join(f"; {text}" for text in _copies(campaign))
-    remedy = "Record a run that drives each axis, or correct which file belongs to which run"
-    return [BadInput(source=campaign.source, field="run", problem=words + alike, remedy=remedy)]
-
-
-def warnings_of_runs(campaign: Campaign) -> tuple[str, ...]:
-    """Runs that are one and the same, and runs that drive another axis than they say."""
-    found = []
-    for run in campaign.runs:
-        recorded = campaign.recordings.get(run.name)
-        share = None if recorded is None or not run.axis else shares(recorded, campaign.table)
-        if share is not None and share[MOTIONS.index(run.axis)] < UNDRIVEN:
-            most = MOTIONS[int(np.argmax(share))]
-            found.append(f"run {run.name} says that it drives {run.axis}, but it drives {most}")
-    return tuple(f"{campaign.source}: {text}" for text in (*_copies(campaign), *found))
-
-
-def shares(recorded: Recording, table: ChannelTable) -> Array | None:
-    """(6,) every base motion of a run as a share of its largest, each by its nominal level; None where it cannot be told."""
-    if not recorded.is_spectrum:
-        found = levels(recorded, table)
-        return None if found is None else found.share
-    for groups in (("cover",), RIGID_GROUPS):
-        if of_motions(table, groups).complete:
-            chosen = table.select(group=groups, quantity="acceleration")
-            rows = motion_rows([table.channels[k] for k in chosen], table.origin)
-            size = np.sqrt(np.mean(np.square(np.abs(recorded.values[:, chosen] @ np.linalg.pinv(rows).T)), axis=0)) / NOMINAL
-            return np.asarray(size / max(size.max(), np.finfo(np.float64).tiny))
-    return None
-
-
-def _copies(campaign: Campaign) -> list[str]:
-    return [
-        f"runs {a} and {b} are the same recording"
-        for (a, one), (b, other) in combinations(campaign.recordings.items(), 2)
-        if one.values.shape == other.values.shape and _same(one, other)
-    ]
-
-
-def _same(one: Recording, other: Recording) -> bool:
-    first = slice(None, None, max(len(one) // 100, 1))  # nearly every pair differs in a hundred samples
-    return all(
-        np.linalg.norm(one.values[at] - other.values[at]) <= SAME * np.linalg.norm(one.values[at]) for at in (first, slice(None))
     )

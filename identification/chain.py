@@ -3,8 +3,7 @@
     y = (A0 + A1 H) u
 
 u (6,) is the motion of the reference point F on the cover plate - the *apparent* acceleration that the structure feels, tilt
-included - and H the dynamic mass of all that stands above the force plane. Accelerometers are `identification.chain`,
-load cells `identification.chain`; what a load cell does to table and cover plate alike is `identification.chain`.
+included - and H the dynamic mass of all that stands above the force plane.
 
 Identification calibrates with the chain, validation predicts with it: there is no other. Source: the paper's Eqs. 2, 3, 6 and 7
 with their errors written out; "The likelihood" of the catalogue of effects.
@@ -12,9 +11,9 @@ with their errors written out; "The likelihood" of the catalogue of effects.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import isfinite, log
+from math import log
 from types import MappingProxyType
 
 import numpy as np
@@ -22,46 +21,15 @@ import numpy.typing as npt
 
 from geometry.article import rectangle
 from geometry.articles.parts import load
-from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
+from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen, rigid_transformation, rigid_transformation_6, skew
 from geometry.sensors import Channel, ChannelTable, Place, Summation, Tolerances, row, summation
-from identification.base_motion import TILT
-from identification.parameter import Parameter
-
-# `Parameter`: one thing that a laboratory does not know of its measurement chain, and how far it may be from nominal.
-#
-# Names are the ids of the catalogue of effects: ``family:target``. A vector theta holds the parameters' offsets from nominal;
-# scale factors that must stay positive - stiffnesses - are offset by their logarithm, and `Parameter.value` says what a number
-# means.
-
+from identification.base_motion import STANDARD_GRAVITY, TILT
+from identification.parameter import Parameter, opened
 
 Offsets = Mapping[str, float]
-"""Offsets of the open parameters by name; a parameter that is not in it stands at its nominal value."""
-
-
-def opened(candidates: Iterable[Parameter], overrides: Mapping[str, float]) -> tuple[Parameter, ...]:
-    """The parameters that may move: those of a positive tolerance once `overrides`, by name or by family, have replaced theirs.
-
-    A name goes before its family; 0 closes a parameter.
-
-    Raises
-    ------
-    BadInput : an override that fits no parameter of this chain, or is negative or not finite.
-    """
-    known = tuple(candidates)
-    names = {one.name for one in known} | {one.family for one in known}
-    for name, size in overrides.items():
-        if name not in names:
-            families = ", ".join(sorted({one.family for one in known}))
-            problem = "this chain has no such parameter"
-            raise BadInput(source="tolerances", field=name, problem=problem, remedy=f"Name one of the families {families}")
-        if not (isfinite(size) and size >= 0):
-            problem = f"a standard deviation must be finite and not negative, found {size}"
-            raise BadInput(source="tolerances", field=name, problem=problem, remedy="Give it in SI units; 0 closes the parameter")
-    changed = (replace(one, tolerance=overrides.get(one.name, overrides.get(one.family, one.tolerance))) for one in known)
-    return tuple(one for one in changed if one.tolerance > 0)
-
+"""Of the open parameters by name, from nominal, where a parameter stands that is not in it; stiffnesses by their logarithm."""
 
 # The load cells as springs: how they share a load between them, and how far the cover plate moves on them.
 #
@@ -71,7 +39,6 @@ def opened(candidates: Iterable[Parameter], overrides: Mapping[str, float]) -> t
 #     K_c B K^-1 F.
 #
 # Only the relative stiffness matters for that; the absolute one, known less well, tells table from cover plate: K^-1.
-
 
 ELEMENT = "cell-stiffness"
 COMPLIANCE = "fmd-compliance"
@@ -158,7 +125,6 @@ class Springs:
 # after its cell and the axis along which it senses: ``1x``. Where the elements do not carry all six loads by themselves - the
 # campaign gives moments, or loads that somebody has already added up - nothing is known of the cells, and the cover plate is
 # taken to stand on one spring for each of the six motions.
-
 
 ASSUMED = log(5.0)
 """Standard deviation of ln(compliance) where no stiffness is stated: quartz cells with their bolts differ by such a factor."""
@@ -329,7 +295,6 @@ class Placed:
 # the sensing elements, part of what each carries may pass it by (shunt), and S, the summation box, adds elements up. A moment
 # channel beside elements that carry everything reads the resultant moment.
 
-
 AXES = "xyz"
 CROSSTALK = tuple(f"{i}{j}" for i in AXES for j in AXES if i != j)
 """``zx``: the x resultant shows in the z channels."""
@@ -354,49 +319,84 @@ class Loads(Placed):
     sums: Summation
     springs: Springs
 
+    def parameters(self, known: Tolerances) -> Iterator[Parameter]:
+        """All that they could do wrong, with the tolerance of an ordinary laboratory; 0 for what none expects."""
+        all_of_them = self.columns
+        yield from channel_parameters(self.names, self.first, "force", "force", known.gain, known)
+        for pair in CROSSTALK if self.channels else ():
+            yield Parameter(name=f"force-crosstalk:{pair}", unit="1", tolerance=known.crosstalk, channels=all_of_them)
+        for axis in AXES if self.channels else ():
+            yield Parameter(name=f"load-path-shunt:{axis}", unit="1", tolerance=0.0, channels=all_of_them)
+        for axis in OFFSETS if self.channels else ():
+            yield Parameter(name=f"force-plane-offset:{axis}", unit="m", tolerance=0.0, channels=all_of_them)
 
-def force_parameters(part: Loads, known: Tolerances) -> Iterator[Parameter]:
-    """All that `part` could do wrong, with the tolerance of an ordinary laboratory; 0 for what none expects."""
-    all_of_them = part.columns
-    yield from channel_parameters(part.names, part.first, "force", "force", known.gain, known)
-    for pair in CROSSTALK if part.channels else ():
-        yield Parameter(name=f"force-crosstalk:{pair}", unit="1", tolerance=known.crosstalk, channels=all_of_them)
-    for axis in AXES if part.channels else ():
-        yield Parameter(name=f"load-path-shunt:{axis}", unit="1", tolerance=0.0, channels=all_of_them)
-    for axis in OFFSETS if part.channels else ():
-        yield Parameter(name=f"force-plane-offset:{axis}", unit="m", tolerance=0.0, channels=all_of_them)
+    def rows(self, x: Offsets, frequency: Array) -> ComplexArray:
+        """A1 of the force channels, (n, c, 6): what they read for a unit load at `frequency` (n,) [Hz]."""
+        f = factors(self.names, "force", "force", x, frequency)
+        return np.asarray(f[:, :, None] * self._mixed(x))
 
+    def changes(self, x: Offsets, frequency: Array, wanted: Collection[str]) -> Iterator[tuple[str, list[int], ComplexArray]]:
+        """By open parameter of those `wanted`: the channels it touches and d A1 / d offset of these, (n, k, 6)."""
+        f = factors(self.names, "force", "force", x, frequency)
+        reading, X, even = self._reading(x), _moved(x), self._even()
+        A1 = f[:, :, None] * self._mixed(x)
+        for key, touched, slope in channel_changes(self.names, "force", "force", x, frequency, wanted):
+            yield key, touched, slope[:, :, None] * A1[:, touched]
+        every = list(range(len(self.channels)))
+        for key, change in self._reading_changes(x):
+            if key in wanted:
+                yield key, every, f[:, :, None] * (change @ X + even @ _heard(x) @ _lost(key))
+        for key, change in _crosstalk(x):
+            if key in wanted:
+                yield key, every, f[:, :, None] * (even @ change @ _carried(x))
+        for key, change in _offsets(x):
+            if key in wanted:
+                yield key, every, f[:, :, None] * (reading @ change)
 
-def force_rows(part: Loads, x: Offsets, frequency: Array) -> ComplexArray:
-    """A1 of the force channels, (n, c, 6): what they read for a unit load at `frequency` (n,) [Hz]."""
-    f = factors(part.names, "force", "force", x, frequency)
-    return np.asarray(f[:, :, None] * _mixed(part, x))
+    def _mixed(self, x: Offsets) -> Array:
+        """(c, 6) reading for a unit load: cells share it as they are stiff, cross-talk shows in all of them alike."""
+        return np.asarray(self._reading(x) @ _moved(x) + self._even() @ _heard(x) @ _carried(x))
 
+    def _even(self) -> Array:
+        """(c, 6) reading for a unit resultant load of cells that are all alike."""
+        return np.asarray(self.sums.adds @ self._sharing({}))
 
-def force_changes(
-    part: Loads, x: Offsets, frequency: Array, wanted: Collection[str]
-) -> Iterator[tuple[str, list[int], ComplexArray]]:
-    """By open parameter of those `wanted`: the channels of `part` it touches and d A1 / d offset of these, (n, k, 6)."""
-    f = factors(part.names, "force", "force", x, frequency)
-    reading, X, even = _reading(part, x), _moved(x), _even(part)
-    A1 = f[:, :, None] * _mixed(part, x)
-    for key, touched, slope in channel_changes(part.names, "force", "force", x, frequency, wanted):
-        yield key, touched, slope[:, :, None] * A1[:, touched]
-    every = list(range(len(part.channels)))
-    for key, change in _reading_changes(part, x):
-        if key in wanted:
-            yield key, every, f[:, :, None] * (change @ X + even @ _heard(x) @ _lost(key))
-    for key, change in _crosstalk(x):
-        if key in wanted:
-            yield key, every, f[:, :, None] * (even @ change @ _carried(x))
-    for key, change in _offsets(x):
-        if key in wanted:
-            yield key, every, f[:, :, None] * (reading @ change)
+    def _reading(self, x: Offsets) -> Array:
+        """(c, 6) reading for a unit resultant load, before the signal's way to the record."""
+        return np.asarray(self.sums.adds @ (self._passing(x)[:, None] * self._sharing(x)))
 
+    def _sharing(self, x: Offsets) -> Array:
+        """(e, 6) reading of every element for a unit resultant load."""
+        if not self.springs.of_cells:
+            return np.asarray(np.linalg.pinv(self.sums.gives))
+        R = self.sums.gives.T.copy()  # of a moment: its row, that of the resultant moment itself
+        R[self._of_force] = self.springs.sharing(x)
+        return np.asarray(R)
 
-def _mixed(part: Loads, x: Offsets) -> Array:
-    """(c, 6) reading for a unit resultant load: cells share it as they are stiff, and cross-talk shows in all of them alike."""
-    return np.asarray(_reading(part, x) @ _moved(x) + _even(part) @ _heard(x) @ _carried(x))
+    def _passing(self, x: Offsets) -> Array:
+        """(e,) share of each element's load that a shunt leaves to it."""
+        lost = np.array([x.get(f"load-path-shunt:{axis}", 0.0) for axis in AXES])
+        return np.asarray(1 - lost @ self._along)
+
+    @property
+    def _along(self) -> Array:
+        """(3, e) how far a force element measures along each axis, adding up to 1; 0 for moments."""
+        return np.asarray(self.sums.gives[:3] ** 2)
+
+    @property
+    def _of_force(self) -> list[int]:
+        return [e for e, (quantity, _) in enumerate(self.sums.elements) if quantity == "force"]
+
+    def _reading_changes(self, x: Offsets) -> Iterator[tuple[str, Array]]:
+        """d `_reading` / d offset, (c, 6), of stiffnesses and shunts."""
+        passing, adds = self._passing(x), self.sums.adds
+        if self.springs.of_cells:
+            force = self._of_force
+            for key, change in self.springs.sharing_changes(x):
+                yield key, adds[:, force] @ (passing[force, None] * change)
+        for axis, along in zip(AXES, self._along, strict=True):
+            if (key := f"load-path-shunt:{axis}") in x:
+                yield key, -adds @ (along[:, None] * self._sharing(x))
 
 
 def _heard(x: Offsets) -> Array:
@@ -413,40 +413,6 @@ def _lost(key: str) -> Array:
     """(6, 6) d `_carried` / d offset of the parameter `key`; zero of one that is no shunt."""
     axis = SHUNTS.get(key)
     return np.zeros((6, 6)) if axis is None else -_unit(axis, axis)
-
-
-def _even(part: Loads) -> Array:
-    """(c, 6) reading for a unit resultant load of cells that are all alike."""
-    return np.asarray(part.sums.adds @ _sharing(part, {}))
-
-
-def _reading(part: Loads, x: Offsets) -> Array:
-    """(c, 6) reading for a unit resultant load, before the signal's way to the record."""
-    return np.asarray(part.sums.adds @ (_passing(part, x)[:, None] * _sharing(part, x)))
-
-
-def _sharing(part: Loads, x: Offsets) -> Array:
-    """(e, 6) reading of every element for a unit resultant load."""
-    if not part.springs.of_cells:
-        return np.asarray(np.linalg.pinv(part.sums.gives))
-    R = part.sums.gives.T.copy()  # of a moment: its row, that of the resultant moment itself
-    R[_of_force(part)] = part.springs.sharing(x)
-    return np.asarray(R)
-
-
-def _passing(part: Loads, x: Offsets) -> Array:
-    """(e,) share of each element's load that a shunt leaves to it."""
-    lost = np.array([x.get(f"load-path-shunt:{axis}", 0.0) for axis in AXES])
-    return np.asarray(1 - lost @ _along(part))
-
-
-def _along(part: Loads) -> Array:
-    """(3, e) how far a force element measures along each axis, adding up to 1; 0 for moments."""
-    return np.asarray(part.sums.gives[:3] ** 2)
-
-
-def _of_force(part: Loads) -> list[int]:
-    return [e for e, (quantity, _) in enumerate(part.sums.elements) if quantity == "force"]
 
 
 def _moved(x: Offsets) -> Array:
@@ -466,18 +432,6 @@ def _offsets(x: Offsets) -> Iterator[tuple[str, Array]]:
             yield key, sign * _unit(cell, motion)
 
 
-def _reading_changes(part: Loads, x: Offsets) -> Iterator[tuple[str, Array]]:
-    """d `_reading` / d offset, (c, 6), of stiffnesses and shunts."""
-    passing, adds = _passing(part, x), part.sums.adds
-    if part.springs.of_cells:
-        force = _of_force(part)
-        for key, change in part.springs.sharing_changes(x):
-            yield key, adds[:, force] @ (passing[force, None] * change)
-    for axis, along in zip(AXES, _along(part), strict=True):
-        if (key := f"load-path-shunt:{axis}") in x:
-            yield key, -adds @ (along[:, None] * _sharing(part, x))
-
-
 def _unit(row: int, column: int) -> Array:
     E = np.zeros((6, 6))
     E[row, column] = 1.0
@@ -493,7 +447,6 @@ def _unit(row: int, column: int) -> Array:
 #
 # The latent u of the chain is the apparent acceleration that drives the *structure*. A sensor that tilts reads the same, and
 # gravity cancels; a kinematic one reads (I - g/omega² E) u.
-
 
 STRUCTURE = "gravity"
 SENSOR = "accelerometer-tilt"
@@ -537,6 +490,109 @@ class PickUps(Placed):
     springs: Springs
     gravity: float
 
+    def parameters(self, known: Tolerances) -> Iterator[Parameter]:
+        """All that they could do wrong, with the tolerance of an ordinary laboratory; 0 for what none expects."""
+        gain = known.table_gain if self.group == "table" else known.gain
+        yield from channel_parameters(self.names, self.first, "accelerometer", self.group, gain, known)
+        for family, unit, size in (("position", "m", known.position), ("misalignment", "rad", known.angle)):
+            for k, channel in zip(self.columns, self.channels, strict=True):
+                # Axes along which a shift, or the two about which a turn, changes what `channel` reads
+                across = np.array(
+                    [np.min(np.abs([np.linalg.norm(np.cross(e, p.direction)) for p in channel.places])) for e in np.eye(3)]
+                )
+                if family == "position":
+                    axes = "".join(axis for axis, size in zip(AXES, across, strict=True) if size > PARALLEL)
+                else:
+                    kept = sorted(np.argsort(-across, kind="stable")[:2])
+                    axes = "".join(AXES[k] for k in kept)
+                for axis in axes:
+                    yield Parameter(
+                        name=f"accelerometer-{family}:{channel.name}:{axis}", unit=unit, tolerance=size, channels=(k,)
+                    )
+        if self.group == "cover" and self.channels:
+            yield Parameter(name=BENDING, unit="m/N", tolerance=0.0, channels=self.columns)
+
+    def rows(self, x: Offsets, frequency: Array) -> Rows:
+        """A0 and A1 of the accelerometers, (n, c, 6) each, at `frequency` (n,) [Hz]."""
+        geometry, upward = self._geometry(x)
+        return self._sight(x, frequency).seen(geometry, upward, list(range(len(self.channels))))
+
+    def changes(self, x: Offsets, frequency: Array, wanted: Collection[str]) -> Iterator[tuple[str, list[int], Rows]]:
+        """By parameter of those `wanted`: the channels it touches, and d A0, d A1 / d offset of these, (n, k, 6) each."""
+        sight = self._sight(x, frequency)
+        geometry, upward = self._geometry(x)
+        every = list(range(len(self.channels)))
+        A0, A1 = sight.seen(geometry, upward, every)
+        for key, touched, slope in channel_changes(self.names, "accelerometer", self.group, x, frequency, wanted):
+            yield key, touched, (slope[:, :, None] * A0[:, touched], slope[:, :, None] * A1[:, touched])
+        for key, k, change, rise in self._geometry_changes(x, wanted):
+            yield key, [k], sight.seen(change[None], rise[None], [k])
+        common = self._common_changes(x, sight, geometry, upward)
+        yield from ((key, every, change) for key, change in common if key in wanted)
+
+    def _geometry(self, x: Offsets) -> tuple[Array, Array]:
+        """d^T [G(p)] (c, 6), and the vertical component of d (c,), as they are."""
+        made = [self._placed(channel, x) for channel in self.channels]
+        return np.array([row for row, _ in made]).reshape(-1, 6), np.array([up for _, up in made])
+
+    def _placed(self, channel: Channel, x: Offsets) -> tuple[Array, float]:
+        shift, turn = (_vector(x, f"accelerometer-{family}:{channel.name}") for family in ("position", "misalignment"))
+        Q = _rotation(turn)
+        directions = [Q @ place.direction for place in channel.places]
+        arms = [place.position + shift - self.point for place in channel.places]
+        row = np.mean([d @ rigid_transformation(arm) for d, arm in zip(directions, arms, strict=True)], axis=0)
+        return np.asarray(row), float(np.mean([d[2] for d in directions]))
+
+    def _geometry_changes(self, x: Offsets, wanted: Collection[str]) -> Iterator[tuple[str, int, Array, Array]]:
+        """By `wanted` parameter of position and angle: the channel, the changes (6,) of its row and () of its rise."""
+        for k, channel in enumerate(self.channels):
+            shift, turn = (_vector(x, f"accelerometer-{family}:{channel.name}") for family in ("position", "misalignment"))
+            # (3, 3) J: a small change t of `turn` rotates what is already turned about J t
+            angle, S = float(np.linalg.norm(turn)), skew(turn)
+            third = 1 / 6 if angle < 1e-3 else (angle - np.sin(angle)) / angle**3
+            left_jacobian = np.asarray(np.eye(3) + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * S + third * S @ S)
+            Q, J = _rotation(turn), left_jacobian
+            for axis, e in zip(AXES, np.eye(3), strict=True):
+                if (key := f"accelerometer-position:{channel.name}:{axis}") in wanted:
+                    d = np.mean([Q @ place.direction for place in channel.places], axis=0)
+                    yield key, k, np.concatenate([np.zeros(3), -d @ skew(e)]), np.zeros(())
+                if (key := f"accelerometer-misalignment:{channel.name}:{axis}") in wanted:
+                    turned = [
+                        (np.cross(J @ e, Q @ place.direction), place.position + shift - self.point) for place in channel.places
+                    ]
+                    change = np.mean([d @ rigid_transformation(arm) for d, arm in turned], axis=0)
+                    yield key, k, np.asarray(change), np.asarray(np.mean([d[2] for d, _ in turned]))
+
+    def _sight(self, x: Offsets, frequency: Array) -> Sight:
+        table = self.group == "table"
+        senses = np.array([channel.senses_gravity for channel in self.channels], dtype=np.float64)
+        return Sight(
+            factors=factors(self.names, "accelerometer", self.group, x, frequency),
+            square=np.square(2 * np.pi * frequency),
+            sensor=self.gravity * (1 + x.get(SENSOR, 0.0)) * senses,
+            structure=self.gravity * (1 + x.get(STRUCTURE, 0.0)),
+            compliance=self.springs.compliance(x) if table else np.zeros((6, 6)),
+            bending=0.0 if table else x.get(BENDING, 0.0),
+        )
+
+    def _common_changes(self, x: Offsets, sight: Sight, geometry: Array, upward: Array) -> Iterator[tuple[str, Rows]]:
+        """Of what all channels of the group share: tilt, springs, a cover plate that bends."""
+        f, square, more = sight.factors[:, :, None], sight.square[:, None, None], turned(geometry)
+        none = np.zeros((*sight.factors.shape, 6), dtype=np.complex128)
+        senses = np.array([channel.senses_gravity for channel in self.channels], dtype=np.float64)[:, None]
+        if STRUCTURE in x:
+            yield STRUCTURE, (-f * self.gravity * more / square, none)
+        if SENSOR in x:
+            weight = f * self.gravity * senses
+            yield SENSOR, (np.asarray(weight * more / square), np.asarray(-weight * (more @ sight.compliance)))
+        if self.group == "table":
+            for key, change in self.springs.compliance_changes(x):
+                yield key, (none, np.asarray(-f * ((square * geometry + sight.sensor[:, None] * more) @ change)))
+        elif BENDING in x:
+            bent = none.copy()
+            bent[..., 2] = -sight.factors * sight.square[:, None] * upward
+            yield BENDING, (none, bent)
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Sight:
@@ -558,138 +614,24 @@ class Sight:
     compliance: Array
     bending: float
 
-
-def pick_up_parameters(part: PickUps, known: Tolerances) -> Iterator[Parameter]:
-    """All that `part` could do wrong, with the tolerance of an ordinary laboratory; 0 for what none expects."""
-    gain = known.table_gain if part.group == "table" else known.gain
-    yield from channel_parameters(part.names, part.first, "accelerometer", part.group, gain, known)
-    for family, unit, size in (("position", "m", known.position), ("misalignment", "rad", known.angle)):
-        for k, channel in zip(part.columns, part.channels, strict=True):
-            # Axes along which a shift, or the two about which a turn, changes what `channel` reads
-            across = np.array(
-                [np.min(np.abs([np.linalg.norm(np.cross(e, p.direction)) for p in channel.places])) for e in np.eye(3)]
-            )
-            if family == "position":
-                axes = "".join(axis for axis, size in zip(AXES, across, strict=True) if size > PARALLEL)
-            else:
-                kept = sorted(np.argsort(-across, kind="stable")[:2])
-                axes = "".join(AXES[k] for k in kept)
-            for axis in axes:
-                yield Parameter(name=f"accelerometer-{family}:{channel.name}:{axis}", unit=unit, tolerance=size, channels=(k,))
-    if part.group == "cover" and part.channels:
-        yield Parameter(name=BENDING, unit="m/N", tolerance=0.0, channels=part.columns)
-
-
-def pick_up_rows(part: PickUps, x: Offsets, frequency: Array) -> Rows:
-    """A0 and A1 of the accelerometers, (n, c, 6) each, at `frequency` (n,) [Hz]."""
-    geometry, upward = _geometry(part, x)
-    return _seen(_sight(part, x, frequency), geometry, upward, list(range(len(part.channels))))
-
-
-def pick_up_changes(
-    part: PickUps, x: Offsets, frequency: Array, wanted: Collection[str]
-) -> Iterator[tuple[str, list[int], Rows]]:
-    """By parameter of those `wanted`: the channels of `part` it touches, and d A0, d A1 / d offset of these, (n, k, 6) each."""
-    sight = _sight(part, x, frequency)
-    geometry, upward = _geometry(part, x)
-    every = list(range(len(part.channels)))
-    A0, A1 = _seen(sight, geometry, upward, every)
-    for key, touched, slope in channel_changes(part.names, "accelerometer", part.group, x, frequency, wanted):
-        yield key, touched, (slope[:, :, None] * A0[:, touched], slope[:, :, None] * A1[:, touched])
-    for key, k, change, rise in _geometry_changes(part, x, wanted):
-        yield key, [k], _seen(sight, change[None], rise[None], [k])
-    common = _common_changes(part, x, sight, geometry, upward)
-    yield from ((key, every, change) for key, change in common if key in wanted)
+    def seen(self, geometry: Array, upward: Array, chosen: list[int]) -> Rows:
+        """A0, A1 (n, k, 6) of the `chosen` channels with rows `geometry` (k, 6) and vertical components `upward` (k,)."""
+        f, square = self.factors[:, chosen, None], self.square[:, None, None]
+        more, sensed = turned(geometry), self.sensor[chosen, None]
+        A0 = f * (geometry + (sensed - self.structure) * more / square)
+        A1 = -f * ((square * geometry + sensed * more) @ self.compliance)
+        A1[..., 2] -= f[..., 0] * square[..., 0] * self.bending * upward
+        return np.asarray(A0), np.asarray(A1)
 
 
 def _vector(x: Offsets, stem: str) -> Array:
     return np.array([x.get(f"{stem}:{axis}", 0.0) for axis in AXES])
 
 
-def _geometry(part: PickUps, x: Offsets) -> tuple[Array, Array]:
-    """d^T [G(p)] (c, 6), and the vertical component of d (c,), as they are."""
-    made = [_placed(part, channel, x) for channel in part.channels]
-    return np.array([row for row, _ in made]).reshape(-1, 6), np.array([up for _, up in made])
-
-
-def _placed(part: PickUps, channel: Channel, x: Offsets) -> tuple[Array, float]:
-    shift, turn = (_vector(x, f"accelerometer-{family}:{channel.name}") for family in ("position", "misalignment"))
-    Q = _rotation(turn)
-    directions = [Q @ place.direction for place in channel.places]
-    arms = [place.position + shift - part.point for place in channel.places]
-    row = np.mean([d @ rigid_transformation(arm) for d, arm in zip(directions, arms, strict=True)], axis=0)
-    return np.asarray(row), float(np.mean([d[2] for d in directions]))
-
-
-def _geometry_changes(part: PickUps, x: Offsets, wanted: Collection[str]) -> Iterator[tuple[str, int, Array, Array]]:
-    """By `wanted` parameter of position and angle: the channel, the change (6,) of its row and () of its vertical component."""
-    for k, channel in enumerate(part.channels):
-        shift, turn = (_vector(x, f"accelerometer-{family}:{channel.name}") for family in ("position", "misalignment"))
-        # (3, 3) J: a small change t of `turn` rotates what is already turned about J t
-        angle, S = float(np.linalg.norm(turn)), skew(turn)
-        third = 1 / 6 if angle < 1e-3 else (angle - np.sin(angle)) / angle**3
-        left_jacobian = np.asarray(np.eye(3) + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * S + third * S @ S)
-        Q, J = _rotation(turn), left_jacobian
-        for axis, e in zip(AXES, np.eye(3), strict=True):
-            if (key := f"accelerometer-position:{channel.name}:{axis}") in wanted:
-                d = np.mean([Q @ place.direction for place in channel.places], axis=0)
-                yield key, k, np.concatenate([np.zeros(3), -d @ skew(e)]), np.zeros(())
-            if (key := f"accelerometer-misalignment:{channel.name}:{axis}") in wanted:
-                turned = [(np.cross(J @ e, Q @ place.direction), place.position + shift - part.point) for place in channel.places]
-                change = np.mean([d @ rigid_transformation(arm) for d, arm in turned], axis=0)
-                yield key, k, np.asarray(change), np.asarray(np.mean([d[2] for d, _ in turned]))
-
-
-def _sight(part: PickUps, x: Offsets, frequency: Array) -> Sight:
-    table = part.group == "table"
-    senses = np.array([channel.senses_gravity for channel in part.channels], dtype=np.float64)
-    return Sight(
-        factors=factors(part.names, "accelerometer", part.group, x, frequency),
-        square=np.square(2 * np.pi * frequency),
-        sensor=part.gravity * (1 + x.get(SENSOR, 0.0)) * senses,
-        structure=part.gravity * (1 + x.get(STRUCTURE, 0.0)),
-        compliance=part.springs.compliance(x) if table else np.zeros((6, 6)),
-        bending=0.0 if table else x.get(BENDING, 0.0),
-    )
-
-
-def _seen(sight: Sight, geometry: Array, upward: Array, chosen: list[int]) -> Rows:
-    """A0, A1 (n, k, 6) of the `chosen` channels with rows `geometry` (k, 6) and vertical components `upward` (k,)."""
-    f, square = sight.factors[:, chosen, None], sight.square[:, None, None]
-    more, sensed = turned(geometry), sight.sensor[chosen, None]
-    A0 = f * (geometry + (sensed - sight.structure) * more / square)
-    A1 = -f * ((square * geometry + sensed * more) @ sight.compliance)
-    A1[..., 2] -= f[..., 0] * square[..., 0] * sight.bending * upward
-    return np.asarray(A0), np.asarray(A1)
-
-
-def _common_changes(part: PickUps, x: Offsets, sight: Sight, geometry: Array, upward: Array) -> Iterator[tuple[str, Rows]]:
-    """Of what all channels of the group share: tilt, springs, a cover plate that bends."""
-    f, square, more = sight.factors[:, :, None], sight.square[:, None, None], turned(geometry)
-    none = np.zeros((*sight.factors.shape, 6), dtype=np.complex128)
-    senses = np.array([channel.senses_gravity for channel in part.channels], dtype=np.float64)[:, None]
-    if STRUCTURE in x:
-        yield STRUCTURE, (-f * part.gravity * more / square, none)
-    if SENSOR in x:
-        weight = f * part.gravity * senses
-        yield SENSOR, (np.asarray(weight * more / square), np.asarray(-weight * (more @ sight.compliance)))
-    if part.group == "table":
-        for key, change in part.springs.compliance_changes(x):
-            yield key, (none, np.asarray(-f * ((square * geometry + sight.sensor[:, None] * more) @ change)))
-    elif BENDING in x:
-        bent = none.copy()
-        bent[..., 2] = -sight.factors * sight.square[:, None] * upward
-        yield BENDING, (none, bent)
-
-
 def _rotation(turn: Array) -> Array:
     """(3, 3) rotation about the vector `turn` (3,) by its length [rad] (Rodrigues)."""
     angle, S = float(np.linalg.norm(turn)), skew(turn)
     return np.asarray(np.eye(3) + np.sinc(angle / np.pi) * S + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * S @ S)
-
-
-STANDARD_GRAVITY = 9.81
-"""[m/s²] of a campaign that states none, as `campaign.toml` does by default."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -767,8 +709,8 @@ class Chain:
         Columns are the motions, and for A1 the loads, about the reference point in the order of `MOTIONS`.
         """
         x, lines = self._offsets(theta), _lines(frequency)
-        cover, table = (pick_up_rows(part, x, lines) for part in (self.cover, self.table))
-        A1 = force_rows(self.forces, x, lines)
+        cover, table = (part.rows(x, lines) for part in (self.cover, self.table))
+        A1 = self.forces.rows(x, lines)
         return np.concatenate([cover[0], table[0], np.zeros_like(A1)], axis=1), np.concatenate([cover[1], table[1], A1], axis=1)
 
     def derivatives(
@@ -782,11 +724,17 @@ class Chain:
         x, lines, matrix = self._offsets(theta), _lines(frequency), np.asarray(H, dtype=np.complex128)
         found: dict[str, list[tuple[list[int], ComplexArray]]] = {name: [] for name in names}
         for part in (self.cover, self.table):
-            for key, touched, (A0, A1) in pick_up_changes(part, x, lines, found):
+            for key, touched, (A0, A1) in part.changes(x, lines, found):
                 found[key].append(([part.first + k for k in touched], A0 + A1 @ matrix))
-        for key, touched, A1 in force_changes(self.forces, x, lines, found):
+        for key, touched, A1 in self.forces.changes(x, lines, found):
             found[key].append(([self.forces.first + k for k in touched], A1 @ matrix))
-        return tuple(_joined(found[name]) for name in names)
+        return tuple(
+            Derivative(
+                channels=tuple(k for touched, _ in found[name] for k in touched),
+                rows=np.concatenate([rows for _, rows in found[name]], axis=1),
+            )
+            for name in names
+        )
 
     def _checked(self, theta: npt.ArrayLike) -> Array:
         return frozen(theta, (len(self.parameters),), "theta")
@@ -841,13 +789,25 @@ def chain(
     ]
     forces = Loads(channels=tuple(table.channels[k] for k in force), first=len(cover) + len(below), sums=sums, springs=springs)
     candidates = _candidates(parts[0], parts[1], forces, known, ASSUMED if stiffness is None else STATED)
+    left = [channel for k, channel in enumerate(table.channels) if k not in columns]
+    why = {
+        "sits on the structure, which is not rigid": [channel.name for channel in left if channel.group == "article"],
+        "measures no load of the FMD": [channel.name for channel in left if channel.group != "article"],
+    }
+    remarks = [f"not used: {', '.join(names)}; what {reason}, tells nothing here" for reason, names in why.items() if names]
+    if not springs.of_cells:
+        remarks.append("the force channels do not tell how cells share the load: their readings are taken for the resultants")
+    if below and stiffness is None:
+        remarks.append(
+            "the stiffness of the load cells is not stated: that of the reconstructed FMD is assumed, within a factor of five"
+        )
     return Chain(
         columns=columns,
         names=tuple(table.names[k] for k in columns),
         parameters=opened(candidates, overrides),
         possible=tuple(one.name for one in candidates),
-        left_out=tuple(name for k, name in enumerate(table.names) if k not in columns),
-        remarks=(*_left_out(table, columns), *_assumed(springs, bool(below), stiffness is None)),
+        left_out=tuple(channel.name for channel in left),
+        remarks=tuple(remarks),
         cover=parts[0],
         table=parts[1],
         forces=forces,
@@ -857,21 +817,7 @@ def chain(
 
 def _candidates(cover: PickUps, table: PickUps, forces: Loads, known: Tolerances, softness: float) -> tuple[Parameter, ...]:
     """Every parameter that the chain could have, family by family; tolerance 0 where none is expected to move."""
-    pick_up = [*pick_up_parameters(cover, known), *pick_up_parameters(table, known)]
-    common = [*_cells(table, forces, known, softness), *_gravity(cover, table)]
-    return tuple(sorted([*force_parameters(forces, known), *pick_up, *common], key=lambda one: _FAMILIES.index(one.family)))
-
-
-_FAMILIES = (
-    *("force-gain", "accelerometer-gain", "force-delay", "accelerometer-delay", "board-delay", "force-highpass"),
-    *("accelerometer-position", "accelerometer-misalignment", ELEMENT, COMPLIANCE, "force-crosstalk", "load-path-shunt"),
-    *("force-plane-offset", "cover-plate-flexibility", STRUCTURE, SENSOR),
-)
-
-
-def _cells(table: PickUps, forces: Loads, known: Tolerances, softness: float) -> list[Parameter]:
     springs, below = forces.springs, table.columns if not forces.springs.rigid else ()
-    elements = springs.names if springs.of_cells else ()
     cell = Parameter(
         name=ELEMENT,
         unit="1",
@@ -882,37 +828,23 @@ def _cells(table: PickUps, forces: Loads, known: Tolerances, softness: float) ->
         above=-1.0,
     )
     common = Parameter(name=COMPLIANCE, unit="1", tolerance=softness, channels=below, nominal=1.0, logarithmic=True)
-    return [replace(cell, name=f"{ELEMENT}:{name}") for name in elements] + [
-        replace(common, name=f"{COMPLIANCE}:{name}") for name in springs.shares if below
+    gravity = Parameter(name=STRUCTURE, unit="1", tolerance=0.0, channels=(*cover.columns, *table.columns), nominal=1.0)
+    found = [
+        *forces.parameters(known),
+        *cover.parameters(known),
+        *table.parameters(known),
+        *(replace(cell, name=f"{ELEMENT}:{name}") for name in (springs.names if springs.of_cells else ())),
+        *(replace(common, name=f"{COMPLIANCE}:{name}") for name in springs.shares if below),
+        *(replace(gravity, name=name) for name in (STRUCTURE, SENSOR) if gravity.channels),
     ]
+    return tuple(sorted(found, key=lambda one: _FAMILIES.index(one.family)))
 
 
-def _gravity(cover: PickUps, table: PickUps) -> list[Parameter]:
-    columns = (*cover.columns, *table.columns)
-    return [
-        Parameter(name=name, unit="1", tolerance=0.0, channels=columns, nominal=1.0) for name in (STRUCTURE, SENSOR) if columns
-    ]
-
-
-def _left_out(table: ChannelTable, columns: tuple[int, ...]) -> list[str]:
-    """Which channels the chain does not predict, and why."""
-    left = [channel for k, channel in enumerate(table.channels) if k not in columns]
-    on_structure = [channel.name for channel in left if channel.group == "article"]
-    others = [channel.name for channel in left if channel.group != "article"]
-    why = ((on_structure, "sits on the structure, which is not rigid"), (others, "measures no load of the FMD"))
-    return [f"not used: {', '.join(names)}; what {reason}, tells nothing here" for names, reason in why if names]
-
-
-def _assumed(springs: Springs, table: bool, unknown: bool) -> list[str]:
-    """What the chain takes for granted of the load cells."""
-    found = []
-    if not springs.of_cells:
-        found.append("the force channels do not tell how cells share the load: their readings are taken for the resultants")
-    if table and unknown:
-        found.append(
-            "the stiffness of the load cells is not stated: that of the reconstructed FMD is assumed, within a factor of five"
-        )
-    return found
+_FAMILIES = (
+    *("force-gain", "accelerometer-gain", "force-delay", "accelerometer-delay", "board-delay", "force-highpass"),
+    *("accelerometer-position", "accelerometer-misalignment", ELEMENT, COMPLIANCE, "force-crosstalk", "load-path-shunt"),
+    *("force-plane-offset", "cover-plate-flexibility", STRUCTURE, SENSOR),
+)
 
 
 def _lines(frequency: npt.ArrayLike) -> Array:
@@ -920,119 +852,3 @@ def _lines(frequency: npt.ArrayLike) -> Array:
     if np.any(lines <= 0):
         raise ValueError(f"`frequency` must be above zero, found {lines.min():g}: at rest a tilt is no acceleration")
     return frozen(lines, lines.shape, "frequency")
-
-
-def _joined(parts: list[tuple[list[int], ComplexArray]]) -> Derivative:
-    return Derivative(
-        channels=tuple(k for touched, _ in parts for k in touched),
-        rows=np.concatenate([rows for _, rows in parts], axis=1),
-    )
-
-
-# Combinations of parameters that no channel ever shows.
-#
-# The motion u is latent: what changes all channels as another motion would is not seen. With A = A0 + A1 H, dA_k the change by
-# parameter k and P the projector off the columns of A, a combination w is invisible where
-#
-#     sum_k w_k P dA_k = 0          at every line and for all six motions,
-#
-# and those are the null space of the Jacobian of the likelihood, whatever the runs were. All accelerometers and load cells of
-# one common gain, or coming late alike, are the plainest. Priors alone decide along such a combination; data cannot.
-
-
-INVISIBLE = 1e-9
-"""What a combination of one tolerance in all may change, relative to the levels of the channels, and still be rounding."""
-
-NEGLIGIBLE = 1e-6
-"""Weight beside the largest one below which a parameter does not take part."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Combination:
-    """Parameters that move together without a trace.
-
-    Attributes
-    ----------
-    weights : by name, offset in the parameter's own unit for an offset 1 of the first one
-    text : the same in words, whole families together
-    """
-
-    weights: Mapping[str, float]
-    text: str
-
-
-def unobservable(
-    chain: Chain,
-    theta: npt.ArrayLike,
-    frequency: npt.ArrayLike,
-    H: npt.ArrayLike,
-    *,
-    structure: Mapping[str, npt.ArrayLike] = MappingProxyType({}),
-) -> tuple[Combination, ...]:
-    """Independent combinations of the chain's parameters, and of what is unknown of the structure, that no channel shows.
-
-    Parameters
-    ----------
-    theta : (p,) where the chain stands
-    frequency : (n,) lines [Hz]
-    H : (n, 6, 6) dynamic mass of what stands above the force plane
-    structure : by name, (6, 6) or (n, 6, 6) change of H by one unit of something that is not known of it either; of a size like
-        that of a tolerance. None where H is known, as in a tare
-    """
-    J = jacobian(chain, theta, frequency, H, tuple(structure.values()))
-    _, singular, Vt = np.linalg.svd(J, full_matrices=False)
-    names = (*(one.name for one in chain.parameters), *structure)
-    units = np.concatenate([chain.tolerances, np.ones(len(structure))])
-    return tuple(_combination(weights, units, names) for weights in _plain(Vt[singular < INVISIBLE]))
-
-
-def jacobian(
-    chain: Chain, theta: npt.ArrayLike, frequency: npt.ArrayLike, H: npt.ArrayLike, structure: Sequence[npt.ArrayLike] = ()
-) -> Array:
-    """Change of the channels by one tolerance of each parameter, relative to their levels, beyond all motions.
-
-    Shape (2 n c 6, p + s), real above imaginary parts, for the six motions at their nominal levels each; padded with zero rows
-    to at least p + s.
-    """
-    matrix = np.asarray(H, dtype=np.complex128)
-    A0, A1 = chain.rows(theta, frequency)
-    levels = np.array([LEVELS[axis] for axis in MOTIONS])
-    A = (A0 + A1 @ matrix) * levels
-    size = np.sqrt(np.mean(np.sum(np.abs(A) ** 2, axis=2), axis=0))[:, None]
-    Q, _ = np.linalg.qr(A / size)
-    off = np.eye(len(chain)) - Q @ Q.conj().transpose(0, 2, 1)
-    found: list[ComplexArray] = []
-    for one, tolerance in zip(chain.derivatives(theta, frequency, matrix), chain.tolerances, strict=True):
-        chosen = list(one.channels)
-        found.append(off[:, :, chosen] @ (tolerance * one.rows * levels / size[chosen]))
-    found += [np.asarray(off @ ((A1 @ np.asarray(change)) * levels / size)) for change in structure]
-    flat = np.array([change.ravel() for change in found]).reshape(len(found), -1).T
-    J = np.vstack([flat.real, flat.imag]) / np.sqrt(max(len(A), 1))
-    return np.vstack([J, np.zeros((max(0, J.shape[1] - J.shape[0]), J.shape[1]))])
-
-
-def _plain(null: Array) -> Array:
-    """A basis of the same space that is read more easily: each vector has one parameter to itself, of weight 1."""
-    from scipy.linalg import qr
-
-    if not len(null):
-        return null
-    _, _, order = qr(null, mode="economic", pivoting=True)
-    own = order[: len(null)]
-    return np.asarray(np.linalg.solve(null[:, own], null))
-
-
-def _combination(weights: Array, units: Array, names: Sequence[str]) -> Combination:
-    least = NEGLIGIBLE * float(np.abs(weights).max())
-    kept = {name: float(w * unit) for name, w, unit in zip(names, weights, units, strict=True) if abs(w) > least}
-    first = next(iter(kept.values()))
-    offsets = {name: w / first for name, w in kept.items()}
-    # Families of which all take part alike as one, everything else by its name
-    said: dict[str, str] = {}
-    for name, weight in offsets.items():
-        family = name.partition(":")[0]
-        members = [one for one in names if one.partition(":")[0] == family]
-        alike = all(abs(offsets.get(one, 0.0) - weight) < NEGLIGIBLE * abs(weight) for one in members)
-        whole = alike and len(members) > 1
-        said[family if whole else name] = f"{weight:+.3g} {f'{family} (all {len(members)})' if whole else name}"
-    return Combination(weights=MappingProxyType(offsets), text=" ".join(said.values()))

@@ -24,10 +24,9 @@ from geometry.frames import Array, Integers, rigid_transformation
 from geometry.inertia import LOADS
 from geometry.sensors import Channel, ChannelTable, Tolerances, resultants
 from identification.base_motion import STANDARD_GRAVITY, base_motion, groups_used, rows_at_lines
-from identification.campaign import UNITS
-from identification.campaign_file import RIGID_GROUPS
+from identification.base_motion import resultants as identification_resultants
+from identification.campaign import RIGID_GROUPS, UNITS
 from identification.dynamic_mass import from_runs
-from identification.resultants import resultants as identification_resultants
 from identification.rigid_body import BASIS
 from identification.spectra.line_spectra import Spectra
 
@@ -45,13 +44,11 @@ from identification.spectra.line_spectra import Spectra
 # them, with omega². Everything is computed for many variants of the readings at once, since mistakes are found by trying to undo
 # them.
 
-
 REACH = 1.5
 """Lines up to so many times the lowest one are used."""
 
 LINES = 3
 """How many of them: faults that do not depend on frequency show at every line alike."""
-
 
 CLIP = 2.0
 """How far the largest reading of a channel may lie beyond that of most others, and still tell how much moved."""
@@ -147,8 +144,11 @@ def misfit(of: Readings, values: ComplexArray, noise: Array) -> Misfit:
         # Mean square (v,) of H (v, n, 6, 6) less its transpose, which elasticity leaves alone
         j, k = np.triu_indices(6, 1)
         unsymmetric = _mean_square((H[..., j, k] - H[..., k, j]) / np.hypot(sd[..., j, k], sd[..., k, j]))
-        square = np.maximum(_unlike_a_body(H, np.hypot(sd, elasticity(of, H))), unsymmetric)
-        third = np.asarray(square + NEGATIVE * negative)
+        # Mean square (v,) of what the best mass matrix of Eq. 1 leaves of H
+        weight = 1 / np.hypot(sd, elasticity(of, H)).reshape(len(H), -1)
+        rows, b = np.tile(BASIS.reshape(10, 36).T, (H.shape[1], 1)) * weight[..., None], H.reshape(len(H), -1) * weight
+        p = np.linalg.pinv(rows) @ b.real[..., None]
+        third = np.asarray(np.maximum(_mean_square(b - (rows @ p)[..., 0]), unsymmetric) + NEGATIVE * negative)
     else:
         third = np.zeros(len(values))
     return Misfit(redundancy=motion.left_over, parity=load.left_over, structure=third)
@@ -198,7 +198,15 @@ def _tolerance(of: Readings, values: ComplexArray, noise: Array) -> Array:
     usual = np.median(size.max(axis=(1, 2)), axis=-1)[:, None, None, None]
     clipped = np.asarray(a * np.minimum(1.0, CLIP * usual / np.maximum(size, np.finfo(np.float64).tiny)))
     rough = (np.linalg.pinv(of.rows) @ clipped[..., None])[..., 0]
-    local = np.stack([rough @ rigid_transformation(_place(channel) - of.table.origin).T for channel in channels], axis=-2)
+    # (3,) [m] where a channel sits; the mean of several places
+    local = np.stack(
+        [
+            rough
+            @ rigid_transformation(np.asarray(np.mean([place.position for place in channel.places], axis=0)) - of.table.origin).T
+            for channel in channels
+        ],
+        axis=-2,
+    )
     across, turning = np.linalg.norm(local, axis=-1), np.linalg.norm(rough[..., 3:], axis=-1, keepdims=True)
     gain = np.array([t.table_gain if channel.group == "table" else t.gain for channel in channels])
     own = np.abs(a) ** 2 * (gain**2 + (of.omega[:, None] * t.delay) ** 2)
@@ -220,11 +228,6 @@ def _motion(of: Readings, values: ComplexArray, noise: Array) -> _Side:
         covariance=np.asarray(covariance, dtype=np.float64),
         left_over=_mean_square((a - (G @ u)[..., 0]) / sd) * count / max(count - 6, 1),
     )
-
-
-def _place(channel: Channel) -> Array:
-    """(3,) [m] where a channel sits; the mean of several places."""
-    return np.asarray(np.mean([place.position for place in channel.places], axis=0))
 
 
 def _load(of: Readings, values: ComplexArray, noise: Array) -> _Side:
@@ -265,15 +268,6 @@ def _entries(motion: _Side, load: _Side) -> _Entries:
     return _Entries(matrix=H, deviation=np.sqrt(np.einsum("vrni,vnrk->vnik", own + through, np.abs(P) ** 2, optimize=True)))
 
 
-def _unlike_a_body(H: ComplexArray, sd: Array) -> Array:
-    """Mean square (v,) of what the best mass matrix of Eq. 1 leaves of H (v, n, 6, 6)."""
-    weight = 1 / sd.reshape(len(H), -1)
-    rows = np.tile(BASIS.reshape(10, 36).T, (H.shape[1], 1)) * weight[..., None]
-    b = H.reshape(len(H), -1) * weight
-    p = np.linalg.pinv(rows) @ b.real[..., None]
-    return _mean_square(b - (rows @ p)[..., 0])
-
-
 def _mean_square(values: ComplexArray) -> Array:
     """(v,) over all but the first axis."""
     return np.asarray(np.mean(np.abs(values.reshape(len(values), -1)) ** 2, axis=1))
@@ -281,7 +275,7 @@ def _mean_square(values: ComplexArray) -> Array:
 
 # Discrete mistakes of a test, and which of them the readings themselves accuse.
 #
-# A wrong sign, two plugs exchanged, a unit taken for another: each is undone in turn, and the misfit of `self_consistency` says
+# A wrong sign, two plugs exchanged, a unit taken for another: each is undone in turn, and the misfit above says
 # how well the readings then agree. The mistake whose undoing brings agreement is suspected by name. Where undoing one helps and
 # is not enough, a second is looked for behind it.
 #
@@ -289,7 +283,6 @@ def _mean_square(values: ComplexArray) -> Array:
 # that *all* force channels share, or all accelerometers - H keeps its structure then, and only a weighing knows. A sign that all
 # share shows as a negative mass, but not on which side. What all pick-ups of the table share might as well be the inverse on the
 # cover plate; both are named.
-
 
 LIMIT = 16.0
 """Mean square from which readings disagree: four tolerances. Three on every channel at once still pass."""
@@ -381,23 +374,20 @@ def candidates(table: ChannelTable) -> tuple[Mistake, ...]:
         found.extend(Mistake(kind="polarity", channels=one, factor=-1.0) for one in alone)
         # A unit that all channels of a quantity share leaves no trace; one that table or cover plate has does.
         shared = [tuple(names)] if len(names) > 1 and sum(other == quantity for _, other in groups) > 1 else []
-        found.extend(unit for one in [*alone, *shared] for unit in _units(table, quantity, one))
+        for one in [*alone, *shared]:
+            # One for every factor between two units; the pair that is named holds the unit of the table where it can
+            stated = table.channels[table.names.index(one[0])].unit
+            by_factor: dict[str, Mistake] = {}
+            for pair in sorted(permutations(UNITS[quantity], 2), key=lambda pair: (pair[0] != stated, pair[1] != stated)):
+                factor = UNITS[quantity][pair[0]] / UNITS[quantity][pair[1]]
+                by_factor.setdefault(f"{factor:.9e}", Mistake(kind="unit", channels=one, factor=factor, units=pair))
+            found.extend(by_factor.values())
         found.extend(Mistake(kind="channel-swap", channels=pair) for pair in combinations(names, 2))
     wholes = {tuple(names) for names in groups.values()} | {
         tuple(table.names[k] for k in table.select(quantity=quantity)) for _, quantity in groups
     }
     found.extend(Mistake(kind="polarity", channels=one, factor=-1.0) for one in sorted(wholes) if len(one) > 1)
     return tuple(found)
-
-
-def _units(table: ChannelTable, quantity: str, channels: tuple[str, ...]) -> list[Mistake]:
-    """One for every factor between two units; the pair that is named holds the unit of the channel table where it can."""
-    stated = table.channels[table.names.index(channels[0])].unit
-    by_factor: dict[float, Mistake] = {}
-    for taken, true in sorted(permutations(UNITS[quantity], 2), key=lambda pair: (pair[0] != stated, pair[1] != stated)):
-        factor = UNITS[quantity][taken] / UNITS[quantity][true]
-        by_factor.setdefault(float(f"{factor:.9e}"), Mistake(kind="unit", channels=channels, factor=factor, units=(taken, true)))
-    return list(by_factor.values())
 
 
 def suspects(of: Readings) -> tuple[Suspect, ...]:
@@ -419,9 +409,14 @@ def suspects(of: Readings) -> tuple[Suspect, ...]:
     pairs = [(*one, *other) for one, other in product(*(_options(of, side) for side in sides))]
     tried: list[_Tried] = []
     for count in sorted({len(chain) for chain in pairs} - {0}):
-        tried += _tried(of, [chain for chain in pairs if len(chain) == count])
-        if explaining := _explaining(tried):
-            return tuple(Suspect(mistakes=one.chain, before=before, after=one.total, explains=True) for one in explaining)
+        chains = [chain for chain in pairs if len(chain) == count]
+        full = misfit(of, *_undone_all(of, chains))
+        tried += [_Tried(chain=a, total=float(b), worst=float(c)) for a, b, c in zip(chains, full.total, full.worst, strict=True)]
+        # Those that bring agreement and are about as good as the best, the best first
+        good = sorted((one for one in tried if one.worst <= LIMIT), key=lambda one: one.total)
+        good = [one for one in good if one.total <= SAME_LEVEL * max(good[0].total, SAME_LEVEL)]
+        if good:
+            return tuple(Suspect(mistakes=one.chain, before=before, after=one.total, explains=True) for one in good)
     best = min(tried, key=lambda one: one.total, default=None)
     if best is None or best.total * FALL > before:
         return ()
@@ -481,25 +476,11 @@ def _squares(of: Readings, side: _SideChecks, chains: Sequence[Chain]) -> Array:
     return np.concatenate([side.square(of, *_undone_all(of, part)) for part in parts])
 
 
-def _tried(of: Readings, chains: Sequence[Chain]) -> list[_Tried]:
-    full = misfit(of, *_undone_all(of, chains))
-    return [
-        _Tried(chain=chain, total=float(total), worst=float(worst))
-        for chain, total, worst in zip(chains, full.total, full.worst, strict=True)
-    ]
-
-
 def _undone_all(of: Readings, chains: Sequence[Chain]) -> tuple[ComplexArray, Array]:
     """Values and noise (v, r, n, c) without the mistakes of each chain."""
     both = np.stack([of.values, of.noise.astype(np.complex128)])
     without = np.stack([reduce(partial(undone, of.table), chain, both) for chain in chains])
     return without[:, 0], np.abs(without[:, 1])
-
-
-def _explaining(tried: Sequence[_Tried]) -> list[_Tried]:
-    """Those that bring agreement and are about as good as the best, the best first."""
-    good = sorted((one for one in tried if one.worst <= LIMIT), key=lambda one: one.total)
-    return [one for one in good if one.total <= SAME_LEVEL * max(good[0].total, SAME_LEVEL)]
 
 
 ORDINARY = Tolerances()
@@ -571,15 +552,14 @@ def checks(
     coupling = _finding(
         "coupling", "the coupling of forces and rotations is skew", "the coupling is not skew in {}", [*own, *skew]
     )
-    return (
-        symmetry,
-        masses,
-        coupling,
-        _diagonal(H, sd),
-        _phase(H, rigid),
-        *_agreement(of),
-        _channels(of),
-    )
+    lowest = np.diagonal(H[0]).real / np.diagonal(sd[0])
+    negative = [MOTIONS[k] for k in np.flatnonzero(lowest <= 0).tolist()]
+    text = f"the diagonal is negative for {', '.join(negative)}" if negative else "the diagonal is positive"
+    diagonal = Finding(name="diagonal", holds=not negative, value=float(max(0.0, -lowest.min())), text=text)
+    lags = [(f"{LOADS[k]} by {MOTIONS[k]}", np.asarray(1j * H[:, k, k].imag), rigid[:, k, k]) for k in range(6)]
+    sound = "loads are in phase with the motions at low frequency"
+    phase = _finding("phase", sound, "loads are out of phase with the motions at low frequency: {}", lags)
+    return symmetry, masses, coupling, diagonal, phase, *_agreement(of), _channels(of)
 
 
 def of_spectra(spectra: Spectra, tolerances: Tolerances = ORDINARY, *, gravity: float = STANDARD_GRAVITY) -> tuple[Finding, ...]:
@@ -610,19 +590,6 @@ def _finding(name: str, sound: str, broken: str, departures: Iterable[Departure]
 
 def _pairs(indices: range) -> list[tuple[int, int]]:
     return [(j, k) for j in indices for k in indices if j < k]
-
-
-def _diagonal(H: ComplexArray, sd: Array) -> Finding:
-    lowest = np.diagonal(H[0]).real / np.diagonal(sd[0])
-    negative = [MOTIONS[k] for k in np.flatnonzero(lowest <= 0).tolist()]
-    text = f"the diagonal is negative for {', '.join(negative)}" if negative else "the diagonal is positive"
-    return Finding(name="diagonal", holds=not negative, value=float(max(0.0, -lowest.min())), text=text)
-
-
-def _phase(H: ComplexArray, sd: Array) -> Finding:
-    departures = [(f"{LOADS[k]} by {MOTIONS[k]}", np.asarray(1j * H[:, k, k].imag), sd[:, k, k]) for k in range(6)]
-    sound = "loads are in phase with the motions at low frequency"
-    return _finding("phase", sound, "loads are out of phase with the motions at low frequency: {}", departures)
 
 
 def _agreement(of: Readings) -> tuple[Finding, Finding]:

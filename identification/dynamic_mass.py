@@ -5,8 +5,7 @@ Columns of S_f and S_u are runs, rows are loads and base motions about one refer
     S_f = H S_u,   so   H = S_f S_u^-1                                            (Eqs. 10, 11)
 
 With more than six runs the same is solved by least squares, each run with its weight. How well six motions are told apart is the
-condition of S_u (`identification.base_motion`); what noise does to H, and what to do about noise of the motions,
-`identification.dynamic_mass`; what the simple quotient of the driven axis costs, `identification.dynamic_mass`.
+condition of S_u (`identification.base_motion`).
 """
 
 from __future__ import annotations
@@ -20,8 +19,7 @@ import numpy.typing as npt
 from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray, DynamicMass
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, frozen
-from identification import base_motion
-from identification.base_motion import DrivenMotions, Exclusions, RunNoise
+from identification.base_motion import DrivenMotions, RunNoise
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -70,11 +68,21 @@ def from_runs(
     BadInput : fewer than six runs, shapes that do not fit, weights that are not positive, or base motions that are linearly
         dependent at a line; the combination is named.
     """
-    F, U, lines = _fitting(load, motion, frequency)
-    excited = base_motion.of_runs(U, lines, levels)
-    base_motion.require_driven(excited)
+    F, U = np.asarray(load, dtype=np.complex128), np.asarray(motion, dtype=np.complex128)
+    lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
+    if F.shape != U.shape or F.shape[1:] != (len(lines), 6):
+        found = f"found {F.shape} and {U.shape}"
+        raise _refused("load", f"spectra of six loads and six motions at {len(lines)} lines are needed, {found}")
+    if len(F) < 6:
+        raise _refused("runs", f"six linearly independent base motions take at least six runs, found {len(F)}")
     scale = np.array([levels[axis] for axis in MOTIONS])
-    w = _weights(weights, F.shape[:2]).T  # (n, r)
+    excited = DrivenMotions.of_runs(U / scale, lines)
+    excited.require_told_apart()
+    shape = F.shape[:2]
+    given = np.ones(shape) if weights is None else np.asarray(weights, dtype=np.float64)
+    if given.shape not in (shape[:1], shape) or not np.all((given > 0) & np.isfinite(given)):
+        raise _refused("weights", f"one positive number for each of {shape[0]} runs, or for each run and line, is needed")
+    w = np.broadcast_to(given[:, None] if given.ndim == 1 else given, shape).T  # (n, r)
     columns = (U / scale).transpose(1, 2, 0) * w[:, None, :]
     inverted = np.linalg.inv(columns) if len(U) == 6 else np.linalg.pinv(columns)
     inverse = np.asarray(w[:, :, None] * inverted / scale, dtype=np.complex128)
@@ -83,36 +91,9 @@ def from_runs(
     return Estimate(dynamic_mass=mass, excitation=excited, inverse=inverse)
 
 
-def exclusions(estimate: Estimate, limit: float) -> Exclusions:
-    """Lines with a scaled condition number above `limit` are left out; the reasons name what moves together there."""
-    return base_motion.excluded_lines(estimate.excitation, limit)
-
-
 def quotient(load: npt.ArrayLike, motion: npt.ArrayLike, axis: str) -> ComplexArray:
     """The column (n, 6) of H by dividing one run's loads (n, 6) by the driven motion alone (Eq. 8a); `motion` (n, 6) spectra."""
     return np.asarray(np.asarray(load) / np.asarray(motion)[:, [MOTIONS.index(axis)]], dtype=np.complex128)
-
-
-def _fitting(load: npt.ArrayLike, motion: npt.ArrayLike, frequency: npt.ArrayLike) -> tuple[ComplexArray, ComplexArray, Array]:
-    F, U = np.asarray(load, dtype=np.complex128), np.asarray(motion, dtype=np.complex128)
-    lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
-    if F.shape != U.shape or F.shape[1:] != (len(lines), 6):
-        raise _refused(
-            "load", f"spectra of six loads and six motions at {len(lines)} lines are needed, found {F.shape} and {U.shape}"
-        )
-    if len(F) < 6:
-        raise _refused("runs", f"six linearly independent base motions take at least six runs, found {len(F)}")
-    return F, U, lines
-
-
-def _weights(weights: npt.ArrayLike | None, shape: tuple[int, ...]) -> Array:
-    if weights is None:
-        return np.ones(shape)
-    w = np.asarray(weights, dtype=np.float64)
-    w = np.broadcast_to(w[:, None] if w.shape == shape[:1] else w, shape) if w.shape in (shape, shape[:1]) else np.zeros(1)
-    if not np.all((w > 0) & np.isfinite(w)):
-        raise _refused("weights", f"one positive number for each of {shape[0]} runs, or for each run and line, is needed")
-    return w
 
 
 def _refused(field: str, problem: str) -> BadInput:
@@ -181,20 +162,18 @@ def cost(load: npt.ArrayLike, motion: npt.ArrayLike, axes: Sequence[str], estima
     scaled = _rms(U[runs].transpose(1, 0, 2)) / np.array([LEVELS[axis] for axis in MOTIONS])
     driven = np.diag(scaled)
     crossed = np.asarray(np.linalg.norm(scaled - np.diag(driven), axis=1) / driven)
-    text = tuple(_said(*figures) for figures in zip(MOTIONS, crossed, np.diag(share), others.max(axis=0), strict=True))
-    return CrossMotion(quotient=columns, cross_motion=crossed, diagonal=np.diag(share), column=others.max(axis=0), text=text)
+    diagonal, column = np.diag(share), others.max(axis=0)
+    text = tuple(
+        f"{axis}: the other five axes move {100 * crossed[k]:.2g} % as much; the quotient is {100 * diagonal[k]:.2g} % off on "
+        f"the diagonal and up to {100 * column[k]:.2g} % beside it"
+        for k, axis in enumerate(MOTIONS)
+    )
+    return CrossMotion(quotient=columns, cross_motion=crossed, diagonal=diagonal, column=column, text=text)
 
 
 def _rms(values: npt.NDArray[np.complex128] | Array) -> Array:
     """Over the first axis."""
     return np.asarray(np.sqrt(np.mean(np.abs(values) ** 2, axis=0)))
-
-
-def _said(axis: str, crossed: float, diagonal: float, column: float) -> str:
-    return (
-        f"{axis}: the other five axes move {100 * crossed:.2g} % as much; the quotient is {100 * diagonal:.2g} % off on the "
-        f"diagonal and up to {100 * column:.2g} % beside it"
-    )
 
 
 # What noise does to a dynamic mass, and how noise of the motions is kept from making it too small.
@@ -208,7 +187,6 @@ def _said(axis: str, crossed: float, diagonal: float, column: float) -> str:
 #
 # iterated until it stands still (Fuller, Measurement Error Models, 1987; total least squares of Golub and Van Loan, SIAM J.
 # Numer. Anal. 17, 1980, where all noise is alike). With six runs there is nothing to be corrected: e_r = 0 whatever they read.
-
 
 STEADY, ROUNDS = 1e-10, 100
 """Relative change of H at which the iteration ends, and after how many rounds at the latest."""
@@ -262,8 +240,17 @@ def corrected(
         change = np.abs(new - H).max() / np.abs(new).max()
         H = new
         if change <= STEADY:
-            return replace(estimate.dynamic_mass, matrix=H), _covariance(H, U, F, noise)
-    raise CheckFailed("The correction of the motions' noise does not settle: it is about as large as the motions themselves")
+            break
+    else:
+        raise CheckFailed("The correction of the motions' noise does not settle: it is about as large as the motions themselves")
+    # N^-1 N_v N^-1: N_v is told by the corrected motions, N by the true ones, whose power lacks the noise left in those
+    residual, R = balance(H, U, F, noise)
+    V, W = (U + correction(H, residual, R, noise)).conj(), np.asarray(np.linalg.inv(R), dtype=np.complex128)
+    HU = H @ noise.motion
+    left_over = np.asarray((noise.motion - HU.conj().swapaxes(2, 3) @ W @ HU).conj(), dtype=np.complex128)
+    power = np.asarray(V[..., :, None] * V.conj()[..., None, :], dtype=np.complex128)
+    inverse = np.linalg.inv(_information(W, np.asarray(power - left_over, dtype=np.complex128)))
+    return replace(estimate.dynamic_mass, matrix=H), np.asarray(inverse @ _information(W, power) @ inverse)
 
 
 def covariance(estimate: Estimate, noise: RunNoise) -> ComplexArray:
@@ -288,18 +275,6 @@ def bias(estimate: Estimate, noise: RunNoise) -> Array:
 def deviation(covariance: ComplexArray) -> Array:
     """(n, 6, 6) standard deviation of each entry of H from their covariance (n, 36, 36)."""
     return np.asarray(np.sqrt(np.diagonal(covariance, axis1=1, axis2=2).real).reshape(-1, 6, 6))
-
-
-def _covariance(H: ComplexArray, U: ComplexArray, F: ComplexArray, noise: RunNoise) -> ComplexArray:
-    """N^-1 N_v N^-1: N_v is told by the corrected motions, N by the true ones, whose power lacks the noise left in those."""
-    residual, R = balance(H, U, F, noise)
-    V, weight = U + correction(H, residual, R, noise), np.asarray(np.linalg.inv(R), dtype=np.complex128)
-    HU = H @ noise.motion
-    left_over = np.asarray((noise.motion - HU.conj().swapaxes(2, 3) @ weight @ HU).conj(), dtype=np.complex128)
-    power = np.asarray(V.conj()[..., :, None] * V[..., None, :], dtype=np.complex128)
-    of_corrected, of_true = _information(weight, power), _information(weight, power - left_over)
-    inverse = np.linalg.inv(of_true)
-    return np.asarray(inverse @ of_corrected @ inverse)
 
 
 def _information(weight: ComplexArray, power: ComplexArray) -> ComplexArray:

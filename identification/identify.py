@@ -13,24 +13,20 @@ from math import sqrt
 from types import MappingProxyType
 
 import numpy as np
-import numpy.typing as npt
 
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
-from geometry.inertia import Inertia
-from identification import dynamic_mass, rigid_band
-from identification.base_motion import BaseMotion, Exclusions, base_motion, excluded_lines
-from identification.campaign import Campaign
-from identification.campaign_file import problems_of_runs
+from identification import dynamic_mass
+from identification.base_motion import BaseMotion, Exclusions, Resultants, base_motion, resultants
+from identification.campaign import Campaign, problems_of_runs
 from identification.consistency import Finding
 from identification.dynamic_mass import CrossMotion, Estimate, from_runs
-from identification.plain import covariance_of, of_tares, plain, tolerances_of
-from identification.request import Evidence, Identified, Known, Request, Settings, TareSpectra, evidence_of, settings_of
-from identification.resultants import Resultants, resultants
+from identification.plain import plain
+from identification.request import Evidence, Identified, Known, Request, Settings, evidence_of, settings_of
 from identification.self_calibration.fit import calibrated, fitted, identified
 from identification.self_calibration.likelihood import Rows, normal
-from identification.self_calibration.problem import Assembly, Part, assembled, of_fmd
+from identification.self_calibration.problem import Assembly, Part, assembled
 from identification.self_calibration.solve import inverse
 from identification.spectra.line_spectra import Spectra
 from identification.spectra.of_campaign import spectra
@@ -81,21 +77,56 @@ def identify(request: Request, progress: Progress | None = None) -> Identificati
     CheckFailed : an estimate that does not settle.
     """
     tell = progress or (lambda share: None)
-    _require_runs(request)
-    settings = settings_of(request)
-    article, *tares = _spectra(request, _between(tell, 0.0, READ))
+    campaigns = [request.campaign, *(tare.campaign for tare in request.tares)]
+    for problem in (problem for campaign in campaigns for problem in problems_of_runs(campaign)):
+        raise problem  # runs that do not drive six motions, before any spectrum is made
+    ends = np.linspace(0.0, READ, len(campaigns) + 1)
+    article, *tares = (
+        spectra(one, method=request.method, band=request.band, progress=_between(tell, *ends[k : k + 2]))
+        for k, one in enumerate(campaigns)
+    )
     motion, load = base_motion(article, gravity=request.campaign.gravity), resultants(article)
-    estimate = _estimate(request.campaign, load, motion, article)
-    driven = excluded_lines(estimate.excitation, request.condition_limit)
-    _require_lines(driven, request.campaign)
-    resonance = _resonance(request, estimate.dynamic_mass, driven)
-    left_out = driven if resonance is None or request.band is not None else _nearly_rigid(driven, article.frequency, resonance)
+    try:
+        estimate = from_runs(load.values, motion.values, article.frequency, article.table.origin)
+    except BadInput as error:
+        source = request.campaign.source
+        raise BadInput(source=source, field=error.field, problem=error.problem, remedy=error.remedy) from None
+    left_out = estimate.excitation.excluded(request.condition_limit)
+    _require_lines(left_out, request.campaign)
+
+    # What is to be taken for rigid is cut well below its first resonance, as far as one would keep of it by hand
+    resonance, warnings = None, _warnings(request, article, tares)
+    if request.modes == 0:
+        H, kept = estimate.dynamic_mass, left_out.kept
+        resonance = first_resonance(replace(H, frequency=H.frequency[kept], matrix=H.matrix[kept]))
+    if resonance is not None and request.band is None:
+        lines = article.frequency[left_out.kept]
+        stop = max(STOP * resonance, float(lines[min(FEWEST, len(lines)) - 1]))
+        reason = f"above {stop:.4g} Hz: a rigid body is wanted, and the first resonance stands at {resonance:.4g} Hz"
+        left_out = Exclusions(kept=left_out.kept & (article.frequency <= stop), reasons=(*left_out.reasons, reason))
+        highest = article.frequency[left_out.kept][-1]
+        below = [tare.at(tare.frequency <= highest) for tare in tares]
+    else:
+        below = tares
     used = article.at(left_out.kept)
-    highest = used.frequency[-1]
-    below = [tare.at(tare.frequency <= highest) if left_out is not driven else tare for tare in tares]
-    evidence = evidence_of(request, used, below)
+    if resonance is not None:
+        low, high = used.frequency[[0, -1]]
+        warnings.append(
+            f"taken for rigid from {low:g} to {high:g} Hz, with its first resonance at {resonance:.4g} Hz: elasticity shifts "
+            "every figure; --modes auto allows for it, --band chooses another band"
+        )
+
+    evidence, settings = evidence_of(request, used, below), settings_of(request)
     by_paper = plain(evidence, settings, progress=_between(tell, READ, PLAIN))
-    jointly, failed = _jointly(evidence, settings, _between(tell, PLAIN, CALIBRATED))
+    try:
+        jointly = calibrated(evidence, settings, progress=_between(tell, PLAIN, CALIBRATED))
+    except (CheckFailed, np.linalg.LinAlgError) as error:
+        jointly = None
+        warnings.append(f"the self-calibrated way failed, the plain result is all there is: {error}")
+    try:
+        crossed = dynamic_mass.cost(load.values, motion.values, article.axes, estimate)
+    except BadInput:
+        crossed = None  # a pattern of several axes has no quotient
     return Identification(
         request=request,
         article=article,
@@ -104,52 +135,53 @@ def identify(request: Request, progress: Progress | None = None) -> Identificati
         load=load,
         estimate=estimate,
         exclusions=left_out,
-        crossed=_crossed(load, motion, article, estimate),
+        crossed=crossed,
         plain=replace(by_paper, resonance=resonance),
         self_calibrated=None if jointly is None else replace(jointly, resonance=resonance),
-        warnings=(*_warnings(request, article, tares), *_taken_for_rigid(resonance, used), *failed),
+        warnings=tuple(warnings),
     )
 
 
-def _require_runs(request: Request) -> None:
-    """Refuse campaigns whose runs do not drive six motions, before any spectrum is made.
+# Where a structure that is taken for rigid still nearly is: below the first resonance that its dynamic mass shows.
+#
+# A rigid body's dynamic mass is the same at every line (Eq. 1). One diagonal entry that has grown by half is on its way to a
+# resonance, and the largest value before it falls again is where it stands; one that grows up to the last line resonates beyond
+# it. Elasticity raises it by about (f / f1)² below that, so that a few per cent remain in a band that ends well below.
 
-    Raises
-    ------
-    BadInput : what is missing in the article's campaign, or in a tare's.
+GROWN = 1.5
+"""Of its size at the low end, from which an entry of the dynamic mass rises towards a resonance: no sensor is as wrong."""
+
+FALLEN = 0.7
+"""Of its largest value so far, below which an entry has passed its peak: noise alone does not throw it down so far."""
+
+STOP = 0.6
+"""Where a rigid band ends, as a share of the first resonance."""
+
+LOW_END = 0.05
+"""Share of the lines that is their low end."""
+
+FEWEST = 10
+"""Lines that a band keeps however low the resonance: fewer cannot tell how far the result still moves with the band."""
+
+
+def first_resonance(dynamic_mass: DynamicMass) -> float | None:
+    """The lowest frequency [Hz] at which a diagonal entry of `dynamic_mass` peaks; the last line where one grows to the end.
+
+    None where nothing resonates in sight of the band.
     """
-    for campaign in (request.campaign, *(tare.campaign for tare in request.tares)):
-        for problem in problems_of_runs(campaign):
-            raise problem
-
-
-def _estimate(campaign: Campaign, load: Resultants, motion: BaseMotion, article: Spectra) -> Estimate:
-    try:
-        return from_runs(load.values, motion.values, article.frequency, article.table.origin)
-    except BadInput as error:
-        source = campaign.source
-        raise BadInput(source=source, field=error.field, problem=error.problem, remedy=error.remedy) from None
-
-
-def _jointly(evidence: Evidence, settings: Settings, tell: Progress) -> tuple[Identified | None, tuple[str, ...]]:
-    """The self-calibrated way, which may fail where the plain one does not; why it did."""
-    try:
-        return calibrated(evidence, settings, progress=tell), ()
-    except (CheckFailed, np.linalg.LinAlgError) as error:
-        return None, (f"the self-calibrated way failed, the plain result is all there is: {error}",)
+    found = []
+    for size in np.abs(np.diagonal(dynamic_mass.matrix, axis1=1, axis2=2)).T:
+        level = float(np.median(size[: max(int(LOW_END * len(size)), 3)]))
+        grown = np.flatnonzero(size > GROWN * level)
+        if len(grown):
+            rising = size[grown[0] :]
+            fallen = np.flatnonzero(rising < FALLEN * np.maximum.accumulate(rising))
+            found.append(int(grown[0] + np.argmax(rising[: fallen[0]] if len(fallen) else rising)))
+    return float(dynamic_mass.frequency[min(found)]) if found else None
 
 
 def _between(tell: Progress, start: float, end: float) -> Progress:
     return lambda share: tell(start + (end - start) * share)
-
-
-def _spectra(request: Request, tell: Progress) -> list[Spectra]:
-    campaigns = [request.campaign, *(tare.campaign for tare in request.tares)]
-    ends = np.linspace(0.0, 1.0, len(campaigns) + 1)
-    return [
-        spectra(one, method=request.method, band=request.band, progress=_between(tell, *ends[k : k + 2]))
-        for k, one in enumerate(campaigns)
-    ]
 
 
 def _require_lines(left_out: Exclusions, campaign: Campaign) -> None:
@@ -169,39 +201,7 @@ def _require_lines(left_out: Exclusions, campaign: Campaign) -> None:
         )
 
 
-def _resonance(request: Request, H: DynamicMass, driven: Exclusions) -> float | None:
-    """[Hz] The first resonance of what is to be taken for rigid; None where elastic terms are fitted, or nothing resonates."""
-    if request.modes != 0:
-        return None
-    used = DynamicMass(frequency=H.frequency[driven.kept], matrix=H.matrix[driven.kept], reference_point=H.reference_point)
-    return rigid_band.first_resonance(used)
-
-
-def _nearly_rigid(driven: Exclusions, frequency: npt.NDArray[np.float64], resonance: float) -> Exclusions:
-    """The lines of `driven` that lie below the `resonance`, as far as one would keep of them by hand."""
-    stop = rigid_band.stop_below(resonance, frequency[driven.kept])
-    reason = f"above {stop:.4g} Hz: a rigid body is wanted, and the first resonance stands at {resonance:.4g} Hz"
-    return Exclusions(kept=driven.kept & (frequency <= stop), reasons=(*driven.reasons, reason))
-
-
-def _taken_for_rigid(resonance: float | None, used: Spectra) -> list[str]:
-    if resonance is None:
-        return []
-    low, high = used.frequency[[0, -1]]
-    return [
-        f"taken for rigid from {low:g} to {high:g} Hz, with its first resonance at {resonance:.4g} Hz: elasticity shifts every "
-        "figure; --modes auto allows for it, --band chooses another band"
-    ]
-
-
-def _crossed(load: Resultants, motion: BaseMotion, article: Spectra, estimate: Estimate) -> CrossMotion | None:
-    try:
-        return dynamic_mass.cost(load.values, motion.values, article.axes, estimate)
-    except BadInput:
-        return None  # a pattern of several axes has no quotient
-
-
-def _warnings(request: Request, article: Spectra, tares: Sequence[Spectra]) -> tuple[str, ...]:
+def _warnings(request: Request, article: Spectra, tares: Sequence[Spectra]) -> list[str]:
     said = [*request.campaign.warnings, *article.warnings]
     for tare, read in zip(request.tares, tares, strict=True):
         said += [f"{tare.campaign.article}: {text}" for text in (*tare.campaign.warnings, *read.warnings)]
@@ -209,7 +209,7 @@ def _warnings(request: Request, article: Spectra, tares: Sequence[Spectra]) -> t
     if processing is not None and processing.method != request.method and article.method != "spectra":
         asked = processing.method
         said.append(f"campaign.toml asks for {asked}, {request.method} was used; --spectra {asked} follows the file")
-    return tuple(dict.fromkeys(said))
+    return list(dict.fromkeys(said))
 
 
 # What a campaign that has not been run would tell: the covariance of the joint fit at its own solution, before any data.
@@ -274,7 +274,12 @@ def expected(
     for k, name in enumerate(names):
         tell(0.6 + 0.4 * k / len(names))
         without[name] = covariance(problem, [_information(one, blind=name) for one in planned])
-    untared = covariance(problem, [_information(planned[0]), _known(problem, fmd)]) if evidence.tares else None
+    untared = None
+    if evidence.tares:
+        before = np.zeros((len(problem.layout), len(problem.layout)))  # information about the FMD that was there before
+        at = problem.layout.at(problem.campaigns[0].structure.bodies[0].block)
+        before[at, at] = inverse(fmd.covariance)
+        untared = covariance(problem, [_information(planned[0]), before])
     tell(1.0)
     return Expected(best=identified(problem, solution, settings), plain=plainly, untared=untared, without=without)
 
@@ -304,60 +309,12 @@ def _information(one: _At, blind: str | None = None) -> Array:
     return np.asarray(one.selection.T @ normal(observed, one.rows).matrix @ one.selection)
 
 
-def _known(problem: Assembly, fmd: Known) -> Array:
-    """Information (k, k) about the FMD that was there before."""
-    size = len(problem.layout)
-    at = problem.layout.at(problem.campaigns[0].structure.bodies[0].block)
-    information = np.zeros((size, size))
-    information[at, at] = inverse(fmd.covariance)
-    return information
-
-
-# The FMD from campaigns on known articles, with its covariance, to be carried into later results.
-
-
-_DEFAULT = Settings()
-
-
-def fmd(
-    tares: Sequence[TareSpectra],
-    settings: Settings = _DEFAULT,
-    *,
-    self_calibrated: bool = True,
-    progress: Callable[[float], None] | None = None,
-) -> Known:
-    """The FMD's ten parameters about F from `tares`, self-calibrated or by Eqs. 6 to 11, with their covariance.
-
-    Raises
-    ------
-    BadInput : no tare, or tares of different hardware.
-    """
-    if not tares:
-        raise BadInput(source="tare", field="tares", problem="the FMD needs a campaign on a known article", remedy="Add one")
-    stated = sorted({tare.hardware for tare in tares if tare.hardware})
-    if len(stated) > 1:
-        raise BadInput(
-            source="tare",
-            field="campaign.hardware",
-            problem=f"one FMD is asked for, found campaigns of {', '.join(stated)}",
-            remedy="Give those of one hardware",
-        )
-    if not self_calibrated:
-        by_paper = of_tares(list(tares), settings)
-        covariance = covariance_of(by_paper, tolerances_of(tares[0].spectra, settings))
-        return Known(inertia=Inertia(parameters=by_paper.ten), covariance=covariance)
-    problem = of_fmd(tares, settings)
-    found = identified(problem, fitted(problem, settings, progress=progress), settings)
-    return Known(inertia=found.inertia, covariance=found.covariance)
-
-
 # Whether the data bear the figures that came out of them: what contradicts itself is said before any interval.
 #
 # An interval holds where the model does. Channels that disagree, a misfit far above what noise and model error leave, tolerances
 # that had to be bent far beyond what a laboratory is off by, a fit that did not settle: each says that the model does not hold,
 # and then no interval is worth its digits. Simulated laboratories with ordinary tolerances leave a misfit of 0.8 to 1.2 and a
 # mean z² of 0.7 to 1.2; a channel in a wrong unit leaves hundreds.
-
 
 MISFIT = 3.0
 """chi² per degree of freedom up to which noise and model error are what they were taken for."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import exp, inf, log
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from math import exp, inf, isfinite, log
 
 from geometry.errors import BadInput
 
@@ -74,3 +75,26 @@ class Parameter:
     def slope(self, offset: float) -> float:
         """d value / d offset: how a standard deviation of the offset reads in `unit`."""
         return self.nominal * exp(offset) if self.logarithmic else 1.0
+
+
+def opened(candidates: Iterable[Parameter], overrides: Mapping[str, float]) -> tuple[Parameter, ...]:
+    """The parameters that may move: those of a positive tolerance once `overrides`, by name or by family, have replaced theirs.
+
+    A name goes before its family; 0 closes a parameter.
+
+    Raises
+    ------
+    BadInput : an override that fits no parameter of this chain, or is negative or not finite.
+    """
+    known = tuple(candidates)
+    names = {one.name for one in known} | {one.family for one in known}
+    for name, size in overrides.items():
+        if name not in names:
+            families = ", ".join(sorted({one.family for one in known}))
+            problem = "this chain has no such parameter"
+            raise BadInput(source="tolerances", field=name, problem=problem, remedy=f"Name one of the families {families}")
+        if not (isfinite(size) and size >= 0):
+            problem = f"a standard deviation must be finite and not negative, found {size}"
+            raise BadInput(source="tolerances", field=name, problem=problem, remedy="Give it in SI units; 0 closes the parameter")
+    changed = (replace(one, tolerance=overrides.get(one.name, overrides.get(one.family, one.tolerance))) for one in known)
+    return tuple(one for one in changed if one.tolerance > 0)

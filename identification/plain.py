@@ -11,22 +11,135 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.dynamic_mass import ComplexArray
+from geometry.dynamic_mass import ComplexArray, DynamicMass
+from geometry.errors import CheckFailed
 from geometry.frames import Array
 from geometry.inertia import Inertia
-from identification.base_motion import base_motion
+from identification import rigid_body
+from identification.base_motion import RunNoise, base_motion, resultants
 from identification.chain import Chain, chain
+from identification.dynamic_mass import Estimate, bias, corrected, covariance, deviation, from_runs
 from identification.elastic import model
-from identification.elastic.fit import kept, lines_of
-from identification.elastic.model import UPPER
-from identification.request import Evidence, Identified, Known, Settings, TareSpectra
-from identification.resultants import resultants
-from identification.rigid_band import drift
-from identification.self_calibration import problem
-from identification.self_calibration.problem import WITHOUT_TARE
+from identification.elastic.fit import Fitted, fit, kept, levels, lines_of
+from identification.elastic.model import UPPER, ElasticTerms
+from identification.request import WITHOUT_TARE, Evidence, Identified, Settings, TareSpectra, hardware_groups
 from identification.self_calibration.solve import inverse
-from identification.setup import CHAIN_ERROR, Setup, setup
 from identification.spectra.line_spectra import Spectra
+
+# The whole set-up of one campaign - FMD and what stands on it: the plain estimate, and the start of joint fits.
+#
+# Base motion and resultants (Eqs. 2, 3, 6, 7), dynamic mass (Eqs. 9 to 11), then ten parameters and the modal terms of Eq. 8b,
+# its entries weighed by the noise of the channels where that is known. Where noise of the motions would make least squares of
+# many runs too small, they are corrected for it. Beside this the ten follow from the raw spectra, which hide nothing in an H.
+
+CHAIN_ERROR = 0.02
+"""Error of a plain dynamic mass by gains, angles and positions, as a share of its level: a pole must lower more than that."""
+
+BIAS = 0.1
+"""Share of `CHAIN_ERROR` from which the noise of the motions is corrected for."""
+
+LIMITED = "huber"
+"""How a robust fit limits what single entries of H may say."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Setup:
+    """What Eqs. 6 to 11 and 8b say of one campaign.
+
+    Attributes
+    ----------
+    motion, load : (r, n, 6) of the reference point F
+    estimate : dynamic mass and condition number
+    fitted : ten parameters and elastic terms
+    noise : (n, 6, 6) standard deviation of each entry of H by noise; None where that of a channel is not known
+    raw : (10,) about F from the raw spectra instead of H, the same elastic terms taken off
+    notes : what was done about noise, sentences without their full stop
+    """
+
+    motion: ComplexArray
+    load: ComplexArray
+    estimate: Estimate
+    fitted: Fitted
+    noise: Array | None
+    raw: Array
+    notes: tuple[str, ...] = ()
+
+    @property
+    def ten(self) -> Array:
+        """(10,) of everything above the force plane, about F."""
+        return self.fitted.parameters
+
+    @property
+    def terms(self) -> ElasticTerms:
+        """Elastic terms; none at all for a rigid set-up."""
+        return self.fitted.terms
+
+
+def setup(spectra: Spectra, settings: Settings) -> Setup:
+    """The set-up of `spectra`, rigid or with elastic terms as `settings.modes` asks.
+
+    Raises
+    ------
+    BadInput : channels or runs that do not tell six motions and six loads.
+    """
+    moved, loaded = base_motion(spectra, gravity=settings.gravity), resultants(spectra)
+    motion, load = moved.values, loaded.values
+    known = np.all(np.isfinite(spectra.noise)) and np.all(spectra.noise > 0)
+    noise = RunNoise(load=loaded.covariance, motion=moved.covariance) if known else None
+    estimate = from_runs(load, motion, spectra.frequency, spectra.table.origin)
+    spread = None if noise is None else deviation(covariance(estimate, noise))
+    notes: tuple[str, ...] = ()
+    expected = 0.0 if noise is None else float(bias(estimate, noise).max())
+    if noise is not None and expected > BIAS * CHAIN_ERROR:  # errors in variables where noise of the motions matters
+        low = f"noise of the accelerometers makes least squares of H up to {100 * expected:.2g} % too low"
+        try:
+            estimate = replace(estimate, dynamic_mass=corrected(load, motion, noise, estimate)[0])
+            notes = (f"{low}; corrected as errors in variables",)
+        except CheckFailed:
+            notes = (f"{low}; the correction does not settle and is left out",)
+    fitted = fit(estimate.dynamic_mass, weights=spread, modes=settings.modes, floor=CHAIN_ERROR)
+    limit = LIMITED if settings.robust else ""
+    raw = rigid_body.from_spectra(motion, load, spectra.frequency, spectra.table.origin, robust=limit, elastic=fitted.terms)
+    if settings.robust:
+        # (10,) from all entries of H with the elastic terms taken off; those that do not fit lose their say
+        H = estimate.dynamic_mass
+        floor = CHAIN_ERROR * levels(H.matrix)
+        weights = 1 / (floor if spread is None else np.hypot(floor, spread))
+        limited = rigid_body.fit(H, weights=weights, robust=LIMITED, elastic=fitted.terms).inertia.parameters
+        fitted = replace(fitted, parameters=limited)
+    return Setup(
+        motion=motion, load=load, estimate=estimate, fitted=fitted, noise=spread, raw=raw.inertia.parameters, notes=notes
+    )
+
+
+# What a rigid-body fit of an elastic structure is off by: how far it moves when only the lowest lines are left.
+#
+# A rigid body has the same ten parameters in every band, with the same errors of the measurement chain. Elasticity grows with
+# omega² below the first resonance and has any size beyond, so that the fit over the band differs from that over its low end. The
+# difference is taken for one standard deviation, in the direction in which it points, where it exceeds the scatter of the low
+# end.
+
+LOW_END_SHARE = 0.1
+"""Share of the band that is its low end."""
+
+LOW_END_LINES = 5
+"""Lines at least that make a low end."""
+
+SIGNIFICANT = 18.3
+"""Square of the difference in its scatter, 95th percentile of ten."""
+
+
+def drift(dynamic_mass: DynamicMass, floor: float) -> Array:
+    """(10,) rigid fit over all lines of `dynamic_mass` less that over its low end; zero where noise alone differs as much."""
+    f = dynamic_mass.frequency
+    high = max(float(f[0] + LOW_END_SHARE * (f[-1] - f[0])), float(f[min(LOW_END_LINES, len(f)) - 1]))
+    whole, low = (fit(dynamic_mass, modes=0, floor=floor, band=band) for band in (None, (float(f[0]), high)))
+    moved = np.asarray(whole.parameters - low.parameters)
+    scatter = low.covariance * min(low.misfit, 1.0)
+    size = np.sqrt(np.maximum(np.diag(scatter), np.finfo(np.float64).tiny))
+    distance = moved / size @ np.linalg.pinv(scatter / np.outer(size, size), hermitian=True) @ (moved / size)
+    return moved if distance > SIGNIFICANT else np.zeros(10)
+
 
 # How the plain estimate of a set-up answers to errors of its channels: to first order, in every step of Eqs. 6 to 11 and 8b.
 #
@@ -69,8 +182,10 @@ def sensitivity(spectra: Spectra, found: Setup, chain: Chain) -> Sensitivity:
         columns = [chain.columns[k] for k in change.channels]
         dy[:, :, columns] = (change.rows @ found.motion[:, chosen, :, None])[..., 0]
         changed.append(dy)
-    dH = _dynamic_mass(_stacked(thin, changed), H, inverse_motion, len(spectra.runs))
-    sensed = (gain.reshape(10, -1) @ dH.reshape(len(dH), -1).T).real
+    sensed = np.zeros((10, 0))
+    if changed:  # dH (p, n, 6, 6) of all of them at once
+        by_run = _left(_stacked(thin, changed), H, len(spectra.runs)).transpose(0, 2, 3, 1)  # (p, n, 6, r)
+        sensed = (gain.reshape(10, -1) @ (by_run @ inverse_motion).reshape(len(changed), -1).T).real
     noise = _noise(thin, H, inverse_motion, gain)
     return Sensitivity(names=tuple(one.name for one in chain.parameters), chain=sensed, noise=noise)
 
@@ -82,9 +197,7 @@ def _gain(found: Setup, frequency: Array, deviation: Array) -> ComplexArray:
     J = (dH * np.sqrt(2) / deviation).reshape(len(dH), -1)
     covariance = inverse((J @ J.conj().T).real)
     scale = model.pack(np.ones(10), type(found.terms)(), model.ElasticLayout(modes=0))[:10]
-    upper = (covariance[:10] @ (J.conj() * (np.sqrt(2) / deviation).ravel())).reshape(10, len(frequency), 21) / scale[
-        :, None, None
-    ]
+    upper = (covariance[:10] @ (J.conj() * (np.sqrt(2) / deviation).ravel())).reshape(10, -1, 21) / scale[:, None, None]
     full = np.zeros((10, len(frequency), 6, 6), dtype=np.complex128)
     full[:, :, UPPER[0], UPPER[1]] += upper / 2  # the fit sees the mean of both halves
     full[:, :, UPPER[1], UPPER[0]] += upper / 2
@@ -92,38 +205,30 @@ def _gain(found: Setup, frequency: Array, deviation: Array) -> ComplexArray:
 
 
 def _stacked(spectra: Spectra, values: list[ComplexArray]) -> Spectra:
-    """Several sets of values as so many times the runs of `spectra`, so that linear operators take them all at once."""
+    """Sets of values, one at least, as so many times the runs of `spectra`, so that linear operators take them all at once."""
     count = len(values)
     return replace(
         spectra,
-        values=np.concatenate(values) if count else spectra.values[:0],
-        noise=np.concatenate([spectra.noise] * count) if count else spectra.noise[:0],
-        quality=np.concatenate([spectra.quality] * count) if count else spectra.quality[:0],
+        values=np.concatenate(values),
+        noise=np.concatenate([spectra.noise] * count),
+        quality=np.concatenate([spectra.quality] * count),
         runs=spectra.runs * count,
         axes=spectra.axes * count,
     )
 
 
-def _dynamic_mass(changed: Spectra, H: ComplexArray, inverse_motion: ComplexArray, runs: int) -> ComplexArray:
-    """(p, n, 6, 6) dH of stacked changes of the channels."""
-    if not changed.runs:
-        return np.zeros((0, *H.shape), dtype=np.complex128)
-    dU, dF = base_motion(changed).values, resultants(changed).values
-    left = dF - (H @ dU[..., None])[..., 0]
-    by_run = left.reshape(-1, runs, *left.shape[1:]).transpose(0, 2, 3, 1)  # (p, n, 6, r)
-    return np.asarray(by_run @ inverse_motion)
+def _left(stacked: Spectra, H: ComplexArray, runs: int) -> ComplexArray:
+    """(p, r, n, 6) dF - H dU of changes of the channels that are stacked on each other, `runs` each."""
+    dU, dF = base_motion(stacked).values, resultants(stacked).values
+    return np.asarray(dF - (H @ dU[..., None])[..., 0]).reshape(-1, runs, len(H), 6)
 
 
 def _noise(spectra: Spectra, H: ComplexArray, inverse_motion: ComplexArray, gain: ComplexArray) -> Array:
     """(10, 10): unit errors of every channel, weighed by the variance of its noise at each line and run."""
-    channels = len(spectra.table)
-    runs = len(spectra.runs)
-    unit = [np.zeros(spectra.values.shape, dtype=np.complex128) for _ in range(channels)]
+    unit = [np.zeros(spectra.values.shape, dtype=np.complex128) for _ in range(len(spectra.table))]
     for k, values in enumerate(unit):
         values[:, :, k] = 1.0
-    stacked = _stacked(spectra, unit)
-    dU, dF = base_motion(stacked).values, resultants(stacked).values
-    left = (dF - (H @ dU[..., None])[..., 0]).reshape(channels, runs, len(H), 6)
+    left = _left(_stacked(spectra, unit), H, len(spectra.runs))
     # g[k, n, c, r] = sum_ij gain[k, n, i, j] left[c, r, n, i] inverse_motion[n, r, j]
     g = np.einsum("knij,crni,nrj->kncr", gain, left, inverse_motion, optimize=True)
     weighted = g * (spectra.noise.transpose(1, 2, 0) / np.sqrt(2))
@@ -153,6 +258,16 @@ class Difference:
     chain: dict[str, Array]
     parts: dict[str, Array]
 
+    def less(self, fmd: Difference) -> Difference:
+        """What is left without `fmd`; what is common to both of an error of the chain goes with it."""
+        chain, parts = (np.zeros(10), np.zeros((10, 10)))
+        return Difference(
+            ten=self.ten - fmd.ten,
+            raw=self.raw - fmd.raw,
+            chain={k: self.chain.get(k, chain) - fmd.chain.get(k, chain) for k in {**self.chain, **fmd.chain}},
+            parts={k: self.parts.get(k, parts) + fmd.parts.get(k, parts) for k in {**self.parts, **fmd.parts}},
+        )
+
 
 def plain(evidence: Evidence, settings: Settings = _DEFAULT, *, progress: Callable[[float], None] | None = None) -> Identified:
     """The article's ten parameters about F by Eqs. 6 to 11 and the modal terms of Eq. 8b, minus the FMD of the tares.
@@ -161,17 +276,19 @@ def plain(evidence: Evidence, settings: Settings = _DEFAULT, *, progress: Callab
     ------
     BadInput : as `identification.self_calibration.fit`.
     """
-    groups, warnings = problem.hardware_groups(evidence, settings)
+    groups, warnings = hardware_groups(evidence, settings)
     tell = progress or (lambda share: None)
     found = setup(evidence.article, settings)
     tell(0.4)
     whole = _of_setup(evidence.article, found, settings)
     tell(0.6)
     tares = [tare for tare, group in zip(evidence.tares, groups, strict=True) if group == 0]
-    fmd = of_tares(tares, settings) if tares else _known(evidence.fmd)
+    fmd = of_tares(tares, settings) if tares else None
+    if (known := evidence.fmd) is not None and fmd is None:
+        fmd = Difference(ten=known.inertia.parameters, raw=known.inertia.parameters, chain={}, parts={"tare": known.covariance})
     tell(1.0)
     said = [*warnings, *found.notes, *([WITHOUT_TARE] if fmd is None else []), *([FACTS_LEFT_OUT] if evidence.facts else [])]
-    of = whole if fmd is None else _less(whole, fmd)
+    of = whole if fmd is None else whole.less(fmd)
     tolerances = tolerances_of(evidence.article, settings)
     parts = dict(of.parts)
     for name, row in of.chain.items():
@@ -236,24 +353,4 @@ def _of_setup(spectra: Spectra, found: Setup, settings: Settings) -> Difference:
         raw=found.raw,
         chain=dict(zip(answer.names, answer.chain.T, strict=True)),
         parts={"noise": answer.noise, "elasticity": elastic},
-    )
-
-
-def _known(fmd: Known | None) -> Difference | None:
-    return (
-        None
-        if fmd is None
-        else Difference(ten=fmd.inertia.parameters, raw=fmd.inertia.parameters, chain={}, parts={"tare": fmd.covariance})
-    )
-
-
-def _less(whole: Difference, fmd: Difference) -> Difference:
-    names = {**whole.chain, **fmd.chain}
-    nothing = np.zeros(10)
-    kinds = {**whole.parts, **fmd.parts}
-    return Difference(
-        ten=whole.ten - fmd.ten,
-        raw=whole.raw - fmd.raw,
-        chain={name: whole.chain.get(name, nothing) - fmd.chain.get(name, nothing) for name in names},
-        parts={name: whole.parts.get(name, np.zeros((10, 10))) + fmd.parts.get(name, np.zeros((10, 10))) for name in kinds},
     )

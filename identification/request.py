@@ -103,7 +103,6 @@ class Request:
 # A fact is a value of mass, CoG (from F) or inertia about the CoG, with its standard deviation. All but the mass are nonlinear
 # in the parameters of Eq. 4; residual and derivative are evaluated at every step.
 
-
 QUANTITIES = (
     "mass_kg",
     *("cog_x_mm", "cog_y_mm", "cog_z_mm"),
@@ -165,7 +164,6 @@ def name(fact: Fact) -> str:
 # What an identification is told: spectra of the article, tares, an FMD known from before, classical facts, settings.
 #
 # Every inertia here is about the reference point F of the campaigns, in their axes.
-
 
 KNOWN_RELATIVE = 3e-4
 """Standard deviation, relative, of the ten parameters of an article that was drawn, weighed and measured with care."""
@@ -239,7 +237,7 @@ class Evidence:
     ----------
     article : spectra of the article on the FMD
     tares : campaigns on known articles, none at all where the result is to include the FMD or `fmd` is given
-    fmd : what is known of the FMD from before (`identification.identify.fmd`, a model file); None where only the tares tell it
+    fmd : what is known of the FMD from before (a model file); None where only the tares tell it
     facts : classical results on the article
     hardware : id of FMD and sensors of the article's campaign
     """
@@ -287,9 +285,14 @@ def evidence_of(request: Request, article: Spectra, tares: Sequence[Spectra], fm
     A nominal FMD of the request is taken to be known within the tolerance of an FMD; `fmd` goes before it.
     """
     nominal = None if request.fmd is None else Known.within(request.fmd, request.tolerances.fmd_inertia)
+    below = []
+    for tare, read in zip(request.tares, tares, strict=True):
+        known = Known.nothing() if tare.known is None else Known.within(tare.known, tare.relative_sd)
+        name = tare.campaign.title or tare.campaign.source
+        below.append(TareSpectra(spectra=read, known=known, hardware=tare.campaign.hardware, name=name))
     return Evidence(
         article=article,
-        tares=tuple(_tare(asked, read) for asked, read in zip(request.tares, tares, strict=True)),
+        tares=tuple(below),
         fmd=fmd or nominal,
         facts=request.facts,
         hardware=request.campaign.hardware,
@@ -309,14 +312,7 @@ def settings_of(request: Request) -> Settings:
     )
 
 
-def _tare(asked: Tare, read: Spectra) -> TareSpectra:
-    known = Known.nothing() if asked.known is None else Known.within(asked.known, asked.relative_sd)
-    name = asked.campaign.title or asked.campaign.source
-    return TareSpectra(spectra=read, known=known, hardware=asked.campaign.hardware, name=name)
-
-
 # `Identified`: ten inertia parameters with their covariance, and where their uncertainty comes from.
-
 
 PARAMETERS = ("m", "mx", "my", "mz", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
 """Order of Eq. 4."""
@@ -379,3 +375,45 @@ def counts(ways: Sequence[Identified]) -> int:
     """
     sound = [k for k, one in enumerate(ways) if one.converged and one.resonance is None]
     return max(sound, default=0)
+
+
+# Which campaigns share FMD and sensors, and so their errors.
+
+WITHOUT_TARE = "no tare and no known FMD: the result includes the moving part of the FMD"
+
+
+def hardware_groups(evidence: Evidence, settings: Settings) -> tuple[list[int], tuple[str, ...]]:
+    """The group of every tare - 0 is the article's own - and what must be said about it.
+
+    A campaign that states no hardware is taken to share the article's, and a warning says so.
+
+    Raises
+    ------
+    BadInput : a tare of other hardware than the article, without `settings.any_hardware`.
+    """
+    known, found, warnings = [evidence.hardware], [], []
+    for tare in evidence.tares:
+        if not tare.hardware or not evidence.hardware:
+            if tare.hardware != evidence.hardware:
+                warnings.append(
+                    f"{tare.name}: hardware is not stated on both sides; FMD and sensors are taken to be the article's"
+                )
+            found.append(0)
+            continue
+        if tare.hardware not in known:
+            known.append(tare.hardware)
+        found.append(known.index(tare.hardware))
+        if found[-1]:
+            if not settings.any_hardware:
+                problem = f"must be that of the article's campaign, {evidence.hardware!r}, found {tare.hardware!r}"
+                raise BadInput(
+                    source=tare.name,
+                    field="campaign.hardware",
+                    problem=f"{problem}: another FMD, other sensors",
+                    remedy="Give a tare of the same hardware, or ask for the combination explicitly",
+                )
+            warnings.append(
+                f"{tare.name}: its hardware {tare.hardware!r} is not the article's {evidence.hardware!r}; they share "
+                "neither sensor errors nor FMD, and the tare says nothing about the article"
+            )
+    return found, tuple(warnings)

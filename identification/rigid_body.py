@@ -37,7 +37,6 @@ from identification.elastic.model import ElasticTerms
 # log-Cholesky coordinates are free of constraints (`geometry.routes`). Where least squares lies outside, that minimum lies on
 # the boundary - a body without thickness - which logarithms approach and never reach: what is returned is a body, by a hair.
 
-
 INSIDE = 1e-3
 """How far inside the boundary, relative to the trace of the pseudo-inertia, the search starts."""
 
@@ -128,7 +127,6 @@ class Unidentifiable(CheckFailed):
 
 # Complex linear equations for ten real unknowns: weighted, robust, and refused where they leave a combination open.
 
-
 OPEN = 1e-8
 """Singular value, relative to the largest, below which equations of scaled unknowns say nothing: what is left is rounding."""
 
@@ -218,7 +216,25 @@ def _weighted(equations: Equations, weight: Array) -> RigidSolution:
     b = _real(equations.values * root)
     length = np.maximum(np.linalg.norm(Z, axis=0), np.finfo(np.float64).tiny)
     left, singular, right = np.linalg.svd(Z / length, full_matrices=False)
-    _require_determined(singular, right)
+    if singular[-1] <= OPEN * singular[0]:
+        null = right[singular <= OPEN * singular[0]]
+        share = np.linalg.norm(null, axis=0)
+        open_ = tuple(name for name, part in zip(PARAMETERS, share, strict=True) if part >= SHARE * share.max())
+        told = f"{len(singular) - len(null)} of ten combinations are told"
+        if len(null) == len(open_):
+            mixed = ""
+        elif len(null) > 1:
+            mixed = "; they are mixed"
+        else:
+            kept = np.where(np.abs(null[0]) >= SHARE * np.abs(null[0]).max(), null[0], 0)
+            mixed = f"; the data say nothing of {combination(kept, PARAMETERS)} (each as a share of what it does in the data)"
+        raise Unidentifiable(
+            f"The data leave {', '.join(open_)} open: {told}{mixed}. Drive the base motions that these act on, "
+            "in runs of their own",
+            singular_values=singular,
+            null_direction=right[-1],
+            undetermined=open_,
+        )
     # Z = left s right: the normal equations Z^T A p = Z^T b without squaring the condition number.
     inner = left.T @ A
     p = np.linalg.solve(inner, left.T @ b)
@@ -237,29 +253,6 @@ def _real(values: ComplexArray) -> Array:
     """Real parts above imaginary parts; the groups side by side."""
     flat = values.reshape(values.shape[0] * values.shape[1], *values.shape[2:])
     return np.concatenate([flat.real, flat.imag])
-
-
-def _require_determined(singular: Array, right: Array) -> None:
-    if singular[-1] > OPEN * singular[0]:
-        return
-    null = right[singular <= OPEN * singular[0]]
-    share = np.linalg.norm(null, axis=0)
-    open_ = tuple(name for name, part in zip(PARAMETERS, share, strict=True) if part >= SHARE * share.max())
-    told = f"{len(singular) - len(null)} of ten combinations are told"
-    mixed = (
-        "" if len(null) == len(open_) else f"; the data say nothing of {_said(null)}" if len(null) == 1 else "; they are mixed"
-    )
-    raise Unidentifiable(
-        f"The data leave {', '.join(open_)} open: {told}{mixed}. Drive the base motions that these act on, in runs of their own",
-        singular_values=singular,
-        null_direction=right[-1],
-        undetermined=open_,
-    )
-
-
-def _said(null: Array) -> str:
-    kept = np.where(np.abs(null[0]) >= SHARE * np.abs(null[0]).max(), null[0], 0)
-    return f"{combination(kept, PARAMETERS)} (each as a share of what it does in the data)"
 
 
 BASIS = np.array([Inertia(parameters=one).mass_matrix for one in np.eye(10)])
@@ -337,8 +330,19 @@ def fit(
         W = np.asarray(np.linalg.inv(np.linalg.cholesky(C)))
         rows, values = W @ rows, (W @ values[:, :, None])[:, :, 0]
     else:
-        w = _entry_weights(weights, H).reshape(-1, 36)
-        rows, values = rows * w[:, :, None], values * w
+        if weights is None:
+            level = np.array([LEVELS[axis] for axis in MOTIONS])
+            size = np.sqrt(np.mean(np.abs(H.matrix * level) ** 2, axis=(0, 2)))
+            w = np.broadcast_to(level / np.where(size > 0, size, size.max() or 1.0)[:, None], H.matrix.shape)
+        else:
+            w = np.asarray(weights, dtype=np.float64)
+        if w.shape != H.matrix.shape or not np.all((w >= 0) & np.isfinite(w)):
+            problem, remedy = (
+                f"must be finite, not negative and of shape {H.matrix.shape}",
+                "Give one over the standard deviation",
+            )
+            raise BadInput(source="ten parameters", field="weights", problem=f"{problem}, found shape {w.shape}", remedy=remedy)
+        rows, values = rows * w.reshape(-1, 36, 1), values * w.reshape(-1, 36)
     equations = Equations(rows=rows.reshape(-1, 1, 10), values=values.reshape(-1, 1), left=rows.reshape(-1, 1, 10))
     return _told(solve(equations, robust), 1, known, H.reference_point, consistent, (len(values), 6, 6))
 
@@ -438,19 +442,6 @@ def _corrected(data: _Data, noise: RunNoise, robust: str) -> RigidSolution:
         if np.linalg.norm(found.parameters - before) <= STEADY * np.linalg.norm(before):
             return found
     raise CheckFailed("The correction of the motions' noise does not settle: it is about as large as the motions themselves")
-
-
-def _entry_weights(weights: npt.ArrayLike | None, mass: DynamicMass) -> Array:
-    if weights is None:
-        level = np.array([LEVELS[axis] for axis in MOTIONS])
-        size = np.sqrt(np.mean(np.abs(mass.matrix * level) ** 2, axis=(0, 2)))
-        size = np.where(size > 0, size, size.max() or 1.0)
-        return np.asarray(np.broadcast_to(level / size[:, None], mass.matrix.shape))
-    w = np.asarray(weights, dtype=np.float64)
-    if w.shape != mass.matrix.shape or not np.all((w >= 0) & np.isfinite(w)):
-        problem = f"must be finite, not negative and of shape {mass.matrix.shape}, found shape {w.shape}"
-        raise BadInput(source="ten parameters", field="weights", problem=problem, remedy="Give one over the standard deviation")
-    return w
 
 
 def _told(

@@ -21,8 +21,7 @@ from identification.campaign import METHODS, Campaign
 from validation.classical import files
 from validation.estimation.evaluate import evaluate, named, without
 from validation.estimation.fit import fit
-from validation.estimation.problem import FITTED, Fact, Problem
-from validation.estimation.result import Evaluation, Fit
+from validation.estimation.problem import FITTED, Evaluation, Fact, Fit, Problem
 from validation.history.history import HistoryPosition, history_position, reminded
 from validation.model import model_file
 from validation.model.model import Added, Model, require_pair

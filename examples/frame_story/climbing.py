@@ -15,8 +15,7 @@ from validation.effects.catalogue import parse
 from validation.effects.effect import Vocabulary
 from validation.estimation import evaluate as estimation_evaluate
 from validation.estimation.evaluate import evaluate
-from validation.estimation.problem import Offsets, Problem
-from validation.estimation.result import Evaluation
+from validation.estimation.problem import Evaluation, Offsets, Problem
 from validation.model.model import Added
 from validation.output import counted
 from validation.prediction.accelerance import AcceleranceTest

@@ -13,7 +13,7 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
 from validation.prediction import series
 from validation.prediction.accelerance import AcceleranceTest, Point, measured
-from validation.prediction.nuisances import Nuisances
+from validation.prediction.effects import Nuisances
 
 FILES = {"driven at floor 1": "Experimental.csv", "driven at floor 2": "test_2.csv", "driven at floor 3": "test_3.csv"}
 BAND = (3.0, 90.0)

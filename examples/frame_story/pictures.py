@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from frame_story.climbing import NOMINAL, Rung, gain
-from validation.estimation.result import Evaluation
+from validation.estimation.problem import Evaluation
 from validation.report.charts.history import FITTED, PERCENT, DrawnRung, draw_fall
 from validation.report.charts.maps import DrawnModel, draw_accelerances
 

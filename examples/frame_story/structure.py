@@ -7,8 +7,8 @@ import numpy as np
 from geometry.frames import Array
 from validation.effects.stages import Matrices
 from validation.model.model import StructureTolerances
-from validation.prediction import nuisances
-from validation.prediction.nuisances import Nuisances
+from validation.prediction import effects as prediction_effects
+from validation.prediction.effects import Nuisances
 
 FLOORS = ("floor-1", "floor-2", "floor-3")
 
@@ -22,4 +22,4 @@ def on_modes(mass: Array, stiffness: Array, damping_ratio: float, known: Structu
     places = {floor: np.vstack([row, np.zeros((2, 3))]) for floor, row in zip(FLOORS, shapes, strict=True)}
     K, C = np.diag(squares), np.diag(2 * damping_ratio * omega)
     made = Matrices(base=0, mass=np.eye(3), stiffness=K, viscous=C, structural=none, places=places, parts={"legs": K})
-    return nuisances.of("frame", made, omega / (2 * np.pi), {}, known)
+    return prediction_effects.nuisances("frame", made, omega / (2 * np.pi), {}, known)

@@ -16,9 +16,8 @@ from geometry.frames import Array
 from geometry.sensors import ChannelTable, motion_rows
 from geometry.sensors import resultants as resultant_rows
 from identification import rigid_body
-from identification.base_motion import base_motion, groups_used
+from identification.base_motion import base_motion, combinations, groups_used, resultants
 from identification.dynamic_mass import from_runs
-from identification.resultants import combinations, resultants
 from identification.spectra.line_spectra import Spectra
 
 LEVEL = np.array([LEVELS[axis] for axis in MOTIONS])

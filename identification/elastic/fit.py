@@ -1,6 +1,6 @@
 """The ten inertia parameters together with the elastic terms of Eq. 8b, from a measured dynamic mass and nothing else.
 
-Poles are added one by one where they take most out of what is left (`poles`), all parameters are refined together after each
+Poles are added one by one where they take most out of what is left (`next_poles`), all parameters are refined together after each
 (`refine`), and a pole stays when it pays: when it lowers chi² by more than its eight parameters would by chance and model error
 (Schwarz, Ann. Statist. 6 (1978) 461, with the misfit of the best model as the unit of chi²). H(0) = M_F is the extrapolation.
 """
@@ -25,7 +25,6 @@ from identification.elastic.model import SCALE, UPPER, ElasticLayout, ElasticTer
 # A gain, an angle or a cross-talk of a sensor that is off makes an error in proportion to what else that row and that column
 # carry, alike at neighbouring lines. So the model-error floor is a share of the level of row and column at the line, and lines
 # away from resonances, which repeat the same error, count once in a quarter of a hertz.
-
 
 LINES_APART = 0.25
 """Distance [Hz] of lines that are kept where the dynamic mass is smooth."""
@@ -139,7 +138,6 @@ def _refused(field: str, problem: str, remedy: str) -> BadInput:
 #
 # Source: Marquardt, J. SIAM 11 (1963) 431; its damping as in Nielsen, IMM-REP-1999-05, Technical University of Denmark.
 
-
 DAMPING_PRIOR = (np.log(0.004), 1.5)
 """Mean and standard deviation of ln zeta."""
 
@@ -193,6 +191,51 @@ class Refined:
     information: Array
     converged: bool
 
+    def _step(self, damping: float, lines: Lines) -> tuple[Array, float]:
+        """The vector of the next trial and what cost it should save; what stands at a limit and pushes against it stays."""
+        x, A, blocks = self.vector, self.information, self.layout.blocks
+        g = self.jacobian @ self.residual + self.prior
+        limited = slice(blocks["frequency"].start, blocks["pairs"].stop)
+        low, high = np.full(len(x), -np.inf), np.full(len(x), np.inf)
+        low[limited], high[limited] = limits(self.layout, lines)
+        free = ~(((x <= low) & (g > 0)) | ((x >= high) & (g < 0)))
+        d = unit_of(A)[free]
+        scaled = A[np.ix_(free, free)] / np.outer(d, d) + damping * np.eye(len(d))
+        dx = np.zeros(len(x))
+        dx[free] = -np.linalg.solve(scaled, g[free] / d) / d
+        dx *= min(1.0, STEP / max(np.abs(dx[limited]).max(initial=0.0), STEP))
+        trial = np.clip(x + dx, low, high)
+        dx = trial - x
+        return trial, float(-2 * g @ dx - dx @ A @ dx)
+
+    @property
+    def effective_size(self) -> float:
+        """Parameters that the data decide and not the priors: k less the share of the priors in what is known of each."""
+        d = unit_of(self.information)
+        variance = np.diag(np.linalg.pinv(self.information / np.outer(d, d), hermitian=True)) / d**2
+        return len(self.vector) - float(self.certainty @ variance)
+
+    @property
+    def correlation_time(self) -> float:
+        """Lines that repeat the same error, 1 and more: the sum of the autocorrelation of what is left up to its first zero."""
+        r = self.residual.reshape(-1, 42)
+        lags = [float(np.sum(r[k:] * r[: len(r) - k])) for k in range(len(r) // 2)]
+        ends = next((k for k, lag in enumerate(lags) if lag <= 0), len(lags))
+        return 1 + 2 * sum(lags[1:ends]) / lags[0] if lags and lags[0] > 0 else 1.0
+
+    def _room(self, lines: Lines) -> Array:
+        """(m,) distance of ln f and ln zeta of every pole from where a resonance ends."""
+        blocks, m = self.layout.blocks, self.layout.modes
+        x = self.vector[blocks["frequency"].start : blocks["damping"].stop]
+        low, high = (limit[: 2 * m] for limit in limits(self.layout, lines))
+        return np.asarray(np.minimum(x - low, high - x).reshape(2, m).min(axis=0, initial=np.inf))
+
+    def _worth(self, r: int) -> float:
+        """What chi² would rise by without pole r, to second order in its participation, all else refitted (Wald)."""
+        place = self.layout.blocks["participation"].start + 6 * r + np.arange(6)
+        covariance = np.linalg.pinv(self.information)[np.ix_(place, place)]
+        return float(self.vector[place] @ np.linalg.solve(covariance, self.vector[place]))
+
 
 def refine(start: Array, layout: ElasticLayout, lines: Lines, *, iterations: int = 40, accuracy: float = 3e-5) -> Refined:
     """From the vector `start` (k,) downhill until a step gains less than `accuracy` of the cost and `ENOUGH`.
@@ -201,7 +244,7 @@ def refine(start: Array, layout: ElasticLayout, lines: Lines, *, iterations: int
     """
     at, damping, rise = linearised(start, layout, lines), 1e-3, 2.0
     for _ in range(iterations):
-        trial, predicted = _step(at, damping, lines)
+        trial, predicted = at._step(damping, lines)
         left = np.concatenate([weighted(leftover(trial, layout, lines), lines), _prior(trial, layout, lines)[0]])
         gained = at.cost - float(left @ left)
         if gained > 0 and predicted > 0:
@@ -212,24 +255,6 @@ def refine(start: Array, layout: ElasticLayout, lines: Lines, *, iterations: int
         if damping > HOPELESS or 0 <= max(gained, predicted) < accuracy * at.cost + ENOUGH:
             return replace(at, converged=True)
     return at
-
-
-def _step(at: Refined, damping: float, lines: Lines) -> tuple[Array, float]:
-    """The vector of the next trial and what cost it should save; what stands at a limit and pushes against it stays."""
-    x, A, blocks = at.vector, at.information, at.layout.blocks
-    g = at.jacobian @ at.residual + at.prior
-    limited = slice(blocks["frequency"].start, blocks["pairs"].stop)
-    low, high = np.full(len(x), -np.inf), np.full(len(x), np.inf)
-    low[limited], high[limited] = limits(at.layout, lines)
-    free = ~(((x <= low) & (g > 0)) | ((x >= high) & (g < 0)))
-    d = unit_of(A)[free]
-    scaled = A[np.ix_(free, free)] / np.outer(d, d) + damping * np.eye(len(d))
-    dx = np.zeros(len(x))
-    dx[free] = -np.linalg.solve(scaled, g[free] / d) / d
-    dx *= min(1.0, STEP / max(np.abs(dx[limited]).max(initial=0.0), STEP))
-    trial = np.clip(x + dx, low, high)
-    dx = trial - x
-    return trial, float(-2 * g @ dx - dx @ A @ dx)
 
 
 def leftover(x: Array, layout: ElasticLayout, lines: Lines) -> ComplexArray:
@@ -259,21 +284,6 @@ def limits(layout: ElasticLayout, lines: Lines) -> tuple[Array, Array]:
         np.concatenate([np.full(m, low), np.full(m, np.log(RATIOS[0])), np.full(p, -TIGHTEST)]),
         np.concatenate([np.full(m, high), np.full(m, np.log(RATIOS[1])), np.full(p, TIGHTEST)]),
     )
-
-
-def effective_size(at: Refined) -> float:
-    """Parameters that the data decide and not the priors: k less the share of the priors in what is known of each."""
-    d = unit_of(at.information)
-    variance = np.diag(np.linalg.pinv(at.information / np.outer(d, d), hermitian=True)) / d**2
-    return len(at.vector) - float(at.certainty @ variance)
-
-
-def correlation_time(at: Refined) -> float:
-    """Lines that repeat the same error, 1 and more: the sum of the autocorrelation of what is left over up to its first zero."""
-    r = at.residual.reshape(-1, 42)
-    lags = [float(np.sum(r[k:] * r[: len(r) - k])) for k in range(len(r) // 2)]
-    ends = next((k for k, lag in enumerate(lags) if lag <= 0), len(lags))
-    return 1 + 2 * sum(lags[1:ends]) / lags[0] if lags and lags[0] > 0 else 1.0
 
 
 def linearised(x: Array, layout: ElasticLayout, lines: Lines) -> Refined:
@@ -316,13 +326,11 @@ def _prior(x: Array, layout: ElasticLayout, lines: Lines) -> tuple[Array, Array]
 # order, so that the slope which a resonance out of tune leaves beside it is not taken for another one, and the matrix of
 # amplitudes is cut down to rank one with a positive sign, for a mode of a symmetric structure answers by L L^T.
 
-
 TRIAL_DAMPING = (0.0015, 0.004, 0.01, 0.03)
 """Ratios that are tried."""
 
 BEYOND = (0.6, 1.7)
 """How far out of the band a pole is looked for: of its lower and of its upper end."""
-
 
 SHORT = 150
 """Poles of the grid that are looked at closely."""
@@ -372,13 +380,21 @@ def next_poles(at: Refined, lines: Lines, count: int = 8) -> tuple[PoleCandidate
 
 def _shortlist(at: Refined, lines: Lines) -> tuple[Array, Array]:
     """The most promising of the grid, each entry fitted on its own by a constant, omega² and the curve of the pole."""
-    f, zeta = _grid(lines.frequency)
+    # The grid: as fine as the half-power width of the lightest in the band, coarse around it
+    low, high = lines.frequency[0], lines.frequency[-1]
+    inside = np.geomspace(low, high, max(int(np.ceil(np.log(high / low) / (2 * TRIAL_DAMPING[1]))), 2))
+    beyond = np.concatenate([np.geomspace(BEYOND[0] * low, 0.97 * low, 6), np.geomspace(1.03 * high, BEYOND[1] * high, 10)])
+    f = np.concatenate([np.repeat(inside, len(TRIAL_DAMPING)), beyond])
+    zeta = np.concatenate([np.tile(TRIAL_DAMPING, len(inside)), np.full(len(beyond), TRIAL_DAMPING[1])])
     left = -leftover(at.vector, at.layout, lines)
     # Amplitudes (g, 21) of the poles' curves and the weight (g, 21) of each: chi² falls by amplitude² x weight
     w = 2 * np.pi * lines.frequency
     curve = _curves(w, f, zeta)
     weight = 2 / lines.deviation**2  # (n, 21)
-    basis = _flat_basis(w, weight)  # (2, n, 21), orthonormal with the weight
+    # 1 and omega² (2, n, 21), orthonormal over the lines under each entry's own weight
+    one = np.broadcast_to(1 / np.sqrt(weight.sum(axis=0)), weight.shape)
+    square = (w**2)[:, None] - one * np.sum(weight * one * (w**2)[:, None], axis=0)
+    basis = np.stack([one, square / np.sqrt(np.sum(weight * square**2, axis=0))])
     shares = [curve.real @ (weight * one) for one in basis]
     strength = np.abs(curve) ** 2 @ weight - sum(share**2 for share in shares)
     remainder = left - sum(one * np.sum(weight * one * left.real, axis=0) for one in basis)
@@ -407,24 +423,6 @@ def _projected(at: Refined, lines: Lines, f: Array, zeta: Array) -> tuple[Array,
     P = -half.swapaxes(1, 2) @ half
     P[:, np.arange(21), np.arange(21)] += own * (1 + RIDGE)
     return rhs, P
-
-
-def _grid(lines: Array) -> tuple[Array, Array]:
-    """Frequencies and ratios (g,): as fine as the half-power width of the lightest in the band, coarse around it."""
-    low, high = lines[0], lines[-1]
-    count = int(np.ceil(np.log(high / low) / (2 * TRIAL_DAMPING[1])))
-    inside = np.geomspace(low, high, max(count, 2))
-    beyond = np.concatenate([np.geomspace(BEYOND[0] * low, 0.97 * low, 6), np.geomspace(1.03 * high, BEYOND[1] * high, 10)])
-    f = np.concatenate([np.repeat(inside, len(TRIAL_DAMPING)), beyond])
-    zeta = np.concatenate([np.tile(TRIAL_DAMPING, len(inside)), np.full(len(beyond), TRIAL_DAMPING[1])])
-    return f, zeta
-
-
-def _flat_basis(w: Array, weight: Array) -> Array:
-    """1 and omega², orthonormal over the lines under each entry's own weight (n, 21)."""
-    one = np.broadcast_to(1 / np.sqrt(weight.sum(axis=0)), weight.shape)
-    square = (w**2)[:, None] - one * np.sum(weight * one * (w**2)[:, None], axis=0)
-    return np.stack([one, square / np.sqrt(np.sum(weight * square**2, axis=0))])
 
 
 def _curves(w: Array, f: Array, zeta: Array) -> ComplexArray:
@@ -560,42 +558,44 @@ def fit(
     data = lines_of(dynamic_mass, weights, floor, band)
     thin = data.at(kept(data))
     tell = progress or (lambda share: None)
-    if modes == 0:
-        found, history, reason = _rigid_only(thin)
+    rigid = refine(np.zeros(10), ElasticLayout(modes=0, residual=False), thin) if not modes else None
+    if modes == 0 and rigid is not None:
+        found, history, reason = rigid, [rigid], "rigid, as asked for"
     else:
         first = ElasticLayout(modes=0) if start is None else start.layout
         at = refine(np.zeros(first.size) if start is None else start.vector, first, thin)
         tried, most = [at], MOST if modes is None else modes
         while at.layout.modes < most:
-            longer = _with_one_more(at, thin)
-            if longer is None:
+            more = _with_one_more(at, thin)
+            if more is None:
                 break
-            at = longer
+            at = more
             tried.append(at)
             tell(min(0.95, at.layout.modes / (most if modes else 16)))
-            if modes is None and _no_longer_pays(tried, thin):
-                break
-        if modes is not None:
-            found, history, reason = _converged(tried[-1], thin), tried, f"{tried[-1].layout.modes} poles, as asked for"
+            if modes is None and len(tried) > PATIENCE:
+                # The last poles together took less than their price, or less than a tenth of what there was to take
+                before = tried[-1 - PATIENCE]
+                price = (at.layout.size - before.layout.size) * np.log(thin.count)
+                if before.chi2 - at.chi2 < max(price, 0.1 * before.chi2):
+                    break
+        history = tried
+        if rigid is None:
+            found, reason = refine(at.vector, at.layout, thin), f"{at.layout.modes} poles, as asked for"
         else:
-            price = price_of(tried, thin)
-            rigid = _rigid_only(thin)[0]
-            best = min([rigid, *tried], key=price.criterion)
+            of = price_of(tried, thin)
+            best = min([rigid, *tried], key=of.criterion)
             if best is rigid:
-                found, history, reason = rigid, tried, "rigid: neither a pole nor a residual mass pays"
+                found, reason = rigid, "rigid: neither a pole nor a residual mass pays"
             else:
-                pruned = _pruned(_converged(best, thin), thin, price)
-                found, history, reason = pruned, tried, _why(pruned, tried, thin, price)
+                found = _pruned(refine(best.vector, best.layout, thin), thin, of)
+                left = f"{found.layout.modes} poles leave a misfit of {_misfit(found, thin):.3g}"
+                gains = [max(found.chi2 - one.chi2, 0.0) for one in tried if one.layout.modes > found.layout.modes]
+                more_gains = (
+                    f"one more would take {gains[0]:.3g} out of chi², less than its price of {of.pole:.3g}" if gains else ""
+                )
+                reason = f"{left}; {more_gains or 'nothing else in it is a resonance'}"
     tell(1.0)
     return _result(found, history, reason, data, thin, dynamic_mass.reference_point)
-
-
-# --- the search ------------------------------------------------------------------------------------------------------
-
-
-def _rigid_only(lines: Lines) -> tuple[Refined, list[Refined], str]:
-    rigid = refine(np.zeros(10), ElasticLayout(modes=0, residual=False), lines)
-    return rigid, [rigid], "rigid, as asked for"
 
 
 def _with_one_more(at: Refined, lines: Lines) -> Refined | None:
@@ -614,12 +614,9 @@ def _with_one_more(at: Refined, lines: Lines) -> Refined | None:
         now = model.layout_of(extended, widths=OVERLAP)
         layout = ElasticLayout(modes=now.modes, pairs=tuple(sorted({*now.pairs, *at.layout.pairs})), residual=at.layout.residual)
         longer = refine(model.pack(parameters, extended, layout), layout, lines, iterations=12, accuracy=1e-3)
-        if longer.chi2 < at.chi2 and np.all(_room(longer, lines) > 0):
+        if longer.chi2 < at.chi2 and np.all(longer._room(lines) > 0):
             return longer
     return None
-
-
-# --- the choice ------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -637,7 +634,7 @@ class Price:
 
     def criterion(self, fit: Refined) -> float:
         """The least wins."""
-        return fit.chi2 / self.unit + effective_size(fit) * self.parameter
+        return fit.chi2 / self.unit + fit.effective_size * self.parameter
 
     @property
     def pole(self) -> float:
@@ -647,7 +644,7 @@ class Price:
 
 def price_of(fits: list[Refined], lines: Lines) -> Price:
     best = min(fits, key=lambda one: _misfit(one, lines))
-    repeated = correlation_time(best)
+    repeated = best.correlation_time
     unit = max(1.0, _misfit(best, lines) * repeated)
     return Price(unit=unit, parameter=float(np.log(lines.count / repeated if unit > 1 else lines.count)))
 
@@ -656,25 +653,12 @@ def _misfit(fit: Refined, lines: Lines) -> float:
     return fit.chi2 / max(lines.count - fit.layout.size, 1)
 
 
-def _no_longer_pays(tried: list[Refined], lines: Lines) -> bool:
-    """Whether the last `PATIENCE` poles together took less than their price, or less than a tenth of what there was to take."""
-    if len(tried) <= PATIENCE:
-        return False
-    before, after = tried[-1 - PATIENCE], tried[-1]
-    gain = before.chi2 - after.chi2
-    return gain < (after.layout.size - before.layout.size) * np.log(lines.count) or gain < 0.1 * before.chi2
-
-
-def _converged(at: Refined, lines: Lines) -> Refined:
-    return refine(at.vector, at.layout, lines)
-
-
 def _pruned(at: Refined, lines: Lines, price: Price) -> Refined:
     """Poles go, the weakest first, while that costs less than they are worth; any that became no resonance go, too."""
     while at.layout.modes:
-        room = _room(at, lines)
+        room = at._room(lines)
         lost = bool(room.min() <= 0)
-        weakest = int(np.argmin(room if lost else [_worth(at, r) for r in range(at.layout.modes)]))
+        weakest = int(np.argmin(room if lost else [at._worth(r) for r in range(at.layout.modes)]))
         parameters, terms = model.unpack(at.vector, at.layout)
         rest = np.delete(np.arange(at.layout.modes), weakest)
         fewer = model.chosen(terms, rest)
@@ -686,49 +670,27 @@ def _pruned(at: Refined, lines: Lines, price: Price) -> Refined:
     return at
 
 
-def _room(at: Refined, lines: Lines) -> Array:
-    """(m,) distance of ln f and ln zeta of every pole from where a resonance ends."""
-    blocks, m = at.layout.blocks, at.layout.modes
-    x = at.vector[blocks["frequency"].start : blocks["damping"].stop]
-    low, high = (limit[: 2 * m] for limit in limits(at.layout, lines))
-    return np.asarray(np.minimum(x - low, high - x).reshape(2, m).min(axis=0, initial=np.inf))
-
-
-def _worth(at: Refined, r: int) -> float:
-    """What chi² would rise by without pole r, to second order in its participation, all else refitted (Wald)."""
-    place = at.layout.blocks["participation"].start + 6 * r + np.arange(6)
-    covariance = np.linalg.pinv(at.information)[np.ix_(place, place)]
-    return float(at.vector[place] @ np.linalg.solve(covariance, at.vector[place]))
-
-
-def _why(best: Refined, tried: list[Refined], lines: Lines, price: Price) -> str:
-    left = f"{best.layout.modes} poles leave a misfit of {_misfit(best, lines):.3g}"
-    longer = [one for one in tried if one.layout.modes > best.layout.modes]
-    if not longer:
-        return f"{left}; nothing else in it is a resonance"
-    gain = max(best.chi2 - longer[0].chi2, 0.0)
-    return f"{left}; one more would take {gain:.3g} out of chi², less than its price of {price.pole:.3g}"
-
-
-# --- the result ------------------------------------------------------------------------------------------------------
-
-
 def _result(found: Refined, history: list[Refined], reason: str, data: Lines, thin: Lines, reference_point: Array) -> Fitted:
-    ordered, layout = model.ascending(found.vector, found.layout)
-    final = refine(ordered, layout, data, iterations=20)
+    # The modes in the order of their frequencies
+    parameters, terms = model.unpack(found.vector, found.layout)
+    order = np.argsort(terms.frequency, kind="stable")
+    place = np.argsort(order)
+    pairs = sorted((int(min(place[r], place[s])), int(max(place[r], place[s]))) for r, s in found.layout.pairs)
+    layout = replace(found.layout, pairs=tuple(pairs))
+    final = refine(model.pack(parameters, model.chosen(terms, order), layout), layout, data, iterations=20)
     parameters, terms = model.unpack(final.vector, layout)
     misfit = final.chi2 / max(data.count - layout.size, 1)
     said = linearised(final.vector, layout, thin)
     information = said.information / price_of([said], thin).unit
     deviations = np.abs(full(leftover(final.vector, layout, data) / data.deviation))
-    asymmetry, pairs = data.asymmetry
+    asymmetry, number = data.asymmetry
     return Fitted(
         parameters=parameters,
         covariance=covariance_of_the_ten(information),
         terms=terms,
         reference_point=reference_point,
         misfit=misfit,
-        asymmetry=asymmetry / pairs,
+        asymmetry=asymmetry / number,
         modes=layout.modes,
         reason=reason,
         history=tuple(Trial(layout=one.layout, vector=one.vector, chi2=one.chi2) for one in history),

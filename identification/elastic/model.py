@@ -153,8 +153,19 @@ def upper_derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: Ela
     out[blocks["inertia"]] = inertia_basis()[:, None, UPPER[0], UPPER[1]]
     if layout.residual:
         out[blocks["residual"]] = w2 * residual_basis()[:, None, UPPER[0], UPPER[1]]
-    _by_poles(out, terms, X, w2, layout)
-    _by_participation(out[blocks["participation"]].reshape(layout.modes, 6, len(w2), 21), X, w2)
+    # ln f, through stiffness and through the damping 2 zeta omega that ln zeta shares, ln zeta and rho
+    r, s = _pairs(layout)
+    squares, d = (2 * np.pi * terms.frequency) ** 2, np.sqrt(np.diag(terms.damping))
+    lossy = -1j * w2**1.5
+    out[blocks["damping"]] = lossy / 2 * _both(X, np.tensordot(terms.damping, X, axes=1))
+    out[blocks["frequency"]] = out[blocks["damping"]] - squares[:, None, None] * w2 * _both(X, X)
+    out[blocks["pairs"]] = lossy * _both((d[r] * d[s])[:, None, None] * X[r], X[s])
+    # L: row j and column j of H are omega² X_r
+    by_participation, answer = out[blocks["participation"]].reshape(layout.modes, 6, len(w2), 21), w2 * X
+    by_participation[:] = 0
+    for e, (i, j) in enumerate(zip(*UPPER, strict=True)):
+        by_participation[:, i, :, e] += SCALE[i] * answer[:, :, j]
+        by_participation[:, j, :, e] += SCALE[j] * answer[:, :, i]
     return out
 
 
@@ -188,16 +199,6 @@ def unpack(vector: npt.ArrayLike, layout: ElasticLayout) -> tuple[Array, Elastic
     R = np.tensordot(entries, residual_basis(), axes=1) if len(entries) else np.zeros((6, 6))
     L = part["participation"].reshape(-1, 6) * SCALE
     return part["inertia"] * inertia_scale(), ElasticTerms(frequency=f, damping=C, participation=L, residual=R)
-
-
-def ascending(vector: npt.ArrayLike, layout: ElasticLayout) -> tuple[Array, ElasticLayout]:
-    """The same parameters with the modes in the order of their frequencies."""
-    parameters, terms = unpack(vector, layout)
-    order = np.argsort(terms.frequency, kind="stable")
-    place = np.argsort(order)
-    pairs = sorted((min(place[r], place[s]), max(place[r], place[s])) for r, s in layout.pairs)
-    ordered = replace(layout, pairs=tuple((int(r), int(s)) for r, s in pairs))
-    return pack(parameters, chosen(terms, order), ordered), ordered
 
 
 def chosen(terms: ElasticTerms, modes: npt.ArrayLike) -> ElasticTerms:
@@ -245,26 +246,6 @@ def _answers(terms: ElasticTerms, frequency: npt.ArrayLike) -> ComplexArray:
         return np.asarray(L / (squares - w**2 + 1j * w * np.diag(C))[:, :, None])
     D = np.diag(squares) - w[:, :, None] ** 2 * np.eye(len(squares)) + 1j * w[:, :, None] * C
     return np.asarray(np.linalg.solve(D, np.broadcast_to(L, (len(w), *L.shape)).astype(np.complex128)))
-
-
-def _by_poles(out: ComplexArray, terms: ElasticTerms, X: ComplexArray, w2: Array, layout: ElasticLayout) -> None:
-    """Fill ln f, through stiffness and through the damping 2 zeta omega that ln zeta shares, ln zeta and rho; X (m, n, 6)."""
-    blocks, (r, s) = layout.blocks, _pairs(layout)
-    squares, d = (2 * np.pi * terms.frequency) ** 2, np.sqrt(np.diag(terms.damping))
-    lossy = -1j * w2**1.5
-    losses = np.tensordot(terms.damping, X, axes=1)
-    out[blocks["damping"]] = lossy / 2 * _both(X, losses)
-    out[blocks["frequency"]] = out[blocks["damping"]] - squares[:, None, None] * w2 * _both(X, X)
-    out[blocks["pairs"]] = lossy * _both((d[r] * d[s])[:, None, None] * X[r], X[s])
-
-
-def _by_participation(out: ComplexArray, X: ComplexArray, w2: Array) -> None:
-    """Fill (m, 6, n, 21) by L: row j and column j of H are omega² X_r."""
-    out[:] = 0
-    answer = w2 * X
-    for e, (i, j) in enumerate(zip(*UPPER, strict=True)):
-        out[:, i, :, e] += SCALE[i] * answer[:, :, j]
-        out[:, j, :, e] += SCALE[j] * answer[:, :, i]
 
 
 def _both(left: ComplexArray, right: ComplexArray) -> ComplexArray:

@@ -17,20 +17,9 @@ from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.inertia import PARAMETERS, Inertia
+from identification.elastic import fit as elastic
 from identification.elastic import model
-from identification.elastic.fit import (
-    FLOOR,
-    REACH,
-    Fitted,
-    Lines,
-    Trial,
-    covariance_of_the_ten,
-    fit,
-    kept,
-    lines_of,
-    price_of,
-    refine,
-)
+from identification.elastic.fit import FLOOR, REACH, Fitted, Lines, Trial
 from identification.elastic.model import ElasticLayout
 
 LIMIT = 0.01
@@ -141,7 +130,8 @@ class BandStudy:
             return np.full(10, np.nan)
         away = np.array([np.abs(cell.parameters - self.fitted.parameters) for cell in counted])
         telling = np.array([cell.deviation <= limit / 2 * self.scale for cell in counted])
-        return np.array([_ninth_of_ten(away[telling[:, k], k]) for k in range(10)])
+        enough = telling.sum(axis=0) >= FEWEST
+        return np.array([np.quantile(away[telling[:, k], k], 0.9) if enough[k] else np.nan for k in range(10)])
 
     def verdicts(self, *, rigid: bool = False, limit: float = LIMIT) -> Mapping[str, str]:
         """In words, by parameter; `rigid` judges the way without elastic terms.
@@ -197,7 +187,7 @@ def study(
     BadInput : as `fit`; no band with at least a ratio of 1.25 between its ends.
     """
     tell = progress or (lambda share: None)
-    whole = fitted or fit(dynamic_mass, weights=weights, floor=floor, progress=lambda share: tell(0.3 * share))
+    whole = fitted or elastic.fit(dynamic_mass, weights=weights, floor=floor, progress=lambda share: tell(0.3 * share))
     low, high = whole.band
     middle = (high / low) ** 0.45
     first = np.geomspace(low, low * middle, 4) if starts is None else np.asarray(starts, dtype=np.float64)
@@ -224,11 +214,13 @@ def study(
         )
     cells: list[StudiedFit] = []
     for k, band in enumerate(bands):
-        data = lines_of(dynamic_mass, weights, floor, band)
-        cells.extend(_judged([_cell(count, trial, data, band) for count, trial in trials.items()], whole))
+        data = elastic.lines_of(dynamic_mass, weights, floor, band)
+        found = [_cell(count, trial, data, band) for count, trial in trials.items()]
+        explained = EXPLAINED * max(min(cell.misfit for cell in found), min(whole.misfit, 1.0), 1.0)
+        cells += [replace(cell, plausible=cell.misfit <= explained) for cell in found]
         tell(0.3 + 0.7 * (k + 1) / len(bands))
     # Nothing tells here whether the rigid way explains its data, so that these cells are drawn and judge nothing.
-    cells += [_cell(0, trials[0], lines_of(dynamic_mass, weights, floor, band), band) for band in _bands(first, lower)]
+    cells += [_cell(0, trials[0], elastic.lines_of(dynamic_mass, weights, floor, band), band) for band in _bands(first, lower)]
     return BandStudy(starts=first, stops=np.concatenate([lower, last]), counts=tuple(trials), cells=tuple(cells), fitted=whole)
 
 
@@ -237,7 +229,7 @@ def _bands(starts: Array, stops: Array) -> list[tuple[float, float]]:
 
 
 def _cell(count: int, trial: Trial, data: Lines, band: tuple[float, float]) -> StudiedFit:
-    thin = data.at(kept(data))
+    thin = data.at(elastic.kept(data))
     if count:
         # The poles of a trial within reach of the band; of those above, the static share goes to the residual mass
         parameters, terms = model.unpack(trial.vector, trial.layout)
@@ -251,21 +243,12 @@ def _cell(count: int, trial: Trial, data: Lines, band: tuple[float, float]) -> S
         start = model.pack(parameters, left, layout)
     else:
         layout, start = trial.layout, trial.vector
-    found = refine(start, layout, thin, iterations=15, accuracy=1e-4)
+    found = elastic.refine(start, layout, thin, iterations=15, accuracy=1e-4)
     return StudiedFit(
         band=band,
         count=count,
         modes=layout.modes,
         parameters=model.unpack(found.vector, layout)[0],
-        covariance=covariance_of_the_ten(found.information / price_of([found], thin).unit),
+        covariance=elastic.covariance_of_the_ten(found.information / elastic.price_of([found], thin).unit),
         misfit=found.chi2 / max(thin.count - layout.size, 1),
     )
-
-
-def _judged(cells: list[StudiedFit], whole: Fitted) -> list[StudiedFit]:
-    best = min(cell.misfit for cell in cells)
-    return [replace(cell, plausible=cell.misfit <= EXPLAINED * max(best, min(whole.misfit, 1.0), 1.0)) for cell in cells]
-
-
-def _ninth_of_ten(values: Array) -> float:
-    return float(np.quantile(values, 0.9)) if len(values) >= FEWEST else float("nan")

@@ -15,16 +15,8 @@ import numpy as np
 from geometry.atomic import write_text
 from geometry.errors import BadInput
 from geometry.frames import Array
-from identification.files.files import (
-    DAMAGED,
-    Samples,
-    Signals,
-    as_complex,
-    rate_of_times,
-    require_file,
-    require_lines,
-    require_one_length,
-)
+from identification.files import files
+from identification.files.files import DAMAGED, Samples, Signals
 
 ENDINGS = (".csv",)
 
@@ -45,7 +37,7 @@ def read(path: Path) -> Signals:
     BadInput : no header, two columns of one name, a row that is too long or too short, no number, unequal sampling, spectra with
         half of their columns.
     """
-    require_file(path)
+    files.require_file(path)
     source = str(path)
     content = path.read_bytes().removeprefix(b"\xef\xbb\xbf")
     head, _, body = content.partition(b"\n")
@@ -55,12 +47,20 @@ def read(path: Path) -> Signals:
     warnings = () if content.endswith(b"\n") else (f"{source}: its last row does not end; is the file cut short?",)
     if header[0] == "time":
         samples: dict[str, Samples] = {name: table[:, k] for k, name in enumerate(header) if k}
-        require_one_length(samples, len(axis), source)
-        rate = rate_of_times(axis, source, "time")
+        files.require_one_length(samples, len(axis), source)
+        rate = files.rate_of_times(axis, source, "time")
         return Signals(source=source, samples=samples, sampling_rate=rate, warnings=warnings)
-    samples = _complex(header, table, source)
-    require_one_length(samples, len(axis), source)
-    require_lines(axis, source, "frequency")
+    for name in header[1:]:
+        stem, _, part = name.rpartition(".")
+        other = f"{stem}.{'im' if part == 're' else 're'}"
+        if part not in ("re", "im") or other not in header:
+            missing = f"{name}.re and {name}.im are needed" if part not in ("re", "im") else f"{other} is missing"
+            problem = f"a spectrum takes two columns: {missing}"
+            raise BadInput(source=source, field=name, problem=problem, remedy="Write real and imaginary part")
+    stems, at = dict.fromkeys(name.rpartition(".")[0] for name in header[1:]), {name: k for k, name in enumerate(header)}
+    samples = {name: files.as_complex(table[:, at[f"{name}.re"]], table[:, at[f"{name}.im"]]) for name in stems}
+    files.require_one_length(samples, len(axis), source)
+    files.require_lines(axis, source, "frequency")
     return Signals(source=source, samples=samples, frequency=axis, warnings=warnings)
 
 
@@ -118,16 +118,3 @@ def _table(body: bytes, width: int, source: str) -> Array:
         problem = f"its rows have {table.shape[1]} columns where the header names {width}"
         raise BadInput(source=source, problem=problem, remedy=DAMAGED)
     return np.asarray(table, dtype=np.float64)
-
-
-def _complex(header: list[str], table: Array, source: str) -> dict[str, Samples]:
-    names = list(dict.fromkeys(name.rpartition(".")[0] for name in header[1:]))
-    for name in header[1:]:
-        stem, _, part = name.rpartition(".")
-        other = f"{stem}.{'im' if part == 're' else 're'}"
-        if part not in ("re", "im") or other not in header:
-            missing = f"{name}.re and {name}.im are needed" if part not in ("re", "im") else f"{other} is missing"
-            problem = f"a spectrum takes two columns: {missing}"
-            raise BadInput(source=source, field=name, problem=problem, remedy="Write real and imaginary part")
-    at = {name: k for k, name in enumerate(header)}
-    return {name: as_complex(table[:, at[f"{name}.re"]], table[:, at[f"{name}.im"]]) for name in names}

@@ -16,7 +16,6 @@ from geometry.frames import Array
 
 # What a signal file holds, whatever its format: samples by name, one common axis, and the units that the file itself states.
 
-
 LARGEST_BYTES = 2 * 2**30
 """A run of more is refused, on disk and unpacked: 22 channels at 8192 Hz take 0.13 GiB in ninety seconds."""
 
@@ -179,7 +178,6 @@ def _module(path: Path) -> Any:
 
 # The common axis: is it evenly sampled, and at what rate, when the file says so in a few digits only?
 
-
 UNEVEN = 0.3
 """How far a time stamp may lie from its place at most, in sampling intervals, when its printed digits have no more to say."""
 
@@ -201,14 +199,6 @@ def roundest(low: float, high: float) -> float:
         if low <= candidate <= high:
             return candidate
     return middle
-
-
-def rate_of_increment(increment: float) -> tuple[float, float]:
-    """Least and largest sampling rate [Hz] that a printed time `increment` [s], positive, may stand for."""
-    # Half a unit of the last digit that `increment` was printed with, at least `5` decimals behind an exponent
-    digits = next((d for d in range(5, 17) if float(f"{increment:.{d}e}") == increment), 17)
-    rounding = float(0.5 * 10.0 ** (np.floor(np.log10(abs(increment))) - digits))
-    return 1 / (increment + rounding), 1 / (increment - rounding)
 
 
 def rate_of_times(time: Array, source: str, field: str) -> float:

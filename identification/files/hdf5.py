@@ -16,23 +16,13 @@ import numpy as np
 
 from geometry.atomic import write_with
 from geometry.errors import BadInput
-from identification.files.files import (
-    DAMAGED,
-    LARGEST_BYTES,
-    Samples,
-    Signals,
-    as_complex,
-    require_file,
-    require_lines,
-    require_one_length,
-    too_large,
-)
+from identification.files import files
+from identification.files.files import DAMAGED, LARGEST_BYTES, Samples, Signals
 
 # HDF5 that may come from anywhere: opened, and one dataset read, without believing more than the file can vouch for.
 #
 # The library follows links into other files, fills what was never written with zeros, and reads whatever stands where a damaged
 # address points. All of that is looked at before.
-
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
@@ -54,7 +44,18 @@ def opened(path: Path) -> Iterator[Any]:
     """
     import h5py
 
-    _require_whole(path)
+    # The file is as long as its superblock says: a stretch that was lost, or came twice, shifts all that follows it
+    with path.open("rb") as raw:
+        head = raw.read(8192)
+    start = next((k for k in (0, 512, 1024, 2048, 4096) if head[k : k + 8] == SIGNATURE), None)
+    if start is None:
+        raise BadInput(source=str(path), problem="it cannot be read as HDF5: it does not begin so", remedy=DAMAGED)
+    block = head[start : start + 64].ljust(64, b"\0")
+    field, width = (40 if block[8] < 2 else 28) + 4 * (block[8] == 1), block[13] if block[8] < 2 else block[9]
+    stated, found = int.from_bytes(block[field : field + 8], "little"), path.stat().st_size
+    if width == 8 and stated != found:
+        problem = f"it cannot be read as HDF5: it says that it is {stated} bytes long, found {found}"
+        raise BadInput(source=str(path), problem=problem, remedy=DAMAGED)
     try:
         with h5py.File(path, "r") as file:
             yield file
@@ -75,13 +76,18 @@ def datasets(group: Any, source: str) -> dict[str, Any]:
     found = {name: dataset(group, name, source) for name in group}
     total = sum(int(one.size or 0) * one.dtype.itemsize for one in found.values())
     if total > LARGEST_BYTES:
-        raise too_large(source, total)
+        raise files.too_large(source, total)
     from h5py import h5o
 
     # No two datasets share bytes of the file, nor do numbers and the heads of datasets
     heads = [(h5o.get_info(one.id).addr, 1, f"the head of {name}") for name, one in found.items()]
     ranges = sorted(
-        heads + [(one.id.get_offset(), one.id.get_storage_size(), name) for name, one in found.items() if _is_whole(one)]
+        heads
+        + [
+            (one.id.get_offset(), one.id.get_storage_size(), name)
+            for name, one in found.items()
+            if one.chunks is None and one.id.get_offset() is not None
+        ]
     )
     for (start, size, name), (after, _, other) in pairwise(ranges):
         if start + size > after:
@@ -109,10 +115,13 @@ def dataset(group: Any, name: str, source: str) -> Any:
         raise refused("is no dataset", "Put one dataset a channel there")
     if entry.external or entry.is_virtual:
         raise refused("has its numbers in another file", _OWN_DATA)
-    if not _is_plain(entry.dtype) or not _is_ieee(entry):
+    # The type in the file is the standard one, bit by bit: with a damaged one, other numbers would be read
+    if not _is_plain(entry.dtype) or not any(
+        entry.id.get_type().equal(h5py.h5t.py_create(entry.dtype.newbyteorder(sign))) for sign in "<>"
+    ):
         raise refused(f"must hold floating-point numbers, found the type {entry.dtype}", "Write it as 64-bit floating point")
     if int(entry.size or 0) * entry.dtype.itemsize > LARGEST_BYTES:
-        raise too_large(source, int(entry.size) * entry.dtype.itemsize)
+        raise files.too_large(source, int(entry.size) * entry.dtype.itemsize)
     return entry
 
 
@@ -127,7 +136,7 @@ def values(entry: Any, name: str, source: str) -> Samples:
         _require_written(entry, name, source)
     numbers = np.asarray(entry[()])
     if numbers.dtype.names:
-        numbers = as_complex(*(numbers[part] for part in numbers.dtype.names))
+        numbers = files.as_complex(*(numbers[part] for part in numbers.dtype.names))
     return numbers.astype(np.complex128 if numbers.dtype.kind == "c" else np.float64)
 
 
@@ -145,35 +154,12 @@ def number(group: Any, name: str, source: str) -> float:
     return float(value.item())
 
 
-def _require_whole(path: Path) -> None:
-    """The file is as long as its superblock says: a stretch that was lost, or came twice, shifts all that follows it."""
-    with path.open("rb") as file:
-        head = file.read(8192)
-    start = next((k for k in (0, 512, 1024, 2048, 4096) if head[k : k + 8] == SIGNATURE), None)
-    if start is None:
-        raise BadInput(source=str(path), problem="it cannot be read as HDF5: it does not begin so", remedy=DAMAGED)
-    block = head[start : start + 64].ljust(64, b"\0")
-    field, width = (40 if block[8] < 2 else 28) + 4 * (block[8] == 1), block[13] if block[8] < 2 else block[9]
-    stated, found = int.from_bytes(block[field : field + 8], "little"), path.stat().st_size
-    if width == 8 and stated != found:
-        problem = f"it cannot be read as HDF5: it says that it is {stated} bytes long, found {found}"
-        raise BadInput(source=str(path), problem=problem, remedy=DAMAGED)
-
-
 def _is_plain(dtype: Any) -> bool:
     """Real or complex IEEE numbers of four or eight bytes a part, complex also as MATLAB's pair of fields."""
     if dtype.names:
         parts = [dtype[name] for name in dtype.names]
         return dtype.names in (("real", "imag"), ("r", "i")) and parts[0] == parts[1] and _is_plain(parts[0])
     return dtype.kind in "fc" and dtype.itemsize in ((4, 8) if dtype.kind == "f" else (8, 16))
-
-
-def _is_ieee(entry: Any) -> bool:
-    """Whether the type in the file is the standard one, bit by bit: with a damaged one, other numbers would be read."""
-    import h5py
-
-    stored = entry.id.get_type()
-    return any(stored.equal(h5py.h5t.py_create(entry.dtype.newbyteorder(sign))) for sign in "<>")
 
 
 def _require_written(entry: Any, name: str, source: str) -> None:
@@ -190,26 +176,17 @@ def _require_written(entry: Any, name: str, source: str) -> None:
         raise refused(f"declares {entry.size} samples in {expected} pieces, found {found}")
     corners = (tuple(at * step for at, step in zip(place, entry.chunks, strict=True)) for place in np.ndindex(*counts))
     plain = int(np.prod(entry.chunks)) * entry.dtype.itemsize
-    filters = _filters(entry, refused)
-    for corner in corners:
-        left_out, _ = entry.id.read_direct_chunk(corner)  # fails where reading the numbers would fill in zeros
-        if left_out or not (filters or entry.id.get_chunk_info_by_coord(corner).size == plain):
-            raise refused("is stored otherwise than it says")
-
-
-def _filters(entry: Any, refused: Any) -> list[int]:
     properties = entry.id.get_create_plist()
-    found = [properties.get_filter(k) for k in range(properties.get_nfilters())]
-    for code, _, parameters, _ in found:
+    filters = [properties.get_filter(k) for k in range(properties.get_nfilters())]
+    for code, _, parameters, _ in filters:
         if code not in _FILTERS:
             raise refused(f"is packed by filter {code}, where {', '.join(_FILTERS.values())} are known")
         if code == 2 and tuple(parameters[:1]) != (entry.dtype.itemsize,):
             raise refused("is shuffled by another size than that of its numbers")
-    return [code for code, *_ in found]
-
-
-def _is_whole(one: Any) -> bool:
-    return one.chunks is None and one.id.get_offset() is not None
+    for corner in corners:
+        left_out, _ = entry.id.read_direct_chunk(corner)  # fails where reading the numbers would fill in zeros
+        if left_out or not (filters or entry.id.get_chunk_info_by_coord(corner).size == plain):
+            raise refused("is stored otherwise than it says")
 
 
 ENDINGS = (".h5", ".hdf5")
@@ -222,7 +199,7 @@ def read(path: Path) -> Signals:
     ------
     BadInput : no HDF5, damaged, links, no channels, no axis or two, channels of different lengths or of more dimensions than one.
     """
-    require_file(path)
+    files.require_file(path)
     source = str(path)
     with opened(path) as file:
         import h5py
@@ -249,8 +226,8 @@ def read(path: Path) -> Signals:
         raise BadInput(source=source, field="sampling_rate", problem=f"must be positive, found {rate:g}", remedy="Correct it")
     if lines is not None:
         lines = _one_dimensional(lines, "frequency", source).real
-        require_lines(lines, source, "frequency")
-    require_one_length(samples, None if lines is None else len(lines), source)
+        files.require_lines(lines, source, "frequency")
+    files.require_one_length(samples, None if lines is None else len(lines), source)
     return Signals(source=source, samples=samples, sampling_rate=rate, frequency=lines)
 
 

@@ -18,17 +18,8 @@ import numpy as np
 from geometry.atomic import write_with
 from geometry.errors import BadInput
 from geometry.frames import Array
-from identification.files.files import (
-    DAMAGED,
-    LARGEST_BYTES,
-    Samples,
-    Signals,
-    require_file,
-    require_lines,
-    require_one_length,
-    too_large,
-    variable,
-)
+from identification.files import files
+from identification.files.files import DAMAGED, LARGEST_BYTES, Samples, Signals
 from identification.files.hdf5 import SIGNATURE, datasets, opened, values
 
 # MAT files of version 5, measured before scipy reads them: every element within the file, every array as long as it says.
@@ -36,7 +27,6 @@ from identification.files.hdf5 import SIGNATURE, datasets, opened, values
 # A variable may only be an array of real or complex floating-point numbers. Cells, structures, characters, sparse arrays,
 # functions and objects of MATLAB are refused by their class before anything is made of them. Nothing here or in scipy runs what
 # a file holds. Format: MAT-File Format, The MathWorks, level 5.
-
 
 HEADER = 128
 MATRIX, COMPRESSED = 14, 15
@@ -79,17 +69,27 @@ def read_version_5(path: Path) -> dict[str, Samples]:
     from scipy.io import loadmat
 
     source = str(path)
-    # `unpacked_content` with its compressed elements unpacked, all of it measured
-    unpacked_content = path.read_bytes()
-    if len(unpacked_content) < HEADER or unpacked_content[124:128] not in (b"\x00\x01IM", b"\x01\x00MI"):
+    # Its compressed elements are unpacked, and all of it is measured
+    packed = path.read_bytes()
+    if len(packed) < HEADER or packed[124:128] not in (b"\x00\x01IM", b"\x01\x00MI"):
         raise BadInput(source=source, problem="it is no MAT file of version 5", remedy="Save it with -v7 or -v7.3")
-    order = _Order(sign="<" if unpacked_content[126:128] == b"IM" else ">")
-    pieces, place, names, room = [unpacked_content[:HEADER]], HEADER, [], LARGEST_BYTES
-    while place < len(unpacked_content):
-        kind, size = order.words(_enough(unpacked_content, place, 8, source), place, 2)
-        body = _enough(unpacked_content, place + 8, size, source)[place + 8 : place + 8 + size]
+    order = _Order(sign="<" if packed[126:128] == b"IM" else ">")
+    pieces, place, names, room = [packed[:HEADER]], HEADER, [], LARGEST_BYTES
+    while place < len(packed):
+        kind, size = order.words(_enough(packed, place, 8, source), place, 2)
+        body = _enough(packed, place + 8, size, source)[place + 8 : place + 8 + size]
         place += 8 + size
-        element = _inflated(body, room, source) if kind == COMPRESSED else struct.pack(f"{order.sign}2I", kind, size) + body
+        element = struct.pack(f"{order.sign}2I", kind, size) + body
+        if kind == COMPRESSED:
+            unpacker = zlib.decompressobj()
+            try:
+                element = unpacker.decompress(body, room)
+            except zlib.error as error:
+                raise BadInput(source=source, problem=f"a variable cannot be unpacked: {error}", remedy=DAMAGED) from None
+            if unpacker.unconsumed_tail:
+                raise files.too_large(source, room + 1)
+            if not unpacker.eof or unpacker.unused_data:
+                raise BadInput(source=source, problem="a packed variable does not end where it says", remedy=DAMAGED)
         room -= len(element)
         name = _measured(element, order, source)
         if name in names:
@@ -103,19 +103,6 @@ def read_version_5(path: Path) -> dict[str, Samples]:
         problem = f"it cannot be read as a MAT file: {str(error) or type(error).__name__}"
         raise BadInput(source=source, problem=problem, remedy=DAMAGED) from None
     return {name: np.asarray(values) for name, values in found.items() if not name.startswith("__")}
-
-
-def _inflated(packed: bytes, room: int, source: str) -> bytes:
-    unpacker = zlib.decompressobj()
-    try:
-        element = unpacker.decompress(packed, room)
-    except zlib.error as error:
-        raise BadInput(source=source, problem=f"a variable cannot be unpacked: {error}", remedy=DAMAGED) from None
-    if unpacker.unconsumed_tail:
-        raise too_large(source, room + 1)
-    if not unpacker.eof or unpacker.unused_data:
-        raise BadInput(source=source, problem="a packed variable does not end where it says", remedy=DAMAGED)
-    return element
 
 
 def _measured(element: bytes, order: _Order, source: str) -> str:
@@ -185,14 +172,21 @@ def read(path: Path) -> Signals:
     ------
     BadInput : no MAT file, damaged, variables that are no vectors of numbers, no axis or two.
     """
-    require_file(path)
+    files.require_file(path)
     source = str(path)
     with path.open("rb") as file:
         head = file.read(V73 + 8)
     if head[V73:] == SIGNATURE:
         with opened(path) as hdf5:
-            for name in hdf5:
-                _require_numeric(hdf5, name, source)
+            import h5py
+
+            for name in hdf5:  # MATLAB's own word for what is no array of numbers; `datasets` refuses what has no such word
+                is_own = isinstance(hdf5.get(name, getlink=True), h5py.HardLink)
+                word = hdf5[name].attrs.get("MATLAB_class") if is_own else None
+                if word is not None and bytes(word) not in (b"double", b"single"):
+                    said = bytes(word).decode("utf-8", errors="replace")
+                    problem = f"is of class {said!r}, where a vector of numbers is needed"
+                    raise BadInput(source=source, field=name, problem=problem, remedy="Save signals and fs or frequency only")
             found = {name: values(one, name, source) for name, one in datasets(hdf5, source).items()}
     else:
         found = read_version_5(path)
@@ -202,14 +196,14 @@ def read(path: Path) -> Signals:
         problem = f"one variable fs or frequency is needed, found {'both' if axes else 'neither'}"
         raise BadInput(source=source, field="fs", problem=problem, remedy="Save the one that fits the data")
     if "fs" in axes:
-        require_one_length(samples, None, source)
+        files.require_one_length(samples, None, source)
         rate = np.asarray(axes["fs"]).ravel()
         if rate.size != 1 or np.iscomplexobj(rate) or not 0 < rate[0] < np.inf:
             raise BadInput(source=source, field="fs", problem="must be one positive number", remedy=DAMAGED)
         return Signals(source=source, samples=samples, sampling_rate=float(rate[0]))
     lines = _vector(axes["frequency"], "frequency", source).real.astype(np.float64)
-    require_lines(lines, source, "frequency")
-    require_one_length(samples, len(lines), source)
+    files.require_lines(lines, source, "frequency")
+    files.require_one_length(samples, len(lines), source)
     return Signals(source=source, samples=samples, frequency=lines)
 
 
@@ -254,18 +248,6 @@ def _fill_v73(path: Path, variables: dict[str, Any]) -> None:
         raw.write(text)
 
 
-def _require_numeric(file: Any, name: str, source: str) -> None:
-    """Refuse by MATLAB's own word what is no array of numbers; `datasets` refuses what has no such word."""
-    import h5py
-
-    if not isinstance(file.get(name, getlink=True), h5py.HardLink):
-        return
-    kind = file[name].attrs.get("MATLAB_class")
-    if kind is not None and bytes(kind) not in (b"double", b"single"):
-        problem = f"is of class {bytes(kind).decode('utf-8', errors='replace')!r}, where a vector of numbers is needed"
-        raise BadInput(source=source, field=name, problem=problem, remedy="Save signals and fs or frequency only")
-
-
 def _vector(numbers: Samples, name: str, source: str) -> Samples:
     if numbers.ndim > 2 or (numbers.ndim == 2 and 1 not in numbers.shape):
         shape = " x ".join(map(str, numbers.shape))
@@ -280,7 +262,7 @@ def _variables(signals: Signals, source: str) -> dict[str, float | Array | Sampl
     if signals.frequency is not None:
         found["frequency"] = np.asarray(signals.frequency)[:, None]
     for name, samples in signals.samples.items():
-        called = variable(name)
+        called = files.variable(name)
         good = called.isidentifier() and called.isascii() and called[0] != "_" and len(called) <= LONGEST_NAME
         if not good or called in found or called in ("fs", "frequency"):
             problem = f"cannot be a variable of MATLAB: {called!r}" + (" is another one already" if called in found else "")

@@ -1,7 +1,7 @@
 """Signals in universal files: dataset 58, ASCII or binary (58b), one a channel, its name in the first id line.
 
 Function type 1 is a time history, 12 a spectrum. A dataset 164 states the units of the functions behind it. Other datasets (151
-header, nodes, traces) are passed over. `uff_blocks` measures and reads the numbers, pyuff the headers. `uff_writing` writes.
+header, nodes, traces) are passed over. The numbers are measured and read here, the headers by pyuff.
 """
 
 from __future__ import annotations
@@ -17,27 +17,14 @@ import numpy as np
 from geometry.atomic import write_with
 from geometry.errors import BadInput
 from geometry.frames import Array
-from identification.files.files import (
-    DAMAGED,
-    LARGEST,
-    Samples,
-    Signals,
-    StatedUnits,
-    as_complex,
-    rate_of_increment,
-    rate_of_times,
-    require_file,
-    require_lines,
-    require_one_length,
-    roundest,
-)
+from identification.files import files
+from identification.files.files import DAMAGED, LARGEST, Samples, Signals, StatedUnits
 
 # The datasets of a universal file, told apart and measured before anybody reads numbers from them.
 #
 # pyuff looks for the end of a dataset by its sign and takes as many numbers as it finds. Here every dataset 58 must have exactly
 # the numbers that its header promises, in fields of the width that the format has, so that a byte too many or too few is
 # noticed. What has been measured is read at once, an order of magnitude faster than line by line.
-
 
 MARK = b"    -1"
 HEADER = 11
@@ -82,7 +69,11 @@ def blocks(content: bytes, source: str) -> list[Dataset]:
     """
     found: list[Dataset] = []
     place = 0
-    while (place := _skipped(content, place)) < len(content):
+    while True:
+        while place < len(content) and content[place : place + 1] in b" \r\n" and content[place : place + 6] != MARK:
+            place += 1  # past empty lines
+        if place >= len(content):
+            break
         block, place = _block(content, place, len(found), source)
         found.append(block)
     if not found:
@@ -104,13 +95,6 @@ def column(line: str, start: int, width: int, kind: type[int] | type[float], wha
         return kind(text)
     except ValueError:
         raise BadInput(source=source, field=what, problem=f"must be a number, found {text!r}", remedy=DAMAGED) from None
-
-
-def _skipped(content: bytes, place: int) -> int:
-    """Past empty lines."""
-    while place < len(content) and content[place : place + 1] in b" \r\n" and content[place : place + 6] != MARK:
-        place += 1
-    return place
 
 
 def _block(content: bytes, place: int, index: int, source: str) -> tuple[Dataset, int]:
@@ -144,7 +128,13 @@ def _function(content: bytes, place: int, identity: str, index: int, source: str
     if identity[6:7].lower() == "b":
         found, end, warnings = _binary(content, place, identity, numbers, 4 if kind in SINGLE else 8, name, source)
     else:
-        (found, end), warnings = _ascii(content, place, _widths(kind, even), numbers, name, source), ()
+        if kind in SINGLE:
+            widths = [13] * 6  # of the fields of a full line
+        elif even:
+            widths = [20] * 4
+        else:
+            widths = [13, 20, 13, 20] if kind in REAL else [13, 20, 20]
+        (found, end), warnings = _ascii(content, place, widths, numbers, name, source), ()
     closing = _CLOSING.match(content, end)
     if closing is None:
         problem = f"does not end behind the {count} values that it promises"
@@ -192,26 +182,13 @@ def _ascii(content: bytes, place: int, widths: list[int], count: int, name: str,
         found += ends.index(length) + 1
     if found != count:
         raise BadInput(source=source, field=name, problem=f"promises {count} numbers, found {found}", remedy=DAMAGED)
-    return _fields(rows, widths, name, source), closing.start()
-
-
-def _fields(rows: list[bytes], widths: list[int], name: str, source: str) -> Array:
-    """All fields of measured `rows`."""
     group = widths[:1] if len(set(widths)) == 1 else widths[: 3 if len(widths) == 3 else 2]
     try:
         cells = np.frombuffer(b"".join(rows), [(f"f{k}", f"S{width}") for k, width in enumerate(group)])
-        return np.column_stack([cells[f"f{k}"].astype(np.float64) for k in range(len(group))]).ravel()
+        fields = np.column_stack([cells[f"f{k}"].astype(np.float64) for k in range(len(group))]).ravel()
     except ValueError as error:
         raise BadInput(source=source, field=name, problem=f"holds something that is no number: {error}", remedy=DAMAGED) from None
-
-
-def _widths(kind: int, even: int) -> list[int]:
-    """Widths of the fields of a full line."""
-    if kind in SINGLE:
-        return [13] * 6
-    if even:
-        return [20] * 4
-    return [13, 20, 13, 20] if kind in REAL else [13, 20, 20]
+    return fields, closing.start()
 
 
 def _line(content: bytes, place: int, source: str) -> tuple[str, int]:
@@ -236,7 +213,6 @@ def _next_mark(content: bytes, place: int) -> re.Match[bytes] | None:
 # pyuff writes functions of type 12 not at all, half of the byte count of complex ones, and zeros for NaN; so this is ours, by
 # the published description of the format, and pyuff reads it back in the tests. ASCII numbers have the thirteen digits of
 # E20.12.
-
 
 RATE = "sampling rate {} Hz"
 """The fourth id line: the increment of the header has six digits only, and a record's length needs more."""
@@ -264,21 +240,17 @@ def write(path: Path, signals: Signals, *, binary: bool = False) -> None:
         stated = signals.units.get(name, _ENGLISH)
         if (stated.length, stated.force) != units:
             units = (stated.length, stated.force)
-            pieces.append(_units_block(stated))
+            # Factors are what SI is divided by; temperature is that of code 1
+            is_si = stated.length == stated.force == 1.0
+            factors = [f"{value:25.16E}".replace("E", "D") for value in (1 / stated.length, 1 / stated.force, 1.0, 273.15)]
+            words = f"{1 if is_si else 9:10d}{'SI: metre, newton' if is_si else 'unit of the channel':<20}{2:10d}"
+            pieces.append(_dataset("   164", [words, "".join(factors[:3]), factors[3]]))
         pieces.append(_function_block(name, samples, signals, binary, str(path)))
     write_with(path, lambda temporary: temporary.write_bytes(b"".join(pieces)))
 
 
 def _dataset(number: str, lines: list[str]) -> bytes:
     return "".join(f"{line}\n" for line in ("    -1", f"{number:<80}", *lines, "    -1")).encode()
-
-
-def _units_block(stated: StatedUnits) -> bytes:
-    """Factors are what SI is divided by; temperature is that of code 1."""
-    is_si = stated.length == stated.force == 1.0
-    factors = [f"{value:25.16E}".replace("E", "D") for value in (1 / stated.length, 1 / stated.force, 1.0, 273.15)]
-    words = f"{1 if is_si else 9:10d}{'SI: metre, newton' if is_si else 'unit of the channel':<20}{2:10d}"
-    return _dataset("   164", [words, "".join(factors[:3]), factors[3]])
 
 
 def _function_block(name: str, samples: Samples, signals: Signals, binary: bool, source: str) -> bytes:
@@ -300,7 +272,12 @@ def _function_block(name: str, samples: Samples, signals: Signals, binary: bool,
         *[_characteristics(0, "NONE")] * 2,
     ]
     if not binary:
-        return _dataset("    58", [*lines, *_rows(numbers, even)])
+        # Lines of E20.12, or of E13.5 and two E20.12 where every line has its own frequency
+        width, form = (4, "%20.12E" * 4) if even else (3, "%13.5E%20.12E%20.12E")
+        full = len(numbers) // width * width
+        rows = [form % tuple(row) for row in numbers[:full].reshape(-1, width).tolist()]
+        rest = ["".join(f"{one:20.12E}" for one in numbers[full:])] if full < len(numbers) else []
+        return _dataset("    58", [*lines, *rows, *rest])
     identity = f"    58b{1:6d}{2:6d}{11:12d}{8 * numbers.size:12d}{0:6d}{0:6d}{0:12d}{0:12d}"
     head = "".join(f"{line}\n" for line in ("    -1", identity, *lines)).encode()
     return head + numbers.astype("<f8").tobytes() + b"    -1\n"
@@ -329,14 +306,6 @@ def _characteristics(kind: int, unit: str) -> str:
     return f"{kind:10d}{0:5d}{0:5d}{0:5d} {'NONE':<20} {unit:<20}"
 
 
-def _rows(numbers: Array, even: bool) -> list[str]:
-    """Lines of E20.12, or of E13.5 and two E20.12 where every line has its own frequency."""
-    width, form = (4, "%20.12E" * 4) if even else (3, "%13.5E%20.12E%20.12E")
-    full = len(numbers) // width * width
-    rows = [form % tuple(row) for row in numbers[:full].reshape(-1, width).tolist()]
-    return rows + (["".join(f"{one:20.12E}" for one in numbers[full:])] if full < len(numbers) else [])
-
-
 ENDINGS = (".uff", ".unv")
 
 TIME_RESPONSE, SPECTRUM = 1, 12
@@ -354,7 +323,7 @@ def read(path: Path) -> Signals:
     ------
     BadInput : no universal file, damaged, no function, one of another type, without name or with another's, axes that differ.
     """
-    require_file(path)
+    files.require_file(path)
     source = str(path)
     found = blocks(path.read_bytes(), source)
     functions = [block for block in found if block.number == 58]
@@ -376,25 +345,6 @@ def read(path: Path) -> Signals:
         problem = "is a spectrum beside time histories, or the other way round"
         raise BadInput(source=source, field=odd, problem=problem, remedy="Put them into files of their own")
     kind = next(iter(kinds.values()))
-    names = _names(functions, source)
-    sets = _headers(path, [block.index for block in functions], len(found))
-    abscissae, ordinates = zip(*(_split(one, block) for one, block in zip(sets, functions, strict=True)), strict=True)
-    samples: dict[str, Samples] = dict(zip(names, ordinates, strict=True))
-    _require_one_axis(sets, abscissae, names, source)
-    require_one_length(samples, None, source)
-    axis: dict[str, Any] = {}
-    if kind == TIME_RESPONSE:
-        axis["sampling_rate"] = _rate(sets[0], abscissae[0], functions, names, source)
-    else:
-        axis["frequency"] = abscissae[0]
-        require_lines(axis["frequency"], source, names[0])
-    labels = {name: str(one.get("ordinate_axis_units_lab", "")).strip() for name, one in zip(names, sets, strict=True)}
-    units = _units(found, names, source)
-    warnings = tuple(text for block in functions for text in block.warnings)
-    return Signals(source=source, samples=samples, units=units, labels=labels, warnings=warnings, **axis)
-
-
-def _names(functions: list[Dataset], source: str) -> list[str]:
     names = [block.lines[0].strip() for block in functions]
     for name in names:
         if name in ("", "NONE"):
@@ -403,7 +353,29 @@ def _names(functions: list[Dataset], source: str) -> list[str]:
         if names.count(name) > 1:
             problem = f"{names.count(name)} datasets have this name in their first id line"
             raise BadInput(source=source, field=name, problem=problem, remedy="Give every channel its own name")
-    return names
+    sets = _headers(path, [block.index for block in functions], len(found))
+    abscissae: list[Array] = []
+    samples: dict[str, Samples] = {}
+    for name, one, block in zip(names, sets, functions, strict=True):
+        rows = block.numbers.reshape(int(one["num_pts"]), -1)
+        if one["abscissa_spacing"]:
+            abscissae.append(one["abscissa_min"] + one["abscissa_inc"] * np.arange(len(rows)))
+        else:
+            abscissae.append(rows[:, 0])
+            rows = rows[:, 1:]
+        samples[name] = files.as_complex(rows[:, 0], rows[:, 1]) if one["ord_data_type"] in COMPLEX else rows[:, 0]
+    _require_one_axis(sets, abscissae, names, source)
+    files.require_one_length(samples, None, source)
+    axis: dict[str, Any] = {}
+    if kind == TIME_RESPONSE:
+        axis["sampling_rate"] = _rate(sets[0], abscissae[0], functions, names, source)
+    else:
+        axis["frequency"] = abscissae[0]
+        files.require_lines(axis["frequency"], source, names[0])
+    labels = {name: str(one.get("ordinate_axis_units_lab", "")).strip() for name, one in zip(names, sets, strict=True)}
+    units = _units(found, names, source)
+    warnings = tuple(text for block in functions for text in block.warnings)
+    return Signals(source=source, samples=samples, units=units, labels=labels, warnings=warnings, **axis)
 
 
 def _headers(path: Path, chosen: list[int], count: int) -> list[dict[str, Any]]:
@@ -427,16 +399,6 @@ def _headers(path: Path, chosen: list[int], count: int) -> list[dict[str, Any]]:
     return sets
 
 
-def _split(one: dict[str, Any], block: Dataset) -> tuple[Array, Samples]:
-    """Abscissa and ordinate of a function."""
-    rows = block.numbers.reshape(int(one["num_pts"]), -1)
-    if one["abscissa_spacing"]:
-        abscissa = one["abscissa_min"] + one["abscissa_inc"] * np.arange(len(rows))
-    else:
-        abscissa, rows = rows[:, 0], rows[:, 1:]
-    return abscissa, as_complex(rows[:, 0], rows[:, 1]) if one["ord_data_type"] in COMPLEX else rows[:, 0]
-
-
 def _require_one_axis(sets: list[dict[str, Any]], abscissae: Sequence[Array], names: list[str], source: str) -> None:
     first = sets[0]
     for name, one, abscissa in zip(names, sets, abscissae, strict=True):
@@ -451,12 +413,15 @@ def _require_one_axis(sets: list[dict[str, Any]], abscissae: Sequence[Array], na
 def _rate(one: dict[str, Any], time: Array, functions: list[Dataset], names: list[str], source: str) -> float:
     """The sampling rate behind an increment of six digits, or behind time stamps; an id line of ours has it in full."""
     if not one["abscissa_spacing"]:
-        return rate_of_times(time, source, "time")
+        return files.rate_of_times(time, source, "time")
     increment = float(one["abscissa_inc"])
     if not 0 < increment < np.inf:
         problem = f"has the abscissa increment {increment:g} s"
         raise BadInput(source=source, field=names[0], problem=problem, remedy="Export it with its sampling interval")
-    low, high = rate_of_increment(increment)
+    # Half a unit of the last digit that the increment was printed with, at least `5` decimals behind an exponent
+    digits = next((d for d in range(5, 17) if float(f"{increment:.{d}e}") == increment), 17)
+    rounding = float(0.5 * 10.0 ** (np.floor(np.log10(increment)) - digits))
+    low, high = 1 / (increment + rounding), 1 / (increment - rounding)
     for block, name in zip(functions, names, strict=True):
         stated = re.fullmatch(RATE.format(r"(\S+)"), block.lines[3].strip())
         full = float(stated[1]) if stated and re.fullmatch(r"[-+.\deE]+", stated[1]) else None
@@ -465,7 +430,7 @@ def _rate(one: dict[str, Any], time: Array, functions: list[Dataset], names: lis
             raise BadInput(source=source, field=name, problem=problem, remedy=DAMAGED)
         if full is not None:
             return full
-    return roundest(low, high)
+    return files.roundest(low, high)
 
 
 def _units(found: list[Dataset], names: list[str], source: str) -> dict[str, StatedUnits]:

@@ -1,4 +1,4 @@
-"""The public face of the joint estimator."""
+"""The joint fit: annealed, with as many poles as pay, and its covariance told apart by input."""
 
 from __future__ import annotations
 
@@ -26,7 +26,6 @@ from identification.self_calibration.solve import CLOSE, MOST, Solution, inverse
 # which sensors were off. What it holds beyond the fitted one at the line that fits worst is, at a resonance, -i l l^T / (2
 # zeta): its leading eigenvector is where the participation of a further pole begins.
 
-
 MISFIT = 8.0
 """How far above the median of all lines a line may lie before a pole is looked for."""
 
@@ -48,14 +47,6 @@ def dynamic_mass(problem: Assembly, x: Array) -> DynamicMass:
     cover, force = ([chain.names.index(one.name) for one in group.channels] for group in (chain.cover, chain.forces))
     motion, load = (np.linalg.pinv(rows[:, at]) @ y[:, :, at] for rows, at in ((a0, cover), (a1, force)))
     return from_runs(load[..., 0], motion[..., 0], f, problem.campaigns[0].spectra.table.origin).dynamic_mass
-
-
-def worst(problem: Assembly, x: Array, floor: float) -> tuple[int, float]:
-    """The line of the article's campaign that fits worst, and its misfit in the median of all lines."""
-    part = problem.parts(floor)[0]
-    by_line = np.mean(np.abs(residual(part.observed, part.rows(problem.layout, x, changes=False))) ** 2, axis=(0, 2))
-    k = int(np.argmax(by_line))
-    return k, float(by_line[k] / max(float(np.median(by_line)), np.finfo(np.float64).tiny))
 
 
 def with_one_more(problem: Assembly, x: Array, line: int) -> tuple[Assembly, Array] | None:
@@ -81,18 +72,15 @@ def with_one_beyond(problem: Assembly, x: Array) -> tuple[Assembly, Array] | Non
     f, of_fit = measured.frequency, structure.dynamic_mass(layout, x, measured.frequency)
     weight = 1 / np.abs(of_fit / np.outer(model.SCALE, model.SCALE)).max(axis=(1, 2))
     left = weight[:, None] * ((measured.matrix - of_fit).real / np.outer(model.SCALE, model.SCALE)).reshape(-1, 36)
-    tried = {share: _rising(left, weight, f, share * float(f[-1])) for share in REACH_OF_POLE}
-    share = min(tried, key=lambda one: tried[one][1])
-    beyond, Q = share * float(f[-1]), tried[share][0]
+    least, beyond, Q = np.inf, 0.0, np.zeros((6, 6))
+    for pole in np.array(REACH_OF_POLE) * f[-1]:
+        basis = weight[:, None] * np.stack([f**2 / (pole**2 - f**2), np.ones_like(f), f**2 / pole**2], axis=1)
+        amplitudes = np.linalg.lstsq(basis, left)[0]
+        squares = float(np.sum(np.square(left - basis @ amplitudes)))
+        if squares < least:
+            least, beyond, Q = squares, float(pole), amplitudes[0].reshape(6, 6)
     values, vectors = np.linalg.eigh((Q + Q.T) / 2)
     return _longer(problem, x, beyond, model.SCALE * vectors[:, -1] * np.sqrt(values[-1])) if values[-1] > 0 else None
-
-
-def _rising(left: Array, weight: Array, f: Array, beyond: float) -> tuple[Array, float]:
-    """Amplitudes (6, 6) of a pole at `beyond` [Hz] in what is `left` (n, 36), weighted, and the squares that remain."""
-    basis = weight[:, None] * np.stack([f**2 / (beyond**2 - f**2), np.ones_like(f), f**2 / beyond**2], axis=1)
-    found = np.linalg.lstsq(basis, left)[0]
-    return found[0].reshape(6, 6), float(np.sum(np.square(left - basis @ found)))
 
 
 def _longer(problem: Assembly, x: Array, frequency: float, participation: Array) -> tuple[Assembly, Array]:
@@ -132,7 +120,6 @@ def replaced(problem: Assembly, x: Array, elastic: model.ElasticLayout, layout: 
 # participation were zero, all else refitted to second order, is l^T C_ll^-1 l (Wald; the exponent of Savage and Dickey's ratio
 # with Gaussian priors). Poles go the weakest first, each time with what the others then are.
 
-
 COUPLED = 1.0
 """Standard deviations from zero from which the coupled damping of a pair is kept: below, the prior at zero says as much."""
 
@@ -145,10 +132,19 @@ def pruned(problem: Assembly, solution: Solution, size: int, *, below: float = n
     size : real numbers in the data: a parameter must take ln(size) out of chi² (Schwarz 1978)
     below : [Hz] poles that may go; beyond the band several act as one as long as the rest is coarse
     """
-    elastic = problem.campaigns[0].structure.elastic
+    structure, layout, elastic = problem.campaigns[0].structure, problem.layout, problem.campaigns[0].structure.elastic
     if elastic is None or not elastic.modes:
         return None
-    x, C, gone = _without_weak(problem, solution, pole_penalty(size), below)
+    # Vector and covariance with the participation of weak poles held at zero, and which those are
+    x, C, gone = solution.x, inverse(solution.normal.matrix), set[int]()
+    stays = structure.terms(layout, x).frequency > below
+    left = np.where(stays, np.inf, worths(problem, x, C))
+    while left.min() < pole_penalty(size):
+        weak = _participation(problem, int(np.argmin(left)))
+        gain = np.linalg.solve(C[np.ix_(weak, weak)], C[weak]).T
+        x, C = x - gain @ x[weak], C - gain @ C[weak]
+        gone.add(int(np.argmin(left)))
+        left = np.array([np.inf if r in gone or stays[r] else _worth(x, C, _participation(problem, r)) for r in range(len(left))])
     at = _first(problem) + np.arange(elastic.size)[elastic.blocks["pairs"]]
     known = np.abs(x[at]) > COUPLED * np.sqrt(np.maximum(np.diag(C)[at], 0.0))
     pairs = tuple(pair for pair, keep in zip(elastic.pairs, known, strict=True) if keep)
@@ -156,22 +152,10 @@ def pruned(problem: Assembly, solution: Solution, size: int, *, below: float = n
     kept = tuple((r, s) for r, s in pairs if r in rest and s in rest)
     if not gone and kept == elastic.pairs:
         return None
-    structure, layout = problem.campaigns[0].structure, problem.layout
     place = {r: k for k, r in enumerate(rest)}
     terms = model.chosen(structure.terms(layout, x), rest)
     elastic, made = of_article(ELASTIC, structure.ten(layout, x), terms, pairs=tuple((place[r], place[s]) for r, s in kept))
     return replaced(problem, x, elastic, Layout(blocks=tuple(made if b.name == ELASTIC else b for b in layout.blocks)))
-
-
-def modes(problem: Assembly) -> int:
-    """Poles of the article."""
-    elastic = problem.campaigns[0].structure.elastic
-    return 0 if elastic is None else elastic.modes
-
-
-def beyond(problem: Assembly, x: Array) -> int:
-    """Poles of the article above the band at `x` (k,)."""
-    return int(np.sum(problem.campaigns[0].structure.terms(problem.layout, x).frequency > problem.band[1]))
 
 
 def pole_penalty(size: int) -> float:
@@ -181,22 +165,7 @@ def pole_penalty(size: int) -> float:
 
 def worths(problem: Assembly, x: Array, C: Array) -> Array:
     """(m,) what chi² would rise by without each pole; `C` (k, k) is the posterior covariance at `x` (k,)."""
-    return np.array([_worth(x, C, _participation(problem, r)) for r in range(modes(problem))])
-
-
-def _without_weak(problem: Assembly, solution: Solution, price: float, below: float) -> tuple[Array, Array, set[int]]:
-    """Vector and covariance with the participation of weak poles held at zero, and which those are."""
-    x, C = solution.x, inverse(solution.normal.matrix)
-    stays = problem.campaigns[0].structure.terms(problem.layout, x).frequency > below
-    gone: set[int] = set()
-    left = np.where(stays, np.inf, worths(problem, x, C))
-    while left.min() < price:
-        at = _participation(problem, int(np.argmin(left)))
-        gain = np.linalg.solve(C[np.ix_(at, at)], C[at]).T
-        x, C = x - gain @ x[at], C - gain @ C[at]
-        gone.add(int(np.argmin(left)))
-        left = np.array([np.inf if r in gone or stays[r] else _worth(x, C, _participation(problem, r)) for r in range(len(left))])
-    return x, C, gone
+    return np.array([_worth(x, C, _participation(problem, r)) for r in range(problem.modes)])
 
 
 def _worth(x: Array, C: Array, at: Integers) -> float:
@@ -214,13 +183,11 @@ def _participation(problem: Assembly, r: int) -> Integers:
     return np.asarray(_first(problem) + begin + 6 * r + np.arange(6))
 
 
-# Two bootstraps of the joint fit, linearised at its minimum, so that a thousand draws cost next to nothing.
+# The block bootstrap of the joint fit, linearised at its minimum, so that a thousand draws cost next to nothing.
 #
-# Near the minimum a change of the data moves the estimate by -C s, s the change of the gradient. The *parametric* bootstrap
-# draws noise as the likelihood takes it: independent from line to line. The *block* bootstrap draws from the residuals that are
-# there: runs are cut into blocks of neighbouring lines, blocks are drawn with replacement (Kuensch, Ann. Statist. 17 (1989)
-# 1217), and what each contributes to the gradient comes along with whatever correlation it has. Priors are drawn anew in both.
-
+# Near the minimum a change of the data moves the estimate by -C s, s the change of the gradient. It is drawn from the residuals
+# that are there: runs are cut into blocks of neighbouring lines, blocks are drawn with replacement (Kuensch, Ann. Statist. 17
+# (1989) 1217), and what each contributes to the gradient comes along with whatever correlation it has. Priors are drawn anew.
 
 BLOCK = 1.0
 """[Hz] of a block: wider than a resonance."""
@@ -230,18 +197,13 @@ DRAWS = 2000
 
 def bootstrap_scores(parts: Sequence[Part], layout: Layout, x: Array, *, block: float = BLOCK) -> list[Array]:
     """By campaign (b, k): what every block of lines of every run contributes to the gradient at `x`."""
-    return [_of_campaign(part, layout, x, block) for part in parts]
-
-
-def parametric(C: Array, normal: Array, rows: Array, rng: np.random.Generator, draws: int = DRAWS) -> Array:
-    """(draws, k) changes of the estimate with noise and knowledge drawn as they are assumed.
-
-    C (k, k) is the posterior covariance, `normal` J^T J of the data and `rows` (p, k) the whitened knowledge.
-    """
-    values, vectors = np.linalg.eigh(normal)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    noise = rng.standard_normal((draws, len(C))) @ root.T
-    return np.asarray((noise + rng.standard_normal((draws, len(rows))) @ rows) @ C)
+    found = []
+    for part in parts:
+        by_line = likelihood.gradients(part.observed, part.rows(layout, x)) @ part.selection(layout)  # (r, n, k)
+        f = part.observed.frequency
+        at = np.floor((f - f[0]) / block).astype(np.int64)
+        found.append(np.concatenate([np.stack([run[at == one].sum(axis=0) for one in np.unique(at)]) for run in by_line]))
+    return found
 
 
 def blocks(C: Array, found: Sequence[Array], rows: Array, rng: np.random.Generator, draws: int = DRAWS) -> Array:
@@ -253,18 +215,10 @@ def blocks(C: Array, found: Sequence[Array], rows: Array, rng: np.random.Generat
     return np.asarray(change @ C)
 
 
-def _of_campaign(part: Part, layout: Layout, x: Array, block: float) -> Array:
-    by_line = likelihood.gradients(part.observed, part.rows(layout, x)) @ part.selection(layout)  # (r, n, k)
-    f = part.observed.frequency
-    at = np.floor((f - f[0]) / block).astype(np.int64)
-    return np.concatenate([np.stack([run[at == one].sum(axis=0) for one in np.unique(at)]) for run in by_line])
-
-
 # From the joint minimum to an `Identified`: covariance, where it comes from, misfit and the price of the tolerances.
 #
 # The posterior covariance of the whole vector is C = (J^T J + A^T A)^-1 = C J^T J C + sum C A_b^T A_b C: what noise gives, and
 # what every family b of tolerances leaves. Noise counts for elasticity as far as it would be less were the elastic terms known.
-
 
 NOISE = "noise"
 
@@ -294,6 +248,35 @@ class Posterior:
     covariance: Array
     misfit: float
 
+    def parts(self, layout: Layout) -> dict[str, Array]:
+        """By input its part (10, 10) of the covariance of the article's parameters; they add up to it."""
+        article = layout.at("article")
+        C = self.covariance[article]
+        through = C @ self.rows.T
+        families = np.array(self.families)
+        split = {name: through[:, families == name] @ through[:, families == name].T for name in dict.fromkeys(self.families)}
+        noise = C @ self.data @ C.T
+        # The variance that noise gives the article's parameters where the elastic ones are known
+        others = np.flatnonzero([not name.startswith("elastic:") for name in layout.owners])
+        data, rows = self.data[np.ix_(others, others)], self.rows[:, others]
+        held = inverse(data + rows.T @ rows)[np.searchsorted(others, np.arange(article.start, article.stop))]
+        variance = np.sum((held @ data) * held, axis=1)
+        kept = np.sqrt(np.minimum(variance / np.maximum(np.diag(noise), np.finfo(np.float64).tiny), 1.0))
+        rigid = kept[:, None] * noise * kept
+        split = {NOISE: rigid, **split, FAMILY: split.get(FAMILY, np.zeros((10, 10))) + noise - rigid}
+        return {name: part for name, part in split.items() if np.any(np.diag(part) > 0)}
+
+    def gained(self, problem: Assembly) -> dict[str, Array]:
+        """By classical fact, how many times wider every interval of the ten would be without it, (10,)."""
+        article = problem.layout.at("article")
+        with_all = np.diag(self.covariance)[article]
+        families = np.array(self.families)
+        widened = {}
+        for fact in problem.facts:
+            rows = self.rows[families != request.name(fact)]
+            widened[request.name(fact)] = np.sqrt(np.diag(inverse(self.data + rows.T @ rows))[article] / with_all)
+        return widened
+
 
 def posterior(problem: Assembly, solution: Solution, settings: Settings) -> Posterior:
     """The covariance of everything that was estimated."""
@@ -309,11 +292,18 @@ def identified(problem: Assembly, solution: Solution, settings: Settings) -> Ide
     """The article's ten parameters at the joint minimum."""
     layout, article = problem.layout, problem.layout.at("article")
     found = posterior(problem, solution, settings)
-    split = parts(layout, found)
+    split = found.parts(layout)
     if np.any(problem.drift):
         split[FAMILY] = split.get(FAMILY, np.zeros((10, 10))) + np.outer(problem.drift, problem.drift)
     covariance = np.sum(list(split.values()), axis=0)
-    structure = problem.campaigns[0].structure
+    structure, warnings = problem.campaigns[0].structure, problem.warnings
+    if not solution.converged:
+        far = f"after {solution.evaluations} evaluations the next step is still {solution.decrement:.3g} standard deviations"
+        warnings = (*warnings, f"the joint fit did not converge: {far}; do not trust its figures")
+    tolerances = [one for one in layout.blocks if one.name.startswith(CHAIN)]
+    scores = bootstrap_scores(problem.parts(settings.floor), layout, solution.x)
+    scaled = [one / max(found.misfit, 1.0) for one in scores]
+    draws = blocks(found.covariance, scaled, found.rows, np.random.default_rng(SEED))
     return Identified(
         way="self-calibrated",
         inertia=Inertia(parameters=solution.x[article]),
@@ -322,68 +312,13 @@ def identified(problem: Assembly, solution: Solution, settings: Settings) -> Ide
         elastic=None if structure.elastic is None else structure.terms(layout, solution.x),
         shares={name: np.diag(part) / np.diag(covariance) for name, part in split.items()},
         misfit=found.misfit,
-        surprise=surprise(layout, solution.x),
-        tolerances=sum(len(one.families) for one in layout.blocks if one.name.startswith(CHAIN)),
+        surprise=float(sum(np.sum(np.square(one.rows @ solution.x[layout.at(one.name)])) for one in tolerances)),
+        tolerances=sum(len(one.families) for one in tolerances),
         converged=solution.converged,
         parts=split,
-        gained=gained(problem, found),
-        resampled=resampled(problem, solution, found, settings),
-        warnings=problem.warnings if solution.converged else (*problem.warnings, _unconverged(solution)),
-    )
-
-
-def parts(layout: Layout, found: Posterior) -> dict[str, Array]:
-    """By input its part (10, 10) of the covariance of the article's parameters; they add up to it."""
-    C = found.covariance[layout.at("article")]
-    through = C @ found.rows.T
-    families = np.array(found.families)
-    split = {name: through[:, families == name] @ through[:, families == name].T for name in dict.fromkeys(found.families)}
-    noise = C @ found.data @ C.T
-    kept = np.sqrt(np.minimum(_with_elastic_held(layout, found) / np.maximum(np.diag(noise), np.finfo(np.float64).tiny), 1.0))
-    rigid = kept[:, None] * noise * kept
-    split = {NOISE: rigid, **split, FAMILY: split.get(FAMILY, np.zeros((10, 10))) + noise - rigid}
-    return {name: part for name, part in split.items() if np.any(np.diag(part) > 0)}
-
-
-def gained(problem: Assembly, found: Posterior) -> dict[str, Array]:
-    """By classical fact, how many times wider every interval of the ten would be without it, (10,)."""
-    article = problem.layout.at("article")
-    with_all = np.diag(found.covariance)[article]
-    families = np.array(found.families)
-    widened = {}
-    for fact in problem.facts:
-        rows = found.rows[families != request.name(fact)]
-        widened[request.name(fact)] = np.sqrt(np.diag(inverse(found.data + rows.T @ rows))[article] / with_all)
-    return widened
-
-
-def resampled(problem: Assembly, solution: Solution, found: Posterior, settings: Settings) -> Array:
-    """(10, 10) covariance of the article's parameters by the block bootstrap."""
-    scores = bootstrap_scores(problem.parts(settings.floor), problem.layout, solution.x)
-    rng = np.random.default_rng(SEED)
-    draws = blocks(found.covariance, [one / max(found.misfit, 1.0) for one in scores], found.rows, rng)
-    return np.asarray(np.cov(draws[:, problem.layout.at("article")].T))
-
-
-def surprise(layout: Layout, x: Array) -> float:
-    """Sum z² of the tolerances of the measurement chain."""
-    return float(sum(np.sum(np.square(one.rows @ x[layout.at(one.name)])) for one in layout.blocks if one.name.startswith(CHAIN)))
-
-
-def _with_elastic_held(layout: Layout, found: Posterior) -> Array:
-    """(10,) variance that noise gives the article's parameters where the elastic ones are known."""
-    article = layout.at("article")
-    rigid = np.flatnonzero([not name.startswith("elastic:") for name in layout.owners])
-    chosen = np.ix_(rigid, rigid)
-    own = np.searchsorted(rigid, np.arange(article.start, article.stop))
-    C = inverse(found.data[chosen] + found.rows[:, rigid].T @ found.rows[:, rigid])[own]
-    return np.asarray(np.sum((C @ found.data[chosen]) * C, axis=1))
-
-
-def _unconverged(solution: Solution) -> str:
-    return (
-        f"the joint fit did not converge: after {solution.evaluations} evaluations the next step is still "
-        f"{solution.decrement:.3g} standard deviations; do not trust its figures"
+        gained=found.gained(problem),
+        resampled=np.asarray(np.cov(draws[:, article].T)),
+        warnings=warnings,
     )
 
 
@@ -427,7 +362,11 @@ def calibrated(
     problem, x = _annealed(problem, settings, prune=searched)
     solution = _minimum(problem, settings.floor, x, progress=lambda share: tell(0.3 + 0.5 * share))
     if searched:
-        problem, solution = _plainer(*_completed(problem, solution, settings), settings)
+        problem, solution = _completed(problem, solution, settings)
+        # Poles in the band that do not pay at the floor asked for go; those beyond it were let in by what they took
+        shorter = pruned(problem, solution, _size(problem, settings.floor), below=problem.band[1])
+        if shorter is not None and shorter[0].modes < problem.modes:
+            problem, solution = shorter[0], _minimum(shorter[0], settings.floor, shorter[1])
     found = identified(problem, solution, settings)
     tell(1.0)
     return found
@@ -445,24 +384,19 @@ def _annealed(problem: Assembly, settings: Settings, *, prune: bool = False) -> 
     return problem, x
 
 
-def _plainer(problem: Assembly, solution: Solution, settings: Settings) -> tuple[Assembly, Solution]:
-    """The fit without poles in the band that do not pay at the floor asked for; those beyond it were let in by what they took."""
-    shorter = pruned(problem, solution, _size(problem, settings.floor), below=problem.band[1])
-    if shorter is None or modes(shorter[0]) == modes(problem):
-        return problem, solution
-    return shorter[0], _minimum(shorter[0], settings.floor, shorter[1])
-
-
 def _completed(problem: Assembly, solution: Solution, settings: Settings) -> tuple[Assembly, Solution]:
     """The fit with a few further poles where they pay: beyond the band, and where lines do not fit."""
-    for _ in range(MOST_BEYOND - beyond(problem, solution.x) if modes(problem) else 0):
+    for _ in range(MOST_BEYOND - problem.modes_beyond(solution.x) if problem.modes else 0):
         more = _paid(with_one_beyond(problem, solution.x), solution, settings, LET_IN)
         if more is None:
             break
         problem, solution = more
     for _ in range(FURTHER):
-        line, misfit = worst(problem, solution.x, settings.floor)
-        longer = with_one_more(problem, solution.x, line) if misfit > MISFIT else None
+        part = problem.parts(settings.floor)[0]
+        left = residual(part.observed, part.rows(problem.layout, solution.x, changes=False))
+        by_line = np.mean(np.abs(left) ** 2, axis=(0, 2))
+        worst, usual = int(np.argmax(by_line)), max(float(np.median(by_line)), np.finfo(np.float64).tiny)
+        longer = with_one_more(problem, solution.x, worst) if by_line[worst] / usual > MISFIT else None
         price = pole_penalty(_size(problem, settings.floor))
         problem, solution = _paid(longer, solution, settings, price) or (problem, solution)
     return problem, solution

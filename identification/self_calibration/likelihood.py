@@ -25,15 +25,8 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array, frozen
 from identification.chain import Derivative
 from identification.elastic.model import ElasticTerms
-from identification.self_calibration.solve import (
-    SILENT,
-    Normal,
-    eliminated,
-    level_of_groups,
-    normal_equations,
-    smoothed_level,
-    total,
-)
+from identification.self_calibration import solve
+from identification.self_calibration.solve import SILENT, Normal
 from identification.spectra.line_spectra import Spectra
 
 
@@ -69,19 +62,11 @@ def observed(spectra: Spectra, channels: Sequence[int], lines: npt.NDArray[np.in
     E|noise|² = sd² is shared by real and imaginary part.
     """
     chosen = np.ix_(np.arange(len(spectra.runs)), lines, np.asarray(channels))
-    variance = np.square(spectra.noise[chosen]) + np.square(floor * np.hypot(level(spectra), SILENT * kind(spectra))[chosen])
+    kind = solve.level_of_groups(spectra.values, np.array([one.quantity for one in spectra.table.channels]))
+    level = np.hypot(solve.smoothed_level(spectra.frequency, spectra.values), SILENT * kind)
+    variance = np.square(spectra.noise[chosen]) + np.square(floor * level[chosen])
     weight = np.sqrt(2 / np.maximum(variance, np.finfo(np.float64).tiny))
     return Observed(frequency=spectra.frequency[lines], values=spectra.values[chosen], weight=weight)
-
-
-def level(spectra: Spectra) -> Array:
-    """(r, n, c) root mean square of every channel over the lines within `SMOOTHED` of each line."""
-    return smoothed_level(spectra.frequency, spectra.values)
-
-
-def kind(spectra: Spectra) -> Array:
-    """(c,) what channels of the quantity of each channel read: the median of their rms over the runs, at the median line."""
-    return level_of_groups(spectra.values, np.array([one.quantity for one in spectra.table.channels]))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -106,7 +91,7 @@ class Rows:
 def residual(observed: Observed, rows: Rows) -> ComplexArray:
     """(r, n, c) whitened residual of every run and line."""
     A = rows.a0 + rows.a1 @ rows.dynamic_mass
-    return np.stack([eliminated(A, y, w)[0] for y, w in zip(observed.values, observed.weight, strict=True)])
+    return np.stack([solve.eliminated(A, y, w)[0] for y, w in zip(observed.values, observed.weight, strict=True)])
 
 
 def normal(observed: Observed, rows: Rows) -> Normal:
@@ -114,9 +99,9 @@ def normal(observed: Observed, rows: Rows) -> Normal:
     A = rows.a0 + rows.a1 @ rows.dynamic_mass
     found = []
     for y, w in zip(observed.values, observed.weight, strict=True):
-        r, Q, u = eliminated(A, y, w)
-        found.append(normal_equations(r, Q, _changes(rows, w, u)))
-    return total(found, len(rows.chain) + (0 if rows.structure is None else rows.structure.shape[-1]))
+        r, Q, u = solve.eliminated(A, y, w)
+        found.append(solve.normal_equations(r, Q, _changes(rows, w, u)))
+    return solve.total(found, len(rows.chain) + (0 if rows.structure is None else rows.structure.shape[-1]))
 
 
 def gradients(observed: Observed, rows: Rows) -> Array:
@@ -124,7 +109,7 @@ def gradients(observed: Observed, rows: Rows) -> Array:
     A = rows.a0 + rows.a1 @ rows.dynamic_mass
     found = []
     for y, w in zip(observed.values, observed.weight, strict=True):
-        r, _, u = eliminated(A, y, w)
+        r, _, u = solve.eliminated(A, y, w)
         found.append(-np.einsum("nc,knc->nk", r.conj(), _changes(rows, w, u)).real)
     return np.stack(found)
 
@@ -148,7 +133,6 @@ def _changes(rows: Rows, w: Array, u: ComplexArray) -> ComplexArray:
 # Beside resonances the model's own error is strongly correlated from line to line, so that neighbours add time and little else.
 # A resonance of width 2 zeta f is told by the lines within a few widths of it. A set-up without any is told by its noise, which
 # more lines average out: with 240 instead of 60 the moments of Cuboid and disc came out twice as well.
-
 
 SMOOTH = 60
 """Lines over the band beside resonances."""

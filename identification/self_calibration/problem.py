@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -17,12 +16,12 @@ from identification import request
 from identification.chain import Chain, chain
 from identification.elastic import model
 from identification.elastic.model import ElasticTerms
-from identification.request import Evidence, Fact, Settings, TareSpectra
-from identification.rigid_band import drift
+from identification.plain import CHAIN_ERROR, Setup, drift, setup
+from identification.request import Evidence, Fact, Known, Settings
+from identification.rigid_body import BASIS
 from identification.self_calibration import likelihood
 from identification.self_calibration.likelihood import Observed, Rows, observed
 from identification.self_calibration.solve import Normal
-from identification.setup import CHAIN_ERROR, Setup, setup
 from identification.spectra.line_spectra import Spectra
 
 # `Layout`: the one vector of everything that is estimated, in blocks, and what is known of it beforehand.
@@ -194,7 +193,7 @@ class Structure:
 
     def derivatives(self, layout: Layout, x: Array, frequency: Array) -> ComplexArray:
         """dH (k, n, 6, 6): by the ten in SI, then by the elastic terms."""
-        ten = np.broadcast_to(ten_matrices()[:, None], (10, len(frequency), 6, 6)).astype(np.complex128)
+        ten = np.broadcast_to(BASIS[:, None], (10, len(frequency), 6, 6)).astype(np.complex128)
         if self.elastic is None:
             return ten
         return np.concatenate([ten, model.derivatives(self.terms(layout, x), frequency, self.elastic)[10:]])
@@ -211,12 +210,6 @@ class Structure:
         return chosen
 
 
-@lru_cache(maxsize=1)
-def ten_matrices() -> Array:
-    """(10, 6, 6): the mass matrix of Eq. 1 is linear in the ten parameters of Eq. 4."""
-    return np.stack([Inertia(parameters=row).mass_matrix for row in np.eye(10)])
-
-
 def rooted(block: str, mean: Array, covariance: Array) -> Body:
     """A body known to be `mean` (10,) with `covariance` (10, 10): z is of unit variance, as long as the covariance has rank."""
     scale = np.sqrt(np.diag(covariance))
@@ -225,11 +218,6 @@ def rooted(block: str, mean: Array, covariance: Array) -> Body:
     kept = values > 1e-12 * max(float(values[-1]), 1e-300) if np.any(scale > 0) else np.zeros(10, dtype=bool)
     root = safe[:, None] * vectors[:, kept] * np.sqrt(values[kept])
     return Body(block=block if np.any(kept) else "", mean=mean, root=root)
-
-
-def several(bodies: Sequence[Body]) -> tuple[Body, ...]:
-    """`bodies` without those that are nothing at all."""
-    return tuple(body for body in bodies if body.block or np.any(body.mean))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -270,18 +258,17 @@ class Part:
 
 def normals(parts: Sequence[Part], layout: Layout, x: Array) -> list[Normal]:
     """The normal equations of every campaign in the joint vector."""
-    return [_joint(likelihood.normal(part.observed, part.rows(layout, x)), part.selection(layout)) for part in parts]
-
-
-def _joint(own: Normal, selection: Array) -> Normal:
-    return Normal(cost=own.cost, gradient=selection.T @ own.gradient, matrix=selection.T @ own.matrix @ selection)
+    found = []
+    for part in parts:
+        own, S = likelihood.normal(part.observed, part.rows(layout, x)), part.selection(layout)
+        found.append(Normal(cost=own.cost, gradient=S.T @ own.gradient, matrix=S.T @ own.matrix @ S))
+    return found
 
 
 # Elastic terms as a block of the joint vector: where they begin, and the little that is known of them before.
 #
 # What no measurement of ours says: participation cannot exceed the mass that there is, a residual is at most of the size of the
 # mass matrix at 20 Hz, coupled damping is a share below 1. Frequencies and damping are free within far more than any fit leaves.
-
 
 FAMILY = "elasticity"
 
@@ -345,58 +332,12 @@ def _size(ten: Array) -> Array:
     return np.asarray(np.sqrt(np.maximum(diagonal, 1e-6 * diagonal.max())))
 
 
-# Which campaigns share FMD and sensors, and so their errors.
-
-
-def hardware_groups(evidence: Evidence, settings: Settings) -> tuple[list[int], tuple[str, ...]]:
-    """The group of every tare - 0 is the article's own - and what must be said about it.
-
-    A campaign that states no hardware is taken to share the article's, and a warning says so.
-
-    Raises
-    ------
-    BadInput : a tare of other hardware than the article, without `settings.any_hardware`.
-    """
-    known, found, warnings = [evidence.hardware], [], []
-    for tare in evidence.tares:
-        if not tare.hardware or not evidence.hardware:
-            if tare.hardware != evidence.hardware:
-                warnings.append(
-                    f"{tare.name}: hardware is not stated on both sides; FMD and sensors are taken to be the article's"
-                )
-            found.append(0)
-            continue
-        if tare.hardware not in known:
-            known.append(tare.hardware)
-        found.append(known.index(tare.hardware))
-        if found[-1]:
-            _require_allowed(evidence, tare.hardware, tare.name, settings)
-            warnings.append(
-                f"{tare.name}: its hardware {tare.hardware!r} is not the article's {evidence.hardware!r}; they share "
-                "neither sensor errors nor FMD, and the tare says nothing about the article"
-            )
-    return found, tuple(warnings)
-
-
-def _require_allowed(evidence: Evidence, other: str, name: str, settings: Settings) -> None:
-    if not settings.any_hardware:
-        raise BadInput(
-            source=name,
-            field="campaign.hardware",
-            problem=f"must be that of the article's campaign, {evidence.hardware!r}, found {other!r}: another FMD, other sensors",
-            remedy="Give a tare of the same hardware, or ask for the combination explicitly",
-        )
-
-
 # From the evidence to the joint problem: what campaigns share, what is known beforehand, where the iteration begins.
-
 
 HELD = (
     "spectra of peak-reference-hold are biased near lightly damped modes, by tens of per cent at the peak; elastic terms "
     "follow the bias. Full-record spectra have none of it"
 )
-
-WITHOUT_TARE = "no tare and no known FMD: the result includes the moving part of the FMD"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -458,7 +399,30 @@ class Assembly:
 
     def parts(self, floor: float) -> list[Part]:
         """The campaigns with weights by a model-error `floor`."""
-        return [_part(self.layout, one, floor) for one in self.campaigns]
+        found = []
+        for one in self.campaigns:
+            at, names = self.layout.at(one.chain_block), self.layout.block(one.chain_block).names
+            offsets = [at.start + names.index(parameter.name) for parameter in one.chain.parameters]
+            found.append(
+                Part(
+                    name=one.name,
+                    observed=observed(one.spectra, one.chain.columns, one.lines, floor),
+                    chain=one.chain,
+                    offsets=np.array(offsets, dtype=np.int64),
+                    structure=one.structure,
+                )
+            )
+        return found
+
+    @property
+    def modes(self) -> int:
+        """Poles of the article."""
+        elastic = self.campaigns[0].structure.elastic
+        return 0 if elastic is None else elastic.modes
+
+    def modes_beyond(self, x: Array) -> int:
+        """Poles of the article above the band at `x` (k,)."""
+        return int(np.sum(self.campaigns[0].structure.terms(self.layout, x).frequency > self.band[1]))
 
     @property
     def band(self) -> tuple[float, float]:
@@ -475,10 +439,19 @@ def assembled(evidence: Evidence, settings: Settings) -> Assembly:
     BadInput : tare and article of different hardware without `settings.any_hardware`; facts that cannot be used.
     """
     request.require_known(evidence.facts)
-    groups, warnings = hardware_groups(evidence, settings)
+    groups, warnings = request.hardware_groups(evidence, settings)
     tares = [setup(tare.spectra, replace(settings, modes=0)) for tare in evidence.tares]
     whole = setup(evidence.article, settings)
-    bodies, blocks = _fmds(evidence, tares, groups)
+    # By group of hardware the FMD and its ten parameters at the start, where a tare or `evidence.fmd` tells them
+    bodies: dict[int, tuple[Body, Array]] = {}
+    blocks: list[Block] = []
+    if evidence.fmd is not None:
+        bodies[0] = (_rooted("fmd:0", evidence.fmd, blocks), evidence.fmd.inertia.parameters)
+    for group in sorted(set(groups) - set(bodies)):
+        left = [s.ten - t.known.inertia.parameters for s, t, g in zip(tares, evidence.tares, groups, strict=True) if g == group]
+        mean = np.mean(left, axis=0)
+        bodies[group] = (Body(block=f"fmd:{group}"), mean)
+        blocks.append(block(f"fmd:{group}", PARAMETERS, mean))
     own = bodies.get(0)
     if own is None and evidence.facts:
         fact = evidence.facts[0]
@@ -493,57 +466,30 @@ def assembled(evidence: Evidence, settings: Settings) -> Assembly:
     standing = (Body(block="article"),) if own is None else (own[0], Body(block="article"))
     campaigns = [_campaign("article", evidence.article, 0, standing, whole, settings, blocks)]
     for k, (tare, found, group) in enumerate(zip(evidence.tares, tares, groups, strict=True)):
-        standing = (bodies[group][0], _known(k, tare, blocks))
+        standing = (bodies[group][0], _rooted(f"known:{k}", tare.known, blocks))
         campaigns.append(_campaign(f"tare:{k}", tare.spectra, group, standing, found, settings, blocks))
-    said = (*warnings, *([] if own is not None else [WITHOUT_TARE]), *([HELD] if _held(evidence) and settings.modes != 0 else []))
-    layout = Layout(blocks=(*_chains(campaigns), *blocks))
+    said = (
+        *warnings,
+        *([] if own is not None else [request.WITHOUT_TARE]),
+        *([HELD] if evidence.article.method == "peak-reference-hold" and settings.modes != 0 else []),
+    )
+    chains = []  # one block for each hardware: every parameter that the chain of one of its campaigns has
+    for called in dict.fromkeys(one.chain_block for one in campaigns):
+        known = {p.name: p for one in campaigns if one.chain_block == called for p in one.chain.parameters}
+        deviation, families = [p.tolerance for p in known.values()], [p.family for p in known.values()]
+        chains.append(block(called, list(known), np.zeros(len(known)), deviation=deviation, families=families))
+    layout = Layout(blocks=(*chains, *blocks))
     moved = drift(whole.estimate.dynamic_mass, CHAIN_ERROR) if settings.modes == 0 else np.zeros(10)
     return Assembly(layout=layout, campaigns=tuple(campaigns), facts=evidence.facts, drift=moved, warnings=said)
 
 
-def _held(evidence: Evidence) -> bool:
-    return evidence.article.method == "peak-reference-hold"
-
-
-def of_fmd(tares: Sequence[TareSpectra], settings: Settings) -> Assembly:
-    """The joint problem of several `tares` of one hardware, in which the FMD is what is asked for: the block "article"."""
-    found = [setup(tare.spectra, replace(settings, modes=0)) for tare in tares]
-    left = [one.ten - tare.known.inertia.parameters for one, tare in zip(found, tares, strict=True)]
-    blocks, campaigns = [block("article", PARAMETERS, np.mean(left, axis=0))], []
-    for k, (tare, one) in enumerate(zip(tares, found, strict=True)):
-        known = _known(k, tare, blocks)
-        campaigns.append(_campaign(f"tare:{k}", tare.spectra, 0, (Body(block="article"), known), one, settings, blocks))
-    return Assembly(layout=Layout(blocks=(*_chains(campaigns), *blocks)), campaigns=tuple(campaigns))
-
-
-def _known(k: int, tare: TareSpectra, blocks: list[Block]) -> Body:
-    """The known article of a tare; what is not exact of it is added to `blocks`."""
-    known = rooted(f"known:{k}", tare.known.inertia.parameters, tare.known.covariance)
-    if known.block:
-        blocks.append(_unit(known, "tare"))
-    return known
-
-
-def _fmds(evidence: Evidence, tares: list[Setup], groups: list[int]) -> tuple[dict[int, tuple[Body, Array]], list[Block]]:
-    """By group of hardware the FMD and its ten parameters at the start; only what a tare or `evidence.fmd` tells is there."""
-    bodies: dict[int, tuple[Body, Array]] = {}
-    blocks: list[Block] = []
-    if evidence.fmd is not None:
-        body = rooted("fmd:0", evidence.fmd.inertia.parameters, evidence.fmd.covariance)
-        bodies[0] = (body, body.mean)
-        blocks += [_unit(body, "tare")] if body.block else []
-    for group in sorted(set(groups) - set(bodies)):
-        left = [s.ten - t.known.inertia.parameters for s, t, g in zip(tares, evidence.tares, groups, strict=True) if g == group]
-        start = np.mean(left, axis=0)
-        bodies[group] = (Body(block=f"fmd:{group}"), start)
-        blocks.append(block(f"fmd:{group}", PARAMETERS, start))
-    return bodies, blocks
-
-
-def _unit(body: Body, family: str) -> Block:
-    """The block of a `rooted` body."""
-    count = body.root.shape[1]
-    return block(body.block, [f"{body.block}[{k}]" for k in range(count)], np.zeros(count), deviation=1.0, families=family)
+def _rooted(name: str, known: Known, blocks: list[Block]) -> Body:
+    """What stood in a tare, or the FMD from before; what is not exact of it is added to `blocks`."""
+    body = rooted(name, known.inertia.parameters, known.covariance)
+    if body.block:
+        names = [f"{name}[{k}]" for k in range(body.root.shape[1])]
+        blocks.append(block(name, names, np.zeros(len(names)), deviation=1.0, families="tare"))
+    return body
 
 
 def _campaign(
@@ -563,26 +509,4 @@ def _campaign(
         chain_block=f"chain:{group}",
         structure=Structure(bodies=standing, elastic=layout, elastic_block=f"elastic:{name}"),
         lines=likelihood.chosen(spectra.frequency, found.terms),
-    )
-
-
-def _chains(campaigns: list[CampaignProblem]) -> list[Block]:
-    """One block for each hardware: every parameter that the chain of one of its campaigns has."""
-    made = []
-    for called in dict.fromkeys(one.chain_block for one in campaigns):
-        known = {p.name: p for one in campaigns if one.chain_block == called for p in one.chain.parameters}
-        deviation, families = [p.tolerance for p in known.values()], [p.family for p in known.values()]
-        made.append(block(called, list(known), np.zeros(len(known)), deviation=deviation, families=families))
-    return made
-
-
-def _part(layout: Layout, one: CampaignProblem, floor: float) -> Part:
-    at, names = layout.at(one.chain_block), layout.block(one.chain_block).names
-    offsets = [at.start + names.index(parameter.name) for parameter in one.chain.parameters]
-    return Part(
-        name=one.name,
-        observed=observed(one.spectra, one.chain.columns, one.lines, floor),
-        chain=one.chain,
-        offsets=np.array(offsets, dtype=np.int64),
-        structure=one.structure,
     )

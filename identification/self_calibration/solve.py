@@ -113,7 +113,6 @@ TINY = float(np.finfo(np.float64).tiny)
 WORTH_IT = 1e-4
 """Share of the expected gain from which a step is taken."""
 
-
 Knowledge = Callable[[Array], tuple[Array, Array]]
 """Whitened residuals (p,) at x (k,), and their derivatives (p, k)."""
 
@@ -171,7 +170,12 @@ def minimise(
         if gained < NOTHING and here.length(asked) < close * excess(here.data, size):
             return _solution(here, here.x, True, evaluation)
         step = here.step(damping)
-        there, evaluation = _tried(data, here.x + step, knowledge, room), evaluation + 1
+        evaluation += 1
+        try:
+            found = data(here.x + step)
+            there = _place(found, here.x + step, knowledge, room) if np.isfinite(found.cost) else None
+        except (np.linalg.LinAlgError, ValueError, FloatingPointError):  # the model breaks down there
+            there = None
         ratio = -1.0 if there is None else (here.total.cost - there.total.cost) / here.expected(step)
         if there is not None and ratio > WORTH_IT:
             gained = here.total.cost - there.total.cost
@@ -261,12 +265,3 @@ def _factorised(matrix: Array) -> tuple[Array, Array, Array]:
 def excess(data: Normal, size: int) -> float:
     """How many times the residuals of so many numbers exceed what they should be, at least 1."""
     return max(1.0, float(np.sqrt(2 * data.cost / size))) if size else 1.0
-
-
-def _tried(data: Callable[[Array], Normal], x: Array, knowledge: Knowledge, room: tuple[Array, Array]) -> _Place | None:
-    """The cost at `x`; None where the model breaks down there."""
-    try:
-        found = data(x)
-    except (np.linalg.LinAlgError, ValueError, FloatingPointError):
-        return None
-    return _place(found, x, knowledge, room) if np.isfinite(found.cost) else None

@@ -77,7 +77,6 @@ class Spectra:
 # block that is shorter than the ring-down is wrong by tens of per cent. It needs no window and no bins: lines lie where they are
 # wanted (Bluestein's chirp transform; Rabiner, Schafer & Rader, IEEE Trans. Audio 17, 1969).
 
-
 EVEN = 1e-9
 """How far lines may lie from an even grid, relative to their distance, and still be evenly spaced."""
 
@@ -115,15 +114,10 @@ def full_record(signals: npt.ArrayLike, sampling_rate: float, frequency: npt.Arr
         )
     steps = np.diff(lines)
     even = len(lines) > 2 and bool(np.all(np.abs(steps - steps.mean()) <= EVEN * steps.mean()))
-    return (_chirp(x, sampling_rate, lines) if even else _summed(x, sampling_rate, lines)) / sampling_rate
+    if even:
+        from scipy.signal import zoom_fft
 
-
-def _chirp(x: Array, rate: float, lines: Array) -> ComplexArray:
-    from scipy.signal import zoom_fft
-
-    return np.asarray(zoom_fft(x, [lines[0], lines[-1]], len(lines), fs=rate, endpoint=True, axis=0), dtype=np.complex128)
-
-
-def _summed(x: Array, rate: float, lines: Array) -> ComplexArray:
+        return np.asarray(zoom_fft(x, lines[[0, -1]], len(lines), fs=sampling_rate, endpoint=True, axis=0) / sampling_rate)
     k = np.arange(len(x))
-    return np.stack([np.tensordot(np.exp(-2j * np.pi * f / rate * k), x, axes=1) for f in lines])
+    turning = (np.exp(-2j * np.pi * f / sampling_rate * k) for f in lines)
+    return np.asarray(np.stack([np.tensordot(turn, x, axes=1) for turn in turning]) / sampling_rate)

@@ -14,24 +14,21 @@ amplitude at 32 Hz - below the noise of 100 s unless the tone is some hundred ti
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import comb
 
 import numpy as np
 import numpy.typing as npt
 
-from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
+from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
-from identification.base_motion import base_motion
-from identification.campaign import Campaign, Recording
-from identification.campaign_file import block_length, quiet_blocks
-from identification.resultants import resultants
+from identification.base_motion import base_motion, resultants
+from identification.campaign import NOMINAL, Campaign, block_length, quiet_blocks
 from identification.spectra.line_spectra import Spectra
 
 SEGMENT = 4
-"""Blocks of `survey.BLOCK` seconds that make a segment of the spectral density, where so many in a row are quiet."""
+"""Blocks of `campaign.BLOCK` seconds that make a segment of the spectral density, where so many in a row are quiet."""
 
 STILL = 2.0
 """How far above that of the quietest segment the power of a segment may lie: beyond, something still rings."""
@@ -64,19 +61,29 @@ class Density:
 
 def density(campaign: Campaign) -> Density | None:
     """The spectral density of the quiet parts of all runs; None where no run has one."""
-    stretches = [part for one in campaign.recordings.values() for part in _stretches(one, campaign)]
-    if not stretches:
+    from scipy.ndimage import median_filter, uniform_filter1d
+    from scipy.signal import detrend
+    from scipy.signal.windows import hann
+
+    rate, parts = 0.0, []  # the samples (n, c) of every row of quiet blocks; of one rate, another would need a grid of its own
+    for one in campaign.recordings.values():
+        quiet = quiet_blocks(one, campaign.table)
+        if quiet is None or one.sampling_rate is None or one.sampling_rate != (rate := rate or one.sampling_rate):
+            continue
+        edges = block_length(rate) * np.flatnonzero(np.diff(np.concatenate([[False], quiet, [False]]).astype(np.int8)))
+        parts += [one.values[start:end] for start, end in zip(edges[::2], edges[1::2], strict=True)]
+    if not parts:
         return None
-    rate = stretches[0][1]
-    parts = [values for values, at in stretches if at == rate]  # runs of another rate would need a grid of their own
     length = min(max(len(part) for part in parts), SEGMENT * block_length(rate))
-    cut = [piece for part in parts for piece in _pieces(part, length)]
-    powers = np.stack([_periodogram(piece, rate) for piece in cut])  # (s, k, c)
+    # (s, k, c) two-sided densities of segments, overlapping by half, about their straight lines
+    window, hop = hann(length, sym=False), max(length // 2, 1)
+    cut = [part[start : start + length] for part in parts for start in range(0, len(part) - length + 1, hop)]
+    lines = [np.fft.rfft(detrend(piece, axis=0) * window[:, None], axis=0) for piece in cut]
+    powers = np.abs(np.stack(lines)) ** 2 / (rate * np.sum(window**2))
     total = powers.sum(axis=1)
     kept = total <= STILL * total.min(axis=0)
     mean = np.sum(powers * kept[:, None, :], axis=0) / kept.sum(axis=0)
     frequency = np.asarray(np.fft.rfftfreq(length, 1 / rate), dtype=np.float64)
-    from scipy.ndimage import median_filter, uniform_filter1d
 
     # A running mean, but the density itself where it stands out of the running median
     segments = kept.sum(axis=0)
@@ -132,12 +139,13 @@ def of_lines(campaign: Campaign, frequency: Array) -> OfLines:
         return OfLines(density=whole, unknown=words)
     at_a_line = _variance(found, silent, _width(_step(found)))
     of_all = _variance(found, silent, float(np.ptp(frequency)) / _step(found))
-    return OfLines(density=whole, scatter=float(np.sqrt(at_a_line.mean())), spread=_of_mean(of_all), unknown=words)
-
-
-def _of_mean(variance: Array) -> float:
-    """Standard deviation of the mean of what has such variances (c,) and knows nothing of each other."""
-    return float(np.sqrt(np.sum(variance)) / len(variance))
+    # Standard deviation of the mean of what has such variances (c,) and knows nothing of each other
+    return OfLines(
+        density=whole,
+        scatter=float(np.sqrt(at_a_line.mean())),
+        spread=float(np.sqrt(np.sum(of_all)) / len(of_all)),
+        unknown=words,
+    )
 
 
 def _variance(found: Density, silent: npt.NDArray[np.bool_], lines: float) -> Array:
@@ -164,33 +172,6 @@ def without_rounding(noise: Array, level: Array) -> Array:
     return np.where(noise > NOTHING * level, noise, 0.0)
 
 
-def _stretches(recorded: Recording, campaign: Campaign) -> Iterator[tuple[Array, float]]:
-    """The samples (n, c) of every row of quiet blocks, and their rate."""
-    quiet = quiet_blocks(recorded, campaign.table)
-    if quiet is None or recorded.sampling_rate is None:
-        return
-    length = block_length(recorded.sampling_rate)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], quiet, [False]]).astype(np.int8)))
-    for start, end in zip(edges[::2], edges[1::2], strict=True):
-        yield recorded.values[start * length : end * length], recorded.sampling_rate
-
-
-def _pieces(part: Array, length: int) -> Iterator[Array]:
-    """Segments of `length` samples, overlapping by half."""
-    for start in range(0, len(part) - length + 1, max(length // 2, 1)):
-        yield part[start : start + length]
-
-
-def _periodogram(piece: Array, rate: float) -> Array:
-    """(k, c) two-sided density of one segment about its straight line."""
-    from scipy.signal import detrend
-    from scipy.signal.windows import hann
-
-    window = hann(len(piece), sym=False)
-    lines = np.fft.rfft(detrend(piece, axis=0) * window[:, None], axis=0)
-    return np.asarray(np.abs(lines) ** 2 / (rate * np.sum(window**2)))
-
-
 def _width(step: float) -> int:
     """Lines of a density, so many [Hz] apart, that a mean smooths."""
     return 2 * round(SMOOTH / step) + 1
@@ -202,7 +183,6 @@ def _width(step: float) -> int:
 # and angles that are off. The latter are transfer functions: as shares of the driven motion they go smoothly over the lines,
 # while noise does not. The fourth difference of neighbouring lines leaves noise alone.
 
-
 ORDER = 4
 """Of the difference: what changes over five lines like a cubic is no noise."""
 
@@ -211,8 +191,6 @@ FEWEST = 20
 
 ROUNDING = 1e-12
 """Share of the level of a channel below which a difference is rounding, and its noise counts as 0."""
-
-NOMINAL = np.array([LEVELS[axis] for axis in MOTIONS])
 
 
 def of_redundancy(spectra: Spectra, gravity: float) -> Array:

@@ -12,6 +12,7 @@ lightly damped resonance lies more than a straight line.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -21,9 +22,8 @@ from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import ChannelTable, motion_rows
-from identification.base_motion import base_motion
+from identification.base_motion import base_motion, resultants
 from identification.campaign import METHODS, Campaign, Processing, Recording, Run
-from identification.resultants import resultants
 from identification.spectra import noise, peak_hold
 from identification.spectra.line_spectra import Spectra, full_record
 from identification.spectra.noise import of_redundancy
@@ -44,25 +44,15 @@ from identification.spectra.peak_hold import hann, peak_reference_hold
 
 def of_lines(spectra: Spectra, *, gravity: float) -> Array:
     """The quality (r, n) [0 to 1] of every run and line; 1 where the channels hold nothing redundant."""
-    return np.minimum(_of_accelerations(spectra, gravity), _of_forces(spectra))
-
-
-def _of_accelerations(spectra: Spectra, gravity: float) -> Array:
-    try:
+    found = np.ones(spectra.values.shape[:2])
+    with suppress(BadInput):
         motion = base_motion(spectra, gravity=gravity)
-    except BadInput:
-        return np.ones(spectra.values.shape[:2])
-    return _explained(motion.residual, _readings(spectra, motion.channels))
-
-
-def _of_forces(spectra: Spectra) -> Array:
-    try:
+        found = np.minimum(found, _explained(motion.residual, _readings(spectra, motion.channels)))
+    with suppress(BadInput):
         loads = resultants(spectra)
-    except BadInput:
-        return np.ones(spectra.values.shape[:2])
-    orthonormal = np.linalg.svd(loads.combinations, full_matrices=False)[2]
-    readings = _readings(spectra, loads.channels)
-    return _explained(readings @ orthonormal.T, readings)
+        orthonormal, readings = np.linalg.svd(loads.combinations, full_matrices=False)[2], _readings(spectra, loads.channels)
+        found = np.minimum(found, _explained(readings @ orthonormal.T, readings))
+    return np.asarray(found)
 
 
 def _readings(spectra: Spectra, names: tuple[str, ...]) -> ComplexArray:
@@ -179,54 +169,33 @@ def _restricted(lines: Array, band: tuple[float, float] | None, source: str) -> 
 def _transformed(
     campaign: Campaign, recorded: list[Recording], method: str, lines: Array, reference: str | None, progress: Progress
 ) -> Spectra:
-    values, pilots = [], []
-    for k, (run, one) in enumerate(zip(campaign.runs, recorded, strict=True)):
+    from scipy.signal import detrend
+
+    values, pilots, of = [], [], campaign.processing or Processing()
+    rates = [one.sampling_rate or 0.0 for one in recorded]
+    for k, (run, one, rate) in enumerate(zip(campaign.runs, recorded, rates, strict=True)):
         progress(k / len(recorded))
+        samples = np.asarray(detrend(one.values, axis=0))  # without their straight line
         if method == "full-record":
-            values.append(full_record(_levelled(one), _rate(one), lines, one.source))
-        else:
-            pilots.append(reference or reference_channel(campaign.table, run, one))
-            values.append(_held(campaign, one, lines, pilots[-1]))
+            values.append(full_record(samples, rate, lines, one.source))
+            continue
+        pilots.append(reference or reference_channel(campaign.table, run, one))
+        one.channel(pilots[-1])  # refuses a name that is none
+        at = samples[:, one.names.index(pilots[-1])]
+        kept = peak_reference_hold(samples, rate, at, lines, block_size=of.block_size, overlap=of.overlap, source=one.source)
+        values.append(kept)
     progress(1.0)
-    stacked = np.stack(values)
-    sd, known = _noise(campaign, recorded, method, lines, stacked)
+    stacked, known = np.stack(values), noise.of_lines(campaign, lines)
+    if method == "full-record":
+        sd = noise.of_full_record(known.density, np.array([one.duration for one in recorded]))
+    else:
+        sd = noise.of_block(known.density, np.array(rates), hann(of.block_size))
+    sd = noise.without_rounding(sd, np.abs(stacked).max(axis=(0, 1)))
     held = ", ".join(f"{run.name} by {pilot}" for run, pilot in zip(campaign.runs, pilots, strict=False))
     biased = (f"peak-reference-hold is biased near lightly damped resonances; reference of each run: {held}",) if pilots else ()
     ends = peak_hold.warnings(campaign) if method == "full-record" else ()
     made = _spectra(campaign, lines, stacked, sd, method, (*_beyond_drive(campaign, lines), *ends, *biased, *known.unknown))
     return replace(made, noise_scatter=known.scatter, noise_spread=known.spread)
-
-
-def _levelled(recorded: Recording) -> Array:
-    """The samples (n, c) without their straight line."""
-    from scipy.signal import detrend
-
-    return np.asarray(detrend(recorded.values, axis=0))
-
-
-def _rate(recorded: Recording) -> float:
-    return float(recorded.sampling_rate or 0.0)
-
-
-def _held(campaign: Campaign, recorded: Recording, lines: Array, pilot: str) -> ComplexArray:
-    of, samples = campaign.processing or Processing(), _levelled(recorded)
-    recorded.channel(pilot)  # refuses a name that is none
-    at = samples[:, recorded.names.index(pilot)]
-    return peak_reference_hold(
-        samples, _rate(recorded), at, lines, block_size=of.block_size, overlap=of.overlap, source=recorded.source
-    )
-
-
-def _noise(
-    campaign: Campaign, recorded: list[Recording], method: str, lines: Array, values: ComplexArray
-) -> tuple[Array, noise.OfLines]:
-    known = noise.of_lines(campaign, lines)
-    if method == "full-record":
-        sd = noise.of_full_record(known.density, np.array([one.duration for one in recorded]))
-    else:
-        window = hann((campaign.processing or Processing()).block_size)
-        sd = noise.of_block(known.density, np.array([_rate(one) for one in recorded]), window)
-    return noise.without_rounding(sd, np.abs(values).max(axis=(0, 1))), known
 
 
 def _as_recorded(

@@ -13,7 +13,6 @@ in this form are compared with a model that went through the same operator: `app
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,8 +21,7 @@ import numpy.typing as npt
 from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Array
-from identification.campaign import Campaign, Recording
-from identification.campaign_file import block_rms, noise_floors
+from identification.campaign import Campaign, block_rms, noise_floors
 from identification.spectra.line_spectra import full_record
 
 BLOCK_SIZE, OVERLAP = 8192, 0.9
@@ -65,10 +63,20 @@ def peak_reference_hold(
     """
     x, r = np.asarray(signals, dtype=np.float64), np.asarray(reference, dtype=np.float64)
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
-    native = _native(len(x), rate, lines, block_size, overlap, source)
+    if not (0 <= overlap < 1 and block_size >= 16):
+        found = f"found a block of {block_size} samples and an overlap of {overlap:g}"
+        raise _refused(source, "processing", f"blocks of 16 samples or more overlap by 0 to below 1, {found}", "Correct it")
+    if len(x) < block_size:
+        remedy = "Take a smaller block_size, or full-record spectra"
+        raise _refused(source, "block_size", f"the record of {len(x)} samples is shorter than a block of {block_size}", remedy)
+    step = rate / block_size
+    if lines[0] < 2 * step or lines[-1] > rate / 2:
+        problem = f"lines from {2 * step:g} to {rate / 2:g} Hz can be told, found {lines[0]:g} to {lines[-1]:g} Hz"
+        raise _refused(source, "frequency", problem, "Ask for lines within, or take longer blocks")
+    first, last = int(np.floor(lines[0] / step)), int(np.ceil(lines[-1] / step))
+    native = np.arange(first, min(last, block_size // 2) + 1) * step  # the native lines that enclose `lines`
     window, held, peak = hann(block_size), np.zeros((len(native), x.shape[1]), dtype=np.complex128), np.zeros(len(native))
-    first = round(native[0] * block_size / rate)
-    for start in _starts(len(x), block_size, overlap):
+    for start in range(0, len(x) - block_size + 1, max(round(block_size * (1 - overlap)), 1)):
         block = _lines_of(r[start : start + block_size], window, first, len(native))
         larger = np.abs(block) > peak
         if not larger.any():
@@ -139,31 +147,10 @@ def _padded(samples: int) -> int:
     return int(next_fast_len(2 * samples, real=True))
 
 
-def _starts(samples: int, block_size: int, overlap: float) -> Iterator[int]:
-    hop = max(round(block_size * (1 - overlap)), 1)
-    yield from range(0, samples - block_size + 1, hop)
-
-
 def _lines_of(block: Array, window: Array, first: int, count: int) -> ComplexArray:
     """Amplitude spectrum of one block (b, ...) at `count` native lines from `first`."""
     shaped = window.reshape(-1, *(1,) * (block.ndim - 1))
     return np.asarray(2 / window.sum() * np.fft.rfft(block * shaped, axis=0)[first : first + count], dtype=np.complex128)
-
-
-def _native(samples: int, rate: float, lines: Array, block_size: int, overlap: float, source: str) -> Array:
-    """The native lines that enclose `lines`."""
-    if not (0 <= overlap < 1 and block_size >= 16):
-        found = f"found a block of {block_size} samples and an overlap of {overlap:g}"
-        raise _refused(source, "processing", f"blocks of 16 samples or more overlap by 0 to below 1, {found}", "Correct it")
-    if samples < block_size:
-        remedy = "Take a smaller block_size, or full-record spectra"
-        raise _refused(source, "block_size", f"the record of {samples} samples is shorter than a block of {block_size}", remedy)
-    step = rate / block_size
-    if lines[0] < 2 * step or lines[-1] > rate / 2:
-        problem = f"lines from {2 * step:g} to {rate / 2:g} Hz can be told, found {lines[0]:g} to {lines[-1]:g} Hz"
-        raise _refused(source, "frequency", problem, "Ask for lines within, or take longer blocks")
-    first, last = int(np.floor(lines[0] / step)), int(np.ceil(lines[-1] / step))
-    return np.asarray(np.arange(first, min(last, block_size // 2) + 1) * step, dtype=np.float64)
 
 
 def _refused(source: str, field: str, problem: str, remedy: str) -> BadInput:
@@ -176,7 +163,6 @@ def _refused(source: str, field: str, problem: str, remedy: str) -> BadInput:
 # seconds is that of the whole decay times 1 - exp((lambda - i omega) T), and at the lines k / T that is one number, the same at
 # all of them: the resonance keeps its shape, is too high or too low, and is turned. A fit that knows nothing of it takes it for
 # mass.
-
 
 WIDEST = 0.5
 """Damping ratio beyond which no resonance is left to fit."""
@@ -246,7 +232,6 @@ def _fitted(omega: Array, y: ComplexArray, x: Array) -> tuple[ComplexArray, Comp
 # The integral is free of leakage only when the record holds everything from rest to rest. Half a second of missing ring-down is
 # visible as misfit at the sweep's end.
 
-
 IN_MOTION = 2.0
 """How far above its noise a channel reads when it still moves."""
 
@@ -269,29 +254,24 @@ def warnings(campaign: Campaign) -> tuple[str, ...]:
     stated = np.array([channel.noise_rms or 0.0 for channel in campaign.table.channels])
     measured = noise_floors(campaign)
     floors = stated if measured is None else np.where(measured > 0, measured, stated)
-    recorded = [(run.name, campaign.recordings[run.name]) for run in campaign.runs]
-    return tuple(text for name, one in recorded for text in _of_run(name, one, floors) if text)
-
-
-def _of_run(name: str, recorded: Recording, floors: Array) -> tuple[str, str]:
-    if recorded.sampling_rate is None:
-        return "", ""
-    forward, backward = recorded.values, recorded.values[::-1]
-    rms, last = block_rms(forward, recorded.sampling_rate), block_rms(backward, recorded.sampling_rate)
-    if len(rms) < 2:
-        return "", ""
-    level = rms.max(axis=0)
-    still = np.where(floors > 0, np.maximum(IN_MOTION * floors, NEGLIGIBLE * level), UNKNOWN * level)
-    first = np.abs(forward[0] - forward.mean(axis=0))
-    begins = (rms[0] > still) & (first > JERK / IN_MOTION * still)
-    began = (
-        "begins in motion",
-        "what went before is missing from its spectra",
-        "Start recording before the drive",
-    )
-    ended = "ends before the ring-down", "what would have followed is missing from its spectra", "Record longer"
-    words = tuple(recorded.names)
-    return _said(name, words, rms[0], level, begins, began), _said(name, words, last[0], level, last[0] > still, ended)
+    found = []
+    for run in campaign.runs:
+        recorded = campaign.recordings[run.name]
+        if recorded.sampling_rate is None:
+            continue
+        forward, backward = recorded.values, recorded.values[::-1]
+        rms, last = block_rms(forward, recorded.sampling_rate), block_rms(backward, recorded.sampling_rate)
+        if len(rms) < 2:
+            continue
+        level = rms.max(axis=0)
+        still = np.where(floors > 0, np.maximum(IN_MOTION * floors, NEGLIGIBLE * level), UNKNOWN * level)
+        first = np.abs(forward[0] - forward.mean(axis=0))
+        begins = (rms[0] > still) & (first > JERK / IN_MOTION * still)
+        began = "begins in motion", "what went before is missing from its spectra", "Start recording before the drive"
+        ended = "ends before the ring-down", "what would have followed is missing from its spectra", "Record longer"
+        found.append(_said(run.name, recorded.names, rms[0], level, begins, began))
+        found.append(_said(run.name, recorded.names, last[0], level, last[0] > still, ended))
+    return tuple(text for text in found if text)
 
 
 def _said(run: str, names: tuple[str, ...], rms: Array, level: Array, moving: np.ndarray, words: tuple[str, str, str]) -> str:
@@ -314,7 +294,6 @@ def _said(run: str, names: tuple[str, ...], rms: Array, level: Array, moving: np
 # The mode is integrated in time with a step so short that its own error (the drive taken for piecewise linear, relative (omega
 # dt)² / 12) is a millionth, brought to the campaign's rate by leaving samples out, and both kinds of spectra are divided by
 # those of the drive.
-
 
 REST = 1.0
 """[s] before the drive."""

@@ -22,8 +22,7 @@ from fem.beam.elements import bending_stiffness, rectangle
 from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES
 from validation.estimation.evaluate import evaluate
-from validation.estimation.problem import Problem
-from validation.estimation.result import Evaluation
+from validation.estimation.problem import Evaluation, Problem
 from validation.report.charts.static import said_about
 
 STORY = ("aliases", "climbing", "data", "pictures", "readings", "tables")

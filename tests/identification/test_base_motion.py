@@ -1,4 +1,4 @@
-"""Base motion from accelerometers (Eqs. 2, 3, 6, 7): identities, noise as predicted, gravity, and what is lost with a sensor."""
+"""Base motion (Eqs. 2, 3, 6, 7) and resultants: identities, noise as predicted, gravity, and combinations that must balance."""
 
 from dataclasses import replace
 
@@ -9,9 +9,10 @@ from numpy.testing import assert_allclose
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import rotation_about
-from geometry.sensors import ChannelTable, motion_rows
-from identification.base_motion import base_motion, groups_used, tilt, without_each
+from geometry.sensors import Channel, ChannelTable, Place, motion_rows, summation
+from identification.base_motion import base_motion, groups_used, resultants, tilt, without_each
 from identification.campaign import Campaign
+from identification.spectra import of_campaign
 from identification.spectra.line_spectra import Spectra
 
 LINES = np.array([4.0, 9.0, 20.0, 32.0])
@@ -22,23 +23,27 @@ def table(campaign: Campaign) -> ChannelTable:
     return campaign.table
 
 
-def read(table: ChannelTable, motion: np.ndarray, noise: float = 0.0, seed: int = 1) -> Spectra:
-    """What a rigid body makes of the motions (r, n, 6), with complex noise of standard deviation `noise`."""
-    pickups = list(table.select(quantity="acceleration"))
-    values = np.zeros((*motion.shape[:2], len(table)), dtype=complex)
-    values[:, :, pickups] = motion @ motion_rows([table.channels[k] for k in pickups], table.origin).T
-    random = np.random.default_rng(seed)
-    values += noise / np.sqrt(2) * (random.standard_normal(values.shape) + 1j * random.standard_normal(values.shape))
-    runs = tuple(f"run {k}" for k in range(len(motion)))
+def as_spectra(table: ChannelTable, values: np.ndarray, noise: float, seed: int) -> Spectra:
+    """Exact `values` (r, n, c) with complex noise of standard deviation `noise`."""
+    random, (runs, lines, _) = np.random.default_rng(seed), values.shape
+    values = values + noise / np.sqrt(2) * (random.standard_normal(values.shape) + 1j * random.standard_normal(values.shape))
     return Spectra(
         table=table,
-        frequency=4.0 + np.arange(motion.shape[1]) if motion.shape[1] != len(LINES) else LINES,
+        frequency=4.0 + np.arange(lines) / lines if lines != len(LINES) else LINES,
         values=values,
         noise=np.full(values.shape, noise),
         quality=np.ones(values.shape[:2]),
-        runs=runs,
-        axes=("",) * len(runs),
+        runs=tuple(f"run {k}" for k in range(runs)),
+        axes=("",) * runs,
     )
+
+
+def read(table: ChannelTable, motion: np.ndarray, noise: float = 0.0) -> Spectra:
+    """What a rigid body makes of the motions (r, n, 6)."""
+    pickups = list(table.select(quantity="acceleration"))
+    values = np.zeros((*motion.shape[:2], len(table)), dtype=complex)
+    values[:, :, pickups] = motion @ motion_rows([table.channels[k] for k in pickups], table.origin).T
+    return as_spectra(table, values, noise, 1)
 
 
 def some(runs: int = 2, lines: int = 4, seed: int = 0) -> np.ndarray:
@@ -190,3 +195,144 @@ def test_the_sensor_that_alone_sees_a_motion_is_named(table: ChannelTable) -> No
     assert "without cover-x1" in found["cover-x1"].text
     assert np.all(np.isinf(found["cover-x1"].amplification))
     assert not found["cover-z1"].lost
+
+
+# Resultants of load-cell channels, their covariance, and the combinations that must balance
+
+
+LATERAL, VERTICAL = "fmd-x12 - fmd-x34 + fmd-y14 - fmd-y23", "fmd-z1 - fmd-z2 + fmd-z3 - fmd-z4"
+
+
+def read_loads(table: ChannelTable, loads: np.ndarray, noise: float = 0.0, stiffness: np.ndarray | None = None) -> Spectra:
+    """What the channels read_loads of the loads (r, n, 6) when cells of the given stiffness share them."""
+    chosen = list(table.select(quantity=("force", "moment")))
+    of = summation([table.channels[k] for k in chosen], table.origin)
+    B, K = of.gives.T, np.diag(np.ones(of.gives.shape[1]) if stiffness is None else stiffness)
+    share = of.adds @ K @ B @ np.linalg.inv(B.T @ K @ B)
+    values = np.zeros((*loads.shape[:2], len(table)), dtype=complex)
+    values[:, :, chosen] = loads @ share.T
+    return as_spectra(table, values, noise, 5)
+
+
+def some_loads(lines: int = 5) -> np.ndarray:
+    return np.random.default_rng(2).standard_normal((2, lines, 6)) + 0.5j
+
+
+def crooked() -> ChannelTable:
+    """Five three-component cells that nothing makes symmetric, read_loads singly."""
+    random = np.random.default_rng(8)
+    places = [(k, np.append(random.uniform(-0.2, 0.2, 2), 0.03 * k), along) for k in range(5) for along in np.eye(3)]
+    channels = [
+        Channel(name=f"c{n}", quantity="force", group="fmd", places=(Place(position=at, direction=along),))
+        for n, (_, at, along) in enumerate(places)
+    ]
+    return ChannelTable(channels=tuple(channels), origin=np.array([0.01, -0.02, 0.0]))
+
+
+def mixed() -> ChannelTable:
+    """Four cells; x is summed on one side and read_loads singly on the other, y and z singly."""
+    corners = [np.array([0.13 * a, 0.13 * b, 0.0]) for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
+    read_as = [((0, 1), 0), ((2,), 0), ((3,), 0), *(((k,), axis) for axis in (1, 2) for k in range(4))]
+    channels = [
+        Channel(
+            name=f"{'xyz'[axis]}{''.join(str(k + 1) for k in cells)}",
+            quantity="force",
+            group="fmd",
+            places=tuple(Place(position=corners[k], direction=np.eye(3)[axis]) for k in cells),
+        )
+        for cells, axis in read_as
+    ]
+    return ChannelTable(channels=tuple(channels))
+
+
+def test_the_papers_box_leaves_one_lateral_and_one_vertical_combination(campaign: Campaign) -> None:
+    found = resultants(read_loads(campaign.table, some_loads()))
+    assert found.names == (LATERAL, VERTICAL)
+    assert_allclose(np.linalg.norm(found.combinations, axis=1), 1.0)
+
+
+@pytest.mark.parametrize("which", ["box", "crooked", "mixed"])
+def test_equal_cells_give_the_loads_and_balance(campaign: Campaign, which: str) -> None:
+    table, loads = {"box": campaign.table, "crooked": crooked(), "mixed": mixed()}[which], some_loads()
+    found = resultants(read_loads(table, loads))
+    assert len(found.names) == len(found.channels) - 6
+    # lever arms of a fifth of a metre: a condition of a few tens
+    assert_allclose(found.values, loads, rtol=0, atol=1e-13 * 30)
+    assert_allclose(found.parity, 0, atol=1e-12)
+
+
+def test_a_wrong_gain_shows_in_its_own_combination_alone(campaign: Campaign) -> None:
+    spectra = read_loads(campaign.table, some_loads())
+    values = spectra.values.copy()
+    values[:, :, campaign.table.names.index("fmd-x34")] *= 1.08
+    found = resultants(replace(spectra, values=values))
+    assert np.all(np.abs(found.parity[:, :, 0]) > 1e-3)
+    assert_allclose(found.parity[:, :, 1], 0, atol=1e-13)
+    # unit row: a quarter of the squares is the channel's
+    assert_allclose(np.abs(found.parity[:, :, 0]), 0.04 * np.abs(spectra.values[:, :, campaign.table.names.index("fmd-x34")]))
+
+
+def test_a_stiff_cell_leaves_resultants_alone_but_not_the_balance(campaign: Campaign) -> None:
+    loads, stiffness = some_loads(), np.ones(12)
+    stiffness[8] = 1.05
+    found = resultants(read_loads(campaign.table, loads, stiffness=stiffness))
+    assert_allclose(found.values, loads, rtol=0, atol=1e-12)
+    size = np.abs(found.parity).max(axis=(0, 1))
+    assert size.max() > 1e-3
+    assert size.min() < 1e-12
+
+
+def test_covariance_and_sigmas_are_those_of_repeated_measurements(campaign: Campaign) -> None:
+    found = resultants(read_loads(campaign.table, np.zeros((1, 20_000, 6), dtype=complex), noise=0.3))
+    sample = np.einsum("rnk,rnl->kl", found.values, found.values.conj()).real / 20_000
+    scale = np.sqrt(np.diag(sample))
+    assert_allclose(
+        sample / np.outer(scale, scale), found.covariance[0, 0] / np.outer(scale, scale), atol=0.03
+    )  # four times 0.7 %
+    assert_allclose(found.sigmas, 1.0, atol=0.03)
+
+
+def test_sigmas_of_combinations_are_not_claimed_where_noise_is_not_known(campaign: Campaign) -> None:
+    assert np.all(np.isnan(resultants(read_loads(campaign.table, some_loads())).sigmas))
+
+
+def test_six_channels_leave_nothing_to_balance(campaign: Campaign) -> None:
+    table = crooked().subset([0, 1, 2, 4, 8, 9])
+    loads = some_loads()
+    found = resultants(read_loads(table, loads))
+    assert found.names == ()
+    assert found.parity.shape == (2, 5, 0)
+    assert_allclose(found.values, loads, rtol=0, atol=1e-11)
+
+
+def test_a_resultant_that_nothing_sees_is_refused_by_name(campaign: Campaign) -> None:
+    kept = [k for k, name in enumerate(campaign.table.names) if name not in ("fmd-x12", "fmd-x34")]
+    table = campaign.table.subset(kept)
+    spectra = read_loads(campaign.table, some_loads())
+    with pytest.raises(BadInput, match="f_x"):
+        resultants(replace(spectra, table=table, values=spectra.values[:, :, kept], noise=spectra.noise[:, :, kept]))
+
+
+def test_quality_is_one_for_exact_channels_and_falls_with_a_fault_in_either_half(campaign: Campaign) -> None:
+    from geometry.sensors import motion_rows
+
+    table, u = campaign.table, some_loads()
+    pickups = list(table.select(quantity="acceleration"))
+    spectra = read_loads(table, some_loads())
+    values = spectra.values.copy()
+    values[:, :, pickups] = u @ motion_rows([table.channels[k] for k in pickups], table.origin).T
+    assert_allclose(of_campaign.of_lines(replace(spectra, values=values), gravity=9.81), 1.0, atol=1e-12)
+    for name in ("cover-y1", "fmd-z2"):
+        k, wrong = table.names.index(name), values.copy()
+        wrong[:, :, k] *= -1
+        found = of_campaign.of_lines(replace(spectra, values=wrong), gravity=9.81)
+        group = [j for j, one in enumerate(table.channels) if one.group == table.channels[k].group]
+        share = np.abs(values[:, :, k]) ** 2 / np.sum(np.abs(values[:, :, group]) ** 2, axis=2)
+        assert np.all(found < 1 - 0.2 * share)  # an inverted channel leaves at least a good part of itself unexplained
+
+
+def test_quality_tests_nothing_where_nothing_is_redundant(campaign: Campaign) -> None:
+    table = crooked().subset([0, 1, 2, 4, 8, 9])
+    spectra = read_loads(table, some_loads())
+    nonsense = replace(spectra, values=spectra.values + np.random.default_rng(1).standard_normal(spectra.values.shape))
+    assert_allclose(of_campaign.of_lines(nonsense, gravity=9.81), 1.0, atol=1e-12)

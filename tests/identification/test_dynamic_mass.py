@@ -7,7 +7,7 @@ from geometry.dynamic_mass import LEVELS as BY_AXIS
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from identification.base_motion import RunNoise
-from identification.dynamic_mass import bias, corrected, cost, covariance, deviation, exclusions, from_runs, quotient
+from identification.dynamic_mass import bias, corrected, cost, covariance, deviation, from_runs, quotient
 
 LINES = np.linspace(4.0, 32.0, 9)
 LEVELS = np.array(list(BY_AXIS.values()))
@@ -79,9 +79,6 @@ def test_loads_of_other_lines_than_the_motions_are_refused() -> None:
         from_runs(_loads(U)[:, :5], U, LINES)
 
 
-# --- which lines, and why not ----------------------------------------------------------------------------------------------
-
-
 def _together(U: np.ndarray, share: float, lines: slice) -> np.ndarray:
     """The same motions, but beta follows `share` of x at some lines, both as shares of their levels."""
     V = U.copy()
@@ -92,19 +89,19 @@ def _together(U: np.ndarray, share: float, lines: slice) -> np.ndarray:
 def test_lines_above_the_limit_are_left_out_with_the_combination_that_moves_together() -> None:
     U = _together(_runs(6, 0.02), 0.2, slice(3, 6)) + 1e-4 * _complex(6, len(LINES), 6)
     found = from_runs(_loads(U), U, LINES)
-    chosen = exclusions(found, 50.0)
+    chosen = found.excitation.excluded(50.0)
     assert chosen.kept.tolist() == [True] * 3 + [False] * 3 + [True] * 3
     (reason,) = chosen.reasons
     assert reason.startswith("14.5 to 21.5 Hz (3 lines) are left out, condition number up to")
     assert "x and beta move together: 0.2 x - 1 beta hardly moves in any run" in reason
-    assert exclusions(found, 1e9).reasons == ()
+    assert found.excitation.excluded(1e9).reasons == ()
 
 
 def test_lines_with_reasons_of_their_own_have_sentences_of_their_own() -> None:
     U = _runs(6, 0.02)
     U[:, 0, 2] *= 1e-3
     U[:, 1, 2:4] *= 1e-3
-    reasons = exclusions(from_runs(_loads(U), U, LINES), 100.0).reasons
+    reasons = from_runs(_loads(U), U, LINES).excitation.excluded(100.0).reasons
     assert [reason.split(", condition")[0] for reason in reasons] == ["4 Hz is left out", "7.5 Hz is left out"]
     assert [reason.split(": ")[1] for reason in reasons] == ["hardly any run drives z", "hardly any run drives z and alpha"]
 
@@ -121,9 +118,6 @@ def test_singular_runs_say_which_base_motions_are_linearly_dependent() -> None:
     W[:, :, 1] = W[:, :, 2] = W[:, :, 0]
     with pytest.raises(BadInput, match="x, y and z move together so that 2 combinations of them hardly move"):
         from_runs(_loads(W), W, LINES)
-
-
-# --- weights and noise -----------------------------------------------------------------------------------------------------
 
 
 def test_a_run_of_small_weight_does_not_spoil_the_others() -> None:
@@ -196,9 +190,6 @@ def test_six_runs_leave_nothing_to_correct() -> None:
     mass, C = corrected(F, U, noise, plain)
     np.testing.assert_allclose(mass.matrix, plain.dynamic_mass.matrix, rtol=0, atol=1e-9 * np.abs(H).max())
     np.testing.assert_allclose(C, covariance(plain, noise), rtol=0, atol=0.02 * np.abs(C).max())  # noise squared
-
-
-# --- the quotient beside ---------------------------------------------------------------------------------------------------
 
 
 def test_the_cost_of_cross_motion_is_what_the_table_did_besides_times_what_it_couples_to() -> None:

@@ -9,10 +9,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from identification import campaign_file, consistency
-from identification.base_motion import RunNoise, base_motion
+from identification.base_motion import RunNoise, base_motion, resultants
 from identification.consistency import Mistake, readings, suspects, undone
-from identification.dynamic_mass import Estimate, cost, exclusions, from_runs
-from identification.resultants import resultants
+from identification.dynamic_mass import Estimate, cost, from_runs
 from identification.rigid_body import fit, from_spectra
 from identification.spectra.line_spectra import Spectra
 from identification.spectra.of_campaign import spectra
@@ -50,7 +49,7 @@ def test_plain_equations_give_the_mass_within_what_the_lab_knows(series: dict[st
 def test_nothing_is_excluded_and_nobody_suspected(series: dict[str, Spectra], name: str) -> None:
     of = series[name]
     estimate = _estimate(of)
-    assert exclusions(estimate, 30.0).reasons == ()
+    assert estimate.excitation.excluded(30.0).reasons == ()
     assert [one.text for one in consistency.checks(estimate.dynamic_mass, of) if not one.holds] == []
 
 

@@ -56,9 +56,6 @@ def test_elastic_terms_are_taken_off_before_both_fits() -> None:
     assert abs(fit(mass).inertia.parameters[5] / BODY.parameters[5] - 1) > 0.1
 
 
-# --- noise ---------------------------------------------------------------------------------------------------------------
-
-
 def _independent(load: np.ndarray, motion: np.ndarray) -> RunNoise:
     """Noise of these standard deviations (r, n, 6), all components independent."""
     return RunNoise(load=load[..., None] ** 2 * np.eye(6), motion=motion[..., None] ** 2 * np.eye(6))
@@ -121,9 +118,6 @@ def test_lines_that_went_wrong_lose_their_say(robust: str, left: float) -> None:
     assert weight[wrong].max() < 0.1 < np.median(weight[~wrong])
 
 
-# --- bodies --------------------------------------------------------------------------------------------------------------
-
-
 def test_parameters_that_no_body_has_go_to_the_nearest_body_that_has_them() -> None:
     """A flat plate measured a little too flat. Its nearest body lies on the boundary, where nothing nearer is inside."""
     true = np.array([2.0, 0, 0, 0, 0.1, 0.1, 0.2, 0, 0, 0])
@@ -155,9 +149,6 @@ def test_a_consistent_fit_leaves_a_body_alone_and_says_how_far_another_was_moved
 def test_no_body_is_near_a_negative_mass() -> None:
     with pytest.raises(CheckFailed, match="negative mass, found -1 kg"):
         nearest_body(-Inertia.from_cog(1.0, np.zeros(3), np.eye(3)), np.eye(10))
-
-
-# --- what cannot be told -------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -215,9 +206,6 @@ def test_spectra_of_other_shapes_and_noise_of_nothing_are_refused() -> None:
     noise = _independent(np.full(U.shape, 1.0), np.full(U.shape, 1e3))
     with pytest.raises(CheckFailed, match="does not settle"):
         from_spectra(U + 1e3 * _complex(np.random.default_rng(0), *U.shape), _loads(U), LINES, noise=noise)
-
-
-# --- gravity -------------------------------------------------------------------------------------------------------------
 
 
 def test_the_weight_of_a_body_on_a_tilting_base_gives_the_tilt_its_signs() -> None:

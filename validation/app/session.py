@@ -47,8 +47,7 @@ from validation.effects import catalogue
 from validation.estimation import evaluate
 from validation.estimation.evaluate import Squares
 from validation.estimation.fit import unfitted
-from validation.estimation.problem import FITTED, PLAIN, Measured, Offsets, Parameter, Problem
-from validation.estimation.result import Evaluation, Fit, Share
+from validation.estimation.problem import FITTED, PLAIN, Evaluation, Fit, Measured, Offsets, Parameter, Problem, Share
 from validation.history import add, history
 from validation.history.add import AddedEffectOptions, conditions_of, grounded
 from validation.history.history import Errors, HistoryPosition, Ladder, Source, Version, history_position, read_text

@@ -14,8 +14,7 @@ from geometry.inertia import LOADS
 from validation.compare.maps import Map, NamedMode, Rig, doubt, mapped, named
 from validation.compare.spots import Spot, text, worst
 from validation.estimation.evaluate import residuals
-from validation.estimation.problem import Offsets, Problem
-from validation.estimation.result import Evaluation, Fit, Share
+from validation.estimation.problem import Evaluation, Fit, Offsets, Problem, Share
 from validation.estimation.verdicts import (
     TOLERANCES_NAMED,
     ExplainedError,

@@ -18,19 +18,17 @@ from geometry.frames import Array, Integers
 from geometry.inertia import LOADS, of_motions, of_resultants
 from geometry.sensors import ChannelTable, resultants
 from identification.base_motion import base_motion
+from identification.base_motion import resultants as identification_resultants
 from identification.dynamic_mass import Estimate, from_runs
 from identification.elastic.fit import levels
-from identification.resultants import resultants as identification_resultants
 from identification.self_calibration.solve import inverse, smoothed_level
 from identification.spectra.line_spectra import Spectra
 from validation.effects.stages import Matrices
 from validation.estimation import evaluate
-from validation.estimation.cost import cost_of, left_of_run, root
 from validation.estimation.evaluate import solved
 from validation.estimation.fit import FLOOR, PLAIN_FLOOR
-from validation.estimation.likelihood import floor_of, observed
-from validation.estimation.problem import STRUCTURAL, Lines, Measured, Offsets, Predicted, Prediction, Problem
-from validation.estimation.result import Fit
+from validation.estimation.likelihood import cost_of, floor_of, left_of_run, observed, root
+from validation.estimation.problem import STRUCTURAL, Fit, Lines, Measured, Offsets, Predicted, Prediction, Problem
 from validation.flexible.model import family
 from validation.output import entry, unwritten
 

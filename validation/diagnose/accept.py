@@ -16,8 +16,7 @@ from validation.diagnose.diagnosis import Candidate
 from validation.estimation.evaluate import evaluate
 from validation.estimation.fit import FLOOR, unfitted
 from validation.estimation.likelihood import observed
-from validation.estimation.problem import FITTED, Offsets, Problem
-from validation.estimation.result import Evaluation, Fit
+from validation.estimation.problem import FITTED, Evaluation, Fit, Offsets, Problem
 from validation.estimation.verdicts import expected_z2, largest_z, misfit
 from validation.study import Study
 

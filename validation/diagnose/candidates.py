@@ -36,8 +36,8 @@ from validation.effects.effect import (
     Vocabulary,
     evidence_threshold,
 )
-from validation.estimation.cost import cost_of
 from validation.estimation.fit import FLOOR
+from validation.estimation.likelihood import cost_of
 from validation.estimation.problem import EFFECT, FITTED, Fact, Parameter, Prediction, Problem
 from validation.estimation.screening import ScoreTest, Screen, in_the_fit, screened
 from validation.history.verdict import names_of

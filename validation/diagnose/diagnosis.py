@@ -12,8 +12,7 @@ from validation.effects import practical_units
 from validation.effects.catalogue import FAMILIES, Named, parse
 from validation.effects.effect import MISTAKE as OF_MISTAKES
 from validation.effects.effect import Vocabulary
-from validation.estimation.problem import Parameter, Problem
-from validation.estimation.result import Evaluation, Fit
+from validation.estimation.problem import Evaluation, Fit, Parameter, Problem
 from validation.estimation.screening import ScoreTest
 from validation.estimation.verdicts import expected_z2, largest_z, misfit
 from validation.model.model import Added

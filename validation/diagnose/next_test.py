@@ -20,8 +20,8 @@ from validation.diagnose.planned_test import SURE, Knowledge, PlannedTest, effec
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import INDISTINGUISHABLE_NATS
 from validation.estimation import likelihood
-from validation.estimation.cost import cost_of, root
 from validation.estimation.fit import BREAKDOWNS, FLOOR
+from validation.estimation.likelihood import cost_of, root
 from validation.estimation.problem import EFFECT, FITTED, Change, Conveyed, Fact, Lines, Parameter
 from validation.model.model import Added
 from validation.prediction.effects import name

@@ -19,8 +19,8 @@ from identification.campaign import Campaign
 from identification.self_calibration.solve import eliminated
 from validation.diagnose.diagnosis import Candidate
 from validation.estimation import likelihood
-from validation.estimation.cost import root
 from validation.estimation.fit import FLOOR
+from validation.estimation.likelihood import root
 from validation.estimation.problem import AT_MOST, EFFECT, Lines, Measured, Parameter, chosen
 from validation.model.model import Added
 from validation.prediction.series import SeriesPrediction, TestedCampaign, laboratory, supported_dynamic_mass

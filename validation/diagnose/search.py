@@ -23,10 +23,9 @@ from validation.diagnose.candidates import aliases, is_resonator, reaches, scree
 from validation.diagnose.diagnosis import Candidate, Screened
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, STRUCTURE, evidence_threshold
-from validation.estimation.cost import Cost, cost_of
 from validation.estimation.fit import BREAKDOWNS, child, nearby
-from validation.estimation.problem import EFFECT, FITTED, Parameter, Problem
-from validation.estimation.result import Fit
+from validation.estimation.likelihood import Cost, cost_of
+from validation.estimation.problem import EFFECT, FITTED, Fit, Parameter, Problem
 from validation.history.add import sized_by
 from validation.model.model import Added
 from validation.prediction.effects import name

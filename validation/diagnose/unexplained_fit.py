@@ -23,11 +23,9 @@ from geometry.frames import Array
 from identification.self_calibration.solve import eliminated
 from validation.diagnose.diagnosis import Candidate
 from validation.estimation import likelihood
-from validation.estimation.cost import cost_of, root
 from validation.estimation.fit import FLOOR
-from validation.estimation.likelihood import ObservedLines, observed
-from validation.estimation.problem import TOLERANCES, Lines, Predicted, Prediction, Wanted
-from validation.estimation.result import Fit
+from validation.estimation.likelihood import ObservedLines, cost_of, observed, root
+from validation.estimation.problem import TOLERANCES, Fit, Lines, Predicted, Prediction, Wanted
 from validation.estimation.screening import Products
 
 # Whitened residuals of a fitted candidate, data set by data set, with the share of every channel that inputs leave free.

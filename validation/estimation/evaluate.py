@@ -14,20 +14,17 @@ from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from geometry.toml_file import nearest
 from identification.self_calibration.solve import Normal, excess, smoothed_level, total
-from validation.estimation.cost import Cost, Left, cost_of, left_of_run
 from validation.estimation.fit import BREAKDOWNS, PLAIN_FLOOR, Progress, at_bounds, direct, fit, nearby
 from validation.estimation.fit import FLOOR as FIT_FLOOR
-from validation.estimation.likelihood import observed
-from validation.estimation.problem import FITTED, PLAIN, Lines, Measured, Offsets, Predicted, Prediction, Problem
-from validation.estimation.result import Evaluation, Fit, Share
+from validation.estimation.likelihood import Cost, Left, cost_of, left_of_run, observed
+from validation.estimation.problem import FITTED, PLAIN, Evaluation, Fit, Lines, Offsets, Predicted, Prediction, Problem, Share
 
-# Errors in per cent of what the judged channels read, each predicted from all the others (`validation.estimation.cost`).
+# Errors in per cent of what the judged channels read, each predicted from all the others (`validation.estimation.likelihood`).
 #
 # Of one line of one run the error is |f - f_predicted| / |f| over the judged channels; of many it is the root of the mean
 # square. That of one channel is its share, |f_c - f_c predicted| / |f|: squares of the channels add to the square of the whole.
 # Noise that is known is no error of a model: what it makes of the squares on average is taken off, so that a run that is weakly
 # driven counts no more than one that is not. Where noise alone explains all, the error is 0.
-
 
 FLOOR = 0.005
 """[share] Relative error of a channel, beside its noise, in the weights by which latent inputs are estimated: tolerances of the
@@ -62,9 +59,13 @@ def squares(prediction: Prediction, offsets: Offsets, lines: Lines | None = None
     """
     measured = prediction.measured
     chosen = np.arange(len(measured.frequency), dtype=np.int64) if lines is None else lines
-    predicted = _predicted(prediction, offsets, chosen)
+    try:
+        predicted = prediction.at(offsets, chosen, derivatives=False)
+    except BREAKDOWNS as error:
+        raise CheckFailed(f"the model of {measured.name} breaks down: {error}") from error
     seen, judged = observed(measured, chosen), measured.judged
-    weight, noise, found = seen.weight(FLOOR, predicted.noise), _noise(measured, predicted, chosen), []
+    weight, found = seen.weight(FLOOR, predicted.noise), []
+    noise = np.square(seen.noise if predicted.noise is None else predicted.noise)
     for k, run in enumerate(measured.runs):
         rows = predicted.rows if predicted.rows.ndim == 3 else predicted.rows[k]
         left = left_of_run(seen, rows, weight[k], k)
@@ -77,18 +78,6 @@ def squares(prediction: Prediction, offsets: Offsets, lines: Lines | None = None
         names = tuple(name for name, one in zip(measured.channels, judged, strict=True) if one)
         found.append(Squares(data_set=measured.name, run=run, channels=names, values=values, fold=fold))
     return found
-
-
-def _noise(measured: Measured, predicted: Predicted, lines: Lines) -> Array:
-    """(r, m, c) variance."""
-    return np.asarray(np.square(measured.noise[:, lines] if predicted.noise is None else predicted.noise))
-
-
-def _predicted(prediction: Prediction, offsets: Offsets, lines: Lines) -> Predicted:
-    try:
-        return prediction.at(offsets, lines, derivatives=False)
-    except BREAKDOWNS as error:
-        raise CheckFailed(f"the model of {prediction.measured.name} breaks down: {error}") from error
 
 
 def share(found: Sequence[Squares]) -> Share:
@@ -122,7 +111,6 @@ def _grouped(named: Iterable[tuple[str, Array]]) -> dict[str, float]:
 #
 # A fit that never saw a run, a configuration or a block of frequencies must predict it. Lines alone are never held out one by
 # one: a model's error is strongly correlated from line to line, and their scores are useless ("What bit" of the catalogue).
-
 
 Runs = Mapping[str, tuple[str, ...]]
 """Runs by data set."""
@@ -163,7 +151,9 @@ def folds(problem: Problem) -> tuple[Fold, ...]:
             ]
     configurations = dict.fromkeys(one.measured.configuration for one in problem.predictions)
     if len(configurations) > 1:
-        found += [_of_configuration(problem, configuration) for configuration in configurations]
+        for configuration in configurations:
+            whole = {of.name: of.runs for one in problem.predictions if (of := one.measured).configuration == configuration}
+            found.append(Fold(name=f"configuration {configuration}", runs=whole, configuration=True))
     return tuple(found)
 
 
@@ -180,8 +170,14 @@ def every_block(problem: Problem, count: int) -> tuple[Fold, ...]:
     if count < 2 or edges[1] - edges[0] < SHORTEST:
         problem_ = f"cannot be cut into {count} blocks of at least {SHORTEST:g} Hz, found {low:g} to {high:g} Hz"
         raise BadInput(source="hold-out", field="blocks", problem=problem_, remedy="Ask for 2 or a few more")
-    made = (_of_block(problem, lo, hi) for lo, hi in pairwise(edges))
-    return tuple(one for one in made if one.blocks)
+    made = []
+    for lo, hi in pairwise(edges):
+        blocks: dict[str, Lines] = {}
+        for one in problem.predictions:
+            inside = np.flatnonzero((one.measured.frequency >= lo) & (one.measured.frequency < hi))
+            blocks |= {one.measured.name: inside} if len(inside) else {}
+        made += [Fold(name=f"{lo:.3g} to {hi:.3g} Hz", blocks=blocks)] if blocks else []
+    return tuple(made)
 
 
 def named(problem: Problem, names: Sequence[str]) -> Fold:
@@ -220,14 +216,15 @@ def named(problem: Problem, names: Sequence[str]) -> Fold:
 
 def without(problem: Problem, fold: Fold) -> Problem:
     """What is left to fit."""
-    kept = [_rest(one, fold.runs.get(one.measured.name, ())) for one in problem.predictions]
-    lines = {
-        one.measured.name: np.setdiff1d(problem.lines_of(one), fold.blocks.get(one.measured.name, np.zeros(0, dtype=np.int64)))
-        for one in problem.predictions
-    }
-    left = tuple(one for one in kept if one is not None and len(lines[one.measured.name]))
+    lines, left = {}, []
+    for one in problem.predictions:
+        name, runs = one.measured.name, one.measured.runs
+        kept = [run for run in runs if run not in fold.runs.get(name, ())]
+        lines[name] = np.setdiff1d(problem.lines_of(one), fold.blocks.get(name, np.zeros(0, dtype=np.int64)))
+        if kept and len(lines[name]):
+            left.append(one if len(kept) == len(runs) else one.on(kept))
     facts = tuple(fact for fact in problem.facts if fact.name not in fold.facts)
-    return replace(problem, predictions=left, facts=facts, lines=lines)
+    return replace(problem, predictions=tuple(left), facts=facts, lines=lines)
 
 
 def held(problem: Problem, fold: Fold) -> list[tuple[Prediction, Lines | None]]:
@@ -240,26 +237,6 @@ def held(problem: Problem, fold: Fold) -> list[tuple[Prediction, Lines | None]]:
         elif name in fold.blocks:
             found.append((one, fold.blocks[name]))
     return found
-
-
-def _rest(one: Prediction, runs: Sequence[str]) -> Prediction | None:
-    left = [run for run in one.measured.runs if run not in runs]
-    if not left:
-        return None
-    return one.on(left) if len(left) < len(one.measured.runs) else one
-
-
-def _of_configuration(problem: Problem, configuration: str) -> Fold:
-    whole = {one.measured.name: one.measured.runs for one in problem.predictions if one.measured.configuration == configuration}
-    return Fold(name=f"configuration {configuration}", runs=whole, configuration=True)
-
-
-def _of_block(problem: Problem, low: float, high: float) -> Fold:
-    inside = {
-        one.measured.name: np.flatnonzero((one.measured.frequency >= low) & (one.measured.frequency < high))
-        for one in problem.predictions
-    }
-    return Fold(name=f"{low:.3g} to {high:.3g} Hz", blocks={name: lines for name, lines in inside.items() if len(lines)})
 
 
 def _unknown(problem: Problem, name: str, several: Sequence[str]) -> BadInput:
@@ -283,7 +260,6 @@ def _unknown(problem: Problem, name: str, several: Sequence[str]) -> BadInput:
 #
 # Normal equations of runs add, so that those without a run are known at once, and their quadratic model has its minimum in
 # closed form. Where that lies too far away for a quadratic model, the fit goes on from there with the data that are left.
-
 
 NEAR = 3.0
 """[sd] as far as the data fit, to which the quadratic model is taken at its word. Exercised by
@@ -338,49 +314,31 @@ def refitted(at: Solved, fold: Fold, *, quick: bool = False) -> dict[str, float]
     low, high = rest.bounds
     step, moving = np.zeros(len(x)), np.ones(len(x), dtype=bool)
     for _ in range(len(x) + 1):
-        force = gradient[moving] + matrix[np.ix_(moving, ~moving)] @ step[~moving]
-        step[moving] = -_solve(matrix[np.ix_(moving, moving)], force)
+        force, N = gradient[moving] + matrix[np.ix_(moving, ~moving)] @ step[~moving], matrix[np.ix_(moving, moving)]
+        scale = 1 / np.sqrt(np.maximum(np.diag(N), np.finfo(np.float64).tiny))
+        step[moving] = -scale * np.linalg.solve(scale[:, None] * N * scale, scale * force)
         there = np.clip(x + step, low, high)
         beyond = moving & (there != x + step)
         if not beyond.any():
             break
         step[beyond] = there[beyond] - x[beyond]
         moving &= ~beyond
-    step = _within_bounds(rest, at.x, step)
-    offsets = rest.offsets(at.x + step)
-    if quick or float(step @ matrix @ step) < (NEAR * excess(left, rest.size(at.x))) ** 2:
-        return offsets
-    return _descended(rest, offsets)
-
-
-def _within_bounds(cost: Cost, x: Array, step: Array) -> Array:
-    """`step`, or its longest half from which the model does not break down: no body has every ten parameters.
-
-    That is no matter of frequency: one line of every data set tells it.
-    """
+    # Its longest half from which the model does not break down: no body has every ten parameters. That is no matter of
+    # frequency: one line of every data set tells it
     for _ in range(SHORTER):
         try:
-            cost.size(x + step)
+            rest.size(x + step)
         except BREAKDOWNS:
             step = step / 2
         else:
-            return step
-    return np.zeros_like(step)
-
-
-def _solve(matrix: Array, force: Array) -> Array:
-    scale = 1 / np.sqrt(np.maximum(np.diag(matrix), np.finfo(np.float64).tiny))
-    return np.asarray(scale * np.linalg.solve(scale[:, None] * matrix * scale, scale * force))
-
-
-def _descended(rest: Cost, offsets: dict[str, float]) -> dict[str, float]:
-    """From `offsets` with the data that are left; these themselves where the model breaks down there."""
-
-    def nobody(share: float) -> None:
-        """Folds tell their number, not their share."""
-
-    try:
-        return direct(rest.holding({}), offsets, nobody, most=FEW, again=0).offsets
+            break
+    else:
+        step = np.zeros_like(step)
+    offsets = rest.offsets(x + step)
+    if quick or float(step @ matrix @ step) < (NEAR * excess(left, rest.size(x))) ** 2:
+        return offsets
+    try:  # with the data that are left; folds tell their number, not their share
+        return direct(rest.holding({}), offsets, lambda share: None, most=FEW, again=0).offsets
     except CheckFailed:
         return offsets
 
@@ -426,8 +384,18 @@ def evaluate(
     if fitted is not None:
         plain = nearby(known, PLAIN, fitted.by_name, lambda share: tell(0.25 * share))
     else:
-        plain = fit(known, PLAIN, start=_plain(parent), progress=lambda share: tell(0.25 * share))
-        fitted = fit(known, FITTED, start=_fitted(parent) or plain.by_name, progress=lambda share: tell(0.25 + 0.5 * share))
+        plain = fit(
+            known,
+            PLAIN,
+            start=parent.plain_fit if isinstance(parent, Evaluation) else None,
+            progress=lambda share: tell(0.25 * share),
+        )
+        fitted = fit(
+            known,
+            FITTED,
+            start=(parent.fitted if isinstance(parent, Evaluation) else parent) or plain.by_name,
+            progress=lambda share: tell(0.25 + 0.5 * share),
+        )
     offsets = {**problem.start, **plain.by_name}
     parts: list[tuple[Fold, Offsets]]
     if apart is not None:
@@ -435,7 +403,10 @@ def evaluate(
     else:
         turns = every_block(problem, blocks) if blocks else folds(problem)
         turns = tuple(one for one in turns if not (quick and one.configuration))
-        parts = _turns(thinned, plain, turns, quick, lambda share: tell(0.8 + 0.2 * share))
+        whole_fit, parts = solved(thinned, plain, PLAIN_FLOOR), []
+        for done, fold in enumerate(turns):
+            parts.append((fold, {**problem.start, **refitted(whole_fit, fold, quick=quick)}))
+            tell(0.8 + 0.2 * (done + 1) / len(turns))
     runs = [part for part in parts if not part[0].configuration]
     whole = [part for part in parts if part[0].configuration]
     return Evaluation(
@@ -451,29 +422,9 @@ def evaluate(
     )
 
 
-def _plain(parent: Evaluation | Fit | None) -> Fit | None:
-    return parent.plain_fit if isinstance(parent, Evaluation) else None
-
-
-def _fitted(parent: Evaluation | Fit | None) -> Fit | None:
-    return parent.fitted if isinstance(parent, Evaluation) else parent
-
-
 def _squares(problem: Problem, offsets: Offsets, quick: bool) -> list[Squares]:
     """Of all lines of all data sets of `problem`, fitted to or not."""
     return [one for prediction in problem.predictions for one in squares(prediction, offsets, _even(prediction, quick))]
-
-
-def _turns(problem: Problem, plain: Fit, turns: Sequence[Fold], quick: bool, tell: Progress) -> list[tuple[Fold, Offsets]]:
-    """Every fold with the offsets of the plain fit without it."""
-    if not turns:
-        return []
-    whole = solved(problem, plain, PLAIN_FLOOR)
-    found: list[tuple[Fold, Offsets]] = []
-    for done, fold in enumerate(turns):
-        found.append((fold, {**problem.start, **refitted(whole, fold, quick=quick)}))
-        tell((done + 1) / len(turns))
-    return found
 
 
 def _at(parts: Sequence[tuple[Fold, Offsets]], offsets: Offsets) -> list[tuple[Fold, Offsets]]:
@@ -499,8 +450,8 @@ def _even(prediction: Prediction, quick: bool) -> Lines | None:
 # Residuals line by line, beside the deviation that is to be expected of them.
 #
 # Where inputs are not known, every channel is held against what all the others say of it, as for the plain error, so that an
-# error stays in the channel that has it. What is left, e = G y (`validation.estimation.cost`), is expected to scatter by noise,
-# by the model-error floor, and by the tolerances that were not fitted:
+# error stays in the channel that has it. What is left, e = G y (`validation.estimation.likelihood`), is expected to scatter by
+# noise, by the model-error floor, and by the tolerances that were not fitted:
 #
 #     sigma² = |G|² (noise² + floor²) + sum_k |G (dA/dk) u|² tolerance_k²
 #
@@ -544,27 +495,25 @@ def residuals(problem: Problem, at: Fit | Offsets, *, floor: float = FIT_FLOOR, 
     known = at.by_name if isinstance(at, Fit) else dict(at)
     fitted = set(known) if isinstance(at, Fit) else set()
     loose = {one.name: one.tolerance for one in problem.parameters if one.name not in fitted and 0 < one.tolerance < np.inf}
-    offsets = {**problem.start, **known}
-    return tuple(
-        _of_one(one, offsets, loose, np.arange(len(one.measured.frequency)) if every_line else problem.lines_of(one), floor)
-        for one in problem.predictions
-    )
-
-
-def _of_one(one: Prediction, offsets: Offsets, loose: dict[str, float], lines: Lines, floor: float) -> Residuals:
-    measured = one.measured
-    predicted, seen = one.at(offsets, lines), observed(measured, lines)
-    weight = seen.weight(floor, predicted.noise)
-    rows = (predicted.rows if predicted.rows.ndim == 3 else predicted.rows[run] for run in range(len(measured.runs)))
-    left = [left_of_run(seen, A, weight[run], run) for run, A in enumerate(rows)]
-    return Residuals(
-        data_set=measured.name,
-        frequency=measured.frequency[lines],
-        values=np.stack([run.values for run in left]),
-        sigma=np.stack([_sigma(run, predicted, weight[k], loose, k) for k, run in enumerate(left)]),
-        level=smoothed_level(measured.frequency, measured.values)[:, lines],
-        inputs=np.stack([run.inputs for run in left]),
-    )
+    offsets, found = {**problem.start, **known}, []
+    for one in problem.predictions:
+        measured = one.measured
+        lines = np.arange(len(measured.frequency)) if every_line else problem.lines_of(one)
+        predicted, seen = one.at(offsets, lines), observed(measured, lines)
+        weight = seen.weight(floor, predicted.noise)
+        rows = (predicted.rows if predicted.rows.ndim == 3 else predicted.rows[run] for run in range(len(measured.runs)))
+        left = [left_of_run(seen, A, weight[run], run) for run, A in enumerate(rows)]
+        found.append(
+            Residuals(
+                data_set=measured.name,
+                frequency=measured.frequency[lines],
+                values=np.stack([run.values for run in left]),
+                sigma=np.stack([_sigma(run, predicted, weight[k], loose, k) for k, run in enumerate(left)]),
+                level=smoothed_level(measured.frequency, measured.values)[:, lines],
+                inputs=np.stack([run.inputs for run in left]),
+            )
+        )
+    return tuple(found)
 
 
 def _sigma(left: Left, predicted: Predicted, weight: Array, loose: dict[str, float], run: int) -> Array:

@@ -10,7 +10,7 @@ begins at a parent's solution keeps that where it finds nothing better, and so n
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import product
@@ -18,18 +18,15 @@ from math import inf
 
 import numpy as np
 import numpy.typing as npt
-from numpy.typing import NDArray
 
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from geometry.toml_file import nearest
 from identification.self_calibration.solve import CLOSE, MOST, Normal, Solution, inverse, minimise
-from validation.estimation.cost import Cost, cost_of, log_evidence
-from validation.estimation.problem import PLAIN, SENSOR, STRUCTURAL, TOLERANCES, Offsets, Parameter, Problem
-from validation.estimation.result import Fit
+from validation.estimation.likelihood import Cost, cost_of, log_evidence
+from validation.estimation.problem import PLAIN, SENSOR, STRUCTURAL, TOLERANCES, Fit, Offsets, Parameter, Problem
 
 # The way down: stages of an annealed floor, all of them within the bounds of the parameters, and where it ended.
-
 
 COARSE = (0.2, 0.06)
 """[share] Model-error floors of the stages before tolerances of the measurement are released. Exercised by
@@ -163,7 +160,9 @@ def at_its_bounds(cost: Cost, offsets: Offsets, *, converged: bool, data: Normal
     """
     left = at_bounds(cost, offsets)
     free = np.array([one.name in left.names for one in cost.free], dtype=bool)
-    return ended(left, offsets, converged=converged, data=None if data is None else _of(data, free))
+    if data is not None:
+        data = Normal(cost=data.cost, gradient=data.gradient[free], matrix=data.matrix[np.ix_(free, free)])
+    return ended(left, offsets, converged=converged, data=data)
 
 
 def at_bounds(cost: Cost, offsets: Offsets) -> Cost:
@@ -174,11 +173,6 @@ def at_bounds(cost: Cost, offsets: Offsets) -> Cost:
     at = np.where(x <= low + near, low, np.where(x >= high - near, high, np.nan))
     held = {name: float(bound) for name, bound in zip(cost.names, at, strict=True) if np.isfinite(bound)}
     return cost.holding({**{one.name: cost.base[one.name] for one in cost.held}, **held})
-
-
-def _of(data: Normal, free: NDArray[np.bool_]) -> Normal:
-    """`data` in the parameters that are `free` (p,), the others held."""
-    return Normal(cost=data.cost, gradient=data.gradient[free], matrix=data.matrix[np.ix_(free, free)])
 
 
 def _solved(cost: Cost, offsets: Offsets, *, close: float, most: int) -> Solution:
@@ -278,7 +272,9 @@ def child(
             end = direct(cost, begin, lambda share: None, most=TRIAL, again=1)
     except CheckFailed:
         return fitted(ended(cost, null, converged=False))
-    return fitted(end if end.whole.cost <= parent.cost else min(end, ended(cost, null, converged=False), key=_whole))
+    if end.whole.cost > parent.cost:
+        end = min(end, ended(cost, null, converged=False), key=lambda one: one.whole.cost)
+    return fitted(end)
 
 
 def nearby(problem: Problem, kinds: Sequence[str], start: Offsets, progress: Progress | None = None) -> Fit:
@@ -299,10 +295,6 @@ def unfitted(problem: Problem, kinds: Sequence[str], offsets: Offsets) -> Fit:
     )
 
 
-def _whole(end: End) -> float:
-    return end.whole.cost
-
-
 def floor_of(kinds: Sequence[str]) -> float:
     """The model-error floor of a fit of parameters of `kinds`."""
     return FLOOR if SENSOR in kinds else PLAIN_FLOOR
@@ -320,15 +312,11 @@ def _cheaper(end: End, start: Offsets, tell: Progress) -> End:
         return end
     cost = end.cost.holding({})
     try:
-        free = annealed(replace(cost, free=tuple(map(_unbounded, cost.free))), start, tell)
+        free = annealed(replace(cost, free=tuple(replace(one, within=inf) for one in cost.free)), start, tell)
         other = direct(cost, free.offsets, tell)
     except CheckFailed:
         return end
     return min(end, other, key=lambda one: one.whole.cost)
-
-
-def _unbounded(one: Parameter) -> Parameter:
-    return replace(one, within=inf)
 
 
 def parents_point(free: Sequence[Parameter], parent: Fit) -> dict[str, float]:
@@ -390,21 +378,20 @@ def _degrees(end: End) -> int:
 # the quadratic model says how many times as much the data want, and what is known of its logarithm does not count, because that
 # is no step of a logarithm.
 
-
 SINGLE_PLACES = 41
-"""[count] of places along a single size. Exercised by tests/validation/engine/test_starting.py."""
+"""[count] of places along a single size. Exercised by tests/validation/engine/test_fit.py."""
 
 SEVERAL_PLACES = 9
-"""[count] of places along each of several sizes. Exercised by tests/validation/engine/test_starting.py."""
+"""[count] of places along each of several sizes. Exercised by tests/validation/engine/test_fit.py."""
 
 REACH = 2.0
-"""[prior sd] to either side that a grid covers. Exercised by tests/validation/engine/test_starting.py."""
+"""[prior sd] to either side that a grid covers. Exercised by tests/validation/engine/test_fit.py."""
 
 NEXT_TO_NOTHING = -7.0
-"""[log] Offset of a small amplitude from where it stands: a thousandth. Exercised by tests/validation/engine/test_starting.py."""
+"""[log] Offset of a small amplitude from where it stands: a thousandth. Exercised by tests/validation/engine/test_fit.py."""
 
 PROMISING = 5
-"""[count] of places whose true cost is looked at. Exercised by tests/validation/engine/test_starting.py."""
+"""[count] of places whose true cost is looked at. Exercised by tests/validation/engine/test_fit.py."""
 
 
 def start(
@@ -435,8 +422,19 @@ def start(
     tell = progress or (lambda share: None)
     cost = cost_of(problem, problem.free(kinds), floor, plain=SENSOR not in kinds)
     here = {name: x for name, x in {**problem.start, **(base or {})}.items() if name in cost.names}
-    _require_known(cost, names, places or {})
-    grid = list(_grid(cost, names, here, places or {}))
+    known, given = {one.name: one.tolerance for one in cost.free}, places or {}
+    for name in names:
+        if name not in known:
+            remedy = nearest(name, known) or "Free it"
+            raise BadInput(source="start", field=name, problem="is no free parameter of this problem", remedy=remedy)
+        if name not in given and not np.isfinite(known[name]):
+            raise BadInput(source="start", field=name, problem="nothing is known of it beforehand", remedy="Give its `places`")
+    evenly = np.linspace(-REACH, REACH, SINGLE_PLACES if len(names) == 1 else SEVERAL_PLACES)
+    along = [
+        np.asarray(given[name], dtype=np.float64).ravel() if name in given else here[name] + known[name] * evenly
+        for name in names
+    ]
+    grid = [dict(zip(names, map(float, values), strict=True)) for values in product(*along)]
     found: list[tuple[float, dict[str, float]]] = []
     small = {amplitude: here[amplitude] + NEXT_TO_NOTHING} if amplitude else {}
     for done, place in enumerate(grid):
@@ -447,21 +445,12 @@ def start(
         found += _promise(unpriced, {**here, **place, **small}, names, amplitude)
         tell((done + 1) / (len(grid) + PROMISING))
     best = sorted(found, key=lambda one: one[0])[:PROMISING]
-    ends = [here, *(offsets for _, offsets in best)]
-    return min(ends, key=lambda offsets: _cost(cost, offsets))
-
-
-def _grid(cost: Cost, names: Sequence[str], here: Offsets, places: Mapping[str, npt.ArrayLike]) -> Iterator[dict[str, float]]:
-    known = {one.name: one.tolerance for one in cost.free}
-    count = SINGLE_PLACES if len(names) == 1 else SEVERAL_PLACES
-    along = [
-        np.asarray(places[name], dtype=np.float64).ravel()
-        if name in places
-        else here[name] + known[name] * np.linspace(-REACH, REACH, count)
-        for name in names
-    ]
-    for values in product(*along):
-        yield dict(zip(names, map(float, values), strict=True))
+    least, end = np.inf, here
+    for offsets in (here, *(offsets for _, offsets in best)):
+        with suppress(*BREAKDOWNS):
+            there = cost.total(cost.at(offsets))[0].cost
+            least, end = (there, offsets) if there < least else (least, end)
+    return end
 
 
 def _promise(cost: Cost, place: Offsets, names: Sequence[str], amplitude: str) -> list[tuple[float, dict[str, float]]]:
@@ -482,20 +471,3 @@ def _promise(cost: Cost, place: Offsets, names: Sequence[str], amplitude: str) -
         step[k] = np.log1p(step[k])
     there = np.clip(x + step, *cost.bounds)
     return [(promised, dict(zip(cost.names, map(float, there), strict=True)))]
-
-
-def _cost(cost: Cost, offsets: Offsets) -> float:
-    try:
-        return cost.total(cost.at(offsets))[0].cost
-    except BREAKDOWNS:
-        return np.inf
-
-
-def _require_known(cost: Cost, names: Sequence[str], places: Mapping[str, npt.ArrayLike]) -> None:
-    known: dict[str, float] = {one.name: one.tolerance for one in cost.free}
-    for name in names:
-        if name not in known:
-            remedy = nearest(name, known) or "Free it"
-            raise BadInput(source="start", field=name, problem="is no free parameter of this problem", remedy=remedy)
-        if name not in places and not np.isfinite(known[name]):
-            raise BadInput(source="start", field=name, problem="nothing is known of it beforehand", remedy="Give its `places`")

@@ -12,22 +12,18 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from types import MappingProxyType
 
 import numpy as np
 
 from geometry.dynamic_mass import ComplexArray
+from geometry.errors import CheckFailed
 from geometry.frames import Array, Integers
-from identification.self_calibration.solve import (
-    SILENT,
-    Normal,
-    as_real,
-    eliminated,
-    level_of_groups,
-    normal_equations,
-    smoothed_level,
-)
-from validation.estimation.problem import Change, Conveyed, Lines, Measured, Predicted
+from identification.self_calibration import solve
+from identification.self_calibration.solve import SILENT, Normal
+from validation.estimation.problem import Change, Conveyed, Lines, Measured, Offsets, Parameter, Predicted, Prediction, Problem
 
 # Normal equations of one run where most parameters are seen through the same few quantities, and most others in one channel.
 #
@@ -39,10 +35,9 @@ from validation.estimation.problem import Change, Conveyed, Lines, Measured, Pre
 #
 # and of the last the products of parameters of different channels are those of Q^H V.
 
-
 FEW = 24
 """[count] of parameters of several channels that go no common way up to which it is the quicker. Exercised by
-tests/validation/engine/test_conveying.py."""
+tests/validation/engine/test_likelihood.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -111,13 +106,17 @@ def ways(changes: Mapping[str, Change | Conveyed], names: Sequence[str], count: 
 
 def normal(of: Ways, r: ComplexArray, Q: ComplexArray | None, u: ComplexArray, w: Array) -> Normal:
     """Of one run, from its residual (m, c), the directions (m, c, k) of its inputs, these (m, k), and weights (m, c)."""
-    O, R = _directions_beside_inputs(of, Q, w)
-    y = _conveyed(of, u) @ R.transpose(0, 2, 1)
+    # O (m, c, j), directions beside the inputs, and y (m, a, j), what the common parameters move the quantities by
+    T = np.zeros((*w.shape, of.through.shape[2]), dtype=np.complex128)
+    T[:, of.channels] = w[:, of.channels, None] * of.through
+    O, R = np.linalg.qr(T if Q is None else T - Q @ (Q.conj().transpose(0, 2, 1) @ T))
+    m, a, j, k = of.quantities.shape
+    y = (of.quantities.reshape(m, a * j, k) @ u[..., None]).reshape(m, a, j) @ R.transpose(0, 2, 1)
     single = w[:, of.at].T * np.sum(of.rows * u, axis=-1)
     whole = w * (of.whole @ u[..., None])[..., 0]
     met = np.concatenate([_met(O, single, of.at), _met_by_all(O, whole)])
     matrix, gradient = np.empty((of.count, of.count)), np.empty(of.count)
-    common, rest = as_real(y.transpose(1, 0, 2)), as_real(met)
+    common, rest = solve.as_real(y.transpose(1, 0, 2)), solve.as_real(met)
     apart = np.concatenate([of.single, of.others])
     matrix[np.ix_(of.common, of.common)] = common @ common.T
     matrix[np.ix_(of.common, apart)] = both = common @ rest.T
@@ -125,35 +124,21 @@ def normal(of: Ways, r: ComplexArray, Q: ComplexArray | None, u: ComplexArray, w
     # (b + d, b + d) the products of the parameters that go no common way
     b = len(single)
     apart_matrix = np.zeros((b + len(whole), b + len(whole)))
-    one = as_real(single)
+    one = solve.as_real(single)
     apart_matrix[:b, :b] = (one @ one.T) * (of.at[:, None] == of.at)
     if len(whole):
-        flat = as_real(whole)
+        flat = solve.as_real(whole)
         apart_matrix[b:, b:] = flat @ flat.T
         apart_matrix[b:, :b] = np.sum((whole[:, :, of.at].transpose(0, 2, 1).conj() * single).real, axis=-1)
         apart_matrix[:b, b:] = apart_matrix[b:, :b].T
     if Q is not None:
-        along = as_real(np.concatenate([_met(Q, single, of.at), _met_by_all(Q, whole)]))
+        along = solve.as_real(np.concatenate([_met(Q, single, of.at), _met_by_all(Q, whole)]))
         apart_matrix -= along @ along.T
     matrix[np.ix_(apart, apart)] = apart_matrix
-    gradient[of.common] = -(common @ as_real((O.conj().transpose(0, 2, 1) @ r[..., None])[None, ..., 0])[0])
+    gradient[of.common] = -(common @ solve.as_real((O.conj().transpose(0, 2, 1) @ r[..., None])[None, ..., 0])[0])
     gradient[of.single] = -np.sum((single.conj() * r.T[of.at]).real, axis=1)
     gradient[of.others] = -np.sum((whole.conj() * r).real, axis=(1, 2))
     return Normal(cost=0.5 * float(np.sum(np.square(np.abs(r)))), gradient=gradient, matrix=matrix)
-
-
-def _directions_beside_inputs(of: Ways, Q: ComplexArray | None, w: Array) -> tuple[ComplexArray, ComplexArray]:
-    """O (m, c, j) and R (m, j, j)."""
-    T = np.zeros((*w.shape, of.through.shape[2]), dtype=np.complex128)
-    T[:, of.channels] = w[:, of.channels, None] * of.through
-    O, R = np.linalg.qr(T if Q is None else T - Q @ (Q.conj().transpose(0, 2, 1) @ T))
-    return np.asarray(O), np.asarray(R)
-
-
-def _conveyed(of: Ways, u: ComplexArray) -> ComplexArray:
-    """(m, a, j) what the common parameters move the quantities by."""
-    m, a, j, k = of.quantities.shape
-    return np.asarray((of.quantities.reshape(m, a * j, k) @ u[..., None]).reshape(m, a, j))
 
 
 def _met(directions: ComplexArray, single: ComplexArray, at: Integers) -> ComplexArray:
@@ -207,14 +192,8 @@ def floor_of(measured: Measured) -> Array:
 
     Of a channel that is nearly silent in a run it is `SILENT` of what channels read that are judged, or not judged, as it is.
     """
-    level = smoothed_level(measured.frequency, measured.values)
-    return np.asarray(np.hypot(level, SILENT * level_of_groups(measured.values, measured.judged)))
-
-
-def size(measured: Measured, predicted: Predicted, lines: int) -> int:
-    """Real numbers that are left of a data set when latent inputs are taken out."""
-    runs, channels, inputs = len(measured.runs), len(measured.channels), predicted.rows.shape[-1]
-    return 2 * runs * lines * (channels - (inputs if measured.inputs is None else 0))
+    level = solve.smoothed_level(measured.frequency, measured.values)
+    return np.asarray(np.hypot(level, SILENT * solve.level_of_groups(measured.values, measured.judged)))
 
 
 def normals(seen: ObservedLines, predicted: Predicted, free: Sequence[str], floor: float) -> dict[str, Normal]:
@@ -226,10 +205,15 @@ def normals(seen: ObservedLines, predicted: Predicted, free: Sequence[str], floo
     for run, name in enumerate(seen.runs):
         r, Q, u = _residual(_of_run(predicted.rows, run), seen, weight, run)
         if common is None:
-            one = normal_equations(r, Q, _moved(predicted, own, run, u, weight[run]))
+            one = solve.normal_equations(r, Q, _moved(predicted, own, run, u, weight[run]))
         else:
             one = normal(common, r, Q, u, weight[run])
-        found[name] = _spread(one, at, len(free))
+        # `one` in a vector of `count` parameters of which it knows those `at`
+        count = len(free)
+        gradient, matrix = np.zeros(count), np.zeros((count, count))
+        gradient[at] = one.gradient
+        matrix[np.ix_(at, at)] = one.matrix
+        found[name] = Normal(cost=one.cost, gradient=gradient, matrix=matrix)
     return found
 
 
@@ -260,7 +244,7 @@ def _residual(
     """Whitened residual (m, c), Q (m, c, k) of what was eliminated, and inputs (m, k) of one run."""
     y, w = seen.values[run], weight[run]
     if seen.inputs is None:
-        return eliminated(A, y, w)
+        return solve.eliminated(A, y, w)
     u = seen.inputs[run]
     return np.asarray(w * (y - (A @ u[..., None])[..., 0])), None, np.asarray(u)
 
@@ -275,9 +259,228 @@ def _moved(predicted: Predicted, names: Sequence[str], run: int, u: ComplexArray
     return V
 
 
-def _spread(own: Normal, at: Lines, count: int) -> Normal:
-    """`own` in a vector of `count` parameters of which it knows those `at`."""
-    gradient, matrix = np.zeros(count), np.zeros((count, count))
-    gradient[at] = own.gradient
-    matrix[np.ix_(at, at)] = own.matrix
-    return Normal(cost=own.cost, gradient=gradient, matrix=matrix)
+# `Cost`: what a fit makes small: half the squares of misfit, of facts, and of what is known beforehand.
+
+NOTHING: Offsets = MappingProxyType({})
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Cost:
+    """Of a problem in some of its parameters.
+
+    Attributes
+    ----------
+    problem : what is compared
+    free : (p,) the parameters that move
+    floor : model-error floor, relative
+    base : offsets at which the others stand, those of the model where nothing is said
+    held : parameters of the fit that stand at a bound; what is known of them counts
+    plain : whether declared parameters stay within what a plain fit allows them
+    """
+
+    problem: Problem
+    free: tuple[Parameter, ...]
+    floor: float
+    base: Offsets = field(default_factory=lambda: NOTHING)
+    held: tuple[Parameter, ...] = ()
+    plain: bool = False
+    observed: tuple[tuple[Prediction, Lines, ObservedLines], ...] = field(default=(), repr=False)
+
+    def __post_init__(self) -> None:
+        if not self.observed:
+            chosen = ((one, self.problem.lines_of(one)) for one in self.problem.predictions)
+            object.__setattr__(self, "observed", tuple((one, lines, observed(one.measured, lines)) for one, lines in chosen))
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """(p,) of the free parameters."""
+        return tuple(one.name for one in self.free)
+
+    @cached_property
+    def bounds(self) -> tuple[Array, Array]:
+        """(p,) least and (p,) greatest offsets of the free parameters."""
+        pairs = np.array([one.bounds(plain=self.plain) for one in self.free]).reshape(-1, 2)
+        return pairs[:, 0], pairs[:, 1]
+
+    def offsets(self, x: Array) -> dict[str, float]:
+        """Of all parameters, the free ones at `x` (p,)."""
+        return {**self.problem.start, **self.base, **dict(zip(self.names, map(float, x), strict=True))}
+
+    def at(self, offsets: Offsets) -> Array:
+        """(p,) of the free parameters from `offsets`, those of the model where nothing is said."""
+        return np.array([offsets.get(one.name, one.start) for one in self.free])
+
+    def holding(self, held: Mapping[str, float]) -> Cost:
+        """The same with the parameters `held` at these offsets, and all others of the fit free."""
+        everything = (*self.free, *self.held)
+        return replace(
+            self,
+            free=tuple(one for one in everything if one.name not in held),
+            held=tuple(one for one in everything if one.name in held),
+            base={**self.base, **held},
+        )
+
+    def by_run(self, x: Array) -> dict[tuple[str, str], Normal]:
+        """Normal equations of the data at `x` (p,) by data set and run."""
+        found: dict[tuple[str, str], Normal] = {}
+        offsets = self.offsets(x)
+        for prediction, lines, seen in self.observed:
+            predicted = prediction.at(offsets, lines, derivatives=frozenset(self.names))
+            for run, one in normals(seen, predicted, self.names, self.floor).items():
+                found[prediction.measured.name, run] = one
+        return found
+
+    def data(self, x: Array) -> Normal:
+        """Normal equations of all data at `x` (p,)."""
+        return solve.total(self.by_run(x).values(), len(self.free))
+
+    def knowledge(self, x: Array) -> tuple[Array, Array]:
+        """Whitened residuals (q,) at `x` (p,) of what is known beforehand and of facts, and their derivatives (q, p)."""
+        sd = np.array([one.tolerance for one in self.free])
+        known = np.isfinite(sd)
+        away, rows = x[known] / sd[known], np.eye(len(sd))[known] / sd[known, None]
+        still = np.array([self.base[one.name] / one.tolerance for one in self.held])
+        left, change = self._facts(x)
+        return np.concatenate([away, still, left]), np.vstack([rows, np.zeros((len(still), len(sd))), change])
+
+    def _facts(self, x: Array) -> tuple[Array, Array]:
+        said = [fact.residual(self.offsets(x)) for fact in self.problem.facts]
+        rows = np.array([[slopes.get(name, 0.0) for name in self.names] for _, slopes in said])
+        return np.array([left for left, _ in said]), rows.reshape(len(said), len(self.names))
+
+    def total(self, x: Array, data: Normal | None = None) -> tuple[Normal, Normal, float]:
+        """At `x` (p,): all as one, the `data` alone, which may be known already, and chi² of data and facts."""
+        data = self.data(x) if data is None else data
+        away, rows = self.knowledge(x)
+        whole = Normal(
+            cost=data.cost + 0.5 * float(away @ away),
+            gradient=data.gradient + rows.T @ away,
+            matrix=data.matrix + rows.T @ rows,
+        )
+        left, _ = self._facts(x)
+        return whole, data, 2 * data.cost + float(left @ left)
+
+    def predicted(self, x: Array) -> list[tuple[ObservedLines, Predicted]]:
+        """At `x` (p,) without derivatives, by data set."""
+        offsets = self.offsets(x)
+        return [(seen, one.at(offsets, lines, derivatives=False)) for one, lines, seen in self.observed]
+
+    def size(self, x: Array) -> int:
+        """Real numbers that the data leave when latent inputs are taken out, and the facts; counted at `x` (p,)."""
+        offsets, found = self.offsets(x), len(self.problem.facts)
+        for one, lines, seen in self.observed:
+            latent = one.at(offsets, lines[:1], derivatives=False).rows.shape[-1] if seen.inputs is None else 0
+            found += 2 * len(seen.runs) * len(lines) * (seen.values.shape[2] - latent)
+        return found
+
+
+def cost_of(problem: Problem, free: Sequence[Parameter], floor: float, base: Offsets = NOTHING, *, plain: bool = False) -> Cost:
+    """The cost of `problem` in the parameters `free`; of a plain fit declared ones have narrower bounds."""
+    return Cost(problem=problem, free=tuple(free), floor=floor, base=base, plain=plain)
+
+
+# Evidence: how probable the data are under a model whatever its parameters, by Laplace's approximation.
+#
+#     log Z = -cost - 1/2 log det(S N S) ,   S = diag(tolerance)
+#
+# N is the matrix of second derivatives of the cost, knowledge beforehand included; S N S is 1 in every direction of which the
+# data say nothing, so that a useless parameter costs nothing and one that is told pays for the width that it had before
+# (MacKay, Information Theory, Inference, and Learning Algorithms, ch. 28). What is left out is the same for all models of the
+# same data, lines and floor. Where an effect changes the noise, so does the normalisation of the likelihood: its ratio to that
+# of the data's own noise, latent inputs marginalised, is in.
+
+
+def log_evidence(cost: Cost, x: Array, whole: Normal) -> float:
+    """At the minimum `x` (p,) where `whole` was found [nats], up to a constant of the data."""
+    scale = np.array([one.tolerance if np.isfinite(one.tolerance) else 1.0 for one in cost.free])
+    _, logdet = np.linalg.slogdet(scale[:, None] * whole.matrix * scale)
+    # Of the noise at `x` against that of the data
+    found = 0.0
+    for seen, predicted in cost.predicted(x):
+        if predicted.noise is None:
+            continue
+        new, old = seen.weight(cost.floor, predicted.noise), seen.weight(cost.floor)
+        found += 2 * float(np.sum(np.log(new / old)))
+        if seen.inputs is None:
+            rows = np.broadcast_to(predicted.rows, (len(seen.runs), *predicted.rows.shape[-3:]))
+            found -= _determinant(new[..., None] * rows) - _determinant(old[..., None] * rows)
+    return float(-whole.cost - 0.5 * logdet + found)
+
+
+def _determinant(A: ComplexArray) -> float:
+    """log det(A^H A) over all lines, of A (r, m, c, k)."""
+    R = np.linalg.qr(A, mode="r")
+    return 2 * float(np.sum(np.log(np.abs(np.diagonal(R, axis1=-2, axis2=-1)))))
+
+
+# Inputs at every line: as they are known, or estimated, and what is left of every channel by what all the others say.
+#
+# A latent base motion is told by accelerations and forces together: at a resonance an acceleration's own error, multiplied by
+# the dynamic mass, would be a wrong force, and there the forces know better. So that no channel speaks for itself, each is
+# predicted from all the others. With the whitened W A = Q R that needs no further solution (Cook & Weisberg, Residuals and
+# Influence in Regression, 1982):
+#
+#     e_c = (y - A u)_c / (1 - h_c),   h_c = |row c of Q|²
+
+ALONE = 1e-9
+"""[share] 1 - h of a channel below which no other tells what it does. Exercised by tests/validation/engine/test_likelihood.py."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Left:
+    """What a prediction does not explain of one run.
+
+    Attributes
+    ----------
+    values : (m, c) every channel less what the others and the prediction say of it
+    inputs : (m, k) u, by all channels
+    gain : (m, c, c) values = gain y; None for known inputs, where it is the identity
+    """
+
+    values: ComplexArray
+    inputs: ComplexArray
+    gain: ComplexArray | None
+
+
+def left_of_run(seen: ObservedLines, rows: ComplexArray, weight: Array, run: int) -> Left:
+    """Of the run with index `run`, with rows (m, c, k) of it and weights (m, c).
+
+    Raises
+    ------
+    CheckFailed : without some channel the others do not tell the inputs.
+    """
+    y = seen.values[run]
+    if seen.inputs is not None:
+        u = np.asarray(seen.inputs[run])
+        return Left(values=y - (rows @ u[..., None])[..., 0], inputs=u, gain=None)
+    Q, R = np.linalg.qr(weight[..., None] * rows)
+    # (m, c) 1 / (1 - h)
+    left = 1 - np.sum(np.abs(Q) ** 2, axis=-1)
+    if np.any(left < ALONE):
+        line, channel = np.argwhere(left < ALONE)[0]
+        raise CheckFailed(
+            f"the {Q.shape[2]} inputs cannot be told without channel {channel + 1} at line {line + 1}, so nothing is "
+            "known of it; measure with more channels, or leave that line out"
+        )
+    to_others = np.asarray(1 / left)
+    whitened = to_others[..., None] * (np.eye(y.shape[1]) - Q @ Q.conj().transpose(0, 2, 1))
+    gain = np.asarray(whitened * weight[:, None, :] / weight[:, :, None], dtype=np.complex128)
+    try:
+        u = np.linalg.solve(R, Q.conj().transpose(0, 2, 1) @ (weight * y)[..., None])[..., 0]
+    except np.linalg.LinAlgError as error:
+        raise CheckFailed("the channels do not tell the inputs at some line; leave that line out") from error
+    return Left(values=(gain @ y[..., None])[..., 0], inputs=np.asarray(u), gain=gain)
+
+
+# The root of a covariance whose parameters are of any unit.
+
+
+def root(covariance: Array) -> Array:
+    """(p, p) R with R R^T = `covariance`, whose parameters may stand still.
+
+    It is taken of the correlations: beside a variance in (N/m)², what is known of a position to the micrometre is rounding.
+    """
+    sd = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    scale = np.where(sd > 0, sd, 1.0)
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    return np.asarray(scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Protocol, Self
+from typing import Any, Protocol, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +15,7 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array, frozen
 from identification.parameter import Parameter as Parameter
 from identification.self_calibration.solve import smoothed_level
+from validation.output import entry
 
 IDENTIFIED, DECLARED, STRUCTURAL, SENSOR, EFFECT = KINDS = ("identified", "declared", "structural", "sensor", "effect")
 """What a laboratory legitimately has to identify (the FMD's inertia), what the model declares to know within a tolerance
@@ -31,7 +32,6 @@ IDENTIFYING = (*PLAIN, STRUCTURAL)
 
 TOLERANCES = (DECLARED, STRUCTURAL, SENSOR)
 """Those whose offsets have a price."""
-
 
 WITHIN = 2.5
 """[tolerance] by which a plain fit may move what is declared. Exercised by tests/validation/engine/test_fit.py."""
@@ -99,7 +99,6 @@ class Measured:
 #
 # At one line of one run the channels read ``y = A u + noise``: A (c, k) is predicted, the inputs u (k,) are known or latent. A
 # fact is a single number that another measurement says: a weight, a centre of gravity, a period.
-
 
 Lines = npt.NDArray[np.int64]
 
@@ -201,11 +200,10 @@ class Fact(Protocol):
 
 # `Problem`: predictions of several data sets that share parameters by name, and facts of other measurements.
 
-
 ALL_LINES: Mapping[str, Lines] = MappingProxyType({})
 
 FEWEST = 20
-"""[count] of lines of a data set below which none is left out. Exercised by tests/validation/engine/test_problem.py."""
+"""[count] of lines of a data set below which none is left out. Exercised by tests/validation/engine/test_errors.py."""
 
 AGREED = ("unit", "kind", "logarithmic", "tolerance", "nominal", "start", "within", "low", "high")
 """What two predictions must say alike of a parameter that they share."""
@@ -248,7 +246,13 @@ class Problem:
         for source, parameters in (*sources, *((one.name, one.parameters) for one in self.facts)):
             for parameter in parameters:
                 first, said_by = found.setdefault(parameter.name, (parameter, source))
-                _require_agreement(first, said_by, parameter, source)
+                for what in AGREED:
+                    one, other = getattr(first, what), getattr(parameter, what)
+                    if one != other:
+                        raise ValueError(
+                            f"parameter {first.name!r} must be the same in all data sets: its {what} is {one!r} in "
+                            f"{said_by} and {other!r} in {source}; give them one value or two names"
+                        )
         return tuple(parameter for parameter, _ in found.values())
 
     @cached_property
@@ -271,8 +275,7 @@ class Problem:
         return np.arange(len(prediction.measured.frequency), dtype=np.int64) if chosen is None else chosen
 
     def thinned(self) -> Problem:
-        """The same with fewer lines for its fits where there are many, see `validation.estimation.problem`."""
-
+        """The same with fewer lines for its fits where there are many, see `chosen`."""
         return replace(self, lines={one.measured.name: chosen(one.measured) for one in self.predictions})
 
     def sparser(self, step: int) -> Problem:
@@ -281,30 +284,19 @@ class Problem:
         return replace(self, lines={name: of[::step] if len(of) >= step * FEWEST else of for name, of in lines.items()})
 
 
-def _require_agreement(first: Parameter, said_by: str, second: Parameter, source: str) -> None:
-    for what in AGREED:
-        if getattr(first, what) != getattr(second, what):
-            raise ValueError(
-                f"parameter {first.name!r} must be the same in all data sets: its {what} is {getattr(first, what)!r} in "
-                f"{said_by} and {getattr(second, what)!r} in {source}; give them one value or two names"
-            )
-
-
 # Which lines a fit uses: few where nothing happens, more where the level of the channels turns quickly with frequency.
 #
 # Beside resonances the model's own error is strongly correlated from line to line, so that neighbours add time and false
 # certainty (identification/self_calibration/likelihood.py). Lines are therefore spread evenly over a measure of what happens:
-# half of
-# it is the frequency itself, half the turning of the levels, each line counted no more than `STEEPEST`. Phases turn with the
-# sweep.
-
+# half of it is the frequency itself, half the turning of the levels, each line counted no more than `STEEPEST`. Phases turn
+# with the sweep.
 
 AT_MOST = 100
-"""[count] of lines of one data set that a fit uses. Exercised by tests/validation/engine/test_problem.py."""
+"""[count] of lines of one data set that a fit uses. Exercised by tests/validation/engine/test_errors.py."""
 
 STEEPEST = 0.3
 """[share] Relative change from one line to the next beyond which steeper is no steeper: a resonance between two lines. Exercised
-by tests/validation/engine/test_problem.py."""
+by tests/validation/engine/test_errors.py."""
 
 
 def chosen(measured: Measured, *, at_most: int = AT_MOST) -> Lines:
@@ -323,3 +315,97 @@ def chosen(measured: Measured, *, at_most: int = AT_MOST) -> Lines:
     along = np.concatenate([[0.0], np.cumsum(share)])
     wanted = np.linspace(0.0, along[-1], at_most)
     return np.unique(np.round(np.interp(wanted, along, np.arange(count))).astype(np.int64))
+
+
+# `Evaluation`: the four errors of a model on data, fitted and held out, and the fits behind them.
+
+NO_ERRORS: Mapping[str, float] = MappingProxyType({})
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Share:
+    """An error in per cent of what the judged channels read, and where it comes from.
+
+    Attributes
+    ----------
+    percent : over all data sets, runs and lines
+    by_channel, by_run, by_data_set : the same by name; runs as ``data set/run``
+    by_fold : of held-out data, by what was held out together
+    """
+
+    percent: float
+    by_channel: Mapping[str, float] = field(default_factory=lambda: NO_ERRORS)
+    by_run: Mapping[str, float] = field(default_factory=lambda: NO_ERRORS)
+    by_data_set: Mapping[str, float] = entry("by_campaign", default_factory=lambda: NO_ERRORS)
+    by_fold: Mapping[str, float] = entry("by_what_was_held_out", default_factory=lambda: NO_ERRORS)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Fit:
+    """Where a fit ended.
+
+    Attributes
+    ----------
+    parameters : (p,) that were free
+    offsets : (p,)
+    covariance : (p, p) of the offsets
+    cost : half the sum of squares of whitened residuals, knowledge beforehand included
+    chi2 : of the data alone
+    degrees_of_freedom : real numbers left when inputs and free parameters without knowledge beforehand are taken out
+    tolerance_z2 : sum of squares of offset / tolerance over the `TOLERANCES`
+    tolerances : how many these are
+    log_evidence : Laplace approximation [nats], up to a constant of the data
+    converged : whether the iteration ended by itself
+    """
+
+    parameters: tuple[Parameter, ...]
+    offsets: Array
+    covariance: Array
+    cost: float
+    chi2: float
+    degrees_of_freedom: int
+    tolerance_z2: float
+    tolerances: int
+    log_evidence: float
+    converged: bool
+
+    @property
+    def by_name(self) -> dict[str, float]:
+        """Offsets by name."""
+        return {one.name: float(x) for one, x in zip(self.parameters, self.offsets, strict=True)}
+
+    @property
+    def by_parameter(self) -> dict[str, Any]:
+        """Every parameter by its name, as JSON has it."""
+        sd = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        return {
+            one.name: {"value_si": one.value(float(x)), "offset": float(x), "sd": float(s), "kind": one.kind}
+            for one, x, s in zip(self.parameters, self.offsets, sd, strict=True)
+        }
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Evaluation:
+    """The errors of one model.
+
+    Attributes
+    ----------
+    nominal : the model as it stands, nothing fitted
+    plain : tolerances of the measurement not fitted
+    held_out : plain error on runs, blocks of lines and whatever was named that were not fitted; None where nothing was held out
+    held_out_nominal : nominal error on the same
+    plain_fit, fitted : the fits; surprise is `fitted.tolerance_z2` beside `fitted.tolerances`
+    held_out_names : what was held out, in words
+    held_out_configurations, held_out_configurations_nominal : the same on each configuration of a series in turn, of which not
+        even the modes were fitted; None where nothing but one was tested, or something was named
+    """
+
+    nominal: Share
+    plain: Share
+    held_out: Share | None
+    held_out_nominal: Share | None
+    plain_fit: Fit
+    fitted: Fit
+    held_out_names: tuple[str, ...] = field(default=())
+    held_out_configurations: Share | None = None
+    held_out_configurations_nominal: Share | None = None

@@ -30,11 +30,9 @@ import numpy as np
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
 from identification.self_calibration.solve import inverse, total
-from validation.estimation.cost import cost_of
 from validation.estimation.fit import FLOOR
-from validation.estimation.likelihood import ObservedLines, normals, whitened
-from validation.estimation.problem import EFFECT, Fact, Offsets, Parameter, Predicted, Problem
-from validation.estimation.result import Fit
+from validation.estimation.likelihood import ObservedLines, cost_of, normals, whitened
+from validation.estimation.problem import EFFECT, Fit, Offsets, Parameter, Predicted, Problem
 
 KNOWN = 1e-12
 """[share] of its own square that must be left of a column beside the others for the data to tell it at all. Exercised by
@@ -181,16 +179,40 @@ def screened(problem: Problem, fit: Fit, names: Sequence[str], *, by_line: bool 
     cost = cost_of(problem, (*free, *new), floor, fit.by_name)
     offsets = cost.offsets(cost.at(stand))
     wanted = frozenset(cost.names)
-    products = []
+    olds, products = [one.name for one in free], []
     for prediction, lines, seen in cost.observed:
         predicted = prediction.at(offsets, lines, derivatives=wanted)
         here = tuple(one.name for one in new if one.name in predicted.changes)
         if by_line:
             frequency = prediction.measured.frequency[lines]
-            products.append(_products(seen, predicted, frequency, [one.name for one in free], here, floor))
+            products.append(_products(seen, predicted, frequency, olds, here, floor))
         else:
-            products.append(_summed(seen, predicted, [one.name for one in free], here, floor))
-    facts = _of_facts(problem.facts, offsets, [one.name for one in free], [one.name for one in new])
+            count = len(olds)
+            of = total(normals(seen, predicted, [*olds, *here], floor).values(), count + len(here))
+            products.append(
+                Products(
+                    frequency=np.zeros(1),
+                    names=here,
+                    residual=-of.gradient[None, count:].astype(np.complex128),
+                    others=of.matrix[None, count:, :count].astype(np.complex128),
+                    square=np.diag(of.matrix)[None, count:].copy(),
+                )
+            )
+    # Facts: each is a line of its own, and what it leaves is the measured less the predicted, as of a channel
+    said = [fact.residual(offsets) for fact in problem.facts]
+    here = tuple(one.name for one in new if any(one.name in slopes for _, slopes in said))
+    left = np.array([-away for away, _ in said]).reshape(len(said), 1)
+    e, J = (
+        np.array([[slopes.get(name, 0.0) for name in columns] for _, slopes in said]).reshape(len(said), len(columns))
+        for columns in (here, olds)
+    )
+    facts = Products(
+        frequency=np.zeros(len(said)),
+        names=here,
+        residual=(e * left).astype(np.complex128),
+        others=(e[:, :, None] * J[:, None, :]).astype(np.complex128),
+        square=e**2,
+    )
     return Screen(free=free, covariance=covariance, step=step, products=tuple(products), facts=facts)
 
 
@@ -213,22 +235,6 @@ def _beside(problem: Problem, fit: Fit, stand: Offsets, floor: float) -> tuple[t
     return free, covariance, -covariance @ whole.gradient
 
 
-def _of_facts(facts: Sequence[Fact], offsets: Offsets, free: Sequence[str], new: Sequence[str]) -> Products:
-    """The same of facts: each is a line of its own, and what it leaves is the measured less the predicted, as of a channel."""
-    said = [fact.residual(offsets) for fact in facts]
-    here = tuple(name for name in new if any(name in slopes for _, slopes in said))
-    left = np.array([-away for away, _ in said]).reshape(len(said), 1)
-    e = np.array([[slopes.get(name, 0.0) for name in here] for _, slopes in said]).reshape(len(said), len(here))
-    J = np.array([[slopes.get(name, 0.0) for name in free] for _, slopes in said]).reshape(len(said), len(free))
-    return Products(
-        frequency=np.zeros(len(said)),
-        names=here,
-        residual=(e * left).astype(np.complex128),
-        others=(e[:, :, None] * J[:, None, :]).astype(np.complex128),
-        square=e**2,
-    )
-
-
 def _products(
     seen: ObservedLines, predicted: Predicted, frequency: Array, free: Sequence[str], new: tuple[str, ...], floor: float
 ) -> Products:
@@ -245,16 +251,3 @@ def _products(
         others[..., own] += E @ V[..., : len(own)]
         square += np.sum(np.abs(E) ** 2, axis=2)
     return Products(frequency=frequency, names=new, residual=residual, others=others, square=square)
-
-
-def _summed(seen: ObservedLines, predicted: Predicted, free: Sequence[str], new: tuple[str, ...], floor: float) -> Products:
-    """The same, lines summed as well."""
-    count = len(free)
-    of = total(normals(seen, predicted, [*free, *new], floor).values(), count + len(new))
-    return Products(
-        frequency=np.zeros(1),
-        names=new,
-        residual=-of.gradient[None, count:].astype(np.complex128),
-        others=of.matrix[None, count:, :count].astype(np.complex128),
-        square=np.diag(of.matrix)[None, count:].copy(),
-    )

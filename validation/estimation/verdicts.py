@@ -9,13 +9,11 @@ data really tell.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from validation.estimation.problem import IDENTIFIED, TOLERANCES, Parameter
-from validation.estimation.result import Evaluation, Fit
+from validation.estimation.problem import IDENTIFIED, TOLERANCES, Evaluation, Fit, Parameter
 from validation.output import derived, entry
 
 GOOD, DOUBTFUL, FAILED = VERDICTS = ("good", "doubtful", "failed")
@@ -42,7 +40,6 @@ tests/validation/comparing/test_maps_and_spots.py."""
 
 ABSURD = 4.0
 """[sd] of one tolerance that no careful laboratory has. Exercised by tests/validation/comparing/test_maps_and_spots.py."""
-
 
 TOLERANCES_NAMED = 5
 """[count] of tolerances that are named. Exercised by tests/validation/comparing/test_maps_and_spots.py."""
@@ -165,22 +162,17 @@ def told(of: Evaluation, explained: ExplainedError, peak: float) -> tuple[Stated
         verdict=FAILED if high else GOOD,
         text=f"{said}, but not where it fails, by up to {figure(peak)} sigma" if high else f"{said}, and nothing stands out",
     )
-    return (_nominal(of), plain, _fitted(of.fitted), _held_out(of, explained))
-
-
-def _nominal(of: Evaluation) -> StatedError:
-    return StatedError(
-        name="nominal error",
-        figure=percent(of.nominal.percent),
-        meaning="the model as it stands, nothing fitted",
-    )
+    nominal = percent(of.nominal.percent)
+    as_it_stands = StatedError(name="nominal error", figure=nominal, meaning="the model as it stands, nothing fitted")
+    return (as_it_stands, plain, _fitted(of.fitted), _held_out(of, explained))
 
 
 def _fitted(of: Fit) -> StatedError:
     ratio = misfit(of)
     moved, too_much = tolerances(of), absurd(of)
     paying = [one for one in moved if one.parameter.kind in TOLERANCES]
-    worst = named([one for one in moved if abs(one.z) >= ABSURD][:TOLERANCES_NAMED] or paying[:1])
+    far = [one for one in moved if abs(one.z) >= ABSURD][:TOLERANCES_NAMED] or paying[:1]
+    worst = " and ".join(f"{one.parameter.name} at {one.z:+.1f} z" for one in far)
     if ratio > MISFIT:
         verdict, text = FAILED, "no tolerance explains the data" + (f", though {worst} try" if too_much else "")
     elif too_much:
@@ -223,11 +215,6 @@ def _held_out(of: Evaluation, explained: ExplainedError) -> StatedError:
         verdict=DOUBTFUL if high else GOOD,
         text=f"{said}; beside it, {beside}" if beside else said,
     )
-
-
-def named(some: Sequence[Tolerance]) -> str:
-    """The tolerances by name, each with its z."""
-    return " and ".join(f"{one.parameter.name} at {one.z:+.1f} z" for one in some)
 
 
 def figure(value: float) -> str:

@@ -12,8 +12,8 @@ from geometry.frames import Array
 from identification.quality import NORMAL_95
 from validation.effects.catalogue import Named
 from validation.effects.effect import evidence_threshold as worth_of
-from validation.estimation.cost import cost_of
 from validation.estimation.fit import floor_of
+from validation.estimation.likelihood import cost_of
 from validation.estimation.problem import EFFECT, IDENTIFIED, PLAIN, Parameter, Prediction, Problem
 from validation.estimation.verdicts import ABSURD, costly
 from validation.history.history import Errors, Version, VersionSize

@@ -9,17 +9,8 @@ from pathlib import Path
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.inertia import Observability
-from identification.campaign import Campaign
-from identification.campaign_file import (
-    Levels,
-    Progress,
-    examine,
-    levels,
-    noise_floors,
-    observed,
-    problems_of_runs,
-    warnings_of_runs,
-)
+from identification.campaign import Campaign, Levels, levels, noise_floors, observed, problems_of_runs, warnings_of_runs
+from identification.campaign_file import Progress, examine
 from identification.consistency import of_spectra
 from identification.spectra.of_campaign import spectra
 

@@ -24,9 +24,9 @@ from identification.elastic.fit import fit
 from identification.elastic.model import dynamic_mass
 from identification.elastic.study import LIMIT, NARROWEST, BandStudy, study
 from identification.identify import Identification, contradictions, failures, identify, judged
+from identification.plain import CHAIN_ERROR
 from identification.quality import NORMAL_95, Quality, half_widths, quality
 from identification.request import CONDITION_LIMIT, QUANTITIES, Fact, Identified, Request, Tare, counts
-from identification.setup import CHAIN_ERROR
 from identification.spectra.line_spectra import Spectra
 from validation.classical import files, pendulum, weigh
 from validation.classical.files import Fields, Reduction, read

@@ -20,13 +20,12 @@ from geometry.frames import Array, Pose, rigid_transformation_6
 from geometry.inertia import of_motions, of_resultants
 from geometry.sensors import Channel, ChannelTable, Tolerances
 from identification import campaign_file
-from identification.base_motion import base_motion, groups_used
+from identification.base_motion import base_motion, groups_used, resultants
 from identification.campaign import Processing
 from identification.chain import chain
 from identification.dynamic_mass import from_runs
 from identification.identify import Expected, expected
 from identification.request import Evidence, Known, Settings, TareSpectra
-from identification.resultants import resultants
 from identification.spectra import noise
 from identification.spectra.line_spectra import Spectra, full_record
 from validation.flexible.model import Flexible, FlexibleOptions, flexible, nearest_part

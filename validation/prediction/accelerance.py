@@ -1,7 +1,7 @@
 """An accelerance test: a structure that is held, shaken or struck at one point after the other, accelerations per unit of force.
 
-    reduced matrices of the structure       nuisances            effects of the structure
-    -> accelerances, a run a drive point    condensation         effects of the channels
+    reduced matrices of the structure       tolerances           effects of the structure
+    -> accelerances, a run a drive point    dynamic_mass         effects of the channels
     -> gains of accelerometers and force    gains
 
 The input of every run is the force, which is known: 1 N at each line of data that are divided by it. No base moves, so nothing
@@ -28,7 +28,7 @@ from validation.model.model import Added
 from validation.prediction import dynamic_mass, series
 from validation.prediction import effects as prediction_effects
 from validation.prediction.dynamic_mass import structure
-from validation.prediction.nuisances import Nuisances
+from validation.prediction.effects import Nuisances
 
 GAIN = 0.02
 """Standard deviation of the gains of accelerometers and force cell that a careful laboratory admits."""
@@ -89,8 +89,22 @@ class AcceleranceTest:
         ------
         BadInput : one of them does not act on a held structure or its channels.
         """
-        for one in effects:
-            _require_acting(one, self)
+        matrices, channels = self.structure.nominal, (*self.measured.channels, FORCE.partition(":")[2])
+        parts, places = tuple(matrices.parts), tuple(matrices.places)
+        there = There(article=self.measured.configuration, parts=parts, places=places, channels=channels)
+        own = {one.name for one in replace(self, effects=()).parameters}
+        for named in (one.named for one in effects):
+            stage = FAMILIES[named.family].stage
+            if stage not in (STRUCTURE_STAGE, CHANNEL_STAGE, OPENED):
+                problem, remedy = f"changes the {stage}, and an accelerance test has none", "Take an effect of the structure"
+            elif stage == OPENED and named.id not in own:
+                problem, remedy = "is no tolerance of this test", f"Tolerances are {', '.join(sorted(own))}"
+            elif not acts(named, there):
+                problem = f"acts on nothing of {self.measured.configuration}"
+                remedy = f"Parts are {', '.join(parts)}; places {', '.join(places)}; channels {', '.join(channels)}"
+            else:
+                continue
+            raise BadInput(source=self.measured.name, field=named.id, problem=problem, remedy=remedy)
         return replace(self, effects=tuple(effects))
 
     def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
@@ -198,20 +212,3 @@ def measured(
 def _by_run(matrix: ComplexArray) -> ComplexArray:
     """(n, c, r) as (r, n, c, 1)."""
     return np.asarray(matrix.transpose(2, 0, 1)[..., None])
-
-
-def _require_acting(added: Added, test: AcceleranceTest) -> None:
-    family, named, of = FAMILIES[added.named.family], added.named, test.measured
-    matrices, channels = test.structure.nominal, (*of.channels, FORCE.partition(":")[2])
-    parts, places = tuple(matrices.parts), tuple(matrices.places)
-    own = {one.name for one in replace(test, effects=()).parameters}
-    if family.stage not in (STRUCTURE_STAGE, CHANNEL_STAGE, OPENED):
-        problem, remedy = f"changes the {family.stage}, and an accelerance test has none", "Take an effect of the structure"
-    elif family.stage == OPENED and named.id not in own:
-        problem, remedy = "is no tolerance of this test", f"Tolerances are {', '.join(sorted(own))}"
-    elif not acts(named, There(article=of.configuration, parts=parts, places=places, channels=channels)):
-        problem = f"acts on nothing of {of.configuration}"
-        remedy = f"Parts are {', '.join(parts)}; places {', '.join(places)}; channels {', '.join(channels)}"
-    else:
-        return
-    raise BadInput(source=of.name, field=named.id, problem=problem, remedy=remedy)

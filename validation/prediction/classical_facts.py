@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache, partial
+from functools import lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -37,8 +37,8 @@ from validation.model.model import Added, Model
 from validation.model.setups import FMD, above_fmd
 from validation.prediction import effects as prediction_effects
 from validation.prediction import structure
-from validation.prediction.nuisances import full
-from validation.prediction.structure import MountedArticle, drawn_inertia, mounted_article
+from validation.prediction.effects import full
+from validation.prediction.structure import drawn_inertia, mounted_article
 
 if TYPE_CHECKING:
     from uncertainties import UFloat
@@ -48,7 +48,6 @@ if TYPE_CHECKING:
 #
 # Those are the effects on reduced matrices that weigh: the block of the base is then still the mass matrix of a body. What
 # swings on a spring of its own, or hangs beside the article on the shaker, is not there when the article is weighed.
-
 
 WEIGHED = ("point-mass", "rigid-inertia")
 """Families that a balance notices."""
@@ -102,7 +101,6 @@ def _ten(mass: Array) -> Array:
 # A tolerance that swings share does not blur what tells them apart. Inputs of one file are one where they were read once (the
 # mass, gravity, the torsion rod). A length that is written with the same figure and the same tolerance in several swings, or a
 # mass in several files, counts as one measurement too; times and readings of a balance are each a new one.
-
 
 MEASURED_ONCE = (
     *("mass", "gravity", "rope length", "s1", "s2", "radius", "arm", "position of rope 1", "position of rope 2"),
@@ -158,12 +156,10 @@ def covariance(spreads: Sequence[Spread]) -> Array:
 # twice the mass and twice the stretch for a newton). What the file has corrected for is no effect any more; an input that is
 # wrong is another matter.
 
-
 AMPLITUDE, DAMPING, ROPE_MASS, STRETCH = "pendulum-amplitude", "pendulum-damping", "rope-mass", "rope-elasticity"
 
 TERMS = {AMPLITUDE: "amplitude", DAMPING: "damping", ROPE_MASS: "rope_mass"}
 """By family what a correction of it is called in `validation.classical.pendulum.Terms`."""
-
 
 PASSES = 3
 """Each leaves of the error of the body's inertia the share that an effect is of it, a per cent or so."""
@@ -176,7 +172,9 @@ def acts(named: Named, swing: RecordedSwing) -> bool:
     twist, and what was corrected for nothing at all.
     """
     family = FAMILIES[named.family]
-    if family.stage != PERIOD_STAGE or corrected(named.family, swing):
+    if family.stage != PERIOD_STAGE:
+        return False
+    if named.family in TERMS and getattr(swing.terms, TERMS[named.family]) is not None:  # its size is stated and taken off
         return False
     if named.family == AMPLITUDE and isinstance(swing.pendulum, TorsionSwing):
         return False
@@ -185,11 +183,6 @@ def acts(named: Named, swing: RecordedSwing) -> bool:
     except BadInput:
         return False
     return True
-
-
-def corrected(family: str, swing: RecordedSwing) -> bool:
-    """Whether the result of `swing` is free of an effect of `family` because its size is stated and taken off."""
-    return family in TERMS and getattr(swing.terms, TERMS[family]) is not None
 
 
 def changed(named: Named, of: Stage, shares: Mapping[str, float] | None = None) -> Stage:
@@ -362,30 +355,27 @@ def facts(model: Model, files: Sequence[str]) -> tuple[ArticleFact, ...]:
     BadInput : a file that cannot be used, or that is about something of which the model knows no inertia; a result without
         tolerance.
     """
-    # `shared_found`, every swing with its share of the effects on the swings of its article
-    shared_found = [fact for name in files for fact in _of_file(model, name)]
+    found: list[ArticleFact] = []
+    for name in files:
+        file = read(name, (*REDUCED, "pendulum"))
+        if file.text("kind") == "pendulum":
+            of = article_of(model, name, file.inner("article").text("name"))
+            for number, swing in enumerate(pendulum.swings(file), start=1):
+                x, y, z = swing.axis
+                weights = np.array([0, 0, 0, 0, x * x, y * y, z * z, 2 * x * y, 2 * x * z, 2 * y * z], dtype=np.float64)
+                found.append(replace(_fact(name, of, f"period of swing {number}", weights, swing.moment), swing=swing))
+        else:
+            reduction = REDUCED[file.text("kind")](file)
+            of = article_of(model, name, reduction.article)
+            results = [(key, value) for key, value in reduction.results.items() if key in KEYS]
+            found += [_fact(name, of, QUANTITIES[key][0], weights_of(key), value) for key, value in results]
+    # Every swing has its share of the effects on the swings of its article
     shares: dict[str, Iterator[Mapping[str, float]]] = {}
-    for article in {fact.of.article for fact in shared_found}:
-        swings = [fact.swing for fact in shared_found if fact.swing is not None and fact.of.article == article]
+    for article in {fact.of.article for fact in found}:
+        swings = [fact.swing for fact in found if fact.swing is not None and fact.of.article == article]
         shares[article] = iter(suspension_shares(swings))
-    found = [fact if fact.swing is None else replace(fact, shares=next(shares[fact.of.article])) for fact in shared_found]
-    return tuple(fact.with_effects(model.effects) for fact in found)
-
-
-def _of_file(model: Model, name: str) -> list[ArticleFact]:
-    file = read(name, (*REDUCED, "pendulum"))
-    if file.text("kind") == "pendulum":
-        of = partial(_fact, name, article_of(model, name, file.inner("article").text("name")))
-        return [_of_swing(of, number, one) for number, one in enumerate(pendulum.swings(file), start=1)]
-    reduction = REDUCED[file.text("kind")](file)
-    of = partial(_fact, name, article_of(model, name, reduction.article))
-    return [of(QUANTITIES[key][0], weights_of(key), value) for key, value in reduction.results.items() if key in KEYS]
-
-
-def _of_swing(of: Callable[..., ArticleFact], number: int, swing: RecordedSwing) -> ArticleFact:
-    x, y, z = swing.axis
-    weights = np.array([0, 0, 0, 0, x * x, y * y, z * z, 2 * x * y, 2 * x * z, 2 * y * z], dtype=np.float64)
-    return replace(of(f"period of swing {number}", weights, swing.moment), swing=swing)
+    shared = (fact if fact.swing is None else replace(fact, shares=next(shares[fact.of.article])) for fact in found)
+    return tuple(fact.with_effects(model.effects) for fact in shared)
 
 
 def _fact(source: str, of: OfArticle, words: str, weights: Array, value: UFloat) -> ArticleFact:
@@ -420,7 +410,6 @@ def article_of(model: Model, source: str, stated: str) -> OfArticle:
 # begin there, and an effect that is fixed stays there. What is taken away at one place alone is not held against what moves
 # there: a reduced model lumps mass at no place, and a forgotten clamp is as well taken off a beam as put on it.
 
-
 ROUNDING = 1e-9
 """Of the largest entry of a tensor: what a reduced model of a rod or a point mass loses."""
 
@@ -437,26 +426,20 @@ def require_bodies(model: Model, campaigns: Sequence[Campaign]) -> None:
     if not any(one.named.family in WEIGHED for one in model.effects):
         return
     for article, campaign in {one.article: one for one in campaigns}.items():
-        _require_body(model, article, mounted_article(model, campaign))
-
-
-def _require_body(model: Model, article: str, of: MountedArticle) -> None:
-    effects = tuple(
-        # `one` at its size as it stands, which nothing moves
-        replace(one, fixed=True)
-        for one in model.effects
-        if one.named.family in WEIGHED and reach_acts(one.named, of.there)
-    )
-    if of.matrices is None or not effects:
-        return
-    problem = _problem(of.matrices, effects)
-    if problem and not _problem(of.matrices, ()):  # what was no body before is not the fault of effects
-        raise BadInput(
-            source=model.source,
-            field=f"effect {', '.join(one.named.id for one in effects)}",
-            problem=f"with {', '.join(str(one.named) for one in effects)} no body is left of {article}: {problem}",
-            remedy="Check sign and unit of the size; a mass is added to the drawing, and a negative one taken away from it",
-        )
+        of = mounted_article(model, campaign)
+        # At their sizes as they stand, which nothing moves
+        weighing = (one for one in model.effects if one.named.family in WEIGHED and reach_acts(one.named, of.there))
+        effects = tuple(replace(one, fixed=True) for one in weighing)
+        if of.matrices is None or not effects:
+            continue
+        problem = _problem(of.matrices, effects)
+        if problem and not _problem(of.matrices, ()):  # what was no body before is not the fault of effects
+            raise BadInput(
+                source=model.source,
+                field=f"effect {', '.join(one.named.id for one in effects)}",
+                problem=f"with {', '.join(str(one.named) for one in effects)} no body is left of {article}: {problem}",
+                remedy="Check sign and unit of the size; a mass is added to the drawing, and a negative one taken away from it",
+            )
 
 
 def _problem(drawn: Matrices, effects: Sequence[Added]) -> str:

@@ -20,14 +20,13 @@ import numpy.typing as npt
 from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.frames import Array, Pose, frozen, rigid_transformation_6
 from geometry.inertia import PARAMETERS, UNITS, Inertia
-from identification.campaign import Campaign, Excitation, Processing, Run
-from identification.self_calibration.problem import ten_matrices
+from identification.campaign import Campaign, Excitation, Processing
+from identification.rigid_body import BASIS
 from validation.effects.stages import Matrices, MountedDynamicMass
 from validation.estimation.problem import IDENTIFIED, Offsets, Parameter
 from validation.model.model import Added
 from validation.prediction import effects as prediction_effects
-from validation.prediction import nuisances
-from validation.prediction.nuisances import Nuisances, Tangent
+from validation.prediction.effects import Nuisances, Tangent
 from validation.prediction.structure import MountedArticle
 
 FEW = 3
@@ -184,21 +183,18 @@ def drives(campaign: Campaign, method: str) -> dict[str, BaseDrive]:
     amplitudes = {
         run.name: np.zeros(6) if run.excitation is None else _amplitude(run.excitation, run.axis) for run in campaign.runs
     }
-    return {
-        run.name: BaseDrive(
-            amplitude=amplitudes[run.name],
-            nominal=_strongest(amplitudes[run.name], list(amplitudes.values())),
+    found = {}
+    for run in campaign.runs:
+        own, recorded = amplitudes[run.name], campaign.recordings.get(run.name)
+        alike = [other for other in amplitudes.values() if np.array_equal(other > 0, own > 0)]
+        rate = recorded.sampling_rate if recorded is not None and method == "peak-reference-hold" else None
+        found[run.name] = BaseDrive(
+            amplitude=own,
+            nominal=max(alike, key=lambda other: float(np.linalg.norm(other))),
             sweep_rate=(run.excitation.figure("octaves_per_minute") or 0.0) / 60 if run.excitation else 0.0,
-            block=_block(campaign, run, method),
+            block=(campaign.processing or Processing()).block_size / rate if rate else 0.0,
         )
-        for run in campaign.runs
-    }
-
-
-def _strongest(one: Array, every: Sequence[Array]) -> Array:
-    """The largest of `every` that lies along `one`."""
-    alike = [other for other in every if np.array_equal(other > 0, one > 0)]
-    return max(alike, key=lambda other: float(np.linalg.norm(other)))
+    return found
 
 
 def _amplitude(excitation: Excitation, axis: str) -> Array:
@@ -211,14 +207,6 @@ def _amplitude(excitation: Excitation, axis: str) -> Array:
     return np.asarray(level * np.eye(6)[MOTIONS.index(axis)])
 
 
-def _block(campaign: Campaign, run: Run, method: str) -> float:
-    """[s], where records became spectra block by block."""
-    recorded = campaign.recordings.get(run.name)
-    rate = recorded.sampling_rate if recorded is not None else None
-    held = method == "peak-reference-hold" and rate
-    return (campaign.processing or Processing()).block_size / rate if held and rate else 0.0
-
-
 # The FMD's moving part as parameters: ten of them about F, known beforehand to a share.
 #
 # A share of an inertia means the same for all ten when it is that of the pseudo-inertia P (4x4), whose diagonal holds the mass
@@ -229,7 +217,6 @@ def _block(campaign: Campaign, run: Run, method: str) -> float:
 # their own. So a fit may pass through what no density has (P not definite); only a mass matrix that does not resist is refused.
 # No fit goes `FARTHEST` beyond what is known beforehand: where a grave fault would have the FMD swallow it, the FMD would end as
 # no body at all, and a fit on the brink of that finds no way down.
-
 
 FMD = "fmd"
 
@@ -276,7 +263,6 @@ def at(nominal: Inertia, offsets: Offsets) -> Inertia:
 
 # The dynamic mass of all that the load cells carry, about F: the article with its effects, mounted, and the FMD beside it.
 
-
 Tangents = dict[str, ComplexArray]
 """By parameter, d dynamic mass / d offset (n, 6, 6)."""
 
@@ -313,7 +299,7 @@ class SupportedDynamicMass:
         if derivatives and not self.exact:
             found = {
                 name: np.broadcast_to(E.astype(np.complex128), (len(frequency), 6, 6))
-                for name, E in zip(names(), ten_matrices(), strict=True)
+                for name, E in zip(names(), BASIS, strict=True)
             }
         if self.nuisances is None:
             return H, found
@@ -367,7 +353,7 @@ def structure(
     matrices, tangents = of.at(offsets, derivatives=derivatives)
     matrices, tangents = prediction_effects.structure(matrices, tangents, effects, derivatives=derivatives)
     if of.has_law:
-        return nuisances.applied(matrices, tangents, of.nominal, offsets, derivatives=derivatives)
+        return prediction_effects.with_damping_law(matrices, tangents, of.nominal, offsets, derivatives=derivatives)
     return matrices, tangents
 
 

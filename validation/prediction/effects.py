@@ -1,31 +1,390 @@
-"""Effects applied to a stage of a prediction, with all its derivatives carried through and their own added.
+"""What changes a structure beside its drawing, with all derivatives: tolerances that are declared, and effects on any stage.
 
 An effect that the model holds for known is no parameter. Effects act in their order; one whose place or part the stage has not
 leaves it alone, so that one model serves a series of articles.
-
-Derivatives by the size of an effect are differences of its equation. Those of reduced matrices are central and exact for the
-polynomials of second degree that masses, springs and resonators are; those of a dynamic mass and of channels take five points, at
-steps so small that a resonance of a per mille does not notice them. Derivatives that come from before pass an equation of the
-matrices as they are, because it adds, unless they change the share of a part that it reads; they pass one of a dynamic mass by a
-directional difference, and one of the channels, which is linear, by the equation itself.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from math import inf
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from geometry.dynamic_mass import ComplexArray
+from geometry.dynamic_mass import MOTIONS, ComplexArray
+from geometry.frames import Array, Integers
 from validation.effects.catalogue import FAMILIES, Named, There, acts
 from validation.effects.effect import BODY_STAGE, CHANNEL_STAGE, OPENED, STRUCTURE_STAGE, Family, SizeSpec
 from validation.effects.stages import ChannelResponse, Matrices, MountedDynamicMass
-from validation.estimation.problem import EFFECT, Parameter
-from validation.model.model import Added
-from validation.prediction.nuisances import Tangent, between, plus
+from validation.estimation.problem import DECLARED, EFFECT, STRUCTURAL, WITHIN, Offsets, Parameter
+from validation.model.model import Added, StructureTolerances
+from validation.prediction.structure import sheet
+
+# What a model declares to know of a structure only within tolerances: moduli, frequencies, damping, participation, coupling.
+#
+#     K' = E K E,  S' = D E S E D,  C' = D G C G D + c,  M_br' = M_br + l,      E = diag(e^ln f),  D = diag(e^(ln zeta / 2)),
+#
+# on the nominal modal basis, K and S with the moduli and the loss factors of the parts in them. G lets viscous damping grow with
+# the frequency of its mode, G_rr = (K'_rr / K_rr)^(1/4), so that a stated ratio stays what it is. Nothing is re-diagonalised: the
+# matrices are smooth in every parameter, stay symmetric, K and C positive, and a cluster of frequencies needs no tracking.
+#
+# Where parts have loss factors, these are what is not known of damping: one number moves all modes in which the part bends, in
+# all configurations, and what it cannot do is left to the modes within the small tolerance `mode_damping`. A third of freedom
+# on each mode would swallow any loss of a part. The offset of a loss factor is a relative change of it and no logarithm:
+# effects add to the same matrix, and only in a straight valley between the two does a fit find the lowest point. Where damping
+# is given by mode there is nothing else to move, and the modes have it all.
+
+
+# `Tangent`: how reduced matrices change with one parameter, on the few coordinates that do.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Tangent:
+    """d `Matrices` / d offset of one parameter.
+
+    Attributes
+    ----------
+    at : (s,) the coordinates concerned; coordinates that later effects append need no change here
+    mass, stiffness, viscous, structural : (s, s)
+    parts : by name (k, k), where the share of a part changes
+    crossing : position in `at` of the coordinate whose row and column alone change; None where more may
+    """
+
+    at: Integers
+    mass: Array
+    stiffness: Array
+    viscous: Array
+    structural: Array
+    parts: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
+    crossing: int | None = None
+
+
+FIELDS = ("mass", "stiffness", "viscous", "structural")
+
+
+def of_arrays(
+    size: int, parts: Mapping[str, Array] = MappingProxyType({}), crossing: int | None = None, **changes: Array
+) -> Tangent:
+    """The tangent of full (size, size) `changes` by the names of `FIELDS`; what is not named does not change.
+
+    Parameters
+    ----------
+    crossing : the coordinate whose row and column alone change, if there is one
+    """
+    moving = np.zeros(size, dtype=bool)
+    for change in changes.values():
+        moving |= np.any(change != 0, axis=0) | np.any(change != 0, axis=1)
+    at = np.flatnonzero(moving)
+    nothing = np.zeros((len(at), len(at)))
+    where = None if crossing is None or not moving[crossing] else int(np.searchsorted(at, crossing))
+    mass, stiffness, viscous, structural = (changes[name][np.ix_(at, at)] if name in changes else nothing for name in FIELDS)
+    return Tangent(at=at, mass=mass, stiffness=stiffness, viscous=viscous, structural=structural, parts=parts, crossing=where)
+
+
+def between(before: Matrices, after: Matrices, step: float) -> Tangent:
+    """(after - before) / step."""
+    changes = {name: (getattr(after, name) - getattr(before, name)) / step for name in FIELDS}
+    parts = {name: (share - before.parts[name]) / step for name, share in after.parts.items() if share is not before.parts[name]}
+    return of_arrays(len(before.mass), {name: change for name, change in parts.items() if np.any(change)}, **changes)
+
+
+def plus(one: Tangent, other: Tangent, size: int) -> Tangent:
+    """The sum of both, on matrices of `size`."""
+    whole = {name: full(one, name, size) + full(other, name, size) for name in FIELDS}
+    return of_arrays(size, {**one.parts, **other.parts}, None, **whole)
+
+
+def full(tangent: Tangent, name: str, size: int) -> Array:
+    """The field `name` of `tangent` on all coordinates, (size, size)."""
+    whole = np.zeros((size, size))
+    whole[np.ix_(tangent.at, tangent.at)] = getattr(tangent, name)
+    return whole
+
+
+# Whether the losses of a structure follow its displacement or its velocity: nobody knows, and beside a resonance it matters.
+#
+# Structural damping S and viscous damping that is equal to it at every resonance, C_rs = S_rs / sqrt(omega_r omega_s), take the
+# same off every peak, and differ by (1 - omega / omega_r) of themselves beside it. Real joints and layers lie in between (L.
+# Gaul, Mechanical Systems and Signal Processing 13 (1999), 473). So a share p of what is structural is taken for viscous:
+#
+#     S' = (1 - p) S ,        C' = C + p W S W ,        W = diag(omega_r^-1/2) of the nominal modes.
+
+DAMPING_LAW = "damping-law"
+"""Of the share; one for all structures of a series."""
+
+
+def with_damping_law(
+    matrices: Matrices, tangents: Mapping[str, Tangent], nominal: Matrices, offsets: Offsets, *, derivatives: bool
+) -> tuple[Matrices, dict[str, Tangent]]:
+    """`matrices` with the share of `offsets`, their `tangents` behind it, and that by the share.
+
+    Parameters
+    ----------
+    nominal : the matrices at offset 0 and without effects, whose modes say at which frequency the two dampings agree
+    derivatives : whether any are wanted
+    """
+    # (k,) omega^-1/2 of every coordinate; 0 of the base and of what effects append, which brings its own losses
+    W, own = np.zeros(len(matrices.mass)), slice(nominal.base, len(nominal.mass))
+    square = np.diag(nominal.stiffness)[own] / np.diag(nominal.mass)[own]
+    W[own] = np.where(square > 0, square, np.inf) ** -0.25
+    share, turned, found = offsets.get(DAMPING_LAW, 0.0), W[:, None] * matrices.structural * W, dict(tangents)
+    for name, tangent in tangents.items() if share else ():
+        if np.any(tangent.structural):
+            at = W[tangent.at]
+            kept = tangent.structural * (1 - share * _own(at, at))
+            viscous = tangent.viscous + share * at[:, None] * tangent.structural * at
+            found[name] = replace(tangent, structural=kept, viscous=viscous)
+    if derivatives:
+        found[DAMPING_LAW] = of_arrays(len(W), viscous=turned, structural=-matrices.structural * _own(W, W))
+    left = matrices.structural * (1 - share * _own(W, W))
+    return replace(matrices, structural=left, viscous=matrices.viscous + share * turned), found
+
+
+def _own(one: Array, other: Array) -> Array:
+    """1 where both coordinates lose by this law, 0 elsewhere."""
+    return np.outer(one > 0, other > 0).astype(np.float64)
+
+
+NEIGHBOURS = 0.1
+"""Greatest distance of two frequencies, as a share of the higher one, at which the damping of one mode is taken to pull at the
+other: beyond it their resonances do not overlap, and the coupling is of second order in the damping."""
+
+HIGHEST = 50.0
+"""[Hz] Modes above it answer quietly: their frequency, damping and participation are what was computed."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Nuisances:
+    """The uncertain numbers of one article.
+
+    Attributes
+    ----------
+    configuration : name of the article, which stands in the names of what is its own
+    nominal : the matrices at offset 0
+    losses : loss factor of every part as the model has it, by which its share of K enters S
+    frequency : (m,) [Hz] of the modes that are uncertain, the first of the article's own coordinates
+    tolerances : how well they are known
+    """
+
+    configuration: str
+    nominal: Matrices
+    losses: Mapping[str, float]
+    frequency: Array
+    tolerances: StructureTolerances
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """All of them; a tolerance of 0 closes a family."""
+        of, modes = self.tolerances, range(1, len(self.frequency) + 1)
+        parts = self.nominal.parts if len(self.frequency) else ()
+        made = [replace(_declared(f"modulus:{part}", of.modulus), nominal=1.0, logarithmic=True, above=-1.0) for part in parts]
+        made += [_declared(f"loss:{part}", of.damping) for part in self.lossy]
+        made += [_declared(DAMPING_LAW, of.damping_law)] if self.has_law else []
+        made += [_declared(f"frequency:{self.configuration}:{r}", of.frequency) for r in modes]
+        left = [of.mode_damping if own else of.damping for own in self.by_parts]
+        made += [_declared(f"damping:{self.configuration}:{r}", left[r - 1]) for r in modes]
+        if self.nominal.base:
+            names = (f"participation:{self.configuration}:{r}:{axis}" for r in modes for axis in MOTIONS)
+            made += [Parameter(name=name, unit="1", tolerance=of.participation, kind=STRUCTURAL) for name in names]
+        names = (f"coupling:{self.configuration}:{r + 1}:{s + 1}" for r, s in self.neighbours)
+        made += [Parameter(name=name, unit="1", tolerance=of.mode_coupling, kind=STRUCTURAL) for name in names]
+        return tuple(one for one in made if one.tolerance > 0)
+
+    @property
+    def lossy(self) -> tuple[str, ...]:
+        """Parts that have a loss factor."""
+        parts = self.nominal.parts if len(self.frequency) else ()
+        return tuple(part for part in parts if self.losses.get(part, 0.0) > 0)
+
+    @property
+    def has_law(self) -> bool:
+        """Whether it is open which law the losses of its parts follow, see `damping_law`."""
+        return bool(self.lossy) and self.tolerances.damping_law > 0
+
+    @property
+    def by_parts(self) -> tuple[bool, ...]:
+        """(m,) whether the damping of a mode is that of its parts alone, and none of it was given for the mode."""
+        own = np.diag(self.nominal.viscous)[self.nominal.base :]
+        return tuple(bool(self.lossy) and not own[r] for r in range(len(self.frequency)))
+
+    @property
+    def neighbours(self) -> tuple[tuple[int, int], ...]:
+        """Pairs of modes, from 0, whose damping may be coupled."""
+        f = self.frequency
+        pairs = ((r, s) for r in range(len(f)) for s in range(r + 1, len(f)))
+        return tuple((r, s) for r, s in pairs if abs(f[s] - f[r]) <= NEIGHBOURS * max(f[r], f[s]))
+
+    def at(self, offsets: Offsets, *, derivatives: bool = True) -> tuple[Matrices, dict[str, Tangent]]:
+        """The matrices at `offsets`, before effects and the damping law, and their derivative by every parameter but that law."""
+        now = self._now(offsets)
+        if not derivatives:
+            return now.matrices, {}
+        return now.matrices, {one.name: now.tangent(one.name) for one in self.parameters if one.name != DAMPING_LAW}
+
+    def _now(self, offsets: Offsets) -> _Now:
+        m, name, b = self.nominal, self.configuration, self.nominal.base
+        E, D = np.ones(len(m.mass)), np.ones(len(m.mass))
+        for r in range(len(self.frequency)):
+            E[b + r] = np.exp(offsets.get(f"frequency:{name}:{r + 1}", 0.0))
+            D[b + r] = np.exp(offsets.get(f"damping:{name}:{r + 1}", 0.0) / 2)
+        K, S, parts = m.stiffness, m.structural, dict(m.parts)
+        for part, share in m.parts.items():
+            stiffer, lossier = offsets.get(f"modulus:{part}", 0.0), offsets.get(f"loss:{part}", 0.0)
+            if stiffer:
+                K, parts[part] = K + np.expm1(stiffer) * share, np.exp(stiffer) * share
+            if stiffer or lossier:
+                S = S + (np.exp(stiffer) * (1 + lossier) - 1) * self.losses.get(part, 0.0) * share
+        stiffness = E[:, None] * K * E
+        # G: square root of how much the frequency of every coordinate has grown; 1 where it has none
+        old, new = np.diag(m.stiffness), np.diag(stiffness)
+        GD = D * np.divide(new, old, out=np.ones_like(old), where=old > 0) ** 0.25
+        C = GD[:, None] * m.viscous * GD
+        mass, coupled = np.array(m.mass), np.zeros_like(m.mass)
+        for r, a in np.ndindex(len(self.frequency), b):
+            change = offsets.get(f"participation:{name}:{r + 1}:{MOTIONS[a]}", 0.0) * self.largest(r, a)
+            mass[a, b + r] += change
+            mass[b + r, a] += change
+        for r, s in self.neighbours:
+            change = offsets.get(f"coupling:{name}:{r + 1}:{s + 1}", 0.0) * self.geometric(r, s)
+            coupled[b + r, b + s] = coupled[b + s, b + r] = change
+        made = replace(
+            m,
+            mass=mass,
+            stiffness=stiffness,
+            structural=(D * E)[:, None] * S * (D * E),
+            viscous=C + coupled,
+            parts=parts,
+        )
+        losses = {part: eta * (1 + offsets.get(f"loss:{part}", 0.0)) for part, eta in self.losses.items()}
+        return _Now(of=self, matrices=made, E=E, D=D, uncoupled=C, losses=losses)
+
+    def largest(self, r: int, axis: int) -> float:
+        """Largest participation of mode `r` as a share of the body's own mass there, in the unit of `axis`."""
+        size = np.sqrt(np.diag(self.nominal.mass)[:6])
+        return float(size[axis] * np.max(np.abs(self.nominal.mass[:6, 6 + r]) / size))
+
+    def geometric(self, r: int, s: int) -> float:
+        """Geometric mean of the damping [rad/s] of two modes, structural damping counted as it acts at resonance."""
+        at, omega = self.nominal.base + np.array([r, s]), 2 * np.pi * self.frequency[[r, s]]
+        own = np.diag(self.nominal.viscous)[at] + np.diag(self.nominal.structural)[at] / omega
+        return float(np.sqrt(max(np.prod(own), 0.0)))
+
+
+def nuisances(
+    configuration: str,
+    matrices: Matrices,
+    frequency: Array,
+    losses: Mapping[str, float],
+    tolerances: StructureTolerances | None = None,
+    *,
+    highest: float = HIGHEST,
+) -> Nuisances:
+    """The nuisances of `matrices`.
+
+    Parameters
+    ----------
+    frequency : (n,) [Hz] of the kept modes, the first of the article's own coordinates
+    losses : loss factor by part of the structure, sheets of one material alike; none where damping is given by mode
+    highest : [Hz] modes above are taken as computed
+    """
+    return Nuisances(
+        configuration=configuration,
+        nominal=matrices,
+        losses={sheet(part): eta for part, eta in losses.items()},
+        frequency=np.asarray(frequency[np.asarray(frequency) <= highest], dtype=np.float64),
+        tolerances=tolerances or StructureTolerances(),
+    )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Now:
+    """Matrices `of` some nuisances, and what they are made of: E and D (k,), C before the coupling, loss factors of the parts."""
+
+    of: Nuisances
+    matrices: Matrices
+    E: Array
+    D: Array
+    uncoupled: Array
+    losses: Mapping[str, float]
+
+    def tangent(self, parameter: str) -> Tangent:
+        """The derivative by one of the parameters."""
+        family, *names = parameter.split(":")
+        by_family: Mapping[str, Callable[..., Tangent]] = {
+            "modulus": self._of_modulus,
+            "loss": self._of_loss,
+            "frequency": self._of_frequency,
+            "damping": self._of_damping,
+            "participation": self._of_participation,
+            "coupling": self._of_coupling,
+        }
+        return by_family[family](*names)
+
+    def _of_modulus(self, part: str) -> Tangent:
+        K, E, DE = self.matrices.parts[part], self.E, self.D * self.E  # d / d ln: the part as it is now
+        stiffness, whole = E[:, None] * K * E, np.diag(self.matrices.stiffness)
+        grows = np.divide(np.diag(stiffness), 4 * whole, out=np.zeros_like(whole), where=whole > 0)
+        changes = {
+            "stiffness": stiffness,
+            "structural": self.losses.get(part, 0.0) * DE[:, None] * K * DE,
+            "viscous": self.uncoupled * (grows[:, None] + grows),
+        }
+        return of_arrays(len(K), {part: K}, **changes)
+
+    def _of_loss(self, part: str) -> Tangent:
+        DE = self.D * self.E
+        return of_arrays(len(DE), structural=self.of.losses[part] * DE[:, None] * self.matrices.parts[part] * DE)
+
+    def _of_frequency(self, configuration: str, mode: str) -> Tangent:
+        r, m = self.of.nominal.base + int(mode) - 1, self.matrices
+        viscous = _crossed(self.uncoupled, r) / 2
+        stiffness, structural = _crossed(m.stiffness, r), _crossed(m.structural, r)
+        return of_arrays(len(m.mass), crossing=r, stiffness=stiffness, structural=structural, viscous=viscous)
+
+    def _of_damping(self, configuration: str, mode: str) -> Tangent:
+        r, m = self.of.nominal.base + int(mode) - 1, self.matrices
+        viscous, structural = _crossed(self.uncoupled, r) / 2, _crossed(m.structural, r) / 2
+        return of_arrays(len(m.mass), crossing=r, viscous=viscous, structural=structural)
+
+    def _of_participation(self, configuration: str, mode: str, axis: str) -> Tangent:
+        r, a = int(mode) - 1, MOTIONS.index(axis)
+        return _pair("mass", a, self.of.nominal.base + r, self.of.largest(r, a))
+
+    def _of_coupling(self, configuration: str, one: str, other: str) -> Tangent:
+        r, s, b = int(one) - 1, int(other) - 1, self.of.nominal.base
+        return _pair("viscous", b + r, b + s, self.of.geometric(r, s))
+
+
+def _crossed(matrix: Array, r: int) -> Array:
+    """d (E matrix E) / d ln e_r: row and column `r`, twice where they meet."""
+    changed = np.zeros_like(matrix)
+    changed[r] += matrix[r]
+    changed[:, r] += matrix[:, r]
+    return changed
+
+
+def _pair(field: str, i: int, j: int, value: float) -> Tangent:
+    changes: dict[str, Array] = {name: np.zeros((2, 2)) for name in FIELDS}
+    changes[field] = np.array([[0.0, value], [value, 0.0]])
+    at = np.array([i, j], dtype=np.intp)
+    mass, stiffness, viscous, structural = (changes[name] for name in FIELDS)
+    return Tangent(at=at, mass=mass, stiffness=stiffness, viscous=viscous, structural=structural)
+
+
+def _declared(name: str, tolerance: float) -> Parameter:
+    return Parameter(name=name, unit="1", tolerance=tolerance, kind=DECLARED, within=WITHIN * tolerance)
+
+
+# Effects applied to a stage of a prediction, with all its derivatives carried through and their own added.
+#
+# Derivatives by the size of an effect are differences of its equation. Those of reduced matrices are central and exact for the
+# polynomials of second degree that masses, springs and resonators are; those of a dynamic mass and of channels take five
+# points, at steps so small that a resonance of a per mille does not notice them. Derivatives that come from before pass an
+# equation of the matrices as they are, because it adds, unless they change the share of a part that it reads; they pass one of
+# a dynamic mass by a directional difference, and one of the channels, which is linear, by the equation itself.
 
 COARSE = 1e-3
 """Step of matrices, as a share of the size: polynomials do not care, and rounding least."""
@@ -49,7 +408,12 @@ def name(named: Named, key: str) -> str:
 
 def at(effects: Sequence[Added], offsets: Mapping[str, float]) -> tuple[Added, ...]:
     """`effects` with the sizes that `offsets` say; where they say nothing of a free size it stands at offset 0."""
-    return tuple(_at(added, offsets) for added in effects)
+    found = []
+    for added in effects:
+        sizes = {size.key: _parameter(added.named, size) for size in _free(added)}
+        values = {key: one.value(offsets.get(one.name, 0.0)) for key, one in sizes.items()}
+        found.append(replace(added, named=replace(added.named, values={**added.named.values, **values})))
+    return tuple(found)
 
 
 def opened(parameters: Sequence[Parameter], effects: Sequence[Added]) -> tuple[tuple[Parameter, ...], dict[str, float]]:
@@ -82,8 +446,11 @@ def structure(
         if not acts(added.named, There(article="article", parts=tuple(stage.parts), places=tuple(stage.places))):
             continue
         after = _changed(added.named, stage)
-        if not _is_nothing(added.named):
-            found = {key: _through(added.named, stage, after, tangent) for key, tangent in found.items()}
+        for key, tangent in found.items() if not _is_nothing(added.named) else ():
+            if tangent.parts:  # behind the equation: as it is, and what the equation reads of the parts that it changes
+                parts = {**stage.parts, **{part: stage.parts[part] + change for part, change in tangent.parts.items()}}
+                read = between(after, _changed(added.named, replace(stage, parts=parts)), 1.0)
+                found[key] = plus(replace(tangent, parts={}), read, len(after.mass))
         for size in _free(added) if derivatives else ():
             named = added.named
             value, scale, slope = _scale(named, size)
@@ -100,7 +467,8 @@ def body(
     """The effects on a dynamic mass, and by parameter its derivatives (n, 6, 6)."""
     found = dict(tangents)
     for added in _of(effects, BODY_STAGE):
-        own = {name(added.named, size.key): _of_matrix(added.named, size, stage) for size in _free(added) if derivatives}
+        sizes = _free(added) if derivatives else ()
+        own = {name(added.named, size.key): _slope(added.named, size, stage, "matrix") for size in sizes}
         if not _is_nothing(added.named):
             found = {key: _directional(added.named, stage, tangent) for key, tangent in found.items()}
         found |= own
@@ -114,7 +482,8 @@ def channels(
     """The effects on what the channels read, and by parameter its derivatives (n, c, k)."""
     found = dict(tangents)
     for added in _of(effects, CHANNEL_STAGE):
-        own = {name(added.named, size.key): _of_rows(added.named, size, stage) for size in _free(added) if derivatives}
+        sizes = _free(added) if derivatives else ()
+        own = {name(added.named, size.key): _slope(added.named, size, stage, "rows") for size in sizes}
         if not _is_nothing(added.named):
             found = {key: _changed(added.named, replace(stage, rows=rows)).rows for key, rows in found.items()}
         found |= own
@@ -170,12 +539,6 @@ def bounds(one: Parameter, size: SizeSpec) -> tuple[float, float]:
     return one.offset(min(size.low, size.null)), one.offset(max(size.high, size.null))
 
 
-def _at(added: Added, offsets: Mapping[str, float]) -> Added:
-    sizes = {size.key: _parameter(added.named, size) for size in _free(added)}
-    values = {key: one.value(offsets.get(one.name, 0.0)) for key, one in sizes.items()}
-    return replace(added, named=replace(added.named, values={**added.named.values, **values}))
-
-
 def _changed(named: Named, stage: Any) -> Any:
     change = _family(named).change
     if change is None:
@@ -193,28 +556,12 @@ def _scale(named: Named, size: SizeSpec) -> tuple[float, float, float]:
     return (value, abs(value), value) if size.logarithmic else (value, max(abs(value), size.plausible), 1.0)
 
 
-def _through(named: Named, stage: Matrices, after: Matrices, tangent: Tangent) -> Tangent:
-    """`tangent` behind the equation: as it is, and what the equation reads of the parts that it changes."""
-    if not tangent.parts:
-        return tangent
-    parts = {**stage.parts, **{part: stage.parts[part] + change for part, change in tangent.parts.items()}}
-    read = between(after, _changed(named, replace(stage, parts=parts)), 1.0)
-    return plus(replace(tangent, parts={}), read, len(after.mass))
-
-
-def _of_matrix(named: Named, size: SizeSpec, stage: MountedDynamicMass) -> ComplexArray:
-    return _slope(named, size, lambda one: np.asarray(_changed(one, stage).matrix))
-
-
-def _of_rows(named: Named, size: SizeSpec, stage: ChannelResponse) -> ComplexArray:
-    return _slope(named, size, lambda one: np.asarray(_changed(one, stage).rows))
-
-
-def _slope(named: Named, size: SizeSpec, of: Callable[[Named], ComplexArray]) -> ComplexArray:
-    """d of / d offset at the size as it stands, exact to the fourth power of the step."""
+def _slope(named: Named, size: SizeSpec, stage: Any, field: str) -> ComplexArray:
+    """d `field` / d offset of a stage behind the equation, at the size as it stands, exact to the fourth power of the step."""
     value, scale, slope = _scale(named, size)
     step = FINE * scale
-    two_below, below, above, two_above = (of(_with(named, size, value + k * step)) for k in (-2, -1, 1, 2))
+    around = (_changed(_with(named, size, value + k * step), stage) for k in (-2, -1, 1, 2))
+    two_below, below, above, two_above = (np.asarray(getattr(one, field)) for one in around)
     return np.asarray((8 * (above - below) - (two_above - two_below)) / (12 * step) * slope)
 
 

@@ -1,8 +1,8 @@
 """What the channels of every campaign of a series should read by one model, with the derivative of every parameter.
 
-    reduced matrices of what stands on the cover plate        set_up, nuisances         effects of the structure
-    -> dynamic mass about its origin                          condensation
-    -> carried to F, the FMD beside it                        fmd                       effects of the body
+    reduced matrices of what stands on the cover plate        structure, tolerances     effects of the structure
+    -> dynamic mass about its origin                          dynamic_mass
+    -> carried to F, the FMD beside it                        its ten parameters        effects of the body
     -> A0 + A1 H of the measurement chain                     laboratory                parameters that effects open
     -> what is written into the file                                                    effects of the channels, noise
 
@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from math import inf
 from pathlib import Path
 
@@ -48,17 +48,15 @@ from validation.estimation.problem import (
     Wanted,
 )
 from validation.model.model import Added, Model
-from validation.prediction import dynamic_mass, nuisances
+from validation.prediction import dynamic_mass
 from validation.prediction import effects as prediction_effects
 from validation.prediction.dynamic_mass import BaseDrive, SupportedDynamicMass, drives
 from validation.prediction.structure import MountedArticle, mounted_article, moving_part
 
 # The measurement chain of one campaign as a model knows it, in the engine's words.
 
-
 HELD = 1.0
 """Standard deviation by which the chain opens what an effect needs; `validation.prediction.effects.opened` says which it has."""
-
 
 KINDS = {"fmd-compliance": IDENTIFIED, "cell-stiffness": DECLARED}
 """What is of the FMD and not of a sensor, like its inertia: every laboratory that calibrates an FMD learns how its cells share a
@@ -78,24 +76,13 @@ def laboratory(model: Model, campaign: Campaign, effects: Sequence[Added]) -> Ch
     return _chain(model, campaign, overrides) if overrides else drawn
 
 
-def parameters(of: Chain) -> tuple[Parameter, ...]:
-    """What may move of a chain. What is offset by its logarithm is 1 + its relative change there."""
-    return tuple(_parameter(one) for one in of.parameters)
-
-
 def _chain(model: Model, campaign: Campaign, overrides: Mapping[str, float]) -> Chain:
     return chain(campaign.table, model.tolerances, stiffness=model.cell_stiffness, gravity=campaign.gravity, overrides=overrides)
-
-
-def _parameter(one: Parameter) -> Parameter:
-    kind = KINDS.get(one.family, SENSOR)
-    return replace(one, channels=(), kind=kind, within=WITHIN * one.tolerance if kind == DECLARED else inf)
 
 
 # Which lines of a campaign its runs drive: a line that a run does not drive holds noise, and no model is judged by noise.
 #
 # A run says what it drives, or its level does. Only lines that every run drives are kept, since all runs share one grid.
-
 
 WELL_ABOVE = 10.0
 """Level over known noise of the channel that sees most, from which a line is driven. Of 22 channels of pure noise the largest
@@ -129,16 +116,6 @@ def stated_drives(campaign: Campaign) -> tuple[float, float] | None:
     return low, high
 
 
-def outside(campaign: Campaign, band: tuple[float, float] | None) -> tuple[str, ...]:
-    """A sentence about the lines that `stated` leaves out; none where it leaves out none."""
-    lines = lines_of(campaign)
-    if band is None or (left := int(np.sum(~_between(lines, *band)))) == 0:
-        return ()
-    low, high = band
-    of = f"{left} of the {len(lines)} lines of {campaign.source}, {lines[0]:g} to {lines[-1]:g} Hz, are left out"
-    return (f"{of}: all of its runs together drive {low:g} to {high:g} Hz, as they state; {OTHERWISE}",)
-
-
 def by_level(campaign: Campaign, found: Spectra, groups: Sequence[Sequence[int]]) -> tuple[Chosen, tuple[str, ...]]:
     """(n,) lines of `found` that stand well above the noise in every run that states nothing, and what is to be said.
 
@@ -150,7 +127,9 @@ def by_level(campaign: Campaign, found: Spectra, groups: Sequence[Sequence[int]]
     every = np.ones(len(found.frequency), dtype=bool)
     if not silent:
         return every, ()
-    loud = np.all([_above(found, silent, columns) for columns in groups if len(columns)], axis=(0, 1))
+    # Whether the best channel of each group stands well above its noise; noise that is not known counts as none
+    above = np.abs(found.values[silent]) > WELL_ABOVE * found.noise[silent]
+    loud = np.all([np.any(above[:, :, list(columns)], axis=2) for columns in groups if len(columns)], axis=(0, 1))
     some_names = [campaign.runs[k].name for k in silent]
     names = ", ".join(some_names[:6]) + (f" and {len(some_names) - 6} more" if len(some_names) > 6 else "")
     if not np.any(loud):
@@ -180,12 +159,6 @@ def _ends(run: Run) -> tuple[float, float] | None:
 def _between(lines: Array, low: float, high: float) -> Chosen:
     slack = SAME_LINE * (high - low)
     return np.asarray((lines >= low - slack) & (lines <= high + slack))
-
-
-def _above(found: Spectra, runs: Sequence[int], columns: Sequence[int]) -> Chosen:
-    """(r, n) whether the best channel of `columns` stands well above its noise; noise that is not known counts as none."""
-    chosen = np.ix_(runs, range(len(found.frequency)), columns)
-    return np.asarray(np.any(np.abs(found.values[chosen]) > WELL_ABOVE * found.noise[chosen], axis=2))
 
 
 # From a campaign to `Measured`: the complex lines of the channels that the chain predicts; forces are judged.
@@ -228,12 +201,14 @@ def measured(
         return Made(measured=_measured(campaign, found, of, name), method=found.method, remarks=found.warnings)
     stated = stated_drives(campaign)
     found = spectra(campaign, method=method, band=stated, progress=progress)
-    kept, left = by_level(campaign, found, _groups(of))
-    return Made(
-        measured=_measured(campaign, found.at(kept), of, name),
-        method=found.method,
-        remarks=(*found.warnings, *outside(campaign, stated), *left),
-    )
+    forces = [of.columns[k] for k in of.forces.columns]  # are judged; inputs are estimated from the others
+    kept, remarks = by_level(campaign, found, (forces, [column for column in of.columns if column not in forces]))
+    lines = lines_of(campaign)
+    if stated is not None and (left := int(np.sum(~_between(lines, *stated)))):
+        which = f"{left} of the {len(lines)} lines of {campaign.source}, {lines[0]:g} to {lines[-1]:g} Hz, are left out"
+        why = f"all of its runs together drive {stated[0]:g} to {stated[1]:g} Hz, as they state"
+        remarks = (f"{which}: {why}; {OTHERWISE}", *remarks)
+    return Made(measured=_measured(campaign, found.at(kept), of, name), method=found.method, remarks=(*found.warnings, *remarks))
 
 
 def names(campaigns: Sequence[Campaign]) -> tuple[str, ...]:
@@ -256,12 +231,6 @@ def per_rms(campaign: Campaign, method: str) -> Array:
     if method == "full-record":
         return of_full_record(density, np.array([one.duration for one in recorded])).ravel()
     return of_block(density, rates, hann((campaign.processing or Processing()).block_size)).ravel()
-
-
-def _groups(of: Chain) -> tuple[list[int], list[int]]:
-    """Columns of what is judged, and of what the inputs are estimated from."""
-    forces = [of.columns[k] for k in of.forces.columns]
-    return forces, [column for column in of.columns if column not in forces]
 
 
 def _measured(campaign: Campaign, found: Spectra, of: Chain, name: str) -> Measured:
@@ -322,10 +291,24 @@ def predictions(
             problem=f"one model holds for one FMD and its sensors, found {listed}",
             remedy="Compare campaigns of one hardware at a time, each with a model of its own",
         )
-    found = []
+    found, tell, count = [], progress or (lambda share: None), len(campaigns)
     for k, (campaign, name) in enumerate(zip(campaigns, names(campaigns), strict=True)):
-        found.append(_tested(model, campaign, name, band, method, lines, _share(progress, k, len(campaigns))))
-    return tuple(SeriesPrediction(tested=one, effects=model.effects) for one in found)
+        stands, of = mounted_article(model, campaign), laboratory(model, campaign, ())
+        done = partial(lambda before, share: tell((before + share) / count), k)
+        made = measured(campaign, of, name, band=band, method=method, lines=lines, progress=done)
+        driven = drives(campaign, made.method)
+        tested = TestedCampaign(
+            model=model,
+            campaign=replace(campaign, recordings={}),
+            measured=made.measured,
+            carried=supported_dynamic_mass(model, campaign, stands),
+            drives=tuple(driven[run] for run in made.measured.runs),
+            per_rms=per_rms(campaign, made.method),
+            method=made.method,
+            remarks=made.remarks,
+        )
+        found.append(SeriesPrediction(tested=tested, effects=model.effects))
+    return tuple(found)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -460,8 +443,10 @@ class SeriesPrediction:
         own = [
             *(() if carried.nuisances is None else carried.nuisances.parameters),
             *dynamic_mass.parameters(carried.moving, model.fmd_tolerance),
-            *parameters(self._chain),
         ]
+        for one in self._chain.parameters:  # what is offset by its logarithm is 1 + its relative change there
+            kind = KINDS.get(one.family, SENSOR)
+            own.append(replace(one, channels=(), kind=kind, within=WITHIN * one.tolerance if kind == DECLARED else inf))
         left, given = prediction_effects.opened(own, self._reaching)
         equations = [one for one in self._reaching if _stage(one) in EQUATIONS]
         return (*left, *prediction_effects.parameters(equations)), given
@@ -469,8 +454,9 @@ class SeriesPrediction:
     @cached_property
     def _variants(self) -> tuple[tuple[BaseDrive, tuple[int, ...]], ...]:
         """Runs that are read alike: all of them, unless an effect asks how they were driven."""
-        drives = self.tested.drives
-        if not any(_asks(one) for one in self._reaching):
+        drives, families = self.tested.drives, [FAMILIES[one.named.family] for one in self._reaching]
+        sides, stages = (AMPLITUDE, PROCESSING), (BODY_STAGE, CHANNEL_STAGE)
+        if not any(one.side in sides and one.stage in stages for one in families):
             return ((BaseDrive(), tuple(range(len(drives)))),)
         return tuple((drive, (k,)) for k, drive in enumerate(drives))
 
@@ -484,7 +470,9 @@ class SeriesPrediction:
         self, at: Offsets, frequency: Array, drive: BaseDrive, *, derivatives: bool
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
         effects, every = prediction_effects.at(self._reaching, at), self.measured.frequency
-        if not any(_looks_around(one) for one in effects):
+        families = [FAMILIES[one.named.family] for one in effects]
+        # Where what an effect does at a line depends on the lines beside it, it must see all of them
+        if not any(one.side == PROCESSING and one.stage == BODY_STAGE for one in families):
             return self.tested.carried.at(at, effects, frequency, drive, derivatives=derivatives)
         H, changes = self.tested.carried.at(at, effects, every, drive, derivatives=derivatives)
         chosen = np.searchsorted(every, frequency)
@@ -561,36 +549,13 @@ class SeriesPrediction:
         return np.stack(found)
 
 
-def _tested(
-    model: Model,
-    campaign: Campaign,
-    name: str,
-    band: tuple[float, float] | None,
-    method: str,
-    lines: npt.ArrayLike | None,
-    progress: Progress | None,
-) -> TestedCampaign:
-    stands = mounted_article(model, campaign)
-    of = laboratory(model, campaign, ())
-    made = measured(campaign, of, name, band=band, method=method, lines=lines, progress=progress)
-    driven = drives(campaign, made.method)
-    return TestedCampaign(
-        model=model,
-        campaign=replace(campaign, recordings={}),
-        measured=made.measured,
-        carried=supported_dynamic_mass(model, campaign, stands),
-        drives=tuple(driven[run] for run in made.measured.runs),
-        per_rms=per_rms(campaign, made.method),
-        method=made.method,
-        remarks=made.remarks,
-    )
-
-
 def supported_dynamic_mass(model: Model, campaign: Campaign, stands: MountedArticle) -> SupportedDynamicMass:
     """What the cells carry in `campaign`, in which `stands` stands on the cover plate."""
     of_structure = None
     if stands.matrices is not None:
-        of_structure = nuisances.of(campaign.article, stands.matrices, stands.frequency, stands.losses, model.structure)
+        of_structure = prediction_effects.nuisances(
+            campaign.article, stands.matrices, stands.frequency, stands.losses, model.structure
+        )
     return SupportedDynamicMass(
         standing=stands, moving=moving_part(model), exact=model.fmd_tolerance == 0, nuisances=of_structure
     )
@@ -614,22 +579,6 @@ def _stage(added: Added) -> str:
     return FAMILIES[added.named.family].stage
 
 
-def _looks_around(added: Added) -> bool:
-    """Whether what an effect does at a line depends on the lines beside it, so that it must see all of them."""
-    family = FAMILIES[added.named.family]
-    return family.side == PROCESSING and family.stage == BODY_STAGE
-
-
-def _asks(added: Added) -> bool:
-    """Whether an effect asks how a run was driven."""
-    family = FAMILIES[added.named.family]
-    return family.side in (AMPLITUDE, PROCESSING) and family.stage in (BODY_STAGE, CHANNEL_STAGE)
-
-
-def _share(progress: Progress | None, k: int, count: int) -> Progress | None:
-    return None if progress is None else lambda done: progress((k + done) / count)
-
-
 # Noise of lines that brought no records along, from the lines themselves.
 #
 # First, what is left when each line is compared with the mean of its neighbours. A response function is smooth over three lines
@@ -640,7 +589,6 @@ def _share(progress: Progress | None, k: int, count: int) -> Progress | None:
 #
 # Second, how far readings repeat: a linear structure answers at i to a force at j as it answers at j to one at i (Rayleigh, The
 # Theory of Sound, 1877, chapter 5), so that two runs measured the same number. What they differ by grows with what is read.
-
 
 AROUND = 1.0
 """[Hz] to either side of a line over which the median is taken; a resonance is far narrower."""

@@ -49,7 +49,6 @@ from validation.model.setups import FMD, above_fmd, mounted
 # those of the structure itself (Kirsch, AIAA Journal 29, 1991: the first terms of the series in K^-1 dK are the basis of a
 # reanalysis). Structural damping stays what it is, S = sum of eta_p K_p beside K; places and parts see all coordinates.
 
-
 BASE = 6
 
 Places = Mapping[str, npt.ArrayLike]
@@ -350,7 +349,24 @@ def mounted_article(model: Model, campaign: Campaign) -> MountedArticle:
     if not article:
         return MountedArticle(article="", matrices=None, pose=Pose())
     pose, said = mounted(campaign)
-    return replace(_made(_recipe(model, campaign, article)), pose=pose, remarks=said)
+    own = _own(model, article, campaign.article)
+    if not own and not set(article.split("+")) <= set(NAMES):
+        raise BadInput(
+            source=model.source,
+            field="own",
+            problem=f"it has no model of {article}, which stands on the FMD in {campaign.source}",
+            remedy=f"State the path of one, or name a stack of {', '.join(NAMES)} in the campaign",
+        )
+    recipe = _Recipe(
+        article=article,
+        kind=model.kind,
+        own=own,
+        stamp=stamp(own),
+        modes=model.modes,
+        damping_ratio=model.damping_ratio,
+        changes=() if own else _changes(model, article),
+    )
+    return replace(_made(recipe), pose=pose, remarks=said)
 
 
 def moving_part(model: Model) -> Inertia:
@@ -387,26 +403,6 @@ class _Recipe:
     modes: int = 30
     damping_ratio: float | None = None
     changes: tuple[tuple[str, float], ...] = ()
-
-
-def _recipe(model: Model, campaign: Campaign, article: str) -> _Recipe:
-    own = _own(model, article, campaign.article)
-    if not own and not set(article.split("+")) <= set(NAMES):
-        raise BadInput(
-            source=model.source,
-            field="own",
-            problem=f"it has no model of {article}, which stands on the FMD in {campaign.source}",
-            remedy=f"State the path of one, or name a stack of {', '.join(NAMES)} in the campaign",
-        )
-    return _Recipe(
-        article=article,
-        kind=model.kind,
-        own=own,
-        stamp=stamp(own),
-        modes=model.modes,
-        damping_ratio=model.damping_ratio,
-        changes=() if own else _changes(model, article),
-    )
 
 
 def _own(model: Model, article: str, whole: str) -> str:

@@ -9,8 +9,7 @@ from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from geometry.inertia import Observability
 from geometry.sensors import SI, Channel, Place
-from identification.campaign import Campaign, Recording, Run
-from identification.campaign_file import Levels
+from identification.campaign import Campaign, Levels, Recording, Run
 from validation.identify.check import Summary
 from validation.reference.statement import NONE
 from validation.report.document import Grid

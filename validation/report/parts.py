@@ -11,7 +11,7 @@ from identification.campaign import Campaign
 from validation.classical.files import Reduction
 from validation.compare.compare import Comparison
 from validation.diagnose.diagnosis import Diagnosis
-from validation.estimation.result import Evaluation
+from validation.estimation.problem import Evaluation
 from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, expected_z2, misfit, percent
 from validation.history.history import Body, Errors, HistoryPosition, Source
 from validation.identify.identify import IdentificationFindings

@@ -1,12 +1,20 @@
-"""The measurement chain against what it must be at nominal, against differences, and against what a change of one part does."""
+"""The measurement chain: what its channels read, with every parameter, and what none of them shows."""
+
+import re
+from dataclasses import replace
+from math import exp
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
+from geometry.frames import rotation_about, skew
 from geometry.sensors import Channel, ChannelTable, Place, Tolerances, motion_rows, resultants
-from identification.chain import ASSUMED, STATED, Chain, chain
+from identification import chain as identification_chain
+from identification.chain import ASSUMED, STATED, Chain, chain, turned
+from identification.quality import seen_changes, unobservable
 
 FREQUENCY = np.array([4.0, 11.3, 32.0])
 STIFFNESS = (1e8, 1e8, 4e8)
@@ -168,3 +176,530 @@ def test_a_stiffness_cannot_turn_negative(paper: ChannelTable) -> None:
         chain(paper).theta({"cell-stiffness:1x": -1.5})
     with pytest.raises(BadInput, match="stiffness"):
         chain(paper, stiffness=(1e8, -1e8, 1e8))
+
+
+# Gravity's two halves, from nothing but Newton's law for a rigid block of point masses on a base that shakes and tilts
+
+
+G = 9.81
+LOW = 4.0
+LOW_OMEGA = 2 * np.pi * LOW
+TILT = 1e-6  # rad; what is left out is of its square
+STEPS = 64
+EXACT = Tolerances().scaled(0.0)
+
+POINTS = np.array([[0.1, 0.2, 0.5], [-0.3, 0.1, 0.4], [0.2, -0.2, 0.1], [0.0, 0.1, 0.9]])
+MASSES = np.array([10.0, 7.0, 20.0, 3.0])
+
+
+def first_harmonic(signal: np.ndarray) -> np.ndarray:
+    """Complex amplitude of the component e^{i omega t} over one period, along the first axis."""
+    t = np.arange(STEPS) / STEPS
+    return np.asarray(2 * np.tensordot(np.exp(-2j * np.pi * t), signal, axes=1) / STEPS)
+
+
+class Base:
+    """Moves by `amplitude` (3,) [m] and turns by `turn` (3,) [rad] in phase, about F."""
+
+    def __init__(self, amplitude: np.ndarray, turn: np.ndarray) -> None:
+        self.angle = float(np.linalg.norm(turn))
+        self.axis = turn / self.angle
+        self.amplitude = amplitude
+
+    def lack_of_fall(self, point: np.ndarray) -> np.ndarray:
+        """(t, 3) R^T (a - g) at `point`, over one period."""
+        n, S = self.axis, skew(self.axis)
+        out = []
+        for t in 2 * np.pi * np.arange(STEPS) / STEPS:
+            phi, rate, second = (
+                self.angle * np.cos(t),
+                -self.angle * LOW_OMEGA * np.sin(t),
+                -self.angle * LOW_OMEGA**2 * np.cos(t),
+            )
+            R = np.eye(3) + np.sin(phi) * S + (1 - np.cos(phi)) * S @ S
+            arm = R @ point
+            a = -self.amplitude * LOW_OMEGA**2 * np.cos(t) + second * np.cross(n, arm) + rate**2 * np.cross(n, np.cross(n, arm))
+            out.append(R.T @ (a + np.array([0, 0, G])))
+        return np.array(out)
+
+    @property
+    def motion(self) -> np.ndarray:
+        """(6,) complex amplitude of the kinematic acceleration of F."""
+        return -(LOW_OMEGA**2) * np.concatenate([self.amplitude, self.angle * self.axis]).astype(complex)
+
+    def load(self) -> np.ndarray:
+        """(6,) complex amplitude of the load on the block about F, in the axes of the base."""
+        felt = [m * self.lack_of_fall(p) for m, p in zip(MASSES, POINTS, strict=True)]
+        moment = [np.cross(p, f) for p, f in zip(POINTS, felt, strict=True)]
+        return first_harmonic(np.concatenate([np.sum(felt, axis=0), np.sum(moment, axis=0)], axis=1))
+
+    def reading(self, table: ChannelTable, kinematic: bool, group: str = "cover") -> np.ndarray:
+        """(k,) amplitudes of the accelerometers of `group`."""
+        of = []
+        for channel in (table.channels[k] for k in table.select(group=group)):
+            place = channel.places[0]
+            lab = self.motion[:3] + np.cross(self.motion[3:], place.position)
+            of.append(lab @ place.direction if kinematic else first_harmonic(self.lack_of_fall(place.position)) @ place.direction)
+        return np.array(of)
+
+
+@pytest.fixture(scope="module")
+def base() -> Base:
+    return Base(TILT * np.array([0.3, -0.2, 0.1]), TILT * np.array([0.8, -0.5, 0.3]))
+
+
+def block() -> np.ndarray:
+    """(1, 6, 6) mass matrix of the point masses about F."""
+    rows = [np.hstack([np.eye(3), -skew(p)]) for p in POINTS]
+    return np.sum([m * row.T @ row for m, row in zip(MASSES, rows, strict=True)], axis=0)[None].astype(complex)
+
+
+def apparent(base: Base) -> np.ndarray:
+    return np.asarray(base.motion + G / LOW_OMEGA**2 * turned(np.eye(6)) @ base.motion)
+
+
+def predicted(table: ChannelTable, u: np.ndarray, values: dict[str, float] | None = None) -> np.ndarray:
+    """(c,) of cover plate, then cells."""
+    made = chain(table, EXACT, stiffness=np.inf, gravity=G, overrides={"gravity": 1.0, "accelerometer-tilt": 1.0})
+    A0, A1 = made.rows(made.theta(values or {}), LOW)
+    return np.asarray(((A0 + A1 @ block()) @ u)[0])
+
+
+def small(table: ChannelTable) -> ChannelTable:
+    return ChannelTable(channels=tuple(channel for channel in table.channels if channel.group != "table"))
+
+
+def kinematic(table: ChannelTable) -> ChannelTable:
+    return ChannelTable(channels=tuple(replace(channel, senses_gravity=False) for channel in small(table).channels))
+
+
+def test_the_load_of_a_tilting_block_is_its_mass_matrix_times_the_apparent_acceleration(base: Base) -> None:
+    assert_allclose(base.load(), block()[0] @ apparent(base), rtol=1e-6)
+
+
+def test_accelerometers_that_tilt_read_the_apparent_acceleration(base: Base, paper: ChannelTable) -> None:
+    """One motion explains accelerations and loads: for a rigid body gravity cancels."""
+    y = predicted(small(paper), apparent(base))
+    read = base.reading(small(paper), kinematic=False)
+    assert_allclose(y[:8], read, rtol=0, atol=1e-6 * np.abs(read).max())
+
+
+def test_kinematic_accelerometers_read_what_moves(base: Base, paper: ChannelTable) -> None:
+    y = predicted(kinematic(paper), apparent(base))
+    read = base.reading(small(paper), kinematic=True)
+    assert_allclose(y[:8], read, rtol=0, atol=1e-6 * np.abs(read).max())
+
+
+def test_a_table_below_soft_cells_tilts_by_what_they_give(base: Base, paper: ChannelTable) -> None:
+    """Its displacement is the cover plate's and K^-1 f on top; its accelerometers feel all of its tilt. Cells of 1e5 N/m."""
+    made = chain(paper, EXACT, stiffness=(1e5, 1e5, 4e5), gravity=G)
+    f = (block()[0] @ apparent(base)).real
+    q = np.concatenate([base.amplitude, base.angle * base.axis]) + made.springs.compliance({}) @ f
+    table = Base(q[:3], q[3:])
+    A0, A1 = made.rows(np.zeros(len(made.parameters)), LOW)
+    y = ((A0 + A1 @ block()) @ apparent(base))[0, list(made.table.columns)]
+    read = table.reading(paper, kinematic=False, group="table")
+    assert_allclose(y, read, rtol=0, atol=1e-6 * np.abs(read).max())
+
+
+def test_taken_for_tilting_ones_kinematic_pick_ups_put_the_centre_of_gravity_15_mm_off(paper: ChannelTable) -> None:
+    """g / omega² = 15.5 mm at 4 Hz, the sign in the test: H[f_x, beta] = m (z + g/omega²)."""
+    pure = Base(np.zeros(3), TILT * np.array([0.0, 1.0, 0.0]))
+    measured = pure.load()[0] / pure.motion[4]
+    z = MASSES @ POINTS[:, 2] / MASSES.sum()
+    assert_allclose(measured.real / MASSES.sum() - z, G / LOW_OMEGA**2, rtol=1e-6)
+    assert_allclose(1e3 * G / LOW_OMEGA**2, 15.5, rtol=5e-3)
+
+
+def test_with_the_structures_half_off_the_block_feels_the_kinematic_acceleration(base: Base, paper: ChannelTable) -> None:
+    """The latent motion is then the kinematic one; accelerometers still tilt."""
+    y = predicted(small(paper), base.motion, {"gravity": 0.0})
+    read = base.reading(small(paper), kinematic=False)
+    assert_allclose(y[:8], read, rtol=0, atol=1e-6 * np.abs(read).max())
+
+
+def test_the_two_halves_are_mirror_images_where_all_sensors_tilt(base: Base, paper: ChannelTable) -> None:
+    """Either half alone is seen; both changed alike are not."""
+    u = apparent(base)
+    both, nominal = predicted(small(paper), u, {"gravity": 0.3, "accelerometer-tilt": 0.3}), predicted(small(paper), u)
+    assert_allclose(both, nominal, rtol=1e-12)
+    one, other = (predicted(small(paper), u, {name: 0.0}) - nominal for name in ("gravity", "accelerometer-tilt"))
+    assert_allclose(one, -other, rtol=0, atol=1e-12 * np.abs(nominal).max())
+    assert np.abs(one).max() > 1e-3 * np.abs(nominal[:8]).max()
+
+
+# What each parameter does to the channels, in the words and signs of the catalogue of effects
+
+
+SEVERAL = np.array([4.0, 25.0])
+SEVERAL_OMEGA = 2 * np.pi * SEVERAL
+OPEN = ("board-delay", "force-highpass", "load-path-shunt", "force-plane-offset", "cover-plate-flexibility")
+H = np.array(
+    [
+        [50, 0, 1, 0, 9, 2],
+        [0, 51, 0, -9, 0, 3],
+        [1, 0, 52, 1, -2, 0],
+        [0, -9, 1, 7, 0, 0],
+        [9, 0, -2, 0, 6, 0],
+        [2, 3, 0, 0, 0, 2.0],
+    ]
+)
+U = np.array([1.0, -0.7, 0.4, 2.0, -1.5, 0.8])
+
+
+@pytest.fixture(scope="module")
+def made(paper: ChannelTable) -> Chain:
+    return chain(paper, Tolerances(), stiffness=STIFFNESS, overrides=dict.fromkeys(OPEN, 1.0))
+
+
+def reading(made: Chain, **values: float) -> dict[str, np.ndarray]:
+    """By channel (n,) what it reads of the motion `U` with these parameters."""
+    A0, A1 = made.rows(made.theta(dict(values)), SEVERAL)
+    return dict(zip(made.names, ((A0 + A1 @ H) @ U).T, strict=True))
+
+
+def with_one(made: Chain, name: str, value: float) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Readings at nominal and with one parameter at a value; that all channels it does not claim stay is checked here."""
+    before, after = reading(made), reading(made, **{name: value})
+    touched = next(one.channels for one in made.parameters if one.name == name)
+    for k, channel in enumerate(made.names):
+        if k not in touched:
+            assert_allclose(after[channel], before[channel], rtol=0, atol=0)
+    return before, after
+
+
+@pytest.mark.parametrize("channel", ["fmd-x12", "cover-z3", "table-y1"])
+def test_a_gain_multiplies_its_channel(made: Chain, channel: str) -> None:
+    kind = "force" if channel.startswith("fmd") else "accelerometer"
+    before, after = with_one(made, f"{kind}-gain:{channel}", 0.08)
+    assert_allclose(after[channel], 1.08 * before[channel], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "name", ["force-delay:fmd-x12", "accelerometer-delay:table-z1", "board-delay:cover", "board-delay:force"]
+)
+def test_a_late_channel_lags(made: Chain, name: str) -> None:
+    before, after = with_one(made, name, 1e-3)
+    for k in next(one.channels for one in made.parameters if one.name == name):
+        channel = made.names[k]
+        assert_allclose(after[channel], before[channel] * np.exp(-1j * SEVERAL_OMEGA * 1e-3), rtol=1e-12)
+
+
+def test_a_high_pass_lets_half_the_power_through_at_its_corner_and_leads(made: Chain) -> None:
+    before, after = with_one(made, "force-highpass:fmd-z2", 4.0)
+    ratio = after["fmd-z2"] / before["fmd-z2"]
+    assert_allclose(abs(ratio[0]), np.sqrt(0.5), rtol=1e-12)
+    assert_allclose(np.angle(ratio[0]), np.pi / 4, rtol=1e-12)
+    assert abs(ratio[1]) > 0.98
+
+
+@pytest.mark.parametrize(("channel", "axis"), [("cover-z3", "x"), ("cover-x1", "z"), ("table-y2", "x")])
+def test_a_misalignment_turns_the_direction_right_handed_about_the_axis(made: Chain, channel: str, axis: str) -> None:
+    exact = chain(paper_of(made), Tolerances(), stiffness=np.inf)
+    after = reading(exact, **{f"accelerometer-misalignment:{channel}:{axis}": 0.1})
+    group = exact.cover if channel.startswith("cover") else exact.table
+    place = next(one for one in group.channels if one.name == channel).places[0]
+    a = U[:3] + np.cross(U[3:], place.position)
+    assert_allclose(after[channel], (rotation_about(axis, 0.1) @ place.direction) @ a, rtol=1e-12)
+
+
+def paper_of(made: Chain) -> ChannelTable:
+    return ChannelTable(channels=(*made.cover.channels, *made.table.channels, *made.forces.channels), origin=made.cover.point)
+
+
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_a_pick_up_reads_where_it_sits(made: Chain, axis: str) -> None:
+    before, after = with_one(made, f"accelerometer-position:cover-z3:{axis}", 2e-3)
+    moved = 2e-3 * np.eye(3)["xyz".index(axis)]
+    assert_allclose(after["cover-z3"] - before["cover-z3"], np.cross(U[3:], moved)[2], rtol=1e-9)
+
+
+def test_a_shift_along_the_direction_is_no_parameter(made: Chain) -> None:
+    names = {one.name for one in made.parameters}
+    assert "accelerometer-position:cover-z3:z" not in names
+    assert "accelerometer-misalignment:cover-z3:z" not in names
+
+
+def test_cross_talk_zx_shows_the_x_resultant_in_the_z_channels(made: Chain) -> None:
+    before, after = with_one(made, "force-crosstalk:zx", 0.02)
+    change = sum(after[f"fmd-z{k}"] - before[f"fmd-z{k}"] for k in range(1, 5))
+    assert_allclose(change, 0.02 * (H @ U)[0], rtol=1e-12)
+    assert_allclose(after["fmd-x12"], before["fmd-x12"], rtol=1e-12)
+
+
+def test_a_shunt_takes_its_fraction_of_what_the_cells_carry_along_its_axis(made: Chain) -> None:
+    before, after = with_one(made, "load-path-shunt:z", 0.03)
+    for k in range(1, 5):
+        assert_allclose(after[f"fmd-z{k}"], 0.97 * before[f"fmd-z{k}"], rtol=1e-12)
+    assert_allclose(after["fmd-x34"], before["fmd-x34"], rtol=1e-12)
+
+
+@pytest.mark.parametrize(("axis", "moment", "sign"), [("x", 4, -1), ("y", 3, 1)])
+def test_moments_that_the_cells_miss_are_those_of_a_plane_at_another_height(
+    made: Chain, axis: str, moment: int, sign: int
+) -> None:
+    """M_y -= h F_x and M_x += h F_y, read from the four vertical cells: M_x = sum y f_z, M_y = -sum x f_z."""
+    before, after = with_one(made, f"force-plane-offset:{axis}", 4e-3)
+    change = np.array([after[f"fmd-z{k}"] - before[f"fmd-z{k}"] for k in range(1, 5)])
+    arm = {3: np.array([1, 1, -1, -1]), 4: -np.array([1, -1, -1, 1])}[moment] * 0.13
+    assert_allclose(arm @ change, sign * 4e-3 * (H @ U)["xy".index(axis)], rtol=1e-10)
+
+
+def test_a_cover_plate_that_bends_adds_to_its_vertical_pick_ups(made: Chain) -> None:
+    before, after = with_one(made, "cover-plate-flexibility", 1e-9)
+    assert_allclose(after["cover-z1"] - before["cover-z1"], -(SEVERAL_OMEGA**2) * 1e-9 * (H @ U)[2], rtol=1e-9)
+    assert_allclose(after["cover-x1"], before["cover-x1"], rtol=0, atol=0)
+
+
+# Load cells: how they share a load, against statics solved without any matrix of ours, and how far the plate moves on them
+
+
+CELLS = {"cell-stiffness": 0.05}
+K = np.array([1e8, 1.3e8, 4e8])
+CORNERS = np.array([[0.13, 0.13, 0.0], [-0.13, 0.13, 0.0], [-0.13, -0.13, 0.0], [0.13, -0.13, 0.0]])
+BAND = np.array([5.0, 20.0])
+
+
+def forces_of(made: Chain, values: dict[str, float]) -> np.ndarray:
+    """(c, 6) what the force channels read for a unit load."""
+    return np.asarray(made.rows(made.theta(values), BAND)[1][0, list(made.forces.columns)].real)
+
+
+def statics(stiffness: np.ndarray, places: np.ndarray, load: np.ndarray) -> np.ndarray:
+    """(c, 3) forces of three-component springs under a rigid plate, by least energy.
+
+    Moved by (t, r) the springs store sum k |t + r x p|² / 2; where this less the work of the load is least, differences tell.
+    """
+
+    def drawn_out(q: np.ndarray) -> np.ndarray:
+        return np.asarray(q[:3] + np.cross(q[3:], places))
+
+    def energy(q: np.ndarray) -> float:
+        return float(0.5 * np.sum(stiffness * drawn_out(q) ** 2) - load @ q)
+
+    unit = np.eye(6)
+    # quadratic: second differences with unit steps are its exact second derivatives
+    second = [
+        [energy(unit[i] + unit[j]) - energy(unit[i]) - energy(unit[j]) + energy(np.zeros(6)) for j in range(6)] for i in range(6)
+    ]
+    return np.asarray(stiffness * drawn_out(np.linalg.solve(np.array(second), load)))
+
+
+def test_unequal_cells_share_a_load_as_statics_says(paper: ChannelTable) -> None:
+    rng = np.random.default_rng(11)
+    change = 0.2 * rng.uniform(-1, 1, size=(4, 3))
+    names = {f"cell-stiffness:{k + 1}{axis}": change[k, i] for k in range(4) for i, axis in enumerate("xyz")}
+    reading = forces_of(chain(paper, EXACT, stiffness=K, overrides=CELLS), names)
+    for load in np.eye(6):
+        f = statics(K * (1 + change), CORNERS, load)
+        expected = [f[0, 0] + f[1, 0], f[2, 0] + f[3, 0], f[0, 1] + f[3, 1], f[1, 1] + f[2, 1], *f[:, 2]]
+        assert_allclose(reading @ load, expected, rtol=0, atol=1e-7)  # differences of energies of 1e8
+
+
+def test_equal_cells_share_alike(paper: ChannelTable) -> None:
+    reading = forces_of(chain(paper, EXACT), {})
+    assert_allclose(reading[:2, 0], 0.5, rtol=1e-12)
+    assert_allclose(reading[4:, 2], 0.25, rtol=1e-12)
+    assert_allclose(reading[4:, 3], np.array([1, 1, -1, -1]) / (4 * 0.13), rtol=1e-12)
+
+
+def test_a_stiffer_cell_shows_in_the_redundant_channels_only(paper: ChannelTable) -> None:
+    """The parity of the four vertical channels, z1 - z2 + z3 - z4, is no resultant: there it shows."""
+    made = chain(paper, EXACT, overrides=CELLS)
+    change = forces_of(made, {"cell-stiffness:1z": 0.1}) - forces_of(made, {})
+    z = change[4:]
+    assert_allclose(np.ones(4) @ z, 0, atol=1e-12)
+    assert_allclose(CORNERS[:, :2].T @ z, 0, atol=1e-12)
+    assert np.abs(np.array([1, -1, 1, -1]) @ z).max() > 0.01
+
+
+def closed_form(m: float, I: float, axis: int) -> np.ndarray:
+    """Table over cover plate for a rigid block of mass m and moment I on four cells, moved along or turned about `axis` alone."""
+    a = 0.13
+    stiffness = [4 * K[0], 4 * K[1], 4 * K[2], 4 * K[2] * a**2, 4 * K[2] * a**2, 4 * (K[0] + K[1]) * a**2][axis]
+    inertia = m if axis < 3 else I
+    return np.asarray(1 - (2 * np.pi * BAND) ** 2 * inertia / stiffness)
+
+
+@pytest.mark.parametrize("axis", range(6))
+def test_a_block_on_its_cells_moves_as_two_masses_and_a_spring(paper: ChannelTable, axis: int) -> None:
+    """With its centre in the plane of the cells no motion drags another: u_table = (1 - omega² m / k) u_cover.
+
+    Without gravity: the table tilts more than the plate, and its accelerometers would feel it.
+    """
+    m, I = 60.0, 2.0
+    made = chain(paper, EXACT, stiffness=K, gravity=0.0)
+    A0, A1 = made.rows(np.zeros(len(made.parameters)), BAND)
+    A = A0 + A1 @ np.diag([m, m, m, I, I, I])
+    on_table = list(made.table.columns)
+    expected = closed_form(m, I, axis)[:, None] * A0[:, on_table, axis]
+    assert_allclose(A[:, on_table, axis], expected, rtol=1e-12, atol=1e-15)
+
+
+def test_softer_cells_by_the_common_factor_are_softer_cells_one_by_one(paper: ChannelTable) -> None:
+    made = chain(paper, EXACT, stiffness=K, overrides=CELLS)
+    at_once = made.rows(made.theta({"fmd-compliance:lateral": 1.25}), BAND)
+    single = {f"cell-stiffness:{k}{axis}": 1 / 1.25 - 1 for k in range(1, 5) for axis in "xy"}
+    one_by_one = made.rows(made.theta(single), BAND)
+    assert_allclose(at_once[1], one_by_one[1], rtol=1e-12, atol=1e-12)
+
+
+def test_a_stiffness_assumed_wrongly_is_made_good_by_the_compliance(paper: ChannelTable) -> None:
+    """Whatever is assumed: at the right factor the chain is that of the true cells."""
+    assumed, stated = chain(paper, EXACT), chain(paper, EXACT, stiffness=K * [1, 1 / 1.3, 1])
+    lateral, _, vertical = identification_chain.assumed_stiffness() / K
+    right = assumed.theta({"fmd-compliance:lateral": lateral, "fmd-compliance:vertical": vertical})
+    expected = stated.rows(np.zeros(len(stated.parameters)), BAND)
+    for found, true in zip(assumed.rows(right, BAND), expected, strict=True):
+        assert_allclose(found, true, rtol=1e-12, atol=1e-15)
+
+
+def test_a_rigid_fmd_has_its_table_move_with_it(paper: ChannelTable) -> None:
+    made = chain(paper, stiffness=np.inf)
+    assert not any(one.family == "fmd-compliance" for one in made.parameters)
+    assert_allclose(made.rows(np.zeros(len(made.parameters)), BAND)[1][:, list(made.table.columns)], 0, atol=0)
+
+
+def test_cells_are_numbered_counter_clockwise_whatever_their_order() -> None:
+    shuffled = [2, 0, 3, 1]
+    elements = [Place(position=CORNERS[k], direction=e) for k in shuffled for e in np.eye(3)]
+    assert identification_chain.names(elements, np.zeros(3)) == tuple(f"{k + 1}{axis}" for k in shuffled for axis in "xyz")
+
+
+def test_struts_along_slanted_lines_share_by_equilibrium_alone() -> None:
+    """Six struts: the forces follow from the load whatever their stiffness is."""
+    rng = np.random.default_rng(5)
+    directions = rng.normal(size=(6, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    places = [Place(position=p, direction=d) for p, d in zip(rng.uniform(-0.2, 0.2, size=(6, 3)), directions, strict=True)]
+    channels = tuple(Channel(name=f"s{k}", quantity="force", group="fmd", places=(place,)) for k, place in enumerate(places))
+    made = chain(ChannelTable(channels=channels), EXACT, overrides=CELLS)
+    assert len(made.parameters) == 6
+    softer = forces_of(made, {made.parameters[2].name: 0.5})
+    B = np.array([[*p.direction, *np.cross(p.position, p.direction)] for p in places])
+    assert_allclose(B.T @ softer, np.eye(6), rtol=0, atol=1e-10 * np.abs(softer).max())
+    assert_allclose(softer, forces_of(made, {}), rtol=0, atol=1e-9 * np.abs(softer).max())
+
+
+def test_loads_already_worked_out_are_read_as_they_are(loads_only: ChannelTable) -> None:
+    made = chain(loads_only, EXACT)
+    assert_allclose(forces_of(made, {}), np.eye(6), atol=1e-15)
+    targets = {one.name.partition(":")[2] for one in made.parameters if one.family == "fmd-compliance"}
+    assert targets == {"lateral", "vertical", "rotation", "torsion"}
+    assert not any(one.family == "cell-stiffness" for one in made.parameters)
+
+
+@pytest.mark.parametrize("stiffness", [(1e8, 1e8), (1e8, 0.0, 1e8), (np.inf, 1e8, 1e8), 5.0])
+def test_a_stiffness_that_is_none_is_refused(paper: ChannelTable, stiffness: object) -> None:
+    with pytest.raises(BadInput, match="stiffness"):
+        chain(paper, stiffness=stiffness)  # type: ignore[arg-type]
+
+
+# docs/measurement-chain.md: its program runs, and its table holds the families and tolerances of the code
+
+
+PAGE = Path(__file__).parents[3] / "docs" / "measurement-chain.md"
+
+
+def families_of_the_page() -> dict[str, str]:
+    """By family what the page says of its tolerance."""
+    found = {}
+    for line in PAGE.read_text(encoding="utf-8").splitlines():
+        cells = [cell.strip() for cell in line.strip("|").split("|")]
+        if line.startswith("| `") and len(cells) == 5:
+            found |= dict.fromkeys(re.findall(r"`([\w-]+)`", cells[0]), cells[3])
+    return found
+
+
+def test_the_table_holds_every_family_with_its_tolerance(paper: ChannelTable) -> None:
+    said = families_of_the_page()
+    ordinary = chain(paper).parameters
+    everything = chain(paper, overrides={family: 1.0 for family, tolerance in said.items() if tolerance == "-"}).parameters
+    assert set(said) == {one.family for one in everything}
+    assert {family for family, tolerance in said.items() if tolerance != "-"} == {one.family for one in ordinary}
+    for one in ordinary:
+        figures = [float(figure) for figure in re.findall(r"(?<![\^\w])\d[\d.e-]*", said[one.family])]
+        if one.family != "fmd-compliance":
+            assert any(abs(figure - one.tolerance) < 1e-3 * one.tolerance for figure in figures), one.name
+    exponents = [float(figure) for figure in re.findall(r"e\^([\d.]+)", said["fmd-compliance"])]
+    assert exponents == [pytest.approx(ASSUMED, abs=5e-3), STATED]
+    assert exp(ASSUMED) == pytest.approx(5.0)
+
+
+# What the channels can never tell: the combinations known beforehand are found, and nothing shows of those that are found
+
+
+WIDE = np.linspace(4.0, 32.0, 6)
+CARRIED = np.diag([50.0, 50, 50, 7, 6, 2])
+CARRIED[0, 4] = CARRIED[4, 0] = 9.0
+CARRIED[1, 3] = CARRIED[3, 1] = -9.0
+
+
+@pytest.fixture(scope="module")
+def of_all(paper: ChannelTable) -> Chain:
+    return chain(paper, stiffness=(1e8, 1e8, 4e8))
+
+
+def test_a_common_gain_and_a_common_delay_are_never_seen(of_all: Chain) -> None:
+    texts = [one.text for one in unobservable(of_all, np.zeros(len(of_all.parameters)), WIDE, CARRIED)]
+    assert "+1 force-gain (all 8) +1 accelerometer-gain (all 14)" in texts
+    assert "+1 force-delay (all 8) +1 accelerometer-delay (all 14)" in texts
+
+
+def test_the_common_softness_of_all_cells_is_that_of_each_of_them(of_all: Chain) -> None:
+    """All stiffer and their common compliance higher: nothing has changed. Of cells that one channel sums, the sum counts."""
+    found = unobservable(of_all, np.zeros(len(of_all.parameters)), WIDE, CARRIED)
+    expected = [
+        {"fmd-compliance:vertical": 1.0, **{f"cell-stiffness:{k}z": 1.0 for k in range(1, 5)}},
+        {"fmd-compliance:lateral": 1.0, **{f"cell-stiffness:{k}{a}": 1.0 for k in range(1, 5) for a in "xy"}},
+        {"cell-stiffness:1x": 1.0, "cell-stiffness:2x": -1.0},
+        {"cell-stiffness:1y": 1.0, "cell-stiffness:4y": -1.0},
+        {"force-gain:fmd-x12": 1.0},
+    ]
+    seen = [outside(of_all, found, weights) for weights in expected]
+    assert_allclose(seen[:4], 0, atol=1e-9)
+    assert seen[4] > 0.1
+    assert len(found) == 8
+
+
+def outside(of_all: Chain, found: tuple, weights: dict[str, float]) -> float:
+    """How much of a direction lies outside the combinations `found`, relative to its length in tolerances."""
+    names = [one.name for one in of_all.parameters]
+
+    def vector(offsets: dict[str, float]) -> np.ndarray:
+        v = np.array([offsets.get(name, 0.0) for name in names]) / of_all.tolerances
+        return v / np.linalg.norm(v)
+
+    basis = np.linalg.qr(np.array([vector(dict(one.weights)) for one in found]).T)[0]
+    v = vector(weights)
+    return float(np.linalg.norm(v - basis @ (basis.T @ v)))
+
+
+def test_nothing_shows_of_a_combination_however_far_it_is_driven(of_all: Chain) -> None:
+    """Not in the Jacobian only: a delay of a quarter of a millisecond of all channels leaves every reading to another motion."""
+    theta = of_all.theta({name: 2.5e-4 for one in of_all.parameters if (name := one.name).split("-")[1].startswith("delay")})
+    A0, A1 = of_all.rows(theta, WIDE)
+    B0, B1 = of_all.rows(np.zeros(len(theta)), WIDE)
+    A, B = A0 + A1 @ CARRIED, B0 + B1 @ CARRIED
+    for a, b in zip(A, B, strict=True):
+        a, b = (m / np.linalg.norm(b, axis=1)[:, None] for m in (a, b))
+        left = a - b @ np.linalg.lstsq(b, a, rcond=None)[0]
+        assert_allclose(left, 0, atol=1e-12)
+
+
+def test_an_unknown_mass_hides_the_ratio_of_the_gains(of_all: Chain) -> None:
+    """With CARRIED known the ratio is seen; with all of CARRIED unknown in proportion it is not: that is what the tare is for."""
+    theta = np.zeros(len(of_all.parameters))
+    known = unobservable(of_all, theta, WIDE, CARRIED)
+    unknown = unobservable(of_all, theta, WIDE, CARRIED, structure={"all of H": 0.01 * CARRIED})
+    assert len(unknown) == len(known) + 1
+    assert "+1 accelerometer-gain (all 14) -1 fmd-compliance (all 2) +100 all of H" in [one.text for one in unknown]
+
+
+def test_without_channels_to_spare_nothing_is_seen(paper: ChannelTable) -> None:
+    """Six accelerations and no force: any reading is a motion."""
+    ups = ChannelTable(channels=tuple(channel for channel in paper.channels if channel.group == "table"))
+    of_all = chain(ups, stiffness=np.inf)
+    J = seen_changes(of_all, np.zeros(len(of_all.parameters)), WIDE, CARRIED)
+    assert_allclose(J, 0, atol=1e-14)
+    assert len(unobservable(of_all, np.zeros(len(of_all.parameters)), WIDE, CARRIED)) == len(of_all.parameters)

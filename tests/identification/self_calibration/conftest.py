@@ -1,21 +1,22 @@
 """A laboratory on paper: six runs through a known chain on a known structure, straight as spectra."""
 
 from dataclasses import dataclass, field, replace
+from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.inertia import Inertia
-from geometry.sensors import Channel, ChannelTable, Place, Tolerances
+from geometry.sensors import ChannelTable, Tolerances
+from identification.campaign import Campaign
 from identification.chain import chain
 from identification.elastic import model
 from identification.elastic.model import ElasticTerms
 from identification.request import Evidence, Known, Settings, TareSpectra
 from identification.spectra.line_spectra import Spectra
 
-X, Y, Z = np.eye(3)
-CORNERS = tuple(np.array([x, y, 0.0]) for x, y in ((0.13, 0.13), (-0.13, 0.13), (-0.13, -0.13), (0.13, -0.13)))
 STIFFNESS = np.array([1e8, 1e8, 4e8])
 NOISE = {"acceleration": 2e-3, "force": 0.05}
 """Of spectra whose driven level is that of `LEVELS`."""
@@ -32,33 +33,12 @@ MODES = ElasticTerms(
 )
 
 
-def table() -> ChannelTable:
-    def pick_up(name: str, at: tuple[float, float, float], along: np.ndarray, group: str) -> Channel:
-        return Channel(name=name, quantity="acceleration", group=group, places=(Place(position=np.array(at), direction=along),))
-
-    def cell(name: str, *places: tuple[np.ndarray, np.ndarray]) -> Channel:
-        made = tuple(Place(position=position, direction=along) for position, along in places)
-        return Channel(name=name, quantity="force", group="fmd", places=made)
-
-    below = [("table-z1", (0.25, 0.0, -0.06), Z), ("table-z2", (-0.15, 0.22, -0.06), Z), ("table-z3", (-0.15, -0.22, -0.06), Z)]
-    below += [("table-x1", (0.0, -0.25, -0.06), X), ("table-y1", (0.25, 0.0, -0.06), Y), ("table-y2", (-0.25, 0.0, -0.06), Y)]
-    signs = ((1, 1), (-1, 1), (-1, -1), (1, -1))
-    cover = [(f"cover-z{k}", (0.185 * a, 0.185 * b, 0.045), Z) for k, (a, b) in enumerate(signs, start=1)]
-    cover += [("cover-x1", (0.2, 0.15, 0.03), X), ("cover-x2", (0.2, -0.15, 0.03), X)]
-    cover += [("cover-y1", (0.15, 0.2, 0.03), Y), ("cover-y2", (-0.15, 0.2, 0.03), Y)]
-    a, b, c, d = CORNERS
-    cells = [cell("fmd-x12", (a, X), (b, X)), cell("fmd-x34", (c, X), (d, X))]
-    cells += [cell("fmd-y14", (a, Y), (d, Y)), cell("fmd-y23", (b, Y), (c, Y))]
-    cells += [cell(f"fmd-z{k}", (at, Z)) for k, at in enumerate(CORNERS, start=1)]
-    channels = [pick_up(*one, "table") for one in below] + [pick_up(*one, "cover") for one in cover] + cells
-    return ChannelTable(channels=tuple(channels))
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Laboratory:
     """A chain with its deviations from nominal, and a generator for noise."""
 
     rng: np.random.Generator
+    table: ChannelTable
     tolerances: Tolerances
     noise: float = 1.0
     frequency: np.ndarray = field(default_factory=lambda: np.arange(4.0, 32.01, 1.0))
@@ -66,7 +46,7 @@ class Laboratory:
 
     @property
     def chain(self):
-        return chain(table(), self.tolerances, stiffness=STIFFNESS)
+        return chain(self.table, self.tolerances, stiffness=STIFFNESS)
 
     def drawn(self) -> "Laboratory":
         """The same laboratory with deviations drawn from their tolerances."""
@@ -81,13 +61,13 @@ class Laboratory:
         cross = 0.03 * (self.rng.standard_normal((6, 6)) + 1j * self.rng.standard_normal((6, 6)))
         slope = 1 + 0.2 * self.rng.standard_normal((6, 6)) * np.linspace(-1, 1, len(f))[:, None, None]
         motion = ((np.eye(6) + cross) * slope * level).transpose(1, 0, 2)  # (run, line, motion)
-        y = np.zeros((6, len(f), len(table())), dtype=np.complex128)
+        y = np.zeros((6, len(f), len(self.table)), dtype=np.complex128)
         y[:, :, of.columns] = ((a0 + a1 @ H) @ motion[..., None])[..., 0]
-        sd = self.noise * np.array([NOISE[one.quantity] for one in table().channels])
+        sd = self.noise * np.array([NOISE[one.quantity] for one in self.table.channels])
         noise = np.broadcast_to(sd, y.shape)
         y += noise * (self.rng.standard_normal(y.shape) + 1j * self.rng.standard_normal(y.shape)) / np.sqrt(2)
         return Spectra(
-            table=table(), frequency=f, values=y, noise=noise, quality=np.ones(y.shape[:2]), runs=MOTIONS, axes=MOTIONS
+            table=self.table, frequency=f, values=y, noise=noise, quality=np.ones(y.shape[:2]), runs=MOTIONS, axes=MOTIONS
         )
 
     def settings(self, **more: object) -> Settings:
@@ -101,25 +81,28 @@ class Laboratory:
 
 
 @pytest.fixture(scope="session")
-def exact() -> Laboratory:
+def exact(lab) -> Laboratory:
     """No noise, no deviation, nothing to calibrate but the softness of the cells."""
-    return Laboratory(rng=np.random.default_rng(1), tolerances=Tolerances().scaled(0.0), noise=0.0)
+    return lab.Laboratory(rng=np.random.default_rng(1), tolerances=Tolerances().scaled(0.0), noise=0.0)
 
 
 @pytest.fixture(scope="session")
-def ordinary() -> Laboratory:
+def ordinary(lab) -> Laboratory:
     """Ordinary tolerances, drawn once, and noise."""
-    return Laboratory(rng=np.random.default_rng(2), tolerances=Tolerances()).drawn()
+    return lab.Laboratory(rng=np.random.default_rng(2), tolerances=Tolerances()).drawn()
 
 
 NOTHING = Inertia(parameters=np.zeros(10))
 
 
 @pytest.fixture(scope="session")
-def lab():
+def lab(campaign: Campaign):
     """Names of this module, for tests that cannot import it."""
-    from types import SimpleNamespace
-
     return SimpleNamespace(
-        FMD=FMD, CUBOID=CUBOID, ARTICLE=ARTICLE, NOTHING=NOTHING, MODES=MODES, Laboratory=Laboratory, table=table
+        FMD=FMD,
+        CUBOID=CUBOID,
+        ARTICLE=ARTICLE,
+        NOTHING=NOTHING,
+        MODES=MODES,
+        Laboratory=partial(Laboratory, table=campaign.table),
     )

@@ -1,4 +1,4 @@
-"""The likelihood of one campaign: base motions eliminated, gradient exact, whatever the parameter."""
+"""The joint likelihood: gradients, bounds, poles that pay, and the block bootstrap."""
 
 from dataclasses import replace
 
@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from identification.elastic.model import ElasticTerms
 from identification.self_calibration import fit
-from identification.self_calibration.likelihood import kind, observed, residual
+from identification.self_calibration.likelihood import observed, residual
 from identification.self_calibration.problem import assembled, normals
-from identification.self_calibration.solve import SILENT, inverse, total
+from identification.self_calibration.solve import SILENT, Normal, inverse, level_of_groups, minimise, total
 
 
 @pytest.fixture(scope="module")
@@ -77,17 +78,9 @@ def test_a_channel_that_reads_nothing_is_not_trusted_without_bound(exact, lab):
     values[0, :, silent] = 0.0
     some = replace(read, values=values)
     weight = observed(some, range(len(read.table)), np.arange(len(read.frequency)), floor).weight
-    assert_allclose(weight[0][:, silent] * floor * SILENT * kind(some)[silent], np.sqrt(2), rtol=1e-12)
+    kind = level_of_groups(some.values, np.array([one.quantity for one in some.table.channels]))
+    assert_allclose(weight[0][:, silent] * floor * SILENT * kind[silent], np.sqrt(2), rtol=1e-12)
     assert np.all(weight[0][:, silent] < 1e3 * np.median(weight, axis=(0, 1))[silent])
-
-
-def test_the_parametric_bootstrap_has_the_posterior_covariance():
-    rng = np.random.default_rng(3)
-    J, rows = rng.standard_normal((30, 4)), rng.standard_normal((3, 4))
-    normal = J.T @ J
-    C = inverse(normal + rows.T @ rows)
-    draws = fit.parametric(C, normal, rows, np.random.default_rng(7), draws=20_000)
-    assert_allclose(np.cov(draws.T), C, atol=0.05 * np.diag(C).max())  # 1 % is one standard error
 
 
 @pytest.mark.parametrize(("repeated", "wider"), [(1, 1.0), (4, 2.0)])
@@ -102,9 +95,145 @@ def test_the_block_bootstrap_sees_residuals_that_repeat(repeated, wider):
     assert_allclose(sd / np.sqrt(C[0, 0]), wider, rtol=0.2)  # 200 blocks tell a deviation to 5 %
 
 
-def test_both_bootstraps_agree_where_lines_are_independent(ordinary):
+def test_the_block_bootstrap_agrees_with_the_covariance_where_lines_are_independent(ordinary):
     from identification.self_calibration.fit import calibrated
 
     found = calibrated(ordinary.evidence(), replace(ordinary.settings(modes=0), floor=1e-5))
     ratio = np.sqrt(np.diag(found.resampled) / np.diag(found.covariance))
     assert np.all((ratio > 0.75) & (ratio < 1.25))
+
+
+# Levenberg-Marquardt within bounds: the minimum of a convex cost there satisfies the conditions of Karush, Kuhn and Tucker
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_gradient_is_nothing_inside_and_points_outwards_at_every_bound(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    J, wanted = rng.standard_normal((30, 6)), 2 * rng.standard_normal(6)
+    low, high = np.full(6, -1.0), np.full(6, 0.5)
+
+    def data(x):
+        left = J @ (x + 0.1 * x**3 - wanted)
+        slopes = J * (1 + 0.3 * x**2)
+        return Normal(cost=0.5 * float(left @ left), gradient=slopes.T @ left, matrix=slopes.T @ slopes)
+
+    def knowledge(x):
+        return 0.1 * x, 0.1 * np.eye(6)
+
+    found = minimise(data, np.zeros(6), knowledge, close=1e-6, bounds=(low, high))
+    x = found.x
+    gradient = data(x).gradient + 0.01 * x
+    assert found.converged
+    assert np.all((x >= low) & (x <= high))
+    at_low, at_high = x < low + 1e-9, x > high - 1e-9
+    assert np.any(at_low | at_high)
+    assert np.all(gradient[at_low] > 0)
+    assert np.all(gradient[at_high] < 0)
+    assert np.abs(gradient[~(at_low | at_high)]).max(initial=0.0) < 1e-3
+
+
+def test_wide_bounds_change_nothing() -> None:
+    J, y = np.vander(np.linspace(0, 1, 9), 3), np.arange(9.0)
+
+    def data(x):
+        left = J @ x - y
+        return Normal(cost=0.5 * float(left @ left), gradient=J.T @ left, matrix=J.T @ J)
+
+    def knowledge(x):
+        return 1e-3 * x, 1e-3 * np.eye(3)
+
+    wide = (np.full(3, -1e9), np.full(3, 1e9))
+    free, bounded = minimise(data, np.zeros(3), knowledge), minimise(data, np.zeros(3), knowledge, bounds=wide)
+    assert np.array_equal(free.x, bounded.x)
+
+
+# Which poles stay in the joint fit: those that are there, in the band and beyond it, and no others
+
+
+FLOOR = 0.0015
+
+
+def minimum(problem, start):
+    parts = problem.parts(FLOOR)
+    return minimise(lambda x: total(normals(parts, problem.layout, x), len(x)), start, problem.knowledge, close=0.3)
+
+
+def size(problem) -> int:
+    return sum(part.observed.size for part in problem.parts(FLOOR))
+
+
+def frequencies(problem, x) -> np.ndarray:
+    return np.sort(problem.campaigns[0].structure.terms(problem.layout, x).frequency)
+
+
+@pytest.fixture(scope="module")
+def elastic(ordinary, lab):
+    """The joint problem of an article with two modes in the band, and its minimum."""
+    laboratory = replace(ordinary, frequency=np.arange(4.0, 32.01, 0.25), rng=np.random.default_rng(7))
+    problem = assembled(laboratory.evidence(terms=lab.MODES), laboratory.settings(modes=2))
+    return problem, minimum(problem, problem.layout.start)
+
+
+@pytest.fixture(scope="module")
+def longer(elastic):
+    """The same with a pole where nothing resonates, and its minimum."""
+    problem, solution = elastic
+    line = int(np.argmin(np.abs(problem.parts(FLOOR)[0].observed.frequency - 22.0)))
+    found = [fit.with_one_more(problem, solution.x, k) for k in range(line, line + 8)]
+    more = next(one for one in found if one is not None)
+    return more[0], minimum(*more)
+
+
+def test_a_pole_that_is_not_there_goes_and_those_that_are_stay(longer, lab):
+    problem, solution = longer
+    assert problem.modes == 3
+    shorter, x = fit.pruned(problem, solution, size(problem))
+    assert_allclose(frequencies(shorter, x), lab.MODES.frequency, rtol=1e-3)
+    assert minimum(shorter, x).converged
+
+
+def test_a_pole_above_the_limit_is_left_alone(longer):
+    problem, solution = longer
+    left = fit.pruned(problem, solution, size(problem), below=20.0)
+    assert left is None or left[0].modes == 3
+
+
+def test_nothing_goes_where_every_pole_pays(elastic):
+    problem, solution = elastic
+    left = fit.pruned(problem, solution, size(problem))
+    assert left is None or left[0].modes == 2
+
+
+def test_a_worth_is_what_the_quadratic_cost_rises_by_without_the_pole(longer):
+    problem, solution = longer
+    N, x = solution.normal.matrix, solution.x
+    found = fit.worths(problem, x, inverse(N))
+    at = problem.layout.at("elastic:article").start - 10 + problem.campaigns[0].structure.elastic.blocks["participation"].start
+    for r, worth in enumerate(found):
+        held = np.arange(at + 6 * r, at + 6 * r + 6)
+        free = np.setdiff1d(np.arange(len(x)), held)
+        step = np.zeros(len(x))
+        step[held] = -x[held]
+        scale = 1 / np.sqrt(np.diag(N)[free])
+        inner = scale[:, None] * N[np.ix_(free, free)] * scale
+        step[free] = -scale * np.linalg.solve(inner, scale * (N[np.ix_(free, held)] @ step[held]))
+        assert_allclose(worth, step @ N @ step, rtol=1e-4, atol=1e-3)  # inverses of matrices of condition 1e10
+
+
+def test_a_pole_beyond_the_band_is_found_where_the_residual_mass_does_not_do(ordinary, lab):
+    """Without it the joint fit is off by more than its intervals; the pole pays, and one more does not."""
+    beyond = ElasticTerms(
+        frequency=np.array([11.5, 38.0]),
+        damping=np.diag([0.6, 2.0]),
+        participation=np.array([[3.5, 0.2, 0.0, 0.1, 2.0, 0.0], [0.1, 4.0, 0.1, -1.6, 0.0, 0.1]]),
+        residual=lab.MODES.residual,
+    )
+    laboratory = replace(ordinary, frequency=np.arange(4.0, 32.01, 0.25), rng=np.random.default_rng(8))
+    problem = assembled(laboratory.evidence(terms=beyond), laboratory.settings(modes=1))
+    solution = minimum(problem, problem.layout.start)
+    assert problem.modes_beyond(solution.x) == 0
+    longer = fit.with_one_beyond(problem, solution.x)
+    more = minimum(*longer)
+    assert 2 * (solution.normal.cost - more.normal.cost) > 10 * fit.pole_penalty(size(problem))
+    assert longer[0].modes_beyond(more.x) == 1
+    assert_allclose(frequencies(longer[0], more.x)[-1], 38.0, rtol=0.05)

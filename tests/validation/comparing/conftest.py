@@ -15,8 +15,18 @@ from validation.compare.compare import Comparison, FactComparison
 from validation.compare.maps import Map, NamedMode, Rig, mapped, nothing_fitted
 from validation.compare.spots import worst
 from validation.estimation.evaluate import residuals
-from validation.estimation.problem import DECLARED, IDENTIFIED, Change, Measured, Parameter, Predicted, Problem
-from validation.estimation.result import Evaluation, Fit, Share
+from validation.estimation.problem import (
+    DECLARED,
+    IDENTIFIED,
+    Change,
+    Evaluation,
+    Fit,
+    Measured,
+    Parameter,
+    Predicted,
+    Problem,
+    Share,
+)
 from validation.estimation.verdicts import ExplainedError, told, tolerances
 from validation.virtual_test.layout import mavis
 

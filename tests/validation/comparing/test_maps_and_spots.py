@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from identification.base_motion import base_motion
+from identification.base_motion import base_motion, resultants
 from identification.dynamic_mass import from_runs
-from identification.resultants import resultants
 from identification.spectra.line_spectra import Spectra
 from validation.compare.maps import chunks, covariance, doubt, judged_error, mapped, nothing_fitted
 from validation.compare.spots import text, worst

@@ -11,7 +11,7 @@ import pytest
 from validation.compare import spots
 from validation.compare.compare import Comparison
 from validation.compare.spots import Spot
-from validation.estimation.result import Share
+from validation.estimation.problem import Share
 from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, ExplainedError, absurd, expected_z2, told
 from validation.output import entry, json_text, to_json
 from validation.report import compare

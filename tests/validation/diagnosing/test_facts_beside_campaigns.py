@@ -13,7 +13,7 @@ from validation.diagnose.diagnosis import Candidate, Screened
 from validation.diagnose.pendulum import advised, against, contradictions
 from validation.diagnose.search import baseline, fit_with
 from validation.effects.catalogue import parse
-from validation.estimation.result import Fit
+from validation.estimation.problem import Fit
 from validation.model.model import Added, Model
 from validation.study import Data, Study
 from validation.virtual_test.plan import Plan

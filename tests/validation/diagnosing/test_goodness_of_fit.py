@@ -9,8 +9,7 @@ from numpy.testing import assert_allclose
 
 from validation.diagnose.accept import ABSURD, SCATTER, UNLIKELY, excess, goodness_of_fit, misfit_of_noise, misfit_sd
 from validation.estimation.fit import FLOOR
-from validation.estimation.problem import Parameter
-from validation.estimation.result import Fit
+from validation.estimation.problem import Fit, Parameter
 from validation.estimation.verdicts import expected_z2
 
 FREEDOM, COUNT = 5000, 100

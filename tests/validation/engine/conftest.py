@@ -122,7 +122,7 @@ class Laboratory:
     ) -> Toy:
         """A prediction with `parameters` of data made at the offsets `truth` of `parameters` and `acting`; no seed, no noise."""
         configuration = configuration or name
-        rng = np.random.default_rng(seed)
+        rng = np.random.default_rng(seed or 0)
         frequency = np.linspace(4.0, 30.0, lines)
         parameters = (*parameters, Laboratory.frequency_of(configuration, stiffer))
         everything = {p.name: p for p in (*parameters, *acting)}

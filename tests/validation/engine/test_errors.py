@@ -1,4 +1,4 @@
-"""Errors in per cent: of the judged channels, with inputs from the others, and what a gain of 8 % reads."""
+"""Errors in per cent and residuals line by line, and which lines count."""
 
 from dataclasses import replace
 
@@ -7,8 +7,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import CheckFailed
-from validation.estimation.evaluate import evaluate, share, squares
-from validation.estimation.problem import Problem
+from validation.estimation.evaluate import evaluate, residuals, share, squares
+from validation.estimation.fit import fit
+from validation.estimation.likelihood import floor_of
+from validation.estimation.problem import AT_MOST, FITTED, PLAIN, Problem, chosen
 
 
 def error(toy, offsets=()):
@@ -135,3 +137,127 @@ def test_the_nominal_error_is_of_the_model_as_it_stands(lab):
     toy = lab.toy(truth, parameters=(*lab.LABORATORY, effect), seed=None)
     assert evaluate(Problem((toy,))).nominal.percent < 1e-6
     assert evaluate(Problem((lab.toy(truth, acting=(effect,), seed=None),))).nominal.percent > 1.0
+
+
+# Residuals have the deviation that is predicted of them
+
+
+@pytest.mark.parametrize("known", [False, True], ids=["latent", "known"])
+@pytest.mark.parametrize("per_run", [False, True], ids=["shared", "per run"])
+def test_over_many_laboratories_residuals_scatter_as_predicted(lab, known, per_run):
+    """All parameters drawn from what is known beforehand, little enough for a linear answer; nothing fitted, no floor needed."""
+    little = {"mass": 0.004, "inertia": 0.005, "damping": 0.05}
+    parameters = [replace(p, tolerance=little.get(p.name, p.tolerance)) for p in lab.LABORATORY]
+    squares, expected = 0.0, 0.0
+    for seed in range(150):
+        rng = np.random.default_rng(seed)
+        truth = lab.drawn(seed) | {name: sd * rng.standard_normal() for name, sd in little.items()}
+        toy = lab.toy(truth, parameters=parameters, seed=7, lines=6, runs=2, known=known, per_run=per_run)
+        toy = replace(toy, parameters=toy.parameters[:-1])  # the frequency is not drawn
+        (found,) = residuals(Problem((toy,)), {}, floor=0.0)
+        squares, expected = squares + np.abs(found.values) ** 2, expected + found.sigma**2
+    ratio = np.sqrt(np.mean(squares, axis=(0, 1)) / np.mean(expected, axis=(0, 1)))
+    assert_allclose(ratio, 1.0, atol=0.2)  # a gain that all lines share: 150 draws tell its deviation to 6 %
+
+
+def test_without_tolerances_the_deviation_is_that_of_noise_and_floor(lab):
+    toy = replace(lab.toy({}, known=True), parameters=())
+    (found,) = residuals(Problem((toy,)), {}, floor=0.0)
+    assert_allclose(found.sigma, toy.measured.noise, rtol=1e-12)
+    (floored,) = residuals(Problem((toy,)), {}, floor=0.01)
+    assert_allclose(floored.sigma**2 - toy.measured.noise**2, (0.01 * floor_of(toy.measured)) ** 2, rtol=1e-9)
+
+
+def test_a_fault_stands_out_in_its_own_channel(lab):
+    toy = lab.toy({**lab.drawn(4), "gain:f3": 0.08})
+    problem = Problem((toy,))
+    (found,) = residuals(problem, fit(problem, PLAIN))
+    sigmas = np.sqrt(np.mean(np.abs(found.values) ** 2 / found.sigma**2, axis=(0, 1)))
+    worst = lab.CHANNELS[int(np.argmax(sigmas))]
+    assert worst == "f3"
+    assert sigmas.max() > 5
+    assert np.median(sigmas) < 2
+
+
+def test_what_was_fitted_no_longer_excuses_a_residual(lab):
+    toy = lab.toy(lab.drawn(4))
+    problem = Problem((toy,))
+    (plain,), (fitted,) = residuals(problem, fit(problem, PLAIN)), residuals(problem, fit(problem, FITTED))
+    assert np.all(fitted.sigma < plain.sigma)
+
+
+def test_inputs_and_levels_are_told(lab):
+    toy = lab.toy({}, known=True)
+    (found,) = residuals(Problem((toy,)), {})
+    assert_allclose(found.inputs, toy.measured.inputs)
+    assert found.level.shape == found.values.shape == toy.measured.values.shape
+    latent = lab.toy({}, known=False)
+    (estimated,) = residuals(Problem((latent,)), {})
+    assert_allclose(estimated.inputs, toy.measured.inputs, atol=2e-3)  # the same draw; noise of pick-ups is 2e-4
+
+
+def test_lines_of_the_fits_may_be_asked_for_alone(lab):
+    problem = Problem((lab.toy({}, lines=300),)).thinned()
+    (few,), (all_lines,) = residuals(problem, {}, every_line=False), residuals(problem, {})
+    assert_allclose(few.values, all_lines.values[:, problem.lines["one"]], rtol=1e-12)
+    assert_allclose(few.sigma, all_lines.sigma[:, problem.lines["one"]], rtol=1e-12)
+
+
+# A problem is the union of its data sets, which must agree about what they share
+
+
+def test_parameters_of_the_same_name_are_one(lab):
+    one, two = lab.toy({}, name="one"), lab.toy({}, name="two", seed=1)
+    names = [p.name for p in Problem((one, two)).parameters]
+    assert names == [*(p.name for p in one.parameters), "frequency:two"]
+
+
+@pytest.mark.parametrize(
+    "change", [{"tolerance": 0.1}, {"kind": "sensor"}, {"nominal": 7.0}, {"logarithmic": False}, {"unit": "g"}, {"within": 1.0}]
+)
+def test_two_data_sets_that_disagree_about_a_parameter_are_both_named(lab, change):
+    mass, *rest = lab.LABORATORY
+    one, two = lab.toy({}, name="one"), lab.toy({}, name="two", parameters=(replace(mass, **change), *rest))
+    with pytest.raises(ValueError, match=rf"'mass'.*{next(iter(change))}.* in one and .* in two"):
+        Problem((one, two))
+
+
+def test_facts_share_the_parameters_too(lab):
+    class Weight:
+        name = "weight of the article"
+        parameters = (replace(lab.LABORATORY[0], tolerance=0.2),)
+
+        def residual(self, offsets):
+            return 0.0, {}
+
+    with pytest.raises(ValueError, match=r"in one and 0\.2 in weight of the article"):
+        Problem((lab.toy({}, name="one"),), (Weight(),))
+
+
+def test_two_data_sets_of_one_name_are_refused(lab):
+    with pytest.raises(ValueError, match="'one' twice"):
+        Problem((lab.toy({}, name="one"), lab.toy({}, name="one", seed=3)))
+
+
+def test_lines_are_thinned_by_the_data_alone_and_denser_where_they_turn(lab):
+    """The same lines whatever the model, so that parent and child are compared on the same data."""
+    toy = lab.toy({}, lines=800, motion=(1.0, 0.1))
+    lines = chosen(toy.measured)
+    assert len(lines) <= AT_MOST
+    assert np.all(np.diff(lines) > 0)
+    assert (lines[0], lines[-1]) == (0, 799)
+    f = toy.measured.frequency
+    assert np.diff(f[lines])[np.abs(f[lines][:-1] - 12.0) < 1.0].mean() < 0.6 * np.diff(f[lines])[f[lines][:-1] > 20.0].mean()
+    other = replace(toy, parameters=(*toy.parameters, lab.effect("offset", 1.0, start=3.0)))
+    np.testing.assert_array_equal(Problem((other,)).thinned().lines["one"], Problem((toy,)).thinned().lines["one"])
+
+
+def test_few_lines_stay_as_they_are(lab):
+    np.testing.assert_array_equal(chosen(lab.toy({}, lines=60).measured), np.arange(60))
+
+
+def test_stages_before_the_last_take_fewer_lines_where_enough_are_left(lab):
+    problem = Problem((lab.toy({}, lines=60), lab.toy({}, name="two", lines=59)))
+    lines = problem.sparser(3).lines
+    np.testing.assert_array_equal(lines["one"], np.arange(0, 60, 3))
+    np.testing.assert_array_equal(lines["two"], np.arange(59))

@@ -1,5 +1,8 @@
-"""The likelihood of any data set: inputs known or latent, rows that runs share or not."""
+"""The likelihood of one data set: residuals, normal equations, common ways, and evidence."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -7,9 +10,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 from identification.self_calibration.solve import total
-from validation.estimation.cost import cost_of
-from validation.estimation.likelihood import floor_of, normals, observed, residual
-from validation.estimation.problem import FITTED, Problem
+from validation.estimation import likelihood
+from validation.estimation.fit import fit
+from validation.estimation.likelihood import FEW, ObservedLines, cost_of, floor_of, normals, observed, residual, ways
+from validation.estimation.problem import FITTED, PLAIN, Change, Conveyed, Predicted, Problem
 
 FLOOR = 0.0015
 
@@ -98,3 +102,173 @@ def test_the_floor_follows_the_level_and_not_below_a_share_of_what_such_channels
     assert_allclose(least, least[0, 0, 0], rtol=1e-6)
     assert least[0, 0, 0] > 0
     assert_allclose(floor_of(replace(toy.measured, values=3 * toy.measured.values)), 3 * floor, rtol=1e-12)
+
+
+# Normal equations by the common way, held against those of every column by itself
+
+
+LINES, CHANNELS, INPUTS, QUANTITIES, RUNS = 7, 9, 2, 3, 2
+LOADED = (3, 4, 5, 6, 8)
+
+Predict = Callable[..., Predicted]
+
+
+@pytest.fixture
+def drawn() -> Callable[..., np.ndarray]:
+    rng = np.random.default_rng(1)
+    return lambda *shape: rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
+
+
+@pytest.fixture
+def predicted(drawn) -> Predict:
+    through = drawn(LINES, len(LOADED), QUANTITIES)
+
+    def made(common: int = 4, others: int = 2) -> Predicted:
+        changes: dict[str, Change | Conveyed] = {}
+        for k in range(common):
+            changes[f"carried {k}"] = Conveyed(channels=LOADED, through=through, quantities=drawn(LINES, QUANTITIES, INPUTS))
+        for k, channel in enumerate((0, 0, 3, 8)):
+            changes[f"gain {k}"] = Change(channels=(channel,), rows=drawn(LINES, 1, INPUTS))
+        for k in range(others):
+            channels = (0, 2, 3) if k else LOADED
+            changes[f"pose {k}"] = Change(channels=channels, rows=drawn(LINES, len(channels), INPUTS))
+        return Predicted(rows=drawn(LINES, CHANNELS, INPUTS), changes=changes)
+
+    return made
+
+
+@pytest.fixture
+def seen(drawn) -> Callable[[bool], ObservedLines]:
+    def made(known: bool) -> ObservedLines:
+        spread = np.abs(drawn(RUNS, LINES, CHANNELS))
+        inputs = drawn(RUNS, LINES, INPUTS) if known else None
+        values = drawn(RUNS, LINES, CHANNELS)
+        return ObservedLines(runs=("x", "y"), values=values, noise=spread, floor=0 * spread, inputs=inputs)
+
+    return made
+
+
+def plainly(predicted: Predicted) -> Predicted:
+    """The same, every parameter by rows of its own."""
+    changes = {name: Change(channels=one.channels, rows=one.rows) for name, one in predicted.changes.items()}
+    return Predicted(rows=predicted.rows, changes=changes)
+
+
+@pytest.mark.parametrize("known", [False, True])
+@pytest.mark.parametrize("others", [0, 2])
+def test_what_goes_a_common_way_makes_the_same_normal_equations(predicted: Predict, seen, known: bool, others: int) -> None:
+    of, read = predicted(others=others), seen(known)
+    names = ["nowhere", *sorted(of.changes)]  # one that does not act here, and kinds mixed
+    assert ways(of.changes, names[1:], CHANNELS) is not None
+    assert ways(plainly(of).changes, names[1:], CHANNELS) is None
+    ours, plain = (likelihood.normals(read, one, names, 0.0) for one in (of, plainly(of)))
+    for run in read.runs:
+        assert_allclose(ours[run].matrix, plain[run].matrix, rtol=1e-9, atol=1e-9 * np.abs(plain[run].matrix).max())
+        assert_allclose(ours[run].gradient, plain[run].gradient, rtol=1e-9, atol=1e-9 * np.abs(plain[run].gradient).max())
+        assert ours[run].cost == pytest.approx(plain[run].cost, rel=1e-12)
+        assert not ours[run].matrix[0].any()
+
+
+def test_normal_equations_are_those_of_the_whitened_columns(predicted: Predict, seen) -> None:
+    of, read = predicted(), seen(False)
+    names = sorted(of.changes)
+    for k, run in enumerate(read.runs):
+        r, V = likelihood.whitened(read, of, names, 0.0, k)
+        flat = V.reshape(-1, len(names))
+        found = likelihood.normals(read, of, names, 0.0)[run]
+        assert_allclose(found.matrix, (flat.conj().T @ flat).real, rtol=1e-9, atol=1e-9 * np.abs(found.matrix).max())
+        assert_allclose(found.gradient, -(flat.conj().T @ r.ravel()).real, rtol=1e-9, atol=1e-9 * np.abs(found.gradient).max())
+
+
+def test_many_that_go_ways_of_their_own_are_not_worth_it(predicted: Predict) -> None:
+    of = predicted(others=FEW + 1)
+    assert ways(of.changes, sorted(of.changes), CHANNELS) is None
+
+
+def test_rows_that_runs_do_not_share_go_no_common_way(predicted: Predict, drawn) -> None:
+    of = predicted()
+    changes = {**of.changes, "bent": Change(channels=(1,), rows=drawn(RUNS, LINES, 1, INPUTS))}
+    assert ways(changes, sorted(changes), CHANNELS) is None
+    assert ways(changes, sorted(of.changes), CHANNELS) is not None
+
+
+# Evidence says whether a parameter is worth having, and for a linear model it is exact
+
+
+def linear(lab, truth, tolerances):
+    """Everything is known but offsets of gains, in which a prediction with known inputs is linear."""
+    effects = [lab.effect(name, tolerance) for name, tolerance in tolerances.items()]
+    return lab.toy(truth, parameters=effects, acting=lab.LABORATORY, known=True, lines=8, runs=2)
+
+
+def closed_form(toy, tolerances):
+    """log of the normal density of all readings, y ~ N(A u, noise² + J S² J^T), real and imaginary parts."""
+    names = list(tolerances)
+    predicted, measured = toy.at({}), toy.measured
+    J = np.zeros((*measured.values.shape, len(names)), dtype=complex)
+    for k, name in enumerate(names):
+        change = predicted.changes[name]
+        J[:, :, change.channels, k] = (change.rows @ measured.inputs[..., None])[..., 0]
+    y = measured.values - (predicted.rows @ measured.inputs[..., None])[..., 0]
+    J = J.reshape(-1, len(names))
+    y, J = np.concatenate([y.real.ravel(), y.imag.ravel()]), np.concatenate([J.real, J.imag])
+    sd = np.concatenate([measured.noise.ravel()] * 2) / np.sqrt(2)
+    S = np.array(list(tolerances.values()))
+    C = np.diag(sd**2) + (J * S**2) @ J.T
+    return -0.5 * y @ np.linalg.solve(C, y) - 0.5 * np.linalg.slogdet(C)[1] + np.sum(np.log(sd))
+
+
+@pytest.mark.parametrize(
+    "tolerances", [{"gain:f3": 0.05}, {"gain:f3": 0.05, "gain:a1": 0.01}, {"gain:f3": 0.002, "gain:f4": 1.0}]
+)
+def test_the_evidence_of_a_linear_model_is_that_of_the_normal_distribution(lab, tolerances):
+    toy = linear(lab, {"gain:f3": 0.03}, tolerances)
+    toy = replace(toy, parameters=tuple(p for p in toy.parameters if p.name in tolerances))
+    found = fit(Problem((toy,)), PLAIN, floor=0.0)
+    # the last step is taken unseen: 0.1 standard deviations at most are left of it
+    assert_allclose(found.log_evidence, closed_form(toy, tolerances), atol=0.01)
+
+
+def test_a_needed_effect_is_worth_it_and_a_useless_one_is_not(lab):
+    truth = {**lab.drawn(2), "mass": 0.02, "offset": 0.3}
+    effect, useless = lab.effect("offset", 1.0), lab.effect("appendage[m]", 0.5)
+    without = lab.toy(truth, acting=(effect,))
+    parent = fit(Problem((without,)), FITTED)
+    right = fit(Problem((lab.toy(truth, parameters=(*lab.LABORATORY, effect)),)), FITTED, start=parent)
+    data = lab.toy(truth, acting=(effect,)).measured
+    assert_allclose(data.values, lab.toy(truth, parameters=(*lab.LABORATORY, effect)).measured.values)
+    assert right.log_evidence - parent.log_evidence > 50
+    both = replace(lab.toy(truth, parameters=(*lab.LABORATORY, effect, useless)), measured=data)
+    more = fit(Problem((both,)), FITTED, start=right)
+    assert more.cost <= right.cost
+    assert -12 < more.log_evidence - right.log_evidence < 0
+
+
+def test_a_parameter_of_which_the_data_say_nothing_costs_nothing(lab):
+    parent = fit(Problem((lab.toy({}),)), FITTED)
+    silent = replace(lab.toy({}), parameters=(*lab.toy({}).parameters, lab.effect("nobody", 3.0)))
+    child = fit(Problem((silent,)), FITTED, start=parent)
+    assert_allclose(child.log_evidence, parent.log_evidence, atol=0.01)
+    assert child.by_name["nobody"] == 0.0
+
+
+class Noisier:
+    """The toy with noise that is not that of the data."""
+
+    def __init__(self, toy, factor):
+        self.toy, self.measured, self.parameters, self.factor = toy, toy.measured, toy.parameters, factor
+
+    def at(self, offsets, lines=None, *, derivatives=True):
+        found = self.toy.at(offsets, lines, derivatives=derivatives)
+        lines = slice(None) if lines is None else lines
+        return Predicted(rows=found.rows, changes=found.changes, noise=self.factor * self.measured.noise[:, lines])
+
+
+@pytest.mark.parametrize("known", [False, True], ids=["latent", "known"])
+def test_noise_that_is_not_that_of_the_data_is_less_probable_both_ways(lab, known):
+    """Where noise is an effect, the normalisation of the likelihood decides: too much of it is as wrong as too little."""
+    toy = lab.toy({}, known=known)
+    evidence = {factor: fit(Problem((Noisier(toy, factor),)), PLAIN, floor=0.0).log_evidence for factor in (0.5, 1.0, 2.0)}
+    assert evidence[1.0] > evidence[0.5] + 100
+    assert evidence[1.0] > evidence[2.0] + 100
+    assert_allclose(evidence[1.0], fit(Problem((toy,)), PLAIN, floor=0.0).log_evidence, rtol=1e-12)

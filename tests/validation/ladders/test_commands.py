@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose
 from geometry.errors import CheckFailed
 from validation.cli import main
 from validation.compare.compare import compared
-from validation.estimation.result import Evaluation, Fit, Share
+from validation.estimation.problem import Evaluation, Fit, Share
 from validation.history import add
 from validation.history.add import EvaluatedModel, judged
 from validation.history.history import Version, history_position

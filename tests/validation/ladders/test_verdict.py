@@ -8,8 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from validation.estimation.problem import SENSOR, Parameter
-from validation.estimation.result import Evaluation, Fit, Share
+from validation.estimation.problem import SENSOR, Evaluation, Fit, Parameter, Share
 from validation.estimation.verdicts import absurd
 from validation.history.add import EvaluatedModel, rung_with
 from validation.history.history import Errors, Version, VersionSize

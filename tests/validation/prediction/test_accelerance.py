@@ -14,7 +14,8 @@ from validation.effects.stages import Matrices
 from validation.estimation.evaluate import evaluate
 from validation.estimation.problem import Problem
 from validation.model.model import Added, StructureTolerances
-from validation.prediction import nuisances, series
+from validation.prediction import effects as prediction_effects
+from validation.prediction import series
 from validation.prediction.accelerance import AcceleranceTest, Point, measured
 
 M, K, ETA = np.diag([2.0, 3.0, 1.5]), 1e4 * np.array([[5.0, -2.0, 0.0], [-2.0, 4.0, -1.0], [0.0, -1.0, 1.0]]), 0.01
@@ -45,7 +46,7 @@ def model(values: ComplexArray, **options: object) -> AcceleranceTest:
         parts={"springs": stiffness},
     )
     known = StructureTolerances(modulus=0.02, damping=0.3)
-    of = nuisances.of("chain", made, np.sqrt(squares) / (2 * np.pi), {"springs": ETA}, known)
+    of = prediction_effects.nuisances("chain", made, np.sqrt(squares) / (2 * np.pi), {"springs": ETA}, known)
     data = measured("test", "chain", F, dict(zip(NAMES, values, strict=True)), NAMES, share=0.01)
     points = tuple(Point(place=name) for name in NAMES)
     return AcceleranceTest(measured=data, structure=of, responses=points, drives=points, **options)  # type: ignore[arg-type]

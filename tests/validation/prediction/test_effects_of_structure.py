@@ -1,8 +1,4 @@
-"""Effects of the structure: those that a model predicts against those that a virtual test plants, and their derivatives.
-
-A virtual test's rig is reduced to fewer modes, damped viscously for a response in time, and changed by code of its own; a model's
-matrices are changed in the nominal basis, damped structurally, condensed line by line. They share geometry and beams.
-"""
+"""Effects on a structure: equations, derivatives and bounds."""
 
 from __future__ import annotations
 
@@ -12,6 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from fem.base_excitation import rig as base_excitation_rig
 from fem.base_excitation.rig import Rig
@@ -25,13 +22,14 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array, rigid_transformation_6
 from geometry.routes import inertia
 from validation.effects.catalogue import FAMILIES, Named, of_parts, parse
+from validation.effects.effect import Vocabulary
 from validation.effects.stages import ChannelResponse, MountedDynamicMass
-from validation.estimation.problem import Parameter
+from validation.estimation.problem import DECLARED, PLAIN, Parameter
 from validation.model.model import Added
-from validation.prediction import dynamic_mass, nuisances
+from validation.prediction import dynamic_mass, effects
 from validation.prediction import effects as prediction_effects
 from validation.prediction import structure as prediction_structure
-from validation.prediction.nuisances import Nuisances
+from validation.prediction.effects import Nuisances
 from validation.virtual_test import shaker
 from validation.virtual_test.layout import ChainTruth
 from validation.virtual_test.plan import Plan, changed_rig, exact
@@ -71,7 +69,7 @@ class Model:
         acting = prediction_effects.at(effects, offsets)
         m, tangents = prediction_effects.structure(*self.of.at(offsets, derivatives=derivatives), acting, derivatives=derivatives)
         if self.of.has_law:
-            m, tangents = nuisances.applied(m, tangents, self.of.nominal, offsets, derivatives=derivatives)
+            m, tangents = prediction_effects.with_damping_law(m, tangents, self.of.nominal, offsets, derivatives=derivatives)
         answered = dynamic_mass.dynamic_mass(m, lines)
         mounted = MountedDynamicMass(
             frequency=lines,
@@ -101,7 +99,7 @@ def model(article: str, damping: Damping | None = RATIO) -> Model:
     losses = structure.loss_factors if damping is None else {}
     return Model(
         article=article,
-        of=nuisances.of(article, made, modes.frequency, losses, highest=20.0),
+        of=prediction_effects.nuisances(article, made, modes.frequency, losses, highest=20.0),
         seat=fmd.seat.position,
         cover=inertia(fmd).about(np.zeros(3)).mass_matrix,
     )
@@ -299,3 +297,44 @@ def test_channels_carry_derivatives_through_and_add_their_own() -> None:
     sign = np.array([1.0, -1.0])[:, None]
     np.testing.assert_allclose(after.rows, sign * rows)
     np.testing.assert_allclose(changes["one"], sign * before)
+
+
+# A fit may give an effect what its family allows, and no more; that it is not there is always allowed
+
+
+WORDS = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "structural-damping:mast=0.02",
+        "joint-compliance:rotation=1e-6",
+        "appendage:z=m:0.05,f:21,zeta:0.01",
+        "point-mass:flange=0.4",
+        "friction:flange:x=3",
+    ],
+)
+def test_bounds_are_those_of_the_family_and_hold_no_effect(text: str) -> None:
+    named = parse(text, WORDS)
+    sizes = {effects.name(named, size.key): size for size in named.sizes}
+    found = effects.parameters((Added(named=named),))
+    assert found
+    for one in found:
+        size = sizes[one.name]
+        low, high = (size.low, size.high) if size.logarithmic else (min(size.low, size.null), max(size.high, size.null))
+        assert_allclose([one.value(one.low), one.value(one.high)], [low, high], rtol=1e-12)
+        assert one.low < one.start < one.high
+        assert size.logarithmic or one.low <= 0.0 <= one.high
+
+
+def test_a_tolerance_that_becomes_an_effect_gets_the_bounds_of_its_family() -> None:
+    declared = Parameter(
+        name="modulus:mast", unit="1", tolerance=0.025, kind=DECLARED, nominal=1.0, logarithmic=True, above=-1.0, within=0.0625
+    )
+    (one,), _ = effects.opened((declared,), (Added(named=parse("modulus:mast=-0.12", WORDS)),))
+    low, high = one.bounds(plain=True)
+    assert_allclose([one.value(low), one.value(high)], [-0.9, 9.0], rtol=1e-12)
+    assert declared.bounds(plain=True) == (-0.0625, 0.0625)
+    assert declared.bounds(plain=False) == (-np.inf, np.inf)
+    assert one.kind in PLAIN

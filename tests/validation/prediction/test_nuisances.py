@@ -1,7 +1,10 @@
-"""What a model knows within tolerances: what it is called, what it does, and every derivative against differences."""
+"""What a model declares to know within tolerances: identities, derivatives, and the damping law."""
+
+from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from fem.beam import articles
 from fem.damping import Damping
@@ -9,9 +12,9 @@ from fem.modes import fixed_base
 from geometry.articles import built_in
 from validation.estimation.problem import DECLARED, STRUCTURAL
 from validation.model.model import StructureTolerances
-from validation.prediction import dynamic_mass, nuisances
+from validation.prediction import dynamic_mass, effects
 from validation.prediction import structure as prediction_structure
-from validation.prediction.nuisances import Nuisances
+from validation.prediction.effects import Nuisances
 
 LINES = np.array([5.0, 11.5, 12.4, 28.0])
 
@@ -30,7 +33,7 @@ def made(article: str, damping: Damping | None) -> Nuisances:
     modes = fixed_base(structure, 20, damping=damping)
     found = prediction_structure.of_structure(structure, modes, damping=damping, article=built_in(article))
     losses = structure.loss_factors if damping is None else {}
-    return nuisances.of(article, found, modes.frequency, losses, highest=20.0)
+    return effects.nuisances(article, found, modes.frequency, losses, highest=20.0)
 
 
 def away(one: Nuisances) -> dict[str, float]:
@@ -43,7 +46,7 @@ def test_every_derivative_is_its_difference(one: Nuisances) -> None:
     at = away(one)
     m, tangents = one.at(at)
     found = dynamic_mass.transfer_tangents(dynamic_mass.dynamic_mass(m, LINES), tangents)
-    own = [parameter for parameter in one.parameters if parameter.name != nuisances.NAME]  # which acts behind effects
+    own = [parameter for parameter in one.parameters if parameter.name != effects.DAMPING_LAW]  # which acts behind effects
     assert set(found) == {parameter.name for parameter in own}
     for parameter in own:
         step = 1e-4 * parameter.tolerance
@@ -139,7 +142,7 @@ def test_a_loss_factor_is_one_for_all_sheets_and_all_articles_that_have_the_part
 
 def test_damping_given_by_mode_is_free_by_mode_alone() -> None:
     parts, ratio = made("clumod-1", None), made("clumod-1", Damping(ratio=0.01))
-    both = nuisances.of("clumod-1", ratio.nominal, ratio.frequency, parts.losses)
+    both = effects.nuisances("clumod-1", ratio.nominal, ratio.frequency, parts.losses)
     of = StructureTolerances()
     for one, tolerance in ((parts, of.mode_damping), (ratio, of.damping), (both, of.damping)):
         found = {each.tolerance for each in one.parameters if each.name.startswith("damping:")}
@@ -159,7 +162,7 @@ def test_a_tolerance_of_nothing_is_no_parameter(one: Nuisances) -> None:
     exact = StructureTolerances(
         modulus=0, frequency=0, damping=0, mode_damping=0, damping_law=0, participation=0, mode_coupling=0
     )
-    closed = nuisances.of(one.configuration, one.nominal, one.frequency, one.losses, exact)
+    closed = effects.nuisances(one.configuration, one.nominal, one.frequency, one.losses, exact)
     assert closed.parameters == ()
 
 
@@ -167,8 +170,55 @@ def test_a_held_structure_has_no_participation() -> None:
     structure = articles.structure("clumod-1")
     modes = fixed_base(structure, 12)
     held = prediction_structure.held(structure, modes, {"top": structure.points[-1]})
-    found = nuisances.of("clumod-1", held, modes.frequency, structure.loss_factors, highest=20.0)
+    found = effects.nuisances("clumod-1", held, modes.frequency, structure.loss_factors, highest=20.0)
     assert not any(parameter.name.startswith("participation") for parameter in found.parameters)
     m, tangents = found.at({"frequency:clumod-1:1": 1e-3})
-    assert {*tangents, nuisances.NAME} == {parameter.name for parameter in found.parameters}
+    assert {*tangents, effects.DAMPING_LAW} == {parameter.name for parameter in found.parameters}
     assert m.stiffness[0, 0] > held.stiffness[0, 0]
+
+
+# The law of damping: right at resonance whatever it is, and between the two beside it
+
+
+@pytest.fixture(scope="module")
+def of():
+    return made("clumod-1", None)
+
+
+def answered(of, share, lines):
+    made, tangents = of.at({})
+    changed, behind = effects.with_damping_law(made, tangents, of.nominal, {effects.DAMPING_LAW: share}, derivatives=True)
+    return dynamic_mass.dynamic_mass(changed, lines), behind
+
+
+def test_both_laws_lose_the_same_at_a_resonance_and_not_beside_it(of):
+    f = float(of.frequency[0])
+    (at, _), (viscous, _) = answered(of, 0.0, [f, 0.5 * f]), answered(of, 1.0, [f, 0.5 * f])
+    x = np.unravel_index(np.abs(at.matrix[0]).argmax(), (6, 6))
+    # what remains at the peak is what the other modes lose there
+    assert_allclose(viscous.matrix[0][x], at.matrix[0][x], rtol=0.01)
+    ratio = viscous.matrix[1][x].imag / at.matrix[1][x].imag
+    assert 0.35 < ratio < 0.55  # omega / omega_r of this mode, and less of those above
+
+
+def test_its_derivative_and_those_behind_it_are_differences(of):
+    lines, share, step = np.array([5.0, 11.6, 14.0]), 0.3, 1e-4
+    here, behind = answered(of, share, lines)
+    slopes = dynamic_mass.transfer_tangents(here, behind)
+    above, below = (answered(of, share + side * step, lines)[0].matrix for side in (1, -1))
+    scale = np.abs(slopes[effects.DAMPING_LAW]).max()
+    assert_allclose(slopes[effects.DAMPING_LAW], (above - below) / (2 * step), atol=1e-6 * scale)
+    for name in ("loss:mast", "modulus:mast"):
+        sides = []
+        for side in (1, -1):
+            made, _ = of.at({name: side * step})
+            changed, _ = effects.with_damping_law(made, {}, of.nominal, {effects.DAMPING_LAW: share}, derivatives=False)
+            sides.append(dynamic_mass.dynamic_mass(changed, lines).matrix)
+        assert_allclose(slopes[name], (sides[0] - sides[1]) / (2 * step), atol=1e-4 * np.abs(slopes[name]).max(), err_msg=name)
+
+
+def test_it_is_open_where_parts_lose_something_and_one_for_all_structures(of):
+    (law,) = (one for one in of.parameters if one.name == effects.DAMPING_LAW)
+    assert law.tolerance == of.tolerances.damping_law
+    bare = effects.nuisances("clumod-1", of.nominal, of.frequency, {})
+    assert effects.DAMPING_LAW not in {one.name for one in bare.parameters}

@@ -14,7 +14,7 @@ from validation.compare.compare import Comparison
 from validation.diagnose import diagnosis
 from validation.diagnose.diagnosis import Cause, Diagnosis
 from validation.effects.effect import evidence_threshold
-from validation.estimation.result import Evaluation, Share
+from validation.estimation.problem import Evaluation, Share
 from validation.estimation.verdicts import MISFIT, absurd, expected_z2, misfit
 from validation.report.charts import interactive, static
 from validation.report.charts.spec import (

@@ -11,8 +11,8 @@ from geometry.frames import Pose
 from identification.campaign import Campaign, Recording, Run
 from validation.diagnose.diagnosis import Candidate
 from validation.effects.catalogue import parse
-from validation.estimation.cost import cost_of
 from validation.estimation.fit import FLOOR, direct, fitted
+from validation.estimation.likelihood import cost_of
 from validation.estimation.problem import FITTED
 from validation.model.model import RIGID, Added, Model
 from validation.prediction.series import SeriesPrediction, predictions

@@ -15,8 +15,8 @@ from validation.diagnose.next_test_offers import OfferedTest, menu
 from validation.diagnose.planned_test import SURE, Knowledge, knowledge, template
 from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import INDISTINGUISHABLE_NATS
-from validation.estimation.cost import cost_of
 from validation.estimation.fit import FLOOR, direct, fitted
+from validation.estimation.likelihood import cost_of
 from validation.estimation.problem import FITTED, Problem
 from validation.model.model import Added
 from validation.prediction.series import SeriesPrediction

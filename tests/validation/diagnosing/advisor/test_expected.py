@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from identification.self_calibration.solve import Normal
 from validation.diagnose.next_test import _whitening, either, nats
 from validation.diagnose.planned_test import Knowledge, Origin
-from validation.estimation.cost import root
+from validation.estimation.likelihood import root
 from validation.estimation.problem import EFFECT, Parameter
 
 

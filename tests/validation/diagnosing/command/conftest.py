@@ -20,8 +20,7 @@ from validation.diagnose.diagnosis import (
     ReportedStep,
 )
 from validation.effects.catalogue import parse
-from validation.estimation.problem import DECLARED, IDENTIFIED, Parameter
-from validation.estimation.result import Evaluation, Fit, Share
+from validation.estimation.problem import DECLARED, IDENTIFIED, Evaluation, Fit, Parameter, Share
 
 FOLDS = {"run z of cuboid": 1.6, "run x of cuboid": 1.4}
 

@@ -10,8 +10,8 @@ import pytest
 
 from geometry.dynamic_mass import ComplexArray
 from validation.diagnose.diagnosis import Candidate
-from validation.estimation.cost import cost_of
 from validation.estimation.fit import FLOOR, ended, fitted
+from validation.estimation.likelihood import cost_of
 from validation.estimation.problem import FITTED, Problem
 from validation.model.model import Model
 from validation.prediction.series import SeriesPrediction, predictions

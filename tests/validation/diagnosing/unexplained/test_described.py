@@ -12,8 +12,8 @@ from validation.diagnose.diagnosis import Candidate
 from validation.diagnose.unexplained import described, unexplained
 from validation.diagnose.unexplained_fit import swallowing, whitened
 from validation.effects.catalogue import parse
-from validation.estimation.cost import cost_of
 from validation.estimation.fit import FLOOR, ended, fitted
+from validation.estimation.likelihood import cost_of
 from validation.estimation.problem import FITTED
 from validation.model.model import Added
 from validation.prediction import dynamic_mass
