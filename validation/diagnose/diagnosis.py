@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf
 from types import MappingProxyType
@@ -18,7 +18,6 @@ from validation.estimation.screening import ScoreTest
 from validation.estimation.verdicts import expected_z2, largest_z, misfit
 from validation.model.model import Added
 from validation.output import derived, entry, unwritten
-from validation.reference.statement import NONE
 
 NOTHING, MISSING, AMBIGUOUS, SEVERAL, UNKNOWN, NONLINEAR, MISTAKE = VERDICTS = (
     "nothing",
@@ -402,7 +401,31 @@ tests/validation/diagnosing/command/test_page.py."""
 
 def headline(found: Diagnosis) -> str:
     """The verdict in one sentence."""
-    return HEADLINES[found.verdict](found)
+    causes = {one.id: cause(one) for one in found.accepted}
+    names, told = listed(list(causes)), listed(list(causes.values()))
+    if found.verdict == NOTHING:
+        known = f", beside {names}" if names else ""
+        return f"NOTHING IS MISSING{asked(found)} at the resolution of these data{known}."
+    if found.verdict == MISSING:
+        return f"MISSING: {'; '.join(f'{cause(one)}: {one.named.what}' for one in found.accepted)}."
+    if found.verdict == AMBIGUOUS:
+        sure = [text for id, text in causes.items() if id not in found.equivalence_class]
+        beside = f"{listed(sure)}, and then one" if sure else "one"
+        return f"MISSING IS {beside} of these, which these data cannot tell apart: {listed(found.equivalence_class, 'or')}."
+    if found.verdict == SEVERAL:
+        return f"SEVERAL ARE MISSING: {told}."
+    if found.verdict == UNKNOWN:
+        known = f"; {names} alone leaves too much" if names else ""
+        what = f"nothing{asked(found)}" if found.only else "no effect that massline knows"
+        return f"UNKNOWN: something is missing, and {what} explains it{known}."
+    if found.verdict == NONLINEAR:
+        axes = listed(list(dict.fromkeys(level.axis for level in found.levels)))
+        where, named = f" along {axes}" if axes else "", f": {told}" if told else ""
+        return f"NOT LINEAR: the article or the rig answers otherwise at another level{where}{named}."
+    wrong = [one for one in found.accepted if FAMILIES[one.named.family].side == OF_MISTAKES]
+    rest = [cause(one) for one in found.accepted if one not in wrong]
+    beside = f"; and missing beside it: {listed(rest)}" if rest else ""
+    return f"A MISTAKE in the data: {'; '.join(f'{cause(one)}: {one.named.what}' for one in wrong)}{beside}."
 
 
 def cause(of: Cause) -> str:
@@ -426,11 +449,6 @@ def interval(of: Cause, size: EffectEstimate) -> tuple[str, str, str, str]:
     return value, low, high, unit
 
 
-def mistaken(of: Cause) -> str:
-    """What it is mistaken for."""
-    return ", ".join(of.mistaken_for) or NONE
-
-
 def listed(names: Sequence[str], last: str = "and") -> str:
     """As a sentence lists them; of more than `NAMED` the number of the others."""
     if len(names) > NAMED:
@@ -438,64 +456,6 @@ def listed(names: Sequence[str], last: str = "and") -> str:
     return f" {last} ".join(part for part in (", ".join(names[:-1]), *names[-1:]) if part)
 
 
-def what(id: str) -> str:
-    """The family of an effect in a few words."""
-    return FAMILIES[id.partition(":")[0]].what
-
-
 def asked(found: Diagnosis) -> str:
     """What alone was looked for, where not everything was."""
     return f" of what was asked for ({listed(found.only)})" if found.only else ""
-
-
-def _nothing(found: Diagnosis) -> str:
-    known = f", beside {listed([one.id for one in found.accepted])}" if found.accepted else ""
-    return f"NOTHING IS MISSING{asked(found)} at the resolution of these data{known}."
-
-
-def _missing(found: Diagnosis) -> str:
-    return f"MISSING: {'; '.join(f'{cause(one)}: {one.named.what}' for one in found.accepted)}."
-
-
-def _ambiguous(found: Diagnosis) -> str:
-    sure = [cause(one) for one in found.accepted if one.id not in found.equivalence_class]
-    beside = f"{listed(sure)}, and then one" if sure else "one"
-    return f"MISSING IS {beside} of these, which these data cannot tell apart: {listed(found.equivalence_class, 'or')}."
-
-
-def _several(found: Diagnosis) -> str:
-    return f"SEVERAL ARE MISSING: {listed([cause(one) for one in found.accepted])}."
-
-
-def _unknown(found: Diagnosis) -> str:
-    known = f"; {listed([one.id for one in found.accepted])} alone leaves too much" if found.accepted else ""
-    what = f"nothing{asked(found)}" if found.only else "no effect that massline knows"
-    return f"UNKNOWN: something is missing, and {what} explains it{known}."
-
-
-def _nonlinear(found: Diagnosis) -> str:
-    axes = listed(list(dict.fromkeys(level.axis for level in found.levels)))
-    where = f" along {axes}" if axes else ""
-    named = f": {listed([cause(one) for one in found.accepted])}" if found.accepted else ""
-    return f"NOT LINEAR: the article or the rig answers otherwise at another level{where}{named}."
-
-
-def _mistake(found: Diagnosis) -> str:
-    wrong = [one for one in found.accepted if FAMILIES[one.named.family].side == OF_MISTAKES]
-    rest = [cause(one) for one in found.accepted if one not in wrong]
-    beside = f"; and missing beside it: {listed(rest)}" if rest else ""
-    return f"A MISTAKE in the data: {'; '.join(f'{cause(one)}: {one.named.what}' for one in wrong)}{beside}."
-
-
-HEADLINES: Mapping[str, Callable[[Diagnosis], str]] = MappingProxyType(
-    {
-        NOTHING: _nothing,
-        MISSING: _missing,
-        AMBIGUOUS: _ambiguous,
-        SEVERAL: _several,
-        UNKNOWN: _unknown,
-        NONLINEAR: _nonlinear,
-        MISTAKE: _mistake,
-    }
-)
-"""By verdict."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import partial
 from math import pi
 from types import MappingProxyType
 
@@ -13,9 +13,9 @@ import numpy as np
 from geometry.articles.dimensions import load
 from geometry.articles.locations import locations
 from geometry.errors import BadInput
-from geometry.frames import Pose, rotation_about
+from geometry.frames import Array, Pose, rotation_about
 from geometry.inertia import Inertia
-from geometry.sensors import Channel, ChannelTable, Place
+from geometry.sensors import Channel
 from identification import request
 from identification.campaign import Campaign
 from identification.quality import NORMAL_95
@@ -24,7 +24,7 @@ from validation.effects.catalogue import FAMILIES, acts
 from validation.effects.effect import AMPLITUDE
 from validation.effects.families.point_mass import change as heavier
 from validation.estimation.problem import Fact
-from validation.model.model import Added, Model
+from validation.model.model import Added
 from validation.model.setups import FMD, above_fmd, mounted
 from validation.prediction import effects as prediction_effects
 from validation.prediction.classical_facts import KEYS, ArticleFact, article_of, weights_of
@@ -32,11 +32,6 @@ from validation.prediction.dynamic_mass import SupportedDynamicMass
 from validation.prediction.series import supported_dynamic_mass
 
 NOTHING: Mapping[str, Origin] = MappingProxyType({})
-
-
-def no_facts(effects: Sequence[Added]) -> tuple[Fact, ...]:
-    """Of a test that is a campaign."""
-    return ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -49,7 +44,7 @@ class OfferedTest:
     words : what to do
     hours : of work, roughly; assumed, to compare tests by
     test : the campaign; None for other measurements
-    facts : by effects, the numbers of another measurement
+    numbers : of another measurement, by a model without effects
     moved : parameters that the test moves or draws anew
     gone : families or ids of effects that the test takes away
     """
@@ -58,9 +53,13 @@ class OfferedTest:
     words: str
     hours: float
     test: PlannedTest | None = None
-    facts: Callable[[Sequence[Added]], tuple[Fact, ...]] = no_facts
+    numbers: tuple[ArticleFact, ...] = ()
     moved: Moved = field(default_factory=lambda: NOTHING)
     gone: tuple[str, ...] = ()
+
+    def facts(self, effects: Sequence[Added]) -> tuple[Fact, ...]:
+        """The numbers of another measurement by a model with `effects`."""
+        return tuple(one.with_effects(effects) for one in self.numbers)
 
     def by(self, known: Knowledge) -> Knowledge:
         """What is `known`, as it is in the test."""
@@ -110,51 +109,51 @@ TURNS = ((90.0, 2.0), (180.0, 2.0))
 """[deg], [h] Turns about z, and the work of each. Exercised by tests/validation/diagnosing/advisor/test_advised.py."""
 
 
-def named(article: str) -> str:
-    """What stands on the FMD, in words."""
+def named(of: Template | str) -> str:
+    """What stands on the FMD, in words; of a campaign that is there, or by the name of the article."""
+    article = of if isinstance(of, str) else above_fmd(of.tested.campaign.article)
     return IN_WORDS.get(article, article)
 
 
 def others(templates: Sequence[Template]) -> Iterator[OfferedTest]:
-    """Articles that were not tested yet."""
-    there = {above_fmd(one.tested.campaign.article) for one in templates}
+    """Articles that were not tested yet; what was tested, and the Cuboid, turned about z; the Cuboid on its broad side, which is
+    the same mass at another height."""
+    first, there = templates[0], {above_fmd(one.tested.campaign.article) for one in templates}
     for other in OTHERS:
         if other.article in there or (other.article in FAMILY and not there & set(FAMILY)):
             continue
-        yield from _run(
-            other.article, f"Run {named(other.article)}", other.hours, templates[0], _with(templates[0], other.article)
-        )
-
-
-def turned(templates: Sequence[Template]) -> Iterator[OfferedTest]:
-    """What was tested, and the Cuboid, turned about z."""
-    for one in templates:
-        campaign = one.tested.campaign
-        if above_fmd(campaign.article):
-            for angle, hours in TURNS:
-                words = f"Run {named(above_fmd(campaign.article))} turned by {angle:g} degrees about z"
-                yield from _run("turned", words, hours, one, _posed(campaign, _about_z(campaign, angle)))
+        yield from _run(other.article, f"Run {named(other.article)}", other.hours, first, _with(first, other.article))
+    angles = [(one, one.tested.campaign, *turn) for one in templates for turn in TURNS if above_fmd(one.tested.campaign.article)]
     if not any(CUBOID in one.tested.campaign.article for one in templates):
-        campaign = _with(templates[0], TARE)
-        words = f"Run {named(TARE)} turned by 90 degrees about z"
-        yield from _run("turned", words, TURNS[0][1], templates[0], _posed(campaign, _about_z(campaign, TURNS[0][0])))
-
-
-def lying(templates: Sequence[Template]) -> Iterator[OfferedTest]:
-    """The Cuboid on its broad side: the same mass at another height."""
-    campaign = _with(templates[0], CUBOID)
-    pose, _ = mounted(campaign)
+        angles.append((first, _with(first, TARE), *TURNS[0]))
+    for of, campaign, angle, hours in angles:
+        words = f"Run {named(above_fmd(campaign.article))} turned by {angle:g} degrees about z"
+        pose, _ = mounted(campaign)
+        yield from _run(
+            "turned", words, hours, of, campaign, pose.position, rotation_about("z", angle * pi / 180) @ pose.rotation
+        )
+    campaign = _with(first, CUBOID)
     _, depth, height = load(CUBOID)["size"]
     down = Pose(position=np.array([0.0, height / 2, depth / 2]), rotation=rotation_about("x", pi / 2))
-    yield from _run("lying", "Run the Cuboid lying on its broad side", 2.0, templates[0], _posed(campaign, pose @ down))
+    lying = mounted(campaign)[0] @ down
+    words = "Run the Cuboid lying on its broad side"
+    yield from _run("lying", words, 2.0, first, campaign, lying.position, lying.rotation)
 
 
-def _run(kind: str, words: str, hours: float, of: Template, campaign: Campaign) -> Iterator[OfferedTest]:
-    """The offer; none where the model cannot describe what would stand there."""
-    try:
+def _run(
+    kind: str,
+    words: str,
+    hours: float,
+    of: Template,
+    campaign: Campaign,
+    position: Array | None = None,
+    rotation: Array | None = None,
+) -> Iterator[OfferedTest]:
+    """The offer, at another pose where one is given; none where the model cannot describe what would stand there."""
+    if position is not None and rotation is not None:
+        campaign = replace(campaign, mounting=Pose(position=position + campaign.table.origin, rotation=rotation))
+    with suppress(BadInput):
         yield OfferedTest(kind=kind, words=words, hours=hours, test=planned(of, campaign))
-    except BadInput:
-        return
 
 
 def _with(of: Template, article: str) -> Campaign:
@@ -163,15 +162,6 @@ def _with(of: Template, article: str) -> Campaign:
     pose, _ = mounted(campaign)
     upright = Pose(position=pose.position + campaign.table.origin)
     return replace(campaign, article="+".join(part for part in (FMD, article) if part), mounting=upright if article else None)
-
-
-def _posed(campaign: Campaign, pose: Pose) -> Campaign:
-    return replace(campaign, mounting=Pose(position=pose.position + campaign.table.origin, rotation=pose.rotation))
-
-
-def _about_z(campaign: Campaign, degrees: float) -> Pose:
-    pose, _ = mounted(campaign)
-    return Pose(position=pose.position, rotation=rotation_about("z", degrees * pi / 180) @ pose.rotation)
 
 
 # Tests of the menu that need no shaker: a balance, a crane, a pendulum, each about an article that was tested.
@@ -204,41 +194,30 @@ METHODS = (
 
 
 def classical(templates: Sequence[Template], there: Sequence[Fact]) -> Iterator[OfferedTest]:
-    """Of every article that stood on the FMD, unless its numbers are among the facts that are `there`."""
+    """Of every article that stood on the FMD, unless its numbers are among the facts that are `there`.
+
+    Numbers are counted from 0; there are none of an article of which the model knows no inertia.
+    """
     model = templates[0].tested.model
     known = [one for one in there if isinstance(one, ArticleFact)]
     for what in dict.fromkeys(above_fmd(one.tested.campaign.article) for one in templates):
         for method in METHODS if what else ():
-            facts = _facts(model, what, method)
-            if any(
-                not any(other.of.article == one.of.article and np.array_equal(other.weights, one.weights) for other in known)
-                for one in facts
+            try:
+                of = article_of(model, method.words, what)
+            except BadInput:
+                continue
+            ten, numbers = request.quantities(of.at({})[0]), []
+            for key, tolerance in method.tolerances.items():
+                weights = weights_of(key)
+                sd = (abs(float(weights @ ten)) if key in SHARES else 1.0) * tolerance / NORMAL_95
+                numbers.append(ArticleFact(name=key, of=of, weights=weights, value=0.0, deviation=sd))
+            if all(
+                any(other.of.article == one.of.article and np.array_equal(other.weights, one.weights) for other in known)
+                for one in numbers
             ):
-                yield OfferedTest(
-                    kind=method.words,
-                    words=method.words.format(named(what)),
-                    hours=method.hours,
-                    facts=partial(_with_measurement, facts),
-                )
-
-
-def _facts(model: Model, what: str, method: Method) -> tuple[ArticleFact, ...]:
-    """The numbers of the method, each counted from 0; none of an article of which the model knows no inertia."""
-    try:
-        of = article_of(model, method.words, what)
-    except BadInput:
-        return ()
-    ten = request.quantities(of.at({})[0])
-    found = []
-    for key, tolerance in method.tolerances.items():
-        weights = weights_of(key)
-        size = abs(float(weights @ ten)) if key in SHARES else 1.0
-        found.append(ArticleFact(name=key, of=of, weights=weights, value=0.0, deviation=size * tolerance / NORMAL_95))
-    return tuple(found)
-
-
-def _with_measurement(facts: Sequence[ArticleFact], effects: Sequence[Added]) -> tuple[Fact, ...]:
-    return tuple(one.with_effects(effects) for one in facts)
+                continue
+            words = method.words.format(named(what))
+            yield OfferedTest(kind=method.words, words=words, hours=method.hours, numbers=tuple(numbers))
 
 
 # Tests of the menu that drive the same otherwise: deeper, higher, or at another level.
@@ -259,34 +238,21 @@ HALF_LEVEL = 0.5
 tests/validation/diagnosing/advisor/test_advised.py."""
 
 
-def lower(templates: Sequence[Template]) -> Iterator[OfferedTest]:
-    """A slow sweep below what was driven."""
+def driven(templates: Sequence[Template], families: Sequence[str]) -> Iterator[OfferedTest]:
+    """A slow sweep below what was driven, one above of what has modes, and half the level where an explanation asks for it."""
     for of in templates:
         lines = np.arange(LOWEST, of.frequency[0] - FINER / 2, FINER)
         if len(lines):
-            words = f"Run {_what(of)} in a slow sweep from {LOWEST:g} to {of.frequency[0]:g} Hz"
+            words = f"Run {named(of)} in a slow sweep from {LOWEST:g} to {of.frequency[0]:g} Hz"
             yield OfferedTest(kind="lower", words=words, hours=1.0, test=planned(of, of.tested.campaign, frequency=lines))
-
-
-def higher(templates: Sequence[Template]) -> Iterator[OfferedTest]:
-    """A sweep above what was driven, of what has modes."""
     for of in (one for one in templates if one.tested.carried.standing.modes):
         lines = np.arange(of.frequency[-1] + SPACING, HIGHEST + SPACING / 2, SPACING)
         if len(lines):
-            words = f"Run {_what(of)} in a sweep from {of.frequency[-1]:g} to {HIGHEST:g} Hz"
+            words = f"Run {named(of)} in a sweep from {of.frequency[-1]:g} to {HIGHEST:g} Hz"
             yield OfferedTest(kind="higher", words=words, hours=1.0, test=planned(of, of.tested.campaign, frequency=lines))
-
-
-def levels(templates: Sequence[Template], families: Sequence[str]) -> Iterator[OfferedTest]:
-    """The same at half the level, where one of the explanations asks for it."""
-    if any(FAMILIES[one].side == AMPLITUDE for one in families):
-        for of in templates:
-            words = f"Run {_what(of)} at half the level"
-            yield OfferedTest(kind="level", words=words, hours=1.0, test=planned(of, of.tested.campaign, level=HALF_LEVEL))
-
-
-def _what(of: Template) -> str:
-    return named(above_fmd(of.tested.campaign.article))
+    for of in templates if any(FAMILIES[one].side == AMPLITUDE for one in families) else ():
+        words = f"Run {named(of)} at half the level"
+        yield OfferedTest(kind="level", words=words, hours=1.0, test=planned(of, of.tested.campaign, level=HALF_LEVEL))
 
 
 # Tests of the menu in which a known mass is added to what was tested.
@@ -308,34 +274,37 @@ PLACES_OF_A_MASS = 2
 tests/validation/diagnosing/advisor/test_advised.py."""
 
 
-def on_article(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[OfferedTest]:
-    """On places of the article that has most of them: those that are `asked` about, and the highest."""
-    of = max(templates, key=lambda one: len(_places(one)))
-    there = _places(of)
+def loaded(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[OfferedTest]:
+    """On a corner of the cover plate, beside what stands there: it loads one cell more than the others. And on places of the
+    article that has most of them: those that are `asked` about, and the highest."""
+    of = templates[0]
+    test = planned(of, of.tested.campaign)
+    bare = test.prediction.tested.carried
+    made = replace(bare, moving=bare.moving + Inertia.from_cog(ON_PLATE, locations("fmd")[CORNER], np.zeros((3, 3))))  # about F
+    words = f"Run {named(of)} with {ON_PLATE:g} kg on the corner {CORNER} of the cover plate"
+    yield OfferedTest(kind="load on the plate", words=words, hours=HOURS, test=_carrying(test, made))
+    by_template = []
+    for one in templates:
+        article, places = above_fmd(one.tested.campaign.article), list[str]()
+        with suppress(BadInput):
+            points = locations(article, one.tested.model.changes) if article else {}
+            places = sorted(one.tested.carried.standing.there.places, key=lambda place: points[place][2])  # the lowest first
+        by_template.append((one, places))
+    of, there = max(by_template, key=lambda each: len(each[1]))
     chosen = dict.fromkeys((*(place for place in asked if place in there), *there[::-1]))
     asked_about = sum(place in there for place in asked)
     for place in list(chosen)[: min(max(asked_about, 1), PLACES_OF_A_MASS)]:
-        words = f"Run {named(above_fmd(of.tested.campaign.article))} with {ON_ARTICLE:g} kg more at {place}"
+        words = f"Run {named(of)} with {ON_ARTICLE:g} kg more at {place}"
         test = planned(of, of.tested.campaign)
         tested = test.prediction.tested
         stands = tested.carried.standing
         heavy = None if stands.matrices is None else heavier(stands.matrices, (place,), {"": ON_ARTICLE})
-        with_mass = _carrying(test, supported_dynamic_mass(tested.model, tested.campaign, replace(stands, matrices=heavy)))
-        yield OfferedTest(kind="load on the article", words=words, hours=HOURS, test=with_mass)
+        made = supported_dynamic_mass(tested.model, tested.campaign, replace(stands, matrices=heavy))
+        yield OfferedTest(kind="load on the article", words=words, hours=HOURS, test=_carrying(test, made))
 
 
 def _carrying(test: PlannedTest, what: SupportedDynamicMass) -> PlannedTest:
     return replace(test, prediction=replace(test.prediction, tested=replace(test.prediction.tested, carried=what)))
-
-
-def _places(of: Template) -> tuple[str, ...]:
-    """Of the article on the FMD, the lowest first."""
-    article = above_fmd(of.tested.campaign.article)
-    try:
-        points = locations(article, of.tested.model.changes) if article else {}
-    except BadInput:
-        return ()
-    return tuple(sorted((place for place in of.tested.carried.standing.there.places), key=lambda place: points[place][2]))
 
 
 # Tests of the menu in which pick-ups are exchanged, moved, added, or feel no tilt.
@@ -363,79 +332,53 @@ COVER = "cover"
 MOUNTED = (COVER, "table")
 """Groups that a chain predicts."""
 
-AXES = "xyz"
 
-
-def exchanged(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[OfferedTest]:
-    """An accelerometer that is `asked` about and one of the same direction change places."""
+def rearranged(templates: Sequence[Template], asked: Sequence[str], families: Sequence[str]) -> Iterator[OfferedTest]:
+    """An accelerometer that is `asked` about changes places with one of the same direction, or sits elsewhere and its new place
+    is measured with care; every second one of the cover plate has another beside it, nearer to the middle; and where one of
+    `families` is about a tilt, the motion of the cover plate is measured by what feels none."""
     of = templates[0]
-    for one in _accelerometers(of, asked):
+    campaign, table = of.tested.campaign, of.tested.campaign.table
+    moving = [one for one in table.channels if one.quantity == "acceleration"]
+    suspects = [one for one in moving if one.name in asked and one.group in MOUNTED]
+    for one in suspects:
         # Others of its group along the same direction
         along = one.places[0].direction
-        alike = [two for two in _on(of, one.group) if two.name != one.name and two.places[0].direction @ along > PARALLEL]
-        for other in alike[:1]:
+        alike = [two for two in moving if two.group == one.group and two.name != one.name]
+        for other in [two for two in alike if two.places[0].direction @ along > PARALLEL][:1]:
             pairs = ((one.name, other.name), (other.name, one.name))
             moved = {f"{family}:{a}": Origin(name=f"{family}:{b}") for family in ITS_OWN for a, b in pairs}
-            words = f"Run {_beneath(of)} with the accelerometers {one.name} and {other.name} exchanged"
-            yield OfferedTest(kind="exchanged", words=words, hours=1.0, test=planned(of, of.tested.campaign), moved=moved)
+            words = f"Run {named(of)} with the accelerometers {one.name} and {other.name} exchanged"
+            yield OfferedTest(kind="exchanged", words=words, hours=1.0, test=planned(of, campaign), moved=moved)
+    for one in suspects:
+        anew = tuple(f"{family}:{one.name}:{axis}" for family in WHERE for axis in "xyz")
+        words = f"Run {named(of)} with the accelerometer {one.name} moved inwards, and its place measured again"
+        test = _with_channels(of, [_inwards(one, moving)])
+        yield OfferedTest(kind="moved", words=words, hours=1.0, test=test, moved=dict.fromkeys(anew, Origin()), gone=anew)
+    on_cover = [one for one in moving if one.group == COVER]
+    if beside := [replace(_inwards(one, moving), name=f"{one.name}-b") for one in on_cover[::2]]:
+        words = f"Run {named(of)} with {len(beside)} more accelerometers on the cover plate"
+        yield OfferedTest(kind="more", words=words, hours=2.0, test=_with_channels(of, beside))
+    for each in templates if set(TILTED) & set(families) else ():
+        sensing = [one for one in each.tested.campaign.table.channels if one.quantity == "acceleration" and one.senses_gravity]
+        if kinematic := [replace(one, senses_gravity=False) for one in sensing if one.group == COVER]:
+            words = f"Run {named(each)} with the motion of the cover plate measured by vibrometers, which feel no tilt"
+            yield OfferedTest(kind="tilt", words=words, hours=8.0, test=_with_channels(each, kinematic))
 
 
-def moved(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[OfferedTest]:
-    """An accelerometer that is `asked` about sits elsewhere, and its new place is measured with care."""
-    of = templates[0]
-    for one in _accelerometers(of, asked):
-        anew = tuple(f"{family}:{one.name}:{axis}" for family in WHERE for axis in AXES)
-        campaign = replace(of.tested.campaign, table=_changed(of, [replace(one, places=_inwards(of, one))]))
-        words = f"Run {_beneath(of)} with the accelerometer {one.name} moved inwards, and its place measured again"
-        yield OfferedTest(
-            kind="moved", words=words, hours=1.0, test=planned(of, campaign), moved=dict.fromkeys(anew, Origin()), gone=anew
-        )
+def _inwards(one: Channel, moving: Sequence[Channel]) -> Channel:
+    """Nearer to the middle of its group."""
+    middle = np.mean([two.places[0].position for two in moving if two.group == one.group], axis=0)
+    places = tuple(replace(place, position=middle + INWARDS * (place.position - middle)) for place in one.places)
+    return replace(one, places=places)
 
 
-def more(templates: Sequence[Template]) -> Iterator[OfferedTest]:
-    """Every second accelerometer of the cover plate has another one beside it, nearer to the middle."""
-    of = templates[0]
-    beside = [replace(one, name=f"{one.name}-b", places=_inwards(of, one)) for one in _on(of, COVER)[::2]]
-    if beside:
-        campaign = replace(of.tested.campaign, table=_changed(of, beside))
-        words = f"Run {_beneath(of)} with {len(beside)} more accelerometers on the cover plate"
-        yield OfferedTest(kind="more", words=words, hours=2.0, test=planned(of, campaign))
-
-
-def without_tilt(templates: Sequence[Template], families: Sequence[str]) -> Iterator[OfferedTest]:
-    """The motion of the cover plate is measured by what feels no tilt, where one of `families` is about that."""
-    for of in templates if set(TILTED) & set(families) else ():
-        kinematic = [replace(one, senses_gravity=False) for one in _on(of, COVER) if one.senses_gravity]
-        if kinematic:
-            campaign = replace(of.tested.campaign, table=_changed(of, kinematic))
-            words = f"Run {_beneath(of)} with the motion of the cover plate measured by vibrometers, which feel no tilt"
-            yield OfferedTest(kind="tilt", words=words, hours=8.0, test=planned(of, campaign))
-
-
-def _beneath(of: Template) -> str:
-    return named(above_fmd(of.tested.campaign.article))
-
-
-def _on(of: Template, group: str) -> list[Channel]:
-    return [one for one in of.tested.campaign.table.channels if one.group == group and one.quantity == "acceleration"]
-
-
-def _accelerometers(of: Template, asked: Sequence[str]) -> list[Channel]:
-    there = of.tested.campaign.table.channels
-    return [one for one in there if one.name in asked and one.quantity == "acceleration" and one.group in MOUNTED]
-
-
-def _inwards(of: Template, one: Channel) -> tuple[Place, ...]:
-    middle = np.mean([two.places[0].position for two in _on(of, one.group)], axis=0)
-    return tuple(replace(place, position=middle + INWARDS * (place.position - middle)) for place in one.places)
-
-
-def _changed(of: Template, channels: Sequence[Channel]) -> ChannelTable:
-    """The table with `channels` instead of those of their names, and new ones behind."""
+def _with_channels(of: Template, channels: Sequence[Channel]) -> PlannedTest:
+    """The campaign with `channels` instead of those of their names, and new ones behind."""
     table = of.tested.campaign.table
     by_name = {one.name: one for one in channels}
     kept = [by_name.pop(one.name, one) for one in table.channels]
-    return replace(table, channels=(*kept, *by_name.values()))
+    return planned(of, replace(of.tested.campaign, table=replace(table, channels=(*kept, *by_name.values()))))
 
 
 # Tests of the menu that take away what is suspected, or change it by hand.
@@ -473,14 +416,16 @@ def undone(templates: Sequence[Template], effects: Sequence[Added]) -> Iterator[
         family = added.named.family
         if of is None or family not in {*GONE, *CHANGED}:
             continue
-        what, how = named(above_fmd(of.tested.campaign.article)), GONE.get(family) or CHANGED[family]
-        test = planned(of, of.tested.campaign)
-        gone = (family,) if family in GONE else ()
-        names = (
-            () if gone else (prediction_effects.name(added.named, size.key) for size in added.named.sizes if not size.logarithmic)
+        names = [prediction_effects.name(added.named, size.key) for size in added.named.sizes if not size.logarithmic]
+        moved = {name: Origin(name=name, factor=LEFT_AFTER_TORQUING) for name in names if family not in GONE}
+        yield OfferedTest(
+            kind=family,
+            words=f"Run {named(of)} {GONE.get(family) or CHANGED[family]}",
+            hours=HOURS,
+            test=planned(of, of.tested.campaign),
+            moved=moved,
+            gone=(family,) if family in GONE else (),
         )
-        moved = {name: Origin(name=name, factor=LEFT_AFTER_TORQUING) for name in names}
-        yield OfferedTest(kind=added.named.family, words=f"Run {what} {how}", hours=HOURS, test=test, moved=moved, gone=gone)
 
 
 # The menu: every test that could be offered after the present data. What is in them already is not offered.
@@ -492,24 +437,7 @@ def menu(templates: Sequence[Template], effects: Sequence[Added], facts: Sequenc
     families = [one.named.family for one in effects]
     yield from classical(templates, facts)
     yield from others(templates)
-    yield from turned(templates)
-    yield from lying(templates)
-    # On a corner of the cover plate, beside what stands there: it loads one cell more than the others
-    of = templates[0]
-    place = locations("fmd")[CORNER]
-    test = planned(of, of.tested.campaign)
-    bare = test.prediction.tested.carried
-    # About F
-    made = _carrying(test, replace(bare, moving=bare.moving + Inertia.from_cog(ON_PLATE, place, np.zeros((3, 3)))))
-    beside = named(above_fmd(of.tested.campaign.article))
-    words = f"Run {beside} with {ON_PLATE:g} kg on the corner {CORNER} of the cover plate"
-    yield OfferedTest(kind="load on the plate", words=words, hours=HOURS, test=made)
-    yield from on_article(templates, asked)
-    yield from exchanged(templates, asked)
-    yield from moved(templates, asked)
-    yield from more(templates)
-    yield from without_tilt(templates, families)
+    yield from loaded(templates, asked)
+    yield from rearranged(templates, asked, families)
     yield from undone(templates, effects)
-    yield from lower(templates)
-    yield from higher(templates)
-    yield from levels(templates, families)
+    yield from driven(templates, families)

@@ -14,7 +14,6 @@ import numpy as np
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
-from geometry.sensors import ChannelTable
 from identification.campaign import Campaign
 from identification.self_calibration.solve import eliminated
 from validation.diagnose.diagnosis import Candidate
@@ -147,6 +146,20 @@ class Template:
     noise: Mapping[str, Array]
     spacing: float
 
+    @classmethod
+    def of(cls, campaign: SeriesPrediction, by: Knowledge) -> Template:
+        """Of a `campaign` that was measured, its base motions as the candidate `by` tells them."""
+        some = campaign.on(campaign.measured.runs[:RUNS]).with_effects(by.effects)
+        frequency = some.measured.frequency
+        spacing = float(np.median(np.diff(frequency))) if len(frequency) > 1 else SPACING
+        lines = np.arange(0, len(frequency), max(1, round(SPACING / spacing)), dtype=np.int64)
+        predicted, seen = some.at(by.offsets, lines, derivatives=False), likelihood.observed(some.measured, lines)
+        weight = seen.weight(FLOOR, predicted.noise)
+        rows = np.broadcast_to(predicted.rows, (len(seen.runs), *predicted.rows.shape[-3:]))
+        inputs = [eliminated(A, y, w)[2] for A, y, w in zip(rows, seen.values, weight, strict=True)]
+        noise = {name: seen.noise[..., k] for k, name in enumerate(some.measured.channels)}
+        return cls(prediction=some, frequency=frequency[lines], inputs=np.stack(inputs), noise=noise, spacing=spacing)
+
     @property
     def tested(self) -> TestedCampaign:
         """The campaign."""
@@ -174,25 +187,6 @@ class PlannedTest:
         return self.prediction.measured
 
 
-def template(of: SeriesPrediction, by: Knowledge) -> Template:
-    """The campaign of `of`, its base motions as the candidate `by` tells them."""
-    some = of.on(of.measured.runs[:RUNS]).with_effects(by.effects)
-    frequency = some.measured.frequency
-    spacing = float(np.median(np.diff(frequency))) if len(frequency) > 1 else SPACING
-    lines = np.arange(0, len(some.measured.frequency), max(1, round(SPACING / spacing)), dtype=np.int64)
-    predicted, seen = some.at(by.offsets, lines, derivatives=False), likelihood.observed(some.measured, lines)
-    weight = seen.weight(FLOOR, predicted.noise)
-    rows = np.broadcast_to(predicted.rows, (len(seen.runs), *predicted.rows.shape[-3:]))
-    inputs = [eliminated(A, y, w)[2] for A, y, w in zip(rows, seen.values, weight, strict=True)]
-    return Template(
-        prediction=some,
-        frequency=some.measured.frequency[lines],
-        inputs=np.stack(inputs),
-        noise={name: seen.noise[..., k] for k, name in enumerate(some.measured.channels)},
-        spacing=spacing,
-    )
-
-
 def planned(of: Template, campaign: Campaign, *, frequency: Array | None = None, level: float = 1.0) -> PlannedTest:
     """The test `campaign`, which is driven as `of` was.
 
@@ -208,9 +202,14 @@ def planned(of: Template, campaign: Campaign, *, frequency: Array | None = None,
     was, lines = of.tested, of.frequency if frequency is None else frequency
     near = np.argmin(np.abs(lines[:, None] - of.frequency), axis=1)
     drives = tuple(replace(one, amplitude=level * one.amplitude) for one in was.drives)
-    # The campaign without readings
     chain = laboratory(was.model, campaign, ())
-    noise = np.stack([_noise(of, campaign.table, name)[:, near] for name in chain.names], axis=-1)
+    # (r, n) Noise of a new channel is the median of its kind
+    kinds = {one.name: (one.group, one.quantity) for one in campaign.table.channels}
+    by_channel = []
+    for name in chain.names:
+        alike = [of.noise[name]] if name in of.noise else [of.noise[two] for two in of.noise if kinds[two] == kinds[name]]
+        by_channel.append(np.median(alike, axis=0)[:, near])
+    noise = np.stack(by_channel, axis=-1)
     unread = Measured(
         name="test",
         configuration=campaign.article,
@@ -235,28 +234,12 @@ def planned(of: Template, campaign: Campaign, *, frequency: Array | None = None,
     return PlannedTest(prediction=SeriesPrediction(tested=tested), inputs=inputs, lines=min(AT_MOST, measured))
 
 
-def _noise(of: Template, table: ChannelTable, name: str) -> Array:
-    """(r, n) of a channel; of a new one the median of its kind."""
-    if name in of.noise:
-        return of.noise[name]
-    kind = _kind(table, name)
-    alike = [noise for other, noise in of.noise.items() if _kind(table, other) == kind]
-    return np.asarray(np.median(alike, axis=0))
-
-
-def _kind(table: ChannelTable, name: str) -> tuple[str, str]:
-    one = table.channels[table.names.index(name)]
-    return one.group, one.quantity
-
-
 def reading(test: PlannedTest, by: Knowledge, offsets: Mapping[str, float]) -> Measured:
     """What the test would read by a candidate, with `offsets` of its parameters."""
     rows = test.prediction.with_effects(by.effects).at(offsets, derivatives=False).rows
-    return replace(test.measured, values=np.einsum("...nck,rnk->rnc", rows, test.inputs) if rows.ndim == 3 else _each(rows, test))
-
-
-def _each(rows: ComplexArray, test: PlannedTest) -> ComplexArray:
-    return np.asarray((rows @ test.inputs[..., None])[..., 0])
+    if rows.ndim == 3:
+        return replace(test.measured, values=np.einsum("...nck,rnk->rnc", rows, test.inputs))
+    return replace(test.measured, values=(rows @ test.inputs[..., None])[..., 0])
 
 
 def lines_of(test: PlannedTest, measured: Measured) -> tuple[Lines, float]:

@@ -16,7 +16,7 @@ from validation.diagnose import diagnose
 from validation.diagnose import diagnosis as diagnose_diagnosis
 from validation.diagnose.classical import MeasurementInput, Needed, SwingAnswer
 from validation.diagnose.classical_tests import SURE
-from validation.diagnose.diagnose import of_levels, ready
+from validation.diagnose.diagnose import ready
 from validation.diagnose.diagnosis import (
     AMBIGUOUS,
     MISSING,
@@ -626,7 +626,7 @@ def explained(one: Cause) -> Grid:
     lines = (
         ("means", one.text),
         *((("these data say", one.note),) if one.note else ()),
-        ("mistaken for", diagnose_diagnosis.mistaken(one)),
+        ("mistaken for", ", ".join(one.mistaken_for) or NONE),
         ("confirm it by", one.confirmed_by or NONE),
     )
     return Grid(header=(one.id, one.named.what), lines=lines, words=True, caption=f"{one.id}: {one.named.what}")
@@ -791,7 +791,7 @@ def _columns(columns: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
 
 def _diagnosis_alike(id: str, known: Cause | None) -> str:
     if known is None:
-        return f"does the same to these data, and was not fitted: {diagnose_diagnosis.what(id)}"
+        return f"does the same to these data, and was not fitted: {FAMILIES[id.partition(':')[0]].what}"
     sizes = "; ".join(diagnose_diagnosis.sized(known, size) for size in known.sizes)
     return f"{sizes}, {known.evidence:+.1f} nats: {known.named.what}"
 
@@ -847,8 +847,7 @@ def prepared(asked: Options, *, quiet: bool = True) -> Study:
     with stages("reading", quiet=quiet) as told:
         model, data = ready(asked, told)
         made = Study.of(model, data, asked, told)
-    for text in of_levels(asked):
-        require_levels(made, text)
+    require_levels(made, asked.candidates)
     return made
 
 

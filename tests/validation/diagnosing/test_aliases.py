@@ -1,44 +1,9 @@
 """Explanations that belong together: by evidence, and by what they do to the channels."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
-
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
 
-from validation.diagnose.candidates import alike, share
-from validation.diagnose.diagnosis import Candidate
-from validation.effects.catalogue import parse
-from validation.model.model import Added
-
-
-@dataclass(frozen=True)
-class Evidence:
-    log_evidence: float
-
-
-@pytest.fixture
-def explained() -> Callable[..., Candidate]:
-    def make(evidence: float, *texts: str) -> Candidate:
-        fit: Any = Evidence(evidence)
-        problem: Any = None
-        return Candidate(effects=tuple(Added(named=parse(text)) for text in texts), fit=fit, problem=problem)
-
-    return make
-
-
-def test_what_is_within_five_nats_belongs_to_the_class_the_best_first(explained: Callable[..., Candidate]) -> None:
-    gain, cell, mass = "force-gain:fmd-z2=0.1", "cell-stiffness:2z=0.1", "rigid-inertia:m=1"
-    best, others = explained(100.0, gain), [explained(94.9, mass), explained(96.0, cell)]
-    assert alike(best, others) == ("force-gain:fmd-z2", "cell-stiffness:2z")
-    assert alike(best, []) == ("force-gain:fmd-z2",)
-
-
-def test_effects_that_all_have_are_in_no_doubt(explained: Callable[..., Candidate]) -> None:
-    gain, cell, mass = "force-gain:fmd-z2=0.1", "cell-stiffness:2z=0.1", "rigid-inertia:m=1"
-    assert alike(explained(10.0, mass, gain), [explained(9.0, mass, cell)]) == ("force-gain:fmd-z2", "cell-stiffness:2z")
+from validation.diagnose.candidates import share
 
 
 def fisher(*columns: np.ndarray) -> np.ndarray:

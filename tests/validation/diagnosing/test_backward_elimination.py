@@ -23,12 +23,13 @@ GONE = "cable:mast-top:lateral"
 """Stands for a resonator that a fit drives out of the band."""
 
 NOBODY: Any = None
+BENCH: Any = SimpleNamespace(problem=lambda effects: None)
 STANDS: Any = SimpleNamespace(null=True)
 
 
 def hypothesis(*ids: str, evidence: float) -> Candidate:
     """A fit of such effects."""
-    fit: Any = SimpleNamespace(log_evidence=evidence)
+    fit: Any = SimpleNamespace(log_evidence=evidence, by_name={})
     return Candidate(effects=tuple(Added(named=parse(f"{id}=0.3")) for id in ids), fit=fit, problem=NOBODY)
 
 
@@ -46,22 +47,22 @@ def asked(
     """What comes of it where fits of effects end at the evidence `worth`; and what was fitted instead."""
     fitted: list[str] = []
 
-    def without(bench: object, of: Candidate, added: Added) -> Candidate:
-        rest = [one.named.id for one in of.effects if one is not added]
-        return hypothesis(*rest, evidence=worth[tuple(sorted(rest))])
-
     def instead(bench: object, of: Candidate, rest: Candidate, added: Added) -> Candidate:
         ids = [*(one.named.id for one in rest.effects), added.named.id]
         fitted.append(added.named.id)
         return hypothesis(*ids, evidence=worth[tuple(sorted(ids))])
 
-    monkeypatch.setattr(search, "_without", without)
+    def without(bench: object, of: Candidate) -> Candidate:
+        rest = [one.named.id for one in of.effects]
+        return hypothesis(*rest, evidence=worth[tuple(sorted(rest))])
+
+    monkeypatch.setattr(search, "nearby", lambda problem, free, offsets: None)
+    monkeypatch.setattr(search, "recentred", without)
     monkeypatch.setattr(search, "fit_in_place", instead)
-    monkeypatch.setattr(search, "goodness_of_fit", lambda fit, problem: STANDS)
     monkeypatch.setattr(search, "is_significant", lambda of: True)
     monkeypatch.setattr(search, "in_band", lambda bench, one: one.id != GONE)
     monkeypatch.setattr(search, "goodness_of_fit", lambda fit, problem: STANDS)
-    ended, more = search.backward_elimination(NOBODY, at, before, lambda what, share: None)
+    ended, more = search.backward_elimination(BENCH, at, before, lambda what, share: None)
     return ended, more, fitted
 
 
@@ -88,8 +89,8 @@ def test_a_place_that_is_better_beside_what_was_found_later_is_taken(monkeypatch
     assert (first.reconsidered, first.added) == (HUB, TOP)
     assert [(one.id, one.evidence) for one in first.tried] == [(TOP, 5330.0), (HUB, 5300.0)]
     assert (second.reconsidered, second.added, second.tried[0].evidence) == (BLADE, BLADE, 460.0)
-    assert diagnose._why(first) == f"{TOP} brings 5330.0 nats beside {BLADE}, and {HUB} only 5300.0"
-    assert diagnose._why(replace(first, at=ALONE)) == f"{TOP} brings 5330.0 nats alone, and {HUB} only 5300.0"
+    assert first.text == f"{TOP} brings 5330.0 nats beside {BLADE}, and {HUB} only 5300.0"
+    assert replace(first, at=ALONE).text == f"{TOP} brings 5330.0 nats alone, and {HUB} only 5300.0"
 
 
 def test_what_stays_the_best_stays_as_it_was_fitted(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -98,7 +99,7 @@ def test_what_stays_the_best_stays_as_it_was_fitted(monkeypatch: pytest.MonkeyPa
     ended, again, _ = asked(monkeypatch, at, TWO, known)
     assert ended is at
     assert [one.reconsidered for one in again] == [one.added for one in again] == [HUB, BLADE]
-    assert diagnose._alike(at.effects, [*TWO, *again]) == ()
+    assert diagnose.indistinguishable_ids(at.effects, [*TWO, *again]) == ()
 
 
 def test_what_is_not_needed_any_more_goes(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -116,9 +117,9 @@ def test_what_took_a_place_beside_something_that_goes_is_asked_alone(monkeypatch
     ended, again, _ = asked(monkeypatch, at, TWO, known)
     assert ids(ended) == {TOP}
     assert [(one.reconsidered, one.added, ids(one.at)) for one in again] == [(HUB, TOP, {BLADE}), (TOP, TOP, set())]
-    best = diagnose._best(ended, [*TWO, *again])
+    best = diagnose.best_step(ended, [*TWO, *again])
     assert [one.id for one in best.tried] == [TOP, HUB]
-    assert diagnose._alike(ended.effects, [*TWO, *again]) == (TOP,)
+    assert diagnose.indistinguishable_ids(ended.effects, [*TWO, *again]) == (TOP,)
 
 
 @pytest.mark.parametrize(("other", "worth"), [(LOSS, 19.0), (GONE, 500.0)])
@@ -135,27 +136,29 @@ def test_no_name_is_taken_that_is_not_worth_it_or_does_not_stay_what_it_is(
 
 
 def test_what_has_nothing_to_be_held_against_stays(monkeypatch: pytest.MonkeyPatch) -> None:
-    def breaks(bench: object, of: Candidate, added: Added) -> Candidate:
+    def breaks(problem: object, free: object, offsets: object) -> None:
         raise CheckFailed("the model breaks down")
 
-    monkeypatch.setattr(search, "_without", breaks)
+    monkeypatch.setattr(search, "nearby", breaks)
     at = hypothesis(HUB, BLADE, evidence=5330.0)
-    assert search.backward_elimination(NOBODY, at, TWO, lambda what, share: None) == (at, ())
+    assert search.backward_elimination(BENCH, at, TWO, lambda what, share: None) == (at, ())
 
 
-def test_only_what_brought_a_good_part_and_is_not_there_is_a_rival() -> None:
+def test_only_what_brought_a_good_part_and_is_not_there_is_a_rival(monkeypatch: pytest.MonkeyPatch) -> None:
     others = [(f"point-mass:{one}", 100.0) for one in ("flange", "hub-1", "hub-2", "hub-3", "hub-4", "mast-top")]
     one = found((TOP, 110.0), (BLADE, 105.0), *others[:5], ("rigid-inertia:m", 110 * RIVAL_SHARE - 1), at=ALONE)
-    rivals = search._earlier_rivals(one, hypothesis(TOP, BLADE, evidence=0.0))
-    assert [each.id for each in rivals] == [id for id, _ in others[:RIVALS]]
-    few = search._earlier_rivals(replace(one, tried=(one.tried[0], one.tried[-1])), hypothesis(TOP, evidence=0.0))
-    assert few == []
+    worth = {tuple(sorted((BLADE, id))): 90.0 for id, _ in others} | {(BLADE,): 50.0, (TOP,): 50.0, (BLADE, TOP): 150.0}
+    known = found((BLADE, 100.0), at=hypothesis(TOP, evidence=50.0))
+    _, _, fitted = asked(monkeypatch, hypothesis(TOP, BLADE, evidence=150.0), (one, known), worth)
+    assert fitted == [id for id, _ in others[:RIVALS]]
+    few = replace(one, tried=(one.tried[0], one.tried[-1]))
+    assert asked(monkeypatch, hypothesis(TOP, BLADE, evidence=150.0), (few, known), worth)[2] == []
 
 
 @pytest.mark.parametrize(("other", "same"), [("absorber:hub-4=m:1,f:9,zeta:0.1", True), ("cable:hub-4:lateral=50", False)])
 def test_a_resonator_begins_at_the_sizes_of_the_one_that_was_found(other: str, same: bool) -> None:
     best = Added(named=parse("slosh:mast-top=m:0.002,f:19,zeta:0.02"))
-    begins = search._at_sizes_found(Added(named=parse(other)), best)
+    begins = search._at_sizes(Added(named=parse(other)), best)
     assert (begins.named.values == best.named.values) is same
     assert begins.named.id == other.partition("=")[0]
 

@@ -11,7 +11,7 @@ from validation.classical.pendulum import rope_amplitude_factor, rope_pendulum
 from validation.diagnose.candidates import candidates, screen
 from validation.diagnose.diagnosis import Candidate, Screened
 from validation.diagnose.pendulum import advised, against, contradictions
-from validation.diagnose.search import baseline, fit_with
+from validation.diagnose.search import fit_with
 from validation.effects.catalogue import parse
 from validation.estimation.result import Fit
 from validation.model.model import Added, Model
@@ -81,7 +81,7 @@ def by_id(found: tuple[Screened, ...]) -> dict[str, Screened]:
 @pytest.fixture(scope="module")
 def fitted(test_of_cuboid: VirtualTest) -> Fit:
     """Of the campaign. Facts do not move it: no free parameter of the model as it is weighs anything on a balance."""
-    return baseline(Study.of(MODEL, Data(campaigns=(test_of_cuboid.campaign,)))).fit
+    return Study.of(MODEL, Data(campaigns=(test_of_cuboid.campaign,))).all_free()
 
 
 def standing(of: Study, fitted: Fit) -> Candidate:
@@ -140,7 +140,7 @@ def test_a_weight_that_agrees_says_nothing(made: Made, fitted: Fit, body: tuple[
 
 def test_effects_of_a_pendulum_are_tried_where_a_swing_is_among_the_files(made: Made, body: tuple[float, float]) -> None:
     of = made(swung(*body, 0.4))
-    base = baseline(of)
+    base = standing(of, of.all_free())
     menu = candidates(of, only=("pendulum-amplitude", "pendulum-damping", "force-gain"))
     found = by_id(screen(of, base, menu))
     wide = found["pendulum-amplitude"]

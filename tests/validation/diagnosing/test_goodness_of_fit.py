@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.diagnose.accept import ABSURD, SCATTER, UNLIKELY, excess, goodness_of_fit, misfit_of_noise, misfit_sd
+from validation.diagnose.search import ABSURD, SCATTER, UNLIKELY, goodness_of_fit
 from validation.estimation.fit import FLOOR
 from validation.estimation.problem import Parameter
 from validation.estimation.result import Fit
@@ -38,7 +38,7 @@ def noisy(monkeypatch: pytest.MonkeyPatch) -> Any:
     """A problem whose likelihood allows for noise and as much again of a floor."""
     noise = np.ones((1, 4, 2))
     seen = SimpleNamespace(noise=noise, floor=noise / FLOOR)
-    monkeypatch.setattr("validation.diagnose.accept.observed", lambda measured, lines: seen)
+    monkeypatch.setattr("validation.diagnose.search.observed", lambda measured, lines: seen)
     return SimpleNamespace(predictions=(of_spread(0.0),), lines_of=lambda one: None)
 
 
@@ -52,7 +52,6 @@ def one_far(z: float) -> np.ndarray:
 
 
 def test_the_misfit_of_a_null_is_the_share_of_noise_in_what_is_allowed_for(noisy: Any) -> None:
-    assert_allclose(misfit_of_noise(noisy), 0.5, rtol=1e-12)
     assert_allclose(goodness_of_fit(fitted(), noisy).limit, 0.5 * (1 + SCATTER * np.sqrt(2 / FREEDOM)), rtol=1e-12)
 
 
@@ -61,13 +60,13 @@ def test_an_estimate_of_the_noise_makes_chi2_larger_by_its_variance_as_drawn_one
     noisy.predictions = (of_spread(0.0, 0.2),)
     estimates = 1 + 0.2 * np.random.default_rng(1).standard_normal(1_000_000)
     drawn = np.mean(1 / (estimates + 1)) / np.mean(estimates / (estimates + 1))
-    assert_allclose(misfit_of_noise(noisy) / 0.5, drawn, rtol=1e-3)
+    noise_alone = goodness_of_fit(fitted(), noisy).limit / (1 + SCATTER * np.sqrt(2 / FREEDOM))
+    assert_allclose(noise_alone / 0.5, drawn, rtol=1e-3)
 
 
 def test_noise_that_short_silences_tell_widens_the_limit(noisy: Any) -> None:
     """Two data sets of one size: 3 % and 4 % of each are 2.5 % of both."""
     noisy.predictions = (of_spread(0.03), of_spread(0.04))
-    assert_allclose(misfit_sd(noisy), 0.025, rtol=1e-12)
     assert_allclose(
         goodness_of_fit(fitted(), noisy).limit, 0.5 * (1 + SCATTER * np.hypot(np.sqrt(2 / FREEDOM), 0.025)), rtol=1e-12
     )
@@ -80,7 +79,7 @@ def test_a_fit_within_noise_that_pays_what_is_due_is_that_of_a_null(noisy: Any) 
     assert found.text == ""
     assert_allclose(found.prior_penalty, COUNT / expected_z2(of), rtol=1e-12)
     assert_allclose(expected_z2(of), 0.99 * COUNT, rtol=1e-12)  # each was told ten times better
-    assert excess(of, found) == pytest.approx(0.5 * 0.01 * COUNT)  # no misfit, and a hundredth more than is due
+    assert found.excess(of) == pytest.approx(0.5 * 0.01 * COUNT)  # no misfit, and a hundredth more than is due
 
 
 def test_misfit_alone_refuses(noisy: Any) -> None:

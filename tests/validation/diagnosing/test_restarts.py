@@ -8,13 +8,11 @@ from validation.cli import main
 from validation.diagnose.candidates import candidates
 from validation.diagnose.diagnosis import Candidate
 from validation.diagnose.search import (
-    baseline,
     can_restart,
     fit_with,
     restarted_from_priors,
     sizes,
     stepwise_search,
-    tolerances_restarted,
 )
 from validation.effects.catalogue import parse
 from validation.estimation.problem import EFFECT, Parameter
@@ -42,7 +40,7 @@ def soft(tmp_path_factory: pytest.TempPathFactory) -> Study:
 @pytest.fixture(scope="module")
 def paid(soft: Study) -> Candidate:
     """The model as it is, fitted to that: tolerances pay."""
-    return baseline(soft)
+    return Candidate(effects=(), fit=soft.all_free(), problem=soft.problem())
 
 
 @pytest.fixture(scope="module")
@@ -94,15 +92,15 @@ def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft: St
 def test_tolerances_that_come_home_never_cost_more_and_keep_what_was_found(
     soft: Study, paid: Candidate, found: Candidate
 ) -> None:
-    again = tolerances_restarted(soft, found)
+    again = restarted_from_priors(soft, found)
     assert again.fit.cost <= found.fit.cost + 1e-6
     assert again.effects[-1].named.values[""] == pytest.approx(SIZE, rel=0.03)
-    assert tolerances_restarted(soft, paid).fit.cost <= paid.fit.cost + 1e-6
+    assert restarted_from_priors(soft, paid).fit.cost <= paid.fit.cost + 1e-6
 
 
 @pytest.mark.proof
 def test_from_home_a_size_that_had_not_come_through_does(soft: Study, stuck: Candidate) -> None:
-    assert tolerances_restarted(soft, stuck).fit.cost < stuck.fit.cost - 1000
+    assert restarted_from_priors(soft, stuck).fit.cost < stuck.fit.cost - 1000
 
 
 def test_one_sided_sizes_are_looked_at_on_that_side() -> None:

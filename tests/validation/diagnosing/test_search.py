@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from validation.diagnose import search
-from validation.diagnose.diagnose import _why
 from validation.diagnose.diagnosis import Candidate, Screened
 from validation.diagnose.search import (
     ALIAS_FITS,
@@ -26,9 +25,7 @@ from validation.diagnose.search import (
     _fits_in_band,
     _local_fits,
     _most_promising,
-    _rival_fit,
     _rivals,
-    _same_resonator_elsewhere,
     in_band,
     ranked,
 )
@@ -121,7 +118,7 @@ def test_the_rivals_of_a_resonator_stand_at_other_places_too_the_most_promising_
 def test_where_another_place_is_better_the_others_are_asked_once_more_at_its_sizes() -> None:
     best, worse, other = (tried(f"absorber:{one}=m:0.{k},f:5,zeta:0.01") for k, one in enumerate(("hub-2", "hub-1", "top"), 1))
     slosh = tried("slosh:hub-2=m:0.1,f:5,zeta:0.01")
-    again = _same_resonator_elsewhere([best, worse, slosh, other])
+    again = _rivals([best, worse, slosh, other], [], [], again=True)
     assert [one.named.id for one in again] == [worse.id, other.id]
     assert all(one.named.values == best.added.named.values for one in again)
 
@@ -225,7 +222,8 @@ def test_nothing_is_tried_afresh_where_nothing_need_be_missing(monkeypatch: pyte
 def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_asks_for_less(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(search, "_fit_of", lambda bench, at, added: ended(f"{added.named.id}=0.1", 1.0))
+    monkeypatch.setattr(search, "fit_with", lambda bench, at, added: added.named.id)
+    monkeypatch.setattr(search, "candidate_fit", lambda at, id: ended(f"{id}=0.1", 1.0))
     found = screened("structural-damping:mast=0.02", "force-gain:fmd-z2=0.02", evidence=15.0)
     assert evidence_threshold("structural-damping") - NULL_MARGIN > 15.0 > 14.0 > evidence_threshold("force-gain") - NULL_MARGIN
     nobody: Any = None
@@ -239,11 +237,19 @@ def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_ask
 def test_a_rival_that_keeps_less_than_half_of_what_the_best_does_is_fitted_afresh(
     monkeypatch: pytest.MonkeyPatch, straight: float, again: float, kept: float
 ) -> None:
-    monkeypatch.setattr(search, "_fit_of", lambda bench, at, added: ended(f"{added.named.id}=0.1", straight))
-    monkeypatch.setattr(search, "restarted_from_priors", lambda bench, at, added: added.named.id)
-    monkeypatch.setattr(search, "candidate_fit", lambda at, id: ended(f"{id}=0.1", again))
-    nobody: Any = None
-    assert _rival_fit(nobody, nobody, Added(named=parse(MASSES[1])), ended(MASSES[0], 100.0)).evidence == kept
+    best, rival = ended(MASSES[0], 100.0), Added(named=parse(MASSES[1]))
+    promised = screened(MASSES[0])
+    monkeypatch.setattr(search, "goodness_of_fit", lambda fit, problem: SimpleNamespace(null=True, misfit=1.0))
+    monkeypatch.setattr(search, "screen", lambda bench, at, menu: promised)
+    monkeypatch.setattr(search, "_fits_in_band", lambda bench, found, fits: ([best], ()))
+    monkeypatch.setattr(search, "is_significant", lambda of: True)
+    monkeypatch.setattr(search, "_rivals", lambda tried, menu, found, *, again: [rival])
+    monkeypatch.setattr(search, "fit_with", lambda bench, at, added: straight)
+    monkeypatch.setattr(search, "restarted_from_priors", lambda bench, at, added: again)
+    monkeypatch.setattr(search, "candidate_fit", lambda at, evidence: ended(MASSES[1], evidence))
+    nobody: Any = SimpleNamespace(fit=None, problem=None)
+    step = search._step(nobody, nobody, [rival], lambda what, share: None)
+    assert [(one.id, one.evidence) for one in step.tried] == [(best.id, 100.0), (rival.named.id, kept)]
 
 
 def a_round(found: Sequence[Screened], left_band: tuple[str, ...] = ()) -> SearchStep:
@@ -253,10 +259,10 @@ def a_round(found: Sequence[Screened], left_band: tuple[str, ...] = ()) -> Searc
 
 
 def test_a_round_without_a_fit_says_why() -> None:
-    assert _why(a_round(screened("cable:mast-top:lateral=50", evidence=2.25))) == (
+    assert a_round(screened("cable:mast-top:lateral=50", evidence=2.25)).text == (
         "no candidate is worth a fit: cable:mast-top:lateral promises most, 2.2 nats, where 8 are asked for"
     )
-    assert _why(a_round([])) == "there is no candidate"
-    assert _why(a_round(screened("slosh:mast-top=m:1,f:4,zeta:0.01"), left_band=("slosh:mast-top",))) == (
+    assert a_round([]).text == "there is no candidate"
+    assert a_round(screened("slosh:mast-top=m:1,f:4,zeta:0.01"), left_band=("slosh:mast-top",)).text == (
         "a fit drives slosh:mast-top out of the band of the data, and no other kind of effect is worth a fit"
     )

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from validation.diagnose import diagnose, diagnosis, mistakes
-from validation.diagnose.diagnosis import MISSING, NONLINEAR, NOTHING, SEVERAL, UNKNOWN, VERDICTS, Advice, Diagnosis, ReportedStep
+from validation.diagnose import diagnose, diagnosis
+from validation.diagnose.diagnosis import NONLINEAR, NOTHING, SEVERAL, VERDICTS, Advice, Diagnosis, ReportedStep
 from validation.effects.catalogue import parse
 from validation.model.model import Model
 from validation.output import to_json
@@ -70,11 +70,11 @@ def test_two_levels_and_a_mistake_are_told_together_and_before_is_the_model_as_i
 ) -> None:
     seen: list[tuple[Any, Any]] = []
     monkeypatch.setattr(
-        mistakes, "errors_without_fit", lambda bench, offsets: seen.append((bench, offsets)) or made("missing").before
+        diagnose, "errors_without_fit", lambda bench, offsets: seen.append((bench, offsets)) or made("missing").before
     )
     found = replace(made("nonlinear"), text="Driven along x, two levels differ")
     wrong = made("mistake").accepted
-    both = mistakes.with_mistakes(BENCH, found, wrong)
+    both = diagnose.with_mistakes(BENCH, found, wrong)
     assert both.verdict == NONLINEAR
     assert [one.id for one in both.accepted] == ["polarity:fmd-z2", "friction:flange:x"]
     assert both.text == "Driven along x, two levels differ; beside that a mistake in the data: polarity:fmd-z2"
@@ -83,11 +83,11 @@ def test_two_levels_and_a_mistake_are_told_together_and_before_is_the_model_as_i
 
 
 def test_what_is_beside_a_mistake_is_said_in_words(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mistakes, "errors_without_fit", lambda bench, offsets: made("missing").before)
+    monkeypatch.setattr(diagnose, "errors_without_fit", lambda bench, offsets: made("missing").before)
     wrong = made("mistake").accepted
-    assert mistakes.with_mistakes(BENCH, made("nothing"), wrong).text == ""
-    assert "to confirm polarity:fmd-z2: " in mistakes.with_mistakes(BENCH, made("nothing"), wrong).next_measurement
-    said = mistakes.with_mistakes(BENCH, replace(made("missing"), text=""), wrong).text
+    assert diagnose.with_mistakes(BENCH, made("nothing"), wrong).text == ""
+    assert "to confirm polarity:fmd-z2: " in diagnose.with_mistakes(BENCH, made("nothing"), wrong).next_measurement
+    said = diagnose.with_mistakes(BENCH, replace(made("missing"), text=""), wrong).text
     assert said.startswith("Beside polarity:fmd-z2: MISSING: force-gain:fmd-z2")
 
 
@@ -96,7 +96,7 @@ def test_of_two_levels_only_what_is_asked_for_is_named(made: Made, monkeypatch: 
     gap = replace(friction, named=parse("gap:1=500"), evidence=118.0)
     monkeypatch.setattr(diagnose, "nonlinear", lambda bench, levels, progress: (friction, gap))
     monkeypatch.setattr(diagnose, "errors_without_fit", lambda bench, offsets: made("missing").before)
-    monkeypatch.setattr(diagnose, "of_bench", lambda bench: {"method": "sine"})
+    monkeypatch.setattr(diagnose, "settings", lambda bench: {"method": "sine"})
 
     def named(**asked: Any) -> Diagnosis:
         return diagnose.nonlinear_answer(BENCH, made("nonlinear").levels, quiet, **asked)
@@ -112,9 +112,11 @@ def test_of_two_levels_only_what_is_asked_for_is_named(made: Made, monkeypatch: 
 
 
 def test_mistakes_are_left_out_where_that_is_asked_and_settings_say_what_was(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mistakes, "errors_without_fit", lambda bench, offsets: made("missing").before)
+    monkeypatch.setattr(diagnose, "errors_without_fit", lambda bench, offsets: made("missing").before)
     monkeypatch.setattr(diagnose, "mistakes", lambda of: made("mistake").accepted)
-    monkeypatch.setattr(diagnose, "_linear_or_not", lambda right, only, leave_out, tell: made("nothing"))
+    monkeypatch.setattr(diagnose, "differing_levels", lambda of: ("some",))
+    monkeypatch.setattr(diagnose, "nonlinear_answer", lambda of, levels, tell, **asked: made("nothing"))
+    monkeypatch.setattr("validation.diagnose.candidates.candidates", lambda of, **asked: ())
     assert diagnose.diagnosed(BENCH).verdict == "mistake"
     found = diagnose.diagnosed(BENCH, only=("force-gain",), leave_out=("polarity",))
     assert found.verdict == NOTHING
@@ -136,14 +138,13 @@ def test_an_unknown_effect_is_told_with_what_its_own_fit_leaves(monkeypatch: pyt
     def best(text: str) -> Any:
         return SimpleNamespace(tried=(SimpleNamespace(id="gap:1", evidence=3.0, goodness=SimpleNamespace(text=text)),))
 
-    said = diagnose._text(UNKNOWN, bare, best("chi² is 4"), left)
+    said = diagnose.text_of_unknown(bare, best("chi² is 4"), left)
     assert said == "As the model is, chi² is 9. With the closest, gap:1, chi² is 4"
-    assert "3.0 nats better, which is not enough" in diagnose._text(UNKNOWN, bare, best(""), left)
-    assert diagnose._text(MISSING, bare, best(""), left) == ""
+    assert "3.0 nats better, which is not enough" in diagnose.text_of_unknown(bare, best(""), left)
 
 
 def test_each_of_several_is_confirmed_by_what_the_catalogue_knows(made: Made) -> None:
     both = made("several").accepted
     found: Any = SimpleNamespace(effects=both)
-    advised = diagnose._advice(BENCH, SEVERAL, None, found, lambda share: None)  # type: ignore[arg-type]
+    advised = diagnose.advice(BENCH, SEVERAL, None, found, lambda share: None)  # type: ignore[arg-type]
     assert [one.test for one in advised] == [f"to confirm {one.id}: {one.confirmed_by}" for one in both]
