@@ -1,12 +1,11 @@
-"""`SwingAnswer`: what a diagnosis of classical measurements alone says, with everything that it rests on."""
+"""What classical measurements - weights, centres of gravity, periods - say of effects of the pendulum and of the body."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations, product
-from types import MappingProxyType
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -17,154 +16,25 @@ from geometry.inertia import PARAMETERS
 from geometry.toml_file import nearest
 from identification.quality import NORMAL_95
 from validation.classical.pendulum import CompoundSwing, RecordedSwing, RopeSwing
-from validation.diagnose.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN, Advice, Cause, Detectable, Leftover
+from validation.diagnose.diagnosis import (
+    AMBIGUOUS,
+    MISSING,
+    NOTHING,
+    SEVERAL,
+    UNKNOWN,
+    Detectable,
+    MeasurementInput,
+    Needed,
+)
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS, PENDULUM, PERIOD_STAGE, SizeSpec
 from validation.effects.practical_units import said, significant
 from validation.model.model import Added
-from validation.output import derived, entry, unwritten
 from validation.prediction import classical_facts
 from validation.prediction.classical_facts import WEIGHED, ArticleFact, covariance
 
 UNITS = ("kg", "m", "m", "m", *("kg m^2",) * 6)
 """SI, of the quantities of `identification.request`."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class MeasurementComparison:
-    """One measurement beside the model.
-
-    Attributes
-    ----------
-    name : file and quantity
-    quantity : what was measured, in words: "period of swing 2"
-    predicted, measured, deviation : SI, the last one standard deviation of the measured
-    unit : of them
-    sigma : (predicted - measured) / deviation
-    period : [s] measured, of a swing; 0 of anything else
-    period_shift : how much longer than the model's it is, as a share; 0 of anything else
-    """
-
-    name: str
-    quantity: str = unwritten()
-    sigma: float
-    unit: str
-    predicted: float
-    measured: float
-    deviation: float = entry("tolerance")
-    period: float = entry("period_s", unit="s", null=0.0, default=0.0)
-    period_shift: float = unwritten(default=0.0)
-
-    @property
-    @derived("period_shift_percent")
-    def period_percent(self) -> float | None:
-        """The shift in per cent; None of what is no swing."""
-        return 100 * self.period_shift if self.period else None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Needed:
-    """How large an effect would have to be to explain the measurements by itself.
-
-    Attributes
-    ----------
-    id : of the effect
-    value, unit : SI
-    plausible : what a fault of it may be, one standard deviation
-    possible : whether any size that a test may have explains them; False for one that can only move them the other way
-    fits : whether what is then left is what tolerances leave
-    evidence : [nats] against the model without it
-    text : all of it in words
-    """
-
-    id: str
-    value: float
-    unit: str
-    plausible: float
-    possible: bool
-    fits: bool = entry("explains")
-    evidence: float = entry("evidence_nats", unit="nats")
-    text: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class MeasurementInput:
-    """An input of a measurement that would explain the deviation, were it wrong.
-
-    Attributes
-    ----------
-    name : "rope length"
-    value, change : as it stands, and by how much it would have to be wrong, SI
-    tolerances : the same in its tolerances (95 %)
-    of : measurements that it enters
-    """
-
-    name: str = entry("input")
-    value: float = entry("value_si")
-    change: float = entry("change_si")
-    tolerances: float
-    of: tuple[str, ...]
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SwingAnswer:
-    """The answer.
-
-    Attributes
-    ----------
-    title : of the model
-    source : the model's file
-    verdict : of `validation.diagnose.diagnosis.VERDICTS`
-    text : the answer in words
-    accepted : what is missing; of several that these data cannot tell apart none
-    ranking : all that was tried, the best first
-    equivalence_class : ids that these data cannot tell apart, the best first; one where there is no doubt
-    advice : measurements that would tell them apart, the best first
-    leftover : of an unknown effect
-    detectable : the smallest size at which each effect would have been named
-    facts : every measurement beside the model
-    needed : by effect the size that would explain the measurements by itself
-    readings : inputs that would explain them, were they wrong, the least wrong first
-    chi2, measurements : of the model without any effect, and how many numbers were measured
-    remarks : what should be known
-    settings : thresholds
-    """
-
-    title: str = unwritten()
-    source: str = unwritten()
-    verdict: str
-    text: str
-    accepted: tuple[Cause, ...] = ()
-    ranking: tuple[Cause, ...] = ()
-    equivalence_class: tuple[str, ...] = ()
-    advice: tuple[Advice, ...] = ()
-    leftover: Leftover | None = entry("leftover_described", default=None)
-    detectable: tuple[Detectable, ...] = ()
-    chi2: float
-    measurements: int
-    facts: tuple[MeasurementComparison, ...] = entry("classical")
-    needed: tuple[Needed, ...] = ()
-    readings: tuple[MeasurementInput, ...] = ()
-    remarks: tuple[str, ...] = entry("warnings", default=())
-    settings: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
-
-    @property
-    @derived("next_measurement", before="advice")
-    def next_measurement(self) -> str:
-        """The best advice in words; empty where there is none."""
-        return self.advice[0].test if self.advice else ""
-
-    @property
-    @derived("leftover", before="leftover_described")
-    def left(self) -> str | None:
-        """What no effect explains, in words."""
-        return None if self.leftover is None else self.leftover.text
-
-    @property
-    @derived("errors", before="detectable")
-    def errors(self) -> None:
-        """There are no spectra, and so no errors of them."""
-        return None
 
 
 # What may be wrong where only weights, centres of gravity and periods are known: effects of the pendulum and of the body.
@@ -352,6 +222,60 @@ class ObservedFacts:
         """(n,) standard deviations, SI."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
+    @property
+    def readings(self) -> tuple[MeasurementInput, ...]:
+        """Every input that has a name and explains the measurements, were it wrong, the one that would be least wrong first.
+
+        What fits best, the others as they are: ``z = aᵀ N⁻¹ d / (aᵀ N⁻¹ a)`` standard deviations too low, a what one of them
+        makes of the measurements, N the covariance without it; what is left is ``dᵀ N⁻¹ d - z² aᵀ N⁻¹ a``.
+        """
+        spreads, found = [fact.spread for fact in self.facts], []
+        for one in dict.fromkeys(each for spread in spreads for each in spread):
+            a = np.array([spread.get(one, 0.0) for spread in spreads])
+            P = inverse_covariance(self.covariance - np.outer(a, a) + ROUNDING * np.diag(np.diag(self.covariance)))
+            z = float(a @ P @ self.left / (a @ P @ a))
+            left = self.left - z * a
+            if one.name and chance(float(left @ P @ left), len(left) - 1) > UNLIKELY:
+                of, change = tuple(fact.name for fact, part in zip(self.facts, a, strict=True) if part), z * one.deviation
+                found.append(MeasurementInput(name=one.name, value=one.value, change=change, tolerances=z / NORMAL_95, of=of))
+        return tuple(sorted(found, key=lambda one: abs(one.tolerances)))
+
+    def contradictions(self, units: Sequence[str]) -> tuple[str, ...]:
+        """Measurements that contradict one another, whatever the model, each in a sentence with these `units`.
+
+        They are two of one quantity, and a mass that a pendulum file states beside the one that was weighed.
+        """
+        told = []
+        for i, j in combinations(range(len(self.facts)), 2):
+            one, other = self.facts[i], self.facts[j]
+            if one.of.article != other.of.article or not np.allclose(one.weights, other.weights):
+                continue
+            apart, C = one.value - other.value, self.covariance
+            sd = float(np.sqrt(max(C[i, i] + C[j, j] - 2 * C[i, j], 1e-300)))
+            if abs(apart) > DISAGREE * sd:
+                values = " and ".join(said(each.value, units[i], 4) for each in (one, other))
+                differing = ""
+                if one.swing is not None and other.swing is not None:  # in what they differ, as far as the file says
+                    a, b = _conditions(one.swing), _conditions(other.swing)
+                    differ = " and ".join(name for name in {**a, **b} if a.get(name) != b.get(name))
+                    differing = f"; they differ in {differ}" if differ else "; the file says of nothing in which they differ"
+                told.append(
+                    f"{one.name} and {other.name} contradict each other: {values}, "
+                    f"{abs(apart) / sd:.0f} standard deviations apart{differing}"
+                )
+        stated = dict.fromkeys(
+            (fact.of.article, each.value, each.deviation) for fact in self.facts for each in fact.spread if each.name == MASS
+        )
+        for fact, (article, value, deviation) in product((fact for fact in self.facts if fact.weights[0] == 1), stated):
+            sd = float(np.hypot(fact.deviation, deviation))
+            if article == fact.of.article and abs(fact.value - value) > DISAGREE * sd:
+                told.append(
+                    f"{fact.name} says {said(fact.value, 'kg', 4)}, and beside it {said(value, 'kg', 4)} ± "
+                    f"{said(NORMAL_95 * deviation, 'kg')} stands as the mass, {abs(fact.value - value) / sd:.0f} standard "
+                    "deviations apart"
+                )
+        return tuple(told)
+
 
 def observed(facts: Sequence[ArticleFact], own: Sequence[Added]) -> ObservedFacts:
     """`facts` beside the model with its `own` effects."""
@@ -434,48 +358,11 @@ def answering(
     return tuple(found)
 
 
-# Measurements that contradict one another, whatever the model: two swings about one axis, two weights of one article.
-
-
 DISAGREE = 4.0
 """[sd] from which two measurements of one quantity contradict each other. Exercised by
 tests/validation/diagnosing/test_swings.py."""
 
 MASS = "mass"
-
-
-def contradicting_measurements(of: ObservedFacts, beside: tuple[MeasurementComparison, ...]) -> tuple[str, ...]:
-    """Each in a sentence: two of one quantity, and a mass that a pendulum file states beside the one that was weighed."""
-    told = []
-    for i, j in combinations(range(len(of.facts)), 2):
-        one, other = of.facts[i], of.facts[j]
-        if one.of.article != other.of.article or not np.allclose(one.weights, other.weights):
-            continue
-        apart = one.value - other.value
-        sd = float(np.sqrt(max(of.covariance[i, i] + of.covariance[j, j] - 2 * of.covariance[i, j], 1e-300)))
-        if abs(apart) > DISAGREE * sd:
-            values = " and ".join(said(each.value, beside[i].unit, 4) for each in (one, other))
-            differing = ""
-            if one.swing is not None and other.swing is not None:  # in what they differ, as far as the file says
-                a, b = _conditions(one.swing), _conditions(other.swing)
-                differ = " and ".join(name for name in {**a, **b} if a.get(name) != b.get(name))
-                differing = f"; they differ in {differ}" if differ else "; the file says of nothing in which they differ"
-            told.append(
-                f"{one.name} and {other.name} contradict each other: {values}, "
-                f"{abs(apart) / sd:.0f} standard deviations apart{differing}"
-            )
-    stated = dict.fromkeys(
-        (fact.of.article, each.value, each.deviation) for fact in of.facts for each in fact.spread if each.name == MASS
-    )
-    for fact, (article, value, deviation) in product((fact for fact in of.facts if fact.weights[0] == 1), stated):
-        sd = float(np.hypot(fact.deviation, deviation))
-        if article == fact.of.article and abs(fact.value - value) > DISAGREE * sd:
-            told.append(
-                f"{fact.name} says {said(fact.value, 'kg', 4)}, and beside it {said(value, 'kg', 4)} ± "
-                f"{said(NORMAL_95 * deviation, 'kg')} stands as the mass, {abs(fact.value - value) / sd:.0f} standard "
-                "deviations apart"
-            )
-    return tuple(told)
 
 
 def _conditions(swing: RecordedSwing) -> dict[str, object]:
@@ -872,22 +759,3 @@ def detectable(tried: Sequence[ClassicalCandidateFit], covariance: Array) -> tup
 ROUNDING = 1e-12
 """[share] of a variance that is left of one which a single input makes alone. Exercised by
 tests/validation/diagnosing/test_swings.py."""
-
-
-def readings(of: ObservedFacts) -> tuple[MeasurementInput, ...]:
-    """Every input that has a name and explains the measurements, the one that would be least wrong first.
-
-    What fits best, the others as they are: ``z = aᵀ N⁻¹ d / (aᵀ N⁻¹ a)`` standard deviations too low, a what one of them makes of
-    the measurements, N the covariance without it; what is left is ``dᵀ N⁻¹ d - z² aᵀ N⁻¹ a``.
-    """
-    spreads, found = [fact.spread for fact in of.facts], []
-    for one in dict.fromkeys(each for spread in spreads for each in spread):
-        a = np.array([spread.get(one, 0.0) for spread in spreads])
-        P = inverse_covariance(of.covariance - np.outer(a, a) + ROUNDING * np.diag(np.diag(of.covariance)))
-        z = float(a @ P @ of.left / (a @ P @ a))
-        left = of.left - z * a
-        if one.name and chance(float(left @ P @ left), len(left) - 1) > UNLIKELY:
-            enters = tuple(fact.name for fact, part in zip(of.facts, a, strict=True) if part)
-            change = z * one.deviation
-            found.append(MeasurementInput(name=one.name, value=one.value, change=change, tolerances=z / NORMAL_95, of=enters))
-    return tuple(sorted(found, key=lambda one: abs(one.tolerances)))

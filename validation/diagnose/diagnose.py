@@ -26,7 +26,6 @@ from validation.diagnose.diagnosis import (
     NOTHING,
     SEVERAL,
     UNKNOWN,
-    Advice,
     Candidate,
     Cause,
     Diagnosis,
@@ -131,6 +130,15 @@ def answer(study: Study, found: Candidate, steps: Sequence[SearchStep], progress
         if len(found.effects) == 1:  # whatever was there on the way
             evidence = found.fit.log_evidence - base.fit.log_evidence
         accepted.append(_cause(one, found, evidence, stands))
+    # Tests that would tell apart what is as good as the best; where nothing is, what the catalogue knows to confirm it
+    advice = diagnosis.confirming(one.named for one in found.effects) if verdict in (MISSING, SEVERAL) else ()
+    if verdict == AMBIGUOUS:
+        swings = [one.id for one in best.indistinguishable if FAMILIES[one.family].side == effect.PENDULUM]
+        rivals = [one.candidate for one in best.indistinguishable[:RIVALS]]
+        if len(swings) > 1:  # a shaker tells nothing of ropes
+            advice = pendulum.advised(study, best.at, swings)
+        else:
+            advice = advised(study, rivals, lambda share: progress("looking for the next measurement", share))
     converged = "the fit of what was found did not converge: its sizes are not the last word"
     return Diagnosis(
         verdict=verdict,
@@ -138,7 +146,7 @@ def answer(study: Study, found: Candidate, steps: Sequence[SearchStep], progress
         accepted=tuple(accepted),
         ranking=_ranking(best),
         equivalence_class=indistinguishable_ids(named, steps),
-        advice=advice(study, verdict, best, found, lambda share: progress("looking for the next measurement", share)),
+        advice=advice,
         leftover=described(base) if verdict == UNKNOWN else None,
         detectable=menu_of.detectable(steps[-1].screened),
         before=before,
@@ -199,18 +207,6 @@ def indistinguishable_ids(named: Sequence[Added], steps: Sequence[SearchStep]) -
     last = {one.added: one for one in steps if one.added in found}
     groups = [[each.id for each in one.indistinguishable] for one in last.values()]
     return tuple(dict.fromkeys(id for group in groups for id in group if len(found) == 1 or len(group) > 1))
-
-
-def advice(
-    study: Study, verdict: str, best: SearchStep, found: Candidate, progress: Callable[[float], None]
-) -> tuple[Advice, ...]:
-    """Tests that would tell apart what is as good as the best; where nothing is, what the catalogue knows to confirm it."""
-    if verdict != AMBIGUOUS:
-        return diagnosis.confirming(one.named for one in found.effects) if verdict in (MISSING, SEVERAL) else ()
-    swings = [one.id for one in best.indistinguishable if FAMILIES[one.family].side == effect.PENDULUM]
-    if len(swings) > 1:  # a shaker tells nothing of ropes
-        return pendulum.advised(study, best.at, swings)
-    return advised(study, [one.candidate for one in best.indistinguishable[:RIVALS]], progress)
 
 
 def text_of_unknown(found: Candidate, best: SearchStep, left: Explanation) -> str:

@@ -333,6 +333,146 @@ def _fit_json(of: Fit) -> dict[str, Any]:
     }
 
 
+# The answer where only weights, centres of gravity and periods are known.
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeasurementComparison:
+    """One measurement beside the model.
+
+    Attributes
+    ----------
+    name : file and quantity
+    quantity : what was measured, in words: "period of swing 2"
+    predicted, measured, deviation : SI, the last one standard deviation of the measured
+    unit : of them
+    sigma : (predicted - measured) / deviation
+    period : [s] measured, of a swing; 0 of anything else
+    period_shift : how much longer than the model's it is, as a share; 0 of anything else
+    """
+
+    name: str
+    quantity: str = unwritten()
+    sigma: float
+    unit: str
+    predicted: float
+    measured: float
+    deviation: float = entry("tolerance")
+    period: float = entry("period_s", unit="s", null=0.0, default=0.0)
+    period_shift: float = unwritten(default=0.0)
+
+    @property
+    @derived("period_shift_percent")
+    def period_percent(self) -> float | None:
+        """The shift in per cent; None of what is no swing."""
+        return 100 * self.period_shift if self.period else None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Needed:
+    """How large an effect would have to be to explain the measurements by itself.
+
+    Attributes
+    ----------
+    id : of the effect
+    value, unit : SI
+    plausible : what a fault of it may be, one standard deviation
+    possible : whether any size that a test may have explains them; False for one that can only move them the other way
+    fits : whether what is then left is what tolerances leave
+    evidence : [nats] against the model without it
+    text : all of it in words
+    """
+
+    id: str
+    value: float
+    unit: str
+    plausible: float
+    possible: bool
+    fits: bool = entry("explains")
+    evidence: float = entry("evidence_nats", unit="nats")
+    text: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeasurementInput:
+    """An input of a measurement that would explain the deviation, were it wrong.
+
+    Attributes
+    ----------
+    name : "rope length"
+    value, change : as it stands, and by how much it would have to be wrong, SI
+    tolerances : the same in its tolerances (95 %)
+    of : measurements that it enters
+    """
+
+    name: str = entry("input")
+    value: float = entry("value_si")
+    change: float = entry("change_si")
+    tolerances: float
+    of: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SwingAnswer:
+    """The answer.
+
+    Attributes
+    ----------
+    title : of the model
+    source : the model's file
+    verdict : of `VERDICTS`
+    text : the answer in words
+    accepted : what is missing; of several that these data cannot tell apart none
+    ranking : all that was tried, the best first
+    equivalence_class : ids that these data cannot tell apart, the best first; one where there is no doubt
+    advice : measurements that would tell them apart, the best first
+    leftover : of an unknown effect
+    detectable : the smallest size at which each effect would have been named
+    facts : every measurement beside the model
+    needed : by effect the size that would explain the measurements by itself
+    readings : inputs that would explain them, were they wrong, the least wrong first
+    chi2, measurements : of the model without any effect, and how many numbers were measured
+    remarks : what should be known
+    settings : thresholds
+    """
+
+    title: str = unwritten()
+    source: str = unwritten()
+    verdict: str
+    text: str
+    accepted: tuple[Cause, ...] = ()
+    ranking: tuple[Cause, ...] = ()
+    equivalence_class: tuple[str, ...] = ()
+    advice: tuple[Advice, ...] = ()
+    leftover: Leftover | None = entry("leftover_described", default=None)
+    detectable: tuple[Detectable, ...] = ()
+    chi2: float
+    measurements: int
+    facts: tuple[MeasurementComparison, ...] = entry("classical")
+    needed: tuple[Needed, ...] = ()
+    readings: tuple[MeasurementInput, ...] = ()
+    remarks: tuple[str, ...] = entry("warnings", default=())
+    settings: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    @derived("next_measurement", before="advice")
+    def next_measurement(self) -> str:
+        """The best advice in words; empty where there is none."""
+        return self.advice[0].test if self.advice else ""
+
+    @property
+    @derived("leftover", before="leftover_described")
+    def left(self) -> str | None:
+        """What no effect explains, in words."""
+        return None if self.leftover is None else self.leftover.text
+
+    @property
+    @derived("errors", before="detectable")
+    def errors(self) -> None:
+        """There are no spectra, and so no errors of them."""
+        return None
+
+
 # A model of effects fitted to the data of a study.
 
 

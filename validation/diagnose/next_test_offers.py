@@ -238,23 +238,6 @@ HALF_LEVEL = 0.5
 tests/validation/diagnosing/advisor/test_advised.py."""
 
 
-def driven(templates: Sequence[Template], families: Sequence[str]) -> Iterator[OfferedTest]:
-    """A slow sweep below what was driven, one above of what has modes, and half the level where an explanation asks for it."""
-    for of in templates:
-        lines = np.arange(LOWEST, of.frequency[0] - FINER / 2, FINER)
-        if len(lines):
-            words = f"Run {named(of)} in a slow sweep from {LOWEST:g} to {of.frequency[0]:g} Hz"
-            yield OfferedTest(kind="lower", words=words, hours=1.0, test=planned(of, of.tested.campaign, frequency=lines))
-    for of in (one for one in templates if one.tested.carried.standing.modes):
-        lines = np.arange(of.frequency[-1] + SPACING, HIGHEST + SPACING / 2, SPACING)
-        if len(lines):
-            words = f"Run {named(of)} in a sweep from {of.frequency[-1]:g} to {HIGHEST:g} Hz"
-            yield OfferedTest(kind="higher", words=words, hours=1.0, test=planned(of, of.tested.campaign, frequency=lines))
-    for of in templates if any(FAMILIES[one].side == AMPLITUDE for one in families) else ():
-        words = f"Run {named(of)} at half the level"
-        yield OfferedTest(kind="level", words=words, hours=1.0, test=planned(of, of.tested.campaign, level=HALF_LEVEL))
-
-
 # Tests of the menu in which a known mass is added to what was tested.
 
 
@@ -409,25 +392,6 @@ LEFT_AFTER_TORQUING = 0.5
 tests/validation/diagnosing/advisor/test_expected.py."""
 
 
-def undone(templates: Sequence[Template], effects: Sequence[Added]) -> Iterator[OfferedTest]:
-    """Of every one of `effects` that a hand can reach, on the campaign in which it acts first."""
-    for added in effects:
-        of = next((one for one in templates if acts(added.named, one.tested.carried.standing.there)), None)
-        family = added.named.family
-        if of is None or family not in {*GONE, *CHANGED}:
-            continue
-        names = [prediction_effects.name(added.named, size.key) for size in added.named.sizes if not size.logarithmic]
-        moved = {name: Origin(name=name, factor=LEFT_AFTER_TORQUING) for name in names if family not in GONE}
-        yield OfferedTest(
-            kind=family,
-            words=f"Run {named(of)} {GONE.get(family) or CHANGED[family]}",
-            hours=HOURS,
-            test=planned(of, of.tested.campaign),
-            moved=moved,
-            gone=(family,) if family in GONE else (),
-        )
-
-
 # The menu: every test that could be offered after the present data. What is in them already is not offered.
 
 
@@ -439,5 +403,30 @@ def menu(templates: Sequence[Template], effects: Sequence[Added], facts: Sequenc
     yield from others(templates)
     yield from loaded(templates, asked)
     yield from rearranged(templates, asked, families)
-    yield from undone(templates, effects)
-    yield from driven(templates, families)
+    # What a hand can take away or change, on the campaign in which it acts first
+    for added in effects:
+        family, names = added.named.family, [each for each in added.named.sizes if not each.logarithmic]
+        of = next((one for one in templates if acts(added.named, one.tested.carried.standing.there)), None)
+        if of is None or family not in {*GONE, *CHANGED}:
+            continue
+        left = [prediction_effects.name(added.named, size.key) for size in names if family not in GONE]
+        yield OfferedTest(
+            kind=family,
+            words=f"Run {named(of)} {GONE.get(family) or CHANGED[family]}",
+            hours=HOURS,
+            test=planned(of, of.tested.campaign),
+            moved={name: Origin(name=name, factor=LEFT_AFTER_TORQUING) for name in left},
+            gone=(family,) if family in GONE else (),
+        )
+    # A slow sweep below what was driven, one above of what has modes, and half the level where an explanation asks for it
+    swept = [(of, "lower", "slow sweep", np.arange(LOWEST, of.frequency[0] - FINER / 2, FINER)) for of in templates]
+    for of in (one for one in templates if one.tested.carried.standing.modes):
+        swept.append((of, "higher", "sweep", np.arange(of.frequency[-1] + SPACING, HIGHEST + SPACING / 2, SPACING)))
+    for of, kind, sweep, lines in swept:
+        if len(lines):
+            low, high = (LOWEST, of.frequency[0]) if kind == "lower" else (of.frequency[-1], HIGHEST)
+            words = f"Run {named(of)} in a {sweep} from {low:g} to {high:g} Hz"
+            yield OfferedTest(kind=kind, words=words, hours=1.0, test=planned(of, of.tested.campaign, frequency=lines))
+    for of in templates if any(FAMILIES[one].side == AMPLITUDE for one in families) else ():
+        words = f"Run {named(of)} at half the level"
+        yield OfferedTest(kind="level", words=words, hours=1.0, test=planned(of, of.tested.campaign, level=HALF_LEVEL))

@@ -22,7 +22,7 @@ from identification.quality import NORMAL_90
 from identification.self_calibration.solve import eliminated, level_of_groups, smoothed_level
 from validation.diagnose.diagnosis import Cause, EffectEstimate, LevelDifference
 from validation.effects.catalogue import FAMILIES, Named, acts
-from validation.effects.effect import AMPLITUDE, BODY_STAGE, INDISTINGUISHABLE_NATS, Vocabulary
+from validation.effects.effect import AMPLITUDE, BODY_STAGE, INDISTINGUISHABLE_NATS
 from validation.effects.stages import ChannelResponse, MountedDynamicMass
 from validation.model.model import vocabulary
 from validation.prediction import dynamic_mass, effects
@@ -320,23 +320,21 @@ def differing_levels(data: Study) -> tuple[LevelDifference, ...]:
     return tuple(sorted(known.values(), key=lambda level: -level.sigma))
 
 
-def require_levels(data: Study, asked: Sequence[str]) -> None:
-    """Refuse data that were driven at one level where one of the candidates `asked` for is seen by two.
+def require_levels(data: Study, what: str) -> None:
+    """Refuse data that were driven at one level where the candidate `what` is seen by two.
 
     Raises
     ------
     BadInput : no axis of any campaign was driven at two levels.
     """
-    for what in asked:
-        if FAMILIES[what.partition(":")[0].strip()].side != AMPLITUDE or any(runs_by_level(one).weaker for one in data.made):
-            continue
-        raise BadInput(
-            source=", ".join(one.source for one in data.campaigns),
-            field="run.excitation.level",
-            problem=f"every axis was driven at one level, and one level cannot see {what}: it looks like mass and damping there",
-            remedy="Drive the same axes once more at half the level (`massline simulate --levels 1,0.5`), "
-            "and name those runs, too",
-        )
+    if FAMILIES[what.partition(":")[0].strip()].side != AMPLITUDE or any(runs_by_level(one).weaker for one in data.made):
+        return
+    raise BadInput(
+        source=", ".join(one.source for one in data.campaigns),
+        field="run.excitation.level",
+        problem=f"every axis was driven at one level, and one level cannot see {what}: it looks like mass and damping there",
+        remedy="Drive the same axes once more at half the level (`massline simulate --levels 1,0.5`), and name those runs, too",
+    )
 
 
 # `DistortedRuns`: what an amplitude-dependent effect makes of the readings of runs at several levels, by the catalogue's
@@ -511,28 +509,6 @@ def _per_unit(one: SeriesPrediction, motion: ComplexArray) -> Array:
     return found
 
 
-def possible_effects(made: Sequence[SeriesPrediction], words: Vocabulary, channels: Sequence[str]) -> tuple[Named, ...]:
-    """Every amplitude-dependent effect of the catalogue that acts on some campaign; of those on one channel, on `channels` alone.
-
-    Sizes stand at the bounds of what is fitted, by the family's `high`.
-    """
-    there = [replace(one.tested.carried.standing.there, channels=one.measured.channels) for one in made]
-    moved, felt = (
-        tuple(name for name in channels if names is None or name in names) for names in (words.accelerometers, words.forces)
-    )
-    narrowed = replace(words, accelerometers=moved, forces=felt)
-    found = []
-    for family in FAMILIES.values():
-        if family.side != AMPLITUDE or family.change is None:
-            continue
-        for targets in product(*(narrowed.legal(kind) or () for kind in family.targets)):
-            values = {size.key: size.high if size.default is None else size.default for size in family.sizes_at(targets)}
-            named = Named(family=family.name, targets=targets, values=values)
-            if any(acts(named, one) for one in there):
-                found.append(named)
-    return tuple(found)
-
-
 # Which kind of nonlinearity lets two levels differ: friction, a gap, saturation, or what else the catalogue has.
 #
 # Every candidate is taken off the readings of all runs (`validation.diagnose.nonlinear`), at sizes from a grid and then at the
@@ -604,14 +580,27 @@ def nonlinear(
     seen, tell = tuple(distorted_runs(data, levels)), progress or (lambda share: None)
     if not seen:
         return ()
-    rough: list[_Found] = []
     worst = sorted(levels, key=lambda level: -level.sigma)
-    suspected = dict.fromkeys(level.channels[k] for k in range(SUSPECTED) for level in worst if k < len(level.channels))
-    words = vocabulary(data.model, data.campaigns)
-    every = possible_effects([one.one for one in seen], words, tuple(suspected)[:SUSPECTED])
-    for k, named in enumerate(every):
+    every = dict.fromkeys(level.channels[k] for k in range(SUSPECTED) for level in worst if k < len(level.channels))
+    suspected, words = tuple(every)[:SUSPECTED], vocabulary(data.model, data.campaigns)
+    # What depends on the amplitude and acts on some campaign, at the bounds of what is fitted; on one channel those suspected
+    moved, felt = (
+        tuple(name for name in suspected if known is None or name in known) for known in (words.accelerometers, words.forces)
+    )
+    narrowed = replace(words, accelerometers=moved, forces=felt)
+    there = [replace(one.one.tested.carried.standing.there, channels=one.of.channels) for one in seen]
+    menu: list[Named] = []
+    for family in FAMILIES.values():
+        if family.side != AMPLITUDE or family.change is None:
+            continue
+        for targets in product(*(narrowed.legal(kind) or () for kind in family.targets)):
+            values = {size.key: size.high if size.default is None else size.default for size in family.sizes_at(targets)}
+            named = Named(family=family.name, targets=targets, values=values)
+            menu += [named] if any(acts(named, one) for one in there) else []
+    rough: list[_Found] = []
+    for k, named in enumerate(menu):
         rough += _sized(named, seen, first_order=True)
-        tell((k + 1) / (len(every) + 1))
+        tell((k + 1) / (len(menu) + 1))
     rough.sort(key=lambda one: one.chi2)
     found = [better for one in rough[:SIZED_AGAIN] for better in _sized(one.named, seen, first_order=False)]
     found.sort(key=lambda one: one.chi2)
@@ -631,23 +620,8 @@ def nonlinear(
         near = [each for each in found if each is not one and abs(each.chi2 - one.chi2) / scale < INDISTINGUISHABLE_NATS]
         if near and (before - found[0].chi2) / scale - evidence < INDISTINGUISHABLE_NATS:
             note += f"; these levels cannot tell it from {' and '.join(each.named.id for each in near)}"
-        # The 90 % interval of the curvature: -log L is the sum of squares over `scale`
-        of = one.named.fitted_sizes[0]
-        value = one.named.values[of.key]
-        of_equations = EQUATIONS if of.logarithmic else EQUATIONS * abs(value)
-        half = NORMAL_90 * float(np.hypot(np.sqrt(scale / one.curvature), of_equations)) if one.curvature > 0 else np.inf
-        ends = (value * np.exp(-half), value * np.exp(half)) if of.logarithmic else (value - half, value + half)
-        low, high = max(float(ends[0]), of.low), min(float(ends[1]), of.high)
-        causes.append(
-            Cause(
-                named=one.named,
-                sizes=(EffectEstimate(key=of.key, value=value, unit=of.unit, low=low, high=high),),
-                evidence=evidence,
-                misfit=one.chi2 / count,
-                null=enough,
-                note=note,
-            )
-        )
+        sizes, left = (one.estimate(scale),), one.chi2 / count
+        causes.append(Cause(named=one.named, sizes=sizes, evidence=evidence, misfit=left, null=enough, note=note))
     return tuple(causes)
 
 
@@ -658,6 +632,16 @@ class _Found:
     named: Named
     chi2: float
     curvature: float
+
+    def estimate(self, scale: float) -> EffectEstimate:
+        """With the 90 % interval of the curvature: -log L is the sum of squares over `scale`."""
+        of = self.named.fitted_sizes[0]
+        value = self.named.values[of.key]
+        of_equations = EQUATIONS if of.logarithmic else EQUATIONS * abs(value)
+        half = NORMAL_90 * float(np.hypot(np.sqrt(scale / self.curvature), of_equations)) if self.curvature > 0 else np.inf
+        ends = (value * np.exp(-half), value * np.exp(half)) if of.logarithmic else (value - half, value + half)
+        low, high = max(float(ends[0]), of.low), min(float(ends[1]), of.high)
+        return EffectEstimate(key=of.key, value=value, unit=of.unit, low=low, high=high)
 
 
 def _sized(named: Named, seen: Sequence[DistortedRuns], *, first_order: bool) -> list[_Found]:

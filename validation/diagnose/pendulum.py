@@ -22,20 +22,16 @@ from validation.diagnose.classical import (
     UNLIKELY,
     ClassicalCandidateFit,
     ClassicalVerdict,
-    MeasurementComparison,
-    SwingAnswer,
     Weighed,
     answering,
     candidates,
     chance,
-    contradicting_measurements,
     curve,
     detectable,
     explains,
     inverse_covariance,
     judged,
     observed,
-    readings,
     shifted,
     weighed,
 )
@@ -51,6 +47,8 @@ from validation.diagnose.diagnosis import (
     Cause,
     EffectEstimate,
     Leftover,
+    MeasurementComparison,
+    SwingAnswer,
 )
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS
@@ -187,7 +185,7 @@ def only_classical(
     chosen = {MISSING: verdict.alike, SEVERAL: verdict.pair}.get(verdict.verdict, ())
     accepted = tuple(_cause(one, verdict) for one in chosen)
     advice += tuple(Advice(test=f"to confirm {one.id}: {one.confirmed_by}", gain=0.0) for one in accepted)
-    against, leftover = contradicting_measurements(of, shown), None
+    against, leftover = of.contradictions([one.unit for one in shown]), None
     if verdict.verdict == UNKNOWN:
         worst = max(shown, key=lambda one: abs(one.sigma))
         advice += (Advice(test=f"measure the {worst.quantity} again, and note what differs from the others", gain=0.0),)
@@ -216,7 +214,7 @@ def only_classical(
         detectable=detectable(verdict.tried, of.covariance),
         facts=shown,
         needed=tuple(one.needed(len(of.facts)) for one in verdict.tried),
-        readings=readings(of),
+        readings=of.readings,
         chi2=verdict.chi2,
         measurements=len(of.facts),
         remarks=tuple(remarks),

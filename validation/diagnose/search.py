@@ -159,15 +159,6 @@ def fit_with(data: Study, at: Candidate, added: Added, *, begin: Fit | None = No
     return recentred(data, Candidate(effects=effects, fit=found, problem=problem))
 
 
-def fit_in_place(data: Study, at: Candidate, rest: Candidate, added: Added) -> Candidate:
-    """`rest` with the effect `added` as well, from where `at` ended with another in its place."""
-    effects = (*rest.effects, added)
-    problem = data.problem(effects)
-    same = {one.name for one in at.fit.parameters if (new := problem.by_name.get(one.name)) and new.kind == one.kind}
-    start = {which: x for which, x in _offsets_in(problem, at.fit).items() if which in same} | _start(data, added)
-    return recentred(data, Candidate(effects=effects, fit=child(problem, FITTED, rest.fit, start), problem=problem))
-
-
 def _start(data: Study, added: Added) -> dict[str, float]:
     """An effect with an equation begins at its size; the fit knows where a tolerance stands already."""
     if FAMILIES[added.named.family].stage == OPENED or added.fixed:
@@ -392,43 +383,52 @@ def backward_elimination(
     """
     known = {one.added: one for one in rounds}
     asked: list[SearchStep] = []
-    for anew in (False, True):  # what changed may stand beside others than it was asked beside
-        for which in _ids(at):
-            if (len(at.effects) > 1 and not anew) or {*_ids(known[which].at)} != {*_ids(at)} - {which}:
-                at, more = _reconsidered(data, at, known[which], progress)
-                known |= {one.added: one for one in more}
-                asked += more
+    for anew, which in ((anew, which) for anew in (False, True) for which in _ids(at)):
+        # What changed may stand beside others than it was asked beside
+        if (len(at.effects) < 2 or anew) and {*_ids(known[which].at)} == {*_ids(at)} - {which}:
+            continue
+        found = known[which]
+        added = next(one for one in at.effects if one.named.id == which)
+        left = tuple(one for one in at.effects if one is not added)
+        problem = data.problem(left)
+        try:
+            rest = recentred(data, Candidate(effects=left, fit=nearby(problem, FITTED, at.fit.by_name), problem=problem))
+        except CheckFailed:  # there is nothing to hold it against
+            continue
+        evidence = at.fit.log_evidence - rest.fit.log_evidence
+        if evidence < evidence_threshold(added.named.family):
+            at = rest
+            continue
+        last = replace(at, effects=(*left, added))
+        there = CandidateFit(id=which, candidate=last, evidence=evidence, goodness=goodness_of_fit(at.fit, at.problem))
+        # Others whose evidence was a good part of the best
+        near = [one for one in found.tried if one.id not in _ids(at) and one.evidence >= RIVAL_SHARE * found.tried[0].evidence]
+        progress(f"asking {which} and {len(near[:RIVALS])} others once more", 0.95)
+        tried = [there]
+        for one in near[:RIVALS]:
+            rival = candidate_fit(rest, _fit_in_place(data, at, rest, _at_sizes(one.added, added)))
+            if in_band(data, rival) and (is_accepted(rival) or rival.evidence <= evidence):
+                tried.append(rival)
+        tried = ranked(tried)
+        stands = goodness_of_fit(rest.fit, rest.problem)
+        again = replace(found, at=rest, goodness=stands, tried=tuple(tried), added=tried[0].id, reconsidered=which)
+        at = at if tried[0] is there else tried[0].candidate
+        known[again.added] = again
+        asked.append(again)
     return at, tuple(asked)
+
+
+def _fit_in_place(data: Study, at: Candidate, rest: Candidate, added: Added) -> Candidate:
+    """`rest` with the effect `added` as well, from where `at` ended with another in its place."""
+    effects = (*rest.effects, added)
+    problem = data.problem(effects)
+    same = {one.name for one in at.fit.parameters if (new := problem.by_name.get(one.name)) and new.kind == one.kind}
+    start = {which: x for which, x in _offsets_in(problem, at.fit).items() if which in same} | _start(data, added)
+    return recentred(data, Candidate(effects=effects, fit=child(problem, FITTED, rest.fit, start), problem=problem))
 
 
 def _ids(of: Candidate) -> tuple[str, ...]:
     return tuple(one.named.id for one in of.effects)
-
-
-def _reconsidered(data: Study, at: Candidate, found: SearchStep, progress: Progress) -> tuple[Candidate, tuple[SearchStep, ...]]:
-    """`at` with the effect of step `found` under its best name, and the fits of that; or without it."""
-    added = next(one for one in at.effects if one.named.id == found.added)
-    left = tuple(one for one in at.effects if one is not added)
-    problem = data.problem(left)
-    try:
-        rest = recentred(data, Candidate(effects=left, fit=nearby(problem, FITTED, at.fit.by_name), problem=problem))
-    except CheckFailed:  # there is nothing to hold it against
-        return at, ()
-    evidence = at.fit.log_evidence - rest.fit.log_evidence
-    if evidence < evidence_threshold(added.named.family):
-        return rest, ()
-    last = replace(at, effects=(*left, added))
-    there = CandidateFit(id=found.added, candidate=last, evidence=evidence, goodness=goodness_of_fit(at.fit, at.problem))
-    # Others whose evidence was a good part of the best
-    near = [one for one in found.tried if one.id not in _ids(at) and one.evidence >= RIVAL_SHARE * found.tried[0].evidence]
-    rivals = near[:RIVALS]
-    progress(f"asking {found.added} and {len(rivals)} others once more", 0.95)
-    others = [candidate_fit(rest, fit_in_place(data, at, rest, _at_sizes(one.added, added))) for one in rivals]
-    may = [one for one in others if in_band(data, one) and (is_accepted(one) or one.evidence <= evidence)]
-    tried = tuple(ranked([there, *may]))
-    stands = goodness_of_fit(rest.fit, rest.problem)
-    again = replace(found, at=rest, goodness=stands, tried=tried, added=tried[0].id, reconsidered=found.added)
-    return at if tried[0] is there else tried[0].candidate, (again,)
 
 
 MOST_EFFECTS = 3

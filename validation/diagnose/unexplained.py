@@ -32,8 +32,8 @@ from validation.diagnose.unexplained_fit import (
 from validation.diagnose.unexplained_places import (
     AXIS,
     CHANNEL,
+    CROSSTALK,
     GROUP,
-    HEARD,
     JOINT,
     KINDS,
     LOCATION,
@@ -44,8 +44,8 @@ from validation.diagnose.unexplained_places import (
     PlaceFamily,
     Spanned,
     SuspectedPlace,
+    crosstalk,
     families,
-    heard,
     spans,
 )
 from validation.estimation.screening import Products
@@ -138,8 +138,10 @@ def ranked(candidate: Candidate, data: Sequence[Swallowing]) -> list[Explanation
             )
             for family in families(of, offsets, loads)
         ]
-        for k, (places, course, answers) in enumerate(heard(of, offsets)):
-            scores.append(PlaceScores(key=f"{HEARD} {k}", data_set=of.of.name, courses=(course,), places=places, answers=answers))
+        for k, (places, course, answers) in enumerate(crosstalk(of, offsets)):
+            scores.append(
+                PlaceScores(key=f"{CROSSTALK} {k}", data_set=of.of.name, courses=(course,), places=places, answers=answers)
+            )
         for each in scores:
             told.setdefault(each.key, []).append(each)
     found: list[Explanation] = []
@@ -200,7 +202,7 @@ OF_PARTS: Mapping[str, tuple[str, str]] = MappingProxyType(
 def sentence(found: Explanation, resonance: float | None = None) -> str:
     """Where, and what it looks like, without a full stop; `resonance` [Hz] of the mode that it names."""
     place, course, kind = found.place, found.course, found.place.kind
-    heard_axis = f"load {place.load}" if place.load else f"motion {place.motion}"
+    axis = f"load {place.load}" if place.load else f"motion {place.motion}"
     of_size, how = _of_size(found), f"as {course.text}{_of_size(found)}"
     if kind in (PAIR, SPAN) and course.looks_like != RESONANCE:
         how = f"like a {course.looks_like}{of_size}: it {course.text}"
@@ -214,11 +216,11 @@ def sentence(found: Explanation, resonance: float | None = None) -> str:
             how = f"like {course.text}{'' if course.looks_like == MASS else f' to {place.to}'}{of_size}"
     elif kind == JOINT:
         where = f"between cover plate and article, along {' and '.join((place.motion, *(one for _, one in place.others)))}"
-    elif kind == HEARD:
-        where = f"{place.channels[0]} hears {place.channels[1] if len(place.channels) > 1 else heard_axis}"
+    elif kind == CROSSTALK:
+        where = f"{place.channels[0]} hears {place.channels[1] if len(place.channels) > 1 else axis}"
         how = f"{course.text}{of_size}"
     elif kind == AXIS:
-        where = f"{heard_axis} as the channels tell it"
+        where = f"{axis} as the channels tell it"
     elif kind == SPAN:
         others = ", ".join(f"{MOTIONS[LOADS.index(load)]} and {motion}" for load, motion in place.others)
         with_others = f", with {others}" if others else ""
@@ -254,7 +256,7 @@ def _size(found: Explanation) -> tuple[float | None, str]:
         return found.size, course.unit
     if place.kind == PART:
         return None, ""
-    if place.kind == HEARD:
+    if place.kind == CROSSTALK:
         return (found.size, place.unit) if place.unit else (None, "")
     return found.size, "1" if course.unit == "kg" else course.unit
 
@@ -355,7 +357,7 @@ def described(candidate: Candidate) -> Leftover:
         if frequency is None and nuisances is not None and nuisances.configuration == configuration:
             frequency = float(nuisances.frequency[int(mode) - 1])
     size, unit = _size(best)
-    hears = best.place.kind == HEARD
+    hears = best.place.kind == CROSSTALK
     return Leftover(
         text=f"{sentence(best, frequency)}. That is {min(share, 1):.0%} of what is left.",
         looks_like=best.course.looks_like or OF_PARTS[family_name][0],

@@ -3,7 +3,7 @@ what columns of places times courses would gain."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,6 +49,32 @@ class Whitened:
     basis: ComplexArray | None
     inputs: ComplexArray
 
+    @classmethod
+    def of(cls, candidate: Candidate, one: Prediction) -> Whitened:
+        """The data set of `one` at the lines of the fit of `candidate`."""
+        lines = candidate.problem.lines_of(one)
+        offsets = {**candidate.problem.start, **candidate.fit.by_name}
+        seen, predicted = observed(one.measured, lines), one.at(offsets, lines, derivatives=True)
+        w = seen.weight(FLOOR, predicted.noise)
+        A = np.broadcast_to(predicted.rows, (len(seen.runs), *predicted.rows.shape[-3:]))
+        basis: ComplexArray | None = None
+        if seen.inputs is not None:
+            u = seen.inputs
+            values = np.asarray(w * (seen.values - (A @ u[..., None])[..., 0]))
+        else:
+            values, basis, u = (np.stack(each) for each in zip(*map(eliminated, A, seen.values, w), strict=True))
+        return cls(
+            prediction=one,
+            lines=lines,
+            frequency=one.measured.frequency[lines],
+            seen=seen,
+            predicted=predicted,
+            weight=w,
+            values=values,
+            basis=basis,
+            inputs=np.asarray(u),
+        )
+
     @property
     def name(self) -> str:
         """Of the data set."""
@@ -68,33 +94,6 @@ class Whitened:
         if self.basis is not None:
             whole -= self.basis @ (self.basis[:, :, channels].conj().swapaxes(-1, -2) @ white)
         return whole
-
-
-def whitened(of: Candidate) -> Iterator[Whitened]:
-    """Every data set of `of` at the lines of its fit."""
-    offsets = {**of.problem.start, **of.fit.by_name}
-    for one in of.problem.predictions:
-        lines = of.problem.lines_of(one)
-        seen, predicted = observed(one.measured, lines), one.at(offsets, lines, derivatives=True)
-        w = seen.weight(FLOOR, predicted.noise)
-        A = np.broadcast_to(predicted.rows, (len(seen.runs), *predicted.rows.shape[-3:]))
-        basis: ComplexArray | None = None
-        if seen.inputs is not None:
-            u = seen.inputs
-            values = np.asarray(w * (seen.values - (A @ u[..., None])[..., 0]))
-        else:
-            values, basis, u = (np.stack(each) for each in zip(*map(eliminated, A, seen.values, w), strict=True))
-        yield Whitened(
-            prediction=one,
-            lines=lines,
-            frequency=one.measured.frequency[lines],
-            seen=seen,
-            predicted=predicted,
-            weight=w,
-            values=values,
-            basis=basis,
-            inputs=np.asarray(u),
-        )
 
 
 # How an unexplained residual may go with frequency: the few ways in which physics does.
@@ -217,8 +216,8 @@ OF_JOINTS = (
 TILTING = FrequencyLaw(looks_like=TILT, text="gravity that a tilt adds", of=_power(1, -2), unit="m/s^2")
 """Of accelerometers that tilt with what they sit on: they read it once too often, or not at all."""
 
-HEARD_PLAINLY = FrequencyLaw(looks_like=GAIN, text="the same share at all frequencies", of=_power(1, 0))
-HEARD_FALLING = FrequencyLaw(
+CROSSTALK_CONSTANT = FrequencyLaw(looks_like=GAIN, text="the same share at all frequencies", of=_power(1, 0))
+CROSSTALK_FALLING = FrequencyLaw(
     looks_like=TILT, text="falls with the square of frequency, as gravity on a tilting sensor", of=_power(1, -2)
 )
 
@@ -311,7 +310,7 @@ class Gains:
 
 def swallowing(candidate: Candidate) -> list[Swallowing]:
     """Of all data sets of `candidate`, with the parameters of its fit that could move."""
-    fit, data = candidate.fit, list(whitened(candidate))
+    fit, data = candidate.fit, [Whitened.of(candidate, one) for one in candidate.problem.predictions]
     at = np.flatnonzero(np.diag(fit.covariance) > 0)
     R, free = root(fit.covariance[np.ix_(at, at)]), tuple(fit.parameters[k] for k in at)
     cost = cost_of(candidate.problem, free, FLOOR, fit.by_name)

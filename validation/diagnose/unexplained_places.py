@@ -15,9 +15,9 @@ from geometry.frames import Array, rigid_transformation_6
 from geometry.inertia import LOADS
 from geometry.sensors import Channel
 from validation.diagnose.unexplained_fit import (
+    CROSSTALK_CONSTANT,
+    CROSSTALK_FALLING,
     FREQUENCIES,
-    HEARD_FALLING,
-    HEARD_PLAINLY,
     LEAST,
     OF_JOINTS,
     OF_PAIRS,
@@ -38,8 +38,8 @@ from validation.estimation.screening import Products
 from validation.prediction import dynamic_mass
 from validation.prediction.series import SeriesPrediction
 
-CHANNEL, GROUP, PAIR, LOCATION, JOINT, PART, HEARD, SPAN, AXIS = KINDS = (
-    *("channel", "group", "pair", "location", "joint", "part", "heard", "span", "axis"),
+CHANNEL, GROUP, PAIR, LOCATION, JOINT, PART, CROSSTALK, SPAN, AXIS = KINDS = (
+    *("channel", "group", "pair", "location", "joint", "part", "crosstalk", "span", "axis"),
 )
 """A channel; a group of channels; a pair of axes; a place of the article; the joint under it; a part or a mode; a channel and
 what it hears; several pairs of axes at once; the load or the motion of one axis as channels tell it. The plainest first."""
@@ -314,27 +314,27 @@ class Readings:
     def unit(self, own: tuple[int, int], k: int) -> str:
         """Of a reading of dimensions `own` per unit of what is heard in place k."""
         kg, m = own[0] - self.dimensions[k][0], own[1] - self.dimensions[k][1]
-        powers = (("kg", kg), ("m", m), ("s", -2 if self.course is HEARD_FALLING else 0))
+        powers = (("kg", kg), ("m", m), ("s", -2 if self.course is CROSSTALK_FALLING else 0))
         above = " ".join(f"{name}^{power}" if power > 1 else name for name, power in powers if power > 0) or "1"
         below = " ".join(f"{name}^{-power}" if power < -1 else name for name, power in powers if power < 0)
         return above if not below else f"{above}/({below})" if " " in below else f"{above}/{below}"
 
 
-def heard(of: Swallowing, offsets: Offsets) -> Iterator[tuple[tuple[SuspectedPlace, ...], FrequencyLaw, Answers]]:
+def crosstalk(of: Swallowing, offsets: Offsets) -> Iterator[tuple[tuple[SuspectedPlace, ...], FrequencyLaw, Answers]]:
     """Every channel that hears a motion, a load, or another channel."""
     at, prediction, names = of.of, of.of.prediction, of.of.prediction.measured.channels
     own = tuple(DIMENSIONS[one.quantity] for one in _table(prediction)) or ((0, 0),) * at.values.shape[-1]
-    others = tuple(SuspectedPlace(kind=HEARD, channels=(name,)) for name in names)
-    sources = [Readings(course=HEARD_PLAINLY, places=others, dimensions=own, values=predicted(of))]
+    others = tuple(SuspectedPlace(kind=CROSSTALK, channels=(name,)) for name in names)
+    sources = [Readings(course=CROSSTALK_CONSTANT, places=others, dimensions=own, values=predicted(of))]
     if isinstance(prediction, SeriesPrediction):
         u, H = at.inputs, prediction.dynamic_mass(offsets, np.searchsorted(prediction.measured.frequency, at.frequency))
-        motions = tuple(SuspectedPlace(kind=HEARD, motion=one) for one in MOTIONS)
-        axes = (*motions, *(SuspectedPlace(kind=HEARD, load=one) for one in LOADS))
+        motions = tuple(SuspectedPlace(kind=CROSSTALK, motion=one) for one in MOTIONS)
+        axes = (*motions, *(SuspectedPlace(kind=CROSSTALK, load=one) for one in LOADS))
         moved, loaded = ((0, 1),) * 3 + ((0, 0),) * 3, ((1, 1),) * 3 + ((1, 2),) * 3
         both = np.concatenate([u, (H @ u[..., None])[..., 0]], axis=-1)
-        sources.append(Readings(course=HEARD_PLAINLY, places=axes, dimensions=(*moved, *loaded), values=both))
-        falling = u * HEARD_FALLING.of(2 * np.pi * at.frequency)[:, None]
-        sources.append(Readings(course=HEARD_FALLING, places=motions, dimensions=moved, values=falling))
+        sources.append(Readings(course=CROSSTALK_CONSTANT, places=axes, dimensions=(*moved, *loaded), values=both))
+        falling = u * CROSSTALK_FALLING.of(2 * np.pi * at.frequency)[:, None]
+        sources.append(Readings(course=CROSSTALK_FALLING, places=motions, dimensions=moved, values=falling))
     for one in sources:
         for c, name in enumerate(names):
             kept = [k for k, place in enumerate(one.places) if name not in place.channels]

@@ -14,7 +14,6 @@ from geometry.errors import BadInput
 from validation.compare.compare import mapped_all, modes_of
 from validation.diagnose import diagnose
 from validation.diagnose import diagnosis as diagnose_diagnosis
-from validation.diagnose.classical import MeasurementInput, Needed, SwingAnswer
 from validation.diagnose.classical_tests import SURE
 from validation.diagnose.diagnose import ready
 from validation.diagnose.diagnosis import (
@@ -29,7 +28,10 @@ from validation.diagnose.diagnosis import (
     Detectable,
     Diagnosis,
     EffectEstimate,
+    MeasurementInput,
+    Needed,
     ReportedStep,
+    SwingAnswer,
     headline,
 )
 from validation.diagnose.diagnosis import asked as asked_for
@@ -847,7 +849,8 @@ def prepared(asked: Options, *, quiet: bool = True) -> Study:
     with stages("reading", quiet=quiet) as told:
         model, data = ready(asked, told)
         made = Study.of(model, data, asked, told)
-    require_levels(made, asked.candidates)
+    for text in asked.candidates:
+        require_levels(made, text)
     return made
 
 

@@ -58,7 +58,7 @@ def asked(
 
     monkeypatch.setattr(search, "nearby", lambda problem, free, offsets: None)
     monkeypatch.setattr(search, "recentred", without)
-    monkeypatch.setattr(search, "fit_in_place", instead)
+    monkeypatch.setattr(search, "_fit_in_place", instead)
     monkeypatch.setattr(search, "is_significant", lambda of: True)
     monkeypatch.setattr(search, "in_band", lambda bench, one: one.id != GONE)
     monkeypatch.setattr(search, "goodness_of_fit", lambda fit, problem: STANDS)

@@ -12,8 +12,8 @@ from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
 from validation.classical.pendulum import rope_pendulum
-from validation.diagnose.classical import SwingAnswer, answering, candidates, judged, observed, pendulum_candidates
-from validation.diagnose.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN
+from validation.diagnose.classical import answering, candidates, judged, observed, pendulum_candidates
+from validation.diagnose.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN, SwingAnswer
 from validation.diagnose.pendulum import only_classical
 from validation.effects.catalogue import FAMILIES, parse_all
 from validation.effects.stages import PendulumSwing as Stage

@@ -145,6 +145,5 @@ def test_an_unknown_effect_is_told_with_what_its_own_fit_leaves(monkeypatch: pyt
 
 def test_each_of_several_is_confirmed_by_what_the_catalogue_knows(made: Made) -> None:
     both = made("several").accepted
-    found: Any = SimpleNamespace(effects=both)
-    advised = diagnose.advice(BENCH, SEVERAL, None, found, lambda share: None)  # type: ignore[arg-type]
-    assert [one.test for one in advised] == [f"to confirm {one.id}: {one.confirmed_by}" for one in both]
+    told = [one.test for one in diagnosis.confirming(one.named for one in both)]
+    assert told == [f"to confirm {one.id}: {one.confirmed_by}" for one in both]
