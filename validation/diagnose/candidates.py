@@ -54,7 +54,7 @@ RESONATOR = ("m", "f", "zeta")
 
 TINY = 1e-6
 """[kg] Mass of a resonator that does next to nothing; a step of its logarithm is then linear. Set by the development draws of
-`make blind`, exercised by tests/validation/diagnosing/test_dictionary.py."""
+`make blind`, exercised by tests/validation/diagnosing/test_candidates.py."""
 
 TINY_AT = {"m": TINY, "f": 1000.0, "zeta": 0.02}
 
@@ -201,14 +201,14 @@ DAMPING = (0.005, 0.02, 0.08)
 
 BEYOND = 1.15
 """[factor] by which the resonators that are looked up reach beyond the band at either end. Held by
-tests/validation/diagnosing/test_dictionary.py."""
+tests/validation/diagnosing/test_candidates.py."""
 
 PER_OCTAVE = 24
 """[count] of frequencies in an octave at which a resonator is looked up. Set by the development draws of `make blind`."""
 
 OCCAM = 4.0
 """[nats] that three sizes which are known to a factor cost at least, where the data tell them well. Set by the development draws
-of `make blind`, exercised by tests/validation/diagnosing/test_dictionary.py."""
+of `make blind`, exercised by tests/validation/diagnosing/test_candidates.py."""
 
 
 SAME_DIRECTION = 0.02

@@ -51,8 +51,8 @@ from validation.prediction.effects import name
 from validation.study import Data, Options, Study, read
 
 LEFT = 60.0
-"""[nats] that something describable may gain of a model that misses nothing; of nulls the best of thousands gains 10 to 17.
-Set by the development draws of `make blind`."""
+"""[nats] that something describable may gain of a model that misses nothing; of nulls the best of thousands gains 10 to 17. Set
+by the development draws of `make blind`."""
 
 LINES = 200
 """[count] of lines of all data sets together at which what is unexplained is looked at. Set by the development draws of `make
@@ -326,7 +326,7 @@ OPTION = "--candidate"
 
 FEWEST_RUNS = 2
 """[count] of runs of all campaigns together: what one teaches another must confirm. Exercised by
-tests/validation/diagnosing/command/test_bad_input.py."""
+tests/validation/diagnosing/test_command.py."""
 
 OTHERWISE = {
     effect.MISTAKE: "Leave it out: mistakes are looked for in every diagnosis, before any fit",

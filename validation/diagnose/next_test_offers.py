@@ -106,7 +106,7 @@ OTHERS = (
 )
 
 TURNS = ((90.0, 2.0), (180.0, 2.0))
-"""[deg], [h] Turns about z, and the work of each. Exercised by tests/validation/diagnosing/advisor/test_advised.py."""
+"""[deg], [h] Turns about z, and the work of each. Exercised by tests/validation/diagnosing/test_next_test.py."""
 
 
 def named(of: Template | str) -> str:
@@ -224,18 +224,17 @@ def classical(templates: Sequence[Template], there: Sequence[Fact]) -> Iterator[
 
 
 LOWEST = 2.0
-"""[Hz] that a shaker of the kind can be driven down to. Exercised by tests/validation/diagnosing/advisor/test_advised.py."""
+"""[Hz] that a shaker of the kind can be driven down to. Exercised by tests/validation/diagnosing/test_next_test.py."""
 
 HIGHEST = 50.0
 """[Hz] that it can be driven up to; above it a model's modes count as computed. Exercised by
-tests/validation/diagnosing/advisor/test_advised.py."""
+tests/validation/diagnosing/test_next_test.py."""
 
 FINER = 0.05
-"""[Hz] between lines at the low end. Exercised by tests/validation/diagnosing/advisor/test_advised.py."""
+"""[Hz] between lines at the low end. Exercised by tests/validation/diagnosing/test_next_test.py."""
 
 HALF_LEVEL = 0.5
-"""[share] of the level of a run at which a second one is offered. Exercised by
-tests/validation/diagnosing/advisor/test_advised.py."""
+"""[share] of the level of a run at which a second one is offered. Exercised by tests/validation/diagnosing/test_next_test.py."""
 
 
 # Tests of the menu in which a known mass is added to what was tested.
@@ -244,17 +243,17 @@ tests/validation/diagnosing/advisor/test_advised.py."""
 CORNER = "cover-1"
 
 ON_PLATE = 5.0
-"""[kg] that is put on the corner of the cover plate. Exercised by tests/validation/diagnosing/advisor/test_advised.py."""
+"""[kg] that is put on the corner of the cover plate. Exercised by tests/validation/diagnosing/test_next_test.py."""
 
 ON_ARTICLE = 0.5
-"""[kg] that is put on a place of the article. Exercised by tests/validation/diagnosing/advisor/test_advised.py."""
+"""[kg] that is put on a place of the article. Exercised by tests/validation/diagnosing/test_next_test.py."""
 
 HOURS = 1.0
-"""[h] that putting a mass on takes. Exercised by tests/validation/diagnosing/advisor/test_advised.py."""
+"""[h] that putting a mass on takes. Exercised by tests/validation/diagnosing/test_next_test.py."""
 
 PLACES_OF_A_MASS = 2
 """[count] of places of an article at which a mass is offered at most. Exercised by
-tests/validation/diagnosing/advisor/test_advised.py."""
+tests/validation/diagnosing/test_next_test.py."""
 
 
 def loaded(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[OfferedTest]:
@@ -301,11 +300,10 @@ WHERE = ("accelerometer-position", "accelerometer-misalignment")
 
 INWARDS = 0.6
 """[share] of its distance from the middle of its group to which an accelerometer is moved. Exercised by
-tests/validation/diagnosing/advisor/test_expected.py."""
+tests/validation/diagnosing/test_next_test.py."""
 
 PARALLEL = 0.99
-"""[1] Cosine between two directions that are the same to a hand. Exercised by
-tests/validation/diagnosing/advisor/test_expected.py."""
+"""[1] Cosine between two directions that are the same to a hand. Exercised by tests/validation/diagnosing/test_next_test.py."""
 
 TILTED = ("gravity", "accelerometer-tilt", "cable")
 """Families that look like a tilt."""
@@ -389,7 +387,7 @@ CHANGED: Mapping[str, str] = MappingProxyType(
 
 LEFT_AFTER_TORQUING = 0.5
 """[share] of an effect that is taken to be left when bolts were torqued again. Exercised by
-tests/validation/diagnosing/advisor/test_expected.py."""
+tests/validation/diagnosing/test_next_test.py."""
 
 
 # The menu: every test that could be offered after the present data. What is in them already is not offered.

@@ -65,13 +65,13 @@ from validation.study import Study
 
 
 NOTEWORTHY = 1e-2
-"""[probability] of a misfit below which it is said. Exercised by tests/validation/diagnosing/test_swings.py."""
+"""[probability] of a misfit below which it is said. Exercised by tests/validation/diagnosing/test_classical.py."""
 
 RARE = 1e-6
-"""[probability] of a misfit below which no figure is said. Exercised by tests/validation/diagnosing/test_swings.py."""
+"""[probability] of a misfit below which no figure is said. Exercised by tests/validation/diagnosing/test_classical.py."""
 
 FREQUENT = 0.5
-"""[probability] of a misfit above which no figure is said. Exercised by tests/validation/diagnosing/test_swings.py."""
+"""[probability] of a misfit above which no figure is said. Exercised by tests/validation/diagnosing/test_classical.py."""
 
 
 def answer(found: ClassicalVerdict, facts: Sequence[MeasurementComparison]) -> str:
@@ -132,11 +132,11 @@ TRYING = 0.5
 
 OTHERS = 15.0
 """[nats] behind the best within which another explanation is worth a test that excludes it. Exercised by
-tests/validation/diagnosing/test_swings.py."""
+tests/validation/diagnosing/test_classical.py."""
 
 
 STANDS_OUT = 3.0
-"""[sd] from which a measurement is named. Exercised by tests/validation/diagnosing/test_swings.py."""
+"""[sd] from which a measurement is named. Exercised by tests/validation/diagnosing/test_classical.py."""
 
 
 def only_classical(
@@ -253,8 +253,7 @@ def _cause(one: ClassicalCandidateFit, of: ClassicalVerdict) -> Cause:
 FAMILY = "rigid-inertia"
 
 DISAGREE = 4.0
-"""[sd] from which a fact and the campaigns contradict each other. Exercised by
-tests/validation/diagnosing/test_facts_beside_campaigns.py."""
+"""[sd] from which a fact and the campaigns contradict each other. Exercised by tests/validation/diagnosing/test_classical.py."""
 
 
 @dataclass(frozen=True, kw_only=True)

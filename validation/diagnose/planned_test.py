@@ -47,7 +47,7 @@ class Origin:
 
 
 SURE = 100.0
-"""[nats] beyond which one of two is right. Exercised by tests/validation/diagnosing/advisor/test_expected.py."""
+"""[nats] beyond which one of two is right. Exercised by tests/validation/diagnosing/test_next_test.py."""
 
 Moved = Mapping[str, Origin]
 """By name of a parameter in the test; one that is not in it stays what it was."""
@@ -117,14 +117,14 @@ def effects_of(of: Candidate) -> tuple[Added, ...]:
 
 SPACING = 0.2
 """[Hz] between the lines at which a test is predicted: the width over which levels are smoothed. Exercised by
-tests/validation/diagnosing/advisor/test_advised.py."""
+tests/validation/diagnosing/test_next_test.py."""
 
 LINES = 20
 """[count] of lines at which it is compared; they stand for those that a fit would use. Exercised by
-tests/validation/diagnosing/advisor/test_advised.py."""
+tests/validation/diagnosing/test_next_test.py."""
 
 RUNS = 6
-"""[count] of runs that a test is taken to have at most. Exercised by tests/validation/diagnosing/advisor/test_advised.py."""
+"""[count] of runs that a test is taken to have at most. Exercised by tests/validation/diagnosing/test_next_test.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

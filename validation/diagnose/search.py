@@ -55,14 +55,14 @@ SIGNIFICANT = 2.0
 SCATTER = 3.0
 """[sd] that chi² per degree of freedom of a null may lie above what noise alone predicts: scatter of chi² and of the noise
 estimate. The model-error floor is a bound that nulls do not use: they read 0.97 to 1.01 of the noise. Set by the development
-draws of `make blind`, exercised by tests/validation/diagnosing/test_goodness_of_fit.py."""
+draws of `make blind`, exercised by tests/validation/diagnosing/test_search.py."""
 
 UNLIKELY = 1e-4
 """[probability] of a sum of z² below which the tolerances pay for something that is missing. Set by the development draws of
-`make blind`, exercised by tests/validation/diagnosing/test_goodness_of_fit.py."""
+`make blind`, exercised by tests/validation/diagnosing/test_search.py."""
 
 ABSURD = 4.8
-"""[sd] of one tolerance, of some four hundred, that is no chance. Held by tests/validation/diagnosing/test_goodness_of_fit.py."""
+"""[sd] of one tolerance, of some four hundred, that is no chance. Held by tests/validation/diagnosing/test_search.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -192,11 +192,11 @@ def _offsets_in(problem: Problem, fit: Fit) -> dict[str, float]:
 # best of them.
 
 SIZE_OCTAVES = np.arange(-6.0, 4.0, 0.5)
-"""[octave] of the prior sd: sizes at which an effect is looked at. Exercised by tests/validation/diagnosing/test_restarts.py."""
+"""[octave] of the prior sd: sizes at which an effect is looked at. Exercised by tests/validation/diagnosing/test_search.py."""
 
 SIZE_SCAN_FLOOR = 0.2
 """[share] Model-error floor of these looks: so coarse that resonances which a tolerance still has to move do not decide.
-Exercised by tests/validation/diagnosing/test_restarts.py."""
+Exercised by tests/validation/diagnosing/test_search.py."""
 
 
 def can_restart(added: Added) -> bool:
@@ -359,12 +359,11 @@ def is_accepted(one: CandidateFit) -> bool:
 
 
 RIVALS = 5
-"""[count] of names at most that an earlier effect is held against. Exercised by
-tests/validation/diagnosing/test_backward_elimination.py."""
+"""[count] of names at most that an earlier effect is held against. Exercised by tests/validation/diagnosing/test_search.py."""
 
 RIVAL_SHARE = 0.25
 """[share] of the evidence of the best that such a name must have brought. Exercised by
-tests/validation/diagnosing/test_backward_elimination.py."""
+tests/validation/diagnosing/test_search.py."""
 
 
 def backward_elimination(
