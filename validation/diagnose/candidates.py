@@ -20,19 +20,8 @@ from geometry.toml_file import nearest
 from validation.diagnose import pendulum
 from validation.diagnose.classical import pendulum_candidates
 from validation.diagnose.diagnosis import Candidate, Detectable, Screened
+from validation.effects import effect
 from validation.effects.catalogue import FAMILIES, Named, There, acts
-from validation.effects.effect import (
-    ACCELERATIONS,
-    BODY_STAGE,
-    CHANNEL_STAGE,
-    FORCES,
-    OPENED,
-    PERIOD_STAGE,
-    STRUCTURE,
-    STRUCTURE_STAGE,
-    SizeSpec,
-    evidence_threshold,
-)
 from validation.estimation.cost import cost_of
 from validation.estimation.fit import FLOOR
 from validation.estimation.problem import EFFECT, FITTED, Fact, Parameter, Prediction, Problem
@@ -44,10 +33,10 @@ from validation.prediction.classical_facts import ArticleFact
 from validation.prediction.series import SeriesPrediction
 from validation.study import Study
 
-SIDES = (STRUCTURE, FORCES, ACCELERATIONS)
+SIDES = (effect.STRUCTURE, effect.FORCES, effect.ACCELERATIONS)
 """What one level of a linear test shows; mistakes and what depends on the level are tested before."""
 
-SHOWN = (STRUCTURE_STAGE, BODY_STAGE, CHANNEL_STAGE, OPENED)
+SHOWN = (effect.STRUCTURE_STAGE, effect.BODY_STAGE, effect.CHANNEL_STAGE, effect.OPENED)
 
 RESONATOR = ("m", "f", "zeta")
 """Keys of the sizes of a resonator."""
@@ -88,9 +77,9 @@ def candidates(data: Study, *, only: Sequence[str] = (), leave_out: Sequence[str
             if named.id not in known and any(acts(named, place) for place in there):
                 acting.append(Added(named=named, fixed=bool(sizes) and all(size.whole for size in sizes)))
     # Parameters that effects without an equation would open; a chain makes them when they are asked for
-    asking = tuple(replace(one, fixed=False) for one in acting if FAMILIES[one.named.family].stage == OPENED)
+    asking = tuple(replace(one, fixed=False) for one in acting if FAMILIES[one.named.family].stage == effect.OPENED)
     opened = {one.name for made in data.made for one in made.with_effects((*data.model.effects, *asking)).parameters}
-    possible = [one for one in acting if FAMILIES[one.named.family].stage != OPENED or one.named.id in opened]
+    possible = [one for one in acting if FAMILIES[one.named.family].stage != effect.OPENED or one.named.id in opened]
     possible += (one for one in pendulum_candidates(pendulum.swings(data, ())) if one.named.id not in known)
     found = [one for one in possible if looked_for(one.named, (), leave_out)]
     for wanted in only:
@@ -132,8 +121,8 @@ ALIAS_SHARE = 1e-3
 blind`."""
 
 
-def aliases(best: Candidate, effect: Added, candidates: Sequence[Added], *, limit: float = ALIAS_SHARE) -> dict[str, float]:
-    """Ids of those of `candidates` that could stand for `effect` of the candidate `best` where its fit ended, with their share.
+def aliases(best: Candidate, added: Added, candidates: Sequence[Added], *, limit: float = ALIAS_SHARE) -> dict[str, float]:
+    """Ids of those of `candidates` that could stand for `added` of the candidate `best` where its fit ended, with their share.
 
     Those that act nowhere on the data are left out, and so are those that `best` has, and those with a larger share than `limit`.
     """
@@ -148,7 +137,7 @@ def aliases(best: Candidate, effect: Added, candidates: Sequence[Added], *, limi
     facts = rows[len(rows) - len(problem.facts) :]
     matrix, prior = cost.data(x).matrix + facts.T @ facts, np.array([own.get(one.name, np.inf) for one in free]) ** -2.0
     place = {one.name: k for k, one in enumerate(free)}
-    (b, *_) = (place[name] for name in names_of(problem, effect.named))
+    (b, *_) = (place[name] for name in names_of(problem, added.named))
     found = {}
     for one in asked:
         c = [place[name] for name in names_of(problem, one.named) if name in place]
@@ -272,7 +261,10 @@ def detectable(screened: Sequence[Screened]) -> tuple[Detectable, ...]:
     """Of every candidate that the data tell at all; switches have no size."""
     found = []
     for one in screened:
-        size, wanted = one.added.named.sizes[0] if one.added.named.sizes else None, evidence_threshold(one.added.named.family)
+        size, wanted = (
+            one.added.named.sizes[0] if one.added.named.sizes else None,
+            effect.evidence_threshold(one.added.named.family),
+        )
         if size is None or all(each.whole for each in one.added.named.sizes):
             continue
         if one.usual is not None:
@@ -304,7 +296,7 @@ def screen(data: Study, at: Candidate, menu: Sequence[Added]) -> tuple[Screened,
     tolerances = in_the_fit(at.fit)
     inside = [one for one in left if one.named.id in tolerances]
     resonators = [one for one in left if is_resonator(one.named)]
-    of_periods = [one for one in left if FAMILIES[one.named.family].stage == PERIOD_STAGE]
+    of_periods = [one for one in left if FAMILIES[one.named.family].stage == effect.PERIOD_STAGE]
     new = [one for one in left if one not in inside and one not in resonators and one not in of_periods]
     found = []
     for one in inside:
@@ -328,7 +320,7 @@ def screen(data: Study, at: Candidate, menu: Sequence[Added]) -> tuple[Screened,
     return tuple(sorted(found, key=lambda one: -one.evidence))
 
 
-def _sized(added: Added, size: SizeSpec, one: Parameter, told: ScoreTest) -> Screened:
+def _sized(added: Added, size: effect.SizeSpec, one: Parameter, told: ScoreTest) -> Screened:
     """`added` at the size that `told` says, within what its family allows."""
     low, high = effects.bounds(one, size)
     if size.whole:

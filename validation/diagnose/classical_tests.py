@@ -22,17 +22,7 @@ from geometry.toml_file import exact, tagged
 from identification import request
 from identification.quality import NORMAL_95
 from validation.classical.pendulum import CompoundSwing, RecordedSwing, RopeSwing, TorsionSwing
-from validation.diagnose.classical import (
-    DEGREE,
-    ClassicalCandidateFit,
-    InterpolatedCurve,
-    ObservedFacts,
-    at_prior_sd,
-    evidence,
-    inverse_covariance,
-    observed,
-    shifted,
-)
+from validation.diagnose import classical
 from validation.diagnose.diagnosis import Advice
 from validation.effects.effect import INDISTINGUISHABLE_NATS
 from validation.effects.practical_units import said
@@ -94,7 +84,7 @@ class PossibleMeasurement:
     told: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
 
-def menu(of: ObservedFacts) -> tuple[PossibleMeasurement, ...]:
+def menu(of: classical.ObservedFacts) -> tuple[PossibleMeasurement, ...]:
     """What could be measured beside what was."""
     swings = [n for n, fact in enumerate(of.facts) if fact.swing is not None]
     offered: list[PossibleMeasurement] = []
@@ -102,7 +92,7 @@ def menu(of: ObservedFacts) -> tuple[PossibleMeasurement, ...]:
         base = of.facts[max(swings, key=lambda n: abs(of.left[n]) / of.deviation[n])]
         swing = _swing(base)
         shares, pendulum = {**base.shares}, swing.pendulum
-        acting = {one for one in DIRECTLY if classical_facts.acts(at_prior_sd(one), swing)}
+        acting = {one for one in DIRECTLY if classical_facts.acts(classical.at_prior_sd(one), swing)}
         if classical_facts.AMPLITUDE in acting:
             half = {**shares, classical_facts.AMPLITUDE: HALF * shares.get(classical_facts.AMPLITUDE, 1.0)}
             offered.append(_offer("swing it once more, half as wide", another(base, pendulum, shares=half)))
@@ -239,8 +229,8 @@ class _Expected:
     covariance : (n, n) of measurements and test
     """
 
-    rivals: tuple[ClassicalCandidateFit, ...]
-    curves: tuple[InterpolatedCurve, ...]
+    rivals: tuple[classical.ClassicalCandidateFit, ...]
+    curves: tuple[classical.InterpolatedCurve, ...]
     covariance: Array
 
     @property
@@ -251,10 +241,13 @@ class _Expected:
     @cached_property
     def told(self) -> Array:
         """(k, k) evidence, were the first true, of the second, without noise."""
-        precision = inverse_covariance(self.covariance)
+        precision = classical.inverse_covariance(self.covariance)
         pairs = list(zip(self.rivals, self.curves, strict=True))
         return np.array(
-            [[evidence(curve, one.answering.plausible, left, precision) for one, curve in pairs] for left in self.truths]
+            [
+                [classical.evidence(curve, one.answering.plausible, left, precision) for one, curve in pairs]
+                for left in self.truths
+            ]
         )
 
     @property
@@ -266,21 +259,21 @@ class _Expected:
         others = [np.logaddexp.reduce(np.delete(row, k)) - np.log(len(row) - 1) for k, row in enumerate(told)]
         return np.asarray(np.clip(np.diag(told) - np.array(others), -SURE, SURE))
 
-    def with_test(self, of: ObservedFacts, trial: PossibleMeasurement) -> _Expected | None:
+    def with_test(self, of: classical.ObservedFacts, trial: PossibleMeasurement) -> _Expected | None:
         """With what each says of `trial` behind it; None where one of them has no answer to that."""
-        more, points = observed(trial.facts, of.own), chebyshev.chebpts1(DEGREE + 1)
+        more, points = classical.observed(trial.facts, of.own), chebyshev.chebpts1(classical.DEGREE + 1)
         curves = []
         for one in self.rivals:
             low, high, family = one.curve.low, one.curve.high, one.candidate.added.named.family
             sizes = 0.5 * (low + high) + 0.5 * (high - low) * points
             told = np.array([[size * (name == family) for name in trial.told] for size in sizes])
             try:
-                answers = shifted(more, one.candidate.added, sizes)
+                answers = classical.shifted(more, one.candidate.added, sizes)
             except (BadInput, ValueError):
                 return None
             values = np.concatenate([answers, told.reshape(len(sizes), len(trial.told))], axis=1)
-            coefficients = np.concatenate([one.curve.coefficients, chebyshev.chebfit(points, values, DEGREE)], axis=1)
-            curves.append(InterpolatedCurve(low=low, high=high, coefficients=coefficients))
+            coefficients = np.concatenate([one.curve.coefficients, chebyshev.chebfit(points, values, classical.DEGREE)], axis=1)
+            curves.append(classical.InterpolatedCurve(low=low, high=high, coefficients=coefficients))
         every = covariance([fact.spread for fact in (*of.facts, *trial.facts)])
         n, m = len(every), len(trial.told)
         C = np.zeros((n + m, n + m))
@@ -289,7 +282,9 @@ class _Expected:
 
 
 def advised_measurements(
-    of: ObservedFacts, rivals: Sequence[ClassicalCandidateFit], progress: Callable[[float], None] | None = None
+    of: classical.ObservedFacts,
+    rivals: Sequence[classical.ClassicalCandidateFit],
+    progress: Callable[[float], None] | None = None,
 ) -> tuple[Advice, ...]:
     """The tests that tell `rivals` apart, the most telling first; of a single one, those that add most to its evidence."""
     if not rivals:

@@ -16,23 +16,7 @@ from geometry.errors import BadInput
 from geometry.toml_file import nearest
 from identification.campaign import Campaign
 from identification.quality import NORMAL_90
-from validation.diagnose import candidates as menu_of
-from validation.diagnose import diagnosis, pendulum, search
-from validation.diagnose.diagnosis import (
-    AMBIGUOUS,
-    MISSING,
-    MISTAKE,
-    NONLINEAR,
-    NOTHING,
-    SEVERAL,
-    UNKNOWN,
-    Candidate,
-    Cause,
-    Diagnosis,
-    EffectEstimate,
-    LevelDifference,
-    ReportedStep,
-)
+from validation.diagnose import candidates, diagnosis, pendulum, search
 from validation.diagnose.mistakes import mistakes
 from validation.diagnose.next_test import advised
 from validation.diagnose.nonlinear import differing_levels, nonlinear
@@ -67,7 +51,7 @@ Progress = Callable[[str, float], None]
 
 def diagnosed(
     of: Study, *, only: Sequence[str] = (), leave_out: Sequence[str] = (), progress: Progress | None = None
-) -> Diagnosis:
+) -> diagnosis.Diagnosis:
     """What the model of a study is missing.
 
     Parameters
@@ -82,28 +66,28 @@ def diagnosed(
     """
     tell = progress or (lambda what, share: None)
     tell("looking for mistakes", 0.0)
-    mistaken = [one for one in mistakes(of) if menu_of.looked_for(one.named, (), leave_out)]
+    mistaken = [one for one in mistakes(of) if candidates.looked_for(one.named, (), leave_out)]
     # A model that makes the same mistakes as the data leaves nothing of them
     known = tuple(Added(named=one.named, fixed=True) for one in mistaken)
     right = replace(of, model=replace(of.model, effects=(*of.model.effects, *known))) if known else of
     linear = [one for one in only if FAMILIES[one.partition(":")[0]].side != effect.AMPLITUDE]
     menu = (
-        menu_of.candidates(right, only=linear, leave_out=leave_out) if linear else ()
+        candidates.candidates(right, only=linear, leave_out=leave_out) if linear else ()
     )  # refuses what could not act, before any fit
     if differing := differing_levels(right):
         found = nonlinear_answer(right, differing, tell, only=only, leave_out=leave_out)
     else:
         tell("fitting the model as it is", 0.0)
         fit = right.all_free(lambda share: tell("fitting the model as it is", share))
-        base = Candidate(effects=(), fit=fit, problem=right.problem())
-        menu = menu if only else menu_of.candidates(right, leave_out=leave_out)
+        base = diagnosis.Candidate(effects=(), fit=fit, problem=right.problem())
+        menu = menu if only else candidates.candidates(right, leave_out=leave_out)
         at, steps = stepwise_search(right, base, menu, tell)
         found = answer(right, at, steps, tell)
     whole = with_mistakes(of, found, mistaken) if mistaken else found
     return replace(whole, only=tuple(only), settings={**whole.settings, "only": list(only), "leave_out": list(leave_out)})
 
 
-def answer(study: Study, found: Candidate, steps: Sequence[SearchStep], progress: Progress) -> Diagnosis:
+def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep], progress: Progress) -> diagnosis.Diagnosis:
     """The diagnosis that the `steps` of a search lead to, which ended at `found`."""
     base, problem = steps[0].at, found.problem
     progress("looking at what is left", 0.0)
@@ -112,14 +96,14 @@ def answer(study: Study, found: Candidate, steps: Sequence[SearchStep], progress
     left = unexplained(found if lines <= LINES else replace(found, problem=problem.sparser(2)))
     best, stands = best_step(found, steps), goodness_of_fit(found.fit, problem)
     if not stands.null or left.gain > LEFT:
-        verdict = UNKNOWN
+        verdict = diagnosis.UNKNOWN
     elif not found.effects:
-        verdict = NOTHING
+        verdict = diagnosis.NOTHING
     elif len(found.effects) > 1:
-        verdict = SEVERAL
+        verdict = diagnosis.SEVERAL
     else:
-        verdict = AMBIGUOUS if len(best.indistinguishable) > 1 else MISSING
-    named = () if verdict == UNKNOWN else found.effects
+        verdict = diagnosis.AMBIGUOUS if len(best.indistinguishable) > 1 else diagnosis.MISSING
+    named = () if verdict == diagnosis.UNKNOWN else found.effects
     before = errors(study, base, lambda share: progress("errors of the model as it is", share))
     after = before
     if named:
@@ -131,8 +115,8 @@ def answer(study: Study, found: Candidate, steps: Sequence[SearchStep], progress
             evidence = found.fit.log_evidence - base.fit.log_evidence
         accepted.append(_cause(one, found, evidence, stands))
     # Tests that would tell apart what is as good as the best; where nothing is, what the catalogue knows to confirm it
-    advice = diagnosis.confirming(one.named for one in found.effects) if verdict in (MISSING, SEVERAL) else ()
-    if verdict == AMBIGUOUS:
+    advice = diagnosis.confirming(one.named for one in found.effects) if verdict in (diagnosis.MISSING, diagnosis.SEVERAL) else ()
+    if verdict == diagnosis.AMBIGUOUS:
         swings = [one.id for one in best.indistinguishable if FAMILIES[one.family].side == effect.PENDULUM]
         rivals = [one.candidate for one in best.indistinguishable[:RIVALS]]
         if len(swings) > 1:  # a shaker tells nothing of ropes
@@ -140,19 +124,19 @@ def answer(study: Study, found: Candidate, steps: Sequence[SearchStep], progress
         else:
             advice = advised(study, rivals, lambda share: progress("looking for the next measurement", share))
     converged = "the fit of what was found did not converge: its sizes are not the last word"
-    return Diagnosis(
+    return diagnosis.Diagnosis(
         verdict=verdict,
-        text=text_of_unknown(found, best, left) if verdict == UNKNOWN else "",
+        text=text_of_unknown(found, best, left) if verdict == diagnosis.UNKNOWN else "",
         accepted=tuple(accepted),
         ranking=_ranking(best),
         equivalence_class=indistinguishable_ids(named, steps),
         advice=advice,
-        leftover=described(base) if verdict == UNKNOWN else None,
-        detectable=menu_of.detectable(steps[-1].screened),
+        leftover=described(base) if verdict == diagnosis.UNKNOWN else None,
+        detectable=candidates.detectable(steps[-1].screened),
         before=before,
         after=after,
         steps=tuple(
-            ReportedStep(
+            diagnosis.ReportedStep(
                 added=one.added,
                 ranking=_ranking(one),
                 misfit=one.goodness.misfit,
@@ -167,7 +151,7 @@ def answer(study: Study, found: Candidate, steps: Sequence[SearchStep], progress
         settings={
             **settings(study),
             **search.SETTINGS,
-            "resonators_beyond_band": menu_of.BEYOND,
+            "resonators_beyond_band": candidates.BEYOND,
             "left_nats": LEFT,
             "misfit_limit": goodness_of_fit(base.fit, base.problem).limit,
             "candidates": len(steps[0].screened),
@@ -193,7 +177,7 @@ def settings(study: Study) -> Mapping[str, object]:
     }
 
 
-def best_step(found: Candidate, steps: Sequence[SearchStep]) -> SearchStep:
+def best_step(found: diagnosis.Candidate, steps: Sequence[SearchStep]) -> SearchStep:
     """The step that says most of what was found: of a single effect the last that took it, of several the last step forward."""
     ids = {one.named.id for one in found.effects}
     mine = [one for one in steps if one.added in ids]
@@ -209,7 +193,7 @@ def indistinguishable_ids(named: Sequence[Added], steps: Sequence[SearchStep]) -
     return tuple(dict.fromkeys(id for group in groups for id in group if len(found) == 1 or len(group) > 1))
 
 
-def text_of_unknown(found: Candidate, best: SearchStep, left: Explanation) -> str:
+def text_of_unknown(found: diagnosis.Candidate, best: SearchStep, left: Explanation) -> str:
     """Why no name will do for an unknown effect."""
     why = goodness_of_fit(found.fit, found.problem).text or f"{left.gain:.0f} nats are left that have no name"
     if found.effects:
@@ -221,11 +205,11 @@ def text_of_unknown(found: Candidate, best: SearchStep, left: Explanation) -> st
     return f"As the model is, {why}. With the closest, {closest.id}, {closest.goodness.text or too_little}"
 
 
-def _ranking(of: SearchStep) -> tuple[Cause, ...]:
+def _ranking(of: SearchStep) -> tuple[diagnosis.Cause, ...]:
     return tuple(_cause(one.added, one.candidate, one.evidence, one.goodness) for one in of.tried)
 
 
-def _cause(added: Added, of: Candidate, evidence: float, stands: GoodnessOfFit) -> Cause:
+def _cause(added: Added, of: diagnosis.Candidate, evidence: float, stands: GoodnessOfFit) -> diagnosis.Cause:
     """An effect of the candidate `of`, its sizes with their 90 % intervals; that of a logarithm is lopsided."""
     spread = np.sqrt(np.maximum(np.diag(of.fit.covariance), 0.0))
     known = {one.name: (one, float(x), float(sd)) for one, x, sd in zip(of.fit.parameters, of.fit.offsets, spread, strict=True)}
@@ -238,8 +222,8 @@ def _cause(added: Added, of: Candidate, evidence: float, stands: GoodnessOfFit) 
             one, x, sd = which
             ends = sorted((one.value(x - NORMAL_90 * sd), one.value(x + NORMAL_90 * sd)))
             low, high = (min(max(end, size.low), size.high) for end in ends)
-        sizes.append(EffectEstimate(key=size.key, value=value, unit=size.unit, low=low, high=high))
-    return Cause(
+        sizes.append(diagnosis.EffectEstimate(key=size.key, value=value, unit=size.unit, low=low, high=high))
+    return diagnosis.Cause(
         named=added.named,
         sizes=tuple(sizes),
         evidence=evidence,
@@ -251,16 +235,16 @@ def _cause(added: Added, of: Candidate, evidence: float, stands: GoodnessOfFit) 
 
 def nonlinear_answer(
     study: Study,
-    levels: Sequence[LevelDifference],
+    levels: Sequence[diagnosis.LevelDifference],
     progress: Progress,
     *,
     only: Sequence[str] = (),
     leave_out: Sequence[str] = (),
-) -> Diagnosis:
+) -> diagnosis.Diagnosis:
     """Where two levels do not give the same, a linear fit fails and names nonsense: which axes depend on the level, and which
     effect that may be, of those that are looked for."""
     found = nonlinear(study, levels, lambda share: progress("two levels do not give the same", share))
-    ranking = tuple(one for one in found if menu_of.looked_for(one.named, only, leave_out))
+    ranking = tuple(one for one in found if candidates.looked_for(one.named, only, leave_out))
     alike = tuple(
         one.id for one in ranking if one.evidence >= max(ranking[0].evidence - INDISTINGUISHABLE_NATS, EVIDENCE_THRESHOLD)
     )
@@ -271,8 +255,8 @@ def nonlinear_answer(
     if named:
         model = replace(study.model, effects=(*study.model.effects, Added(named=named[0].named, fixed=True)))
         after = errors_without_fit(replace(study, model=model), {})
-    return Diagnosis(
-        verdict=NONLINEAR,
+    return diagnosis.Diagnosis(
+        verdict=diagnosis.NONLINEAR,
         text=f"{text}: as {named[0].id} would" if named else text,
         accepted=named,
         ranking=ranking,
@@ -286,16 +270,16 @@ def nonlinear_answer(
     )
 
 
-def with_mistakes(study: Study, found: Diagnosis, mistaken: Sequence[Cause]) -> Diagnosis:
+def with_mistakes(study: Study, found: diagnosis.Diagnosis, mistaken: Sequence[diagnosis.Cause]) -> diagnosis.Diagnosis:
     """`found`, the diagnosis without the mistakes, as one of the data of `study` as they are."""
-    which, nonlinear_too = " and ".join(one.id for one in mistaken), found.verdict == NONLINEAR
+    which, nonlinear_too = " and ".join(one.id for one in mistaken), found.verdict == diagnosis.NONLINEAR
     if nonlinear_too:
         text = f"{found.text}; beside that a mistake in the data: {which}"
     else:
-        text = "" if found.verdict == NOTHING else f"Beside {which}: {found.text or diagnosis.headline(found)}"
+        text = "" if found.verdict == diagnosis.NOTHING else f"Beside {which}: {found.text or diagnosis.headline(found)}"
     return replace(
         found,
-        verdict=NONLINEAR if nonlinear_too else MISTAKE,
+        verdict=diagnosis.NONLINEAR if nonlinear_too else diagnosis.MISTAKE,
         text=text,
         accepted=(*mistaken, *found.accepted),
         ranking=(*mistaken, *found.ranking),
@@ -308,7 +292,7 @@ def with_mistakes(study: Study, found: Diagnosis, mistaken: Sequence[Cause]) -> 
 # The four errors of a candidate, quickly: at every third line, every run held out in turn.
 
 
-def errors(study: Study, of: Candidate, progress: Callable[[float], None] | None = None) -> Evaluation:
+def errors(study: Study, of: diagnosis.Candidate, progress: Callable[[float], None] | None = None) -> Evaluation:
     """Of the candidate `of`, whose fit is known; no configuration is held out."""
     return evaluate(study.whole(of.effects), hold_out=study.hold_out, fitted=of.fit, quick=True, progress=progress)
 

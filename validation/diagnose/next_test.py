@@ -16,8 +16,18 @@ from geometry.frames import Array
 from identification.self_calibration.solve import Normal, inverse, minimise, total
 from validation.diagnose.candidates import candidates, is_resonator, with_candidates
 from validation.diagnose.diagnosis import Advice, Candidate
-from validation.diagnose.next_test_offers import OfferedTest, menu
-from validation.diagnose.planned_test import SURE, Knowledge, PlannedTest, Template, effects_of, knowledge, lines_of, reading
+from validation.diagnose.next_test_offers import (
+    SURE,
+    Knowledge,
+    OfferedTest,
+    PlannedTest,
+    Template,
+    effects_of,
+    knowledge,
+    lines_of,
+    menu,
+    reading,
+)
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS
 from validation.estimation import likelihood

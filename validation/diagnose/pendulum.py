@@ -17,39 +17,8 @@ from geometry.errors import BadInput
 from geometry.inertia import PARAMETERS
 from identification.self_calibration.solve import inverse
 from validation.classical.pendulum import HONEST
-from validation.diagnose.classical import (
-    UNITS,
-    UNLIKELY,
-    ClassicalCandidateFit,
-    ClassicalVerdict,
-    Weighed,
-    answering,
-    candidates,
-    chance,
-    curve,
-    detectable,
-    explains,
-    inverse_covariance,
-    judged,
-    observed,
-    shifted,
-    weighed,
-)
+from validation.diagnose import classical, diagnosis
 from validation.diagnose.classical_tests import advised_measurements, period_per_inertia
-from validation.diagnose.diagnosis import (
-    AMBIGUOUS,
-    MISSING,
-    NOTHING,
-    SEVERAL,
-    UNKNOWN,
-    Advice,
-    Candidate,
-    Cause,
-    EffectEstimate,
-    Leftover,
-    MeasurementComparison,
-    SwingAnswer,
-)
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS
 from validation.effects.practical_units import said
@@ -74,21 +43,21 @@ FREQUENT = 0.5
 """[probability] of a misfit above which no figure is said. Exercised by tests/validation/diagnosing/test_classical.py."""
 
 
-def answer(found: ClassicalVerdict, facts: Sequence[MeasurementComparison]) -> str:
+def answer(found: classical.ClassicalVerdict, facts: Sequence[diagnosis.MeasurementComparison]) -> str:
     """The verdict, what it rests on, and what one number cannot say."""
     text = "Something is missing, and no effect that is known here explains the measurements, alone or in pairs."
-    if found.verdict == NOTHING:
+    if found.verdict == diagnosis.NOTHING:
         text = "Nothing is missing at this data's resolution."
         if found.probability < NOTEWORTHY:
             text = "Nothing can be named at this data's resolution, though the model does not fit well."
-    elif found.verdict == MISSING:
+    elif found.verdict == diagnosis.MISSING:
         (one,) = found.alike
         named = one.candidate.added.named
         meaning = FAMILIES[named.family].sentence.format(target=named.target, targets=" and ".join(named.targets))
         text = f"This is missing: {sized(one)}, {one.found.evidence:.0f} nats. {meaning}"
-    elif found.verdict == AMBIGUOUS:
+    elif found.verdict == diagnosis.AMBIGUOUS:
         # Places of one family together
-        families: dict[str, list[ClassicalCandidateFit]] = {}
+        families: dict[str, list[classical.ClassicalCandidateFit]] = {}
         for one in found.alike:
             named = one.candidate.added.named
             families.setdefault(named.family if named.family == "point-mass" else one.id, []).append(one)
@@ -100,7 +69,7 @@ def answer(found: ClassicalVerdict, facts: Sequence[MeasurementComparison]) -> s
             sizes.append(places if len(many) > 1 else sized(many[0]))
         told = "; ".join(sizes)
         text = f"Something is missing, and these measurements cannot tell what. Each of these explains them: {told}."
-    elif found.verdict == SEVERAL:
+    elif found.verdict == diagnosis.SEVERAL:
         pair = " and ".join(map(sized, found.pair))
         text = f"Two things are missing: {pair}. No one effect by itself explains the measurements."
     # How far the worst measurement is from the model
@@ -121,7 +90,7 @@ def answer(found: ClassicalVerdict, facts: Sequence[MeasurementComparison]) -> s
     )
 
 
-def sized(one: ClassicalCandidateFit) -> str:
+def sized(one: classical.ClassicalCandidateFit) -> str:
     """An effect with its size."""
     found, unit = one.found, one.candidate.size.unit
     return f"{one.id} of {said(found.value, unit)} ({said(found.low, unit)} to {said(found.high, unit)})"
@@ -141,7 +110,7 @@ STANDS_OUT = 3.0
 
 def only_classical(
     model: Model, files: Sequence[str], progress: Callable[[float], None] | None = None, *, only: Sequence[str] = ()
-) -> SwingAnswer:
+) -> diagnosis.SwingAnswer:
     """What `model` is missing, by the measurement `files` alone.
 
     Parameters
@@ -158,11 +127,11 @@ def only_classical(
         problem = "they say nothing of mass, centre of gravity or inertia"
         raise BadInput(source=", ".join(files), problem=problem, remedy="Name a weighing, cog or pendulum file")
     tell = progress or (lambda share: None)
-    of = observed(found, model.effects)
-    answers = answering(of, candidates(found, model.effects, only), lambda share: tell(TRYING * share))
-    verdict = judged(answers, of.left, of.precision, of.of_period)
+    of = classical.observed(found, model.effects)
+    answers = classical.answering(of, classical.candidates(found, model.effects, only), lambda share: tell(TRYING * share))
+    verdict = classical.judged(answers, of.left, of.precision, of.of_period)
     shown = tuple(
-        MeasurementComparison(
+        diagnosis.MeasurementComparison(
             name=fact.name,
             quantity=fact.name.rpartition(": ")[2],
             predicted=fact.value + float(left),
@@ -178,21 +147,21 @@ def only_classical(
     # What a next measurement should tell apart; where nothing is missing, what may hide
     best = verdict.tried[0].found.evidence if verdict.tried else 0.0
     hidden = tuple(one for one in verdict.tried if one.candidate.of_pendulum)
-    near = tuple(one for one in verdict.tried if explains(one, len(of.facts)) and one.found.evidence > best - OTHERS)
-    rivals = {NOTHING: hidden or verdict.tried, AMBIGUOUS: verdict.alike}.get(verdict.verdict, near)
+    near = tuple(one for one in verdict.tried if classical.explains(one, len(of.facts)) and one.found.evidence > best - OTHERS)
+    rivals = {diagnosis.NOTHING: hidden or verdict.tried, diagnosis.AMBIGUOUS: verdict.alike}.get(verdict.verdict, near)
     advice = advised_measurements(of, rivals, lambda share: tell(TRYING + (1 - TRYING) * share))
     # What can be done without a figure for it: what the catalogue says would confirm it, or once more what is odd
-    chosen = {MISSING: verdict.alike, SEVERAL: verdict.pair}.get(verdict.verdict, ())
+    chosen = {diagnosis.MISSING: verdict.alike, diagnosis.SEVERAL: verdict.pair}.get(verdict.verdict, ())
     accepted = tuple(_cause(one, verdict) for one in chosen)
-    advice += tuple(Advice(test=f"to confirm {one.id}: {one.confirmed_by}", gain=0.0) for one in accepted)
+    advice += tuple(diagnosis.Advice(test=f"to confirm {one.id}: {one.confirmed_by}", gain=0.0) for one in accepted)
     against, leftover = of.contradictions([one.unit for one in shown]), None
-    if verdict.verdict == UNKNOWN:
+    if verdict.verdict == diagnosis.UNKNOWN:
         worst = max(shown, key=lambda one: abs(one.sigma))
-        advice += (Advice(test=f"measure the {worst.quantity} again, and note what differs from the others", gain=0.0),)
+        advice += (diagnosis.Advice(test=f"measure the {worst.quantity} again, and note what differs from the others", gain=0.0),)
         sigma = np.abs(of.left) / of.deviation
         odd = ", ".join(of.facts[k].name for k in np.argsort(-sigma) if sigma[k] > STANDS_OUT)
         where = f"what is left stands in {odd}" if odd else "no measurement by itself stands out, all of them together do"
-        leftover = Leftover(text="; ".join((where, *against)), looks_like="irregular")
+        leftover = diagnosis.Leftover(text="; ".join((where, *against)), looks_like="irregular")
     # A size that a file states, and does not correct for, of what explains the measurements
     remarks, named = list(against), {one.candidate.added.named.family for one in (*verdict.alike, *verdict.pair)}
     for family in classical_facts.TERMS.keys() & named:
@@ -201,7 +170,7 @@ def only_classical(
         term = key.replace("_", "-")
         if stated:
             remarks.append(f"the {term} is stated in {stated} and not corrected for: [corrections] {term} = true takes it off")
-    return SwingAnswer(
+    return diagnosis.SwingAnswer(
         title=model.title or model.article,
         source=model.source,
         verdict=verdict.verdict,
@@ -211,31 +180,35 @@ def only_classical(
         equivalence_class=tuple(one.id for one in verdict.alike),
         advice=advice,
         leftover=leftover,
-        detectable=detectable(verdict.tried, of.covariance),
+        detectable=classical.detectable(verdict.tried, of.covariance),
         facts=shown,
         needed=tuple(one.needed(len(of.facts)) for one in verdict.tried),
         readings=of.readings,
         chi2=verdict.chi2,
         measurements=len(of.facts),
         remarks=tuple(remarks),
-        settings={"threshold_nats": EVIDENCE_THRESHOLD, "class_nats": INDISTINGUISHABLE_NATS, "misfit_probability": UNLIKELY},
+        settings={
+            "threshold_nats": EVIDENCE_THRESHOLD,
+            "class_nats": INDISTINGUISHABLE_NATS,
+            "misfit_probability": classical.UNLIKELY,
+        },
     )
 
 
 def _unit(of: ArticleFact) -> str:
-    return UNITS[int(np.argmax(np.abs(of.weights)))]
+    return classical.UNITS[int(np.argmax(np.abs(of.weights)))]
 
 
-def _cause(one: ClassicalCandidateFit, of: ClassicalVerdict) -> Cause:
+def _cause(one: classical.ClassicalCandidateFit, of: classical.ClassicalVerdict) -> diagnosis.Cause:
     degrees = of.measurements - (len(of.pair) if one in of.pair else 1)
     size, found = one.candidate.size, one.found
     named = replace(one.candidate.added.named, values={size.key: found.value})
-    return Cause(
+    return diagnosis.Cause(
         named=named,
-        sizes=(EffectEstimate(key=size.key, value=found.value, unit=size.unit, low=found.low, high=found.high),),
+        sizes=(diagnosis.EffectEstimate(key=size.key, value=found.value, unit=size.unit, low=found.low, high=found.high),),
         evidence=found.evidence,
         misfit=found.chi2 / max(degrees, 1),
-        null=chance(found.chi2, degrees) > UNLIKELY,
+        null=classical.chance(found.chi2, degrees) > classical.UNLIKELY,
     )
 
 
@@ -287,7 +260,7 @@ class Against:
         )
 
 
-def contradictions(data: Study, base: Candidate, found: Candidate) -> tuple[str, ...]:
+def contradictions(data: Study, base: diagnosis.Candidate, found: diagnosis.Candidate) -> tuple[str, ...]:
     """Each fact that contradicts the campaigns by the model as it is, `base`, and whether what was `found` settles it.
 
     Where that model meets all facts, nothing is computed.
@@ -305,7 +278,7 @@ def contradictions(data: Study, base: Candidate, found: Candidate) -> tuple[str,
     return tuple(told)
 
 
-def against(data: Study, at: Candidate) -> tuple[Against, ...]:
+def against(data: Study, at: diagnosis.Candidate) -> tuple[Against, ...]:
     """Every fact about an article that was on the shaker, beside what the campaigns alone say at the fit of `at`."""
     every = (*data.model.effects, *at.effects)
     there, body = (
@@ -357,27 +330,27 @@ def against(data: Study, at: Candidate) -> tuple[Against, ...]:
 # finds.
 
 
-def told(data: Study, at: Candidate, menu: Sequence[Added]) -> list[tuple[Added, Weighed]]:
+def told(data: Study, at: diagnosis.Candidate, menu: Sequence[Added]) -> list[tuple[Added, classical.Weighed]]:
     """Each of `menu`, at the size that it would have on top of the candidate `at`, with what the swings say of it."""
     every = (*data.model.effects, *at.effects)
-    of = observed(swings(data, every), every)
+    of = classical.observed(swings(data, every), every)
     C = np.diag(np.diag(of.covariance))  # as a fit takes them: what tolerances of swings have in common is not in it
     wanted, found = {one.named.id for one in menu}, []
-    for one in candidates(of.facts, every):
+    for one in classical.candidates(of.facts, every):
         if one.id in wanted:
-            answer = curve(partial(shifted, of, one.added), one.low, one.high)
-            size = weighed(answer, one.size.plausible, of.left, inverse_covariance(C))
+            answer = classical.curve(partial(classical.shifted, of, one.added), one.low, one.high)
+            size = classical.weighed(answer, one.size.plausible, of.left, classical.inverse_covariance(C))
             named = replace(one.added.named, values={one.size.key: size.value})
             found.append((replace(one.added, named=named), size))
     return found
 
 
-def advised(data: Study, at: Candidate, ids: Sequence[str]) -> tuple[Advice, ...]:
+def advised(data: Study, at: diagnosis.Candidate, ids: Sequence[str]) -> tuple[diagnosis.Advice, ...]:
     """Measurements on swings and balances that would tell the effects `ids`, tried on top of the candidate `at`, apart."""
     every = (*data.model.effects, *at.effects)
-    of = observed(swings(data, every), every)
-    answers = answering(of, [one for one in candidates(of.facts, every) if one.id in ids])
-    tried = judged(answers, of.left, of.precision, of.of_period).tried
+    of = classical.observed(swings(data, every), every)
+    answers = classical.answering(of, [one for one in classical.candidates(of.facts, every) if one.id in ids])
+    tried = classical.judged(answers, of.left, of.precision, of.of_period).tried
     return advised_measurements(of, [one for one in tried if one.helps])
 
 

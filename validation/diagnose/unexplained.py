@@ -11,43 +11,9 @@ import numpy as np
 from geometry.dynamic_mass import MOTIONS
 from geometry.inertia import LOADS
 from geometry.sensors import GROUPS
+from validation.diagnose import unexplained_fit as fit
+from validation.diagnose import unexplained_places as sites
 from validation.diagnose.diagnosis import Candidate, Leftover
-from validation.diagnose.unexplained_fit import (
-    DAMPING,
-    IRREGULAR,
-    MASS,
-    NOISE,
-    RESONANCE,
-    STIFFNESS,
-    Answers,
-    FrequencyLaw,
-    Gains,
-    Swallowing,
-    Whitened,
-    following,
-    gains,
-    resonance,
-    swallowing,
-)
-from validation.diagnose.unexplained_places import (
-    AXIS,
-    CHANNEL,
-    CROSSTALK,
-    GROUP,
-    JOINT,
-    KINDS,
-    LOCATION,
-    PAIR,
-    PART,
-    SPAN,
-    Loaded,
-    PlaceFamily,
-    Spanned,
-    SuspectedPlace,
-    crosstalk,
-    families,
-    spans,
-)
 from validation.estimation.screening import Products
 from validation.prediction.series import SeriesPrediction
 
@@ -79,12 +45,12 @@ class Explanation:
     sources : families that it is of, and where it stands in each
     """
 
-    place: SuspectedPlace
-    course: FrequencyLaw
+    place: sites.SuspectedPlace
+    course: fit.FrequencyLaw
     data_set: str
     gain: float
     size: float
-    sources: tuple[tuple[PlaceFamily, int], ...] = field(default=(), repr=False)
+    sources: tuple[tuple[sites.PlaceFamily, int], ...] = field(default=(), repr=False)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -102,12 +68,12 @@ class PlaceScores:
 
     key: str
     data_set: str
-    courses: tuple[FrequencyLaw, ...]
-    places: tuple[SuspectedPlace, ...]
-    answers: Answers
-    family: PlaceFamily | None = None
+    courses: tuple[fit.FrequencyLaw, ...]
+    places: tuple[sites.SuspectedPlace, ...]
+    answers: fit.Answers
+    family: sites.PlaceFamily | None = None
 
-    def answers_at(self, places: tuple[SuspectedPlace, ...]) -> Answers:
+    def answers_at(self, places: tuple[sites.SuspectedPlace, ...]) -> fit.Answers:
         """To all of `places`, none to those that are not there."""
         if self.places == places:
             return self.answers
@@ -115,17 +81,17 @@ class PlaceScores:
         score, own = (np.zeros((len(of.score), len(places))) for _ in range(2))
         swallowed = np.zeros((*score.shape, of.swallowed.shape[-1]))
         score[:, at], own[:, at], swallowed[:, at] = of.score, of.own, of.swallowed
-        return Answers(score=score, own=own, swallowed=swallowed)
+        return fit.Answers(score=score, own=own, swallowed=swallowed)
 
 
-def ranked(candidate: Candidate, data: Sequence[Swallowing]) -> list[Explanation]:
+def ranked(candidate: Candidate, data: Sequence[fit.Swallowing]) -> list[Explanation]:
     """All explanations of what `candidate` leaves in its `data`, the best first; of one kind of place the best in each data set
     alone and in all together."""
     offsets, slope = {**candidate.problem.start, **candidate.fit.by_name}, data[0].slope
     told: dict[str, list[PlaceScores]] = {}
-    matrices: list[Spanned] = []
+    matrices: list[sites.Spanned] = []
     for of in data:
-        loads = Loaded.by_model(of, offsets)
+        loads = sites.Loaded.by_model(of, offsets)
         matrices += [] if loads is None else [loads.spanned]
         scores = [
             PlaceScores(
@@ -136,29 +102,31 @@ def ranked(candidate: Candidate, data: Sequence[Swallowing]) -> list[Explanation
                 answers=family.answers(),
                 family=family,
             )
-            for family in families(of, offsets, loads)
+            for family in sites.families(of, offsets, loads)
         ]
-        for k, (places, course, answers) in enumerate(crosstalk(of, offsets)):
+        for k, (places, course, answers) in enumerate(sites.crosstalk(of, offsets)):
             scores.append(
-                PlaceScores(key=f"{CROSSTALK} {k}", data_set=of.of.name, courses=(course,), places=places, answers=answers)
+                PlaceScores(key=f"{sites.CROSSTALK} {k}", data_set=of.of.name, courses=(course,), places=places, answers=answers)
             )
         for each in scores:
             told.setdefault(each.key, []).append(each)
     found: list[Explanation] = []
     for alike in told.values():
         for one in alike:
-            found += _best([one], one.places, gains([one.answers], slope), one.data_set if len(alike) > 1 else "")
+            found += _best([one], one.places, fit.gains([one.answers], slope), one.data_set if len(alike) > 1 else "")
         if len(alike) > 1:
             every = tuple(dict.fromkeys(place for one in alike for place in one.places))
-            found += _best(alike, every, gains([one.answers_at(every) for one in alike], slope), "")
+            found += _best(alike, every, fit.gains([one.answers_at(every) for one in alike], slope), "")
     for some in (matrices, *([one] for one in matrices if len(matrices) > 1)):
-        for span in spans(some, slope):
+        for span in sites.spans(some, slope):
             alone = some[0].data_set if len(some) < len(matrices) else ""
             found.append(Explanation(place=span.place, course=span.course, data_set=alone, gain=span.gain, size=span.size))
     return sorted(found, key=lambda one: -one.gain)
 
 
-def _best(alike: Sequence[PlaceScores], places: Sequence[SuspectedPlace], found: Gains, data_set: str) -> Iterator[Explanation]:
+def _best(
+    alike: Sequence[PlaceScores], places: Sequence[sites.SuspectedPlace], found: fit.Gains, data_set: str
+) -> Iterator[Explanation]:
     courses = alike[0].courses
     for at in np.argsort(-found.gain, axis=None)[:BEST]:
         k, q = (int(one) for one in np.unravel_index(int(at), found.gain.shape))
@@ -187,52 +155,52 @@ UNITS: Mapping[str, tuple[str, str, str]] = MappingProxyType(
 
 OF_PARTS: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
-        "modulus": (STIFFNESS, "the stiffness of {}"),
-        "loss": (DAMPING, "the loss of {}"),
-        "damping-law": (DAMPING, "how far losses follow the velocity"),
-        "cell-stiffness": (STIFFNESS, "the stiffness of load cell {}"),
-        "fmd-compliance": (STIFFNESS, "how far the FMD gives, {}"),
-        "frequency": (RESONANCE, "the resonance at {}"),
-        "damping": (DAMPING, "the damping of the resonance at {}"),
+        "modulus": (fit.STIFFNESS, "the stiffness of {}"),
+        "loss": (fit.DAMPING, "the loss of {}"),
+        "damping-law": (fit.DAMPING, "how far losses follow the velocity"),
+        "cell-stiffness": (fit.STIFFNESS, "the stiffness of load cell {}"),
+        "fmd-compliance": (fit.STIFFNESS, "how far the FMD gives, {}"),
+        "frequency": (fit.RESONANCE, "the resonance at {}"),
+        "damping": (fit.DAMPING, "the damping of the resonance at {}"),
     }
 )
 """By family of parameter: what it looks like, and what it is."""
 
 
-def sentence(found: Explanation, resonance: float | None = None) -> str:
-    """Where, and what it looks like, without a full stop; `resonance` [Hz] of the mode that it names."""
+def sentence(found: Explanation, mode: float | None = None) -> str:
+    """Where, and what it looks like, without a full stop; `mode` [Hz] that it names."""
     place, course, kind = found.place, found.course, found.place.kind
     axis = f"load {place.load}" if place.load else f"motion {place.motion}"
     of_size, how = _of_size(found), f"as {course.text}{_of_size(found)}"
-    if kind in (PAIR, SPAN) and course.looks_like != RESONANCE:
+    if kind in (sites.PAIR, sites.SPAN) and course.looks_like != fit.RESONANCE:
         how = f"like a {course.looks_like}{of_size}: it {course.text}"
-    if kind == CHANNEL:
+    if kind == sites.CHANNEL:
         where = f"{place.channels[0]} alone"
-    elif kind == GROUP:
+    elif kind == sites.GROUP:
         where = f"all channels of the {GROUPS[place.part].partition(',')[0]}" if place.part else "all accelerometers"
-    elif kind == LOCATION:
+    elif kind == sites.LOCATION:
         where = f"{place.part}, along {place.along}"
-        if course.looks_like != RESONANCE:
-            how = f"like {course.text}{'' if course.looks_like == MASS else f' to {place.to}'}{of_size}"
-    elif kind == JOINT:
+        if course.looks_like != fit.RESONANCE:
+            how = f"like {course.text}{'' if course.looks_like == fit.MASS else f' to {place.to}'}{of_size}"
+    elif kind == sites.JOINT:
         where = f"between cover plate and article, along {' and '.join((place.motion, *(one for _, one in place.others)))}"
-    elif kind == CROSSTALK:
+    elif kind == sites.CROSSTALK:
         where = f"{place.channels[0]} hears {place.channels[1] if len(place.channels) > 1 else axis}"
         how = f"{course.text}{of_size}"
-    elif kind == AXIS:
+    elif kind == sites.AXIS:
         where = f"{axis} as the channels tell it"
-    elif kind == SPAN:
+    elif kind == sites.SPAN:
         others = ", ".join(f"{MOTIONS[LOADS.index(load)]} and {motion}" for load, motion in place.others)
         with_others = f", with {others}" if others else ""
         where = f"between {MOTIONS[LOADS.index(place.load)]} and {place.motion}{with_others}"
-    elif kind == PAIR:
+    elif kind == sites.PAIR:
         opposite = " with opposite signs" if place.sign < 0 else ""
         where = f"load {place.load} for motion {place.motion}"
         if place.sign:
             where = f"between {MOTIONS[LOADS.index(place.load)]} and {place.motion}, both ways{opposite}"
     else:
         family, _, part = place.part.partition(":")
-        where = OF_PARTS[family][1].format(f"{resonance:.3g} Hz" if resonance else part)
+        where = OF_PARTS[family][1].format(f"{mode:.3g} Hz" if mode else part)
         how = f"different {course.text}"
     return f"{where}{f' ({found.data_set} alone)' if found.data_set else ''}, {how}"
 
@@ -250,13 +218,13 @@ def _size(found: Explanation) -> tuple[float | None, str]:
     place, course = found.place, found.course
     if not course.stated:
         return None, ""
-    if place.kind in (PAIR, SPAN, JOINT):
+    if place.kind in (sites.PAIR, sites.SPAN, sites.JOINT):
         return found.size, UNITS[course.unit][(LOADS.index(place.load) >= 3) + (MOTIONS.index(place.motion) >= 3)]
-    if place.kind == LOCATION:
+    if place.kind == sites.LOCATION:
         return found.size, course.unit
-    if place.kind == PART:
+    if place.kind == sites.PART:
         return None, ""
-    if place.kind == CROSSTALK:
+    if place.kind == sites.CROSSTALK:
         return (found.size, place.unit) if place.unit else (None, "")
     return found.size, "1" if course.unit == "kg" else course.unit
 
@@ -308,7 +276,7 @@ ONE_DATA_SET_WEIGHT = 0.8
 """[factor] on the gain of what acts in one of several data sets alone, where shared tolerances give back what they took
 elsewhere. Exercised by tests/validation/diagnosing/test_unexplained.py."""
 
-WEIGHED: Mapping[str, float] = MappingProxyType({SPAN: MATRIX_WEIGHT, AXIS: AXIS_WEIGHT})
+WEIGHED: Mapping[str, float] = MappingProxyType({sites.SPAN: MATRIX_WEIGHT, sites.AXIS: AXIS_WEIGHT})
 
 HARDLY = 0.02
 """[share] of the degrees of freedom below which models that miss nothing differ by as much. Exercised by
@@ -317,17 +285,21 @@ tests/validation/diagnosing/test_unexplained.py."""
 
 def described(candidate: Candidate) -> Leftover:
     """What `candidate` does not explain, and what its tolerances swallowed of it."""
-    data = swallowing(candidate)
+    data = fit.swallowing(candidate)
     # The plainest of those that are nearly as good as the best, as far as each is plausible
     every = ranked(candidate, data)
     weights = [WEIGHED.get(one.place.kind, 1.0) * (ONE_DATA_SET_WEIGHT if one.data_set else 1.0) for one in every]
     plausible = [one.gain * weight for one, weight in zip(every, weights, strict=True)]
     near = [(one, gain) for one, gain in zip(every, plausible, strict=True) if gain >= NEARLY * max(plausible)]
-    best, _ = min(near, key=lambda each: (each[0].course.looks_like == RESONANCE, KINDS.index(each[0].place.kind), -each[1]))
+    best, _ = min(
+        near, key=lambda each: (each[0].course.looks_like == fit.RESONANCE, sites.KINDS.index(each[0].place.kind), -each[1])
+    )
     # A resonance at its own frequency and damping, not at that of the grid; anything else as it is
     f, zeta = best.course.frequency, best.course.ratio
     if f is not None and zeta is not None and best.sources:
-        tried = [resonance(float(f * (1 + step)), zeta * times) for step in np.linspace(-NEAR, NEAR, STEPS) for times in TIMES]
+        tried = [
+            fit.resonance(float(f * (1 + step)), zeta * times) for step in np.linspace(-NEAR, NEAR, STEPS) for times in TIMES
+        ]
         answers = []
         for family, q in best.sources:
             of, omega = family.products, 2 * np.pi * family.products.frequency
@@ -338,8 +310,8 @@ def described(candidate: Candidate) -> Leftover:
                 others=of.others[:, q : q + 1],
                 square=of.square[:, q : q + 1],
             )
-            answers.append(following(alone, np.stack([course.of(omega) for course in tried]), family.root))
-        found = gains(answers, best.sources[0][0].slope)
+            answers.append(fit.following(alone, np.stack([course.of(omega) for course in tried]), family.root))
+        found = fit.gains(answers, best.sources[0][0].slope)
         k = int(np.argmax(found.gain[:, 0]))
         best = replace(best, course=tried[k], gain=float(found.gain[k, 0]), size=float(found.size[k, 0]))
     # Chi² and price of all parameters above those of a model that misses nothing; the way to the minimum is not counted
@@ -357,7 +329,7 @@ def described(candidate: Candidate) -> Leftover:
         if frequency is None and nuisances is not None and nuisances.configuration == configuration:
             frequency = float(nuisances.frequency[int(mode) - 1])
     size, unit = _size(best)
-    hears = best.place.kind == CROSSTALK
+    hears = best.place.kind == sites.CROSSTALK
     return Leftover(
         text=f"{sentence(best, frequency)}. That is {min(share, 1):.0%} of what is left.",
         looks_like=best.course.looks_like or OF_PARTS[family_name][0],
@@ -371,7 +343,7 @@ def described(candidate: Candidate) -> Leftover:
     )
 
 
-def _irregular(data: Sequence[Whitened], excess: float, best: Explanation, share: float) -> Leftover:
+def _irregular(data: Sequence[fit.Whitened], excess: float, best: Explanation, share: float) -> Leftover:
     """What is left, where `best` explains but `share` of it and goes with frequency in no plain way.
 
     The channel that holds it, or where it is worst: the sum of |r_c|² / (1 - h_c), whitened residuals of which inputs leave
@@ -393,8 +365,8 @@ def _irregular(data: Sequence[Whitened], excess: float, best: Explanation, share
     worst, (chi2, together, power) = max(found.items(), key=lambda each: each[1][0])
     nearest = f"What comes closest is {sentence(best)}, with {share:.0%} of it"
     part = max(chi2, 0.0) / max(excess, chi2, 1.0)
-    looks_like = NOISE if part >= HELD and float((together / power).real) <= SMOOTH else IRREGULAR
-    kind = "smooth over frequency but like nothing plain" if looks_like == IRREGULAR else "jagged over frequency, as of noise"
+    looks_like = fit.NOISE if part >= HELD and float((together / power).real) <= SMOOTH else fit.IRREGULAR
+    kind = "smooth over frequency but like nothing plain" if looks_like == fit.IRREGULAR else "jagged over frequency, as of noise"
     text = f"{worst} alone, {kind}: {part:.0%} of what is left. {nearest}."
     if part < HELD:
         text = f"Spread over channels and frequencies, worst in {worst} with {part:.0%}. {nearest}."
@@ -406,4 +378,4 @@ def unexplained(candidate: Candidate) -> Explanation:
 
     Where nothing is missing, none of the thousands that are tried gains more than some ten or twenty.
     """
-    return ranked(candidate, swallowing(candidate))[0]
+    return ranked(candidate, fit.swallowing(candidate))[0]

@@ -1,4 +1,4 @@
-"""`Place` and `Family`: where an unexplained residual may sit, and what places of one kind do to the readings of a data set."""
+"""Where an unexplained residual may sit, and what places of one kind (`PlaceFamily`) do to the readings of a data set."""
 
 from __future__ import annotations
 
@@ -14,25 +14,7 @@ from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
 from geometry.frames import Array, rigid_transformation_6
 from geometry.inertia import LOADS
 from geometry.sensors import Channel
-from validation.diagnose.unexplained_fit import (
-    CROSSTALK_CONSTANT,
-    CROSSTALK_FALLING,
-    FREQUENCIES,
-    LEAST,
-    OF_JOINTS,
-    OF_PAIRS,
-    OF_PARTS,
-    OF_PLACES,
-    OF_SHARES,
-    RATIOS,
-    TILTING,
-    Answers,
-    FrequencyLaw,
-    Swallowing,
-    following,
-    products,
-    resonance,
-)
+from validation.diagnose import unexplained_fit as fit
 from validation.estimation.problem import Offsets, Prediction
 from validation.estimation.screening import Products
 from validation.prediction import dynamic_mass
@@ -87,15 +69,15 @@ class PlaceFamily:
     """
 
     places: tuple[SuspectedPlace, ...]
-    courses: tuple[FrequencyLaw, ...]
+    courses: tuple[fit.FrequencyLaw, ...]
     products: Products
     root: Array
     slope: Array
 
-    def answers(self) -> Answers:
+    def answers(self) -> fit.Answers:
         """(k, q) of all courses."""
         omega = 2 * np.pi * self.products.frequency
-        return following(self.products, np.stack([course.of(omega) for course in self.courses]), self.root)
+        return fit.following(self.products, np.stack([course.of(omega) for course in self.courses]), self.root)
 
 
 # Leftovers in axes: an entry of the dynamic mass, two that mirror each other, an axis whose load or motion is told wrongly.
@@ -113,13 +95,13 @@ class Loaded:
     prediction : of the test
     """
 
-    of: Swallowing
+    of: fit.Swallowing
     by_load: ComplexArray
     H: ComplexArray
     prediction: SeriesPrediction
 
     @classmethod
-    def by_model(cls, of: Swallowing, offsets: Offsets) -> Loaded | None:
+    def by_model(cls, of: fit.Swallowing, offsets: Offsets) -> Loaded | None:
         """At the fit of a data set; None of one that is no base-excitation test."""
         one, lines = of.of.prediction, of.of.lines
         if not isinstance(one, SeriesPrediction):
@@ -142,13 +124,13 @@ class Loaded:
         return np.asarray((self.by_load[:, self.channels] @ left) * answered[:, :, None, :])
 
     def family(
-        self, places: tuple[SuspectedPlace, ...], courses: tuple[FrequencyLaw, ...], readings: ComplexArray
+        self, places: tuple[SuspectedPlace, ...], courses: tuple[fit.FrequencyLaw, ...], readings: ComplexArray
     ) -> PlaceFamily:
         """Of `readings` (r, m, c', q)."""
         return PlaceFamily(
             places=places,
             courses=courses,
-            products=products(self.of, readings, self.channels),
+            products=fit.products(self.of, readings, self.channels),
             root=self.of.root,
             slope=self.of.slope,
         )
@@ -159,7 +141,7 @@ class Loaded:
         u, A1 = self.u, self.by_load[:, self.channels]
         return np.asarray(np.einsum("mci,rmj->rmcij", A1, u, optimize=True)).reshape(*u.shape[:2], A1.shape[1], 36)
 
-    def pairs(self, courses: tuple[FrequencyLaw, ...]) -> PlaceFamily:
+    def pairs(self, courses: tuple[fit.FrequencyLaw, ...]) -> PlaceFamily:
         """Entries of the dynamic mass one by one, and two of them alike or opposite."""
         places, columns = [], []  # and (36, q) of which entries each is the sum
         for i, load in enumerate(LOADS):
@@ -180,14 +162,14 @@ class Loaded:
             *(SuspectedPlace(kind=AXIS, load=one) for one in LOADS),
             *(SuspectedPlace(kind=AXIS, motion=one) for one in MOTIONS),
         )
-        return self.family(places, OF_SHARES, np.concatenate([by_load, by_motion], axis=-1))
+        return self.family(places, fit.OF_SHARES, np.concatenate([by_load, by_motion], axis=-1))
 
-    def locations(self, offsets: Offsets, shakes: Sequence[FrequencyLaw]) -> Iterator[PlaceFamily]:
+    def locations(self, offsets: Offsets, shakes: Sequence[fit.FrequencyLaw]) -> Iterator[PlaceFamily]:
         """What is attached to a place of the article: ``dH = a c(omega) sum_d p_d p_d^T``, p its accelerations for those of F."""
         moved = self.prediction.moved(offsets, self.of.of.lines)
         mixed = np.array(list(DIRECTIONS.values()), dtype=np.float64).T
         giving = {name: both for name, both in moved.items() if np.abs(both[1]).max() > GIVES * np.abs(both[0]).max()}
-        for to, k, there, courses in ((GROUND, 0, moved, (*OF_PLACES, *shakes)), (TABLE, 1, giving, OF_PLACES[1:])):
+        for to, k, there, courses in ((GROUND, 0, moved, (*fit.OF_PLACES, *shakes)), (TABLE, 1, giving, fit.OF_PLACES[1:])):
             if not there:
                 continue
             places = tuple(SuspectedPlace(kind=LOCATION, part=name, along=along, to=to) for name in there for along in DIRECTIONS)
@@ -208,7 +190,7 @@ class Loaded:
             (first, *others) = ((LOADS[axis], MOTIONS[axis]) for axis in axes)
             places.append(SuspectedPlace(kind=JOINT, load=first[0], motion=first[1], others=tuple(others)))
             mixed[list(axes), k] = 1.0
-        yield self.family(tuple(places), OF_JOINTS, readings @ mixed)
+        yield self.family(tuple(places), fit.OF_JOINTS, readings @ mixed)
 
     @property
     def spanned(self) -> Spanned:
@@ -218,7 +200,7 @@ class Loaded:
         kept = at.kept(readings * at.weight[:, :, self.channels, None], self.channels)
         flat = kept.transpose(1, 0, 2, 3).reshape(len(at.frequency), -1, len(PLACES))
         gram = np.asarray(flat.conj().swapaxes(1, 2) @ flat)
-        return Spanned(data_set=at.name, products=products(self.of, readings, self.channels), gram=gram, root=self.of.root)
+        return Spanned(data_set=at.name, products=fit.products(self.of, readings, self.channels), gram=gram, root=self.of.root)
 
 
 def entry(i: int, j: int) -> Array:
@@ -253,7 +235,7 @@ DIMENSIONS: Mapping[str, tuple[int, int]] = MappingProxyType({"acceleration": (0
 """kg and m of a quantity, all of them per second squared."""
 
 
-def channels(of: Swallowing, courses: tuple[FrequencyLaw, ...]) -> Iterator[PlaceFamily]:
+def channels(of: fit.Swallowing, courses: tuple[fit.FrequencyLaw, ...]) -> Iterator[PlaceFamily]:
     """All accelerometers, and those of a group, that read gravity where they tilt: along x by beta, along y by minus alpha.
     Channels by themselves and by groups, in shares of what they read."""
     names, table, u = of.of.prediction.measured.channels, _table(of.of.prediction), of.of.inputs
@@ -264,7 +246,7 @@ def channels(of: Swallowing, courses: tuple[FrequencyLaw, ...]) -> Iterator[Plac
         tilted = u[..., 4, None] * along[:, 0] - u[..., 3, None] * along[:, 1]
         sense = dict.fromkeys(one.group for one, senses in zip(table, sensing, strict=True) if senses)
         chosen = {"": sensing} | {group: groups[group] for group in sense}
-        yield _mixed(of, [_group(one, names, chosen[one]) for one in chosen], list(chosen.values()), (TILTING,), tilted)
+        yield _mixed(of, [_group(one, names, chosen[one]) for one in chosen], list(chosen.values()), (fit.TILTING,), tilted)
     places = [SuspectedPlace(kind=CHANNEL, channels=(name,)) for name in names]
     places += [_group(one, names, groups[one]) for one in groups]
     yield _mixed(of, places, [*np.eye(len(names)), *groups.values()], courses, predicted(of))
@@ -276,19 +258,19 @@ def _group(group: str, names: Sequence[str], members: Sequence[bool]) -> Suspect
 
 
 def _mixed(
-    of: Swallowing,
+    of: fit.Swallowing,
     places: Sequence[SuspectedPlace],
     members: Sequence[Array | Sequence[bool]],
-    courses: tuple[FrequencyLaw, ...],
+    courses: tuple[fit.FrequencyLaw, ...],
     read: ComplexArray,
 ) -> PlaceFamily:
     """Of `read` (r, m, c) in the channels of which each place has those that are its `members` (q, c)."""
     mixed = np.array([np.asarray(one, dtype=np.float64) for one in members]).T
-    made = products(of, read[..., None] * mixed, np.arange(len(mixed)))
+    made = fit.products(of, read[..., None] * mixed, np.arange(len(mixed)))
     return PlaceFamily(places=tuple(places), courses=courses, products=made, root=of.root, slope=of.slope)
 
 
-def predicted(of: Swallowing) -> ComplexArray:
+def predicted(of: fit.Swallowing) -> ComplexArray:
     """(r, m, c) what the channels should read."""
     at = of.of
     return np.asarray((at.predicted.rows @ at.inputs[..., None])[..., 0])
@@ -306,7 +288,7 @@ class Readings:
     values : (r, m, q) complex
     """
 
-    course: FrequencyLaw
+    course: fit.FrequencyLaw
     places: tuple[SuspectedPlace, ...]
     dimensions: tuple[tuple[int, int], ...]
     values: ComplexArray
@@ -314,27 +296,27 @@ class Readings:
     def unit(self, own: tuple[int, int], k: int) -> str:
         """Of a reading of dimensions `own` per unit of what is heard in place k."""
         kg, m = own[0] - self.dimensions[k][0], own[1] - self.dimensions[k][1]
-        powers = (("kg", kg), ("m", m), ("s", -2 if self.course is CROSSTALK_FALLING else 0))
+        powers = (("kg", kg), ("m", m), ("s", -2 if self.course is fit.CROSSTALK_FALLING else 0))
         above = " ".join(f"{name}^{power}" if power > 1 else name for name, power in powers if power > 0) or "1"
         below = " ".join(f"{name}^{-power}" if power < -1 else name for name, power in powers if power < 0)
         return above if not below else f"{above}/({below})" if " " in below else f"{above}/{below}"
 
 
-def crosstalk(of: Swallowing, offsets: Offsets) -> Iterator[tuple[tuple[SuspectedPlace, ...], FrequencyLaw, Answers]]:
+def crosstalk(of: fit.Swallowing, offsets: Offsets) -> Iterator[tuple[tuple[SuspectedPlace, ...], fit.FrequencyLaw, fit.Answers]]:
     """Every channel that hears a motion, a load, or another channel."""
     at, prediction, names = of.of, of.of.prediction, of.of.prediction.measured.channels
     own = tuple(DIMENSIONS[one.quantity] for one in _table(prediction)) or ((0, 0),) * at.values.shape[-1]
     others = tuple(SuspectedPlace(kind=CROSSTALK, channels=(name,)) for name in names)
-    sources = [Readings(course=CROSSTALK_CONSTANT, places=others, dimensions=own, values=predicted(of))]
+    sources = [Readings(course=fit.CROSSTALK_CONSTANT, places=others, dimensions=own, values=predicted(of))]
     if isinstance(prediction, SeriesPrediction):
         u, H = at.inputs, prediction.dynamic_mass(offsets, np.searchsorted(prediction.measured.frequency, at.frequency))
         motions = tuple(SuspectedPlace(kind=CROSSTALK, motion=one) for one in MOTIONS)
         axes = (*motions, *(SuspectedPlace(kind=CROSSTALK, load=one) for one in LOADS))
         moved, loaded = ((0, 1),) * 3 + ((0, 0),) * 3, ((1, 1),) * 3 + ((1, 2),) * 3
         both = np.concatenate([u, (H @ u[..., None])[..., 0]], axis=-1)
-        sources.append(Readings(course=CROSSTALK_CONSTANT, places=axes, dimensions=(*moved, *loaded), values=both))
-        falling = u * CROSSTALK_FALLING.of(2 * np.pi * at.frequency)[:, None]
-        sources.append(Readings(course=CROSSTALK_FALLING, places=motions, dimensions=moved, values=falling))
+        sources.append(Readings(course=fit.CROSSTALK_CONSTANT, places=axes, dimensions=(*moved, *loaded), values=both))
+        falling = u * fit.CROSSTALK_FALLING.of(2 * np.pi * at.frequency)[:, None]
+        sources.append(Readings(course=fit.CROSSTALK_FALLING, places=motions, dimensions=moved, values=falling))
     for one in sources:
         for c, name in enumerate(names):
             kept = [k for k, place in enumerate(one.places) if name not in place.channels]
@@ -345,7 +327,7 @@ def crosstalk(of: Swallowing, offsets: Offsets) -> Iterator[tuple[tuple[Suspecte
             b = white.swapaxes(0, 1).reshape(-1, white.shape[-1]).conj().T  # (q, m r)
             V = of.moved[:, :, c].reshape(b.shape[1], -1)
             free = 0.5 * at.free[:, :, c, None]
-            answers = Answers(
+            answers = fit.Answers(
                 score=(b @ at.values[:, :, c].T.ravel()).real[None],
                 own=np.sum(free * np.abs(white) ** 2, axis=(0, 1))[None],
                 swallowed=((b @ V).real @ of.root)[None],
@@ -364,13 +346,13 @@ def _table(prediction: Prediction) -> tuple[Channel, ...]:
 # Every place in which an unexplained residual of one data set may sit, with the courses that it may take there.
 
 
-def families(of: Swallowing, offsets: Offsets, loads: Loaded | None) -> Iterator[PlaceFamily]:
+def families(of: fit.Swallowing, offsets: Offsets, loads: Loaded | None) -> Iterator[PlaceFamily]:
     """All of one data set whose course is sought."""
-    band = np.geomspace(of.of.frequency[0], of.of.frequency[-1], FREQUENCIES)
-    shakes = tuple(resonance(float(f), ratio) for f in band for ratio in RATIOS)
-    of_channels = list(channels(of, (*OF_SHARES, *shakes)))
+    band = np.geomspace(of.of.frequency[0], of.of.frequency[-1], fit.FREQUENCIES)
+    shakes = tuple(fit.resonance(float(f), ratio) for f in band for ratio in fit.RATIOS)
+    of_channels = list(channels(of, (*fit.OF_SHARES, *shakes)))
     if loads is not None:
-        yield loads.pairs((*OF_PAIRS, *shakes))
+        yield loads.pairs((*fit.OF_PAIRS, *shakes))
         yield loads.axes()
         yield from of_channels[:-1]
         yield from loads.locations(offsets, shakes)
@@ -383,7 +365,7 @@ def families(of: Swallowing, offsets: Offsets, loads: Loaded | None) -> Iterator
         e = V[:, :, at].conj().swapaxes(1, 2)
         yield PlaceFamily(
             places=tuple(SuspectedPlace(kind=PART, part=of.names[k]) for k in at),
-            courses=OF_PARTS,
+            courses=fit.OF_PARTS,
             products=Products(
                 frequency=of.of.frequency,
                 names=tuple(of.names[k] for k in at),
@@ -403,7 +385,7 @@ def families(of: Swallowing, offsets: Offsets, loads: Loaded | None) -> Iterator
 PLACES = tuple((i, j) for i in range(6) for j in range(i, 6))
 """Entries of a symmetric matrix."""
 
-PHYSICAL = tuple(course for course in OF_PAIRS if course.stated)
+PHYSICAL = tuple(course for course in fit.OF_PAIRS if course.stated)
 """What symmetric matrices are of: mass, stiffness, damping."""
 
 NAMED = 0.25
@@ -442,7 +424,7 @@ class Span:
     """
 
     place: SuspectedPlace
-    course: FrequencyLaw
+    course: fit.FrequencyLaw
     gain: float
     size: float
 
@@ -454,14 +436,14 @@ def spans(alike: Sequence[Spanned], slope: Array) -> Iterator[Span]:
         swallowed = np.zeros(())
         for one in alike:
             c = course.of(2 * np.pi * one.products.frequency)
-            answers = following(one.products, c[None], one.root)
+            answers = fit.following(one.products, c[None], one.root)
             score += answers.score[0]
             own += np.tensordot(np.abs(c) ** 2, one.gram.real, axes=1)
             swallowed = swallowed + answers.swallowed[0]
         score = score + swallowed @ slope
         scale = 1 / np.sqrt(np.maximum(np.diag(own), np.finfo(np.float64).tiny))
         told = scale[:, None] * (own - swallowed @ swallowed.T) * scale
-        size = scale * (np.linalg.pinv(told, rcond=LEAST, hermitian=True) @ (scale * score))
+        size = scale * (np.linalg.pinv(told, rcond=fit.LEAST, hermitian=True) @ (scale * score))
         # The entries that take part, the greatest first, at the nominal level of the motions
         weight = np.abs(size) * np.array([LEVELS[MOTIONS[i]] * LEVELS[MOTIONS[j]] for i, j in PLACES])
         leading, *others = (int(k) for k in np.argsort(-weight) if weight[k] >= NAMED * weight.max())

@@ -14,8 +14,7 @@ from identification.self_calibration.solve import Normal
 from validation.diagnose.candidates import aliases
 from validation.diagnose.diagnosis import Candidate
 from validation.diagnose.next_test import _whitening, advised, either, following, imagined, nats, told
-from validation.diagnose.next_test_offers import OfferedTest, menu
-from validation.diagnose.planned_test import SURE, Knowledge, Origin, Template, knowledge
+from validation.diagnose.next_test_offers import SURE, Knowledge, OfferedTest, Origin, Template, knowledge, menu
 from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import INDISTINGUISHABLE_NATS
 from validation.estimation.cost import cost_of, root
