@@ -124,7 +124,7 @@ def at_prior_sd(name: str) -> Named:
     return Named(family=family, targets=tuple(targets), values={size.key: size.null + size.plausible for size in sizes})
 
 
-# `Curve`: what an effect makes of all measurements as a smooth function of its size.
+# What an effect makes of all measurements as a smooth function of its size.
 
 
 DEGREE = 10
@@ -182,7 +182,7 @@ def curve(answer: Callable[[Array], Array], low: float, high: float) -> Interpol
     )
 
 
-# `Observed`: classical measurements beside a model, with the tolerances that they have in common.
+# Classical measurements beside a model, with the tolerances that they have in common.
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -502,7 +502,7 @@ def steps(sizes: Array) -> Array:
     return steps
 
 
-# Two effects at once: the integral of `validation.diagnose.classical` over both sizes.
+# Two effects at once: the same integral over both sizes.
 #
 # What they make of a measurement adds, but for two that lengthen one period: factors multiply, and of a moment M that was
 # measured ``M (1 - s₁/M) (1 - s₂/M)`` is left, so that s = s₁ + s₂ - s₁ s₂ / M.
@@ -559,8 +559,8 @@ def both(
 
 # Is something missing, and what: the verdict on classical measurements, by the rules of every diagnosis.
 #
-# An effect is accepted where its evidence exceeds `WORTH` and what it leaves is what tolerances leave; where none is, two at
-# once are tried. All that lie within `ALIKE` of the best, and aliases of a possible size that leave as little as it does, are
+# An effect is accepted where its evidence exceeds `EVIDENCE_THRESHOLD` and what it leaves is what tolerances leave; where none is, two at
+# once are tried. All that lie within `INDISTINGUISHABLE_NATS` of the best, and aliases of a possible size that leave as little as it does, are
 # one class that these data cannot tell apart.
 
 

@@ -244,7 +244,7 @@ class Diagnosis:
     Attributes
     ----------
     verdict : of `VERDICTS`
-    text : what the sentence of the verdict (`validation.diagnose.diagnosis.headline`) does not say; empty where it says all
+    text : what the sentence of the verdict (`headline`) does not say; empty where it says all
     accepted : what is missing, in the order of acceptance
     ranking : all that was tried against the model without the effect that was found last, the best first
     equivalence_class : ids that these data cannot tell apart, the best first; one where there is no doubt. Of several effects

@@ -1,6 +1,6 @@
 """Discrete mistakes - a wrong sign, two plugs exchanged, a unit taken for another - which are looked for before any fit.
 
-Every reading y_c of `validation.diagnose.mistakes` is held against what *every* channel of its quantity should read, times every
+Every reading y_c of the lowest lines is held against what *every* channel of its quantity should read, times every
 factor that a mistake can bring: y_c = k p_d. The assignment of readings to channels that is likeliest as a whole, at a price for
 every mistake, says all of them at once: a cycle of three plugs as well as eight cells in kilonewtons.
 
@@ -33,7 +33,7 @@ from validation.effects.catalogue import Named
 from validation.prediction.series import SeriesPrediction
 from validation.study import Study
 
-# `Heard`: what every channel of a campaign reads at its lowest lines, beside what all others and the model say it should read.
+# What every channel of a campaign reads at its lowest lines, beside what all others and the model say it should read.
 #
 # There every structure is nearly a rigid body, so that the nominal model is right to some ten per cent, and a discrete mistake
 # is wrong by hundreds. What moved is estimated from whichever six channels let most of the others agree: a channel that is

@@ -1,6 +1,6 @@
 """The two-level test: do runs of one axis at two levels answer alike? It comes before any linear fit, and needs no model.
 
-What a weaker run holds beyond the stronger ones (`validation.diagnose.nonlinear`) is compared with noise, channel by channel and
+What a weaker run holds beyond the stronger ones is compared with noise, channel by channel and
 over all lines. An axis is named where some channel stands out both of noise and of what it reads, by more than what only leaks
 into this axis by the cross motion of a table that drives another one.
 """
@@ -511,8 +511,8 @@ def _per_unit(one: SeriesPrediction, motion: ComplexArray) -> Array:
 
 # Which kind of nonlinearity lets two levels differ: friction, a gap, saturation, or what else the catalogue has.
 #
-# Every candidate is taken off the readings of all runs (`validation.diagnose.nonlinear`), at sizes from a grid and then at the
-# best; the right one leaves weaker runs that the stronger ones explain (`validation.diagnose.nonlinear`). First to first order,
+# Every candidate is taken off the readings of all runs (`DistortedRuns`), at sizes from a grid and then at the
+# best; the right one leaves weaker runs that the stronger ones explain (`nonlinear_residuals`). First to first order,
 # in what the stronger runs cannot explain as they are; the best then as they would be without it. No model of the structure is
 # fitted, so none can swallow what does not belong to it.
 #

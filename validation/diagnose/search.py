@@ -1,7 +1,7 @@
 """Stepwise selection of effects by their evidence: screen all candidates, fit the best few, accept the best, and again.
 
 Screening is a score test, linear in the size; fits decide. A fit starts from one of three places: where the tolerances stand;
-over a coarse model-error floor, where the model is too nonlinear for the score test (`rough_fit`); and from the priors, where
+over a coarse model-error floor, where the model is too nonlinear for the score test (`_rough_fits`); and from the priors, where
 tolerances have absorbed an effect and no fit reaches what the score test promised (`restarted_from_priors`). After each
 accepted effect the earlier ones are tested again beside it (`backward_elimination`): one that explained a little of everything
 goes when what is really missing is there, and a name may be right only beside the others.
