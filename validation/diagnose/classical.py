@@ -559,9 +559,9 @@ def both(
 
 # Is something missing, and what: the verdict on classical measurements, by the rules of every diagnosis.
 #
-# An effect is accepted where its evidence exceeds `EVIDENCE_THRESHOLD` and what it leaves is what tolerances leave; where none is, two at
-# once are tried. All that lie within `INDISTINGUISHABLE_NATS` of the best, and aliases of a possible size that leave as little as it does, are
-# one class that these data cannot tell apart.
+# An effect is accepted where its evidence exceeds `EVIDENCE_THRESHOLD` and what it leaves is what tolerances leave; where none
+# is, two at once are tried. All that lie within `INDISTINGUISHABLE_NATS` of the best, and aliases of a possible size that leave
+# as little as it does, are one class that these data cannot tell apart.
 
 
 ALIAS_CHI2 = 2.0
