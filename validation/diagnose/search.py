@@ -382,38 +382,40 @@ def backward_elimination(
     """
     known = {one.added: one for one in rounds}
     asked: list[SearchStep] = []
-    for anew, which in ((anew, which) for anew in (False, True) for which in _ids(at)):
-        # What changed may stand beside others than it was asked beside
-        if (len(at.effects) < 2 or anew) and {*_ids(known[which].at)} == {*_ids(at)} - {which}:
-            continue
-        found = known[which]
-        added = next(one for one in at.effects if one.named.id == which)
-        left = tuple(one for one in at.effects if one is not added)
-        problem = data.problem(left)
-        try:
-            rest = recentred(data, Candidate(effects=left, fit=nearby(problem, FITTED, at.fit.by_name), problem=problem))
-        except CheckFailed:  # there is nothing to hold it against
-            continue
-        evidence = at.fit.log_evidence - rest.fit.log_evidence
-        if evidence < evidence_threshold(added.named.family):
-            at = rest
-            continue
-        last = replace(at, effects=(*left, added))
-        there = CandidateFit(id=which, candidate=last, evidence=evidence, goodness=goodness_of_fit(at.fit, at.problem))
-        # Others whose evidence was a good part of the best
-        near = [one for one in found.tried if one.id not in _ids(at) and one.evidence >= RIVAL_SHARE * found.tried[0].evidence]
-        progress(f"asking {which} and {len(near[:RIVALS])} others once more", 0.95)
-        tried = [there]
-        for one in near[:RIVALS]:
-            rival = candidate_fit(rest, _fit_in_place(data, at, rest, _at_sizes(one.added, added)))
-            if in_band(data, rival) and (is_accepted(rival) or rival.evidence <= evidence):
-                tried.append(rival)
-        tried = ranked(tried)
-        stands = goodness_of_fit(rest.fit, rest.problem)
-        again = replace(found, at=rest, goodness=stands, tried=tuple(tried), added=tried[0].id, reconsidered=which)
-        at = at if tried[0] is there else tried[0].candidate
-        known[again.added] = again
-        asked.append(again)
+    for anew in (False, True):  # what changed may stand beside others than it was asked beside
+        for which in _ids(at):
+            if (len(at.effects) < 2 or anew) and {*_ids(known[which].at)} == {*_ids(at)} - {which}:
+                continue
+            found = known[which]
+            added = next(one for one in at.effects if one.named.id == which)
+            left = tuple(one for one in at.effects if one is not added)
+            problem = data.problem(left)
+            try:
+                rest = recentred(data, Candidate(effects=left, fit=nearby(problem, FITTED, at.fit.by_name), problem=problem))
+            except CheckFailed:  # there is nothing to hold it against
+                continue
+            evidence = at.fit.log_evidence - rest.fit.log_evidence
+            if evidence < evidence_threshold(added.named.family):
+                at = rest
+                continue
+            last = replace(at, effects=(*left, added))
+            there = CandidateFit(id=which, candidate=last, evidence=evidence, goodness=goodness_of_fit(at.fit, at.problem))
+            # Others whose evidence was a good part of the best
+            near = [
+                one for one in found.tried if one.id not in _ids(at) and one.evidence >= RIVAL_SHARE * found.tried[0].evidence
+            ]
+            progress(f"asking {which} and {len(near[:RIVALS])} others once more", 0.95)
+            tried = [there]
+            for one in near[:RIVALS]:
+                rival = candidate_fit(rest, _fit_in_place(data, at, rest, _at_sizes(one.added, added)))
+                if in_band(data, rival) and (is_accepted(rival) or rival.evidence <= evidence):
+                    tried.append(rival)
+            tried = ranked(tried)
+            stands = goodness_of_fit(rest.fit, rest.problem)
+            again = replace(found, at=rest, goodness=stands, tried=tuple(tried), added=tried[0].id, reconsidered=which)
+            at = at if tried[0] is there else tried[0].candidate
+            known[again.added] = again
+            asked.append(again)
     return at, tuple(asked)
 
 

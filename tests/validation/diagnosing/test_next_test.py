@@ -1,6 +1,6 @@
 """Which test tells explanations apart: physics says which must, and fits of what the test reads say how surely."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -34,10 +34,6 @@ LINES = np.linspace(4.0, 32.0, 15)
 SEAT = Pose(position=np.array([0.0, 0.0, 0.0445]))
 NOISY = {"acceleration": 1e-3, "force": 0.05}
 
-Measure = Callable[..., SeriesPrediction]
-MakeBench = Callable[..., Study]
-Explain = Callable[..., Candidate]
-
 
 def model() -> Model:
     return Model(source="tests", title="tests", article="fmd+cuboid", kind=RIGID, cell_stiffness=np.array([4e8, 4e8, 2e9]))
@@ -67,58 +63,43 @@ def inputs() -> np.ndarray:
     return np.asarray(np.broadcast_to((cross * levels)[:, None, :], (6, len(LINES), 6)), dtype=np.complex128)
 
 
-@pytest.fixture(scope="session")
-def measure() -> Measure:
-    """``measure(article, effects, seed, turned)``: the campaign with what its channels read; without a seed free of noise."""
-
-    def make(
-        article: str, effects: Sequence[Added] = (), seed: int | None = None, turned: np.ndarray | None = None
-    ) -> SeriesPrediction:
-        of = model()
-        (made,) = predictions(of, [campaign(article, turned)], lines=LINES)
-        rows = made.with_effects(effects).at({one.name: one.start for one in made.with_effects(effects).parameters}).rows
-        values = np.einsum("nck,rnk->rnc", rows, inputs())
-        quantity = {one.name: one.quantity for one in made.tested.campaign.table.channels}
-        noise = np.broadcast_to([NOISY[quantity[name]] for name in made.measured.channels], values.shape)
-        if seed is not None:
-            rng = np.random.default_rng(seed)
-            spread = noise / np.sqrt(2)
-            values = values + spread * (rng.standard_normal(values.shape) + 1j * rng.standard_normal(values.shape))
-        read = replace(made.measured, values=values, noise=np.array(noise))
-        return replace(made, tested=replace(made.tested, measured=read))
-
-    return make
+def measure(
+    article: str, effects: Sequence[Added] = (), seed: int | None = None, turned: np.ndarray | None = None
+) -> SeriesPrediction:
+    """The campaign with what its channels read; without a seed free of noise."""
+    of = model()
+    (made,) = predictions(of, [campaign(article, turned)], lines=LINES)
+    rows = made.with_effects(effects).at({one.name: one.start for one in made.with_effects(effects).parameters}).rows
+    values = np.einsum("nck,rnk->rnc", rows, inputs())
+    quantity = {one.name: one.quantity for one in made.tested.campaign.table.channels}
+    noise = np.broadcast_to([NOISY[quantity[name]] for name in made.measured.channels], values.shape)
+    if seed is not None:
+        rng = np.random.default_rng(seed)
+        spread = noise / np.sqrt(2)
+        values = values + spread * (rng.standard_normal(values.shape) + 1j * rng.standard_normal(values.shape))
+    read = replace(made.measured, values=values, noise=np.array(noise))
+    return replace(made, tested=replace(made.tested, measured=read))
 
 
 def added(text: str) -> Added:
     return Added(named=parse(text))
 
 
-@pytest.fixture(scope="session")
-def bench(measure: Measure) -> MakeBench:
-    """``bench(planted, article, ...)``: the data of these articles with an effect planted in them."""
-
-    def make(planted: str, *articles: str, seed: int = 3) -> Study:
-        made = [measure(one, (added(planted),) if planted else (), seed) for one in articles]
-        read = [replace(one.measured, name=name) for one, name in zip(made, articles, strict=True)]
-        called = [replace(one, tested=replace(one.tested, measured=of)) for one, of in zip(made, read, strict=True)]
-        return Study(model=model(), campaigns=tuple(one.tested.campaign for one in called), made=tuple(called))
-
-    return make
+def bench(planted: str, *articles: str, seed: int = 3) -> Study:
+    """The data of these articles with an effect planted in them."""
+    made = [measure(one, (added(planted),) if planted else (), seed) for one in articles]
+    read = [replace(one.measured, name=name) for one, name in zip(made, articles, strict=True)]
+    called = [replace(one, tested=replace(one.tested, measured=of)) for one, of in zip(made, read, strict=True)]
+    return Study(model=model(), campaigns=tuple(one.tested.campaign for one in called), made=tuple(called))
 
 
-@pytest.fixture(scope="session")
-def explained() -> Explain:
-    """``explained(bench, text)``: the fit of all tolerances and of the effect that `text` names."""
-
-    def make(of: Study, text: str) -> Candidate:
-        effects = (added(text),) if text else ()
-        problem = of.problem(effects)
-        cost = cost_of(problem, problem.free(FITTED), FLOOR)
-        found = fitted(direct(cost, problem.start, lambda share: None))  # the planted size is near enough
-        return Candidate(effects=effects, fit=found, problem=problem)
-
-    return make
+def explained(of: Study, text: str) -> Candidate:
+    """The fit of all tolerances and of the effect that `text` names."""
+    effects = (added(text),) if text else ()
+    problem = of.problem(effects)
+    cost = cost_of(problem, problem.free(FITTED), FLOOR)
+    found = fitted(direct(cost, problem.start, lambda share: None))  # the planted size is near enough
+    return Candidate(effects=effects, fit=found, problem=problem)
 
 
 # The forecast in closed form against the same written out, and what is known of parameters carried over to a test.
@@ -169,37 +150,31 @@ def parameter(name: str, tolerance: float, kind: str = "sensor") -> Parameter:
     return Parameter(name=name, unit="1", tolerance=tolerance, kind=kind)
 
 
-@pytest.fixture
-def known() -> Callable[[], Knowledge]:
-    def make() -> Knowledge:
-        C = np.array([[4.0, 1.0], [1.0, 9.0]])
-        return Knowledge(effects=(), offsets={"a": 1.0, "b": 2.0}, names=("a", "b"), root=root(C), log_evidence=0.0)
-
-    return make
+def known() -> Knowledge:
+    C = np.array([[4.0, 1.0], [1.0, 9.0]])
+    return Knowledge(effects=(), offsets={"a": 1.0, "b": 2.0}, names=("a", "b"), root=root(C), log_evidence=0.0)
 
 
-def test_exchanged_sensors_take_along_what_is_known_of_them(known: Callable[[], Knowledge]) -> None:
+def test_exchanged_sensors_take_along_what_is_known_of_them() -> None:
     moved = {"a": Origin(name="b"), "b": Origin(name="a")}
     L = known().spread([parameter("a", 0.3), parameter("b", 0.3)], moved)
     assert_allclose(L @ L.T, [[9.0, 1.0], [1.0, 4.0]], atol=1e-12)
     assert known().at(moved) == {"a": 2.0, "b": 1.0}
 
 
-def test_what_is_drawn_anew_is_known_as_beforehand_and_an_effect_that_is_not_there_is_known_not_to_be(
-    known: Callable[[], Knowledge],
-) -> None:
+def test_what_is_drawn_anew_is_known_as_beforehand_and_an_effect_that_is_not_there_is_known_not_to_be() -> None:
     every = [parameter("a", 0.3), parameter("new", 0.5), parameter("effect", 7.0, EFFECT)]
     L = known().spread(every, {"a": Origin()})
     assert_allclose(L @ L.T, np.diag([0.09, 0.25, 0.0]), atol=1e-12)
 
 
-def test_half_of_an_effect_is_half_as_uncertain(known: Callable[[], Knowledge]) -> None:
+def test_half_of_an_effect_is_half_as_uncertain() -> None:
     L = known().spread([parameter("a", 0.3)], {"a": Origin(name="a", factor=0.5)})
     assert_allclose(L @ L.T, [[1.0]], atol=1e-12)
     assert_allclose(known().at({"a": Origin(name="a", factor=0.5)})["a"], 0.5)
 
 
-def test_odds_follow_from_evidence(known: Callable[[], Knowledge]) -> None:
+def test_odds_follow_from_evidence() -> None:
     one, other = known(), replace(known(), log_evidence=np.log(3.0))
     assert_allclose(other.odds(one), 0.75)
     assert_allclose(one.odds(replace(one, log_evidence=-1e6)), 1.0)
@@ -215,14 +190,14 @@ GAIN, CELL = "force-gain:fmd-z2=0.03", "cell-stiffness:2z=0.1"
 
 
 @pytest.fixture(scope="module")
-def aside(bench: Callable[..., Study], explained: Callable[..., Candidate]) -> Pair:
+def aside() -> Pair:
     """A Cuboid that stands 10 mm beside its place, or whose centre of gravity does."""
     data = bench(OFFSET, "fmd+cuboid")
     return data, explained(data, OFFSET), explained(data, SHIFT)
 
 
 @pytest.fixture(scope="module")
-def loud(bench: Callable[..., Study], explained: Callable[..., Candidate]) -> Pair:
+def loud() -> Pair:
     """A load-cell channel that reads 3 % too much, or whose cell is stiffer than the others."""
     data = bench(GAIN, "fmd+cuboid")
     return data, explained(data, GAIN), explained(data, CELL)
@@ -240,22 +215,14 @@ def menu_of(of: Pair) -> dict[str, OfferedTest]:
 
 def test_an_offset_and_a_shifted_centre_of_gravity_are_one_to_the_data_and_turning_tells_them_apart(aside: Pair) -> None:
     _, offset, shift = aside
-    assert "rigid-inertia:mx" in aliases(offset, offset.effects[0], [*shift.effects, loud_one()])
-    told_by = {words: told(one, *split(aside))[0] for words, one in menu_of(aside).items()}
+    first, other = both_known(aside)
+    assert "rigid-inertia:mx" in aliases(offset, offset.effects[0], [*shift.effects, added(GAIN)])
+    told_by = {words: told(one, first, [other])[0] for words, one in menu_of(aside).items()}
     assert told_by["Run the Cuboid turned by 180 degrees about z"] > 10 * INDISTINGUISHABLE_NATS
     assert told_by["Find the centre of gravity of the Cuboid on the crane"] > 5 * INDISTINGUISHABLE_NATS
     assert told_by["Weigh the Cuboid"] < 1e-6
     assert told_by["Run the Cuboid with 4 more accelerometers on the cover plate"] < 1.0  # more of the same
     assert "Run the Cuboid" not in told_by  # it was run
-
-
-def loud_one() -> Added:
-    return Added(named=parse(GAIN))
-
-
-def split(of: Pair) -> tuple[Knowledge, list[Knowledge]]:
-    first, other = both_known(of)
-    return first, [other]
 
 
 def test_a_hypothesis_is_told_by_nothing_from_itself(aside: Pair) -> None:
@@ -264,13 +231,13 @@ def test_a_hypothesis_is_told_by_nothing_from_itself(aside: Pair) -> None:
         assert_allclose(told(one, first, [first])[0], 0.0, atol=1e-9, err_msg=words)
 
 
-def test_a_turned_test_gives_what_was_expected_of_it(aside: Pair, measure: Callable[..., SeriesPrediction]) -> None:
+def test_a_turned_test_gives_what_was_expected_of_it(aside: Pair) -> None:
     turned = measure("fmd+cuboid", aside[1].effects, turned=rotation_about("z", np.pi))
     expected = followed(aside, "Run the Cuboid turned by 180 degrees about z")
     assert_allclose(expected, obtained(aside, turned), rtol=0.1)  # by the effect as found, not as planted: within its interval
 
 
-def test_the_fmd_alone_gives_what_was_expected_of_it(loud: Pair, measure: Callable[..., SeriesPrediction]) -> None:
+def test_the_fmd_alone_gives_what_was_expected_of_it(loud: Pair) -> None:
     gained = obtained(loud, measure("fmd", loud[1].effects))
     assert_allclose(followed(loud, "Run the FMD alone"), gained, rtol=0.3)  # Occam's share of a nat or two is not forecast
 
@@ -310,9 +277,7 @@ def test_the_best_of_the_menu_is_advised_and_the_work_is_told(aside: Pair) -> No
     assert "between mounting-offset:x and rigid-inertia:mx" in found[0].text
 
 
-def test_a_single_explanation_is_confirmed_against_nothing_and_what_it_looks_like(
-    loud: Pair, explained: Callable[..., Candidate]
-) -> None:
+def test_a_single_explanation_is_confirmed_against_nothing_and_what_it_looks_like(loud: Pair) -> None:
     nothing, lookalike = imagined(loud[0], loud[1])
     assert nothing.id == "nothing"
     assert lookalike.id.partition(":")[0] in FAMILIES["force-gain"].mistaken_for
@@ -322,9 +287,7 @@ def test_a_single_explanation_is_confirmed_against_nothing_and_what_it_looks_lik
     assert advised(loud[0], loud[1:2])[0].separates[:2] == ("force-gain:fmd-z2", "nothing")
 
 
-def test_where_nothing_helps_that_is_said_with_what_would(
-    bench: Callable[..., Study], explained: Callable[..., Candidate]
-) -> None:
+def test_where_nothing_helps_that_is_said_with_what_would() -> None:
     data = bench("", "fmd")
     pair = [explained(data, text) for text in ("force-gain:fmd-z1=0", "force-gain:fmd-z2=0")]
     (only,) = advised(data, pair)
