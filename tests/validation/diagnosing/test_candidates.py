@@ -75,7 +75,7 @@ def smallest_mass(deviation: float, evidence: float) -> float:
     told = ScoreTest(name="", estimate=0.0, information=deviation**-2)
     added = Added(named=parse("slosh:mast-top=m:0.1,f:9,zeta:0.01"))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("validation.diagnose.candidates.evidence_threshold", lambda family: evidence)
+        patch.setattr("validation.effects.effect.evidence_threshold", lambda family: evidence)
         found = detectable([Screened(added=added, evidence=0.0, told=told, plausible=np.inf, usual=told)])
     return found[0].size if found else np.inf
 

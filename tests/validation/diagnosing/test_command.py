@@ -470,6 +470,7 @@ def test_campaigns_that_contradict_one_another_or_the_model_are_refused(
         (["nowhere.toml"], "no such file or folder"),
         (["clumod-4-weighing", "clumod-4-weighing"], "is named twice"),
         (["cuboid/campaign.toml"], "Name its folder"),
+        (["clumod-4-weighing", "--candidate", "force-gain"], "no effect that weights and periods could show"),
     ],
 )
 def test_what_cannot_be_used_is_said(words: list[str], said: str, here: Path, run: Run) -> None:
@@ -497,7 +498,7 @@ def test_a_candidate_that_cannot_be_looked_for_says_why(candidate: str, said: st
     assert said in refused(run, "cuboid", "--candidate", candidate).replace(". ", " ")
 
 
-@pytest.mark.parametrize("more", [["--hold-out", "z"], ["--band", "4", "16"], ["--auto"], ["--candidate", "force-gain"]])
+@pytest.mark.parametrize("more", [["--hold-out", "z"], ["--band", "4", "16"], ["--auto"]])
 def test_what_needs_a_campaign_is_refused_without_one(more: list[str], here: Path, run: Run) -> None:
     said = refused(run, "clumod-4-weighing", *more)
     assert "there is no campaign among DATA" in said
