@@ -16,16 +16,7 @@ from geometry.inertia import PARAMETERS
 from geometry.toml_file import nearest
 from identification.quality import NORMAL_95
 from validation.classical.pendulum import CompoundSwing, RecordedSwing, RopeSwing
-from validation.diagnose.diagnosis import (
-    AMBIGUOUS,
-    MISSING,
-    NOTHING,
-    SEVERAL,
-    UNKNOWN,
-    Detectable,
-    MeasurementInput,
-    Needed,
-)
+from validation.diagnose.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN, Detectable, MeasurementInput, Needed
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS, PENDULUM, PERIOD_STAGE, SizeSpec
 from validation.effects.practical_units import said, significant

@@ -25,10 +25,7 @@ from geometry.errors import CheckFailed
 from geometry.frames import Array
 from identification.consistency import candidates
 from identification.quality import NORMAL_90
-from validation.diagnose.diagnosis import (
-    Cause,
-    EffectEstimate,
-)
+from validation.diagnose.diagnosis import Cause, EffectEstimate
 from validation.effects.catalogue import Named
 from validation.prediction.series import SeriesPrediction
 from validation.study import Study
