@@ -90,6 +90,7 @@ def test_the_smallest_mass_grows_with_the_root_of_the_evidence_and_with_the_devi
 def test_the_smallest_mass_brings_the_evidence_that_is_asked_for() -> None:
     offset = smallest_mass(3.0, 8.0) / TINY  # a straight line from the mass TINY, whose offset is that of ln m
     assert_allclose(0.5 * offset**2 / 3.0**2 - OCCAM, 8.0, rtol=1e-12)
+    assert_allclose(smallest_mass(3.0, 8.0), 3e-6 * np.sqrt(2 * (8 + 4)), rtol=1e-12)  # [kg]
 
 
 @pytest.mark.parametrize(("f", "there"), [(3.4, False), (3.6, True), (12.0, True), (36.0, True), (38.0, False)])

@@ -166,6 +166,11 @@ def test_what_the_data_say_of_a_cause_is_on_the_page_and_in_json(made: Made) -> 
     assert to_json(one)["note"] is None
     assert not any(line[0] == "these data say" for line in report_diagnose.explained(one).lines)
     assert to_json(Advice(test="weigh it", gain=3.0, hours=0.5))["hours"] == 0.5
+    sure = [Advice(test="weigh it", gain=gain, separates=("a", "b"), hours=0.5).text for gain in (999.0, 1001.0)]
+    assert [text.partition("expected ")[2] for text in sure] == [
+        "999 nats between a and b",
+        "more than 1000 nats between a and b",
+    ]
 
 
 def test_what_an_earlier_round_fitted_is_not_said_to_be_unfitted(made: Made) -> None:
