@@ -43,7 +43,7 @@ RESONATOR = ("m", "f", "zeta")
 
 TINY = 1e-6
 """[kg] Mass of a resonator that does next to nothing; a step of its logarithm is then linear. Set by the development draws of
-`make blind`, exercised by tests/validation/diagnosing/test_candidates.py."""
+`make blind`, held by tests/validation/diagnosing/test_candidates.py."""
 
 TINY_AT = {"m": TINY, "f": 1000.0, "zeta": 0.02}
 
@@ -197,7 +197,7 @@ PER_OCTAVE = 24
 
 OCCAM = 4.0
 """[nats] that three sizes which are known to a factor cost at least, where the data tell them well. Set by the development draws
-of `make blind`, exercised by tests/validation/diagnosing/test_candidates.py."""
+of `make blind`, held by tests/validation/diagnosing/test_candidates.py."""
 
 
 SAME_DIRECTION = 0.02

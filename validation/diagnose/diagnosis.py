@@ -30,8 +30,7 @@ NOTHING, MISSING, AMBIGUOUS, SEVERAL, UNKNOWN, NONLINEAR, MISTAKE = VERDICTS = (
 )
 
 MANY_NATS = 1000.0
-"""[nats] beyond which a forecast of evidence says only that it is decided. Exercised by
-tests/validation/diagnosing/test_page.py."""
+"""[nats] beyond which a forecast of evidence says only that it is decided. Held by tests/validation/diagnosing/test_page.py."""
 
 
 ANY = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
@@ -535,7 +534,7 @@ class Screened:
 
 
 NAMED = 4
-"""[count] of effects that a sentence names; of more, their number is. Exercised by tests/validation/diagnosing/test_page.py."""
+"""[count] of effects that a sentence names; of more, their number is. Held by tests/validation/diagnosing/test_page.py."""
 
 
 def headline(found: Diagnosis) -> str:

@@ -55,11 +55,11 @@ SIGNIFICANT = 2.0
 SCATTER = 3.0
 """[sd] that chi² per degree of freedom of a null may lie above what noise alone predicts: scatter of chi² and of the noise
 estimate. The model-error floor is a bound that nulls do not use: they read 0.97 to 1.01 of the noise. Set by the development
-draws of `make blind`, exercised by tests/validation/diagnosing/test_search.py."""
+draws of `make blind`, held by tests/validation/diagnosing/test_search.py."""
 
 UNLIKELY = 1e-4
 """[probability] of a sum of z² below which the tolerances pay for something that is missing. Set by the development draws of
-`make blind`, exercised by tests/validation/diagnosing/test_search.py."""
+`make blind`, held by tests/validation/diagnosing/test_search.py."""
 
 ABSURD = 4.8
 """[sd] of one tolerance, of some four hundred, that is no chance. Held by tests/validation/diagnosing/test_search.py."""
@@ -192,7 +192,7 @@ def _offsets_in(problem: Problem, fit: Fit) -> dict[str, float]:
 # best of them.
 
 SIZE_OCTAVES = np.arange(-6.0, 4.0, 0.5)
-"""[octave] of the prior sd: sizes at which an effect is looked at. Exercised by tests/validation/diagnosing/test_search.py."""
+"""[octave] of the prior sd: sizes at which an effect is looked at. Held by tests/validation/diagnosing/test_search.py."""
 
 SIZE_SCAN_FLOOR = 0.2
 """[share] Model-error floor of these looks: so coarse that resonances which a tolerance still has to move do not decide.
@@ -359,11 +359,10 @@ def is_accepted(one: CandidateFit) -> bool:
 
 
 RIVALS = 5
-"""[count] of names at most that an earlier effect is held against. Exercised by tests/validation/diagnosing/test_search.py."""
+"""[count] of names at most that an earlier effect is held against. Held by tests/validation/diagnosing/test_search.py."""
 
 RIVAL_SHARE = 0.25
-"""[share] of the evidence of the best that such a name must have brought. Exercised by
-tests/validation/diagnosing/test_search.py."""
+"""[share] of the evidence of the best that such a name must have brought. Held by tests/validation/diagnosing/test_search.py."""
 
 
 def backward_elimination(
@@ -440,20 +439,20 @@ MOST_STEPS = 6
 `make blind`."""
 
 FITS_OF_A_STEP = 6
-"""[count] of candidates that are fitted in a step at most. Exercised by tests/validation/diagnosing/test_search.py."""
+"""[count] of candidates that are fitted in a step at most. Held by tests/validation/diagnosing/test_search.py."""
 
 FITS_OF_A_FAMILY = 3
-"""[count] of these of one family at most. Exercised by tests/validation/diagnosing/test_search.py."""
+"""[count] of these of one family at most. Held by tests/validation/diagnosing/test_search.py."""
 
 FITS_OF_THE_STRUCTURE = 2
-"""[count] of these of the structure at least, where any promises something. Exercised by
+"""[count] of these of the structure at least, where any promises something. Held by
 tests/validation/diagnosing/test_search.py."""
 
 WORTH_A_FIT = 4.0
-"""[nats] that a straight line must promise for a fit. Exercised by tests/validation/diagnosing/test_search.py."""
+"""[nats] that a straight line must promise for a fit. Held by tests/validation/diagnosing/test_search.py."""
 
 NULL_MARGIN = 1.0
-"""[nats] that it may promise less than is asked for where nothing need be missing: there a straight line is right. Exercised by
+"""[nats] that it may promise less than is asked for where nothing need be missing: there a straight line is right. Held by
 tests/validation/diagnosing/test_search.py."""
 
 SCREENING_MARGIN = 12.0
@@ -475,23 +474,22 @@ REFITS = 1
 `make blind`."""
 
 REPLACEMENTS = 2
-"""[count] of fits in place of resonators that a fit has driven out of the band, where they are springs or masses. Exercised by
+"""[count] of fits in place of resonators that a fit has driven out of the band, where they are springs or masses. Held by
 tests/validation/diagnosing/test_search.py."""
 
 KEPT_SHARE = 0.5
-"""[share] of a promise that a fit must keep lest it restart from the priors, where no fit comes up to that promise. Exercised by
+"""[share] of a promise that a fit must keep lest it restart from the priors, where no fit comes up to that promise. Held by
 tests/validation/diagnosing/test_search.py."""
 
 RESTARTS = 3
-"""[count] of fits of a step that restart from the priors. Exercised by tests/validation/diagnosing/test_search.py."""
+"""[count] of fits of a step that restart from the priors. Held by tests/validation/diagnosing/test_search.py."""
 
 LEAST_EXPLAINED = 0.25
 """[share] of the excess cost that an effect must explain for others to be looked for beside it. Set by the development draws of
 `make blind`."""
 
 ALIAS_FITS = 3
-"""[count] of rivals that are fitted though no straight line promised them. Exercised by
-tests/validation/diagnosing/test_search.py."""
+"""[count] of rivals that are fitted though no straight line promised them. Held by tests/validation/diagnosing/test_search.py."""
 
 ALIAS_OWN_SHARE = 0.3
 """[share] of what the best does that may be its own for another to be such a rival. Set by the development draws of `make
