@@ -21,7 +21,7 @@ from identification.campaign import Campaign
 from validation.diagnose.candidates import candidates, screen
 from validation.diagnose.diagnose import diagnosed
 from validation.diagnose.diagnosis import Candidate
-from validation.diagnose.search import baseline, fit_with
+from validation.diagnose.search import fit_with
 from validation.effects.catalogue import parse
 from validation.model.model import Model
 from validation.prediction.series import predictions
@@ -75,7 +75,7 @@ def bench(step: int = 1) -> Study:
 @cache
 def start() -> Candidate:
     """The baseline from which all are refitted."""
-    return baseline(bench())
+    return Candidate(effects=(), fit=bench().all_free(), problem=bench().problem())
 
 
 def one_by_one() -> None:
@@ -90,7 +90,7 @@ def against_refits() -> None:
     menu = candidates(bench())
     at = start()
     calls: dict[str, Call] = {
-        "the baseline": lambda: baseline(bench()),
+        "the baseline": lambda: bench().all_free(),
         "screening of all candidates": lambda: screen(bench(), at, menu),
         "a whole diagnosis": lambda: diagnosed(bench()),
         f"refitting {SAMPLE} of them": one_by_one,

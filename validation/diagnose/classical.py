@@ -1,12 +1,11 @@
-"""`SwingAnswer`: what a diagnosis of classical measurements alone says, with everything that it rests on."""
+"""What classical measurements - weights, centres of gravity, periods - say of effects of the pendulum and of the body."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
-from itertools import combinations
-from types import MappingProxyType
+from itertools import combinations, product
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -16,155 +15,17 @@ from geometry.frames import Array, frozen
 from geometry.inertia import PARAMETERS
 from geometry.toml_file import nearest
 from identification.quality import NORMAL_95
-from validation.classical.pendulum import CompoundSwing, RopeSwing
-from validation.diagnose.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN, Advice, Cause, Detectable, Leftover
+from validation.classical.pendulum import CompoundSwing, RecordedSwing, RopeSwing
+from validation.diagnose.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN, Detectable, MeasurementInput, Needed
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS, PENDULUM, PERIOD_STAGE, SizeSpec
-from validation.effects.practical_units import said
+from validation.effects.practical_units import said, significant
 from validation.model.model import Added
-from validation.output import derived, entry, unwritten
 from validation.prediction import classical_facts
-from validation.prediction.classical_facts import WEIGHED, ArticleFact, Input, covariance
+from validation.prediction.classical_facts import WEIGHED, ArticleFact, covariance
 
 UNITS = ("kg", "m", "m", "m", *("kg m^2",) * 6)
 """SI, of the quantities of `identification.request`."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class MeasurementComparison:
-    """One measurement beside the model.
-
-    Attributes
-    ----------
-    name : file and quantity
-    quantity : what was measured, in words: "period of swing 2"
-    predicted, measured, deviation : SI, the last one standard deviation of the measured
-    unit : of them
-    sigma : (predicted - measured) / deviation
-    period : [s] measured, of a swing; 0 of anything else
-    period_shift : how much longer than the model's it is, as a share; 0 of anything else
-    """
-
-    name: str
-    quantity: str = unwritten()
-    sigma: float
-    unit: str
-    predicted: float
-    measured: float
-    deviation: float = entry("tolerance")
-    period: float = entry("period_s", unit="s", null=0.0, default=0.0)
-    period_shift: float = unwritten(default=0.0)
-
-    @property
-    @derived("period_shift_percent")
-    def period_percent(self) -> float | None:
-        """The shift in per cent; None of what is no swing."""
-        return 100 * self.period_shift if self.period else None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Needed:
-    """How large an effect would have to be to explain the measurements by itself.
-
-    Attributes
-    ----------
-    id : of the effect
-    value, unit : SI
-    plausible : what a fault of it may be, one standard deviation
-    possible : whether any size that a test may have explains them; False for one that can only move them the other way
-    fits : whether what is then left is what tolerances leave
-    evidence : [nats] against the model without it
-    text : all of it in words
-    """
-
-    id: str
-    value: float
-    unit: str
-    plausible: float
-    possible: bool
-    fits: bool = entry("explains")
-    evidence: float = entry("evidence_nats", unit="nats")
-    text: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class MeasurementInput:
-    """An input of a measurement that would explain the deviation, were it wrong.
-
-    Attributes
-    ----------
-    name : "rope length"
-    value, change : as it stands, and by how much it would have to be wrong, SI
-    tolerances : the same in its tolerances (95 %)
-    of : measurements that it enters
-    """
-
-    name: str = entry("input")
-    value: float = entry("value_si")
-    change: float = entry("change_si")
-    tolerances: float
-    of: tuple[str, ...]
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SwingAnswer:
-    """The answer.
-
-    Attributes
-    ----------
-    title : of the model
-    source : the model's file
-    verdict : of `validation.diagnose.diagnosis.VERDICTS`
-    text : the answer in words
-    accepted : what is missing; of several that these data cannot tell apart none
-    ranking : all that was tried, the best first
-    equivalence_class : ids that these data cannot tell apart, the best first; one where there is no doubt
-    advice : measurements that would tell them apart, the best first
-    leftover : of an unknown effect
-    detectable : the smallest size at which each effect would have been named
-    facts : every measurement beside the model
-    needed : by effect the size that would explain the measurements by itself
-    readings : inputs that would explain them, were they wrong, the least wrong first
-    chi2, measurements : of the model without any effect, and how many numbers were measured
-    remarks : what should be known
-    settings : thresholds
-    """
-
-    title: str = unwritten()
-    source: str = unwritten()
-    verdict: str
-    text: str
-    accepted: tuple[Cause, ...] = ()
-    ranking: tuple[Cause, ...] = ()
-    equivalence_class: tuple[str, ...] = ()
-    advice: tuple[Advice, ...] = ()
-    leftover: Leftover | None = entry("leftover_described", default=None)
-    detectable: tuple[Detectable, ...] = ()
-    chi2: float
-    measurements: int
-    facts: tuple[MeasurementComparison, ...] = entry("classical")
-    needed: tuple[Needed, ...] = ()
-    readings: tuple[MeasurementInput, ...] = ()
-    remarks: tuple[str, ...] = entry("warnings", default=())
-    settings: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
-
-    @property
-    @derived("next_measurement", before="advice")
-    def next_measurement(self) -> str:
-        """The best advice in words; empty where there is none."""
-        return self.advice[0].test if self.advice else ""
-
-    @property
-    @derived("leftover", before="leftover_described")
-    def left(self) -> str | None:
-        """What no effect explains, in words."""
-        return None if self.leftover is None else self.leftover.text
-
-    @property
-    @derived("errors", before="detectable")
-    def errors(self) -> None:
-        """There are no spectra, and so no errors of them."""
-        return None
 
 
 # What may be wrong where only weights, centres of gravity and periods are known: effects of the pendulum and of the body.
@@ -172,11 +33,11 @@ class SwingAnswer:
 
 REACH = 6.0
 """[prior sd] up to which the size of an effect is looked at; beyond it explains nothing. Held by
-tests/validation/diagnosing/test_swings.py."""
+tests/validation/diagnosing/test_classical.py."""
 
 LIGHTEST = 0.5
 """[share] of the mass of an article that is left at the least: more is not missing in a drawing. Set by the development draws of
-`make blind`, exercised by tests/validation/diagnosing/test_swings.py."""
+`make blind`, exercised by tests/validation/diagnosing/test_classical.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -224,8 +85,16 @@ def candidates(
     """
     there = {one.named.id for one in own}
     least = min((float(fact.of.ten({})[0]) for fact in facts), default=0.0)
-    every = (*pendulum_candidates(facts), *(Added(named=at_prior_sd(name)) for name in _of_body(facts)))
-    found = tuple(_candidate(one, least) for one in every if one.named.id not in there)
+    of_body = [f"rigid-inertia:{name}" for name in PARAMETERS]
+    of_body += dict.fromkeys(f"point-mass:{place}" for fact in facts for place in fact.of.drawn.places)
+    found = []
+    for added in (*pendulum_candidates(facts), *(Added(named=at_prior_sd(name)) for name in of_body)):
+        size = added.named.sizes[0]
+        low, high = max(size.low, -REACH * size.plausible), min(size.high, REACH * size.plausible)
+        if added.named.family in WEIGHED and size.unit == "kg":
+            low = max(low, -LIGHTEST * least)
+        if added.named.id not in there:
+            found.append(ClassicalCandidate(added=added, size=size, low=low, high=high))
     for wanted in only:
         if not any(_is(one, wanted) for one in found):
             known = dict.fromkeys(name for one in found for name in (one.added.named.family, one.id))
@@ -239,11 +108,6 @@ def _is(one: ClassicalCandidate, name: str) -> bool:
     return name in (one.added.named.family, one.id)
 
 
-def _of_body(facts: Sequence[ArticleFact]) -> Iterator[str]:
-    yield from (f"rigid-inertia:{name}" for name in PARAMETERS)
-    yield from dict.fromkeys(f"point-mass:{place}" for fact in facts for place in fact.of.drawn.places)
-
-
 def at_prior_sd(name: str) -> Named:
     """The effect `name` at a plausible size."""
     family, *targets = name.split(":")
@@ -251,27 +115,19 @@ def at_prior_sd(name: str) -> Named:
     return Named(family=family, targets=tuple(targets), values={size.key: size.null + size.plausible for size in sizes})
 
 
-def _candidate(added: Added, mass: float) -> ClassicalCandidate:
-    size = added.named.sizes[0]
-    low, high = max(size.low, -REACH * size.plausible), min(size.high, REACH * size.plausible)
-    if added.named.family in WEIGHED and size.unit == "kg":
-        low = max(low, -LIGHTEST * mass)
-    return ClassicalCandidate(added=added, size=size, low=low, high=high)
-
-
-# `Curve`: what an effect makes of all measurements as a smooth function of its size.
+# What an effect makes of all measurements as a smooth function of its size.
 
 
 DEGREE = 10
 """[count] Degree of the polynomial; effects are of second degree in their size or near it. Held by
-tests/validation/diagnosing/test_weighed.py."""
+tests/validation/diagnosing/test_classical.py."""
 
 NARROWER = 0.7
 """[factor] by which an interval shrinks whose end no pendulum and no body can have. Set by the development draws of `make blind`,
-exercised by tests/validation/diagnosing/test_swings.py."""
+exercised by tests/validation/diagnosing/test_classical.py."""
 
 TRIES = 12
-"""[count] of times that such an interval shrinks. Exercised by tests/validation/diagnosing/test_swings.py."""
+"""[count] of times that such an interval shrinks. Exercised by tests/validation/diagnosing/test_classical.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -317,7 +173,7 @@ def curve(answer: Callable[[Array], Array], low: float, high: float) -> Interpol
     )
 
 
-# `Observed`: classical measurements beside a model, with the tolerances that they have in common.
+# Classical measurements beside a model, with the tolerances that they have in common.
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -356,6 +212,60 @@ class ObservedFacts:
     def deviation(self) -> Array:
         """(n,) standard deviations, SI."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def readings(self) -> tuple[MeasurementInput, ...]:
+        """Every input that has a name and explains the measurements, were it wrong, the one that would be least wrong first.
+
+        What fits best, the others as they are: ``z = aᵀ N⁻¹ d / (aᵀ N⁻¹ a)`` standard deviations too low, a what one of them
+        makes of the measurements, N the covariance without it; what is left is ``dᵀ N⁻¹ d - z² aᵀ N⁻¹ a``.
+        """
+        spreads, found = [fact.spread for fact in self.facts], []
+        for one in dict.fromkeys(each for spread in spreads for each in spread):
+            a = np.array([spread.get(one, 0.0) for spread in spreads])
+            P = inverse_covariance(self.covariance - np.outer(a, a) + ROUNDING * np.diag(np.diag(self.covariance)))
+            z = float(a @ P @ self.left / (a @ P @ a))
+            left = self.left - z * a
+            if one.name and chance(float(left @ P @ left), len(left) - 1) > UNLIKELY:
+                of, change = tuple(fact.name for fact, part in zip(self.facts, a, strict=True) if part), z * one.deviation
+                found.append(MeasurementInput(name=one.name, value=one.value, change=change, tolerances=z / NORMAL_95, of=of))
+        return tuple(sorted(found, key=lambda one: abs(one.tolerances)))
+
+    def contradictions(self, units: Sequence[str]) -> tuple[str, ...]:
+        """Measurements that contradict one another, whatever the model, each in a sentence with these `units`.
+
+        They are two of one quantity, and a mass that a pendulum file states beside the one that was weighed.
+        """
+        told = []
+        for i, j in combinations(range(len(self.facts)), 2):
+            one, other = self.facts[i], self.facts[j]
+            if one.of.article != other.of.article or not np.allclose(one.weights, other.weights):
+                continue
+            apart, C = one.value - other.value, self.covariance
+            sd = float(np.sqrt(max(C[i, i] + C[j, j] - 2 * C[i, j], 1e-300)))
+            if abs(apart) > DISAGREE * sd:
+                values = " and ".join(said(each.value, units[i], 4) for each in (one, other))
+                differing = ""
+                if one.swing is not None and other.swing is not None:  # in what they differ, as far as the file says
+                    a, b = _conditions(one.swing), _conditions(other.swing)
+                    differ = " and ".join(name for name in {**a, **b} if a.get(name) != b.get(name))
+                    differing = f"; they differ in {differ}" if differ else "; the file says of nothing in which they differ"
+                told.append(
+                    f"{one.name} and {other.name} contradict each other: {values}, "
+                    f"{abs(apart) / sd:.0f} standard deviations apart{differing}"
+                )
+        stated = dict.fromkeys(
+            (fact.of.article, each.value, each.deviation) for fact in self.facts for each in fact.spread if each.name == MASS
+        )
+        for fact, (article, value, deviation) in product((fact for fact in self.facts if fact.weights[0] == 1), stated):
+            sd = float(np.hypot(fact.deviation, deviation))
+            if article == fact.of.article and abs(fact.value - value) > DISAGREE * sd:
+                told.append(
+                    f"{fact.name} says {said(fact.value, 'kg', 4)}, and beside it {said(value, 'kg', 4)} ± "
+                    f"{said(NORMAL_95 * deviation, 'kg')} stands as the mass, {abs(fact.value - value) / sd:.0f} standard "
+                    "deviations apart"
+                )
+        return tuple(told)
 
 
 def observed(facts: Sequence[ArticleFact], own: Sequence[Added]) -> ObservedFacts:
@@ -398,7 +308,7 @@ def _left(fact: ArticleFact, offsets: dict[str, float] | None = None) -> float:
 
 ANSWERS = 0.1
 """[sd] of some measurement that an effect at its prior sd must move to be looked at. Exercised by
-tests/validation/diagnosing/test_swings.py."""
+tests/validation/diagnosing/test_classical.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -422,101 +332,42 @@ class Answering:
 def answering(
     of: ObservedFacts, candidates: Sequence[ClassicalCandidate], progress: Callable[[float], None] | None = None
 ) -> tuple[Answering, ...]:
-    """Those of `candidates` that move the measurements `of`, and all of the pendulum."""
-    return tuple(_answering(of, candidates, progress or (lambda share: None)))
-
-
-def _answering(of: ObservedFacts, candidates: Sequence[ClassicalCandidate], tell: Callable[[float], None]) -> Iterator[Answering]:
+    """Those of `candidates` of which a plausible size moves the measurements `of`, and all of the pendulum."""
+    found = []
     for k, candidate in enumerate(candidates, start=1):
-        answer = curve(partial(shifted, of, candidate.added), candidate.low, candidate.high)
-        one = Answering(candidate=candidate, curve=answer)
-        if candidate.of_pendulum or _moves(one, of):
-            yield one
-        tell(k / len(candidates))
-
-
-def _moves(one: Answering, of: ObservedFacts) -> bool:
-    """Whether a plausible size of it moves anything; of one that has either sign, the two of them apart."""
-    size = min(one.plausible, one.curve.high)
-    if one.curve.low >= 0:
-        moved = one.curve.at(np.array([size]))
-    else:
-        size = min(size, -one.curve.low)
-        moved = np.diff(one.curve.at(np.array([-size, size])), axis=0) / 2
-    return bool(np.max(np.abs(moved) / of.deviation) > ANSWERS)
-
-
-# Measurements that contradict one another, whatever the model: two swings about one axis, two weights of one article.
+        one = Answering(candidate=candidate, curve=curve(partial(shifted, of, candidate.added), candidate.low, candidate.high))
+        size = min(one.plausible, one.curve.high)
+        if one.curve.low >= 0:
+            moved = one.curve.at(np.array([size]))
+        else:  # of one that has either sign, the two of them apart
+            size = min(size, -one.curve.low)
+            moved = np.diff(one.curve.at(np.array([-size, size])), axis=0) / 2
+        if candidate.of_pendulum or np.max(np.abs(moved) / of.deviation) > ANSWERS:
+            found.append(one)
+        if progress is not None:
+            progress(k / len(candidates))
+    return tuple(found)
 
 
 DISAGREE = 4.0
 """[sd] from which two measurements of one quantity contradict each other. Exercised by
-tests/validation/diagnosing/test_swings.py."""
+tests/validation/diagnosing/test_classical.py."""
 
 MASS = "mass"
 
 
-def contradicting_measurements(of: ObservedFacts, beside: tuple[MeasurementComparison, ...]) -> tuple[str, ...]:
-    """Each in a sentence."""
-    return (*_of_one_quantity(of, beside), *_of_masses(of))
-
-
-def _of_one_quantity(of: ObservedFacts, beside: tuple[MeasurementComparison, ...]) -> Iterator[str]:
-    for i, j in combinations(range(len(of.facts)), 2):
-        one, other = of.facts[i], of.facts[j]
-        if one.of.article != other.of.article or not np.allclose(one.weights, other.weights):
-            continue
-        apart = one.value - other.value
-        sd = float(np.sqrt(max(of.covariance[i, i] + of.covariance[j, j] - 2 * of.covariance[i, j], 1e-300)))
-        if abs(apart) > DISAGREE * sd:
-            values = " and ".join(said(each.value, beside[i].unit, 4) for each in (one, other))
-            # In what two swings differ, as far as the file says
-            if one.swing is None or other.swing is None:
-                differing: str = ""
-            else:
-                differ = [name for name, (a, b) in _conditions(one, other).items() if a != b]
-                differing = (
-                    f"; they differ in {' and '.join(differ)}" if differ else "; the file says of nothing in which they differ"
-                )
-            yield (
-                f"{one.name} and {other.name} contradict each other: {values}, "
-                f"{abs(apart) / sd:.0f} standard deviations apart{differing}"
-            )
-
-
-def _conditions(one: ArticleFact, other: ArticleFact) -> dict[str, tuple[object, object]]:
-    swings = [each.swing for each in (one, other) if each.swing is not None]
-    told: list[dict[str, object]] = []
-    for swing in swings:
-        pendulum, said_of = swing.pendulum, swing.stated
-        sizes: dict[str, object] = {"suspension": type(pendulum).__name__}
-        if isinstance(pendulum, RopeSwing):
-            sizes |= {"length of the ropes": pendulum.length.nominal_value}
-            sizes |= {"radius": abs(pendulum.s1.nominal_value * pendulum.s2.nominal_value)}
-        if isinstance(pendulum, RopeSwing | CompoundSwing):
-            sizes |= {MASS: pendulum.mass.nominal_value}
-        for key in ("amplitude", "damping", "rope_mass"):
-            stated = getattr(said_of, key)
-            sizes[key.replace("_", " ")] = None if stated is None else stated.nominal_value
-        told.append(sizes)
-    return {name: (told[0].get(name), told[1].get(name)) for name in {**told[0], **told[1]}}
-
-
-def _of_masses(of: ObservedFacts) -> Iterator[str]:
-    """A mass that a pendulum file states beside the one that was weighed."""
-    weighed = [fact for fact in of.facts if fact.weights[0] == 1]
-    stated = dict.fromkeys(
-        (fact.of.article, each.value, each.deviation) for fact in of.facts for each in fact.spread if each.name == MASS
-    )
-    for fact in weighed:
-        for article, value, deviation in stated:
-            sd = float(np.hypot(fact.deviation, deviation))
-            if article == fact.of.article and abs(fact.value - value) > DISAGREE * sd:
-                yield (
-                    f"{fact.name} says {said(fact.value, 'kg', 4)}, and beside it {said(value, 'kg', 4)} ± "
-                    f"{said(NORMAL_95 * deviation, 'kg')} stands as the mass, {abs(fact.value - value) / sd:.0f} standard "
-                    "deviations apart"
-                )
+def _conditions(swing: RecordedSwing) -> dict[str, object]:
+    pendulum = swing.pendulum
+    told: dict[str, object] = {"suspension": type(pendulum).__name__}
+    if isinstance(pendulum, RopeSwing):
+        told |= {"length of the ropes": pendulum.length.nominal_value}
+        told |= {"radius": abs(pendulum.s1.nominal_value * pendulum.s2.nominal_value)}
+    if isinstance(pendulum, RopeSwing | CompoundSwing):
+        told |= {MASS: pendulum.mass.nominal_value}
+    for key in ("amplitude", "damping", "rope_mass"):
+        stated = getattr(swing.stated, key)
+        told[key.replace("_", " ")] = None if stated is None else stated.nominal_value
+    return told
 
 
 # How probable measurements are if an effect of plausible size is there, against that it is not: an integral over its size.
@@ -531,17 +382,17 @@ def _of_masses(of: ObservedFacts) -> Iterator[str]:
 
 
 POINTS = 401
-"""[count] of sizes in each look at one effect. Exercised by tests/validation/diagnosing/test_weighed.py."""
+"""[count] of sizes in each look at one effect. Exercised by tests/validation/diagnosing/test_classical.py."""
 
 LOOKS = 4
-"""[count] of looks, each closer than the one before. Exercised by tests/validation/diagnosing/test_weighed.py."""
+"""[count] of looks, each closer than the one before. Exercised by tests/validation/diagnosing/test_classical.py."""
 
 FAR = 30.0
-"""[nats] below the summit at which nothing is left. Exercised by tests/validation/diagnosing/test_weighed.py."""
+"""[nats] below the summit at which nothing is left. Exercised by tests/validation/diagnosing/test_classical.py."""
 
 NEAR = 1e-4
 """[nats] below the summit within which the summit itself is looked for. Exercised by
-tests/validation/diagnosing/test_weighed.py."""
+tests/validation/diagnosing/test_classical.py."""
 
 TAIL = 0.05
 """[probability] on either side of a 90 % interval. By definition."""
@@ -642,17 +493,18 @@ def steps(sizes: Array) -> Array:
     return steps
 
 
-# Two effects at once: the integral of `validation.diagnose.classical` over both sizes.
+# Two effects at once: the same integral over both sizes.
 #
 # What they make of a measurement adds, but for two that lengthen one period: factors multiply, and of a moment M that was
 # measured ``M (1 - s₁/M) (1 - s₂/M)`` is left, so that s = s₁ + s₂ - s₁ s₂ / M.
 
 
 PAIR_POINTS = 121
-"""[count] of sizes in each look at a pair of effects, along either. Exercised by tests/validation/diagnosing/test_weighed.py."""
+"""[count] of sizes in each look at a pair of effects, along either. Exercised by
+tests/validation/diagnosing/test_classical.py."""
 
 PAIR_LOOKS = 5
-"""[count] of looks at a pair, each closer than the one before. Exercised by tests/validation/diagnosing/test_weighed.py."""
+"""[count] of looks at a pair, each closer than the one before. Exercised by tests/validation/diagnosing/test_classical.py."""
 
 
 def both(
@@ -670,67 +522,66 @@ def both(
     ends = [(one.low, one.high) for one in curves]
     for _ in range(PAIR_LOOKS):
         sizes = [np.linspace(low, high, PAIR_POINTS) for low, high in ends]
-        gained = _pair_gain(curves, sizes, left, precision, np.zeros(len(left)) if shared is None else shared)
+        first, second = curves[0].at(sizes[0])[:, None], curves[1].at(sizes[1])[None]
+        s = first + second - (np.zeros(len(left)) if shared is None else shared) * first * second
+        gained = -(s @ precision @ left) - 0.5 * np.einsum("kln,nm,klm->kl", s, precision, s)
         density = gained + sum(np.expand_dims(prior(sizes[k], curves[k], plausible[k]), 1 - k) for k in (0, 1))
         there = density > density.max() - FAR
-        ends = [_around_pair(sizes[k], there.any(axis=1 - k)) for k in (0, 1)]
+        at = [np.flatnonzero(there.any(axis=1 - k)) for k in (0, 1)]
+        ends = [(float(x[max(k[0] - 1, 0)]), float(x[min(k[-1] + 1, len(x) - 1)])) for x, k in zip(sizes, at, strict=True)]
     share = np.exp(density - density.max()) * np.outer(steps(sizes[0]), steps(sizes[1]))
-    evidence = float(density.max() + np.log(share.sum()))
     best = np.unravel_index(int(np.argmax(gained)), gained.shape)
-    chi2 = max(float(left @ precision @ left) - 2 * float(gained[best]), 0.0)
-    one, other = (_weighed(curves[k], sizes[k], share.sum(axis=1 - k), float(sizes[k][best[k]]), evidence, chi2) for k in (0, 1))
-    return one, other
-
-
-def _pair_gain(
-    curves: tuple[InterpolatedCurve, InterpolatedCurve], sizes: list[Array], left: Array, precision: Array, shared: Array
-) -> Array:
-    """(k, l) logarithm of the likelihood against that of neither."""
-    one, other = curves[0].at(sizes[0])[:, None], curves[1].at(sizes[1])[None]
-    s = one + other - shared * one * other
-    return np.asarray(-(s @ precision @ left) - 0.5 * np.einsum("kln,nm,klm->kl", s, precision, s))
-
-
-def _around_pair(sizes: Array, there: Array) -> tuple[float, float]:
-    at = np.flatnonzero(there)
-    return float(sizes[max(at[0] - 1, 0)]), float(sizes[min(at[-1] + 1, len(sizes) - 1)])
-
-
-def _weighed(curve: InterpolatedCurve, sizes: Array, share: Array, best: float, evidence: float, chi2: float) -> Weighed:
-    low, value, high = quantiles(sizes, share)
-    return Weighed(evidence=evidence, value=value, low=low, high=high, best=best, at_end=is_end(curve, best), chi2=chi2)
+    found = []
+    for k in (0, 1):
+        low, value, high = quantiles(sizes[k], share.sum(axis=1 - k))
+        found.append(
+            Weighed(
+                evidence=float(density.max() + np.log(share.sum())),
+                value=value,
+                low=low,
+                high=high,
+                best=float(sizes[k][best[k]]),
+                at_end=is_end(curves[k], float(sizes[k][best[k]])),
+                chi2=max(float(left @ precision @ left) - 2 * float(gained[best]), 0.0),
+            )
+        )
+    return found[0], found[1]
 
 
 # Is something missing, and what: the verdict on classical measurements, by the rules of every diagnosis.
 #
-# An effect is accepted where its evidence exceeds `WORTH` and what it leaves is what tolerances leave; where none is, two at
-# once are tried. All that lie within `ALIKE` of the best, and aliases of a possible size that leave as little as it does, are
-# one class that these data cannot tell apart.
+# An effect is accepted where its evidence exceeds `EVIDENCE_THRESHOLD` and what it leaves is what tolerances leave; where none
+# is, two at once are tried. All that lie within `INDISTINGUISHABLE_NATS` of the best, and aliases of a possible size that leave
+# as little as it does, are one class that these data cannot tell apart.
 
 
 ALIAS_CHI2 = 2.0
-"""[chi²] by which an alias may fit worse than the best. Exercised by tests/validation/diagnosing/test_swings.py."""
+"""[chi²] by which an alias may fit worse than the best. Exercised by tests/validation/diagnosing/test_classical.py."""
 
 LARGE = 3.0
-"""[prior sd] up to which a size is possible. Exercised by tests/validation/diagnosing/test_swings.py."""
+"""[prior sd] up to which a size is possible. Exercised by tests/validation/diagnosing/test_classical.py."""
 
 UNLIKELY = 1e-3
 """[probability] of a misfit below which an explanation explains too little. Exercised by
-tests/validation/diagnosing/test_swings.py."""
+tests/validation/diagnosing/test_classical.py."""
 
 UNKNOWN_BELOW = 1e-5
 """[probability] of a misfit below which the cause is unknown though nothing is worth a name. Exercised by
-tests/validation/diagnosing/test_swings.py."""
+tests/validation/diagnosing/test_classical.py."""
 
 NO_SIZE = 5e-3
-"""[prior sd] below which the best size is none. Exercised by tests/validation/diagnosing/test_swings.py."""
+"""[prior sd] below which the best size is none. Exercised by tests/validation/diagnosing/test_classical.py."""
 
 PAIR = 2
 """[count] of effects in a pair. By definition."""
 
 OF_PAIRS = 8
 """[count] of effects, the best by themselves, of which pairs are tried. Exercised by
-tests/validation/diagnosing/test_swings.py."""
+tests/validation/diagnosing/test_classical.py."""
+
+
+PLAUSIBLE = 1.0
+"""[prior sd] up to which an effect is nothing special. Exercised by tests/validation/diagnosing/test_classical.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -759,6 +610,30 @@ class ClassicalCandidateFit:
     def helps(self) -> bool:
         """Whether any size of it is better than none."""
         return abs(self.found.best) > NO_SIZE * self.answering.plausible
+
+    def needed(self, measurements: int) -> Needed:
+        """The size that it would have, were it alone, and what is to be thought of that."""
+        unit, plausible, size = self.candidate.size.unit, self.candidate.size.plausible, self.found.best
+        times, fits = abs(size) / plausible, explains(self, measurements)
+        if not self.helps:
+            text = "moves the measurements the other way, whatever its size"
+        elif self.found.at_end:
+            text = f"more than {said(abs(size), unit)}, beyond anything plausible ({said(plausible, unit)})"
+        elif not fits:
+            text = f"{said(size, unit)} fits best, and leaves chi² {self.found.chi2:.3g}: no explanation by itself"
+        else:
+            thought = "plausible" if times <= PLAUSIBLE else "large, but possible" if times <= LARGE else "hardly plausible"
+            text = f"{said(size, unit)}, {significant(times, 2)} times what is plausible: {thought}"
+        return Needed(
+            id=self.id,
+            value=size,
+            unit=unit,
+            plausible=plausible,
+            possible=self.helps and not self.found.at_end,
+            fits=fits,
+            evidence=self.found.evidence,
+            text=text,
+        )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -794,10 +669,22 @@ def judged(answers: Sequence[Answering], left: Array, precision: Array, of_perio
     precision : (n, n) inverse of the covariance of the measured
     of_period : (n,) 1 / the moment of inertia [kg m²] that was measured by a period, 0 of any other number
     """
-    tried = tuple(sorted((_tried(one, left, precision) for one in answers), key=lambda one: -one.found.evidence))
+    fits = [ClassicalCandidateFit(answering=one, found=weighed(one.curve, one.plausible, left, precision)) for one in answers]
+    tried = tuple(sorted(fits, key=lambda one: -one.found.evidence))
     chi2, n = float(left @ precision @ left), len(left)
     good = [one for one in tried if explains(one, n)]
-    alike = tuple(one for one in good if good[0].found.evidence > EVIDENCE_THRESHOLD and _alike(one, good[0]))
+    best = good[0].found if good else None
+    # As probable as the best, or an alias that does the same at a size that is possible
+    alike = tuple(
+        one
+        for one in good
+        if best is not None
+        and best.evidence > EVIDENCE_THRESHOLD
+        and (
+            best.evidence - one.found.evidence < INDISTINGUISHABLE_NATS
+            or (one.found.chi2 - best.chi2 < ALIAS_CHI2 and abs(one.found.best) <= LARGE * one.answering.plausible)
+        )
+    )
     pair: tuple[ClassicalCandidateFit, ...] = ()
     if alike:
         verdict = MISSING if len(alike) == 1 else AMBIGUOUS
@@ -820,17 +707,6 @@ def judged(answers: Sequence[Answering], left: Array, precision: Array, of_perio
     )
 
 
-def _tried(one: Answering, left: Array, precision: Array) -> ClassicalCandidateFit:
-    found = weighed(one.curve, one.plausible, left, precision)
-    return ClassicalCandidateFit(answering=one, found=found)
-
-
-def _alike(one: ClassicalCandidateFit, best: ClassicalCandidateFit) -> bool:
-    """Whether an explanation is as good as the best: as probable, or an alias that does the same at a size that is possible."""
-    alias = one.found.chi2 - best.found.chi2 < ALIAS_CHI2 and abs(one.found.best) <= LARGE * one.answering.plausible
-    return best.found.evidence - one.found.evidence < INDISTINGUISHABLE_NATS or alias
-
-
 def chance(chi2: float, degrees: int) -> float:
     """Probability of a larger `chi2` by chance; 1 where nothing is left to be judged."""
     from scipy.special import chdtrc
@@ -847,32 +723,26 @@ def explains(one: ClassicalCandidateFit, measurements: int) -> bool:
 
 
 HALVINGS = 12
-"""[count] of halvings of the interval that holds the size. Exercised by tests/validation/diagnosing/test_swings.py."""
+"""[count] of halvings of the interval that holds the size. Exercised by tests/validation/diagnosing/test_classical.py."""
 
 
 def detectable(tried: Sequence[ClassicalCandidateFit], covariance: Array) -> tuple[Detectable, ...]:
     """Of every effect that measurements with this `covariance` (n, n) would name within its reach."""
-    return tuple(_found(tried, inverse_covariance(covariance)))
-
-
-def _found(tried: Sequence[ClassicalCandidateFit], precision: Array) -> Iterator[Detectable]:
+    precision, found = inverse_covariance(covariance), []
     for one in tried:
-        # Positive size at which the evidence is `WORTH`; the end of what is looked at where it is not
         low, high = 0.0, one.curve.high
-        if not _named(one, high, precision):
-            size = high
-        else:
-            for _ in range(HALVINGS):
-                middle = 0.5 * (low + high)
-                low, high = (low, middle) if _named(one, middle, precision) else (middle, high)
-            size = high
-        if size < one.curve.high:
-            yield Detectable(id=one.id, size=size, unit=one.candidate.size.unit)
-
-
-def _named(one: ClassicalCandidateFit, size: float, precision: Array) -> bool:
-    left = -one.curve.at(np.array([size]))[0]
-    return evidence(one.curve, one.answering.plausible, left, precision) > EVIDENCE_THRESHOLD
+        for halved in range(HALVINGS + 1):
+            size = 0.5 * (low + high) if halved else high
+            named = evidence(one.curve, one.answering.plausible, -one.curve.at(np.array([size]))[0], precision)
+            if named > EVIDENCE_THRESHOLD:
+                high = size
+            elif halved:
+                low = size
+            else:
+                break  # the largest that is looked at is not named
+        if high < one.curve.high:
+            found.append(Detectable(id=one.id, size=high, unit=one.candidate.size.unit))
+    return tuple(found)
 
 
 # Is an input wrong? By how much each length, mass or time would have to be, to explain the deviation by itself.
@@ -880,29 +750,4 @@ def _named(one: ClassicalCandidateFit, size: float, precision: Array) -> bool:
 
 ROUNDING = 1e-12
 """[share] of a variance that is left of one which a single input makes alone. Exercised by
-tests/validation/diagnosing/test_swings.py."""
-
-
-def readings(of: ObservedFacts) -> tuple[MeasurementInput, ...]:
-    """Every input that has a name and explains the measurements, the one that would be least wrong first.
-
-    What fits best, the others as they are: ``z = aᵀ N⁻¹ d / (aᵀ N⁻¹ a)`` standard deviations, a what one of them makes of the
-    measurements, N the covariance without it; what is left is ``dᵀ N⁻¹ d - z² aᵀ N⁻¹ a``.
-    """
-    return tuple(sorted(_wrong(of), key=lambda one: abs(one.tolerances)))
-
-
-def _wrong(of: ObservedFacts) -> Iterator[MeasurementInput]:
-    spreads = [fact.spread for fact in of.facts]
-    for one in dict.fromkeys(each for spread in spreads for each in spread):
-        a = np.array([spread.get(one, 0.0) for spread in spreads])
-        P = inverse_covariance(of.covariance - np.outer(a, a) + ROUNDING * np.diag(np.diag(of.covariance)))
-        z = float(a @ P @ of.left / (a @ P @ a))
-        left = of.left - z * a
-        if one.name and chance(float(left @ P @ left), len(left) - 1) > UNLIKELY:
-            yield _reading(one, z, tuple(fact.name for fact, part in zip(of.facts, a, strict=True) if part))
-
-
-def _reading(one: Input, z: float, of: tuple[str, ...]) -> MeasurementInput:
-    """An input that reads `z` standard deviations too low, since the model says more than was measured."""
-    return MeasurementInput(name=one.name, value=one.value, change=z * one.deviation, tolerances=z / NORMAL_95, of=of)
+tests/validation/diagnosing/test_classical.py."""

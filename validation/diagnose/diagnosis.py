@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf
 from types import MappingProxyType
@@ -17,7 +17,6 @@ from validation.estimation.screening import ScoreTest
 from validation.estimation.verdicts import expected_z2, largest_z, misfit
 from validation.model.model import Added
 from validation.output import derived, entry, unwritten
-from validation.reference.statement import NONE
 
 NOTHING, MISSING, AMBIGUOUS, SEVERAL, UNKNOWN, NONLINEAR, MISTAKE = VERDICTS = (
     "nothing",
@@ -30,8 +29,7 @@ NOTHING, MISSING, AMBIGUOUS, SEVERAL, UNKNOWN, NONLINEAR, MISTAKE = VERDICTS = (
 )
 
 MANY_NATS = 1000.0
-"""[nats] beyond which a forecast of evidence says only that it is decided. Exercised by
-tests/validation/diagnosing/command/test_page.py."""
+"""[nats] beyond which a forecast of evidence says only that it is decided. Held by tests/validation/diagnosing/test_page.py."""
 
 
 ANY = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
@@ -244,7 +242,7 @@ class Diagnosis:
     Attributes
     ----------
     verdict : of `VERDICTS`
-    text : what the sentence of the verdict (`validation.diagnose.diagnosis.headline`) does not say; empty where it says all
+    text : what the sentence of the verdict (`headline`) does not say; empty where it says all
     accepted : what is missing, in the order of acceptance
     ranking : all that was tried against the model without the effect that was found last, the best first
     equivalence_class : ids that these data cannot tell apart, the best first; one where there is no doubt. Of several effects
@@ -333,6 +331,146 @@ def _fit_json(of: Fit) -> dict[str, Any]:
     }
 
 
+# The answer where only weights, centres of gravity and periods are known.
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeasurementComparison:
+    """One measurement beside the model.
+
+    Attributes
+    ----------
+    name : file and quantity
+    quantity : what was measured, in words: "period of swing 2"
+    predicted, measured, deviation : SI, the last one standard deviation of the measured
+    unit : of them
+    sigma : (predicted - measured) / deviation
+    period : [s] measured, of a swing; 0 of anything else
+    period_shift : how much longer than the model's it is, as a share; 0 of anything else
+    """
+
+    name: str
+    quantity: str = unwritten()
+    sigma: float
+    unit: str
+    predicted: float
+    measured: float
+    deviation: float = entry("tolerance")
+    period: float = entry("period_s", unit="s", null=0.0, default=0.0)
+    period_shift: float = unwritten(default=0.0)
+
+    @property
+    @derived("period_shift_percent")
+    def period_percent(self) -> float | None:
+        """The shift in per cent; None of what is no swing."""
+        return 100 * self.period_shift if self.period else None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Needed:
+    """How large an effect would have to be to explain the measurements by itself.
+
+    Attributes
+    ----------
+    id : of the effect
+    value, unit : SI
+    plausible : what a fault of it may be, one standard deviation
+    possible : whether any size that a test may have explains them; False for one that can only move them the other way
+    fits : whether what is then left is what tolerances leave
+    evidence : [nats] against the model without it
+    text : all of it in words
+    """
+
+    id: str
+    value: float
+    unit: str
+    plausible: float
+    possible: bool
+    fits: bool = entry("explains")
+    evidence: float = entry("evidence_nats", unit="nats")
+    text: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeasurementInput:
+    """An input of a measurement that would explain the deviation, were it wrong.
+
+    Attributes
+    ----------
+    name : "rope length"
+    value, change : as it stands, and by how much it would have to be wrong, SI
+    tolerances : the same in its tolerances (95 %)
+    of : measurements that it enters
+    """
+
+    name: str = entry("input")
+    value: float = entry("value_si")
+    change: float = entry("change_si")
+    tolerances: float
+    of: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SwingAnswer:
+    """The answer.
+
+    Attributes
+    ----------
+    title : of the model
+    source : the model's file
+    verdict : of `VERDICTS`
+    text : the answer in words
+    accepted : what is missing; of several that these data cannot tell apart none
+    ranking : all that was tried, the best first
+    equivalence_class : ids that these data cannot tell apart, the best first; one where there is no doubt
+    advice : measurements that would tell them apart, the best first
+    leftover : of an unknown effect
+    detectable : the smallest size at which each effect would have been named
+    facts : every measurement beside the model
+    needed : by effect the size that would explain the measurements by itself
+    readings : inputs that would explain them, were they wrong, the least wrong first
+    chi2, measurements : of the model without any effect, and how many numbers were measured
+    remarks : what should be known
+    settings : thresholds
+    """
+
+    title: str = unwritten()
+    source: str = unwritten()
+    verdict: str
+    text: str
+    accepted: tuple[Cause, ...] = ()
+    ranking: tuple[Cause, ...] = ()
+    equivalence_class: tuple[str, ...] = ()
+    advice: tuple[Advice, ...] = ()
+    leftover: Leftover | None = entry("leftover_described", default=None)
+    detectable: tuple[Detectable, ...] = ()
+    chi2: float
+    measurements: int
+    facts: tuple[MeasurementComparison, ...] = entry("classical")
+    needed: tuple[Needed, ...] = ()
+    readings: tuple[MeasurementInput, ...] = ()
+    remarks: tuple[str, ...] = entry("warnings", default=())
+    settings: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    @derived("next_measurement", before="advice")
+    def next_measurement(self) -> str:
+        """The best advice in words; empty where there is none."""
+        return self.advice[0].test if self.advice else ""
+
+    @property
+    @derived("leftover", before="leftover_described")
+    def left(self) -> str | None:
+        """What no effect explains, in words."""
+        return None if self.leftover is None else self.leftover.text
+
+    @property
+    @derived("errors", before="detectable")
+    def errors(self) -> None:
+        """There are no spectra, and so no errors of them."""
+        return None
+
+
 # A model of effects fitted to the data of a study.
 
 
@@ -395,13 +533,36 @@ class Screened:
 
 
 NAMED = 4
-"""[count] of effects that a sentence names; of more, their number is. Exercised by
-tests/validation/diagnosing/command/test_page.py."""
+"""[count] of effects that a sentence names; of more, their number is. Held by tests/validation/diagnosing/test_page.py."""
 
 
 def headline(found: Diagnosis) -> str:
     """The verdict in one sentence."""
-    return HEADLINES[found.verdict](found)
+    causes = {one.id: cause(one) for one in found.accepted}
+    names, told = listed(list(causes)), listed(list(causes.values()))
+    if found.verdict == NOTHING:
+        known = f", beside {names}" if names else ""
+        return f"NOTHING IS MISSING{asked(found)} at the resolution of these data{known}."
+    if found.verdict == MISSING:
+        return f"MISSING: {'; '.join(f'{cause(one)}: {one.named.what}' for one in found.accepted)}."
+    if found.verdict == AMBIGUOUS:
+        sure = [text for id, text in causes.items() if id not in found.equivalence_class]
+        beside = f"{listed(sure)}, and then one" if sure else "one"
+        return f"MISSING IS {beside} of these, which these data cannot tell apart: {listed(found.equivalence_class, 'or')}."
+    if found.verdict == SEVERAL:
+        return f"SEVERAL ARE MISSING: {told}."
+    if found.verdict == UNKNOWN:
+        known = f"; {names} alone leaves too much" if names else ""
+        what = f"nothing{asked(found)}" if found.only else "no effect that massline knows"
+        return f"UNKNOWN: something is missing, and {what} explains it{known}."
+    if found.verdict == NONLINEAR:
+        axes = listed(list(dict.fromkeys(level.axis for level in found.levels)))
+        where, named = f" along {axes}" if axes else "", f": {told}" if told else ""
+        return f"NOT LINEAR: the article or the rig answers otherwise at another level{where}{named}."
+    wrong = [one for one in found.accepted if FAMILIES[one.named.family].side == OF_MISTAKES]
+    rest = [cause(one) for one in found.accepted if one not in wrong]
+    beside = f"; and missing beside it: {listed(rest)}" if rest else ""
+    return f"A MISTAKE in the data: {'; '.join(f'{cause(one)}: {one.named.what}' for one in wrong)}{beside}."
 
 
 def cause(of: Cause) -> str:
@@ -425,11 +586,6 @@ def interval(of: Cause, size: EffectEstimate) -> tuple[str, str, str, str]:
     return value, low, high, unit
 
 
-def mistaken(of: Cause) -> str:
-    """What it is mistaken for."""
-    return ", ".join(of.mistaken_for) or NONE
-
-
 def listed(names: Sequence[str], last: str = "and") -> str:
     """As a sentence lists them; of more than `NAMED` the number of the others."""
     if len(names) > NAMED:
@@ -437,64 +593,6 @@ def listed(names: Sequence[str], last: str = "and") -> str:
     return f" {last} ".join(part for part in (", ".join(names[:-1]), *names[-1:]) if part)
 
 
-def what(id: str) -> str:
-    """The family of an effect in a few words."""
-    return FAMILIES[id.partition(":")[0]].what
-
-
 def asked(found: Diagnosis) -> str:
     """What alone was looked for, where not everything was."""
     return f" of what was asked for ({listed(found.only)})" if found.only else ""
-
-
-def _nothing(found: Diagnosis) -> str:
-    known = f", beside {listed([one.id for one in found.accepted])}" if found.accepted else ""
-    return f"NOTHING IS MISSING{asked(found)} at the resolution of these data{known}."
-
-
-def _missing(found: Diagnosis) -> str:
-    return f"MISSING: {'; '.join(f'{cause(one)}: {one.named.what}' for one in found.accepted)}."
-
-
-def _ambiguous(found: Diagnosis) -> str:
-    sure = [cause(one) for one in found.accepted if one.id not in found.equivalence_class]
-    beside = f"{listed(sure)}, and then one" if sure else "one"
-    return f"MISSING IS {beside} of these, which these data cannot tell apart: {listed(found.equivalence_class, 'or')}."
-
-
-def _several(found: Diagnosis) -> str:
-    return f"SEVERAL ARE MISSING: {listed([cause(one) for one in found.accepted])}."
-
-
-def _unknown(found: Diagnosis) -> str:
-    known = f"; {listed([one.id for one in found.accepted])} alone leaves too much" if found.accepted else ""
-    what = f"nothing{asked(found)}" if found.only else "no effect that massline knows"
-    return f"UNKNOWN: something is missing, and {what} explains it{known}."
-
-
-def _nonlinear(found: Diagnosis) -> str:
-    axes = listed(list(dict.fromkeys(level.axis for level in found.levels)))
-    where = f" along {axes}" if axes else ""
-    named = f": {listed([cause(one) for one in found.accepted])}" if found.accepted else ""
-    return f"NOT LINEAR: the article or the rig answers otherwise at another level{where}{named}."
-
-
-def _mistake(found: Diagnosis) -> str:
-    wrong = [one for one in found.accepted if FAMILIES[one.named.family].side == OF_MISTAKES]
-    rest = [cause(one) for one in found.accepted if one not in wrong]
-    beside = f"; and missing beside it: {listed(rest)}" if rest else ""
-    return f"A MISTAKE in the data: {'; '.join(f'{cause(one)}: {one.named.what}' for one in wrong)}{beside}."
-
-
-HEADLINES: Mapping[str, Callable[[Diagnosis], str]] = MappingProxyType(
-    {
-        NOTHING: _nothing,
-        MISSING: _missing,
-        AMBIGUOUS: _ambiguous,
-        SEVERAL: _several,
-        UNKNOWN: _unknown,
-        NONLINEAR: _nonlinear,
-        MISTAKE: _mistake,
-    }
-)
-"""By verdict."""

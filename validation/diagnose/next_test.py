@@ -6,7 +6,8 @@ would, until enough of them keep what they promise.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,14 +16,24 @@ from geometry.frames import Array
 from identification.self_calibration.solve import Normal, inverse, minimise, total
 from validation.diagnose.candidates import candidates, is_resonator, with_candidates
 from validation.diagnose.diagnosis import Advice, Candidate
-from validation.diagnose.next_test_offers import OfferedTest, menu
-from validation.diagnose.planned_test import SURE, Knowledge, PlannedTest, effects_of, knowledge, lines_of, reading, template
-from validation.effects.catalogue import FAMILIES, Named
+from validation.diagnose.next_test_offers import (
+    SURE,
+    Knowledge,
+    OfferedTest,
+    PlannedTest,
+    Template,
+    effects_of,
+    knowledge,
+    lines_of,
+    menu,
+    reading,
+)
+from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS
 from validation.estimation import likelihood
+from validation.estimation.cost import cost_of, root
 from validation.estimation.fit import BREAKDOWNS, FLOOR
-from validation.estimation.likelihood import cost_of, root
-from validation.estimation.problem import EFFECT, FITTED, Change, Conveyed, Fact, Lines, Parameter
+from validation.estimation.problem import EFFECT, FITTED, Fact, Parameter
 from validation.model.model import Added
 from validation.prediction.effects import name
 from validation.study import Study
@@ -62,14 +73,6 @@ def nats(difference: Normal, spread: Array) -> float:
 # of that, latent inputs taken out, is their difference.
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Differences:
-    """In the parameters (p,), how every other explanation differs from the first in a test."""
-
-    parameters: tuple[Parameter, ...]
-    others: tuple[Normal, ...]
-
-
 def told(offer: OfferedTest, first: Knowledge, others: Sequence[Knowledge]) -> tuple[float, ...]:
     """Nats that `offer` is expected to tell of `first` against each of `others`, as far as a straight line goes.
 
@@ -77,13 +80,45 @@ def told(offer: OfferedTest, first: Knowledge, others: Sequence[Knowledge]) -> t
     ------
     numpy.linalg.LinAlgError, ValueError, FloatingPointError : a model breaks down in this test.
     """
-    here, there = offer.by(first), tuple(offer.by(one) for one in others)
-    found = _of_facts(offer, here, there) if offer.test is None else _of_lines(offer.test, here, there)
-    own = first.spread(found.parameters, offer.moved)
+    here, there, test = offer.by(first), [offer.by(one) for one in others], offer.test
+    differences = []  # how every other explanation differs from the first, in `parameters`
+    if test is None:  # (predicted - measured) / deviation of every number, as each explanation has it
+        every = [offer.facts(one.effects) for one in (here, *there)]
+        parameters = {one.name: one for facts in every[::-1] for fact in facts for one in fact.parameters}
+        names = tuple(parameters)
+        left, J = _said(every[0], here, names)
+        says = []
+        for facts, other in zip(every[1:], there, strict=True):
+            numbers, slopes = _said(facts, other, names)
+            J = np.where(np.any(J != 0, axis=0), J, slopes)
+            says.append(numbers - left)
+        differences = [Normal(cost=0.5 * float(away @ away), gradient=J.T @ away, matrix=J.T @ J) for away in says]
+    else:
+        lines, worth = lines_of(test, reading(test, here, here.offsets))
+        mine = test.prediction.with_effects(here.effects)
+        predicted = mine.at(here.offsets, lines)
+        parameters = {one.name: one for one in mine.parameters if one.tolerance > 0}
+        changes = {name: change for name, change in predicted.changes.items() if name in parameters}
+        for other in there:  # the sizes of its effects, and how the test answers to them
+            its = test.prediction.with_effects(other.effects)
+            own = {one.name: one for one in its.parameters if one.kind == EFFECT and one.tolerance > 0}
+            answers = its.at(other.offsets, lines, derivatives=frozenset(own)).changes if own else {}
+            changes = {**{name: change for name, change in answers.items() if name in own}, **changes}
+            parameters = {**own, **parameters}
+        names, whole = tuple(changes), replace(predicted, changes=changes)
+        for other in there:
+            seen = likelihood.observed(reading(test, other, other.offsets), lines)
+            differences.append(_weighted(total(likelihood.normals(seen, whole, names, FLOOR).values(), len(names)), worth))
+    moving = tuple(parameters[name] for name in names)
+    own_spread = first.spread(moving, offer.moved)
     return tuple(
-        either(first.odds(one), nats(difference, one.spread(found.parameters, offer.moved)), nats(difference, own))
-        for difference, one in zip(found.others, others, strict=True)
+        either(first.odds(one), nats(difference, one.spread(moving, offer.moved)), nats(difference, own_spread))
+        for difference, one in zip(differences, others, strict=True)
     )
+
+
+def _weighted(of: Normal, worth: float) -> Normal:
+    return Normal(cost=worth * of.cost, gradient=worth * of.gradient, matrix=worth * of.matrix)
 
 
 def either(probability: float, first: float, other: float) -> float:
@@ -95,50 +130,6 @@ def either(probability: float, first: float, other: float) -> float:
     return float(max(first, least) ** probability * max(other, least) ** (1 - probability))
 
 
-def _of_lines(test: PlannedTest, first: Knowledge, others: Sequence[Knowledge]) -> _Differences:
-    lines, worth = lines_of(test, reading(test, first, first.offsets))
-    mine = test.prediction.with_effects(first.effects)
-    predicted = mine.at(first.offsets, lines)
-    parameters = {one.name: one for one in mine.parameters if one.tolerance > 0}
-    changes = {name: change for name, change in predicted.changes.items() if name in parameters}
-    for other in others:
-        own, extra = _of_effects(test, other, lines)
-        changes = {**extra, **changes}
-        parameters = {**own, **parameters}
-    names = tuple(changes)
-    whole = replace(predicted, changes=changes)
-    found = []
-    for other in others:
-        seen = likelihood.observed(reading(test, other, other.offsets), lines)
-        found.append(total(likelihood.normals(seen, whole, names, FLOOR).values(), len(names)))
-    return _Differences(
-        parameters=tuple(parameters[name] for name in names),
-        others=tuple(Normal(cost=worth * one.cost, gradient=worth * one.gradient, matrix=worth * one.matrix) for one in found),
-    )
-
-
-def _of_effects(test: PlannedTest, of: Knowledge, lines: Lines) -> tuple[dict[str, Parameter], Mapping[str, Change | Conveyed]]:
-    """The sizes of the effects of `of`, and how the test answers to them."""
-    own = test.prediction.with_effects(of.effects)
-    parameters = {one.name: one for one in own.parameters if one.kind == EFFECT and one.tolerance > 0}
-    changes = own.at(of.offsets, lines, derivatives=frozenset(parameters)).changes if parameters else {}
-    return parameters, {name: change for name, change in changes.items() if name in parameters}
-
-
-def _of_facts(offer: OfferedTest, first: Knowledge, others: Sequence[Knowledge]) -> _Differences:
-    """(predicted - measured) / deviation of every number, as each explanation has it."""
-    every = [offer.facts(one.effects) for one in (first, *others)]
-    known = {one.name: one for facts in every[::-1] for fact in facts for one in fact.parameters}
-    left, J = _said(every[0], first, tuple(known))
-    found = []
-    for facts, other in zip(every[1:], others, strict=True):
-        says, slopes = _said(facts, other, tuple(known))
-        J = np.where(np.any(J != 0, axis=0), J, slopes)
-        found.append(says - left)
-    differences = (Normal(cost=0.5 * float(away @ away), gradient=J.T @ away, matrix=J.T @ J) for away in found)
-    return _Differences(parameters=tuple(known.values()), others=tuple(differences))
-
-
 def _said(facts: Sequence[Fact], by: Knowledge, names: Sequence[str]) -> tuple[Array, Array]:
     """(q,) residuals and (q, p) slopes."""
     said = [fact.residual(by.offsets) for fact in facts]
@@ -148,7 +139,7 @@ def _said(facts: Sequence[Fact], by: Knowledge, names: Sequence[str]) -> tuple[A
 
 # How far the wrong explanation can follow what the right one says a test would read: it is fitted to that.
 #
-# The linear forecast of `expected` takes the derivatives where the fit of the present data ended. Where a resonance has moved by
+# The linear forecast takes the derivatives where the fit of the present data ended. Where a resonance has moved by
 # more than its width they say nothing of what a fit would do. So the few tests that look best are gone through: by the same
 # descent as any fit, within the same bounds, with what the present data have told as knowledge beforehand, though only as far as
 # a forecast needs.
@@ -156,15 +147,15 @@ def _said(facts: Sequence[Fact], by: Knowledge, names: Sequence[str]) -> tuple[A
 
 EVALUATIONS = 12
 """[count] of evaluations that the descent may take. Set by the development draws of `make blind`, exercised by
-tests/validation/diagnosing/advisor/test_advised.py."""
+tests/validation/diagnosing/test_next_test.py."""
 
 STIFF = 1e-12
 """[share] Relative variance of a direction below which it does not move. Exercised by
-tests/validation/diagnosing/advisor/test_expected.py."""
+tests/validation/diagnosing/test_next_test.py."""
 
 ROUGHLY = 0.5
 """[sd] that the last step may be: it leaves an eighth of a nat. Set by the development draws of `make blind`, exercised by
-tests/validation/diagnosing/advisor/test_advised.py."""
+tests/validation/diagnosing/test_next_test.py."""
 
 
 def following(test: PlannedTest, offer: OfferedTest, right: Knowledge, wrong: Knowledge) -> float:
@@ -188,8 +179,7 @@ def following(test: PlannedTest, offer: OfferedTest, right: Knowledge, wrong: Kn
     def data(x: Array) -> Normal:
         offsets = {**there.offsets, **dict(zip(names, map(float, x), strict=True))}
         predicted = prediction.at(offsets, lines, derivatives=frozenset(names))
-        found = total(likelihood.normals(seen, predicted, names, FLOOR).values(), len(names))
-        return Normal(cost=worth * found.cost, gradient=worth * found.gradient, matrix=worth * found.matrix)
+        return _weighted(total(likelihood.normals(seen, predicted, names, FLOOR).values(), len(names)), worth)
 
     def knowledge(x: Array) -> tuple[Array, Array]:
         return whitening @ (x - begin), whitening
@@ -222,7 +212,7 @@ def _whitening(spread: Array) -> Array:
 NOTHING = "nothing"
 
 ALTERNATIVES = 1
-"""[count] of effects that are put in its place. Exercised by tests/validation/diagnosing/advisor/test_advised.py."""
+"""[count] of effects that are put in its place. Exercised by tests/validation/diagnosing/test_next_test.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -240,19 +230,75 @@ class Alternative:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _Ground:
+class _QuadraticCost:
     """The cost to second order in the parameters (p,), about the offsets x (p,) where the fit ended.
 
     Attributes
     ----------
-    parameters : those of the fit, and the sizes of what may stand in place of the effect
+    of : the candidate whose fit it is
+    parameters : those of the fit, and the sizes of what may stand in place of its last effect
     x, data, precision : offsets, cost of the data, and one over the square of what a laboratory admits of each; infinite for none
     """
 
+    of: Candidate
     parameters: tuple[Parameter, ...]
     x: Array
     data: Normal
     precision: Array
+
+    @classmethod
+    def about(cls, study: Study, of: Candidate, menu: Sequence[Added]) -> _QuadraticCost:
+        """The fit of `of`, any of `menu` in place of its last effect."""
+        admitted = {one.name: one.tolerance for one in study.problem(of.effects[:-1]).free(FITTED)}
+        problem = with_candidates(of.problem, menu)
+        own = {one.name for one in of.fit.parameters}
+        free = tuple(one for one in problem.free(FITTED) if one.name in own or one.kind == EFFECT)
+        cost = cost_of(problem, free, FLOOR)
+        x = cost.at(of.fit.by_name)
+        data, count = cost.data(x), len(problem.facts)
+        left, rows = (each[len(each) - count :] for each in cost.knowledge(x))
+        whole = Normal(
+            cost=data.cost + 0.5 * float(left @ left),
+            gradient=data.gradient + rows.T @ left,
+            matrix=data.matrix + rows.T @ rows,
+        )
+        precision = np.array([admitted.get(one.name, 0.0) for one in free])
+        with np.errstate(divide="ignore"):
+            return cls(of=of, parameters=free, x=x, data=whole, precision=precision**-2.0)
+
+    def instead(self, other: Added | None) -> Alternative | None:
+        """Where the fit with `other` in place of the last effect would end; None where that acts nowhere."""
+        of, effect, names = self.of, self.of.effects[-1], [one.name for one in self.parameters]
+        sizes = {} if other is None else {name(other.named, size.key): size.plausible for size in other.named.sizes}
+        opened_here = [k for k, one in enumerate(names) if one in sizes]
+        if other is not None and not opened_here:
+            return None
+        precision = np.array(self.precision)
+        precision[opened_here] = [sizes[names[k]] ** -2.0 for k in opened_here]
+        goal = -self.x
+        for size in effect.named.sizes:
+            if name(effect.named, size.key) in names and size.logarithmic:
+                goal[names.index(name(effect.named, size.key))] = -1.0 if size == effect.named.sizes[0] else 0.0
+        free, held = np.flatnonzero(np.isfinite(precision)), np.flatnonzero(~np.isfinite(precision))
+        delta = np.where(np.isfinite(precision), 0.0, goal)
+        P, N = np.diag(precision[free]), self.data.matrix
+        pull = self.data.gradient[free] + N[np.ix_(free, held)] @ delta[held] + P @ self.x[free]
+        covariance = inverse(N[np.ix_(free, free)] + P)
+        delta[free] = -covariance @ pull
+        x = self.x + delta
+        cost = self.data.cost + float(self.data.gradient @ delta + 0.5 * delta @ N @ delta + 0.5 * x[free] @ P @ x[free])
+        kept = [names[k] for k in free]
+        offsets = {**of.problem.start, **of.fit.by_name, **dict(zip(kept, map(float, x[free]), strict=True))}
+        gone = {names[k] for k in held}
+        without = tuple(one for one in effects_of(of) if one.named.id != effect.named.id)
+        known = Knowledge(
+            effects=without if other is None else (*without, other),
+            offsets={one: size for one, size in offsets.items() if one not in gone},
+            names=tuple(kept),
+            root=root(covariance),
+            log_evidence=of.fit.log_evidence + of.fit.cost - cost,
+        )
+        return Alternative(id=NOTHING if other is None else other.named.id, known=known)
 
 
 def imagined(data: Study, of: Candidate) -> tuple[Alternative, ...]:
@@ -262,92 +308,35 @@ def imagined(data: Study, of: Candidate) -> tuple[Alternative, ...]:
         # Of an effect that is there or not: the same without it, which was not asked for because it is far worse
         known = knowledge(of)
         left = tuple(one for one in known.effects if one.named.id != effect.named.id)
-        switched_off = Alternative(id=NOTHING, known=replace(known, effects=left, log_evidence=of.fit.log_evidence - SURE))
-        return (switched_off,)
-    # The effects for which the catalogue says that `named` is mistaken; of channels the same one, where both are of one
-    named = effect.named
-    wanted = FAMILIES[named.family].mistaken_for
-    lookalikes_found = (one for one in candidates(data) if one.named.family in wanted or one.named.id in wanted)
-    menu = tuple(one for one in lookalikes_found if not (is_resonator(one.named) or one.fixed) and _shares(one.named, named))
-    ground = _ground(data, of, menu)
-    without = tuple(one for one in effects_of(of) if one.named.id != effect.named.id)
-    found = [_instead(ground, of, effect, without, one) for one in (None, *menu)]
+        return (Alternative(id=NOTHING, known=replace(known, effects=left, log_evidence=of.fit.log_evidence - SURE)),)
+    # The effects for which the catalogue says that this one is mistaken; on the same targets, of the kinds that both have
+    family = FAMILIES[effect.named.family]
+    its, menu = dict(zip(family.targets, effect.named.targets, strict=False)), []
+    for one in candidates(data):
+        theirs = dict(zip(FAMILIES[one.named.family].targets, one.named.targets, strict=False))
+        like = one.named.family in family.mistaken_for or one.named.id in family.mistaken_for
+        same = all(its[kind] == theirs[kind] for kind in its.keys() & theirs.keys())
+        if like and same and not is_resonator(one.named) and not one.fixed:
+            menu.append(one)
+    cost = _QuadraticCost.about(data, of, menu)
+    found = [cost.instead(one) for one in (None, *menu)]
     nothing, *others = (one for one in found if one is not None)
     return (nothing, *sorted(others, key=lambda one: -one.known.log_evidence)[:ALTERNATIVES])
 
 
-def _shares(one: Named, other: Named) -> bool:
-    """Whether two effects act on the same target, of the kinds that both have."""
-    first, second = (dict(zip(FAMILIES[each.family].targets, each.targets, strict=False)) for each in (one, other))
-    return all(first[kind] == second[kind] for kind in first.keys() & second.keys())
-
-
-def _ground(bench: Study, of: Candidate, menu: Sequence[Added]) -> _Ground:
-    admitted = {one.name: one.tolerance for one in bench.problem(of.effects[:-1]).free(FITTED)}
-    problem = with_candidates(of.problem, menu)
-    own = {one.name for one in of.fit.parameters}
-    free = tuple(one for one in problem.free(FITTED) if one.name in own or one.kind == EFFECT)
-    cost = cost_of(problem, free, FLOOR)
-    x = cost.at(of.fit.by_name)
-    data, count = cost.data(x), len(problem.facts)
-    left, rows = (each[len(each) - count :] for each in cost.knowledge(x))
-    whole = Normal(
-        cost=data.cost + 0.5 * float(left @ left),
-        gradient=data.gradient + rows.T @ left,
-        matrix=data.matrix + rows.T @ rows,
-    )
-    precision = np.array([admitted.get(one.name, 0.0) for one in free])
-    with np.errstate(divide="ignore"):
-        return _Ground(parameters=free, x=x, data=whole, precision=precision**-2.0)
-
-
-def _instead(at: _Ground, of: Candidate, effect: Added, without: tuple[Added, ...], other: Added | None) -> Alternative | None:
-    """Where the fit with `other` in place of `effect` would end; None where that acts nowhere."""
-    names = [one.name for one in at.parameters]
-    sizes = {} if other is None else {name(other.named, size.key): size.plausible for size in other.named.sizes}
-    opened_here = [k for k, one in enumerate(names) if one in sizes]
-    if other is not None and not opened_here:
-        return None
-    precision = np.array(at.precision)
-    precision[opened_here] = [sizes[names[k]] ** -2.0 for k in opened_here]
-    goal = -at.x
-    for size in effect.named.sizes:
-        if name(effect.named, size.key) in names and size.logarithmic:
-            goal[names.index(name(effect.named, size.key))] = -1.0 if size == effect.named.sizes[0] else 0.0
-    free, held = np.flatnonzero(np.isfinite(precision)), np.flatnonzero(~np.isfinite(precision))
-    delta = np.where(np.isfinite(precision), 0.0, goal)
-    P, N = np.diag(precision[free]), at.data.matrix
-    pull = at.data.gradient[free] + N[np.ix_(free, held)] @ delta[held] + P @ at.x[free]
-    covariance = inverse(N[np.ix_(free, free)] + P)
-    delta[free] = -covariance @ pull
-    x = at.x + delta
-    cost = at.data.cost + float(at.data.gradient @ delta + 0.5 * delta @ N @ delta + 0.5 * x[free] @ P @ x[free])
-    kept = [names[k] for k in free]
-    offsets = {**of.problem.start, **of.fit.by_name, **dict(zip(kept, map(float, x[free]), strict=True))}
-    gone = {names[k] for k in held}
-    known = Knowledge(
-        effects=without if other is None else (*without, other),
-        offsets={one: size for one, size in offsets.items() if one not in gone},
-        names=tuple(kept),
-        root=root(covariance),
-        log_evidence=of.fit.log_evidence + of.fit.cost - cost,
-    )
-    return Alternative(id=NOTHING if other is None else other.named.id, known=known)
-
-
 DECIDED = 20.0
 """[nats] beyond which more decide no more: then the quicker test comes first. Exercised by
-tests/validation/diagnosing/advisor/test_advised.py."""
+tests/validation/diagnosing/test_next_test.py."""
 
 NAMED_TESTS = 3
-"""[count] of tests that are named. Exercised by tests/validation/diagnosing/advisor/test_advised.py."""
+"""[count] of tests that are named. Exercised by tests/validation/diagnosing/test_next_test.py."""
 
 FORECAST_TESTS = 6
-"""[count] of tests whose fit is forecast at most. Exercised by tests/validation/diagnosing/advisor/test_advised.py."""
+"""[count] of tests whose fit is forecast at most. Exercised by tests/validation/diagnosing/test_next_test.py."""
 
 CERTAIN = 0.95
 """[probability] of one of two explanations from which nobody asks what the test would read by the other. Exercised by
-tests/validation/diagnosing/advisor/test_advised.py."""
+tests/validation/diagnosing/test_next_test.py."""
 
 LOOKING = 0.6
 """[share] of the work that the forecast of the whole menu is; progress bar only. By definition."""
@@ -389,112 +378,77 @@ def advised(data: Study, rivals: Sequence[Candidate], progress: Progress | None 
 
     Parameters
     ----------
-    rivals : explanations of the data of `data`, the best first; of a single one, tests that would confirm it are looked for
+    rivals : explanations of the data of `data`, the best first; of a single one, tests that would tell it from nothing, and from
+        what it could be mistaken for
 
     Returns
     -------
-    those from which `ALIKE` nats or more are expected between the first and at least one other. First come those that
+    those from which `INDISTINGUISHABLE_NATS` or more are expected between the first and at least one other. First come those that
     tell most of them apart, then those of more evidence, up to `DECIDED`, then the quicker ones. Where there is none, one of gain
     0 says so.
     """
-    tell = progress or (lambda share: None)
-    if len(rivals) == 1:
-        # Tests that would tell a single explanation from nothing, and from what it could be mistaken for
-        one = rivals[0]
-        if not one.effects:
-            return ()
-        confirming_others = imagined(data, one)
-        effects = tuple(added for each in confirming_others for added in each.known.effects if added.named.id == each.id)
-        names = [one.effects[-1].named.id, *(each.id for each in confirming_others)]
-        return chosen(data, knowledge(one), [each.known for each in confirming_others], names, (one.effects[-1], *effects), tell)
+    if len(rivals) == 1 and not rivals[0].effects:
+        return ()
     first, *others = (knowledge(one) for one in rivals)
-    # Of every candidate the effects that not all of them have
+    # Of every candidate the effects that not all of them have, and their names
     common = set.intersection(*({one.named.id for one in rival.effects} for rival in rivals)) if len(rivals) > 1 else set()
     own = [tuple(one for one in rival.effects if one.named.id not in common) for rival in rivals]
-    # Effects by their ids
-    return chosen(
-        data, first, others, [" with ".join(each.named.id for each in one) or "nothing" for one in own], _all(own), tell
-    )
-
-
-def chosen(
-    data: Study,
-    first: Knowledge,
-    others: Sequence[Knowledge],
-    names: Sequence[str],
-    effects: Sequence[Added],
-    progress: Progress,
-) -> tuple[Advice, ...]:
-    """The best tests between `first` and `others`, whose `names` stand in the advice; `effects` are those that are in doubt."""
-    offers = tuple(menu([template(one, first) for one in data.made], effects, data.facts(first.effects)))
-    looked = []
+    names = [" with ".join(each.named.id for each in one) or "nothing" for one in own]
+    if len(rivals) == 1:
+        alternatives = imagined(data, rivals[0])
+        others = [one.known for one in alternatives]
+        names = [rivals[0].effects[-1].named.id, *(one.id for one in alternatives)]
+        own = [rivals[0].effects[-1:]]
+        own += [tuple(one for one in each.known.effects if one.named.id == each.id) for each in alternatives]
+    effects = tuple({one.named.id: one for some in own for one in some}.values())
+    tell, looked = progress or (lambda share: None), []
+    offers = tuple(menu([Template.of(one, first) for one in data.made], effects, data.facts(first.effects)))
     for k, offer in enumerate(offers):
-        looked.append(_looked(offer, first, others))
-        progress(LOOKING * (k + 1) / len(offers))
-    ranked = sorted((one for one in looked if one is not None), key=lambda one: one.rank)
-    useful = _kept(ranked, first, others, lambda share: progress(LOOKING + (1 - LOOKING) * share))
-    return tuple(_advice(one, names) for one in useful if one.apart) or (_none(useful, effects, names),)
-
-
-def _looked(offer: OfferedTest, first: Knowledge, others: Sequence[Knowledge]) -> Forecast | None:
-    """What a straight line expects; None where a model breaks down in the test."""
-    try:
-        return Forecast(offer=offer, gains=told(offer, first, others))
-    except BREAKDOWNS:
-        return None
+        with suppress(*BREAKDOWNS):  # of a model in this test
+            looked.append(Forecast(offer=offer, gains=told(offer, first, others)))
+        tell(LOOKING * (k + 1) / len(offers))
+    useful = _kept(sorted(looked, key=lambda one: one.rank), first, others, lambda share: tell(LOOKING + (1 - LOOKING) * share))
+    found = tuple(
+        Advice(
+            test=one.offer.words,
+            gain=one.gain,
+            separates=(names[0], *(names[1 + k] for k in one.apart)),
+            hours=one.offer.hours,
+        )
+        for one in useful
+        if one.apart
+    )
+    # That no test helps, which comes nearest, and what the catalogue knows of a laboratory
+    listed = " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+    text = f"no test of the menu is expected to tell {listed} apart"
+    if useful:
+        words = useful[0].offer.words
+        text += f"; the nearest to it, with {useful[0].gain:.1f} nats: {words[:1].lower()}{words[1:]}"
+    ways = "; ".join(way for way in dict.fromkeys(FAMILIES[one.named.family].confirmed_by for one in effects) if way)
+    return found or (Advice(test=f"{text}{'. What would: ' + ways if ways else ''}", gain=0.0),)
 
 
 def _kept(ranked: Sequence[Forecast], first: Knowledge, others: Sequence[Knowledge], progress: Progress) -> list[Forecast]:
-    """The best of each kind, gone through; in the end the best of all first, though it tell nothing apart."""
+    """The best of each kind, gone through as a fit would; in the end the best of all first, though it tell nothing apart."""
     kept: dict[str, Forecast] = {}
     tried = 0
     for one in ranked:
         enough = sum(bool(each.apart) for each in kept.values()) >= NAMED_TESTS or tried >= FORECAST_TESTS
         if enough or (kept and not one.apart):
             break
-        if one.offer.kind not in kept:
-            found = _followed(one, first, others)
-            tried += 1
-            progress(tried / FORECAST_TESTS)
-            kept |= {} if found is None else {one.offer.kind: found}
+        if one.offer.kind in kept:
+            continue
+        test, gains = one.offer.test, list[float]()
+        with suppress(*BREAKDOWNS):
+            if test is None:  # of other measurements than campaigns the straight line says all
+                kept[one.offer.kind] = one
+            else:
+                for other in others:
+                    gain, probability = following(test, one.offer, first, other), first.odds(other)
+                    if probability <= CERTAIN:
+                        gain = either(probability, gain, following(test, one.offer, other, first))
+                    gains.append(gain)
+                kept[one.offer.kind] = replace(one, gains=tuple(gains))
+        tried += 1
+        progress(tried / FORECAST_TESTS)
     return sorted(kept.values(), key=lambda one: one.rank)
-
-
-def _followed(one: Forecast, first: Knowledge, others: Sequence[Knowledge]) -> Forecast | None:
-    """The forecast as a fit would see it; of other measurements than campaigns it is that already."""
-    test = one.offer.test
-    if test is None:
-        return one
-    try:
-        return replace(one, gains=tuple(_between(test, one.offer, first, other) for other in others))
-    except BREAKDOWNS:
-        return None
-
-
-def _between(test: PlannedTest, offer: OfferedTest, first: Knowledge, other: Knowledge) -> float:
-    probability = first.odds(other)
-    here = following(test, offer, first, other)
-    return here if probability > CERTAIN else either(probability, here, following(test, offer, other, first))
-
-
-def _advice(one: Forecast, names: Sequence[str]) -> Advice:
-    separates = (names[0], *(names[1 + k] for k in one.apart))
-    return Advice(test=one.offer.words, gain=one.gain, separates=separates, hours=one.offer.hours)
-
-
-def _none(tried: Sequence[Forecast], effects: Sequence[Added], names: Sequence[str]) -> Advice:
-    """That no test helps, which comes nearest, and what the catalogue knows of a laboratory."""
-    listed = " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
-    apart = f"no test of the menu is expected to tell {listed} apart"
-    nearest = f"; the nearest to it, with {tried[0].gain:.1f} nats: {_small(tried[0].offer.words)}" if tried else ""
-    ways = dict.fromkeys(FAMILIES[one.named.family].confirmed_by for one in effects)
-    said = "; ".join(way for way in ways if way)
-    return Advice(test=f"{apart}{nearest}{'. What would: ' + said if said else ''}", gain=0.0)
-
-
-def _all(own: Sequence[Sequence[Added]]) -> tuple[Added, ...]:
-    return tuple({one.named.id: one for effects in own for one in effects}.values())
-
-
-def _small(words: str) -> str:
-    return words[:1].lower() + words[1:]

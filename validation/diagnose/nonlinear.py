@@ -1,13 +1,13 @@
 """The two-level test: do runs of one axis at two levels answer alike? It comes before any linear fit, and needs no model.
 
-What a weaker run holds beyond the stronger ones (`validation.diagnose.nonlinear`) is compared with noise, channel by channel and
+What a weaker run holds beyond the stronger ones is compared with noise, channel by channel and
 over all lines. An axis is named where some channel stands out both of noise and of what it reads, by more than what only leaks
 into this axis by the cross motion of a table that drives another one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -15,16 +15,14 @@ from itertools import product
 import numpy as np
 import numpy.typing as npt
 
-from geometry.dynamic_mass import ComplexArray
+from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array, rigid_transformation_6
-from identification.campaign import Recording
 from identification.quality import NORMAL_90
 from identification.self_calibration.solve import eliminated, level_of_groups, smoothed_level
 from validation.diagnose.diagnosis import Cause, EffectEstimate, LevelDifference
 from validation.effects.catalogue import FAMILIES, Named, acts
-from validation.effects.effect import AMPLITUDE, BODY_STAGE, INDISTINGUISHABLE_NATS, Vocabulary
-from validation.effects.effect import SizeSpec as OfFamily
+from validation.effects.effect import AMPLITUDE, BODY_STAGE, INDISTINGUISHABLE_NATS
 from validation.effects.stages import ChannelResponse, MountedDynamicMass
 from validation.model.model import vocabulary
 from validation.prediction import dynamic_mass, effects
@@ -42,9 +40,6 @@ from validation.study import Study
 # and what is left over is not linear. Where the stronger runs do not span the six motions, the rows of the model stand in for
 # those that are missing; its errors then count with the little that the runs differ by.
 
-
-MOTIONS_OF_A_PLATE = 6
-"""[count] of motions of a rigid plate. By definition."""
 
 WEAKER = 0.9
 """[share] of the strongest level of an axis below which a run was driven at another level. Exercised by
@@ -156,6 +151,20 @@ class NonlinearResidual:
         """(n, c) by how much the sum of squares would fall without a channel; 1 on average where nothing is wrong."""
         return np.asarray(np.abs(self.whitened) ** 2 / np.maximum(self.free, FREE))
 
+    @property
+    def channel_z(self) -> Array:
+        """(c,) by how many standard deviations the sum over lines of each channel is too large."""
+        n = len(self.whitened)
+        return np.asarray((np.sum(self.by_channel, axis=0) - n) / np.sqrt(n))
+
+    def differing(self, level: Array) -> tuple[int, ...]:
+        """Indices of the channels, of smoothed `level` (n, c), that answer differently, the worst first."""
+        alone = (self.by_channel - 1) / np.maximum(self.free, FREE) * self.deviation**2  # beyond noise, the others believed
+        share = np.sqrt(np.maximum(alone.mean(axis=0), 0.0) / np.mean(level**2, axis=0))
+        z = self.channel_z
+        apart = np.flatnonzero((z > SURE) & (share > VISIBLE))
+        return tuple(int(k) for k in apart[np.argsort(-z[apart])])
+
 
 FREE = 1e-3
 """[share] of a channel's noise below which the others do not say what it reads. Exercised by
@@ -165,11 +174,14 @@ tests/validation/diagnosing/test_nonlinear.py."""
 def runs_by_level(one: SeriesPrediction) -> RunsByLevel:
     """The runs of `one`; what its model knows of an amplitude is taken off their readings."""
     measured = one.measured
-    # (r,) shares of the strongest run that drove the same, and (r,) that run
     drive = np.stack([of.amplitude for of in one.tested.drives])
     size = np.linalg.norm(drive, axis=1)
     if not np.all(size > 0):
-        drive, size = _drives_from_readings(one)
+        # Where runs state no amplitude, by the axis, in what their accelerometers read
+        size = np.sqrt(np.mean(np.abs(measured.values[..., ~measured.judged]) ** 2, axis=(1, 2)))
+        known = sorted(set(measured.axes))
+        drive = np.zeros((len(size), len(known)))
+        drive[np.arange(len(size)), [known.index(axis) for axis in measured.axes]] = size
     along = drive / np.maximum(size, np.finfo(np.float64).tiny)[:, None]
     same = along @ along.T > SAME_SHAPE
     strongest = np.where(same, size[None], 0.0).max(axis=1)
@@ -177,11 +189,20 @@ def runs_by_level(one: SeriesPrediction) -> RunsByLevel:
     partner = np.arange(len(size))
     for k in np.flatnonzero(share < WEAKER):
         rivals = np.flatnonzero(same[k] & (share >= WEAKER))
-        partner[k] = rivals[np.argmax([_coherence(one, int(k), int(other)) for other in rivals])]
+        a, others = measured.values[k].ravel(), [measured.values[other].ravel() for other in rivals]
+        sizes = [max(float(np.linalg.norm(a) * np.linalg.norm(b)), np.finfo(np.float64).tiny) for b in others]
+        coherence = [float(np.abs(np.vdot(a, b)) / norm) for b, norm in zip(others, sizes, strict=True)]
+        partner[k] = rivals[np.argmax(coherence)]
     linear = one.with_effects([effect for effect in one.effects if FAMILIES[effect.named.family].side != AMPLITUDE])
     start = {parameter.name: parameter.start for parameter in one.parameters}
-    rows = linear.at(start, derivatives=False).rows
-    values = measured.values if len(linear.effects) == len(one.effects) else _linear(one, rows)
+    rows, values = linear.at(start, derivatives=False).rows, measured.values
+    if len(linear.effects) < len(one.effects):
+        # Readings less what the amplitude-dependent effects of the model make of them
+        own, values = one.at(start, derivatives=False).rows, np.array(values)
+        for run, y in enumerate(measured.values):
+            A = own[run] if own.ndim == 4 else own
+            w = 1 / np.hypot(measured.noise[run], MODEL_ERROR * np.abs(y).max(axis=0))
+            values[run] += ((rows - A) @ eliminated(A, y, w)[2][..., None])[..., 0]
     silent = level_of_groups(values, measured.judged)
     return RunsByLevel(
         name=measured.name,
@@ -204,79 +225,42 @@ SILENT = 0.01
 tests/validation/diagnosing/test_nonlinear.py."""
 
 
-def _drives_from_readings(one: SeriesPrediction) -> tuple[Array, Array]:
-    """Drives of runs that state no amplitude: by the axis, in what their accelerometers read."""
-    measured = one.measured
-    moved = measured.values[..., ~measured.judged]
-    size = np.sqrt(np.mean(np.abs(moved) ** 2, axis=(1, 2)))
-    known = sorted(set(measured.axes))
-    drive = np.zeros((len(size), len(known)))
-    drive[np.arange(len(size)), [known.index(axis) for axis in measured.axes]] = size
-    return drive, size
-
-
-def _coherence(one: SeriesPrediction, k: int, other: int) -> float:
-    a, b = one.measured.values[k].ravel(), one.measured.values[other].ravel()
-    return float(np.abs(np.vdot(a, b)) / max(float(np.linalg.norm(a) * np.linalg.norm(b)), np.finfo(np.float64).tiny))
-
-
-def _linear(one: SeriesPrediction, rows: ComplexArray) -> ComplexArray:
-    """(r, n, c) readings less what the amplitude-dependent effects of the model make of them."""
-    measured = one.measured
-    own = one.at({parameter.name: parameter.start for parameter in one.parameters}, derivatives=False).rows
-    found = np.array(measured.values)
-    for k, y in enumerate(measured.values):
-        A = own[k] if own.ndim == 4 else own
-        w = 1 / np.hypot(measured.noise[k], MODEL_ERROR * np.abs(y).max(axis=0))
-        u = eliminated(A, y, w)[2]
-        found[k] += ((rows - A) @ u[..., None])[..., 0]
-    return found
-
-
 def nonlinear_residuals(of: RunsByLevel, runs: Sequence[int] | None = None) -> tuple[NonlinearResidual, ...]:
     """What each of the weaker `runs` (all by default) holds beyond the stronger ones; none where channels are too few."""
-    basis = of.values[list(of.stronger)].transpose(1, 2, 0)
-    # Whether the stronger runs move in all six ways, well above their noise, at most lines
-    if basis.shape[2] < MOTIONS_OF_A_PLATE:
-        spans: bool = False
-    else:
-        noise = np.sqrt(np.mean(of.noise[list(of.stronger)] ** 2, axis=0))
-        noise = np.maximum(noise, FLOOR * of.level[list(of.stronger)].max(axis=0))
+    strong = list(of.stronger)
+    basis = of.values[strong].transpose(1, 2, 0)
+    n, _, h = basis.shape
+    missing = h < len(MOTIONS)
+    if not missing:  # whether the stronger runs move in all six ways, well above their noise, at most lines
+        noise = np.sqrt(np.mean(of.noise[strong] ** 2, axis=0))
+        noise = np.maximum(noise, FLOOR * of.level[strong].max(axis=0))
         sizes = np.linalg.svd(basis / noise[..., None], compute_uv=False)
-        spans = bool(np.median(sizes[:, MOTIONS_OF_A_PLATE - 1]) > SPANNED)
-    missing = not spans
-    columns = basis.shape[2] + (MOTIONS_OF_A_PLATE if missing else 0)
-    if columns >= len(of.channels):
+        missing = not np.median(sizes[:, len(MOTIONS) - 1]) > SPANNED
+    if h + (len(MOTIONS) if missing else 0) >= len(of.channels):
         return ()
-    return tuple(_nonlinear_residual(of, k, basis, missing=missing) for k in (of.weaker if runs is None else runs))
-
-
-def _nonlinear_residual(of: RunsByLevel, k: int, basis: ComplexArray, *, missing: bool) -> NonlinearResidual:
-    y, strong = of.values[k], list(of.stronger)
-    own = np.hypot(of.noise[k], FLOOR * of.level[k])
-    motions, made_of = _motions(basis, own)
-    columns = np.concatenate([motions, of.rows], axis=2) if missing else motions
-    u = eliminated(columns, y, 1 / own)[2]
-    weights = (made_of @ u[:, : motions.shape[2], None])[..., 0]
-    variance = own**2 + np.einsum("nh,hnc->nc", np.abs(weights) ** 2, of.noise[strong] ** 2)
-    if missing:
-        moved = (of.rows @ u[:, motions.shape[2] :, None])[..., 0]
-        variance = variance + (MODEL_ERROR * np.abs(moved)) ** 2
-    deviation = np.sqrt(variance)
-    whitened, Q, _ = eliminated(columns, y, 1 / deviation)
-    free = 1 - np.sum(np.abs(Q) ** 2, axis=2)
-    return NonlinearResidual(run=k, whitened=whitened, free=free, explained=Q, deviation=deviation, weights=weights)
-
-
-def _motions(basis: ComplexArray, deviation: Array) -> tuple[ComplexArray, ComplexArray]:
-    """(n, c, m) what the runs of `basis` (n, c, h) move, in at most six ways, and (n, h, m) of which runs each is made."""
-    h = basis.shape[2]
-    if h <= MOTIONS_OF_A_PLATE:
-        return basis, np.broadcast_to(np.eye(h, dtype=np.complex128), (len(basis), h, h))
-    U, S, Vh = np.linalg.svd(basis / deviation[..., None], full_matrices=False)
-    kept = slice(MOTIONS_OF_A_PLATE)
-    made_of = Vh[:, kept].conj().transpose(0, 2, 1) / S[:, None, kept]
-    return np.asarray(U[..., kept] * deviation[..., None]), np.asarray(made_of)
+    found = []
+    for k in of.weaker if runs is None else runs:
+        own = np.hypot(of.noise[k], FLOOR * of.level[k])
+        # What the stronger runs move, in at most six ways (n, c, m), and of which runs each is made (n, h, m)
+        if h <= len(MOTIONS):
+            motions, made_of = basis, np.broadcast_to(np.eye(h, dtype=np.complex128), (n, h, h))
+        else:
+            U, S, Vh = np.linalg.svd(basis / own[..., None], full_matrices=False)
+            kept = slice(len(MOTIONS))
+            made_of = Vh[:, kept].conj().transpose(0, 2, 1) / S[:, None, kept]
+            motions = U[..., kept] * own[..., None]
+        columns = np.concatenate([motions, of.rows], axis=2) if missing else motions
+        u = eliminated(columns, of.values[k], 1 / own)[2]
+        weights = (made_of @ u[:, : motions.shape[2], None])[..., 0]
+        variance = own**2 + np.einsum("nh,hnc->nc", np.abs(weights) ** 2, of.noise[strong] ** 2)
+        if missing:
+            moved = (of.rows @ u[:, motions.shape[2] :, None])[..., 0]
+            variance = variance + (MODEL_ERROR * np.abs(moved)) ** 2
+        deviation = np.sqrt(variance)
+        whitened, Q, _ = eliminated(columns, of.values[k], 1 / deviation)
+        free = 1 - np.sum(np.abs(Q) ** 2, axis=2)
+        found.append(NonlinearResidual(run=k, whitened=whitened, free=free, explained=Q, deviation=deviation, weights=weights))
+    return tuple(found)
 
 
 SURE = 12.0
@@ -291,6 +275,7 @@ LEAKING = 3.0
 """[factor] by which more must differ than leaks from axes that are driven across. Exercised by
 tests/validation/diagnosing/test_nonlinear.py."""
 
+
 SMOOTHED = 9
 """[count] of lines over which the worst frequency is looked for. No test of its own."""
 
@@ -298,86 +283,54 @@ SMOOTHED = 9
 def differing_levels(data: Study) -> tuple[LevelDifference, ...]:
     """Axes that answer differently at two levels, the most surprising first; none where all were driven at one, or answer alike.
 
-    What amplitude-dependent effects of the data's model explain is taken off first.
+    What amplitude-dependent effects of the data's model explain is taken off first. Of several levels of an axis in one campaign
+    it is the one that shows most.
     """
-    found = [level for one in data.made for level in levels_of_campaign(runs_by_level(one.with_effects(data.model.effects)))]
-    return tuple(sorted(found, key=lambda level: -level.sigma))
+    known: dict[tuple[int, str], LevelDifference] = {}
+    for number, one in enumerate(data.made):
+        of = runs_by_level(one.with_effects(data.model.effects))
+        left = nonlinear_residuals(of)
+        for residual in left:
+            run, partner = residual.run, int(of.partner[residual.run])
+            apart = residual.differing(of.level[run])
+            # What other axes' differences bring along by cross motion
+            brought = 0.0
+            for other in left:
+                if other.run == run or of.partner[other.run] == partner:
+                    continue
+                column = of.stronger.index(int(of.partner[other.run]))
+                taken = np.abs(residual.weights[:, column]) / of.share[other.run]
+                brought += float(np.sum(taken[:, None] ** 2 * np.abs(other.whitened * other.deviation) ** 2))
+            own = float(np.sqrt(np.sum(np.abs(residual.whitened * residual.deviation) ** 2)))
+            if not apart or own < LEAKING * np.sqrt(brought):
+                continue
+            by_line = np.sum(residual.by_channel[:, list(apart)], axis=1)
+            width = min(SMOOTHED, len(by_line))
+            worst = int(np.argmax(np.convolve(by_line, np.ones(width) / width, mode="same")))
+            level = LevelDifference(
+                data_set=of.name,
+                runs=(of.runs[run], of.runs[partner]),
+                axis=of.axes[run],
+                channels=tuple(of.channels[k] for k in apart),
+                frequency=float(of.frequency[worst]),
+                sigma=float(residual.channel_z.max()),
+            )
+            if (number, level.axis) not in known or known[number, level.axis].sigma < level.sigma:
+                known[number, level.axis] = level
+    return tuple(sorted(known.values(), key=lambda level: -level.sigma))
 
 
-def levels_of_campaign(of: RunsByLevel) -> tuple[LevelDifference, ...]:
-    """Of one campaign; the weakest of several levels of an axis, or whichever shows most."""
-    left = nonlinear_residuals(of)
-    apart = [differing(of, one) for one in left]
-    known: dict[str, LevelDifference] = {}
-    for k, one in enumerate(left):
-        if not len(apart[k]) or _is_cross_motion(of, left, k):
-            continue
-        level_apart = apart[k]
-        by_line = np.sum(one.by_channel[:, list(level_apart)], axis=1)
-        width = min(SMOOTHED, len(by_line))
-        worst = int(np.argmax(np.convolve(by_line, np.ones(width) / width, mode="same")))
-        level = LevelDifference(
-            data_set=of.name,
-            runs=(of.runs[one.run], of.runs[int(of.partner[one.run])]),
-            axis=of.axes[one.run],
-            channels=tuple(of.channels[k] for k in level_apart),
-            frequency=float(of.frequency[worst]),
-            sigma=float(channel_z(one).max()),
-        )
-        if level.axis not in known or known[level.axis].sigma < level.sigma:
-            known[level.axis] = level
-    return tuple(known.values())
-
-
-def channel_z(one: NonlinearResidual) -> Array:
-    """(c,) by how many standard deviations the sum over lines of each channel is too large."""
-    n = len(one.whitened)
-    return np.asarray((np.sum(one.by_channel, axis=0) - n) / np.sqrt(n))
-
-
-def share(of: RunsByLevel, one: NonlinearResidual) -> Array:
-    """(c,) rms of what each channel holds beyond noise, when the others are believed, as a share of what it reads."""
-    alone = (one.by_channel - 1) / np.maximum(one.free, FREE) * one.deviation**2
-    return np.asarray(np.sqrt(np.maximum(alone.mean(axis=0), 0.0) / np.mean(of.level[one.run] ** 2, axis=0)))
-
-
-def differing(of: RunsByLevel, one: NonlinearResidual) -> tuple[int, ...]:
-    """Indices of the channels that answer differently, the worst first."""
-    z = channel_z(one)
-    apart = np.flatnonzero((z > SURE) & (share(of, one) > VISIBLE))
-    return tuple(int(k) for k in apart[np.argsort(-z[apart])])
-
-
-def _is_cross_motion(of: RunsByLevel, left: Sequence[NonlinearResidual], k: int) -> bool:
-    """Whether what run `k` holds is what other axes' differences bring along by cross motion."""
-    one = left[k]
-    own = float(np.sqrt(np.sum(np.abs(one.whitened * one.deviation) ** 2)))
-    brought = 0.0
-    for other in left:
-        column = of.stronger.index(int(of.partner[other.run]))
-        if other.run == one.run or of.partner[other.run] == of.partner[one.run]:
-            continue
-        taken = np.abs(one.weights[:, column]) / of.share[other.run]
-        brought += float(np.sum(taken[:, None] ** 2 * np.abs(other.whitened * other.deviation) ** 2))
-    return bool(own < LEAKING * np.sqrt(brought))
-
-
-def require_levels(data: Study, what: str = "friction, a gap or saturation") -> None:
-    """Refuse a data that was driven at one level where two are needed.
-
-    Parameters
-    ----------
-    what : is asked for, for the message
+def require_levels(data: Study, what: str) -> None:
+    """Refuse data that were driven at one level where the candidate `what` is seen by two.
 
     Raises
     ------
     BadInput : no axis of any campaign was driven at two levels.
     """
-    if any(runs_by_level(one).weaker for one in data.made):
+    if FAMILIES[what.partition(":")[0].strip()].side != AMPLITUDE or any(runs_by_level(one).weaker for one in data.made):
         return
-    sources = ", ".join(one.source for one in data.campaigns)
     raise BadInput(
-        source=sources,
+        source=", ".join(one.source for one in data.campaigns),
         field="run.excitation.level",
         problem=f"every axis was driven at one level, and one level cannot see {what}: it looks like mass and damping there",
         remedy="Drive the same axes once more at half the level (`massline simulate --levels 1,0.5`), and name those runs, too",
@@ -414,34 +367,70 @@ class DistortedRuns:
     of : the runs at some lines
     lines : indices of these lines
     peak : (r, c) largest reading in time of every channel in the run at the strongest level of the same axis
+    tested : indices of the weaker runs that are looked at
     """
 
     one: SeriesPrediction
     of: RunsByLevel
     lines: Indices
     peak: Array
+    tested: tuple[int, ...]
 
-    def bent(self, named: Named, run: int) -> ComplexArray:
+    @cached_property
+    def left(self) -> tuple[NonlinearResidual, ...]:
+        """What the weaker runs hold beyond the stronger ones, as they are."""
+        return nonlinear_residuals(self.of, self.tested)
+
+    def chi2(self, named: Named, *, first_order: bool) -> float:
+        """Sum of squares without `named`; to first order the stronger runs explain what they do as they are."""
+        of = self.of
+        by_run = {run: self.added(named, run) for run in (*self.tested, *of.stronger)}
+        if not first_order:
+            values = np.array(of.values)
+            for run, added in by_run.items():
+                values[run] -= added
+            return sum(one.chi2 for one in nonlinear_residuals(replace(of, values=values), self.tested))
+        found = 0.0
+        for one in self.left:
+            taken = sum(one.weights[:, [h]] * by_run[run] for h, run in enumerate(of.stronger))
+            found += float(np.sum(np.abs(one.whitened - one.projected(by_run[one.run] - taken)) ** 2))
+        return found
+
+    def added(self, named: Named, run: int) -> ComplexArray:
         """(n, c) what `named` has added to the readings of the run with index `run`."""
+        change, of = FAMILIES[named.family].change, self.of
+        if change is None:
+            return np.zeros_like(of.values[run])
         if FAMILIES[named.family].stage == BODY_STAGE:
-            return self._of_body(named, run)
-        return self._of_channels(named, run)
-
-    def _of_channels(self, named: Named, run: int) -> ComplexArray:
-        partner = int(self.of.partner[run])
+            # The article on its place, as the equations of a body want it
+            carried, drive = self.one.tested.carried, self.one.tested.drives[run]
+            pose, matrices = carried.standing.pose, carried.standing.matrices
+            stage = MountedDynamicMass(
+                frequency=of.frequency,
+                matrix=self._article,
+                seat=pose.position,
+                cog=np.zeros(3) if matrices is None else pose.rotation @ matrices.cog,
+                amplitude=drive.amplitude,
+                sweep_rate=drive.sweep_rate,
+                block=drive.block,
+            )
+            T = rigid_transformation_6(stage.seat)
+            more = T.T @ (change(stage, named.targets, named.values).matrix - stage.matrix) @ T
+            return np.asarray((self._felt @ more @ self._motion[run][..., None])[..., 0])
+        partner = int(of.partner[run])
         straight = self._straight(named, partner, self.peak[partner], rising=True)[1]
-        return np.asarray(self.of.values[run] - self._straight(named, run, straight, rising=False)[0])
+        return np.asarray(of.values[run] - self._straight(named, run, straight, rising=False)[0])
 
     def _straight(self, named: Named, run: int, peak: Array, *, rising: bool) -> tuple[ComplexArray, Array]:
         """Readings (n, c) of a run that `named` would turn into those found, and the peak (c,) that goes with them.
 
-        Where the peak is that of this run (`rising`), it was bent as well: what a cubic takes of a peak is 4/3 of what it takes
-        of the fundamental.
+        Where the peak is that of this run (`rising`), it was distorted as well: what a cubic takes of a peak is 4/3 of what it
+        takes of the fundamental.
         """
         change, y = FAMILIES[named.family].change, self.of.values[run]
         loudest = np.argmax(np.abs(y), axis=0), np.arange(y.shape[1])
         z, found = y, peak
-        for _ in range(ROUNDS if change is not None else 0):
+        for _ in range(ROUNDS):
             amplitude = self._per_unit[run][:, None] * np.abs(z)
             reading = ChannelResponse(
                 frequency=self.of.frequency, channels=self.of.channels, rows=z[..., None], amplitude=amplitude, peak=found
@@ -450,15 +439,6 @@ class DistortedRuns:
             if rising:
                 found = peak * (np.abs(z[loudest]) / np.maximum(np.abs(y[loudest]), TINY)) ** (4 / 3)
         return np.asarray(z), np.asarray(found)
-
-    def _of_body(self, named: Named, run: int) -> ComplexArray:
-        change = FAMILIES[named.family].change
-        stage = self._mounted(run)
-        if change is None:
-            return np.zeros_like(self.of.values[run])
-        added = change(stage, named.targets, named.values).matrix - stage.matrix
-        T = rigid_transformation_6(stage.seat)
-        return np.asarray((self._felt @ (T.T @ added @ T) @ self._motion[run][..., None])[..., 0])
 
     @cached_property
     def _motion(self) -> ComplexArray:
@@ -481,20 +461,6 @@ class DistortedRuns:
         reading = ChannelResponse(frequency=frequency, channels=self.of.channels, rows=np.asarray(rows, dtype=np.complex128))
         return effects.channels(reading, {}, linear, derivatives=False)[0].rows
 
-    def _mounted(self, run: int) -> MountedDynamicMass:
-        """The article on its place, as the equations of a body want it."""
-        carried, drive = self.one.tested.carried, self.one.tested.drives[run]
-        pose, matrices = carried.standing.pose, carried.standing.matrices
-        return MountedDynamicMass(
-            frequency=self.of.frequency,
-            matrix=self._article,
-            seat=pose.position,
-            cog=np.zeros(3) if matrices is None else pose.rotation @ matrices.cog,
-            amplitude=drive.amplitude,
-            sweep_rate=drive.sweep_rate,
-            block=drive.block,
-        )
-
     @cached_property
     def _article(self) -> ComplexArray:
         """(n, 6, 6) dynamic mass of the article about its origin."""
@@ -504,21 +470,27 @@ class DistortedRuns:
         return np.asarray(G.T @ (self.one.dynamic_mass(start, self.lines) - own) @ G)
 
 
-def nonlinear_distortion(
-    one: SeriesPrediction, of: RunsByLevel, lines: Indices, recordings: Mapping[str, Recording]
-) -> DistortedRuns:
-    """The runs `of` the prediction `one` at `lines`; peaks by its `recordings`, or by its spectra where these are not in time."""
-    amplitude = _per_unit(one, _motion(of))[..., None] * np.abs(of.values)
-    peak = np.stack([_peak(recordings.get(run), of.channels, amplitude[k]) for k, run in enumerate(of.runs)])
-    return DistortedRuns(one=one, of=of.at(lines), lines=lines, peak=peak[of.partner])
+def distorted_runs(data: Study, levels: Sequence[LevelDifference]) -> Iterator[DistortedRuns]:
+    """Of each campaign with axes among `levels` the runs that differ most, where all runs state their level.
 
-
-def _peak(recorded: Recording | None, channels: Sequence[str], amplitude: Array) -> Array:
-    """(c,) largest reading of one run."""
-    if recorded is None or recorded.is_spectrum or len(recorded) == 0:
-        return np.asarray(amplitude.max(axis=0))
-    values = recorded.values[:, [recorded.names.index(name) for name in channels]]
-    return np.asarray(np.abs(values - values.mean(axis=0)).max(axis=0))
+    Peaks are those of recordings, or of the spectra where these are not in time.
+    """
+    for made in data.made:
+        worst = sorted((level for level in levels if level.data_set == made.measured.name), key=lambda level: -level.sigma)
+        one = made.with_effects(data.model.effects)
+        if not worst or not all(np.any(drive.amplitude) for drive in one.tested.drives):
+            continue
+        of = runs_by_level(one)
+        recordings = next((raw.recordings for raw, each in zip(data.campaigns, data.made, strict=False) if each is made), {})
+        peak = (_per_unit(one, _motion(of))[..., None] * np.abs(of.values)).max(axis=1)
+        for k, run in enumerate(of.runs):
+            recorded = recordings.get(run)
+            if recorded is not None and not recorded.is_spectrum and len(recorded):
+                values = recorded.values[:, [recorded.names.index(name) for name in of.channels]]
+                peak[k] = np.abs(values - values.mean(axis=0)).max(axis=0)
+        lines = np.unique(np.linspace(0, len(of.frequency) - 1, LINES).round().astype(np.int64))
+        tested = tuple(of.runs.index(level.runs[0]) for level in worst[:WORST])
+        yield DistortedRuns(one=one, of=of.at(lines), lines=lines, peak=peak[of.partner], tested=tested)
 
 
 def _motion(of: RunsByLevel) -> ComplexArray:
@@ -537,33 +509,10 @@ def _per_unit(one: SeriesPrediction, motion: ComplexArray) -> Array:
     return found
 
 
-def possible_effects(made: Sequence[SeriesPrediction], words: Vocabulary, channels: Sequence[str]) -> tuple[Named, ...]:
-    """Every amplitude-dependent effect of the catalogue that acts on some campaign; of those on one channel, on `channels` alone.
-
-    Sizes stand at the bounds of what is fitted, by the family's `high`.
-    """
-    there = [replace(one.tested.carried.standing.there, channels=one.measured.channels) for one in made]
-    narrowed = replace(words, accelerometers=_among(words.accelerometers, channels), forces=_among(words.forces, channels))
-    found = []
-    for family in FAMILIES.values():
-        if family.side != AMPLITUDE or family.change is None:
-            continue
-        for targets in product(*(narrowed.legal(kind) or () for kind in family.targets)):
-            values = {size.key: size.high if size.default is None else size.default for size in family.sizes_at(targets)}
-            named = Named(family=family.name, targets=targets, values=values)
-            if any(acts(named, one) for one in there):
-                found.append(named)
-    return tuple(found)
-
-
-def _among(names: Sequence[str] | None, chosen: Sequence[str]) -> tuple[str, ...]:
-    return tuple(name for name in chosen if names is None or name in names)
-
-
 # Which kind of nonlinearity lets two levels differ: friction, a gap, saturation, or what else the catalogue has.
 #
-# Every candidate is taken off the readings of all runs (`validation.diagnose.nonlinear`), at sizes from a grid and then at the
-# best; the right one leaves weaker runs that the stronger ones explain (`validation.diagnose.nonlinear`). First to first order,
+# Every candidate is taken off the readings of all runs (`DistortedRuns`), at sizes from a grid and then at the
+# best; the right one leaves weaker runs that the stronger ones explain (`nonlinear_residuals`). First to first order,
 # in what the stronger runs cannot explain as they are; the best then as they would be without it. No model of the structure is
 # fitted, so none can swallow what does not belong to it.
 #
@@ -625,61 +574,55 @@ def nonlinear(
 ) -> tuple[Cause, ...]:
     """What could let the axes of `levels` differ, the likeliest first; none where runs do not state their level.
 
-    `misfit` of a cause is what it leaves per degree of freedom, and `null` says whether it explains the difference.
+    Evidence is in nats of what the best leaves. `misfit` of a cause is what it leaves per degree of freedom, and `null` says
+    whether it explains the difference.
     """
-    seen = tuple(_tested(data, levels))
+    seen, tell = tuple(distorted_runs(data, levels)), progress or (lambda share: None)
     if not seen:
         return ()
-    found: list[_Found] = []
     worst = sorted(levels, key=lambda level: -level.sigma)
-    suspected_every = dict.fromkeys(level.channels[k] for k in range(SUSPECTED) for level in worst if k < len(level.channels))
-    every = possible_effects(
-        [one.bent.one for one in seen], vocabulary(data.model, data.campaigns), tuple(suspected_every)[:SUSPECTED]
+    every = dict.fromkeys(level.channels[k] for k in range(SUSPECTED) for level in worst if k < len(level.channels))
+    suspected, words = tuple(every)[:SUSPECTED], vocabulary(data.model, data.campaigns)
+    # What depends on the amplitude and acts on some campaign, at the bounds of what is fitted; on one channel those suspected
+    moved, felt = (
+        tuple(name for name in suspected if known is None or name in known) for known in (words.accelerometers, words.forces)
     )
-    for k, named in enumerate(every):
-        found += _sized(named, seen, first_order=True)
-        if progress is not None:
-            progress((k + 1) / (len(every) + 1))
+    narrowed = replace(words, accelerometers=moved, forces=felt)
+    there = [replace(one.one.tested.carried.standing.there, channels=one.of.channels) for one in seen]
+    menu: list[Named] = []
+    for family in FAMILIES.values():
+        if family.side != AMPLITUDE or family.change is None:
+            continue
+        for targets in product(*(narrowed.legal(kind) or () for kind in family.targets)):
+            values = {size.key: size.high if size.default is None else size.default for size in family.sizes_at(targets)}
+            named = Named(family=family.name, targets=targets, values=values)
+            menu += [named] if any(acts(named, one) for one in there) else []
+    rough: list[_Found] = []
+    for k, named in enumerate(menu):
+        rough += _sized(named, seen, first_order=True)
+        tell((k + 1) / (len(menu) + 1))
+    rough.sort(key=lambda one: one.chi2)
+    found = [better for one in rough[:SIZED_AGAIN] for better in _sized(one.named, seen, first_order=False)]
     found.sort(key=lambda one: one.chi2)
-    again = [better for one in found[:SIZED_AGAIN] for better in _sized(one.named, seen, first_order=False)]
-    if progress is not None:
-        progress(1.0)
-    return tuple(_causes(sorted(again, key=lambda one: one.chi2), seen))
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Tested:
-    """One campaign: its runs, and which of the weaker ones are looked at."""
-
-    bent: DistortedRuns
-    runs: tuple[int, ...]
-
-    @cached_property
-    def left(self) -> tuple[NonlinearResidual, ...]:
-        """What these runs hold beyond the stronger ones, as they are."""
-        return nonlinear_residuals(self.bent.of, self.runs)
-
-    @property
-    def used(self) -> tuple[int, ...]:
-        """The runs that are taken into account: those, and the stronger ones."""
-        return (*self.runs, *self.bent.of.stronger)
-
-    def first_order(self, named: Named) -> float:
-        """Sum of squares without `named`, the stronger runs explaining what they do as they are."""
-        by_run = {run: self.bent.bent(named, run) for run in self.used}
-        found = 0.0
-        for one in self.left:
-            taken = sum(one.weights[:, [h]] * by_run[run] for h, run in enumerate(self.bent.of.stronger))
-            found += float(np.sum(np.abs(one.whitened - one.projected(by_run[one.run] - taken)) ** 2))
-        return found
-
-    def exact(self, named: Named) -> float:
-        """Sum of squares without `named`."""
-        of = self.bent.of
-        values = np.array(of.values)
-        for run in self.used:
-            values[run] -= self.bent.bent(named, run)
-        return sum(one.chi2 for one in nonlinear_residuals(replace(of, values=values), self.runs))
+    tell(1.0)
+    before = sum(left.chi2 for one in seen for left in one.left)
+    count = sum(left.count for one in seen for left in one.left)
+    scale = max(1.0, found[0].chi2 / count) if found else 1.0
+    causes = []
+    for one in found:
+        evidence = (before - one.chi2) / scale
+        if evidence <= 0:
+            continue
+        share = min((before - one.chi2) / max(before - count, TINY), 1.0)
+        enough = bool(share > EXPLAINED or one.chi2 < count + BY_CHANCE * np.sqrt(count))
+        note = f"it explains {100 * share:.0f} % of what differs between the levels beyond noise"
+        note += "" if enough else ", so another kind, or more than one, is at work"
+        near = [each for each in found if each is not one and abs(each.chi2 - one.chi2) / scale < INDISTINGUISHABLE_NATS]
+        if near and (before - found[0].chi2) / scale - evidence < INDISTINGUISHABLE_NATS:
+            note += f"; these levels cannot tell it from {' and '.join(each.named.id for each in near)}"
+        sizes, left = (one.estimate(scale),), one.chi2 / count
+        causes.append(Cause(named=one.named, sizes=sizes, evidence=evidence, misfit=left, null=enough, note=note))
+    return tuple(causes)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -690,21 +633,18 @@ class _Found:
     chi2: float
     curvature: float
 
-
-def _tested(data: Study, levels: Sequence[LevelDifference]) -> Iterator[_Tested]:
-    for one in data.made:
-        told = sorted((level for level in levels if level.data_set == one.measured.name), key=lambda level: -level.sigma)
-        model = one.with_effects(data.model.effects)
-        if not told or not all(np.any(drive.amplitude) for drive in model.tested.drives):
-            continue
-        of = runs_by_level(model)
-        lines = np.unique(np.linspace(0, len(of.frequency) - 1, LINES).round().astype(np.int64))
-        runs = tuple(of.runs.index(level.runs[0]) for level in told[:WORST])
-        recordings = next((raw.recordings for raw, made in zip(data.campaigns, data.made, strict=False) if made is one), {})
-        yield _Tested(bent=nonlinear_distortion(model, of, lines, recordings), runs=runs)
+    def estimate(self, scale: float) -> EffectEstimate:
+        """With the 90 % interval of the curvature: -log L is the sum of squares over `scale`."""
+        of = self.named.fitted_sizes[0]
+        value = self.named.values[of.key]
+        of_equations = EQUATIONS if of.logarithmic else EQUATIONS * abs(value)
+        half = NORMAL_90 * float(np.hypot(np.sqrt(scale / self.curvature), of_equations)) if self.curvature > 0 else np.inf
+        ends = (value * np.exp(-half), value * np.exp(half)) if of.logarithmic else (value - half, value + half)
+        low, high = max(float(ends[0]), of.low), min(float(ends[1]), of.high)
+        return EffectEstimate(key=of.key, value=value, unit=of.unit, low=low, high=high)
 
 
-def _sized(named: Named, seen: Sequence[_Tested], *, first_order: bool) -> list[_Found]:
+def _sized(named: Named, seen: Sequence[DistortedRuns], *, first_order: bool) -> list[_Found]:
     """`named` at its best size; none where the data have not what it acts on, or no size helps."""
     from scipy.optimize import minimize_scalar
 
@@ -715,11 +655,16 @@ def _sized(named: Named, seen: Sequence[_Tested], *, first_order: bool) -> list[
         return replace(named, values={**named.values, size.key: float(np.exp(x)) if size.logarithmic else x})
 
     def chi2(x: float) -> float:
-        return sum(one.first_order(at(x)) if first_order else one.exact(at(x)) for one in seen)
+        return sum(one.chi2(at(x), first_order=first_order) for one in seen)
 
     try:
-        if first_order:
-            low, high = _bracket(size, chi2)
+        if first_order and size.logarithmic:  # the neighbours of the best of a grid
+            ends = np.log(size.low), np.log(size.high)
+            grid = np.linspace(*ends, round(PER_DECADE * (ends[1] - ends[0]) / np.log(10)) + 1)
+            best = int(np.argmin([chi2(float(x)) for x in grid]))
+            low, high = float(grid[max(best - 1, 0)]), float(grid[min(best + 1, len(grid) - 1)])
+        elif first_order:
+            low, high = size.low, size.high
         elif size.logarithmic:
             low, high = float(np.log(begin)) - RESIZED_LOG, float(np.log(begin)) + RESIZED_LOG
         else:
@@ -727,62 +672,7 @@ def _sized(named: Named, seen: Sequence[_Tested], *, first_order: bool) -> list[
             low, high = max(size.low, begin - half), min(size.high, begin + half)
     except BadInput:
         return []
-    best = minimize_scalar(chi2, bounds=(low, high), method="bounded", options={"xatol": SIZE_TOLERANCE * (high - low)})
+    found = minimize_scalar(chi2, bounds=(low, high), method="bounded", options={"xatol": SIZE_TOLERANCE * (high - low)})
     step = CURVATURE_STEP * (high - low)
-    curvature = (chi2(best.x - step) - 2 * best.fun + chi2(best.x + step)) / step**2
-    return [_Found(named=at(float(best.x)), chi2=float(best.fun), curvature=float(curvature))]
-
-
-def _bracket(size: OfFamily, chi2: Callable[[float], float]) -> tuple[float, float]:
-    """Where the best size lies, as a logarithm where it is fitted so: the neighbours of the best of a grid."""
-    if not size.logarithmic:
-        return size.low, size.high
-    low, high = np.log(size.low), np.log(size.high)
-    grid = np.linspace(low, high, round(PER_DECADE * (high - low) / np.log(10)) + 1)
-    best = int(np.argmin([chi2(float(x)) for x in grid]))
-    return float(grid[max(best - 1, 0)]), float(grid[min(best + 1, len(grid) - 1)])
-
-
-def _causes(found: Sequence[_Found], seen: Sequence[_Tested]) -> Iterator[Cause]:
-    """In nats of what the best leaves; only of those that help at all."""
-    before = sum(left.chi2 for one in seen for left in one.left)
-    count = sum(left.count for one in seen for left in one.left)
-    scale = max(1.0, found[0].chi2 / count) if found else 1.0
-    best = (before - found[0].chi2) / scale if found else 0.0
-    for k, one in enumerate(found):
-        evidence = (before - one.chi2) / scale
-        if evidence <= 0:
-            continue
-        rivals = [
-            other.named.id
-            for j, other in enumerate(found)
-            if j != k and abs(other.chi2 - one.chi2) / scale < INDISTINGUISHABLE_NATS
-        ]
-        share = min((before - one.chi2) / max(before - count, TINY), 1.0)
-        enough = share > EXPLAINED or one.chi2 < count + BY_CHANCE * np.sqrt(count)
-        yield Cause(
-            named=one.named,
-            sizes=(_size(one, scale),),
-            evidence=evidence,
-            misfit=one.chi2 / count,
-            null=bool(enough),
-            note=_text(share, rivals if best - evidence < INDISTINGUISHABLE_NATS else [], enough=bool(enough)),
-        )
-
-
-def _size(one: _Found, scale: float) -> EffectEstimate:
-    """With the 90 % interval of the curvature: -log L is the sum of squares over `scale`."""
-    of = one.named.fitted_sizes[0]
-    value = one.named.values[of.key]
-    of_equations = EQUATIONS if of.logarithmic else EQUATIONS * abs(value)
-    half = NORMAL_90 * float(np.hypot(np.sqrt(scale / one.curvature), of_equations)) if one.curvature > 0 else np.inf
-    low, high = (value * np.exp(-half), value * np.exp(half)) if of.logarithmic else (value - half, value + half)
-    return EffectEstimate(key=of.key, value=value, unit=of.unit, low=max(float(low), of.low), high=min(float(high), of.high))
-
-
-def _text(share: float, rivals: Sequence[str], *, enough: bool) -> str:
-    """What is to be said beside the size."""
-    explains = f"it explains {100 * share:.0f} % of what differs between the levels beyond noise"
-    if not enough:
-        explains += ", so another kind, or more than one, is at work"
-    return f"{explains}; these levels cannot tell it from {' and '.join(rivals)}" if rivals else explains
+    curvature = (chi2(found.x - step) - 2 * found.fun + chi2(found.x + step)) / step**2
+    return [_Found(named=at(float(found.x)), chi2=float(found.fun), curvature=float(curvature))]

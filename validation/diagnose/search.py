@@ -1,7 +1,7 @@
 """Stepwise selection of effects by their evidence: screen all candidates, fit the best few, accept the best, and again.
 
 Screening is a score test, linear in the size; fits decide. A fit starts from one of three places: where the tolerances stand;
-over a coarse model-error floor, where the model is too nonlinear for the score test (`rough_fit`); and from the priors, where
+over a coarse model-error floor, where the model is too nonlinear for the score test (`_rough_fits`); and from the priors, where
 tolerances have absorbed an effect and no fit reaches what the score test promised (`restarted_from_priors`). After each
 accepted effect the earlier ones are tested again beside it (`backward_elimination`): one that explained a little of everything
 goes when what is really missing is there, and a name may be right only beside the others.
@@ -10,22 +10,25 @@ goes when what is really missing is there, and a name may be right only beside t
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import inf, log
+from math import inf, log, sqrt
+from types import MappingProxyType
 
 import numpy as np
 
 from geometry.errors import CheckFailed
 from geometry.frames import Array
-from validation.diagnose.accept import ABSURD, GoodnessOfFit, excess, goodness_of_fit
-from validation.diagnose.candidates import aliases, is_resonator, reaches, screen
+from validation.diagnose.candidates import aliases, band, is_resonator, screen
 from validation.diagnose.diagnosis import Candidate, Screened
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, STRUCTURE, evidence_threshold
-from validation.estimation.fit import BREAKDOWNS, child, nearby
-from validation.estimation.likelihood import Cost, cost_of
-from validation.estimation.problem import EFFECT, FITTED, Fit, Parameter, Problem
+from validation.estimation.cost import cost_of
+from validation.estimation.fit import BREAKDOWNS, FLOOR, child, nearby
+from validation.estimation.likelihood import observed
+from validation.estimation.problem import EFFECT, FITTED, Parameter, Problem
+from validation.estimation.result import Fit
+from validation.estimation.verdicts import expected_z2, largest_z, misfit
 from validation.history.add import sized_by
 from validation.model.model import Added
 from validation.prediction.effects import name
@@ -44,55 +47,102 @@ draws of `make blind`."""
 SIGNIFICANT = 2.0
 """[sd] from no effect at which an effect is one. Exercised by tests/validation/diagnosing/test_diagnosed.py."""
 
-FitProgress = Callable[[float], None]
+
+# When a fit counts as that of a model that misses nothing: limits that were set from tests in which nothing is wrong. The figures
+# behind them are those of `python -m benchmarks.blind --draw development`; docs/diagnosis-proven-blind.md tells them.
 
 
-def baseline(data: Study, progress: FitProgress | None = None) -> Candidate:
-    """The model as it is.
+SCATTER = 3.0
+"""[sd] that chi² per degree of freedom of a null may lie above what noise alone predicts: scatter of chi² and of the noise
+estimate. The model-error floor is a bound that nulls do not use: they read 0.97 to 1.01 of the noise. Set by the development
+draws of `make blind`, held by tests/validation/diagnosing/test_search.py."""
 
-    Raises
-    ------
-    CheckFailed : its fit does not converge; an unconverged baseline makes any effect look decisive.
+UNLIKELY = 1e-4
+"""[probability] of a sum of z² below which the tolerances pay for something that is missing. Set by the development draws of
+`make blind`, held by tests/validation/diagnosing/test_search.py."""
+
+ABSURD = 4.8
+"""[sd] of one tolerance, of some four hundred, that is no chance. Held by tests/validation/diagnosing/test_search.py."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class GoodnessOfFit:
+    """How a fit stands against those of nulls.
+
+    Attributes
+    ----------
+    misfit : chi² per degree of freedom
+    limit : up to which it is that of a null
+    prior_penalty : sum of z² of the tolerances over what is due
+    largest : |z| of the tolerance that moved farthest
+    likely : probability of such a sum of z², where nothing is wrong
     """
-    return Candidate(effects=(), fit=data.all_free(progress), problem=data.problem())
+
+    misfit: float
+    limit: float
+    prior_penalty: float
+    largest: float
+    likely: float
+
+    @property
+    def null(self) -> bool:
+        """Whether nothing more need be missing."""
+        return self.misfit <= self.limit and self.likely >= UNLIKELY and self.largest < ABSURD
+
+    @property
+    def text(self) -> str:
+        """Why not, in words; empty where nothing more need be missing."""
+        said = []
+        if self.misfit > self.limit:
+            said.append(f"chi² per degree of freedom is {self.misfit:.3g}, where nulls stay below {self.limit:.2g}")
+        if self.likely < UNLIKELY:
+            said.append(f"the tolerances pay {self.prior_penalty:.3g} times what is due")
+        if self.largest >= ABSURD:
+            said.append(f"a tolerance stands at {self.largest:.1f} z")
+        return "; ".join(said)
+
+    def excess(self, fit: Fit) -> float:
+        """[nats] How much the cost of a fit lies above that of a null."""
+        chi2, z2 = fit.chi2 - self.limit * fit.degrees_of_freedom, fit.tolerance_z2 - expected_z2(fit)
+        return 0.5 * (max(chi2, 0.0) + max(z2, 0.0))
 
 
-def rough_fit(data: Study, at: Candidate, added: Added) -> Fit:
-    """`at` with the effect `added` as well, fitted over a coarse floor on few lines: for effects in which the model is nonlinear.
+def goodness_of_fit(fit: Fit, problem: Problem) -> GoodnessOfFit:
+    """Of a `fit` of all tolerances of `problem`.
 
-    The score test overrates these, so that the fit starts at its size and at a part of that.
+    Noise alone would come to a chi² per degree of freedom of its share s of the variance that the likelihood allows for. Noise is
+    an estimate of relative variance v at a line, and its inverse is on average larger than that of what is estimated: by s v, to
+    second order.
     """
-    problem = data.problem((*at.effects, added)).sparser(ROUGH_FIT_STRIDE)
-    start = _start(data, added)
-    begins = (
-        [start] if is_resonator(added.named) or not start else [start, {name: ROUGH_FIT_PART * x for name, x in start.items()}]
+    from scipy.stats import chi2
+
+    shares, sums, tiny = [], [], np.finfo(np.float64).tiny
+    for one in problem.predictions:
+        seen = observed(one.measured, problem.lines_of(one))
+        noise = np.square(seen.noise)
+        s = (noise / np.maximum(noise + np.square(FLOOR * seen.floor), tiny)).ravel()
+        shares.append(s * (1 + s * one.measured.noise_scatter**2))
+        sums.append(s.sum())
+    spreads = np.array([one.measured.noise_spread for one in problem.predictions])
+    sd = float(np.linalg.norm(spreads * np.array(sums)) / max(np.array(sums).sum(), tiny))
+    due = max(expected_z2(fit), 1.0)
+    return GoodnessOfFit(
+        misfit=misfit(fit),
+        limit=float(np.mean(np.concatenate(shares))) * (1 + SCATTER * sqrt(2 / max(fit.degrees_of_freedom, 1) + sd**2)),
+        prior_penalty=fit.tolerance_z2 / due,
+        largest=largest_z(fit),
+        likely=float(chi2.sf(fit.tolerance_z2, due)),
     )
-    return min((child(problem, FITTED, at.fit, begin, from_afar=True) for begin in begins), key=lambda fit: fit.cost)
-
-
-def refitted(data: Study, at: Candidate, begin: Fit) -> Candidate:
-    """`at` fitted again from where another fit ended, where that is cheaper."""
-    found = nearby(at.problem, FITTED, begin.by_name)
-    return at if found.cost >= at.fit.cost else recentred(data, replace(at, fit=found))
-
-
-def finished(data: Study, at: Candidate) -> Candidate:
-    """`at`, whose fit may be a trial, fitted to the end."""
-    found = nearby(at.problem, FITTED, at.fit.by_name)
-    return recentred(data, replace(at, fit=found)) if found.cost <= at.fit.cost + UNSEEN_STEP else at
 
 
 def is_significant(of: Candidate) -> bool:
     """Whether a fitted size of the newest effect differs from that of no effect."""
-    added = of.effects[-1]
+    added, fit = of.effects[-1], of.fit
     sizes = () if added.fixed or is_resonator(added.named) else added.named.fitted_sizes
-    known = {one.name: (x, sd) for one, x, sd in zip(of.fit.parameters, of.fit.offsets, _spread(of.fit), strict=True)}
+    spread = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))
+    known = {one.name: (x, sd) for one, x, sd in zip(fit.parameters, fit.offsets, spread, strict=True)}
     found = [known[which] for size in sizes if (which := name(added.named, size.key)) in known]
     return not found or any(abs(x) > SIGNIFICANT * sd > 0 for x, sd in found)
-
-
-def _spread(fit: Fit) -> Array:
-    return np.asarray(np.sqrt(np.maximum(np.diag(fit.covariance), 0.0)))
 
 
 def fit_with(data: Study, at: Candidate, added: Added, *, begin: Fit | None = None) -> Candidate:
@@ -109,15 +159,6 @@ def fit_with(data: Study, at: Candidate, added: Added, *, begin: Fit | None = No
     return recentred(data, Candidate(effects=effects, fit=found, problem=problem))
 
 
-def fit_in_place(data: Study, at: Candidate, rest: Candidate, added: Added) -> Candidate:
-    """`rest` with the effect `added` as well, from where `at` ended with another in its place."""
-    effects = (*rest.effects, added)
-    problem = data.problem(effects)
-    same = {one.name for one in at.fit.parameters if (new := problem.by_name.get(one.name)) and new.kind == one.kind}
-    start = {which: x for which, x in _offsets_in(problem, at.fit).items() if which in same} | _start(data, added)
-    return recentred(data, Candidate(effects=effects, fit=child(problem, FITTED, rest.fit, start), problem=problem))
-
-
 def _start(data: Study, added: Added) -> dict[str, float]:
     """An effect with an equation begins at its size; the fit knows where a tolerance stands already."""
     if FAMILIES[added.named.family].stage == OPENED or added.fixed:
@@ -129,10 +170,8 @@ def _start(data: Study, added: Added) -> dict[str, float]:
 
 def recentred(data: Study, of: Candidate) -> Candidate:
     """`of` with its effects at the sizes that the fit found, from which logarithms then count."""
-    effects = tuple(sized_by(one, of.fit) for one in of.effects)
+    effects, fit = tuple(sized_by(one, of.fit) for one in of.effects), of.fit
     problem = data.problem(effects)
-    # `fit` with its logarithms counted from the sizes that the models of `problem` have
-    fit = of.fit
     parameters = tuple(problem.by_name[one.name] for one in fit.parameters)
     counted_from = replace(fit, parameters=parameters, offsets=np.array(list(_offsets_in(problem, fit).values())))
     return Candidate(effects=effects, fit=counted_from, problem=problem)
@@ -153,11 +192,11 @@ def _offsets_in(problem: Problem, fit: Fit) -> dict[str, float]:
 # best of them.
 
 SIZE_OCTAVES = np.arange(-6.0, 4.0, 0.5)
-"""[octave] of the prior sd: sizes at which an effect is looked at. Exercised by tests/validation/diagnosing/test_restarts.py."""
+"""[octave] of the prior sd: sizes at which an effect is looked at. Held by tests/validation/diagnosing/test_search.py."""
 
 SIZE_SCAN_FLOOR = 0.2
 """[share] Model-error floor of these looks: so coarse that resonances which a tolerance still has to move do not decide.
-Exercised by tests/validation/diagnosing/test_restarts.py."""
+Exercised by tests/validation/diagnosing/test_search.py."""
 
 
 def can_restart(added: Added) -> bool:
@@ -166,39 +205,37 @@ def can_restart(added: Added) -> bool:
     return not (added.fixed or swings or is_resonator(added.named)) and len(added.named.fitted_sizes) == 1
 
 
-def restarted_from_priors(data: Study, at: Candidate, added: Added) -> Candidate:
-    """`at` with the effect `added` as well, all tolerances restarted from their priors; it never costs more than `at`."""
+def restarted_from_priors(data: Study, at: Candidate, added: Added | None = None) -> Candidate:
+    """`at`, with the effect `added` as well where one is given, all tolerances restarted from their priors; it never costs more.
+
+    A tolerance that absorbed an effect may stay in a local minimum when that is found, as of a mode with the wrong sign.
+    """
+    if added is None:
+        home = _declared(at.problem, at.fit)
+        return recentred(data, replace(at, fit=child(at.problem, FITTED, at.fit, home, from_afar=True)))
     effects = (*at.effects, added)
     problem = data.problem(effects)
     (which,) = (name(added.named, size.key) for size in added.named.fitted_sizes)
     home = _declared(problem, at.fit)
-    # The size of the effect `which` that comes nearest to the data, everything else at `home`
-    nearest_problem = problem.sparser(ROUGH_FIT_STRIDE)
-    cost = cost_of(nearest_problem, [nearest_problem.by_name[which]], SIZE_SCAN_FLOOR, home)
-    nearest = min(map(float, sizes(nearest_problem.by_name[which])), key=lambda size: _cost_at(cost, size))
+    # The size that comes nearest to the data, everything else at `home`
+    coarse = problem.sparser(ROUGH_FIT_STRIDE)
+    cost = cost_of(coarse, [coarse.by_name[which]], SIZE_SCAN_FLOOR, home)
+    nearest, least = 0.0, inf
+    for size in map(float, sizes(coarse.by_name[which])):
+        try:
+            there = cost.total(np.array([size]))[0].cost
+        except BREAKDOWNS:
+            there = inf
+        if there < least or not nearest:
+            nearest, least = size, there
     begin = home | {which: nearest}
     return recentred(data, Candidate(effects=effects, fit=child(problem, FITTED, at.fit, begin, from_afar=True), problem=problem))
-
-
-def tolerances_restarted(data: Study, at: Candidate) -> Candidate:
-    """`at`, all tolerances restarted from their priors; it never costs more.
-
-    A tolerance that absorbed an effect may stay in a local minimum when that is found, as of a mode with the wrong sign.
-    """
-    return recentred(data, replace(at, fit=child(at.problem, FITTED, at.fit, _declared(at.problem, at.fit), from_afar=True)))
 
 
 def _declared(problem: Problem, fit: Fit) -> dict[str, float]:
     """Offsets of tolerances as they are declared, and of the effects as `fit` found them."""
     found = {one.name: fit.by_name[one.name] for one in fit.parameters if one.kind == EFFECT}
     return {one.name: one.start for one in problem.parameters} | found
-
-
-def _cost_at(cost: Cost, size: float) -> float:
-    try:
-        return cost.total(np.array([size]))[0].cost
-    except BREAKDOWNS:
-        return inf
 
 
 def sizes(of: Parameter) -> Array:
@@ -259,6 +296,38 @@ class SearchStep:
     left_band: tuple[str, ...] = ()
     reconsidered: str = ""
 
+    @property
+    def indistinguishable(self) -> tuple[CandidateFit, ...]:
+        """The fits whose evidence cannot be told from that of the best, the best first."""
+        best = self.tried[0] if self.tried else None
+        return tuple(
+            one
+            for one in self.tried
+            if best is not None
+            and one.evidence >= best.evidence - INDISTINGUISHABLE_NATS
+            and (one.goodness.null or not best.goodness.null)
+        )
+
+    @property
+    def text(self) -> str:
+        """Why something was accepted, or nothing."""
+        if not self.tried:
+            if self.left_band:
+                gone = ", ".join(self.left_band)
+                return f"a fit drives {gone} out of the band of the data, and no other kind of effect is worth a fit"
+            if not self.screened:
+                return "there is no candidate"
+            best = self.screened[0]
+            promised, asked = max(best.evidence, 0.0), evidence_threshold(best.added.named.family)
+            return f"no candidate is worth a fit: {best.id} promises most, {promised:.1f} nats, where {asked:g} are asked for"
+        first = self.tried[0]
+        if self.reconsidered:
+            beside = f"beside {' and '.join(_ids(self.at))}" if self.at.effects else "alone"
+            worse = next(each.evidence for each in self.tried if each.id == self.reconsidered)
+            return f"{self.added} brings {first.evidence:.1f} nats {beside}, and {self.reconsidered} only {worse:.1f}"
+        which = self.added or f"the best, {first.id},"
+        return f"{which} brings {first.evidence:.1f} nats, where {evidence_threshold(first.family):g} are asked for"
+
 
 def candidate_fit(at: Candidate, there: Candidate) -> CandidateFit:
     """The fit `there` with one effect more than `at`."""
@@ -277,8 +346,11 @@ def ranked(tried: Sequence[CandidateFit]) -> list[CandidateFit]:
 
 
 def in_band(data: Study, one: CandidateFit) -> bool:
-    """Whether a resonator stayed in the band of the data; outside it is a spring or a mass."""
-    return not is_resonator(one.added.named) or reaches(data, one.added.named)
+    """Whether a resonator stayed where the data are; far below them it is a spring to the ground, far above a mass."""
+    if not is_resonator(one.added.named):
+        return True
+    low, high = band(made.measured.frequency for made in data.made)
+    return low <= one.added.named.values["f"] <= high
 
 
 def is_accepted(one: CandidateFit) -> bool:
@@ -286,25 +358,11 @@ def is_accepted(one: CandidateFit) -> bool:
     return one.evidence >= evidence_threshold(one.family) and is_significant(one.candidate)
 
 
-def indistinguishable(of: SearchStep) -> tuple[CandidateFit, ...]:
-    """The fits of a step whose evidence cannot be told from that of its best, the best first."""
-    if not of.tried:
-        return ()
-    best = of.tried[0]
-    return tuple(
-        one
-        for one in of.tried
-        if one.evidence >= best.evidence - INDISTINGUISHABLE_NATS and (one.goodness.null or not best.goodness.null)
-    )
-
-
 RIVALS = 5
-"""[count] of names at most that an earlier effect is held against. Exercised by
-tests/validation/diagnosing/test_backward_elimination.py."""
+"""[count] of names at most that an earlier effect is held against. Held by tests/validation/diagnosing/test_search.py."""
 
 RIVAL_SHARE = 0.25
-"""[share] of the evidence of the best that such a name must have brought. Exercised by
-tests/validation/diagnosing/test_backward_elimination.py."""
+"""[share] of the evidence of the best that such a name must have brought. Held by tests/validation/diagnosing/test_search.py."""
 
 
 def backward_elimination(
@@ -325,57 +383,52 @@ def backward_elimination(
     asked: list[SearchStep] = []
     for anew in (False, True):  # what changed may stand beside others than it was asked beside
         for which in _ids(at):
-            if (len(at.effects) > 1 and not anew) or {*_ids(known[which].at)} != {*_ids(at)} - {which}:
-                at, more = _reconsidered(data, at, known[which], progress)
-                known |= {one.added: one for one in more}
-                asked += more
+            if (len(at.effects) < 2 or anew) and {*_ids(known[which].at)} == {*_ids(at)} - {which}:
+                continue
+            found = known[which]
+            added = next(one for one in at.effects if one.named.id == which)
+            left = tuple(one for one in at.effects if one is not added)
+            problem = data.problem(left)
+            try:
+                rest = recentred(data, Candidate(effects=left, fit=nearby(problem, FITTED, at.fit.by_name), problem=problem))
+            except CheckFailed:  # there is nothing to hold it against
+                continue
+            evidence = at.fit.log_evidence - rest.fit.log_evidence
+            if evidence < evidence_threshold(added.named.family):
+                at = rest
+                continue
+            last = replace(at, effects=(*left, added))
+            there = CandidateFit(id=which, candidate=last, evidence=evidence, goodness=goodness_of_fit(at.fit, at.problem))
+            # Others whose evidence was a good part of the best
+            near = [
+                one for one in found.tried if one.id not in _ids(at) and one.evidence >= RIVAL_SHARE * found.tried[0].evidence
+            ]
+            progress(f"asking {which} and {len(near[:RIVALS])} others once more", 0.95)
+            tried = [there]
+            for one in near[:RIVALS]:
+                rival = candidate_fit(rest, _fit_in_place(data, at, rest, _at_sizes(one.added, added)))
+                if in_band(data, rival) and (is_accepted(rival) or rival.evidence <= evidence):
+                    tried.append(rival)
+            tried = ranked(tried)
+            stands = goodness_of_fit(rest.fit, rest.problem)
+            again = replace(found, at=rest, goodness=stands, tried=tuple(tried), added=tried[0].id, reconsidered=which)
+            at = at if tried[0] is there else tried[0].candidate
+            known[again.added] = again
+            asked.append(again)
     return at, tuple(asked)
+
+
+def _fit_in_place(data: Study, at: Candidate, rest: Candidate, added: Added) -> Candidate:
+    """`rest` with the effect `added` as well, from where `at` ended with another in its place."""
+    effects = (*rest.effects, added)
+    problem = data.problem(effects)
+    same = {one.name for one in at.fit.parameters if (new := problem.by_name.get(one.name)) and new.kind == one.kind}
+    start = {which: x for which, x in _offsets_in(problem, at.fit).items() if which in same} | _start(data, added)
+    return recentred(data, Candidate(effects=effects, fit=child(problem, FITTED, rest.fit, start), problem=problem))
 
 
 def _ids(of: Candidate) -> tuple[str, ...]:
     return tuple(one.named.id for one in of.effects)
-
-
-def _reconsidered(data: Study, at: Candidate, found: SearchStep, progress: Progress) -> tuple[Candidate, tuple[SearchStep, ...]]:
-    """`at` with the effect of step `found` under its best name, and the fits of that; or without it."""
-    added = next(one for one in at.effects if one.named.id == found.added)
-    try:
-        rest = _without(data, at, added)
-    except CheckFailed:  # there is nothing to hold it against
-        return at, ()
-    evidence = at.fit.log_evidence - rest.fit.log_evidence
-    if evidence < evidence_threshold(added.named.family):
-        return rest, ()
-    # `at`, the effect `added` named last
-    last = replace(at, effects=(*(one for one in at.effects if one is not added), added))
-    there = CandidateFit(id=found.added, candidate=last, evidence=evidence, goodness=goodness_of_fit(at.fit, at.problem))
-    rivals = _earlier_rivals(found, at)
-    progress(f"asking {found.added} and {len(rivals)} others once more", 0.95)
-    others = [candidate_fit(rest, fit_in_place(data, at, rest, _at_sizes_found(one.added, added))) for one in rivals]
-    may = [one for one in others if in_band(data, one) and (is_accepted(one) or one.evidence <= evidence)]
-    tried = tuple(ranked([there, *may]))
-    stands = goodness_of_fit(rest.fit, rest.problem)
-    again = replace(found, at=rest, goodness=stands, tried=tried, added=tried[0].id, reconsidered=found.added)
-    return at if tried[0] is there else tried[0].candidate, (again,)
-
-
-def _earlier_rivals(found: SearchStep, at: Candidate) -> list[CandidateFit]:
-    """Other fits of a step whose evidence was a good part of the best, of effects that `at` has not."""
-    near = [one for one in found.tried if one.id not in _ids(at) and one.evidence >= RIVAL_SHARE * found.tried[0].evidence]
-    return near[:RIVALS]
-
-
-def _at_sizes_found(one: Added, found: Added) -> Added:
-    """A resonator at another place or under another name begins at the sizes of the one that was found; others at their own."""
-    same = is_resonator(one.named) and is_resonator(found.named) and one.named.values.keys() == found.named.values.keys()
-    return replace(one, named=replace(one.named, values=found.named.values)) if same else one
-
-
-def _without(data: Study, at: Candidate, added: Added) -> Candidate:
-    """The fit of the other effects alone, from where it is with all."""
-    left = tuple(one for one in at.effects if one.named.id != added.named.id)
-    problem = data.problem(left)
-    return recentred(data, Candidate(effects=left, fit=nearby(problem, FITTED, at.fit.by_name), problem=problem))
 
 
 MOST_EFFECTS = 3
@@ -386,20 +439,20 @@ MOST_STEPS = 6
 `make blind`."""
 
 FITS_OF_A_STEP = 6
-"""[count] of candidates that are fitted in a step at most. Exercised by tests/validation/diagnosing/test_search.py."""
+"""[count] of candidates that are fitted in a step at most. Held by tests/validation/diagnosing/test_search.py."""
 
 FITS_OF_A_FAMILY = 3
-"""[count] of these of one family at most. Exercised by tests/validation/diagnosing/test_search.py."""
+"""[count] of these of one family at most. Held by tests/validation/diagnosing/test_search.py."""
 
 FITS_OF_THE_STRUCTURE = 2
-"""[count] of these of the structure at least, where any promises something. Exercised by
+"""[count] of these of the structure at least, where any promises something. Held by
 tests/validation/diagnosing/test_search.py."""
 
 WORTH_A_FIT = 4.0
-"""[nats] that a straight line must promise for a fit. Exercised by tests/validation/diagnosing/test_search.py."""
+"""[nats] that a straight line must promise for a fit. Held by tests/validation/diagnosing/test_search.py."""
 
 NULL_MARGIN = 1.0
-"""[nats] that it may promise less than is asked for where nothing need be missing: there a straight line is right. Exercised by
+"""[nats] that it may promise less than is asked for where nothing need be missing: there a straight line is right. Held by
 tests/validation/diagnosing/test_search.py."""
 
 SCREENING_MARGIN = 12.0
@@ -421,27 +474,48 @@ REFITS = 1
 `make blind`."""
 
 REPLACEMENTS = 2
-"""[count] of fits in place of resonators that a fit has driven out of the band, where they are springs or masses. Exercised by
+"""[count] of fits in place of resonators that a fit has driven out of the band, where they are springs or masses. Held by
 tests/validation/diagnosing/test_search.py."""
 
 KEPT_SHARE = 0.5
-"""[share] of a promise that a fit must keep lest it restart from the priors, where no fit comes up to that promise. Exercised by
+"""[share] of a promise that a fit must keep lest it restart from the priors, where no fit comes up to that promise. Held by
 tests/validation/diagnosing/test_search.py."""
 
 RESTARTS = 3
-"""[count] of fits of a step that restart from the priors. Exercised by tests/validation/diagnosing/test_search.py."""
+"""[count] of fits of a step that restart from the priors. Held by tests/validation/diagnosing/test_search.py."""
 
 LEAST_EXPLAINED = 0.25
 """[share] of the excess cost that an effect must explain for others to be looked for beside it. Set by the development draws of
 `make blind`."""
 
 ALIAS_FITS = 3
-"""[count] of rivals that are fitted though no straight line promised them. Exercised by
-tests/validation/diagnosing/test_search.py."""
+"""[count] of rivals that are fitted though no straight line promised them. Held by tests/validation/diagnosing/test_search.py."""
 
 ALIAS_OWN_SHARE = 0.3
 """[share] of what the best does that may be its own for another to be such a rival. Set by the development draws of `make
 blind`."""
+
+
+SETTINGS: Mapping[str, object] = MappingProxyType(
+    {
+        "unlikely": UNLIKELY,
+        "absurd_z": ABSURD,
+        "promising_nats": WORTH_A_FIT,
+        "short_nats": NULL_MARGIN,
+        "tried_at_most": FITS_OF_A_STEP,
+        "effects_at_most": MOST_EFFECTS,
+        "bent_chi2_per_dof": NONLINEAR_MISFIT,
+        "least_share_of_excess": LEAST_EXPLAINED,
+        "kept_share_of_promise": KEPT_SHARE,
+        "afresh_at_most": RESTARTS,
+        "afresh_octaves": [float(SIZE_OCTAVES[0]), float(SIZE_OCTAVES[-1])],
+        "afresh_floor": SIZE_SCAN_FLOOR,
+        "asked_again_at_most": RIVALS,
+        "asked_again_share": RIVAL_SHARE,
+        "instead_of_resonators_at_most": REPLACEMENTS,
+    }
+)
+"""What is fitted, and when a search ends, by the keys of a diagnosis in JSON."""
 
 Progress = Callable[[str, float], None]
 
@@ -460,37 +534,46 @@ def stepwise_search(
             and not one.added
             and one.tried[0].evidence > INDISTINGUISHABLE_NATS
             and not is_significant(one.tried[0].candidate)
-        ):
-            at, again = refitted(data, at, one.tried[0].candidate.fit), again - 1  # none of it, but a better way down
+        ):  # none of it, but a better way down
+            lower = nearby(at.problem, FITTED, one.tried[0].candidate.fit.by_name)
+            at, again = at if lower.cost >= at.fit.cost else recentred(data, replace(at, fit=lower)), again - 1
             continue
         rounds.append(one)
         if not one.added:
             break
-        found = _restarted_if_absurd(data, one.tried[0].candidate)
+        found = one.tried[0].candidate
+        if goodness_of_fit(found.fit, found.problem).largest >= ABSURD:
+            home = candidate_fit(found, restarted_from_priors(data, found))
+            found = home.candidate if home.evidence > 0 and in_band(data, home) else found
         explained, null = one.at.fit.cost - found.fit.cost, goodness_of_fit(found.fit, found.problem).null
         at, asked = backward_elimination(data, found, rounds, progress)
         rounds += asked
-        if not null and explained < LEAST_EXPLAINED * excess(one.at.fit, one.goodness):
+        if not null and explained < LEAST_EXPLAINED * one.goodness.excess(one.at.fit):
             break  # nothing known is most of what is wrong: the rest would be named one by one, and none of it is there
+    if at.effects:  # its fit may be a trial
+        whole = nearby(at.problem, FITTED, at.fit.by_name)
+        at = recentred(data, replace(at, fit=whole)) if whole.cost <= at.fit.cost + UNSEEN_STEP else at
     return at, tuple(rounds)
 
 
 def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress) -> SearchStep:
     progress(f"screening {len(menu)} effects", 0.0)
     here, found = goodness_of_fit(at.fit, at.problem), screen(data, at, menu)
-    tried, gone = _fits_in_band(
-        data,
-        found,
-        lambda some: (_rough_fits if here.misfit > NONLINEAR_MISFIT else _local_fits)(data, at, here, some, progress),
-    )
+    fits = _rough_fits if here.misfit > NONLINEAR_MISFIT else _local_fits
+    tried, gone = _fits_in_band(data, found, lambda some: fits(data, at, here, some, progress))
     tried = _restarted_where_stuck(data, at, here, tried, found, progress)
     good = bool(tried) and is_accepted(tried[0])
     asked: set[str] = set()
     while good and tried[0].id not in asked:  # a rival that is better has rivals of its own
-        rivals = [*_rivals(tried, menu, found), *(_same_resonator_elsewhere(tried) if asked else [])]
+        rivals = _rivals(tried, menu, found, again=bool(asked))
         asked.add(tried[0].id)
         progress(f"telling {tried[0].id} from {len(rivals)} others", 0.9)
-        fitted = [_rival_fit(data, at, one, tried[0]) for one in rivals]
+        fitted = []
+        for one in rivals:
+            rival = candidate_fit(at, fit_with(data, at, one))
+            if rival.evidence < KEPT_SHARE * tried[0].evidence and can_restart(one):
+                rival = max(rival, candidate_fit(at, restarted_from_priors(data, at, one)), key=lambda each: each.evidence)
+            fitted.append(rival)
         may = [one for one in fitted if in_band(data, one) and (is_accepted(one) or one.evidence <= tried[0].evidence)]
         tried = ranked([*tried, *may])
     return SearchStep(at=at, goodness=here, screened=found, tried=tuple(tried), added=tried[0].id if good else "", left_band=gone)
@@ -499,28 +582,40 @@ def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress)
 def _local_fits(
     data: Study, at: Candidate, here: GoodnessOfFit, found: Sequence[Screened], progress: Progress
 ) -> list[CandidateFit]:
-    """Fits of the best, until one is all that is needed."""
+    """Fits of the best, until one misses nothing and the next promised less than it by more than a score test may err."""
     tried: list[CandidateFit] = []
+    promised = {one.id: one.evidence for one in found}
     for one in _most_promising(found):
-        if _is_decided(tried, one, found):
+        best = max(tried, key=lambda each: each.evidence, default=None)
+        enough = 0.0 if best is None else (1 - SCREENING_ERROR) * promised[best.id] - SCREENING_MARGIN
+        if best is not None and best.goodness.null and one.evidence < enough:
             break
         if here.null and one.evidence < evidence_threshold(one.added.named.family) - NULL_MARGIN:
             continue
         progress(f"trying {one.id}", len(tried) / FITS_OF_A_STEP)
-        tried.append(_fit_of(data, at, one.added))
+        tried.append(candidate_fit(at, fit_with(data, at, one.added)))
     return tried
 
 
 def _rough_fits(
     data: Study, at: Candidate, here: GoodnessOfFit, found: Sequence[Screened], progress: Progress
 ) -> list[CandidateFit]:
-    """Rough fits of all that promise something, and of the best of these good ones."""
+    """Fits of all that promise something over a coarse floor on few lines, and of the best of these good ones.
+
+    They are for effects in which the model is nonlinear. The score test overrates these, so that a rough fit starts at its size
+    and at a part of that.
+    """
     rough, promising = [], _most_promising(found)
     for done, one in enumerate(promising):
         progress(f"trying {one.id} from afar", done / (len(promising) + ROUGH_FITS_FINISHED))
-        rough.append((one.added, rough_fit(data, at, one.added)))
+        problem = data.problem((*at.effects, one.added)).sparser(ROUGH_FIT_STRIDE)
+        starts = [_start(data, one.added)]
+        if starts[0] and not is_resonator(one.added.named):
+            starts.append({name: ROUGH_FIT_PART * x for name, x in starts[0].items()})
+        fits = [child(problem, FITTED, at.fit, begin, from_afar=True) for begin in starts]
+        rough.append((one.added, min(fits, key=lambda fit: fit.cost)))
     rough.sort(key=lambda each: -each[1].log_evidence)
-    return [_fit_of(data, at, added, begin) for added, begin in rough[:ROUGH_FITS_FINISHED]]
+    return [candidate_fit(at, fit_with(data, at, added, begin=begin)) for added, begin in rough[:ROUGH_FITS_FINISHED]]
 
 
 def _fits_in_band(
@@ -576,16 +671,19 @@ def _most_promising(found: Sequence[Screened]) -> list[Screened]:
     return [*best, *more]
 
 
-def _rivals(tried: Sequence[CandidateFit], menu: Sequence[Added], found: Sequence[Screened]) -> list[Added]:
-    """Candidates that were not fitted and may be aliases of the best; of a resonator its like at the most promising places."""
+def _rivals(
+    tried: Sequence[CandidateFit], menu: Sequence[Added], found: Sequence[Screened], *, again: bool = False
+) -> list[Added]:
+    """Candidates that were not fitted and may be aliases of the best; of a resonator its like at the most promising places, and
+    `again` at its sizes those that were fitted at other places."""
     best, known = tried[0], {one.id for one in tried}
     others = [one for one in menu if one.named.id not in known]
-    by_id = {one.id: one.added for one in found}
     if is_resonator(best.added.named):
         # in one place one oscillator may have two names
         twins = [one for one in others if is_resonator(one.named) and one.named.targets == best.added.named.targets]
         elsewhere = [one.added for one in found if one.id not in known and one.added.named.family == best.family]
-        return [_at_sizes(one, best.added) for one in (*twins, *elsewhere[:ALIAS_FITS])]
+        fitted = [one.added for one in tried[1:] if again and one.family == best.family]
+        return [_at_sizes(one, best.added) for one in (*twins, *elsewhere[:ALIAS_FITS], *fitted)]
     if best.added.fixed:
         return []
     near = aliases(
@@ -594,44 +692,11 @@ def _rivals(tried: Sequence[CandidateFit], menu: Sequence[Added], found: Sequenc
         [one for one in others if not is_resonator(one.named)],
         limit=min(INDISTINGUISHABLE_NATS / best.evidence, ALIAS_OWN_SHARE),
     )
+    by_id = {one.id: one.added for one in found}
     return [by_id[id] for id in near if id in by_id][:ALIAS_FITS]
 
 
-def _same_resonator_elsewhere(tried: Sequence[CandidateFit]) -> list[Added]:
-    """Resonators of the family of the best that were fitted at other places, now at the sizes of the best."""
-    best = tried[0]
-    same = [one for one in tried[1:] if is_resonator(one.added.named) and one.family == best.family]
-    return [_at_sizes(one.added, best.added) for one in same]
-
-
-def _rival_fit(data: Study, at: Candidate, added: Added, best: CandidateFit) -> CandidateFit:
-    """The fit of an alias of `best`; restarted from the priors where it falls far behind."""
-    found = _fit_of(data, at, added)
-    if found.evidence >= KEPT_SHARE * best.evidence or not can_restart(added):
-        return found
-    return max(found, candidate_fit(at, restarted_from_priors(data, at, added)), key=lambda each: each.evidence)
-
-
 def _at_sizes(one: Added, other: Added) -> Added:
-    return replace(one, named=replace(one.named, values=other.named.values))
-
-
-def _is_decided(tried: Sequence[CandidateFit], one: Screened, found: Sequence[Screened]) -> bool:
-    """Whether the best fit misses nothing, and `one` promised less than it by more than a score test may err."""
-    best = max(tried, key=lambda each: each.evidence, default=None)
-    if best is None or not best.goodness.null:
-        return False
-    promised = next(each.evidence for each in found if each.id == best.id)
-    return one.evidence < (1 - SCREENING_ERROR) * promised - SCREENING_MARGIN
-
-
-def _fit_of(data: Study, at: Candidate, added: Added, begin: Fit | None = None) -> CandidateFit:
-    return candidate_fit(at, fit_with(data, at, added, begin=begin))
-
-
-def _restarted_if_absurd(data: Study, at: Candidate) -> Candidate:
-    """`at`; where a tolerance stands absurdly far off, with all of them once more from where they are declared."""
-    if goodness_of_fit(at.fit, at.problem).largest < ABSURD:
-        return at
-    home = candidate_fit(at, tolerances_restarted(data, at))
-    return home.candidate if home.evidence > 0 and in_band(data, home) else at
+    """A resonator at another place or under another name begins at the sizes of the `other` one; anything else at its own."""
+    same = is_resonator(one.named) and is_resonator(other.named) and one.named.values.keys() == other.named.values.keys()
+    return replace(one, named=replace(one.named, values=other.named.values)) if same else one

@@ -1,4 +1,4 @@
-"""`Place` and `Family`: where an unexplained residual may sit, and what places of one kind do to the readings of a data set."""
+"""Where an unexplained residual may sit, and what places of one kind (`PlaceFamily`) do to the readings of a data set."""
 
 from __future__ import annotations
 
@@ -14,30 +14,14 @@ from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
 from geometry.frames import Array, rigid_transformation_6
 from geometry.inertia import LOADS
 from geometry.sensors import Channel
-from validation.diagnose.unexplained_fit import (
-    HEARD_FALLING,
-    HEARD_PLAINLY,
-    LEAST,
-    OF_JOINTS,
-    OF_PAIRS,
-    OF_PARTS,
-    OF_PLACES,
-    OF_SHARES,
-    TILTING,
-    Answers,
-    FrequencyLaw,
-    Swallowing,
-    following,
-    products,
-    resonances,
-)
-from validation.estimation.problem import Lines, Offsets, Prediction
+from validation.diagnose import unexplained_fit as fit
+from validation.estimation.problem import Offsets, Prediction
 from validation.estimation.screening import Products
 from validation.prediction import dynamic_mass
 from validation.prediction.series import SeriesPrediction
 
-CHANNEL, GROUP, PAIR, LOCATION, JOINT, PART, HEARD, SPAN, AXIS = KINDS = (
-    *("channel", "group", "pair", "location", "joint", "part", "heard", "span", "axis"),
+CHANNEL, GROUP, PAIR, LOCATION, JOINT, PART, CROSSTALK, SPAN, AXIS = KINDS = (
+    *("channel", "group", "pair", "location", "joint", "part", "crosstalk", "span", "axis"),
 )
 """A channel; a group of channels; a pair of axes; a place of the article; the joint under it; a part or a mode; a channel and
 what it hears; several pairs of axes at once; the load or the motion of one axis as channels tell it. The plainest first."""
@@ -85,15 +69,15 @@ class PlaceFamily:
     """
 
     places: tuple[SuspectedPlace, ...]
-    courses: tuple[FrequencyLaw, ...]
+    courses: tuple[fit.FrequencyLaw, ...]
     products: Products
     root: Array
     slope: Array
 
-    def answers(self) -> Answers:
+    def answers(self) -> fit.Answers:
         """(k, q) of all courses."""
         omega = 2 * np.pi * self.products.frequency
-        return following(self.products, np.stack([course.of(omega) for course in self.courses]), self.root)
+        return fit.following(self.products, np.stack([course.of(omega) for course in self.courses]), self.root)
 
 
 # Leftovers in axes: an entry of the dynamic mass, two that mirror each other, an axis whose load or motion is told wrongly.
@@ -108,11 +92,21 @@ class Loaded:
     of : the data set
     by_load : (m, c, 6) what the channels read for a unit of every load
     H : (m, 6, 6) dynamic mass about F
+    prediction : of the test
     """
 
-    of: Swallowing
+    of: fit.Swallowing
     by_load: ComplexArray
     H: ComplexArray
+    prediction: SeriesPrediction
+
+    @classmethod
+    def by_model(cls, of: fit.Swallowing, offsets: Offsets) -> Loaded | None:
+        """At the fit of a data set; None of one that is no base-excitation test."""
+        one, lines = of.of.prediction, of.of.lines
+        if not isinstance(one, SeriesPrediction):
+            return None
+        return cls(of=of, by_load=one.by_load(offsets, lines), H=one.dynamic_mass(offsets, lines), prediction=one)
 
     @property
     def u(self) -> ComplexArray:
@@ -130,38 +124,83 @@ class Loaded:
         return np.asarray((self.by_load[:, self.channels] @ left) * answered[:, :, None, :])
 
     def family(
-        self, places: tuple[SuspectedPlace, ...], courses: tuple[FrequencyLaw, ...], readings: ComplexArray
+        self, places: tuple[SuspectedPlace, ...], courses: tuple[fit.FrequencyLaw, ...], readings: ComplexArray
     ) -> PlaceFamily:
         """Of `readings` (r, m, c', q)."""
         return PlaceFamily(
             places=places,
             courses=courses,
-            products=products(self.of, readings, self.channels),
+            products=fit.products(self.of, readings, self.channels),
             root=self.of.root,
             slope=self.of.slope,
         )
 
+    @cached_property
+    def entries(self) -> ComplexArray:
+        """(r, m, c', 36) what the channels read for a unit of every entry of the dynamic mass."""
+        u, A1 = self.u, self.by_load[:, self.channels]
+        return np.asarray(np.einsum("mci,rmj->rmcij", A1, u, optimize=True)).reshape(*u.shape[:2], A1.shape[1], 36)
 
-def pairs(of: Loaded, courses: tuple[FrequencyLaw, ...]) -> PlaceFamily:
-    """Entries of the dynamic mass one by one, and two of them alike or opposite."""
-    # Places, and (36, q) of which entries each is the sum
-    mixed_places, columns = [], []
-    for i, load in enumerate(LOADS):
-        for j, motion in enumerate(MOTIONS):
-            mixed_places.append(SuspectedPlace(kind=PAIR, load=load, motion=motion))
-            columns.append(entry(i, j))
-            if j > i:
-                for sign in (1, -1):
-                    mixed_places.append(SuspectedPlace(kind=PAIR, load=load, motion=motion, sign=sign))
+    def pairs(self, courses: tuple[fit.FrequencyLaw, ...]) -> PlaceFamily:
+        """Entries of the dynamic mass one by one, and two of them alike or opposite."""
+        places, columns = [], []  # and (36, q) of which entries each is the sum
+        for i, load in enumerate(LOADS):
+            for j, motion in enumerate(MOTIONS):
+                places.append(SuspectedPlace(kind=PAIR, load=load, motion=motion))
+                columns.append(entry(i, j))
+                for sign in (1, -1) if j > i else ():
+                    places.append(SuspectedPlace(kind=PAIR, load=load, motion=motion, sign=sign))
                     columns.append(entry(i, j) + sign * entry(j, i))
-    places, mixed = tuple(mixed_places), np.stack(columns, axis=1)
-    return of.family(places, courses, entries(of) @ mixed)
+        return self.family(tuple(places), courses, self.entries @ np.stack(columns, axis=1))
 
+    def axes(self) -> PlaceFamily:
+        """Axes whose load, or whose motion, is told wrongly."""
+        load = (self.H @ self.u[..., None])[..., 0]
+        by_load = self.by_load[:, self.channels] * load[:, :, None, :]
+        by_motion = -(self.by_load[:, self.channels] @ self.H) * self.u[:, :, None, :]
+        places = (
+            *(SuspectedPlace(kind=AXIS, load=one) for one in LOADS),
+            *(SuspectedPlace(kind=AXIS, motion=one) for one in MOTIONS),
+        )
+        return self.family(places, fit.OF_SHARES, np.concatenate([by_load, by_motion], axis=-1))
 
-def entries(of: Loaded) -> ComplexArray:
-    """(r, m, c', 36) what the channels read for a unit of every entry of the dynamic mass."""
-    u, A1 = of.u, of.by_load[:, of.channels]
-    return np.asarray(np.einsum("mci,rmj->rmcij", A1, u, optimize=True)).reshape(*u.shape[:2], A1.shape[1], 36)
+    def locations(self, offsets: Offsets, shakes: Sequence[fit.FrequencyLaw]) -> Iterator[PlaceFamily]:
+        """What is attached to a place of the article: ``dH = a c(omega) sum_d p_d p_d^T``, p its accelerations for those of F."""
+        moved = self.prediction.moved(offsets, self.of.of.lines)
+        mixed = np.array(list(DIRECTIONS.values()), dtype=np.float64).T
+        giving = {name: both for name, both in moved.items() if np.abs(both[1]).max() > GIVES * np.abs(both[0]).max()}
+        for to, k, there, courses in ((GROUND, 0, moved, (*fit.OF_PLACES, *shakes)), (TABLE, 1, giving, fit.OF_PLACES[1:])):
+            if not there:
+                continue
+            places = tuple(SuspectedPlace(kind=LOCATION, part=name, along=along, to=to) for name in there for along in DIRECTIONS)
+            rows = [np.swapaxes(both[k], 1, 2) for both in there.values()]
+            yield self.family(places, courses, np.concatenate([self.readings(one, one) @ mixed for one in rows], axis=-1))
+
+    def joint(self, offsets: Offsets) -> Iterator[PlaceFamily]:
+        """What gives below the article: ``dH = a c(omega) sum_d H e_d e_d^T H``, H of the article about its origin."""
+        carried = self.prediction.tested.carried
+        if carried.nuisances is None:
+            return
+        back = np.linalg.inv(rigid_transformation_6(carried.standing.pose.position))
+        H = self.H - dynamic_mass.at(carried.moving, offsets).mass_matrix
+        loads: ComplexArray = H @ back
+        readings = self.readings(loads, np.swapaxes(back.T @ H, 1, 2))
+        places, mixed = [], np.zeros((len(MOTIONS), len(JOINTS)))
+        for k, axes in enumerate(JOINTS):
+            (first, *others) = ((LOADS[axis], MOTIONS[axis]) for axis in axes)
+            places.append(SuspectedPlace(kind=JOINT, load=first[0], motion=first[1], others=tuple(others)))
+            mixed[list(axes), k] = 1.0
+        yield self.family(tuple(places), fit.OF_JOINTS, readings @ mixed)
+
+    @property
+    def spanned(self) -> Spanned:
+        """The entries of a symmetric matrix."""
+        mixed = np.stack([entry(i, j) + (entry(j, i) if j > i else 0) for i, j in PLACES], axis=1)
+        readings, at = self.entries @ mixed, self.of.of
+        kept = at.kept(readings * at.weight[:, :, self.channels, None], self.channels)
+        flat = kept.transpose(1, 0, 2, 3).reshape(len(at.frequency), -1, len(PLACES))
+        gram = np.asarray(flat.conj().swapaxes(1, 2) @ flat)
+        return Spanned(data_set=at.name, products=fit.products(self.of, readings, self.channels), gram=gram, root=self.of.root)
 
 
 def entry(i: int, j: int) -> Array:
@@ -169,18 +208,6 @@ def entry(i: int, j: int) -> Array:
     found = np.zeros(36)
     found[6 * i + j] = 1.0
     return found
-
-
-def axes(of: Loaded) -> PlaceFamily:
-    """Axes whose load, or whose motion, is told wrongly."""
-    load = (of.H @ of.u[..., None])[..., 0]
-    by_load = of.by_load[:, of.channels] * load[:, :, None, :]
-    by_motion = -(of.by_load[:, of.channels] @ of.H) * of.u[:, :, None, :]
-    places = (
-        *(SuspectedPlace(kind=AXIS, load=one) for one in LOADS),
-        *(SuspectedPlace(kind=AXIS, motion=one) for one in MOTIONS),
-    )
-    return of.family(places, OF_SHARES, np.concatenate([by_load, by_motion], axis=-1))
 
 
 # Leftovers in the structure: at a place of the article, in the joint under it, in a part of which the fit has a parameter.
@@ -191,66 +218,14 @@ DIRECTIONS = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "x and y": (1, 1, 
 GROUND, TABLE = "the ground", "the table"
 
 JOINTS = ((0,), (1,), (2,), (3,), (4,), (5,), (0, 1), (3, 4))
-"""[index] Axes of a joint that give alike. Exercised by tests/validation/diagnosing/unexplained/test_described.py."""
+"""[index] Axes of a joint that give alike. Exercised by tests/validation/diagnosing/test_unexplained.py."""
 
 GIVES = 0.02
 """[share] of its motion that a place must move beyond a rigid article for anything to pull at that. Exercised by
-tests/validation/diagnosing/unexplained/test_described.py."""
+tests/validation/diagnosing/test_unexplained.py."""
 
 PARTS = ("modulus", "loss", "damping-law", "cell-stiffness", "fmd-compliance", "frequency", "damping")
 """Families of parameters that stand for a part or a mode."""
-
-
-def locations(
-    of: Loaded, prediction: SeriesPrediction, offsets: Offsets, lines: Lines, shakes: Sequence[FrequencyLaw]
-) -> Iterator[PlaceFamily]:
-    """What is attached to a place of the article: ``dH = a c(omega) sum_d p_d p_d^T``, p its accelerations for those of F."""
-    moved = prediction.moved(offsets, lines)
-    mixed = np.array(list(DIRECTIONS.values()), dtype=np.float64).T
-    if not moved:
-        return
-    giving = {name: both for name, both in moved.items() if np.abs(both[1]).max() > GIVES * np.abs(both[0]).max()}
-    for to, k, there, courses in ((GROUND, 0, moved, (*OF_PLACES, *shakes)), (TABLE, 1, giving, OF_PLACES[1:])):
-        if not there:
-            continue
-        places = tuple(SuspectedPlace(kind=LOCATION, part=name, along=along, to=to) for name in there for along in DIRECTIONS)
-        rows = [np.swapaxes(both[k], 1, 2) for both in there.values()]
-        yield of.family(places, courses, np.concatenate([of.readings(one, one) @ mixed for one in rows], axis=-1))
-
-
-def joint(of: Loaded, prediction: SeriesPrediction, offsets: Offsets) -> Iterator[PlaceFamily]:
-    """What gives between cover plate and article: ``dH = a c(omega) sum_d H e_d e_d^T H``, H of the article about its origin."""
-    carried = prediction.tested.carried
-    if carried.nuisances is None:
-        return
-    T = rigid_transformation_6(carried.standing.pose.position)
-    back = np.linalg.inv(T)
-    H = of.H - dynamic_mass.at(carried.moving, offsets).mass_matrix
-    loads: ComplexArray = H @ back
-    readings = of.readings(loads, np.swapaxes(back.T @ H, 1, 2))
-    places, mixed = [], np.zeros((len(MOTIONS), len(JOINTS)))
-    for k, axes in enumerate(JOINTS):
-        (first, *others) = ((LOADS[axis], MOTIONS[axis]) for axis in axes)
-        places.append(SuspectedPlace(kind=JOINT, load=first[0], motion=first[1], others=tuple(others)))
-        mixed[list(axes), k] = 1.0
-    yield of.family(tuple(places), OF_JOINTS, readings @ mixed)
-
-
-def parts(of: Swallowing) -> Iterator[PlaceFamily]:
-    at = [k for k, name in enumerate(of.names) if name.partition(":")[0] in PARTS and name in of.of.predicted.changes]
-    if at:
-        places = tuple(SuspectedPlace(kind=PART, part=of.names[k]) for k in at)
-        m, r, c, p = of.moved.shape
-        V = of.moved.reshape(m, r * c, p)
-        e = V[:, :, at].conj().swapaxes(1, 2)
-        of_parameters = Products(
-            frequency=of.of.frequency,
-            names=tuple(of.names[k] for k in at),
-            residual=(e @ of.left.reshape(m, r * c, 1))[..., 0],
-            others=np.asarray(e @ V),
-            square=np.sum(np.abs(V[:, :, at]) ** 2, axis=1),
-        )
-        yield PlaceFamily(places=places, courses=OF_PARTS, products=of_parameters, root=of.root, slope=of.slope)
 
 
 # Leftovers in channels: one, or all of a group, that tells a wrong share of what it reads; one that hears what it should not.
@@ -260,42 +235,42 @@ DIMENSIONS: Mapping[str, tuple[int, int]] = MappingProxyType({"acceleration": (0
 """kg and m of a quantity, all of them per second squared."""
 
 
-def channels(of: Swallowing, courses: tuple[FrequencyLaw, ...]) -> PlaceFamily:
-    """Channels by themselves and by groups, in shares of what they read."""
-    names, table = of.of.prediction.measured.channels, _table(of.of.prediction)
-    groups = tuple(dict.fromkeys(one.group for one in table))
-    members = [np.array([one.group == group for one in table], dtype=np.float64) for group in groups]
-    mixed = np.concatenate([np.eye(len(names)), np.stack(members, axis=1)], axis=1) if members else np.eye(len(names))
-    read = predicted(of)
+def channels(of: fit.Swallowing, courses: tuple[fit.FrequencyLaw, ...]) -> Iterator[PlaceFamily]:
+    """All accelerometers, and those of a group, that read gravity where they tilt: along x by beta, along y by minus alpha.
+    Channels by themselves and by groups, in shares of what they read."""
+    names, table, u = of.of.prediction.measured.channels, _table(of.of.prediction), of.of.inputs
+    sensing = [one.quantity == "acceleration" for one in table]
+    groups = {group: [one.group == group for one in table] for group in dict.fromkeys(one.group for one in table)}
+    if any(sensing) and u.shape[-1] == len(MOTIONS):
+        along = np.array([one.places[0].direction for one in table])
+        tilted = u[..., 4, None] * along[:, 0] - u[..., 3, None] * along[:, 1]
+        sense = dict.fromkeys(one.group for one, senses in zip(table, sensing, strict=True) if senses)
+        chosen = {"": sensing} | {group: groups[group] for group in sense}
+        yield _mixed(of, [_group(one, names, chosen[one]) for one in chosen], list(chosen.values()), (fit.TILTING,), tilted)
     places = [SuspectedPlace(kind=CHANNEL, channels=(name,)) for name in names]
-    for group in groups:
-        places.append(SuspectedPlace(kind=GROUP, part=group, channels=tuple(one.name for one in table if one.group == group)))
-    made = products(of, read[..., None] * mixed, np.arange(len(names)))
+    places += [_group(one, names, groups[one]) for one in groups]
+    yield _mixed(of, places, [*np.eye(len(names)), *groups.values()], courses, predicted(of))
+
+
+def _group(group: str, names: Sequence[str], members: Sequence[bool]) -> SuspectedPlace:
+    there = tuple(name for name, is_in in zip(names, members, strict=True) if is_in)
+    return SuspectedPlace(kind=GROUP, part=group, channels=there)
+
+
+def _mixed(
+    of: fit.Swallowing,
+    places: Sequence[SuspectedPlace],
+    members: Sequence[Array | Sequence[bool]],
+    courses: tuple[fit.FrequencyLaw, ...],
+    read: ComplexArray,
+) -> PlaceFamily:
+    """Of `read` (r, m, c) in the channels of which each place has those that are its `members` (q, c)."""
+    mixed = np.array([np.asarray(one, dtype=np.float64) for one in members]).T
+    made = fit.products(of, read[..., None] * mixed, np.arange(len(mixed)))
     return PlaceFamily(places=tuple(places), courses=courses, products=made, root=of.root, slope=of.slope)
 
 
-def tilting(of: Swallowing) -> Iterator[PlaceFamily]:
-    """All accelerometers, and those of a group, that read gravity where they tilt: along x by beta, along y by minus alpha."""
-    table, u = _table(of.of.prediction), of.of.inputs
-    sensing = [one.quantity == "acceleration" for one in table]
-    if not any(sensing) or u.shape[-1] != len(MOTIONS):
-        return
-    along = np.array([one.places[0].direction for one in table])
-    read = u[..., 4, None] * along[:, 0] - u[..., 3, None] * along[:, 1]
-    groups = dict.fromkeys(one.group for one, senses in zip(table, sensing, strict=True) if senses)
-    chosen = {"": sensing} | {group: [one.group == group for one in table] for group in groups}
-    mixed = np.array(list(chosen.values()), dtype=np.float64).T
-    places = tuple(
-        SuspectedPlace(
-            kind=GROUP, part=group, channels=tuple(one.name for one, is_in in zip(table, members, strict=True) if is_in)
-        )
-        for group, members in chosen.items()
-    )
-    made = products(of, read[..., None] * mixed, np.arange(len(table)))
-    yield PlaceFamily(places=places, courses=(TILTING,), products=made, root=of.root, slope=of.slope)
-
-
-def predicted(of: Swallowing) -> ComplexArray:
+def predicted(of: fit.Swallowing) -> ComplexArray:
     """(r, m, c) what the channels should read."""
     at = of.of
     return np.asarray((at.predicted.rows @ at.inputs[..., None])[..., 0])
@@ -313,58 +288,51 @@ class Readings:
     values : (r, m, q) complex
     """
 
-    course: FrequencyLaw
+    course: fit.FrequencyLaw
     places: tuple[SuspectedPlace, ...]
     dimensions: tuple[tuple[int, int], ...]
     values: ComplexArray
 
+    def unit(self, own: tuple[int, int], k: int) -> str:
+        """Of a reading of dimensions `own` per unit of what is heard in place k."""
+        kg, m = own[0] - self.dimensions[k][0], own[1] - self.dimensions[k][1]
+        powers = (("kg", kg), ("m", m), ("s", -2 if self.course is fit.CROSSTALK_FALLING else 0))
+        above = " ".join(f"{name}^{power}" if power > 1 else name for name, power in powers if power > 0) or "1"
+        below = " ".join(f"{name}^{-power}" if power < -1 else name for name, power in powers if power < 0)
+        return above if not below else f"{above}/({below})" if " " in below else f"{above}/{below}"
 
-def heard(of: Swallowing, offsets: Offsets) -> Iterator[tuple[tuple[SuspectedPlace, ...], FrequencyLaw, Answers]]:
+
+def crosstalk(of: fit.Swallowing, offsets: Offsets) -> Iterator[tuple[tuple[SuspectedPlace, ...], fit.FrequencyLaw, fit.Answers]]:
     """Every channel that hears a motion, a load, or another channel."""
-    at = of.of
-    own = tuple(DIMENSIONS[one.quantity] for one in _table(at.prediction)) or ((0, 0),) * at.values.shape[-1]
-    for one in _readings(of, offsets, own):
-        for c, name in enumerate(at.prediction.measured.channels):
+    at, prediction, names = of.of, of.of.prediction, of.of.prediction.measured.channels
+    own = tuple(DIMENSIONS[one.quantity] for one in _table(prediction)) or ((0, 0),) * at.values.shape[-1]
+    others = tuple(SuspectedPlace(kind=CROSSTALK, channels=(name,)) for name in names)
+    sources = [Readings(course=fit.CROSSTALK_CONSTANT, places=others, dimensions=own, values=predicted(of))]
+    if isinstance(prediction, SeriesPrediction):
+        u, H = at.inputs, prediction.dynamic_mass(offsets, np.searchsorted(prediction.measured.frequency, at.frequency))
+        motions = tuple(SuspectedPlace(kind=CROSSTALK, motion=one) for one in MOTIONS)
+        axes = (*motions, *(SuspectedPlace(kind=CROSSTALK, load=one) for one in LOADS))
+        moved, loaded = ((0, 1),) * 3 + ((0, 0),) * 3, ((1, 1),) * 3 + ((1, 2),) * 3
+        both = np.concatenate([u, (H @ u[..., None])[..., 0]], axis=-1)
+        sources.append(Readings(course=fit.CROSSTALK_CONSTANT, places=axes, dimensions=(*moved, *loaded), values=both))
+        falling = u * fit.CROSSTALK_FALLING.of(2 * np.pi * at.frequency)[:, None]
+        sources.append(Readings(course=fit.CROSSTALK_FALLING, places=motions, dimensions=moved, values=falling))
+    for one in sources:
+        for c, name in enumerate(names):
             kept = [k for k, place in enumerate(one.places) if name not in place.channels]
             white = one.values[..., kept] * at.weight[:, :, c, None]
             places = tuple(
-                replace(
-                    one.places[k], channels=(name, *one.places[k].channels), unit=_unit(own[c], one.dimensions[k], one.course)
-                )
-                for k in kept
+                replace(one.places[k], channels=(name, *one.places[k].channels), unit=one.unit(own[c], k)) for k in kept
             )
-            yield places, one.course, _of_channel(of, white, c)
-
-
-def _of_channel(of: Swallowing, white: ComplexArray, channel: int) -> Answers:
-    at = of.of
-    b = white.swapaxes(0, 1).reshape(-1, white.shape[-1]).conj().T  # (q, m r)
-    V = of.moved[:, :, channel].reshape(b.shape[1], -1)
-    free = 0.5 * at.free[:, :, channel, None]
-    return Answers(
-        score=(b @ at.values[:, :, channel].T.ravel()).real[None],
-        own=np.sum(free * np.abs(white) ** 2, axis=(0, 1))[None],
-        swallowed=((b @ V).real @ of.root)[None],
-    )
-
-
-def _readings(of: Swallowing, offsets: Offsets, own: Sequence[tuple[int, int]]) -> Iterator[Readings]:
-    at, prediction = of.of, of.of.prediction
-    channels = tuple(SuspectedPlace(kind=HEARD, channels=(name,)) for name in prediction.measured.channels)
-    yield Readings(course=HEARD_PLAINLY, places=channels, dimensions=tuple(own), values=predicted(of))
-    if not isinstance(prediction, SeriesPrediction):
-        return
-    u = at.inputs
-    H = prediction.dynamic_mass(offsets, np.searchsorted(prediction.measured.frequency, at.frequency))
-    motions, loads = (
-        tuple(SuspectedPlace(kind=HEARD, motion=one) for one in MOTIONS),
-        tuple(SuspectedPlace(kind=HEARD, load=one) for one in LOADS),
-    )
-    moved, loaded = ((0, 1),) * 3 + ((0, 0),) * 3, ((1, 1),) * 3 + ((1, 2),) * 3
-    both = np.concatenate([u, (H @ u[..., None])[..., 0]], axis=-1)
-    yield Readings(course=HEARD_PLAINLY, places=(*motions, *loads), dimensions=(*moved, *loaded), values=both)
-    falling = u * HEARD_FALLING.of(2 * np.pi * at.frequency)[:, None]
-    yield Readings(course=HEARD_FALLING, places=motions, dimensions=moved, values=falling)
+            b = white.swapaxes(0, 1).reshape(-1, white.shape[-1]).conj().T  # (q, m r)
+            V = of.moved[:, :, c].reshape(b.shape[1], -1)
+            free = 0.5 * at.free[:, :, c, None]
+            answers = fit.Answers(
+                score=(b @ at.values[:, :, c].T.ravel()).real[None],
+                own=np.sum(free * np.abs(white) ** 2, axis=(0, 1))[None],
+                swallowed=((b @ V).real @ of.root)[None],
+            )
+            yield places, one.course, answers
 
 
 def _table(prediction: Prediction) -> tuple[Channel, ...]:
@@ -375,38 +343,39 @@ def _table(prediction: Prediction) -> tuple[Channel, ...]:
     return tuple(by_name[name] for name in prediction.measured.channels)
 
 
-def _unit(own: tuple[int, int], other: tuple[int, int], course: FrequencyLaw) -> str:
-    """Of a reading per unit of what is heard."""
-    kg, m = own[0] - other[0], own[1] - other[1]
-    powers = (("kg", kg), ("m", m), ("s", -2 if course is HEARD_FALLING else 0))
-    above = " ".join(f"{name}^{power}" if power > 1 else name for name, power in powers if power > 0) or "1"
-    below = " ".join(f"{name}^{-power}" if power < -1 else name for name, power in powers if power < 0)
-    return above if not below else f"{above}/({below})" if " " in below else f"{above}/{below}"
-
-
 # Every place in which an unexplained residual of one data set may sit, with the courses that it may take there.
 
 
-def loaded(of: Swallowing, offsets: Offsets) -> Loaded | None:
-    """The dynamic mass of a data set; None of one that is no base-excitation test."""
-    prediction = of.of.prediction
-    if not isinstance(prediction, SeriesPrediction):
-        return None
-    lines = of.of.lines
-    return Loaded(of=of, by_load=prediction.by_load(offsets, lines), H=prediction.dynamic_mass(offsets, lines))
-
-
-def families(of: Swallowing, offsets: Offsets, loads: Loaded | None) -> Iterator[PlaceFamily]:
+def families(of: fit.Swallowing, offsets: Offsets, loads: Loaded | None) -> Iterator[PlaceFamily]:
     """All of one data set whose course is sought."""
-    shakes, prediction = resonances(2 * np.pi * of.of.frequency), of.of.prediction
-    if loads is not None and isinstance(prediction, SeriesPrediction):
-        yield pairs(loads, (*OF_PAIRS, *shakes))
-        yield axes(loads)
-        yield from tilting(of)
-        yield from locations(loads, prediction, offsets, of.of.lines, shakes)
-        yield from joint(loads, prediction, offsets)
-    yield channels(of, (*OF_SHARES, *shakes))
-    yield from parts(of)
+    band = np.geomspace(of.of.frequency[0], of.of.frequency[-1], fit.FREQUENCIES)
+    shakes = tuple(fit.resonance(float(f), ratio) for f in band for ratio in fit.RATIOS)
+    of_channels = list(channels(of, (*fit.OF_SHARES, *shakes)))
+    if loads is not None:
+        yield loads.pairs((*fit.OF_PAIRS, *shakes))
+        yield loads.axes()
+        yield from of_channels[:-1]
+        yield from loads.locations(offsets, shakes)
+        yield from loads.joint(offsets)
+    yield of_channels[-1]
+    at = [k for k, name in enumerate(of.names) if name.partition(":")[0] in PARTS]
+    if at:
+        m, r, c, p = of.moved.shape
+        V = of.moved.reshape(m, r * c, p)
+        e = V[:, :, at].conj().swapaxes(1, 2)
+        yield PlaceFamily(
+            places=tuple(SuspectedPlace(kind=PART, part=of.names[k]) for k in at),
+            courses=fit.OF_PARTS,
+            products=Products(
+                frequency=of.of.frequency,
+                names=tuple(of.names[k] for k in at),
+                residual=(e @ of.left.reshape(m, r * c, 1))[..., 0],
+                others=np.asarray(e @ V),
+                square=np.sum(np.abs(V[:, :, at]) ** 2, axis=1),
+            ),
+            root=of.root,
+            slope=of.slope,
+        )
 
 
 # An unexplained residual in several pairs of axes at once, such as a spring off the reference point: a symmetric matrix of one
@@ -416,12 +385,12 @@ def families(of: Swallowing, offsets: Offsets, loads: Loaded | None) -> Iterator
 PLACES = tuple((i, j) for i in range(6) for j in range(i, 6))
 """Entries of a symmetric matrix."""
 
-PHYSICAL = tuple(course for course in OF_PAIRS if course.stated)
+PHYSICAL = tuple(course for course in fit.OF_PAIRS if course.stated)
 """What symmetric matrices are of: mass, stiffness, damping."""
 
 NAMED = 0.25
 """[share] of the leading pair, at the nominal level of the motions, from which another pair is named with it. Exercised by
-tests/validation/diagnosing/unexplained/test_described.py."""
+tests/validation/diagnosing/test_unexplained.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -455,50 +424,29 @@ class Span:
     """
 
     place: SuspectedPlace
-    course: FrequencyLaw
+    course: fit.FrequencyLaw
     gain: float
     size: float
-
-
-def spanned(of: Loaded) -> Spanned:
-    """Of one data set."""
-    mixed = np.stack([entry(i, j) + (entry(j, i) if j > i else 0) for i, j in PLACES], axis=1)
-    readings, at = entries(of) @ mixed, of.of.of
-    kept = at.kept(readings * at.weight[:, :, of.channels, None], of.channels)
-    flat = kept.transpose(1, 0, 2, 3).reshape(len(at.frequency), -1, len(PLACES))
-    gram = np.asarray(flat.conj().swapaxes(1, 2) @ flat)
-    return Spanned(data_set=at.name, products=products(of.of, readings, of.channels), gram=gram, root=of.of.root)
 
 
 def spans(alike: Sequence[Spanned], slope: Array) -> Iterator[Span]:
     """Of the courses of matrices, with one matrix for the data sets `alike`; `slope` as `Swallowing` has it."""
     for course in PHYSICAL:
-        score, told = np.zeros(len(PLACES)), np.zeros((len(PLACES), len(PLACES)))
-        swallowed = 0.0
+        score, own = np.zeros(len(PLACES)), np.zeros((len(PLACES), len(PLACES)))
+        swallowed = np.zeros(())
         for one in alike:
             c = course.of(2 * np.pi * one.products.frequency)
-            answers = following(one.products, c[None], one.root)
+            answers = fit.following(one.products, c[None], one.root)
             score += answers.score[0]
-            told += np.tensordot(np.abs(c) ** 2, one.gram.real, axes=1)
+            own += np.tensordot(np.abs(c) ** 2, one.gram.real, axes=1)
             swallowed = swallowed + answers.swallowed[0]
-        yield _span(course, score + swallowed @ slope, told, np.asarray(swallowed))
-
-
-def _span(course: FrequencyLaw, score: Array, own: Array, swallowed: Array) -> Span:
-    scale = 1 / np.sqrt(np.maximum(np.diag(own), np.finfo(np.float64).tiny))
-    told = scale[:, None] * (own - swallowed @ swallowed.T) * scale
-    size = scale * (np.linalg.pinv(told, rcond=LEAST, hermitian=True) @ (scale * score))
-    return Span(place=_place(size), course=course, gain=0.5 * float(size @ score), size=float(size[_leading(size)[0]]))
-
-
-def _leading(size: Array) -> list[int]:
-    """The entries that take part, the greatest first, at the nominal level of the motions."""
-    level = np.array([LEVELS[MOTIONS[i]] * LEVELS[MOTIONS[j]] for i, j in PLACES])
-    weight = np.abs(size) * level
-    order = np.argsort(-weight)
-    return [int(k) for k in order if weight[k] >= NAMED * weight[order[0]]]
-
-
-def _place(size: Array) -> SuspectedPlace:
-    (first, *others) = ((LOADS[PLACES[k][0]], MOTIONS[PLACES[k][1]]) for k in _leading(size))
-    return SuspectedPlace(kind=SPAN, load=first[0], motion=first[1], others=tuple(others))
+        score = score + swallowed @ slope
+        scale = 1 / np.sqrt(np.maximum(np.diag(own), np.finfo(np.float64).tiny))
+        told = scale[:, None] * (own - swallowed @ swallowed.T) * scale
+        size = scale * (np.linalg.pinv(told, rcond=fit.LEAST, hermitian=True) @ (scale * score))
+        # The entries that take part, the greatest first, at the nominal level of the motions
+        weight = np.abs(size) * np.array([LEVELS[MOTIONS[i]] * LEVELS[MOTIONS[j]] for i, j in PLACES])
+        leading, *others = (int(k) for k in np.argsort(-weight) if weight[k] >= NAMED * weight.max())
+        (load, motion), *rest = ((LOADS[PLACES[k][0]], MOTIONS[PLACES[k][1]]) for k in (leading, *others))
+        place = SuspectedPlace(kind=SPAN, load=load, motion=motion, others=tuple(rest))
+        yield Span(place=place, course=course, gain=0.5 * float(size @ score), size=float(size[leading]))

@@ -14,9 +14,8 @@ from geometry.errors import BadInput
 from validation.compare.compare import mapped_all, modes_of
 from validation.diagnose import diagnose
 from validation.diagnose import diagnosis as diagnose_diagnosis
-from validation.diagnose.classical import MeasurementInput, Needed, SwingAnswer
 from validation.diagnose.classical_tests import SURE
-from validation.diagnose.diagnose import of_levels, ready
+from validation.diagnose.diagnose import ready
 from validation.diagnose.diagnosis import (
     AMBIGUOUS,
     MISSING,
@@ -29,7 +28,10 @@ from validation.diagnose.diagnosis import (
     Detectable,
     Diagnosis,
     EffectEstimate,
+    MeasurementInput,
+    Needed,
     ReportedStep,
+    SwingAnswer,
     headline,
 )
 from validation.diagnose.diagnosis import asked as asked_for
@@ -626,7 +628,7 @@ def explained(one: Cause) -> Grid:
     lines = (
         ("means", one.text),
         *((("these data say", one.note),) if one.note else ()),
-        ("mistaken for", diagnose_diagnosis.mistaken(one)),
+        ("mistaken for", ", ".join(one.mistaken_for) or NONE),
         ("confirm it by", one.confirmed_by or NONE),
     )
     return Grid(header=(one.id, one.named.what), lines=lines, words=True, caption=f"{one.id}: {one.named.what}")
@@ -791,7 +793,7 @@ def _columns(columns: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
 
 def _diagnosis_alike(id: str, known: Cause | None) -> str:
     if known is None:
-        return f"does the same to these data, and was not fitted: {diagnose_diagnosis.what(id)}"
+        return f"does the same to these data, and was not fitted: {FAMILIES[id.partition(':')[0]].what}"
     sizes = "; ".join(diagnose_diagnosis.sized(known, size) for size in known.sizes)
     return f"{sizes}, {known.evidence:+.1f} nats: {known.named.what}"
 
@@ -847,7 +849,7 @@ def prepared(asked: Options, *, quiet: bool = True) -> Study:
     with stages("reading", quiet=quiet) as told:
         model, data = ready(asked, told)
         made = Study.of(model, data, asked, told)
-    for text in of_levels(asked):
+    for text in asked.candidates:
         require_levels(made, text)
     return made
 

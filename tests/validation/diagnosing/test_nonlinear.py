@@ -132,6 +132,7 @@ def test_what_the_model_knows_of_an_amplitude_is_no_difference(linear: Study) ->
 def test_one_level_is_refused_where_two_are_needed(linear: Study) -> None:
     single = replace(linear, made=tuple(one.on(("x", "y", "z", "alpha", "beta", "gamma")) for one in linear.made))
     assert differing_levels(single) == ()
-    require_levels(linear)
+    require_levels(linear, "friction")
+    require_levels(single, "force-gain")
     with pytest.raises(BadInput, match="one level cannot see friction"):
-        require_levels(single)
+        require_levels(single, "friction")

@@ -1,19 +1,31 @@
-"""The score counts what it says it counts, on truths and answers that are made up."""
+"""The score counts what it says it counts, and the page holds what it prints."""
 
 import json
+import re
 from dataclasses import replace
 from math import nan
 from pathlib import Path
 
 import pytest
+from click import Command
+from click.testing import CliRunner
 
+from benchmarks.blind import __main__ as drawing
+from benchmarks.blind.drawing.case import FOREIGN, LEFT_OUT, NULL, PAIR, SINGLE
+from benchmarks.blind.drawing.draw import COUNTS, draw
+from benchmarks.blind.drawing.foreign import FOREIGN as PHYSICS
+from benchmarks.blind.drawing.limits import STUDY
 from benchmarks.blind.names import Json
+from benchmarks.blind.score import __main__ as scoring
 from benchmarks.blind.score import page
 from benchmarks.blind.score.families import by_family
 from benchmarks.blind.score.line import line
 from benchmarks.blind.score.outcome import Outcome, outcome
 from benchmarks.blind.score.rates import Rate
 from benchmarks.blind.score.rows import Row, rows
+
+# The score counts what it says it counts, on truths and answers that are made up.
+
 
 GAIN = "force-gain:fmd-z2"
 
@@ -52,28 +64,22 @@ def scored(*pairs: tuple[Json, Json]) -> list[Outcome]:
     return [outcome(one, other) for one, other in pairs]
 
 
-def test_a_right_answer_is_first_and_in_the_class() -> None:
-    one = outcome(truth("singles", GAIN), answer("missing", GAIN))
-    assert one.first
-    assert one.inside
-    assert not one.extra
+BOTH, SHUNT = (GAIN, "modulus:mast"), "load-path-shunt:z"
 
 
-def test_a_right_answer_that_is_second_in_the_class_is_in_it_and_not_first() -> None:
-    one = outcome(truth("singles", GAIN), answer("ambiguous", "load-path-shunt:z", alike=("load-path-shunt:z", GAIN)))
-    assert (one.first, one.inside) == (False, True)
-
-
-def test_an_ambiguous_answer_that_accepts_nothing_claims_the_first_of_its_class() -> None:
-    one = outcome(truth("singles", GAIN), answer("ambiguous", alike=(GAIN, "unit:fmd-z2")))
-    assert one.claimed == (GAIN,)
-    assert one.first
-
-
-def test_nothing_and_unknown_claim_nothing() -> None:
-    for verdict in ("nothing", "unknown"):
-        one = outcome(truth("singles", GAIN), answer(verdict))
-        assert (one.claimed, one.first, one.inside) == ((), False, False)
+@pytest.mark.parametrize(
+    ("given", "claimed", "first", "inside"),
+    [
+        (answer("missing", GAIN), (GAIN,), True, True),
+        (answer("ambiguous", SHUNT, alike=(SHUNT, GAIN)), (SHUNT,), False, True),
+        (answer("ambiguous", alike=(GAIN, "unit:fmd-z2")), (GAIN,), True, True),  # the first of a class of which none is accepted
+        (answer("nothing"), (), False, False),
+        (answer("unknown"), (), False, False),
+    ],
+)
+def test_a_right_claim_is_the_first_or_in_the_class_of_the_first(given: Json, claimed: tuple, first: bool, inside: bool) -> None:
+    one = outcome(truth("singles", GAIN), given)
+    assert (one.claimed, one.first, one.inside, one.extra) == (claimed, first, inside, False)
 
 
 def test_a_swap_is_the_same_either_way() -> None:
@@ -83,19 +89,22 @@ def test_a_swap_is_the_same_either_way() -> None:
 
 def test_more_claims_than_effects_are_extra() -> None:
     assert outcome(truth("singles", GAIN), answer("several", GAIN, "modulus:mast")).extra
-    assert not outcome(truth("pairs", GAIN, "modulus:mast"), answer("several", GAIN, "modulus:mast")).extra
+    pair = outcome(truth("pairs", *BOTH), answer("several", *reversed(BOTH)))
+    assert not pair.extra
+    assert row([pair], "both of a pair").figure.startswith("1 of 1")
 
 
 def test_a_wrong_claim_is_one_beside_a_right_one_and_in_place_of_it_but_not_in_a_class_that_holds_the_truth() -> None:
-    shunt, both = "load-path-shunt:z", (GAIN, "modulus:mast")
     outcomes = scored(
-        (truth("singles", GAIN), answer("missing", shunt)),
-        (truth("pairs", *both, number=1), answer("several", GAIN, shunt)),
-        (truth("singles", GAIN, number=2), answer("ambiguous", shunt, alike=(shunt, GAIN))),
-        (truth("pairs", *both, number=3), answer("missing", GAIN)),
+        (truth("singles", GAIN), answer("missing", SHUNT)),
+        (truth("pairs", *BOTH, number=1), answer("several", GAIN, SHUNT)),
+        (truth("singles", GAIN, number=2), answer("ambiguous", SHUNT, alike=(SHUNT, GAIN))),
+        (truth("pairs", *BOTH, number=3), answer("missing", GAIN)),
     )
     assert [one.stray for one in outcomes] == [True, True, False, False]
     assert not any(one.extra for one in outcomes)
+    assert outcomes[0].sizes == ()  # those of wrong claims are nobody's
+    assert row(outcomes, "both of a pair").figure.startswith("0 of 2")
     assert row(outcomes, "a claim that is wrong").figure.startswith("2 of 4")
 
 
@@ -120,53 +129,27 @@ def test_sizes_are_held_against_the_truth() -> None:
     assert row(outcomes, "median error").met is False
 
 
-def test_sizes_of_wrong_claims_are_nobodys() -> None:
-    assert outcome(truth("singles", GAIN), answer("missing", "modulus:mast")).sizes == ()
-
-
-def test_a_false_alarm_is_anything_but_nothing_on_a_null() -> None:
-    outcomes = scored(
-        (truth("nulls"), answer("nothing")),
-        (truth("nulls", number=1), answer("missing", GAIN)),
-        (truth("nulls", number=2), answer("unknown")),
-        (truth("nulls", number=3), {"refused": "no"}),
+@pytest.mark.parametrize(("loud", "met"), [(2, True), (3, False)])
+def test_two_false_alarms_of_two_hundred_are_met_and_three_are_not(loud: int, met: bool) -> None:
+    """One is anything but nothing on a null; what was refused was not answered."""
+    given = (
+        [answer("missing", GAIN)] * (loud - 1) + [answer("unknown")] + [answer("nothing")] * (200 - loud) + [{"refused": "no"}]
     )
-    found = row(outcomes, "false alarms")
-    assert found.figure.startswith("2 of 3")  # what was refused was not answered
+    found = row([outcome(truth("nulls", number=k), one) for k, one in enumerate(given)], "false alarms")
+    assert found.figure.startswith(f"{loud} of 200")
     assert found.figure.endswith("1 of them without a name")
-    assert found.met is False
-
-
-def test_two_false_alarms_of_two_hundred_are_met_and_three_are_not() -> None:
-    quiet = [(truth("nulls", number=k), answer("nothing")) for k in range(198)]
-    loud = [(truth("nulls", number=200 + k), answer("missing", GAIN)) for k in range(3)]
-    assert row(scored(*quiet, *loud[:2]), "false alarms").met is True
-    assert row(scored(*quiet[:197], *loud), "false alarms").met is False
-
-
-def test_effects_below_twice_their_limit_are_not_asked_for() -> None:
-    outcomes = scored(
-        (truth("singles", GAIN, multiple=1.0), answer("nothing")), (truth("singles", GAIN, number=1), answer("missing", GAIN))
-    )
-    assert row(outcomes, "named first, at").figure.startswith("1 of 1")
+    assert found.met is met
 
 
 def test_what_tolerances_hide_is_told_apart() -> None:
     outcomes = scored(
         (truth("singles", GAIN, multiple=2.0, told=0.6), answer("nothing")),
         (truth("singles", GAIN, number=1), answer("missing", GAIN)),
+        (truth("singles", GAIN, number=2, multiple=1.0), answer("nothing")),  # below twice its limit it is not asked for
     )
     assert row(outcomes, "named first, at").figure.startswith("1 of 2")
     assert row(outcomes, "tolerances hide").figure.startswith("1 of 1")
     assert row(outcomes, "· at 2 times").figure.startswith("0 of 1")
-
-
-def test_a_pair_counts_when_both_are_named() -> None:
-    both = (GAIN, "modulus:mast")
-    outcomes = scored(
-        (truth("pairs", *both), answer("several", *reversed(both))), (truth("pairs", *both, number=1), answer("missing", GAIN))
-    )
-    assert row(outcomes, "both of a pair").figure.startswith("1 of 2")
 
 
 def test_unknown_physics_counts_where_it_leaves_a_fifth_more_than_its_null() -> None:
@@ -185,17 +168,19 @@ def test_unknown_physics_counts_where_it_leaves_a_fifth_more_than_its_null() -> 
     assert row(outcomes, "where less is left").figure.startswith("1 of 1")
 
 
-@pytest.mark.parametrize("silent", [{"refused": "CheckFailed: no"}, {"broken": "no"}])
-def test_unknown_physics_that_is_refused_counts_as_a_miss(silent: Json) -> None:
-    outcomes = scored((truth("nulls"), answer("nothing")), (truth("foreign", "unknown-strain:cover-z1"), silent))
+@pytest.mark.parametrize(
+    ("null", "given"),
+    [
+        (answer("nothing"), {"refused": "CheckFailed: no"}),
+        (answer("nothing"), {"broken": "no"}),
+        ({"refused": "no"}, answer("missing", SHUNT)),
+    ],
+)
+def test_unknown_physics_that_is_refused_or_whose_null_is_counts_as_a_miss(null: Json, given: Json) -> None:
+    outcomes = scored((truth("nulls"), null), (truth("foreign", "unknown-strain:cover-z1"), given))
     assert row(outcomes, "unknown physics").figure.startswith("0 of 1")
     assert row(outcomes, "in no catalogue").figure.startswith("0 of 1")
     assert row(outcomes, "where less is left").figure == "none yet"
-
-
-def test_unknown_physics_counts_where_its_null_was_refused() -> None:
-    outcomes = scored((truth("nulls"), {"refused": "no"}), (truth("left-out", GAIN), answer("missing", "modulus:mast")))
-    assert row(outcomes, "unknown physics").figure.startswith("0 of 1")
 
 
 def test_held_out_errors_are_held_against_the_null_of_the_same_laboratory() -> None:
@@ -312,3 +297,55 @@ def test_what_the_null_said_that_it_would_name_is_asked_for(said: float | None, 
     null = {**answer("nothing"), "detectable": [] if said is None else [{"id": GAIN, "size": said}]}
     outcomes = scored((truth("singles", GAIN), answer("nothing")), (truth("nulls"), null))
     assert row(outcomes, "of its null said").figure.startswith(count)
+
+
+# The page about the proof says what the program does.
+
+
+@pytest.fixture(scope="module")
+def text(root: Path) -> str:
+    return (root / page.PAGE).read_text(encoding="utf-8")
+
+
+def test_the_score_has_its_place(text: str) -> None:
+    assert text.count(page.BEGIN) == text.count(page.END) == 1
+    assert text.index(page.BEGIN) < text.index(page.END)
+
+
+def test_the_kinds_and_their_numbers_are_those_of_the_draw(text: str) -> None:
+    stated = dict(re.findall(r"^\| ([a-z-]+) \| .* \| (?:about )?(\d+) \|$", text, re.MULTILINE))
+    assert {kind: int(stated[kind]) for kind in (NULL, PAIR, LEFT_OUT, FOREIGN)} == {
+        kind: COUNTS[kind] for kind in (NULL, PAIR, LEFT_OUT, FOREIGN)
+    }
+    assert abs(len(draw(1, (SINGLE,))) - int(stated[SINGLE])) <= 5
+
+
+def test_every_physics_that_no_family_describes_is_told(text: str) -> None:
+    (told,) = re.findall(r"^The physics that no family describes: (.*?)\n\n", text, re.MULTILINE | re.DOTALL)
+    assert len(told.split(",")) == len(PHYSICS)
+
+
+def test_the_limits_of_the_study_are_told(text: str) -> None:
+    for figure, size in {
+        "1.5 %": 0.015,
+        "0.1 kg": 0.1,
+        "100 µs": 100e-6,
+        "3.5 %": 0.035,
+        "2.5 mm": 2.5e-3,
+        "10 g": 0.010,
+    }.items():
+        assert figure in text
+        assert size in STUDY.values()
+
+
+@pytest.mark.parametrize(("module", "command"), [("benchmarks.blind", drawing.main), ("benchmarks.blind.score", scoring.main)])
+def test_the_commands_of_the_page_know_the_options_that_stand_there(module: str, command: Command, text: str) -> None:
+    (typed,) = re.findall(rf"^python -m {module} (--.*)$", text, re.MULTILINE)
+    helped = CliRunner().invoke(command, ["--help"]).output
+    assert all(option in helped for option in re.findall(r"--[a-z]+", typed))
+
+
+def test_make_blind_runs_both(root: Path) -> None:
+    (recipe,) = re.findall(r"^blind:.*?\n((?:\t.*\n)+)", (root / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+    assert "benchmarks.blind $(ARGS)" in recipe
+    assert "benchmarks.blind.score" in recipe

@@ -1,0 +1,135 @@
+"""Candidates in closed form: aliases, resonators of every frequency, the smallest size that would be named."""
+
+from math import expm1, inf
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from validation.diagnose.candidates import OCCAM, TINY, TINY_AT, band, detectable, shape, share
+from validation.diagnose.diagnosis import Screened
+from validation.effects.catalogue import parse
+from validation.effects.effect import evidence_threshold
+from validation.estimation.problem import EFFECT, Parameter
+from validation.estimation.screening import ScoreTest
+from validation.model.model import Added
+
+# Explanations that belong together: by evidence, and by what they do to the channels.
+
+
+def fisher(*columns: np.ndarray) -> np.ndarray:
+    J = np.stack(columns, axis=1)
+    return np.asarray(J.T @ J)
+
+
+def test_a_share_is_the_squared_sine_of_the_angle_between_two_columns() -> None:
+    for angle in (0.0, 0.02, 0.7, np.pi / 2):
+        b, c = np.array([1.0, 0.0, 0.0]), 3e4 * np.array([np.cos(angle), np.sin(angle), 0.0])
+        assert_allclose(share(fisher(b, c), np.zeros(2), 0, [1], []), np.sin(angle) ** 2, atol=1e-12)
+
+
+def test_two_effects_that_differ_only_in_what_a_tolerance_does_are_one() -> None:
+    rng = np.random.default_rng(2)
+    b, loose = rng.standard_normal((2, 50))
+    N = fisher(b, b + loose, loose)
+    assert share(N, np.array([0.0, 0.0, 1e-9]), 0, [1], [2]) < 1e-6  # nothing is known of the tolerance
+    assert share(N, np.array([0.0, 0.0, 1e9]), 0, [1], [2]) > 0.2  # it is known exactly
+
+
+def test_several_sizes_together_may_do_what_none_of_them_does() -> None:
+    rng = np.random.default_rng(2)
+    c1, c2 = rng.standard_normal((2, 50))
+    N = fisher(c1 - 2 * c2, c1, c2)
+    assert share(N, np.zeros(3), 0, [1, 2], []) < 1e-9
+    assert share(N, np.zeros(3), 0, [1], []) > 0.1
+
+
+# One column stands for resonators of every frequency.
+
+
+FREQUENCY = np.linspace(4.0, 32.0, 57)
+
+
+def driven(f: float, zeta: float, mass: float = 1.0) -> np.ndarray:
+    """[kg] Dynamic mass of a mass on a spring and a damper whose foot is driven: the force there over the acceleration."""
+    own, omega = 2 * np.pi * f, 2 * np.pi * FREQUENCY
+    k, c = mass * own**2, 2 * zeta * mass * own
+    foot = k + 1j * omega * c
+    moved = foot / (k + 1j * omega * c - mass * omega**2)  # of the mass, for a foot that moves by 1
+    return np.asarray(foot * (1 - moved) / (-(omega**2)))
+
+
+@pytest.mark.parametrize(("f", "zeta"), [(3.5, 0.005), (12.0, 0.02), (31.0, 0.08)])
+def test_a_shape_turns_the_resonator_of_the_menu_into_any_other(f: float, zeta: float) -> None:
+    menu = driven(TINY_AT["f"], TINY_AT["zeta"])
+    assert_allclose(menu * shape(FREQUENCY, f, zeta), driven(f, zeta), rtol=1e-9)  # rounding of 1 - moved at 1000 Hz
+
+
+def test_the_shape_of_the_menu_s_own_resonator_is_one() -> None:
+    assert_allclose(shape(FREQUENCY, TINY_AT["f"], TINY_AT["zeta"]), 1.0, rtol=1e-14)
+
+
+def smallest_mass(deviation: float, evidence: float) -> float:
+    """[kg] Of a resonator that a straight line tells so, where so much evidence is asked for."""
+    told = ScoreTest(name="", estimate=0.0, information=deviation**-2)
+    added = Added(named=parse("slosh:mast-top=m:0.1,f:9,zeta:0.01"))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("validation.effects.effect.evidence_threshold", lambda family: evidence)
+        found = detectable([Screened(added=added, evidence=0.0, told=told, plausible=np.inf, usual=told)])
+    return found[0].size if found else np.inf
+
+
+def test_the_smallest_mass_grows_with_the_root_of_the_evidence_and_with_the_deviation() -> None:
+    once = smallest_mass(3.0, 8.0)
+    assert_allclose(smallest_mass(3.0, 4 * (8.0 + OCCAM) - OCCAM), 2 * once, rtol=1e-12)
+    assert_allclose(smallest_mass(15.0, 8.0), 5 * once, rtol=1e-12)
+    assert smallest_mass(np.inf, 8.0) == np.inf  # the data tell nothing of it
+
+
+def test_the_smallest_mass_brings_the_evidence_that_is_asked_for() -> None:
+    offset = smallest_mass(3.0, 8.0) / TINY  # a straight line from the mass TINY, whose offset is that of ln m
+    assert_allclose(0.5 * offset**2 / 3.0**2 - OCCAM, 8.0, rtol=1e-12)
+    assert_allclose(smallest_mass(3.0, 8.0), 3e-6 * np.sqrt(2 * (8 + 4)), rtol=1e-12)  # [kg]
+
+
+@pytest.mark.parametrize(("f", "there"), [(3.4, False), (3.6, True), (12.0, True), (36.0, True), (38.0, False)])
+def test_a_resonator_reaches_the_data_a_seventh_beyond_the_band(f: float, there: bool) -> None:
+    low, high = band([FREQUENCY])
+    assert (low <= f <= high) is there
+
+
+# A smallest size is told in its unit, from where there is no effect.
+
+
+SURE = ScoreTest(name="x", estimate=0.0, information=1e4)
+
+
+def screened(text: str, told: ScoreTest = SURE, **more: Any) -> Screened:
+    """A candidate whose size a straight line tells to 0.01 of its offset."""
+    one = Parameter(name="x", unit="1", tolerance=0.1, kind=EFFECT, **more)
+    return Screened(added=Added(named=parse(text)), evidence=0.0, told=told, plausible=1.0, parameter=one)
+
+
+def test_a_size_that_adds_is_its_offset() -> None:
+    (found,) = detectable([screened("force-gain:fmd-z2=0.1")])
+    assert found.size == pytest.approx(SURE.detectable(1.0, evidence_threshold("force-gain")))
+
+
+@pytest.mark.parametrize(
+    ("text", "more"),
+    [
+        ("fmd-compliance:lateral=2", {"nominal": 1.0, "logarithmic": True}),
+        ("modulus:mast=0.1", {"nominal": 1.0, "logarithmic": True, "above": -1.0}),
+    ],
+)
+def test_a_factor_counts_from_one(text: str, more: Any) -> None:
+    (found,) = detectable([screened(text, **more)])
+    assert found.size == pytest.approx(expm1(SURE.detectable(1.0, evidence_threshold(text.partition(":")[0]))))
+
+
+def test_what_is_hardly_told_is_left_out() -> None:
+    vague = ScoreTest(name="x", estimate=0.0, information=1e-8)
+    assert vague.detectable(inf, 8.0) > 1000
+    found = screened("fmd-compliance:lateral=2", vague, nominal=1.0, logarithmic=True)
+    assert detectable([Screened(added=found.added, evidence=0.0, told=vague, plausible=1e6, parameter=found.parameter)]) == ()
