@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
-from importlib.resources import files
 from types import MappingProxyType
 from typing import Any
 
+from geometry import toml_file
 from geometry.errors import BadInput
 from geometry.toml_file import nearest
 
@@ -78,8 +77,7 @@ def load(name: str, changes: Mapping[str, float] = MappingProxyType({})) -> Dime
     `changes` replace entries, in the file's own units; `geometry.articles.dimensions` says how they are named and what is
     refused.
     """
-    text = files("geometry.articles").joinpath(f"{name}.toml").read_text(encoding="utf-8")
-    return to_si(apply(tomllib.loads(text), name, changes))
+    return to_si(apply(toml_file.shipped("geometry.articles", f"{name}.toml"), name, changes))
 
 
 def to_si(table: dict[str, Any]) -> Dimensions:

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import json
 import os.path
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, fields
 from functools import lru_cache, partial
 from math import degrees, inf, isfinite, nextafter, radians
@@ -17,6 +17,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+from tomlkit.items import AoT
 
 from geometry import routes, toml_file
 from geometry.articles import NAMES, built_in, changes_of, dimension_files
@@ -551,13 +554,9 @@ def _is_own(name: str) -> bool:
 # The text of a model file with an effect more or less: every other line, and every comment, stays as its author wrote it.
 #
 # An effect is its ``[[effect]]`` line, the comment right above it, and all down to its last key. What an edit came to is read
-# again and held against what was meant, so that a layout that these lines do not foresee is refused and never damaged.
+# again and held against what was meant, so that a layout that is not foreseen here is refused and never damaged.
 
 
-HEADER = re.compile(r"\s*\[\[\s*(effect|'effect'|\"effect\")\s*\]\]")
-INNER = re.compile(r"\s*\[\s*effect\s*\.")
-TABLE = re.compile(r"\s*\[")
-KEY = re.compile(r"(?P<key>\s*(?P<name>value|sd|fixed)\s*=\s*)(?P<value>[^#]*?)(?P<rest>\s*(?:#.*)?)$")
 EDITED = ("value", "sd", "fixed")
 SOURCE = "model file"
 
@@ -572,30 +571,20 @@ def with_effect(text: str, added: Added, source: str = SOURCE) -> str:
     before = _read(text, source)
     ids = [one.named.id for one in before.effects]
     if added.named.id not in ids:
-        return _verified(f"{text.rstrip()}\n\n{effect_text(added)}\n", [*before.effects, added], before)
+        return _verified(text, [f"{text.rstrip()}\n\n{effect_text(added)}\n"], [*before.effects, added], source)
     place = ids.index(added.named.id)
-    meant = [*before.effects[:place], added, *before.effects[place + 1 :]]
-    lines = text.split("\n")
-    _, header, end = _span(lines, place, before)
-    # The lines of one effect with its value, sd and fixed replaced, their comments kept; what is new comes last
-    changed_body = lines[header:end]
-    says = entries(added)
-    left = {key: says[key] for key in EDITED if key in says}
-    changed_lines: list[str] = []
-    for line in changed_body:
-        found = KEY.match(line)
-        if found is None:
-            changed_lines.append(line)
-        elif found["name"] in left:
-            changed_lines.append(f"{found['key']}{left.pop(found['name'])}{found['rest']}")
-        elif found["name"] == "fixed":
-            changed_lines.append(f"{found['key']}false{found['rest']}")
-    changed = [*changed_lines, *(f"{key} = {value}" for key, value in left.items())]
-    for body in (changed, effect_text(added).splitlines()[1:]):
-        edited = "\n".join([*lines[:header], *body, *lines[end:]])
-        if _says(edited, meant, before):
-            return edited
-    raise _laid_out_otherwise(before.source)
+    above, header, keys, behind = _parted(text, place, source)
+    # Value, sd and fixed replaced, their comments kept; what is new comes last
+    table = tomlkit.parse(keys)
+    says = ({"fixed": "false"} if "fixed" in table else {}) | entries(added)
+    for key in EDITED:
+        if key in says:
+            table[key] = tomlkit.value(says[key])
+    for key in {*EDITED} & table.keys() - says.keys():
+        del table[key]
+    anew = "".join(f"{line}\n" for line in effect_text(added).splitlines()[2:])
+    edits = [f"{above}{header}{body}{behind}" for body in (tomlkit.dumps(table), anew)]
+    return _verified(text, edits, [*before.effects[:place], added, *before.effects[place + 1 :]], source)
 
 
 def without_effect(text: str, id: str, source: str = SOURCE) -> str:
@@ -611,12 +600,13 @@ def without_effect(text: str, id: str, source: str = SOURCE) -> str:
         known = f"it has {', '.join(ids)}" if ids else "it has none"
         raise BadInput(source=source, field=id, problem="the model has no such effect", remedy=f"{nearest(id, ids)}{known}")
     place = ids.index(id)
-    lines = text.split("\n")
-    first, _, end = _span(lines, place, before)
-    if first and not lines[first - 1].strip():  # one empty line between what stays is enough
-        first -= 1
-    edited = "\n".join([*lines[:first], *lines[end:]])
-    return _verified(edited, [*before.effects[:place], *before.effects[place + 1 :]], before)
+    above, _, _, behind = _parted(text, place, source)
+    lines = above.splitlines(keepends=True)
+    while lines and lines[-1].lstrip().startswith("#"):
+        lines.pop()
+    if lines and not lines[-1].strip():  # one empty line between what stays is enough
+        lines.pop()
+    return _verified(text, ["".join(lines) + behind], [*before.effects[:place], *before.effects[place + 1 :]], source)
 
 
 def _read(text: str, source: str) -> Model:
@@ -626,44 +616,36 @@ def _read(text: str, source: str) -> Model:
     return of_text(text, source)
 
 
-def _span(lines: Sequence[str], place: int, before: Model) -> tuple[int, int, int]:
-    """Of the effect at `place`: its first line of comment, its header, and the line after its last key."""
-    headers = [k for k, line in enumerate(lines) if HEADER.match(line)]
-    if len(headers) != len(before.effects):
-        raise _laid_out_otherwise(before.source)
-    first = header = headers[place]
-    while first and lines[first - 1].lstrip().startswith("#"):
-        first -= 1
-    following = (k for k in range(header + 1, len(lines)) if TABLE.match(lines[k]) and not INNER.match(lines[k]))
-    end = next(following, len(lines))
-    while not lines[end - 1].strip() or lines[end - 1].lstrip().startswith("#"):
-        end -= 1
-    return first, header, end
-
-
-def _verified(text: str, meant: Sequence[Added], before: Model) -> str:
-    if not _says(text, meant, before):
-        raise _laid_out_otherwise(before.source)
-    return text
-
-
-def _says(text: str, meant: Sequence[Added], before: Model) -> bool:
-    """Whether `text` is the model `before` with the effects that were `meant`."""
+def _parted(text: str, place: int, source: str) -> tuple[str, str, str, str]:
+    """`text` in four: what stands above the effect at `place`, its header, its keys, and what follows the last of them."""
     try:
-        after = of_text(text, before.source)
-    except BadInput:
-        return False
-    return _facts(after, after.effects) == _facts(before, meant)
+        effects = tomlkit.parse(text).get("effect")
+    except TOMLKitError:  # what it does not understand and Python does, cannot be changed by it either
+        effects = None
+    body = effects[place].as_string() if isinstance(effects, AoT) else ""
+    if not body or body not in text:
+        raise _laid_out_otherwise(source)
+    head, _, behind = text.partition(body)
+    keys = body.splitlines(keepends=True)
+    while not keys[-1].strip() or keys[-1].lstrip().startswith("#"):
+        behind = keys.pop() + behind
+    header = head.splitlines(keepends=True)[-1]
+    return head.removesuffix(header), header, "".join(keys), behind
 
 
-def _facts(model: Model, effects: Sequence[Added]) -> tuple[object, ...]:
-    """All that a model says, in a form that can be compared."""
-    stiffness = None if model.cell_stiffness is None else tuple(model.cell_stiffness)
-    fmd = None if model.fmd is None else tuple(model.fmd.parameters)
-    same = (model.title, model.article, model.hardware, model.gravity, model.fmd_tolerance, model.tolerances, model.structure)
-    more = (model.kind, model.modes, model.damping_ratio, dict(model.changes), dict(model.own), stiffness, fmd)
-    added = [(one.named.id, dict(one.named.values), dict(one.deviation), one.fixed) for one in effects]
-    return (*same, *more, added)
+def _verified(text: str, edits: Iterable[str], meant: Sequence[Added], source: str) -> str:
+    """The first of the `edits` of `text` that has the effects that were `meant` and says nothing else otherwise."""
+    was = toml_file.parse(text, source) | {"effect": ()}
+    for edited in edits:
+        with suppress(BadInput):
+            table = toml_file.parse(edited, source)
+            if table | {"effect": ()} == was and _facts(of_table(table, source).effects) == _facts(meant):
+                return edited
+    raise _laid_out_otherwise(source)
+
+
+def _facts(effects: Iterable[Added]) -> list[tuple[object, ...]]:
+    return [(one.named.id, dict(one.named.values), dict(one.deviation), one.fixed) for one in effects]
 
 
 def _laid_out_otherwise(source: str) -> BadInput:
