@@ -313,8 +313,8 @@ def test_what_an_edit_could_damage_is_refused() -> None:
 
 def test_a_text_of_several_lines_and_tables_between_effects_stay() -> None:
     title, between = 'title = """\n[[effect]]\n"""', "[[effect]]\nid = 'polarity:a'\n\n[tolerances]  # ours\ngain = 0.01\n"
-    text = SMALLEST.replace("[model]", f"[model]\n{title}") + between + "[[effect]]\nid = 'force-gain:b'\nvalue = 0.1\n"
-    assert model_file.with_effect(text, added("force-gain:b=0.25")) == text.replace("value = 0.1", "value = 0.25")
+    text = SMALLEST.replace("[model]", f"[model]\n{title}") + between + "[[effect]]\nid = 'force-gain:fmd-z1'\nvalue = 0.1\n"
+    assert model_file.with_effect(text, added("force-gain:fmd-z1=0.25")) == text.replace("value = 0.1", "value = 0.25")
     assert model_file.without_effect(text, "polarity:a") == text.replace("[[effect]]\nid = 'polarity:a'\n", "")
 
 
