@@ -917,9 +917,8 @@ async def first(bench: WindowState) -> None:
         await shown(bench)
     elif bench.opened.example is not None:
         await example(bench, bench.opened.example)
-    elif bench.opened.model is not None:
-        one = bench.opened
-        _begin(bench, one.model or "", one.data, one.hold_out, one.band, one.method, one.effects_from)
+    elif (one := bench.opened.asked) is not None and one.model:
+        _begin(bench, one.model, one.data, one.hold_out, one.band, one.spectra, one.effects_from)
         await shown(bench)
 
 
