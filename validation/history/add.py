@@ -93,25 +93,26 @@ def starting_sizes(
     if added.fixed:
         return added
     if set(RESONATOR) <= set(free):
-        places = _dictionary(free, left, problem)
+        # By name of frequency and damping ratio, the offsets at which a resonator is looked for
+        lines = np.concatenate([one.measured.frequency for one in problem.predictions])
+        own = free[FREQUENCY].nominal
+        low, high = (lines.min(), lines.max()) if FREQUENCY in left else (own / AROUND, own * AROUND)
+        low = max(float(low), float(high) / 1e3)
+        along = np.geomspace(low, high, 2 + int(np.log(high / low) / SPACING))
+        ratio = MODEST if DAMPING in left else free[DAMPING].nominal
+        places = {
+            free[FREQUENCY].name: np.array([free[FREQUENCY].offset(f) for f in along]),
+            free[DAMPING].name: np.array([free[DAMPING].offset(ratio)]),
+        }
         found = start(problem, tuple(places), base=base, places=places, amplitude=free[MASS].name, progress=progress)
         return _at(added, free, found)
-    far = {key: one for key, one in free.items() if key in left and _is_far(named, key)}
-    return _at(added, far, start(problem, [one.name for one in far.values()], base=base, progress=progress)) if far else added
-
-
-def _dictionary(free: Mapping[str, Parameter], left: Sequence[str], problem: Problem) -> dict[str, Array]:
-    """By name of frequency and damping ratio, the offsets at which a resonator is looked for."""
-    lines = np.concatenate([one.measured.frequency for one in problem.predictions])
-    own = free[FREQUENCY].nominal
-    low, high = (lines.min(), lines.max()) if FREQUENCY in left else (own / AROUND, own * AROUND)
-    low = max(float(low), float(high) / 1e3)
-    along = np.geomspace(low, high, 2 + int(np.log(high / low) / SPACING))
-    ratio = MODEST if DAMPING in left else free[DAMPING].nominal
-    return {
-        free[FREQUENCY].name: np.array([free[FREQUENCY].offset(f) for f in along]),
-        free[DAMPING].name: np.array([free[DAMPING].offset(ratio)]),
+    # Whether a fit cannot find it from afar: a corner or a resonance, the modulus of a part
+    far = {
+        key: one
+        for key, one in free.items()
+        if key in left and (_is_frequency(next(size for size in named.sizes if size.key == key)) or named.family == "modulus")
     }
+    return _at(added, far, start(problem, [one.name for one in far.values()], base=base, progress=progress)) if far else added
 
 
 def _at(added: Added, free: Mapping[str, Parameter], found: Offsets) -> Added:
@@ -127,11 +128,6 @@ def _at(added: Added, free: Mapping[str, Parameter], found: Offsets) -> Added:
 def _parameter(problem: Problem, named: Named, key: str) -> Parameter | None:
     one = problem.by_name.get(f"{named.id}[{key}]" if key else named.id)
     return one if one is not None and one.kind == EFFECT else None
-
-
-def _is_far(named: Named, key: str) -> bool:
-    """Whether a fit cannot find it from afar: a corner or a resonance, the modulus of a part."""
-    return _is_frequency(next(size for size in named.sizes if size.key == key)) or named.family == "modulus"
 
 
 def _is_frequency(size: SizeSpec) -> bool:
@@ -198,7 +194,15 @@ def candidate(added: Added, left: Sequence[str], study: Study, *, allowed: bool)
     BadInput : it acts nowhere on these data; others of the model do exactly the same, and that is not `allowed`.
     """
     before, after = study.whole().thinned(), study.whole([added]).thinned()
-    _require_seen(before, after, added)
+    names = names_of(after, added.named)
+    seen = history_verdict.noticed(after, names) > history_verdict.NOTICED if names else _differ(before, after)
+    if not seen:
+        raise BadInput(
+            source=ARGUMENT,
+            field=added.named.id,
+            problem="it acts nowhere on these data: no channel would read anything else",
+            remedy="Name data of an article that has it, or of a run that drives it",
+        )
     free = history_verdict.freed(after)
     found = history_verdict.alias(free, added.named.id, names_of(free, added.named))
     if found is not None and found.effects and not allowed:
@@ -209,11 +213,17 @@ def candidate(added: Added, left: Sequence[str], study: Study, *, allowed: bool)
             remedy="Add data that tell them apart, undo the other, or say --alias-ok: knowledge beforehand then shares it out",
         )
     said = (f"{found.text}; only what is known beforehand shares it out",) if found is not None else ()
+    # Of a size that was a tolerance of the model before, that; else what its family admits of a careful laboratory
+    named = added.named
+    admitted = FAMILIES[named.family].tolerance
+    tolerances_found = {size.key: admitted for size in named.sizes}
+    if named.id in before.by_name:
+        tolerances_found[""] = before.by_name[named.id].tolerance
     return AddedEffect(
         added=added,
         left=tuple(left),
         alias=found,
-        tolerances=_tolerances(added.named, before),
+        tolerances=tolerances_found,
         nulls={size.key: size.null for size in added.named.sizes},
         said=said,
     )
@@ -241,18 +251,6 @@ def _guess(size: SizeSpec) -> float:
     return min(max(first, size.low), size.high)
 
 
-def _require_seen(before: Problem, after: Problem, added: Added) -> None:
-    names = names_of(after, added.named)
-    seen = history_verdict.noticed(after, names) > history_verdict.NOTICED if names else _differ(before, after)
-    if not seen:
-        raise BadInput(
-            source=ARGUMENT,
-            field=added.named.id,
-            problem="it acts nowhere on these data: no channel would read anything else",
-            remedy="Name data of an article that has it, or of a run that drives it",
-        )
-
-
 def _differ(before: Problem, after: Problem) -> bool:
     """Whether any channel is predicted otherwise, or its noise."""
     for one, other in zip(before.predictions, after.predictions, strict=True):
@@ -263,15 +261,6 @@ def _differ(before: Problem, after: Problem) -> bool:
         if (first.noise is None) != (second.noise is None):
             return True
     return False
-
-
-def _tolerances(named: Named, before: Problem) -> dict[str, float]:
-    """Of a size that was a tolerance of the model before, that; else what its family admits of a careful laboratory."""
-    admitted = FAMILIES[named.family].tolerance
-    found = {size.key: admitted for size in named.sizes}
-    if named.id in before.by_name:
-        found[""] = before.by_name[named.id].tolerance
-    return found
 
 
 # What an estimate is worth when tolerances were not fitted but are there: consider covariance.
@@ -330,7 +319,16 @@ def identified(problem: Problem, article: str, plain: Fit, progress: Callable[[f
     article : what stands on the FMD
     plain : the plain fit of the model, in whose place this one never costs more
     """
-    freed, of = _freed(problem, article)
+    # `problem` with the ten parameters of `article` free, and a prediction that has it
+    predictions: list[Prediction] = []
+    freed_found = None
+    for one in problem.predictions:
+        if isinstance(one, SeriesPrediction) and one.tested.carried.standing.article == article:
+            freed_found = one.with_effects(_with_ten(one.effects))
+            predictions.append(freed_found)
+        else:
+            predictions.append(one)
+    freed, of = replace(problem, predictions=tuple(predictions)), freed_found
     if of is None:
         return None
     found = fit(freed, IDENTIFYING, start=plain, progress=progress)
@@ -366,19 +364,6 @@ def _nearest(mass: Array) -> Array:
     """(10,) of the rigid body whose mass matrix is nearest to the base's share of `mass`."""
     basis = ten_matrices().reshape(10, 36).T
     return np.asarray(np.linalg.lstsq(basis, mass[:6, :6].ravel(), rcond=None)[0])
-
-
-def _freed(problem: Problem, article: str) -> tuple[Problem, SeriesPrediction | None]:
-    """`problem` with the ten parameters of `article` free, and a prediction that has it."""
-    predictions: list[Prediction] = []
-    found = None
-    for one in problem.predictions:
-        if isinstance(one, SeriesPrediction) and one.tested.carried.standing.article == article:
-            found = one.with_effects(_with_ten(one.effects))
-            predictions.append(found)
-        else:
-            predictions.append(one)
-    return replace(problem, predictions=tuple(predictions)), found
 
 
 def _with_ten(effects: Sequence[Added]) -> tuple[Added, ...]:
@@ -423,7 +408,16 @@ def judged(study: Study, parent: Version | None, progress: Progress | None = Non
         found = study.evaluation(lambda share: tell("fitting", share))
     else:
         whole = study.whole()
-        began = _evaluation(parent, whole)
+        # As much of the evaluation of `parent` as a child begins with: where its fits ended
+        nothing = Share(percent=0.0)
+        began = Evaluation(
+            nominal=nothing,
+            plain=nothing,
+            held_out=None,
+            held_out_nominal=None,
+            plain_fit=at_offsets(parent.plain_offsets, whole),
+            fitted=at_offsets(parent.fitted_offsets, whole),
+        )
         found = evaluate(whole, hold_out=study.hold_out, parent=began, progress=lambda share: tell("fitting", share))
     sized = study.by(replace(study.model, effects=tuple(sized_by(one, found.fitted) for one in study.model.effects)))
     nominal, held = _nominal(sized.whole(), study.hold_out)
@@ -433,10 +427,22 @@ def judged(study: Study, parent: Version | None, progress: Progress | None = Non
 
 def rung_with(rung: Version, of: EvaluatedModel) -> Version:
     """`rung` with the figures of what was judged."""
+    effects = {}
+    for one in of.model.effects:
+        # Sizes as the rung says them; one that was not fitted has no deviation
+        effects[one.named.id] = tuple(
+            VersionSize(
+                key=size.key,
+                value=one.named.values[size.key],
+                unit=size.unit,
+                deviation=None if one.fixed else one.deviation.get(size.key),
+            )
+            for size in one.named.sizes
+        )
     return replace(
         rung,
         errors=_errors(of.evaluation),
-        effects={one.named.id: _sizes(one) for one in of.model.effects},
+        effects=effects,
         bodies=() if of.body is None else (of.body,),
         plain_offsets=kept_offsets(of.evaluation.plain_fit),
         fitted_offsets=kept_offsets(of.evaluation.fitted),
@@ -469,19 +475,6 @@ def sized_by(added: Added, fit: Fit) -> Added:
     return replace(added, named=replace(added.named, values=values), deviation=deviation or added.deviation)
 
 
-def _sizes(added: Added) -> tuple[VersionSize, ...]:
-    """Sizes as the rung says them; one that was not fitted has no deviation."""
-    return tuple(
-        VersionSize(
-            key=size.key,
-            value=added.named.values[size.key],
-            unit=size.unit,
-            deviation=None if added.fixed else added.deviation.get(size.key),
-        )
-        for size in added.named.sizes
-    )
-
-
 def _errors(of: Evaluation) -> Errors:
     return Errors(
         nominal=of.nominal.percent,
@@ -504,28 +497,13 @@ def _errors(of: Evaluation) -> Errors:
 
 def kept_offsets(fit: Fit) -> dict[str, float]:
     """Offsets from which another fit may begin; a logarithmic size of an effect will count from what the model file says."""
-    return {name: x for name, x in fit.by_name.items() if not _counts_anew(_named(fit, name))}
-
-
-def _named(fit: Fit, name: str) -> Parameter:
-    return next(one for one in fit.parameters if one.name == name)
+    return {
+        name: x for name, x in fit.by_name.items() if not _counts_anew(next(one for one in fit.parameters if one.name == name))
+    }
 
 
 def _counts_anew(one: Parameter) -> bool:
     return one.kind == EFFECT and one.logarithmic and one.above == 0.0
-
-
-def _evaluation(rung: Version, problem: Problem) -> Evaluation:
-    """As much of the evaluation of `rung` as a child begins with: where its fits ended."""
-    nothing = Share(percent=0.0)
-    return Evaluation(
-        nominal=nothing,
-        plain=nothing,
-        held_out=None,
-        held_out_nominal=None,
-        plain_fit=at_offsets(rung.plain_offsets, problem),
-        fitted=at_offsets(rung.fitted_offsets, problem),
-    )
 
 
 def at_offsets(offsets: Mapping[str, float], problem: Problem) -> Fit:
@@ -629,9 +607,27 @@ def opened(asked: Options, effect: AddedEffectOptions, progress: Progress | None
     at = history_position(asked.path)
     with reminded(at.path):
         model = model_file.of_text(at.text, str(at.path))
-    paths = _paths(asked, at)
+    # Where the data are: as named, else where the ladder knows them
+    below = _with_data(at)
+    if asked.data or below is None:
+        if not asked.data:
+            problem = "there is no data: the model has no ladder yet that knows any"
+            raise BadInput(source="DATA", problem=problem, remedy="Name campaign folders behind EFFECT")
+        paths = asked.data
+    else:
+        paths = history.paths(below.conditions, at.path.parent, str(history.path_beside(at.path)))
     data = read_data(paths, model, progress)
-    conditions, said = _conditions(asked, at, paths)
+    # What is held against what: as asked, else as in the rung below where the data are its own; and what is to be said
+    conditions_below = _with_data(at)
+    known = Conditions() if conditions_below is None else conditions_below.conditions
+    like = Conditions() if asked.data else known
+    now = Conditions(
+        data=history.sources(paths, at.path.parent),
+        hold_out=asked.hold_out or like.hold_out,
+        band=asked.band or like.band,
+        method=asked.method or like.method,
+    )
+    conditions, said = now, history.changed(known, now)
     _effect(effect, at, model, data.campaigns)  # refused before spectra are made
     whole = replace(asked, data=paths, hold_out=conditions.hold_out, band=conditions.band, method=conditions.method)
     return Study.of(model, data, whole, progress), said
@@ -669,14 +665,24 @@ def added(study: Study, asked: AddedEffectOptions, progress: Progress | None = N
     tell("looking for aliases", 0.0)
     chosen = candidate(effect, left, study, allowed=asked.alias_ok)
     at, known = _grounded(at, study, tell, chosen)
-    before = _rung_of(at)
+    if at.rung is None:
+        problem = "it was changed while it was evaluated"
+        raise BadInput(source=str(at.path), problem=problem, remedy="Nothing is lost: give the command again")
+    before = at.rung
     chosen = _begun(chosen, study, before, tell)
     parent = before if before.errors is not None else None
     after = judged(study.by(replace(model, effects=(*model.effects, chosen.added))), parent, tell)
     rung = _next(at, before, after, chosen, asked, study)
     there = climbed(at, rung)
     new = next(one for one in reversed(there.ladder.rungs) if one.model == rung.model)
-    said = (*study.left_out, *known, *_left_alone(there, new), *history.conditions(there))
+    # Said of a model file that somebody changed while the fit ran
+    if there.rung is not None and there.rung.number == new.number:
+        left_alone: tuple[str, ...] = ()
+    else:
+        left_alone = (
+            f"{there.path.name} was changed while the fit ran and is left as it is; `--go {new.number}` goes to the new rung",
+        )
+    said = (*study.left_out, *known, *left_alone, *history.conditions(there))
     return AddResult(at=there, before=before, after=new, said=said, study=study.by(after.model))
 
 
@@ -689,13 +695,6 @@ def conditions_of(study: Study) -> Conditions:
     asked = study.asked
     sources = history.sources(asked.data, asked.path.parent)
     return Conditions(data=sources, hold_out=study.hold_out, band=asked.band, method=asked.spectra)
-
-
-def _left_alone(at: HistoryPosition, new: Version) -> tuple[str, ...]:
-    """Said of a model file that somebody changed while the fit ran."""
-    if at.rung is not None and at.rung.number == new.number:
-        return ()
-    return (f"{at.path.name} was changed while the fit ran and is left as it is; `--go {new.number}` goes to the new rung",)
 
 
 def grounded(at: HistoryPosition, study: Study, progress: Progress) -> tuple[HistoryPosition, tuple[str, ...]]:
@@ -735,18 +734,18 @@ def _begun(chosen: AddedEffect, study: Study, before: Version, progress: Progres
     return replace(chosen, added=at)
 
 
-def _rung_of(at: HistoryPosition) -> Version:
-    if at.rung is None:
-        problem = "it was changed while it was evaluated"
-        raise BadInput(source=str(at.path), problem=problem, remedy="Nothing is lost: give the command again")
-    return at.rung
-
-
 def _next(
     at: HistoryPosition, before: Version, of: EvaluatedModel, chosen: AddedEffect, asked: AddedEffectOptions, study: Study
 ) -> Version:
     """The rung of the effect that was added, with its verdict."""
     text = rewritten(at.text, of.model.effects, str(at.path))
+    alias = chosen.alias
+    said_of = {
+        "asked": asked.effect,
+        "fixed": chosen.added.fixed,
+        "effects_from": list(study.asked.effects_from),
+        "alias": None if alias is None else {"text": alias.text, "mixture": dict(alias.mixture), "size": alias.size},
+    }
     bare = Version(
         number=len(at.ladder.rungs),
         parent=before.number,
@@ -754,7 +753,7 @@ def _next(
         effect=chosen.added.named.id,
         model=text,
         conditions=conditions_of(study),
-        settings={**_settings(of.model), **_said_of(asked, chosen, study.asked.effects_from)},
+        settings={**_settings(of.model), **said_of},
     )
     rung = rung_with(bare, of)
     old, new = before.errors, rung.errors
@@ -766,45 +765,6 @@ def _next(
 
 def _settings(model: Model) -> dict[str, object]:
     return {"article": model.article, "kind": model.kind}
-
-
-def _said_of(asked: AddedEffectOptions, chosen: AddedEffect, effects_from: Sequence[str]) -> dict[str, object]:
-    alias = chosen.alias
-    return {
-        "asked": asked.effect,
-        "fixed": chosen.added.fixed,
-        "effects_from": list(effects_from),
-        "alias": None if alias is None else {"text": alias.text, "mixture": dict(alias.mixture), "size": alias.size},
-    }
-
-
-def _paths(asked: Options, at: HistoryPosition) -> tuple[str, ...]:
-    """Where the data are: as named, else where the ladder knows them."""
-    below = _with_data(at)
-    if asked.data or below is None:
-        _require_data(asked)
-        return asked.data
-    return history.paths(below.conditions, at.path.parent, str(history.path_beside(at.path)))
-
-
-def _require_data(asked: Options) -> None:
-    if not asked.data:
-        problem = "there is no data: the model has no ladder yet that knows any"
-        raise BadInput(source="DATA", problem=problem, remedy="Name campaign folders behind EFFECT")
-
-
-def _conditions(asked: Options, at: HistoryPosition, paths: tuple[str, ...]) -> tuple[Conditions, tuple[str, ...]]:
-    """What is held against what: as asked, else as in the rung below where the data are its own; and what is to be said."""
-    below = _with_data(at)
-    known = Conditions() if below is None else below.conditions
-    like = Conditions() if asked.data else known
-    now = Conditions(
-        data=history.sources(paths, at.path.parent),
-        hold_out=asked.hold_out or like.hold_out,
-        band=asked.band or like.band,
-        method=asked.method or like.method,
-    )
-    return now, history.changed(known, now)
 
 
 def _with_data(at: HistoryPosition) -> Version | None:

@@ -355,10 +355,20 @@ def read(path: Path) -> Ladder:
     """
     source = str(path)
     table = toml_file.read(path, remedy="`massline add` makes one beside a model")
-    _require_ours(table, source)
+    if table.get("kind") != KIND or not isinstance(table.get("rungs"), list):
+        raise _refused(source, "it is no ladder of massline")
+    found = table.get("format")
+    if isinstance(found, int) and not isinstance(found, bool) and found > FORMAT:
+        problem = f"its format is {found}, written by a newer massline; this one reads {FORMAT}"
+        raise BadInput(source=source, field="format", problem=problem, remedy="Use that massline. Nothing was changed")
+    if found != FORMAT or isinstance(found, bool):
+        raise _refused(source, f"its format must be {FORMAT}, found {found!r}")
     try:
         rungs = tuple(from_json(Version, one) for one in table["rungs"])
-        return _sound(Ladder(rungs=rungs, current=_current(table["current"])), source)
+        value = table["current"]
+        if value is not None and (isinstance(value, bool) or not isinstance(value, int)):
+            raise TypeError(f"a whole number is expected, found {value!r:.60}")
+        return _sound(Ladder(rungs=rungs, current=value), source)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         if isinstance(error, BadInput):
             raise
@@ -388,17 +398,6 @@ def ten_json(values: Array) -> dict[str, Any]:
     return listed | {"mass_kg": listed["mass_kg"][0]}
 
 
-def _require_ours(table: Mapping[str, Any], source: str) -> None:
-    if table.get("kind") != KIND or not isinstance(table.get("rungs"), list):
-        raise _refused(source, "it is no ladder of massline")
-    found = table.get("format")
-    if isinstance(found, int) and not isinstance(found, bool) and found > FORMAT:
-        problem = f"its format is {found}, written by a newer massline; this one reads {FORMAT}"
-        raise BadInput(source=source, field="format", problem=problem, remedy="Use that massline. Nothing was changed")
-    if found != FORMAT or isinstance(found, bool):
-        raise _refused(source, f"its format must be {FORMAT}, found {found!r}")
-
-
 def _refused(source: str, problem: str) -> BadInput:
     remedy = "Put back a copy that is whole, or move the file away to begin a new ladder; nothing was changed"
     return BadInput(source=source, problem=problem, remedy=remedy)
@@ -416,12 +415,6 @@ def _sound(ladder: Ladder, source: str) -> Ladder:
     if ladder.current is not None and not 0 <= ladder.current < len(ladder.rungs):
         raise _refused(source, f"it is damaged: its current rung is {ladder.current} of {len(ladder.rungs)}")
     return ladder
-
-
-def _current(value: Any) -> int | None:
-    if value is not None and (isinstance(value, bool) or not isinstance(value, int)):
-        raise TypeError(f"a whole number is expected, found {value!r:.60}")
-    return value
 
 
 def _errors(table: Mapping[str, Any] | None) -> Errors | None:
@@ -568,21 +561,24 @@ def kept(at: HistoryPosition, rung: Version) -> HistoryPosition:
 def _kept(at: HistoryPosition, rung: Version) -> tuple[HistoryPosition, int]:
     """As `kept`, the ladder being ours alone, and the number of the rung."""
     now = history_position(at.path).ladder
-    one = _numbered(now, stamped(rung))
+    # `numbered_rung` in the place that waits for it, or as it is there already, or behind all others
+    # `rung` with the time and the versions of the programs, where it has none
+    if rung.when:
+        numbered_rung = rung
+    else:
+        versions = {"python": python_version(), **{name: version(name) for name in PROGRAMS}}
+        numbered_rung = replace(rung, when=datetime.now(UTC).isoformat(timespec="seconds"), versions=versions)
+    if numbered_rung.number < len(now.rungs) and _is_waiting(now.rung(numbered_rung.number), numbered_rung):
+        one = numbered_rung
+    else:
+        there = next((one for one in now.rungs if _is_same(one, numbered_rung)), None)
+        one = there or replace(numbered_rung, number=len(now.rungs))
     rungs = [*now.rungs]
     rungs[one.number : one.number + 1] = [one]
     here = one.model == at.text
     ladder = Ladder(rungs=tuple(rungs), current=one.number if here or now.current is None else now.current)
     write(path_beside(at.path), ladder, at.path.name)
     return replace(at, ladder=ladder, rung=one if here else at.rung), one.number
-
-
-def _numbered(now: Ladder, rung: Version) -> Version:
-    """`rung` in the place that waits for it, or as it is there already, or behind all others."""
-    if rung.number < len(now.rungs) and _is_waiting(now.rung(rung.number), rung):
-        return rung
-    there = next((one for one in now.rungs if _is_same(one, rung)), None)
-    return there or replace(rung, number=len(now.rungs))
 
 
 def _is_same(there: Version, rung: Version) -> bool:
@@ -597,14 +593,6 @@ def _is_same(there: Version, rung: Version) -> bool:
 
 def _is_waiting(there: Version, rung: Version) -> bool:
     return there.errors is None and there.model == rung.model and there.parent == rung.parent
-
-
-def stamped(rung: Version) -> Version:
-    """`rung` with the time and the versions of the programs, where it has none."""
-    if rung.when:
-        return rung
-    versions = {"python": python_version(), **{name: version(name) for name in PROGRAMS}}
-    return replace(rung, when=datetime.now(UTC).isoformat(timespec="seconds"), versions=versions)
 
 
 def climbed(at: HistoryPosition, rung: Version) -> HistoryPosition:
@@ -754,7 +742,10 @@ def digest(path: str) -> str:
     OSError : a file cannot be read.
     """
     if not Path(path).is_dir():
-        return _of_file(Path(path)) if Path(path).exists() else _shipped(path)
+        if Path(path).exists():
+            return _of_file(Path(path))
+        held = files("validation.reference").joinpath("in_print", f"{path.removesuffix('.toml')}.toml")
+        return sha256(held.read_bytes()).hexdigest()
     described = campaign_file.read_description(path)
     names = sorted({campaign_file.NAME, *(run.file for run in described.runs)})
     whole = sha256()
@@ -767,11 +758,6 @@ def digest(path: str) -> str:
 def _of_file(path: Path) -> str:
     with path.open("rb") as stream:
         return file_digest(stream, "sha256").hexdigest()
-
-
-def _shipped(name: str) -> str:
-    held = files("validation.reference").joinpath("in_print", f"{name.removesuffix('.toml')}.toml")
-    return sha256(held.read_bytes()).hexdigest()
 
 
 def _from(path: str, folder: Path) -> str:

@@ -17,7 +17,6 @@ from validation.estimation.fit import floor_of
 from validation.estimation.problem import EFFECT, IDENTIFIED, PLAIN, Parameter, Prediction, Problem
 from validation.estimation.verdicts import ABSURD, costly
 from validation.history.history import Errors, Version, VersionSize
-from validation.model.model import Added
 from validation.prediction.series import SeriesPrediction
 
 FALLS = 0.02
@@ -53,36 +52,35 @@ def _sentences(before: Version, after: Version, tolerances: Mapping[str, float],
         yield "A fit did not converge: none of these figures is the last word."
     if not all(body.converged for body in after.bodies):
         yield "The fit of the identified inertia did not converge: its figures are not the last word."
-    yield _evidence(after.gain, _asked(after))
-    yield _fall(old, new)
-    yield from _most(old, new)
-    yield from _held_out(old, new)
-    for size in after.effects.get(after.effect, ()):
-        yield from _size(size, tolerances.get(size.key, 0.0), nulls.get(size.key, 0.0))
-    yield from _price(new)
-
-
-def _evidence(gain: float | None, asked: float) -> str:
+    gain = after.gain
+    asked = _asked(after)
     if gain is None or not isfinite(gain):
-        return "Evidence cannot be compared: the rung before stands on other data."
-    if gain > asked:
-        return f"It is worth a parameter: the evidence rises by {gain:.1f} nats, where {asked:g} are asked for."
-    told = f"the evidence {'falls' if gain < 0 else 'rises'} by {abs(gain):.1f} nats, where a rise of {asked:g} is asked for"
-    return f"It is not worth a parameter: {told}."
-
-
-def _fall(old: Errors, new: Errors) -> str:
-    return f"The plain error {_change(old.plain, new.plain)} on the data it was fitted to."
-
-
-def _most(old: Errors, new: Errors) -> Iterator[str]:
-    """The channel that gained most, where others hide it in the whole."""
+        evidence: str = "Evidence cannot be compared: the rung before stands on other data."
+    else:
+        if gain > asked:
+            evidence = f"It is worth a parameter: the evidence rises by {gain:.1f} nats, where {asked:g} are asked for."
+        else:
+            told = (
+                f"the evidence {'falls' if gain < 0 else 'rises'} by {abs(gain):.1f} nats, where a rise of {asked:g} is asked for"
+            )
+            evidence = f"It is not worth a parameter: {told}."
+    yield evidence
+    yield f"The plain error {_change(old.plain, new.plain)} on the data it was fitted to."
+    # The channel that gained most, where others hide it in the whole
     known = [name for name in new.by_channel if name in old.by_channel]
     gained = {name: old.by_channel[name] ** 2 - new.by_channel[name] ** 2 for name in known}
     best = max(gained, key=lambda name: gained[name], default="")
     if best and new.by_channel[best] < (1 - FALLS) * old.by_channel[best]:
         was, now = percent(old.by_channel[best]), percent(new.by_channel[best])
         yield f"Of its channels {best} gains most: {was} before and {now} after."
+    yield from _held_out(old, new)
+    for size in after.effects.get(after.effect, ()):
+        yield from _size(size, tolerances.get(size.key, 0.0), nulls.get(size.key, 0.0))
+    # Judged as `massline compare` judges it
+    if new.tolerances and costly(new.tolerance_z2, new.due_z2, new.largest_z or 0.0):
+        many = f"sum z² {new.tolerance_z2:.3g}, where about {new.due_z2:.0f} is due"
+        most = "" if new.largest_z is None or new.largest_z < ABSURD else f", one of them at {new.largest_z:.1f} z"
+        yield f"The tolerances still pay for it, {many}{most}: something else is wrong, however good chi² is."
 
 
 def _held_out(old: Errors, new: Errors) -> Iterator[str]:
@@ -90,13 +88,7 @@ def _held_out(old: Errors, new: Errors) -> Iterator[str]:
         yield "Nothing was held out, so that nothing says whether it holds elsewhere."
         return
     yield f"It {_change(old.held_out, new.held_out)} on data that were held out."
-    yield from _by_fold(old, new)
-    if new.plain < (1 - FALLS) * old.plain and new.held_out > (1 + FALLS) * old.held_out:
-        yield "What it explains here it does not explain there: it fits the data, not the structure."
-
-
-def _by_fold(old: Errors, new: Errors) -> Iterator[str]:
-    """What was held out and fell, and what rose, where it is not all of it."""
+    # What was held out and fell, and what rose, where it is not all of it
     known = [name for name in new.by_fold if name in old.by_fold]
     fell = [name for name in known if new.by_fold[name] < (1 - FALLS) * old.by_fold[name]]
     rose = [name for name in known if new.by_fold[name] > (1 + FALLS) * old.by_fold[name]]
@@ -105,6 +97,8 @@ def _by_fold(old: Errors, new: Errors) -> Iterator[str]:
         was, now = percent(old.by_fold[worst]), percent(new.by_fold[worst])
         told = f"{len(fell)} fell and {len(rose)} rose, most of all {worst}: {was} before and {now} after"
         yield f"Of {len(known)} that were held out in turn {told}."
+    if new.plain < (1 - FALLS) * old.plain and new.held_out > (1 + FALLS) * old.held_out:
+        yield "What it explains here it does not explain there: it fits the data, not the structure."
 
 
 def _change(old: float, new: float) -> str:
@@ -133,14 +127,6 @@ def _size(size: VersionSize, tolerance: float, null: float) -> Iterator[str]:
         yield f"{name}, {told}, cannot be told from no effect."
     else:
         yield f"{name} is {told}."
-
-
-def _price(new: Errors) -> Iterator[str]:
-    """Judged as `massline compare` judges it."""
-    if new.tolerances and costly(new.tolerance_z2, new.due_z2, new.largest_z or 0.0):
-        many = f"sum z² {new.tolerance_z2:.3g}, where about {new.due_z2:.0f} is due"
-        most = "" if new.largest_z is None or new.largest_z < ABSURD else f", one of them at {new.largest_z:.1f} z"
-        yield f"The tolerances still pay for it, {many}{most}: something else is wrong, however good chi² is."
 
 
 def unit(of: str) -> str:
@@ -241,7 +227,12 @@ def alias(problem: Problem, id: str, names: Sequence[str]) -> Alias | None:
     scale = np.sqrt(np.maximum(np.diag(matrix), np.finfo(np.float64).tiny))
     N, c = matrix / np.outer(scale, scale), len(own)
     mixed = np.linalg.pinv(N[c:, c:], rcond=RANK, hermitian=True) @ N[c:, :c]
-    share, direction = _largest(N[:c, :c], N[:c, :c] - N[:c, c:] @ mixed)
+    # The largest share of `N[:c, :c]` (c, c) that is `N[:c, :c] - N[:c, c:] @ mixed`, and its direction (c,)
+    values, vectors = np.linalg.eigh(N[:c, :c])
+    kept = values > 1e-12 * values[-1]
+    root = vectors[:, kept] / np.sqrt(values[kept])
+    shares, directions = np.linalg.eigh(root.T @ (N[:c, :c] - N[:c, c:] @ mixed) @ root)
+    share, direction = float(max(shares[-1], 0.0)), np.asarray(root @ directions[:, -1])
     if share > SAME_RESPONSE:
         return None
     return _told_apart(id, share, free, c, direction / scale[:c], (mixed @ direction) / scale[c:], mixed @ direction)
@@ -254,15 +245,6 @@ def _fisher(problem: Problem, free: Sequence[Parameter]) -> Array:
     _, rows = cost.knowledge(x)
     facts = rows[len(rows) - len(problem.facts) :]
     return np.asarray(cost.data(x).matrix + facts.T @ facts)
-
-
-def _largest(whole: Array, left: Array) -> tuple[float, Array]:
-    """The largest share of `whole` (c, c) that is `left`, and its direction (c,)."""
-    values, vectors = np.linalg.eigh(whole)
-    kept = values > 1e-12 * values[-1]
-    root = vectors[:, kept] / np.sqrt(values[kept])
-    shares, directions = np.linalg.eigh(root.T @ left @ root)
-    return float(max(shares[-1], 0.0)), np.asarray(root @ directions[:, -1])
 
 
 def _told_apart(id: str, share: float, free: Sequence[Parameter], c: int, own: Array, mixed: Array, weight: Array) -> Alias:
@@ -287,12 +269,12 @@ def freed(problem: Problem) -> Problem:
     """`problem` with every effect of its models free, those too whose size was given."""
     made: list[Prediction] = []
     for one in problem.predictions:
-        made.append(one.with_effects(_free(one.effects)) if isinstance(one, SeriesPrediction) else one)
+        made.append(
+            one.with_effects(tuple(replace(each, fixed=False) for each in one.effects))
+            if isinstance(one, SeriesPrediction)
+            else one
+        )
     return replace(problem, predictions=tuple(made))
-
-
-def _free(effects: Sequence[Added]) -> tuple[Added, ...]:
-    return tuple(replace(one, fixed=False) for one in effects)
 
 
 def names_of(problem: Problem, named: Named) -> tuple[str, ...]:

@@ -384,6 +384,12 @@ def of_table(table: dict[str, Any], source: str) -> Model:
     own = _own(structure.inner("own"))
     kind = structure.choice("kind", KINDS) if "kind" in structure.table else BEAM
     known = read_laboratory(whole.inner("laboratory"))
+    count = structure.integer("modes", Model.modes, 1)
+    if count > MOST_MODES:
+        modes_problem = f"must lie between 1 and {MOST_MODES}, found {count}"
+        raise structure.refused(
+            "modes", modes_problem, "What the modes beyond the last one kept contribute is in the residual mass"
+        )
     return Model(
         source=source,
         title=about.text("title"),
@@ -395,7 +401,7 @@ def of_table(table: dict[str, Any], source: str) -> Model:
         cell_stiffness=known.cell_stiffness,
         tolerances=tolerances(whole.inner("tolerances"), known.fmd_tolerance),
         kind=kind,
-        modes=_modes(structure),
+        modes=count,
         changes=_changes(structure.inner("dimensions")),
         damping_ratio=as_number(structure, "damping_ratio", low=0.0, high=0.99) if "damping_ratio" in structure.table else None,
         own=own,
@@ -419,14 +425,6 @@ def _article(about: Fields, own: Mapping[str, str], kind: str) -> str:
         remedy = f"{error.remedy}; what is your own has its file in [structure.own]"
         raise about.refused("article", error.problem, remedy) from None
     return name
-
-
-def _modes(structure: Fields) -> int:
-    count = structure.integer("modes", Model.modes, 1)
-    if count > MOST_MODES:
-        problem = f"must lie between 1 and {MOST_MODES}, found {count}"
-        raise structure.refused("modes", problem, "What the modes beyond the last one kept contribute is in the residual mass")
-    return count
 
 
 def _tolerances(table: Fields) -> StructureTolerances:
@@ -741,15 +739,15 @@ def _inertia_lines(inertia: Inertia) -> list[Line]:
 
 def _tolerance_lines(model: Model) -> list[str]:
     lines = [
-        (key, number(shortest(size, partial(si, name), _as_written(key, size))), TOLERANCE_NOTES[name])
+        (
+            key,
+            number(shortest(size, partial(si, name), {"position_mm": 1e3 * size, "angle_deg": degrees(size)}.get(key, size))),
+            TOLERANCE_NOTES[name],
+        )
         for name, (key, _) in SCALES.items()
         for size in [getattr(model.tolerances, name)]
     ]
     return [block("# What is not known of the measurement chain, one standard deviation each; 0 is exact.\n[tolerances]", lines)]
-
-
-def _as_written(key: str, size: float) -> float:
-    return {"position_mm": 1e3 * size, "angle_deg": degrees(size)}.get(key, size)
 
 
 def _structure(model: Model) -> list[str]:

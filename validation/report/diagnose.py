@@ -11,7 +11,8 @@ import click
 
 from geometry.atomic import probe, write_text
 from geometry.errors import BadInput
-from validation.compare.compare import mapped_all, modes_of
+from validation.compare.compare import mapped_all
+from validation.compare.maps import modes_of
 from validation.diagnose import diagnose
 from validation.diagnose import diagnosis as diagnose_diagnosis
 from validation.diagnose.classical import MeasurementInput, Needed, SwingAnswer

@@ -13,7 +13,6 @@ from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from identification import campaign_file
 from identification.campaign import Campaign, Recording, Run
-from validation.compare.compare import few
 from validation.model.model import Model
 from validation.model.model_file import of_text
 from validation.model.model_file import text as model_text
@@ -79,12 +78,6 @@ def test_the_truth_beside_a_simulated_campaign_is_no_data(folder, model: Model, 
     truth.write_text('{"kind": "virtual test"}', encoding="utf-8")
     with pytest.raises(BadInput, match=r"this is the truth beside a simulated campaign.*Leave it out"):
         read_data([folder("one"), str(truth)], model)
-
-
-def test_a_few_lines_are_said_to_be_few() -> None:
-    assert few("one", 100) == ""
-    assert few("one", 1).startswith("only 1 line lies in the band of one")
-    assert few("one", 9).startswith("only 9 lines lie in the band of one")
 
 
 def test_the_same_folder_twice_is_refused_however_it_is_written(folder, model: Model) -> None:

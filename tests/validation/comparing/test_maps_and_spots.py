@@ -10,8 +10,8 @@ from identification.base_motion import base_motion
 from identification.dynamic_mass import from_runs
 from identification.resultants import resultants
 from identification.spectra.line_spectra import Spectra
-from validation.compare.maps import chunks, covariance, doubt, judged_error, mapped, nothing_fitted
-from validation.compare.spots import text, worst
+from validation.compare.compare import text, worst
+from validation.compare.maps import chunks, covariance, doubt, judged_error, mapped
 from validation.estimation.evaluate import residuals, squares
 from validation.estimation.fit import fit
 from validation.estimation.problem import PLAIN, Problem
@@ -57,7 +57,7 @@ def test_a_resonance_elsewhere_is_a_moment_that_follows_its_mode(by_hand) -> Non
 def test_without_tolerances_deviations_of_channels_are_the_residuals_of_the_engine(by_hand) -> None:
     bare = by_hand.without_tolerances(by_hand.test({"force-gain:fmd-z2": 0.02}, seed=2))
     (left,) = residuals(Problem((bare,)), {})
-    of = mapped(bare, {}, nothing_fitted(Problem((bare,))), left.inputs, by_hand.RIG)
+    of = mapped(bare, {}, by_hand.nothing_fitted(Problem((bare,))), left.inputs, by_hand.RIG)
     assert_allclose(of.deviation[..., : of.channels], left.values, rtol=1e-7, atol=1e-9 * np.abs(left.values).max())
     assert_allclose(of.expected[..., : of.channels], left.sigma, rtol=1e-7)
 
@@ -101,7 +101,7 @@ def test_a_single_tolerance_makes_the_plain_error_that_it_explains(by_hand, name
     test = replace(test, measured=replace(test.measured, noise=1e-6 * test.measured.noise))
     problem = Problem((test,))
     (left,) = residuals(problem, {})
-    alone = replace(nothing_fitted(problem), tolerances={name: 0.1 * tolerance}, answer=np.zeros((0, 1)))
+    alone = replace(by_hand.nothing_fitted(problem), tolerances={name: 0.1 * tolerance}, answer=np.zeros((0, 1)))
     of = mapped(test, {}, alone, left.inputs, by_hand.RIG)
     found = np.sqrt(np.stack([one.values.sum(axis=1) for one in squares(test, {})]))
     assert_allclose(of.explained, found, rtol=5e-3, atol=1e-6 * found.max())
@@ -122,7 +122,7 @@ def test_over_laboratories_the_plain_error_is_what_tolerances_explain_however_lo
         test = by_hand.test(by_hand.drawn(seed), seed=seed, louder=30.0)
         problem = Problem((test,))
         (left,) = residuals(problem, {})
-        of = mapped(test, {}, nothing_fitted(problem), left.inputs)
+        of = mapped(test, {}, by_hand.nothing_fitted(problem), left.inputs)
         plain = np.mean([one.values.sum(axis=1).mean() for one in squares(test, {})])
         ratios.append(plain / np.mean(of.explained**2))
     assert_allclose(np.mean(ratios), 1.0, atol=0.5)
