@@ -45,8 +45,7 @@ from validation.estimation.evaluate import named, without
 from validation.estimation.verdicts import figure
 from validation.history import add
 from validation.history.add import at_offsets, kept_offsets
-from validation.history.history import HistoryPosition, Version, history_position, reminded, undone
-from validation.history.verdict import is_worth_adding
+from validation.history.history import HistoryPosition, Version, history_position, is_worth_adding, reminded, undone
 from validation.model import model_file
 from validation.model.model import Added, Model
 from validation.output import json_text, stages, to_json

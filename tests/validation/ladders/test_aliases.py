@@ -6,7 +6,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from validation.estimation.problem import EFFECT, IDENTIFIED, SENSOR, Parameter, Problem
-from validation.history.verdict import NOTICED, alias, noticed
+from validation.history.add import NOTICED, alias, noticed
 
 MakeProblem = Callable[..., Problem]
 
