@@ -36,7 +36,6 @@ from validation.estimation.verdicts import ABSURD, costly
 from validation.output import entry, from_json, json_text, to_json
 from validation.reference.statement import COG, inertia_of
 
-
 START, ADDED, EDITED, OTHER_DATA = CAUSES = ("start", "added", "edited by hand", "other data")
 """Why there is a rung: the model as it was first, an effect that was added, the user's own change of the file, the same model on
 other data or with other runs held out."""

@@ -68,7 +68,7 @@ def test_sizes_are_sane(family: Family) -> None:
 def test_an_equation_changes_nothing_without_its_effect_and_something_with_it(family: Family) -> None:
     catalogue.require_usable(family, family.name)
     example = parse(family.example.split(", or ")[0])
-    before = catalogue.tried(family.stage)
+    before = catalogue.trials()[family.stage]
     changed = family.change(before, example.targets, _within(family, example.values))
     assert not catalogue.unchanged(before, changed)
     assert catalogue.unchanged(before, before)
@@ -83,7 +83,7 @@ def _within(family: Family, values):
 def test_equations_of_channels_add(family: Family) -> None:
     from dataclasses import replace
 
-    example, reading = parse(family.example.split(", or ")[0]), catalogue.tried(CHANNEL_STAGE)
+    example, reading = parse(family.example.split(", or ")[0]), catalogue.trials()[CHANNEL_STAGE]
     values = _within(family, example.values)
     other = np.roll(reading.rows, 1, axis=0)
     one, two, both = (

@@ -10,7 +10,8 @@ from numpy.testing import assert_allclose
 from geometry.sensors import resultants
 from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import CHANNEL_STAGE
-from validation.effects.stages import ChannelResponse, clipped
+from validation.effects.families.gap import clipped
+from validation.effects.stages import ChannelResponse
 
 POINTS = 4096
 """Of one period: the corner of a clipped sine leaves (1 / POINTS)² in its fundamental."""

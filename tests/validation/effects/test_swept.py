@@ -8,7 +8,8 @@ from numpy.testing import assert_allclose
 
 from identification.spectra.peak_hold import hann, sweep_bias
 from validation.effects.catalogue import FAMILIES
-from validation.effects.stages import MountedDynamicMass, operator, window
+from validation.effects.families.sweep_bias import operator, window
+from validation.effects.stages import MountedDynamicMass
 
 RATE, BLOCK = 564.0, 8192
 RESONANCE = 12.3

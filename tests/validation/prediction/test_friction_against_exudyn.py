@@ -8,7 +8,7 @@ import pytest
 
 from geometry.frames import Array
 from validation.effects.catalogue import parse_all
-from validation.effects.families.friction import carried
+from validation.effects.families.friction import describing_function
 from validation.virtual_test.layout import ACCELEROMETERS, FORCES
 from validation.virtual_test.plan import RIGID, Plan, exact
 from validation.virtual_test.planted import planted
@@ -46,4 +46,6 @@ def test_the_mass_that_a_sweep_sees_is_that_of_the_harmonic_balance(share: float
     f, A = spectrum(motion, n)
     seen = spectrum(slipping, n)[1] / spectrum(moved, n)[1] - spectrum(plain, n)[1] / A
     middle = np.mean(seen[(f > 10.0) & (f < 13.0)])
-    np.testing.assert_allclose(middle / MASS, carried(share), rtol=0, atol=0.02)  # the sweep is short; a longer one comes nearer
+    np.testing.assert_allclose(
+        middle / MASS, describing_function(share), rtol=0, atol=0.02
+    )  # the sweep is short; a longer one comes nearer
