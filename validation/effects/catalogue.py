@@ -216,8 +216,8 @@ def load(directory: str | Path) -> tuple[Family, ...]:
 
     Raises
     ------
-    BadInput : no such folder, a file without a family, or one that is not whole (`validation.effects.catalogue`); then none of the
-    folder's is added.
+    BadInput : no such folder, a file without a family, or one that is not whole (see `require_whole`, `require_usable`);
+        then none of the folder's is added.
     """
     folder = Path(directory)
     if not folder.is_dir():

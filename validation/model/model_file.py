@@ -9,7 +9,7 @@ import json
 import os.path
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import lru_cache, partial
 from math import degrees, inf, isfinite, nextafter, radians
 from operator import add
@@ -25,7 +25,6 @@ from geometry import routes, toml_file
 from geometry.articles import NAMES, built_in, changes_of, dimension_files
 from geometry.articles.dimensions import load
 from geometry.errors import BadInput
-from geometry.frames import Array
 from geometry.inertia import Inertia, judge, parallel_axis, six_from_tensor, tensor_from_six
 from geometry.sensors import Tolerances
 from geometry.toml_file import nearest
@@ -52,13 +51,9 @@ def string(value: str) -> str:
 
 def block(head: str, lines: Sequence[Line]) -> str:
     """A table with its comments below each other."""
-    width = max(len(f"{key} = {value}") for key, value, note in lines if note) if any(note for *_, note in lines) else 0
-    return "\n".join([head, *(_line(key, value, note, width) for key, value, note in lines)])
-
-
-def _line(key: str, value: str, note: str, width: int) -> str:
-    pair = f"{key} = {value}"
-    return f"{pair:{width}}  # {note}" if note else pair
+    width = max((len(f"{key} = {value}") for key, value, note in lines if note), default=0)
+    pairs = ((f"{key} = {value}", note) for key, value, note in lines)
+    return "\n".join([head, *(f"{pair:{width}}  # {note}" if note else pair for pair, note in pairs)])
 
 
 def number(value: float) -> str:
@@ -247,51 +242,6 @@ SCALES = {
 """Fields of `Tolerances`, how the file calls them, and beyond what a unit was mistaken."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Laboratory:
-    """What [laboratory] says; see `Model`."""
-
-    hardware: str
-    gravity: float
-    fmd: Inertia | None
-    fmd_tolerance: float
-    cell_stiffness: Array | None
-
-
-def read_laboratory(table: Fields) -> Laboratory:
-    """[laboratory].
-
-    Raises
-    ------
-    BadInput : an unknown key, a wrong type or size, an inertia that no body has.
-    """
-    table.only(LABORATORY)
-    fmd = table.inner("fmd").only(FMD)
-    stiff = "cell_stiffness_N_m" in table.table
-    return Laboratory(
-        hardware=table.text("hardware"),
-        gravity=as_number(table, "gravity_m_s2", low=0.0, high=30.0) if "gravity_m_s2" in table.table else 9.81,
-        fmd=_inertia(fmd),
-        fmd_tolerance=as_number(fmd, "tolerance", low=0.0, high=1.0) if "tolerance" in fmd.table else 0.05,
-        cell_stiffness=np.array(three(table, "cell_stiffness_N_m", low=1.0, high=1e15)) if stiff else None,
-    )
-
-
-def tolerances(table: Fields, fmd: float) -> Tolerances:
-    """[tolerances], with the share `fmd` by which the FMD's inertia is known.
-
-    Raises
-    ------
-    BadInput : an unknown key, a wrong type or size.
-    """
-    names = {key: name for name, (key, _) in SCALES.items()}
-    table.only(names)
-    given = {
-        name: si(name, as_number(table, key, low=0.0, high=SCALES[name][1])) for key, name in names.items() if key in table.table
-    }
-    return Tolerances(**given, fmd_inertia=fmd)
-
-
 def si(name: str, written: float) -> float:
     """The tolerance `name` in SI of the number `written` in the file."""
     return {"position_mm": written / 1e3, "angle_deg": radians(written)}.get(SCALES[name][0], written)
@@ -363,9 +313,7 @@ def of_table(table: dict[str, Any], source: str) -> Model:
     ------
     BadInput : see `read`.
     """
-    if "model" in table:
-        pass
-    else:
+    if "model" not in table:
         kinds = {
             "campaign": "a campaign.toml",
             "fe_model": "an FE model",
@@ -373,39 +321,45 @@ def of_table(table: dict[str, Any], source: str) -> Model:
             "inertia": "a result file",
         }
         what = next((f"this is {what}" for key, what in kinds.items() if key in table), "the table [model] is missing")
-        near = nearest("model", list(table))
-        problem = f"{what}, where a model file is needed"
-        raise BadInput(
-            source=source, field="model", problem=problem, remedy=f"{near}`massline model ARTICLE --out FILE` writes one"
-        )
+        remedy = f"{nearest('model', list(table))}`massline model ARTICLE --out FILE` writes one"
+        raise BadInput(source=source, field="model", problem=f"{what}, where a model file is needed", remedy=remedy)
     toml_file.require_format(table, source)
     whole = Fields(source=source, place="", table=table).only(TABLES)
     about, structure = whole.inner("model").only(MODEL), whole.inner("structure").only(STRUCTURE)
     own = _own(structure.inner("own"))
     kind = structure.choice("kind", KINDS) if "kind" in structure.table else BEAM
-    known = read_laboratory(whole.inner("laboratory"))
+    laboratory = whole.inner("laboratory").only(LABORATORY)
+    fmd = laboratory.inner("fmd").only(FMD)
+    stiff = "cell_stiffness_N_m" in laboratory.table
+    fmd_tolerance = as_number(fmd, "tolerance", low=0.0, high=1.0) if "tolerance" in fmd.table else 0.05
+    chain = whole.inner("tolerances").only([key for key, _ in SCALES.values()])
+    told = {
+        name: si(name, as_number(chain, key, low=0.0, high=high)) for name, (key, high) in SCALES.items() if key in chain.table
+    }
     count = structure.integer("modes", Model.modes, 1)
     if count > MOST_MODES:
-        modes_problem = f"must lie between 1 and {MOST_MODES}, found {count}"
-        raise structure.refused(
-            "modes", modes_problem, "What the modes beyond the last one kept contribute is in the residual mass"
-        )
+        problem = f"must lie between 1 and {MOST_MODES}, found {count}"
+        raise structure.refused("modes", problem, "What the modes beyond the last one kept contribute is in the residual mass")
+    names = [one.name for one in fields(StructureTolerances)]
+    spread = structure.inner("tolerances").only(names)
     return Model(
         source=source,
         title=about.text("title"),
         article=_article(about, own, kind),
-        hardware=known.hardware,
-        gravity=known.gravity,
-        fmd=known.fmd,
-        fmd_tolerance=known.fmd_tolerance,
-        cell_stiffness=known.cell_stiffness,
-        tolerances=tolerances(whole.inner("tolerances"), known.fmd_tolerance),
+        hardware=laboratory.text("hardware"),
+        gravity=as_number(laboratory, "gravity_m_s2", low=0.0, high=30.0) if "gravity_m_s2" in laboratory.table else 9.81,
+        fmd=_inertia(fmd),
+        fmd_tolerance=fmd_tolerance,
+        cell_stiffness=np.array(three(laboratory, "cell_stiffness_N_m", low=1.0, high=1e15)) if stiff else None,
+        tolerances=Tolerances(**told, fmd_inertia=fmd_tolerance),
         kind=kind,
         modes=count,
         changes=_changes(structure.inner("dimensions")),
         damping_ratio=as_number(structure, "damping_ratio", low=0.0, high=0.99) if "damping_ratio" in structure.table else None,
         own=own,
-        structure=_tolerances(structure.inner("tolerances")),
+        structure=StructureTolerances(
+            **{key: as_number(spread, key, low=0.0, high=LARGEST_SHARE) for key in names if key in spread.table}
+        ),
         effects=effects_of(whole, anywhere=bool(own)),
     )
 
@@ -425,12 +379,6 @@ def _article(about: Fields, own: Mapping[str, str], kind: str) -> str:
         remedy = f"{error.remedy}; what is your own has its file in [structure.own]"
         raise about.refused("article", error.problem, remedy) from None
     return name
-
-
-def _tolerances(table: Fields) -> StructureTolerances:
-    keys = tuple(one.name for one in fields(StructureTolerances))
-    table.only(keys)
-    return StructureTolerances(**{key: as_number(table, key, low=0.0, high=LARGEST_SHARE) for key in keys if key in table.table})
 
 
 def _changes(table: Fields) -> dict[str, float]:
@@ -505,23 +453,27 @@ def draft(article: str, out: Path | None = None) -> Model:
     BadInput : no such article, one that does not stand on the FMD, a file that is neither.
     OSError : a file cannot be read.
     """
-    if _is_model_file(article):
-        return read(article)
-    if is_stack(article) or not _is_own(article):
+    path = Path(article)
+    if path.suffix.lower() in (".toml", ".json") and path.is_file():
+        try:
+            is_model_file = "model" in toml_file.read(path)
+        except BadInput:
+            is_model_file = path.name != DESCRIPTION  # `read` says what is wrong with it
+        if is_model_file:
+            return read(article)
+    from fem.user_model.reading import is_model
+    from geometry.user_article import require_file
+
+    if is_stack(article) or not (is_file(article) or is_model(article)):
         built_in(article)
         if article.split("+")[0] != KNOWN_FMD:
             problem = "a model file describes what stands on the FMD, which must be the lowest of the stack"
             raise BadInput(source=f"article {article}", problem=problem, remedy=f"Name {KNOWN_FMD}+{article}")
-        return _ordinary(
-            article, f"{above_fmd(article) or KNOWN_FMD} on the FMD" if article != KNOWN_FMD else "the FMD alone", out, {}
-        )
-    from fem.user_model.reading import is_model
-    from geometry.user_article import require_file
-
+        title = "the FMD alone" if article == KNOWN_FMD else f"{above_fmd(article)} on the FMD"
+        return _ordinary(article, title, out, {})
     if is_model(article):
-        if not Path(article).is_file():
+        if not path.is_file():
             raise BadInput(source=article, problem="there is no such file", remedy="Check the path")
-        path = Path(article)
     else:
         path = require_file(article)
     name = path.parent.resolve().name if path.name == DESCRIPTION else path.stem
@@ -531,22 +483,6 @@ def draft(article: str, out: Path | None = None) -> Model:
 def _ordinary(article: str, title: str, out: Path | None, own: dict[str, str]) -> Model:
     fmd_tolerance = Tolerances().fmd_inertia
     return Model(source=str(out or "model.toml"), title=title, article=article, fmd_tolerance=fmd_tolerance, own=own)
-
-
-def _is_model_file(name: str) -> bool:
-    path = Path(name)
-    if path.suffix.lower() not in (".toml", ".json") or not path.is_file():
-        return False
-    try:
-        return "model" in toml_file.read(path)
-    except BadInput:
-        return path.name != DESCRIPTION  # `reading` says what is wrong with it
-
-
-def _is_own(name: str) -> bool:
-    from fem.user_model.reading import is_model
-
-    return is_file(name) or is_model(name)
 
 
 # The text of a model file with an effect more or less: every other line, and every comment, stays as its author wrote it.
@@ -678,29 +614,38 @@ STRUCTURE_NOTES = {
 
 def text(model: Model) -> str:
     """The text of the model file of `model`."""
+    about = [
+        ("title", string(model.title), ""),
+        ("article", string(model.article), "the set-up, bottom to top; one model serves a whole series"),
+    ]
     stiffness = numbers(assumed_stiffness() if model.cell_stiffness is None else model.cell_stiffness)
     unknown = "# " if model.cell_stiffness is None else ""
-    lines = [
+    laboratory = [
         ("hardware", string(model.hardware), "FMD and sensors, as `campaign.hardware` calls them; empty: any"),
         ("gravity_m_s2", number(model.gravity), ""),
         (f"{unknown}cell_stiffness_N_m", stiffness, "one load cell along x, y, z; leave it out where it is not known"),
     ]
-    laboratory = [block("[laboratory]", lines), block(_FMD, _fmd(model))]
-    blocks = [_head(model), *laboratory, *_tolerance_lines(model), *_structure(model), _about_effects()]
-    return "\n\n".join([*blocks, *(effect_text(one) for one in model.effects)]) + "\n"
+    tolerances = []
+    for name, (key, _) in SCALES.items():
+        size = getattr(model.tolerances, name)
+        near = {"position_mm": 1e3 * size, "angle_deg": degrees(size)}.get(key, size)
+        tolerances.append((key, number(shortest(size, partial(si, name), near)), TOLERANCE_NOTES[name]))
+    blocks = [
+        block(f"{_HEAD}format = {toml_file.FORMAT}\n\n[model]", about),
+        block("[laboratory]", laboratory),
+        block(_FMD, _fmd(model)),
+        block("# What is not known of the measurement chain, one standard deviation each; 0 is exact.\n[tolerances]", tolerances),
+        *_structure(model),
+        "# Effects that were added, in the order in which they act; `massline add` writes them, `massline undo` takes them out.",
+        *(effect_text(one) for one in model.effects),
+    ]
+    return "\n\n".join(blocks) + "\n"
 
 
-def _head(model: Model) -> str:
-    return block(
-        "# A model file of massline: a laboratory, a structure, and the effects that were added so far.\n"
-        "# Units are in the names; what has none is a share, or SI.\n"
-        f"format = {toml_file.FORMAT}\n\n[model]",
-        [
-            ("title", string(model.title), ""),
-            ("article", string(model.article), "the set-up, bottom to top; one model serves a whole series"),
-        ],
-    )
-
+_HEAD = """\
+# A model file of massline: a laboratory, a structure, and the effects that were added so far.
+# Units are in the names; what has none is a share, or SI.
+"""
 
 _FMD = """\
 # The FMD's moving part: its inertia as a tare or a drawing says, never assumed to be exact. `tolerance` is one standard deviation
@@ -737,19 +682,6 @@ def _inertia_lines(inertia: Inertia) -> list[Line]:
     ]
 
 
-def _tolerance_lines(model: Model) -> list[str]:
-    lines = [
-        (
-            key,
-            number(shortest(size, partial(si, name), {"position_mm": 1e3 * size, "angle_deg": degrees(size)}.get(key, size))),
-            TOLERANCE_NOTES[name],
-        )
-        for name, (key, _) in SCALES.items()
-        for size in [getattr(model.tolerances, name)]
-    ]
-    return [block("# What is not known of the measurement chain, one standard deviation each; 0 is exact.\n[tolerances]", lines)]
-
-
 def _structure(model: Model) -> list[str]:
     ratio = model.damping_ratio
     lines = [
@@ -761,37 +693,15 @@ def _structure(model: Model) -> list[str]:
             "of every mode; left out, the loss factors of the parts hold",
         ),
     ]
-    own = [(string(article), string(os.path.relpath(path, Path(model.source).parent)), "") for article, path in model.own.items()]
-    changes = [(string(key), number(value), "") for key, value in model.changes.items()]
-    spread = [
-        (one.name, number(getattr(model.structure, one.name)), STRUCTURE_NOTES[one.name]) for one in fields(StructureTolerances)
-    ]
-    return [
-        block("[structure]", lines),
-        *(
-            [
-                block(
-                    "# Your own dimensions of built-in parts, as in their file in geometry/articles.\n[structure.dimensions]",
-                    changes,
-                )
-            ]
-            if changes
-            else []
-        ),
-        *(
-            [
-                block(
-                    "# Your own model by article: K and M, modal data or CAD, from the folder of this file.\n[structure.own]", own
-                )
-            ]
-            if own
-            else []
-        ),
-        block("# How well it is known beforehand, one standard deviation as a share.\n[structure.tolerances]", spread),
-    ]
-
-
-def _about_effects() -> str:
-    return (
-        "# Effects that were added, in the order in which they act; `massline add` writes them, `massline undo` takes them out."
-    )
+    blocks = [block("[structure]", lines)]
+    if model.changes:
+        head = "# Your own dimensions of built-in parts, as in their file in geometry/articles.\n[structure.dimensions]"
+        blocks.append(block(head, [(string(key), number(value), "") for key, value in model.changes.items()]))
+    if model.own:
+        head = "# Your own model by article: K and M, modal data or CAD, from the folder of this file.\n[structure.own]"
+        folder = Path(model.source).parent
+        own = [(string(article), string(os.path.relpath(path, folder)), "") for article, path in model.own.items()]
+        blocks.append(block(head, own))
+    head = "# How well it is known beforehand, one standard deviation as a share.\n[structure.tolerances]"
+    names = [one.name for one in fields(StructureTolerances)]
+    return [*blocks, block(head, [(name, number(getattr(model.structure, name)), STRUCTURE_NOTES[name]) for name in names])]
