@@ -1,7 +1,3 @@
-"""`air-inertia`."""
-
-from __future__ import annotations
-
 import numpy as np
 
 from validation.effects.effect import PENDULUM, PERIOD_STAGE, Family, SizeSpec, Values

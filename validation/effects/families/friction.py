@@ -1,7 +1,5 @@
 """`friction`: a loose part on the flange that slips once it is shaken hard enough."""
 
-from __future__ import annotations
-
 from cmath import exp as cexp
 from dataclasses import replace
 from math import acos, asin, cos, inf, pi, sin, sqrt

@@ -1,7 +1,3 @@
-"""`gap`."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 from math import inf
 

@@ -1,7 +1,3 @@
-"""`mains`."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

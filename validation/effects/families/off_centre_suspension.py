@@ -1,7 +1,3 @@
-"""`off-centre-suspension`."""
-
-from __future__ import annotations
-
 import numpy as np
 
 from geometry.errors import BadInput

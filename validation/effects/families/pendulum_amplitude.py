@@ -1,7 +1,3 @@
-"""`pendulum-amplitude`."""
-
-from __future__ import annotations
-
 from validation.classical.pendulum import plane_amplitude_factor, rope_amplitude_factor
 from validation.effects.effect import PENDULUM, PERIOD_STAGE, Family, SizeSpec, Values
 from validation.effects.stages import PendulumSwing

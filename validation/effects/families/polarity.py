@@ -1,7 +1,3 @@
-"""`polarity`."""
-
-from __future__ import annotations
-
 from validation.effects.effect import CHANNEL, CHANNEL_STAGE, MISTAKE, Family, Values
 from validation.effects.plants import at
 from validation.effects.stages import ChannelResponse

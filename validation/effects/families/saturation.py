@@ -1,7 +1,3 @@
-"""`saturation`."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

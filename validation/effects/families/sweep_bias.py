@@ -1,7 +1,3 @@
-"""`sweep-bias`."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import lru_cache
 
