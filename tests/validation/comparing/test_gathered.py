@@ -13,6 +13,7 @@ from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from identification import campaign_file
 from identification.campaign import Campaign, Recording, Run
+from validation.estimation.problem import Problem
 from validation.model.model import Model
 from validation.model.model_file import of_text
 from validation.model.model_file import text as model_text
@@ -108,8 +109,6 @@ def test_the_description_of_a_campaign_is_refused_for_its_folder(folder, model: 
 
 
 def test_a_campaign_may_be_held_out_by_its_folder(by_hand, folder) -> None:
-    from validation.estimation.problem import Problem
-
     one = campaign_file.read(folder("one"))
     data = Data(campaigns=(replace(one, recordings={}),))
     problem = Problem((by_hand.test(name="one"),))

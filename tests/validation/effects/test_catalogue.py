@@ -1,5 +1,6 @@
 """Every family of the catalogue is whole: what it says, what it changes, and that it changes nothing where it is not."""
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -95,8 +96,6 @@ def _within(family: Family, values):
 
 @pytest.mark.parametrize("family", [one for one in WITH_EQUATION if one.stage == CHANNEL_STAGE], ids=by_name)
 def test_equations_of_channels_add(family: Family) -> None:
-    from dataclasses import replace
-
     example, reading = parse(family.example.split(", or ")[0]), catalogue.trials()[CHANNEL_STAGE]
     values = _within(family, example.values)
     other = np.roll(reading.rows, 1, axis=0)

@@ -11,11 +11,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from geometry.articles import NAMES
+from geometry import routes
+from geometry.articles import NAMES, built_in
+from geometry.errors import BadInput
 from geometry.sensors import Tolerances
+from identification.campaign_file import read_description
 from validation.correct import CORRECTIONS
+from validation.effects.catalogue import parse
 from validation.model import model_file
-from validation.model.model import KINDS, StructureTolerances
+from validation.model.model import KINDS, Added, StructureTolerances, require_pair
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -53,26 +57,17 @@ def test_a_model_file_is_written_anew(run: Run) -> None:
 
 
 def test_a_model_in_json_becomes_one_that_can_be_edited(run: Run) -> None:
-    from geometry.errors import BadInput
-    from validation.effects.catalogue import parse
-    from validation.model.model import Added
-    from validation.model.model_file import with_effect
-
     text, added = '{"format": 1, "model": {"article": "fmd"}}', Added(named=parse("polarity:fmd-z1"))
     Path("lab.json").write_text(text)
     with pytest.raises(BadInput, match=r"massline model lab\.json --out FILE\.toml writes it as TOML"):
-        with_effect(text, added, "lab.json")
+        model_file.with_effect(text, added, "lab.json")
     assert run("model", "lab.json", "--out", "lab.toml")[0] == 0
-    assert (
-        model_file.of_text(with_effect(Path("lab.toml").read_text(), added), "lab.toml").effects[0].named.id == "polarity:fmd-z1"
-    )
+    edited = model_file.with_effect(Path("lab.toml").read_text(), added)
+    assert model_file.of_text(edited, "lab.toml").effects[0].named.id == "polarity:fmd-z1"
 
 
 def test_figures_of_the_drawing_can_be_taken_from_their_comment(run: Run) -> None:
     """Taking the signs # away and the drawing out makes it a statement of one's own."""
-    from geometry import routes
-    from geometry.articles import built_in
-
     text = run("model", "fmd")[1].replace('inertia = "drawing"\n', "")
     for key in ("mass_kg", "cog_mm", "moi_cog_kgm2", "poi_cog_kgm2"):
         text = text.replace(f"# {key}", key)
@@ -132,26 +127,13 @@ def test_the_example_says_what_nominal_json_says(data: Path) -> None:
 
 
 def test_the_example_belongs_to_the_campaigns_of_the_data(data: Path) -> None:
-    from identification.campaign_file import read_description
-    from validation.model.model import require_pair
-
     campaigns = [read_description(data / "example_series" / name) for name in ("fmd+disc+cuboid", "fmd+clumod-1")]
     require_pair(model_file.read(EXAMPLE), campaigns)
 
 
 def test_every_key_is_on_the_page() -> None:
     names = [one.name for one in fields(StructureTolerances)] + [key for key, _ in model_file.SCALES.values()]
-    tables = (
-        *model_file.MODEL,
-        *model_file.STRUCTURE,
-        *model_file.LABORATORY,
-        *model_file.FMD,
-        *KINDS,
-        "id",
-        "value",
-        "sd",
-        "fixed",
-    )
+    tables = (*model_file.MODEL, *model_file.STRUCTURE, *model_file.LABORATORY, *model_file.FMD, *model_file.EFFECT, *KINDS)
     for key in (*names, *tables):
         assert re.search(rf"[`.]{key}[`\]= ]", PAGE), key
     assert {one.name for one in fields(Tolerances)} == {*model_file.SCALES, "fmd_inertia"}
