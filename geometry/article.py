@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from importlib.resources import files
 from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
 
+from geometry import toml_file
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose, freeze
 
@@ -50,7 +49,7 @@ class Material:
 @cache
 def library() -> Mapping[str, Material]:
     """The materials that ship with massline, by name."""
-    table = tomllib.loads(files("geometry").joinpath("materials.toml").read_text(encoding="utf-8"))
+    table = toml_file.shipped("geometry", "materials.toml")
     keys = {
         "density": "density_kg_m3",
         "youngs_modulus": "youngs_modulus_Pa",

@@ -10,6 +10,7 @@ import tomllib
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cache
+from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -80,6 +81,19 @@ def parse(text: str, name: str) -> dict[str, Any]:
         raise BadInput(source=name, problem="must hold one JSON object", remedy="Put the values into {...}")
     _require_plain(table, name, DEEPEST)
     return table
+
+
+def shipped(package: str, *path: str) -> dict[str, Any]:
+    """The table in a file that comes with massline, at `path` in the folder of `package`."""
+    return parse(files(package).joinpath(*path).read_text(encoding="utf-8"), path[-1])
+
+
+def holds(path: Path, key: str) -> bool:
+    """Whether the file at `path` is TOML and has `key`."""
+    try:
+        return key in tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return False
 
 
 def require_format(table: Mapping[str, Any], source: str) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from math import isfinite
 from pathlib import Path
 from typing import Self
@@ -96,8 +96,8 @@ def read_data(paths: Sequence[str], model: Model, progress: Progress | None = No
     OSError : a file cannot be read.
     """
     folders = [path for path in paths if Path(path).is_dir()]
-    files = [path for path in paths if path not in folders]
-    for path in files:
+    classical = tuple(path for path in paths if path not in folders)
+    for path in classical:
         _require_measurement(path)
     _require_once(paths)
     if not folders:
@@ -107,10 +107,20 @@ def read_data(paths: Sequence[str], model: Model, progress: Progress | None = No
             remedy="Name a campaign folder, too; `massline weigh`, `cog` and `pendulum` reduce the files alone",
         )
     described = [campaign_file.read_description(folder) for folder in folders]
-    _require_one_hardware(described)
+    for k, one in enumerate(described):
+        for other in described[:k]:  # one article on two FMDs is two series, whatever the model says
+            if one.article == other.article and one.hardware != other.hardware and one.hardware and other.hardware:
+                raise BadInput(
+                    source=f"{one.source}/{campaign_file.NAME}",
+                    field="campaign.hardware",
+                    problem=f"is {one.hardware}, and that of {other.source}, also of {one.article}, is {other.hardware}",
+                    remedy="Another FMD has other sensors: compare each series with a model of its own",
+                )
     require_pair(model, described)
     require_bodies(model, described)
-    return Data(campaigns=tuple(_read(folder, progress) for folder in folders), classical=tuple(files))
+    tell = progress or (lambda folder, share: None)
+    campaigns = tuple(campaign_file.read(folder, progress=partial(tell, folder)) for folder in folders)
+    return Data(campaigns=campaigns, classical=classical)
 
 
 def only_files(paths: Sequence[str]) -> tuple[str, ...]:
@@ -126,10 +136,6 @@ def only_files(paths: Sequence[str]) -> tuple[str, ...]:
         _require_measurement(path)
     _require_once(paths)
     return tuple(paths)
-
-
-def _read(folder: str, progress: Progress | None) -> Campaign:
-    return campaign_file.read(folder, progress=None if progress is None else lambda share: progress(folder, share))
 
 
 def _require_measurement(path: str) -> None:
@@ -158,19 +164,6 @@ def _require_once(paths: Sequence[str]) -> None:
                 source="DATA", field=path, problem=same, remedy="Data that count twice are trusted twice: name it once"
             )
         seen[where] = path
-
-
-def _require_one_hardware(campaigns: Sequence[Campaign]) -> None:
-    """One article on two FMDs is two series, whatever the model says."""
-    for k, one in enumerate(campaigns):
-        for other in campaigns[:k]:
-            if one.article == other.article and one.hardware != other.hardware and one.hardware and other.hardware:
-                raise BadInput(
-                    source=f"{one.source}/{campaign_file.NAME}",
-                    field="campaign.hardware",
-                    problem=f"is {one.hardware}, and that of {other.source}, also of {one.article}, is {other.hardware}",
-                    remedy="Another FMD has other sensors: compare each series with a model of its own",
-                )
 
 
 def require_band(band: tuple[float, float] | None) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import io
-import tomllib
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -150,12 +149,7 @@ def is_model(path: str | Path) -> bool:
     path = Path(path)
     if path.suffix.lower() in DATA_ENDINGS:
         return True
-    if path.suffix.lower() != ".toml" or not path.is_file():
-        return False
-    try:
-        return TABLE in tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return False
+    return path.suffix.lower() == ".toml" and path.is_file() and toml_file.holds(path, TABLE)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
-from importlib.resources import files
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
+from geometry import toml_file
 from geometry.article import (
     Article,
     Box,
@@ -46,7 +45,7 @@ def load(name: str, changes: Mapping[str, float] = MappingProxyType({})) -> Dime
     ------
     BadInput : a key that is not in the file, or that is no number there.
     """
-    table = tomllib.loads(files("geometry.articles").joinpath(f"{name}.toml").read_text(encoding="utf-8"))
+    table = toml_file.shipped("geometry.articles", f"{name}.toml")
     for key, value in changes.items():
         head, *steps = key.split(".")
         if head != name:

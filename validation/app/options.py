@@ -10,8 +10,12 @@ import threading
 from dataclasses import dataclass, field
 from ipaddress import ip_address
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from geometry.errors import BadInput
+
+if TYPE_CHECKING:
+    from validation.study import Options
 
 LOOPBACK = "127.0.0.1"
 
@@ -26,21 +30,16 @@ class StartOptions:
     Attributes
     ----------
     example : name of a built-in example, None for none
-    model : absolute path of a model file, None for none
-    data : absolute paths of campaign folders and measurement files
-    hold_out : names of runs, campaigns and files that no fit may see
-    band : [Hz]; None for what all runs drive
-    method : of `identification.campaign.METHODS`
-    effects_from : absolute paths of folders with effects of the user's own
+    asked : what a study is opened with, paths absolute; its model is empty where none is named
     """
 
     example: str | None = None
-    model: str | None = None
-    data: tuple[str, ...] = ()
-    hold_out: tuple[str, ...] = ()
-    band: tuple[float, float] | None = None
-    method: str = "full-record"
-    effects_from: tuple[str, ...] = ()
+    asked: Options | None = None
+
+    @property
+    def effects_from(self) -> tuple[str, ...]:
+        """Folders with effects of the user's own."""
+        return () if self.asked is None else self.asked.effects_from
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,15 +85,17 @@ def opened(
         raise BadInput(source="--example", problem=problem, remedy="Give one of the two")
     if model is not None and not data:
         raise BadInput(source="DATA", problem=f"nothing stands behind the model {model}", remedy="Name a campaign folder")
-    return StartOptions(
-        example=example,
-        model=None if model is None else _absolute(model),
+    from validation.study import Options
+
+    asked = Options(
+        model="" if model is None else _absolute(model),
         data=tuple(_absolute(path) for path in data),
         hold_out=hold_out,
         band=band,
         method=method,
         effects_from=tuple(_absolute(path) for path in effects_from),
     )
+    return StartOptions(example=example, asked=asked)
 
 
 def is_loopback(host: str) -> bool:

@@ -23,8 +23,8 @@ from validation.app.scene3d import MapCell, MapEntry
 from validation.app.session import Fault, Handed, Session, faults, of_error
 from validation.app.state import WindowState, keep, kept
 from validation.app.whatif import EffectExplanation, ReadyPredictions, Slider, TrialEffect, WhatIf
+from validation.compare.compare import run as run_in_words
 from validation.compare.maps import Map
-from validation.compare.spots import run as run_in_words
 from validation.diagnose.diagnosis import listed as diagnosis_listed
 from validation.effects import practical_units
 from validation.effects.catalogue import parse
@@ -917,9 +917,8 @@ async def first(bench: WindowState) -> None:
         await shown(bench)
     elif bench.opened.example is not None:
         await example(bench, bench.opened.example)
-    elif bench.opened.model is not None:
-        one = bench.opened
-        _begin(bench, one.model or "", one.data, one.hold_out, one.band, one.method, one.effects_from)
+    elif (one := bench.opened.asked) is not None and one.model:
+        _begin(bench, one.model, one.data, one.hold_out, one.band, one.spectra, one.effects_from)
         await shown(bench)
 
 

@@ -26,8 +26,10 @@ from validation.app.options import DOOR_SECRET, NEVER_KEPT, StartOptions
 from validation.app.server import same
 from validation.app.session import LARGEST, MOST, Handed
 from validation.app.state import WindowState, keep
+from validation.output import from_json
 from validation.report.charts.maps import LOADS, MOTIONS, SIGNS, entry
 from validation.report.charts.style import unit
+from validation.study import Options
 
 if TYPE_CHECKING:
     from aiohttp import BodyPartReader, web
@@ -90,17 +92,8 @@ def main(folder: Path, told: int) -> None:
     """Serve the window whose state lives in `folder`; the port goes out on the file descriptor `told`."""
     said = json.loads(_first_line())
     options.tied()
-    begun = said["opened"]
-    band = begun["band"]
-    opened = StartOptions(
-        **begun
-        | {
-            "data": tuple(begun["data"]),
-            "hold_out": tuple(begun["hold_out"]),
-            "effects_from": tuple(begun["effects_from"]),
-            "band": None if band is None else (band[0], band[1]),
-        }
-    )
+    example, asked = said["opened"]["example"], said["opened"]["asked"]
+    opened = StartOptions(example=example, asked=None if asked is None else from_json(Options, asked))
     _serve(folder, opened, said["secret"], told)
 
 

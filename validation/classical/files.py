@@ -13,7 +13,6 @@ What else a file holds depends on its kind; `validation.classical.weigh`, `valid
 from __future__ import annotations
 
 import math
-import tomllib
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -170,15 +169,15 @@ def shipped(kinds: tuple[str, ...] = KINDS) -> tuple[str, ...]:
 @cache
 def _shipped_kinds() -> dict[str, str]:
     """Kind by name of everything published that has one; what has none (a table, a result file) is no measurement file."""
-    entries = [entry for entry in files("validation.reference").joinpath("in_print").iterdir() if entry.name.endswith(".toml")]
-    tables = {entry.name.removesuffix(".toml"): tomllib.loads(entry.read_text(encoding="utf-8")) for entry in entries}
+    names = [entry.name for entry in files("validation.reference").joinpath("in_print").iterdir() if entry.name.endswith(".toml")]
+    tables = {name.removesuffix(".toml"): toml_file.shipped("validation.reference", "in_print", name) for name in names}
     return {name: table["kind"] for name, table in tables.items() if "kind" in table}
 
 
 def _table(name: str, kinds: tuple[str, ...]) -> dict[str, Any]:
     bare = name.removesuffix(".toml")
     if bare in shipped() and not Path(name).is_file():
-        return tomllib.loads(files("validation.reference").joinpath("in_print", f"{bare}.toml").read_text(encoding="utf-8"))
+        return toml_file.shipped("validation.reference", "in_print", f"{bare}.toml")
     known = shipped(kinds)
     return toml_file.read(name, remedy=f"{toml_file.nearest(name, known)}Shipped with massline are {', '.join(known)}")
 

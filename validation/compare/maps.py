@@ -6,7 +6,7 @@ floor and those tolerances let expect, and in per cent of the level there.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
 from geometry.errors import BadInput
-from geometry.frames import Array, Integers
+from geometry.frames import Array
 from geometry.inertia import LOADS, of_motions, of_resultants
 from geometry.sensors import ChannelTable, resultants
 from identification.base_motion import base_motion
@@ -23,7 +23,6 @@ from identification.dynamic_mass import Estimate, from_runs
 from identification.elastic.fit import levels
 from identification.self_calibration.solve import inverse, smoothed_level
 from identification.spectra.line_spectra import Spectra
-from validation.effects.stages import Matrices
 from validation.estimation import evaluate
 from validation.estimation.evaluate import solved
 from validation.estimation.fit import FLOOR, PLAIN_FLOOR
@@ -31,6 +30,8 @@ from validation.estimation.likelihood import cost_of, floor_of, left_of_run, obs
 from validation.estimation.problem import STRUCTURAL, Fit, Lines, Measured, Offsets, Predicted, Prediction, Problem
 from validation.flexible.model import family
 from validation.output import entry, unwritten
+from validation.prediction import effects
+from validation.prediction.series import SeriesPrediction
 
 # What is not known at a plain fit: every tolerance of the measurement, and how the fit answered to it.
 #
@@ -63,17 +64,12 @@ class Doubt:
     of_modes: frozenset[str] = frozenset()
 
 
-def nothing_fitted(problem: Problem) -> Doubt:
-    """Of a model as it stands."""
-    loose = _loose(problem, ())
-    return Doubt(tolerances=loose, answer=np.zeros((0, len(loose))), own=np.zeros((0, 0)), of_modes=_doubt_of_modes(problem))
-
-
 def doubt(problem: Problem, plain: Fit) -> Doubt:
     """At the plain fit of `problem`, on its lines."""
-    loose = _loose(problem, [one.name for one in plain.parameters])
+    fitted = {one.name for one in plain.parameters}
+    others = [one for one in problem.parameters if one.name not in fitted and 0 < one.tolerance < np.inf]
+    loose = {one.name: one.tolerance for one in others}
     free = solved(problem, plain, PLAIN_FLOOR).cost.free
-    others = [one for one in problem.parameters if one.name in loose]
     held = {name: x for name, x in plain.by_name.items() if name not in {one.name for one in free}}
     cost = cost_of(problem, (*free, *others), PLAIN_FLOOR, held)
     N = cost.total(cost.at(plain.by_name))[0].matrix
@@ -84,16 +80,8 @@ def doubt(problem: Problem, plain: Fit) -> Doubt:
         fitted=tuple(one.name for one in free),
         answer=-own @ N[:p, p:] * np.array(list(loose.values())),
         own=root(own) if p else own,
-        of_modes=_doubt_of_modes(problem),
+        of_modes=frozenset(one.name for one in problem.parameters if one.kind == STRUCTURAL),
     )
-
-
-def _doubt_of_modes(problem: Problem) -> frozenset[str]:
-    return frozenset(one.name for one in problem.parameters if one.kind == STRUCTURAL)
-
-
-def _loose(problem: Problem, fitted: list[str] | tuple[str, ...]) -> dict[str, float]:
-    return {one.name: one.tolerance for one in problem.parameters if one.name not in fitted and 0 < one.tolerance < np.inf}
 
 
 # A prediction with its tolerances, some lines at a time: what every channel reads, and by how much what was not fitted
@@ -136,27 +124,20 @@ def chunks(prediction: Prediction, offsets: Offsets, inputs: ComplexArray, unkno
     """
     measured = prediction.measured
     count = len(measured.frequency)
+    deviation = np.array(list(unknown.tolerances.values()))
     for first in range(0, count, TOGETHER):
         lines = np.arange(first, min(first + TOGETHER, count), dtype=np.int64)
         found, u = prediction.at(offsets, lines), inputs[:, lines]
-        shape = (len(u), *found.rows.shape[-3:])
         seen = observed(measured, lines)
-        weight = seen.weight(FLOOR, found.noise)  # of the real and of the imaginary part
+        # Tolerances with what the fit made of them, then what the fit itself does not know
+        direct, of_fit = _readings(found, u, tuple(unknown.tolerances)) * deviation, _readings(found, u, unknown.fitted)
         yield Chunk(
             lines=lines,
-            rows=np.broadcast_to(found.rows, shape),
-            noise=np.sqrt(2) / weight,
+            rows=np.broadcast_to(found.rows, (len(u), *found.rows.shape[-3:])),
+            noise=np.sqrt(2) / seen.weight(FLOOR, found.noise),  # of which the weight is that of a real or an imaginary part
             weight=seen.weight(evaluate.FLOOR, found.noise),
-            spread=_spread(found, u, unknown),
+            spread=np.concatenate([direct + of_fit @ unknown.answer, of_fit @ unknown.own], axis=-1),
         )
-
-
-def _spread(found: Predicted, u: ComplexArray, unknown: Doubt) -> ComplexArray:
-    """(r, n, c, q + p): tolerances with what the fit made of them, then what the fit itself does not know."""
-    tolerances = np.array(list(unknown.tolerances.values()))
-    direct = _readings(found, u, tuple(unknown.tolerances)) * tolerances
-    of_fit = _readings(found, u, unknown.fitted)
-    return np.concatenate([direct + of_fit @ unknown.answer, of_fit @ unknown.own], axis=-1)
 
 
 def _readings(found: Predicted, u: ComplexArray, names: Sequence[str]) -> ComplexArray:
@@ -361,64 +342,27 @@ def through(of: Operators, y: ComplexArray, frequency: Array) -> Estimate:
     return from_runs(load, motion, frequency)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class PairLines:
-    """Some lines of both dynamic masses.
-
-    Attributes
-    ----------
-    measured, predicted : (n, 6, 6)
-    variance : (n, 6, 6) of their difference
-    """
-
-    measured: ComplexArray
-    predicted: ComplexArray
-    variance: Array
-
-
-def lines(of: Operators, frequency: Array, y: ComplexArray, inputs: ComplexArray, part: Chunk) -> PairLines:
-    """Predicted beside measured on the lines of `part`.
+def pair_lines(of: Operators, measured: Measured, inputs: ComplexArray, part: Chunk) -> tuple[ComplexArray, ComplexArray, Array]:
+    """Measured and predicted dynamic mass on the lines of `part`, and the variance of their difference, each (n, 6, 6).
 
     Parameters
     ----------
-    frequency : (m,) of all lines, as the lines of `of`
-    y : (r, m, c) what the channels read
-    inputs : (r, m, k) of the runs
+    inputs : (r, m, k) of the runs, on all lines
 
     Raises
     ------
     BadInput : runs that do not tell six motions apart.
     """
     at = part.lines
-    own = Operators(motion=of.motion[at], load=of.load[at])
-    said = (part.rows @ inputs[:, at, :, None])[..., 0]
-    estimate = through(own, said, frequency[at])
-    return PairLines(
-        measured=through(own, y[:, at], frequency[at]).dynamic_mass.matrix,
-        predicted=estimate.dynamic_mass.matrix,
-        variance=_variance(own, estimate, part.spread, part.noise),
-    )
-
-
-def joined(name: str, frequency: Array, parts: Sequence[PairLines]) -> Pairs:
-    """All lines of a campaign."""
-    measured, predicted = (np.concatenate([getattr(one, name) for one in parts]) for name in ("measured", "predicted"))
-    return Pairs(
-        campaign=name,
-        frequency=frequency,
-        measured=measured,
-        predicted=predicted,
-        expected=np.sqrt(np.concatenate([one.variance for one in parts])),
-        level=np.maximum(levels(predicted), levels(measured)),
-    )
-
-
-def _variance(of: Operators, estimate: Estimate, spread: ComplexArray, noise: Array) -> Array:
-    """(n, 6, 6) of the entries of H: tolerances act on all runs alike, noise on each alone."""
-    W = of.load - estimate.dynamic_mass.matrix @ of.motion
-    by_tolerance = np.einsum("rnip,nrj->nijp", W @ spread, estimate.inverse, optimize=True)
-    by_noise = np.einsum("nic,rnc,nrj->nij", np.abs(W) ** 2, noise**2, np.abs(estimate.inverse) ** 2, optimize=True)
-    return np.asarray(np.sum(np.abs(by_tolerance) ** 2, axis=-1) + by_noise)
+    own, frequency = Operators(motion=of.motion[at], load=of.load[at]), measured.frequency[at]
+    seen = through(own, measured.values[:, at], frequency).dynamic_mass.matrix
+    estimate = through(own, (part.rows @ inputs[:, at, :, None])[..., 0], frequency)
+    H = estimate.dynamic_mass.matrix
+    # Tolerances act on all runs alike, noise on each alone
+    W = own.load - H @ own.motion
+    by_tolerance = np.einsum("rnip,nrj->nijp", W @ part.spread, estimate.inverse, optimize=True)
+    by_noise = np.einsum("nic,rnc,nrj->nij", np.abs(W) ** 2, part.noise**2, np.abs(estimate.inverse) ** 2, optimize=True)
+    return seen, H, np.sum(np.abs(by_tolerance) ** 2, axis=-1) + by_noise
 
 
 LENGTHS = np.array([LEVELS["x"] / LEVELS[axis] for axis in MOTIONS])
@@ -491,6 +435,30 @@ class Rig:
     table: ChannelTable
     gravity: float
 
+    def of(self, names: Collection[str]) -> ChannelTable:
+        """The channels called `names`, in that order."""
+        by_name = {one.name: one for one in self.table.channels}
+        return ChannelTable(channels=tuple(by_name[name] for name in names), origin=self.table.origin)
+
+    def loads(self, measured: Measured) -> Array | None:
+        """(6, f) the loads about F from the judged channels; None where they do not tell all six."""
+        table = self.of([name for name, judged in zip(measured.channels, measured.judged, strict=True) if judged])
+        return resultants(table.channels, table.origin) if of_resultants(table).complete else None
+
+    def operators(self, measured: Measured) -> tuple[Operators | None, tuple[str, ...]]:
+        """From channels to the dynamic mass; or None, and why there is none."""
+        table = self.of(measured.channels)
+        seen = any(of_motions(table, (group,)).complete for group in ("cover", "table"))
+        if not (seen and of_resultants(table).complete):
+            return None, (f"{measured.name}: its channels do not tell six motions and six loads, so no dynamic mass is measured",)
+        noise = np.sqrt(np.mean(measured.noise**2, axis=0))
+        of = operators(table, measured.frequency, noise, self.gravity)
+        try:
+            through(of, measured.values, measured.frequency)
+        except BadInput as error:
+            return None, (f"{measured.name}: no dynamic mass is measured, {error.problem}",)
+        return of, ()
+
 
 def mapped(
     prediction: Prediction,
@@ -510,16 +478,35 @@ def mapped(
     rig : of a base-excitation test; without it there are neither loads nor pairs
     """
     measured = prediction.measured
-    R = None if rig is None else _resultants(measured, rig)
-    of, remarks = (None, ()) if rig is None else _operators(measured, rig)
-    of_modes = _of_modes(unknown)
+    R = None if rig is None else rig.loads(measured)
+    of, remarks = (None, ()) if rig is None else rig.operators(measured)
+    # (q + p,) which of the unknowns are what the model leaves open of modes, here or in another configuration of the series
+    of_modes = np.array([name in unknown.of_modes for name in unknown.tolerances] + [False] * len(unknown.own), dtype=bool)
     said, both, told = [], [], progress or (lambda share: None)
     for part in chunks(prediction, offsets, inputs, unknown):
-        said.append(_of_lines(measured, part, R) | _explained(measured, part, of_modes))
+        said.append(_of_lines(measured, part, R, of_modes))
         if of is not None:
-            both.append(lines(of, measured.frequency, measured.values, inputs, part))
+            both.append(pair_lines(of, measured, inputs, part))
         told((part.lines[-1] + 1) / len(measured.frequency))
     found = {key: np.concatenate([one[key] for one in said], axis=1) for key in said[0]}
+    # The level of a channel is that of the model-error floor; of a load all six of its run, predicted or measured, the greater
+    level, of_loads = floor_of(measured), slice(len(measured.channels), None)
+    predicted = found["reading"][..., of_loads]
+    if predicted.shape[-1]:
+        loads = (predicted, predicted + found["deviation"][..., of_loads])
+        power = np.maximum(*(smoothed_level(measured.frequency, one / LENGTHS) for one in loads))
+        level = np.concatenate([level, np.sqrt(np.sum(power**2, axis=-1, keepdims=True)) * LENGTHS], axis=-1)
+    pairs = None
+    if both:
+        seen, model, variance = (np.concatenate(each) for each in zip(*both, strict=True))
+        pairs = Pairs(
+            campaign=measured.name,
+            frequency=measured.frequency,
+            measured=seen,
+            predicted=model,
+            expected=np.sqrt(variance),
+            level=np.maximum(levels(model), levels(seen)),
+        )
     return Map(
         data_set=measured.name,
         configuration=measured.configuration,
@@ -529,14 +516,14 @@ def mapped(
         rows=(*measured.channels, *(() if R is None else LOADS)),
         channels=len(measured.channels),
         inputs=inputs,
-        level=_levels(measured, found),
-        pairs=joined(measured.name, measured.frequency, both) if both else None,
+        level=level,
+        pairs=pairs,
         remarks=remarks,
         **found,
     )
 
 
-def _of_lines(measured: Measured, part: Chunk, R: Array | None) -> dict[str, Array]:
+def _of_lines(measured: Measured, part: Chunk, R: Array | None, of_modes: npt.NDArray[np.bool_]) -> dict[str, Array]:
     """What a chunk says, by field of `Map`."""
     y, A, S = measured.values[:, part.lines], part.rows, covariance(part.noise, part.spread)
     known = None if measured.inputs is None else measured.inputs[:, part.lines]
@@ -547,80 +534,26 @@ def _of_lines(measured: Measured, part: Chunk, R: Array | None) -> dict[str, Arr
     if R is not None:
         loads = combined(error, spread, R)
         predicted = (y[..., measured.judged] - error) @ R.T
+    # (r, n, q + p) what tolerances make of the error that the engine calls plain, which knows no noise
+    seen, squares = observed(measured, part.lines), []
+    for run, (rows, V, weight) in enumerate(zip(part.rows, part.spread, part.weight, strict=True)):
+        gain = left_of_run(seen, rows, weight, run).gain
+        squares.append(np.sum(np.abs((V if gain is None else gain @ V)[:, measured.judged]) ** 2, axis=1))
+    level = np.maximum(np.sum(np.abs(seen.values[..., measured.judged]) ** 2, axis=-1), np.finfo(np.float64).tiny)
+    every = np.stack(squares)
     return {
         "deviation": np.concatenate([own.value, loads.value], axis=-1),
         "expected": np.concatenate([own.expected, loads.expected], axis=-1),
         "reading": np.concatenate([y - own.value, predicted], axis=-1),
         "misfit": chi2 / (A.shape[-2] - (A.shape[-1] if known is None else 0)),
+        "explained": np.sqrt(every[..., ~of_modes].sum(axis=-1) / level),
+        "explained_with_modes": np.sqrt(every.sum(axis=-1) / level),
     }
-
-
-def _explained(measured: Measured, part: Chunk, of_modes: npt.NDArray[np.bool_]) -> dict[str, Array]:
-    """(r, n) of the error that the engine calls plain, which knows no noise, by tolerances: without those `of_modes` and with."""
-    seen, judged = observed(measured, part.lines), measured.judged
-    found = []
-    for run, (A, V, weight) in enumerate(zip(part.rows, part.spread, part.weight, strict=True)):
-        gain = left_of_run(seen, A, weight, run).gain
-        found.append(np.sum(np.abs((V if gain is None else gain @ V)[:, judged]) ** 2, axis=1))
-    level = np.maximum(np.sum(np.abs(seen.values[..., judged]) ** 2, axis=-1), np.finfo(np.float64).tiny)
-    squares = np.stack(found)  # (r, n, q + p)
-    known, every = (np.sqrt(one.sum(axis=-1) / level) for one in (squares[..., ~of_modes], squares))
-    return {"explained": known, "explained_with_modes": every}
-
-
-def _of_modes(unknown: Doubt) -> npt.NDArray[np.bool_]:
-    """(q + p,) which of the unknowns are what the model leaves open of modes, here or in another configuration of the series."""
-    return np.array([name in unknown.of_modes for name in unknown.tolerances] + [False] * len(unknown.own), dtype=bool)
-
-
-def _levels(measured: Measured, found: Mapping[str, Array]) -> Array:
-    """(r, n, m): of a channel that of the model-error floor; of a load all six of its run, predicted or measured, the greater.
-
-    Moments count divided by their nominal length.
-    """
-    level, of_loads = floor_of(measured), slice(len(measured.channels), None)
-    predicted = found["reading"][..., of_loads]
-    if not predicted.shape[-1]:
-        return level
-    loads = (predicted, predicted + found["deviation"][..., of_loads])
-    power = np.maximum(*(smoothed_level(measured.frequency, one / LENGTHS) for one in loads))
-    together = np.sqrt(np.sum(power**2, axis=-1, keepdims=True))
-    return np.concatenate([level, together * LENGTHS], axis=-1)
-
-
-def _resultants(measured: Measured, rig: Rig) -> Array | None:
-    """(6, f) the loads about F from the judged channels; None where they do not tell all six."""
-    names = [name for name, judged in zip(measured.channels, measured.judged, strict=True) if judged]
-    table = _table(rig, names)
-    return resultants(table.channels, table.origin) if of_resultants(table).complete else None
-
-
-def _table(rig: Rig, names: Collection[str]) -> ChannelTable:
-    by_name = {one.name: one for one in rig.table.channels}
-    return ChannelTable(channels=tuple(by_name[name] for name in names), origin=rig.table.origin)
-
-
-def _operators(measured: Measured, rig: Rig) -> tuple[Operators | None, tuple[str, ...]]:
-    """From channels to the dynamic mass; or None, and why there is none."""
-    table = _table(rig, measured.channels)
-    seen = any(of_motions(table, (group,)).complete for group in ("cover", "table"))
-    if not (seen and of_resultants(table).complete):
-        return None, (f"{measured.name}: its channels do not tell six motions and six loads, so no dynamic mass is measured",)
-    weight = np.sqrt(np.mean(measured.noise**2, axis=0))
-    of = operators(table, measured.frequency, weight, rig.gravity)
-    try:
-        through(of, measured.values, measured.frequency)
-    except BadInput as error:
-        return None, (f"{measured.name}: no dynamic mass is measured, {error.problem}",)
-    return of, ()
 
 
 # Modes by the names that one speaks of them: the part that holds most of their strain energy, and their order among its
 # modes.
 
-
-PART = 0.05
-"""Share of the greatest effective mass of several modes that one of them must have to be driven."""
 
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
 
@@ -643,10 +576,18 @@ class NamedMode:
     effective_mass: tuple[float, ...] = unwritten(default=())
 
 
-def named(matrices: Matrices) -> tuple[NamedMode, ...]:
-    """The modes of `matrices` with the base held, ascending; the last of them stand for the static answer of all others."""
+def modes_of(prediction: SeriesPrediction, offsets: Offsets) -> tuple[NamedMode, ...]:
+    """The modes with the base held, ascending, of the structure at `offsets`, its effects acting.
+
+    The last of them stand for the static answer of all others.
+    """
     from scipy.linalg import eigh
 
+    carried = prediction.tested.carried
+    if carried.nuisances is None:
+        return ()
+    matrices, _ = carried.nuisances.at(offsets, derivatives=False)
+    matrices = effects.structure(matrices, {}, effects.at(prediction.effects, offsets), derivatives=False)[0]
     own = np.arange(matrices.base, len(matrices.mass))
     if not own.size:
         return ()
@@ -654,41 +595,22 @@ def named(matrices: Matrices) -> tuple[NamedMode, ...]:
     squares, shapes = eigh(K, M)
     omega, shapes = np.sqrt(np.maximum(squares, 0.0)), np.asarray(shapes)
     zeta = (_energy(C, shapes) + _energy(S, shapes) / np.maximum(omega, 1e-12)) / np.maximum(2 * omega, 1e-12)
-    names = in_order(_holders(matrices, own, shapes))
-    effective = np.square(shapes.T @ matrices.mass[own, : matrices.base])
-    return tuple(
-        NamedMode(name=name, frequency=float(w / (2 * np.pi)), damping_ratio=float(z), effective_mass=tuple(map(float, m)))
-        for name, w, z, m in zip(names, omega, zeta, effective, strict=True)
-    )
-
-
-def taking_part(modes: Sequence[NamedMode], axis: int) -> tuple[NamedMode, ...]:
-    """Those of `modes` that a motion of the base along `axis` (index in `MOTIONS`) drives; all where that is not known."""
-    if any(len(one.effective_mass) <= axis for one in modes):
-        return tuple(modes)
-    most = max((one.effective_mass[axis] for one in modes), default=0.0)
-    return tuple(one for one in modes if one.effective_mass[axis] >= PART * most)
-
-
-def in_order(holders: Sequence[str]) -> list[str]:
-    """ "mast", "upper-long", "mast" as "first mast mode", "first upper-long mode", "second mast mode"."""
-    return [f"{ordinal(holders[: k + 1].count(part))} {part} mode".replace("  ", " ") for k, part in enumerate(holders)]
-
-
-def ordinal(number: int) -> str:
-    """In words up to ten."""
-    return ORDINALS[number - 1] if number <= len(ORDINALS) else f"{number}th"
-
-
-def _holders(matrices: Matrices, own: Integers, shapes: Array) -> list[str]:
-    """By mode the part with the largest share of strain energy; empty words where the model does not say."""
+    # By mode the part with the largest share of strain energy; empty words where the model does not say
     shares: dict[str, Array] = {}
-    for part, K in matrices.parts.items():
-        shares[family(part)] = shares.get(family(part), 0.0) + _energy(K[np.ix_(own, own)], shapes)
-    if not shares:
-        return [""] * shapes.shape[1]
-    most = np.argmax(np.stack(list(shares.values())), axis=0)
-    return [list(shares)[k] for k in most]
+    for part, stiffness in matrices.parts.items():
+        shares[family(part)] = shares.get(family(part), 0.0) + _energy(stiffness[np.ix_(own, own)], shapes)
+    most = np.argmax(np.stack(list(shares.values())), axis=0) if shares else ()
+    holders = [list(shares)[k] for k in most] or [""] * len(omega)
+    # "mast", "upper-long", "mast" as "first mast mode", "first upper-long mode", "second mast mode"
+    found: list[NamedMode] = []
+    effective = np.square(shapes.T @ matrices.mass[own, : matrices.base])
+    for k, (part, w, z, m) in enumerate(zip(holders, omega, zeta, effective, strict=True)):
+        place = holders[:k].count(part)
+        ordinal = ORDINALS[place] if place < len(ORDINALS) else f"{place + 1}th"
+        name = f"{ordinal} {part} mode".replace("  ", " ")
+        mass = tuple(map(float, m))
+        found.append(NamedMode(name=name, frequency=float(w / (2 * np.pi)), damping_ratio=float(z), effective_mass=mass))
+    return tuple(found)
 
 
 def _energy(matrix: Array, shapes: Array) -> Array:

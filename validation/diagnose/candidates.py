@@ -26,7 +26,7 @@ from validation.estimation.cost import cost_of
 from validation.estimation.fit import FLOOR
 from validation.estimation.problem import EFFECT, FITTED, Fact, Parameter, Prediction, Problem
 from validation.estimation.screening import ScoreTest, in_the_fit, screened
-from validation.history.verdict import names_of
+from validation.history.add import names_of
 from validation.model.model import Added, vocabulary
 from validation.prediction import effects
 from validation.prediction.classical_facts import ArticleFact

@@ -14,8 +14,8 @@ from math import pi
 from types import MappingProxyType
 
 import numpy as np
-
 from geometry.articles.dimensions import load
+
 from geometry.articles.locations import locations
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput

@@ -61,24 +61,6 @@ from validation.effects.stages import ChannelResponse, Matrices, MountedDynamicM
 # whenever its equation is asked.
 
 
-def files(directory: Path) -> tuple[Path, ...]:
-    """The files of effects in `directory`, by name; what begins with an underscore is none.
-
-    Raises
-    ------
-    BadInput : no such folder, or no file in it.
-    """
-    if not directory.is_dir():
-        problem = "it is a file" if directory.exists() else "there is no such folder"
-        raise BadInput(source=str(directory), field="--effects-from", problem=problem, remedy="Name a folder of effects")
-    found = tuple(sorted(path.resolve() for path in directory.glob("*.py") if not path.name.startswith("_")))
-    if not found:
-        problem = "it holds no file of an effect, *.py"
-        remedy = "Write one: docs/effects.md shows how, examples/effects holds two"
-        raise BadInput(source=str(directory), field="--effects-from", problem=problem, remedy=remedy)
-    return found
-
-
 def own_family(path: Path) -> Family:
     """The `FAMILY` of the file at `path`, whose code runs once; its equation and plant answer in words when they fail.
 
@@ -230,14 +212,23 @@ _files: dict[Path, str] = {}
 def load(directory: str | Path) -> tuple[Family, ...]:
     """The families in the files of `directory`, from now on in the catalogue. A file that was read before is not read again.
 
+    What begins with an underscore is no effect.
+
     Raises
     ------
-    BadInput : no such folder, a file without a family, or one that is not whole (`validation.effects.catalogue`); then none of
-    the     folder's is added.
+    BadInput : no such folder, a file without a family, or one that is not whole (see `require_whole`, `require_usable`);
+        then none of the folder's is added.
     """
-    paths = files(Path(directory))
-    new = [path for path in paths if path not in _files]
-    found = [(path, own_family(path)) for path in new]
+    folder = Path(directory)
+    if not folder.is_dir():
+        problem = "it is a file" if folder.exists() else "there is no such folder"
+        raise BadInput(source=str(folder), field="--effects-from", problem=problem, remedy="Name a folder of effects")
+    paths = sorted(path.resolve() for path in folder.glob("*.py") if not path.name.startswith("_"))
+    if not paths:
+        problem = "it holds no file of an effect, *.py"
+        remedy = "Write one: docs/effects.md shows how, examples/effects holds two"
+        raise BadInput(source=str(folder), field="--effects-from", problem=problem, remedy=remedy)
+    found = [(path, own_family(path)) for path in paths if path not in _files]
     added: list[Path] = []
     try:
         for path, family in found:
@@ -252,7 +243,6 @@ def load(directory: str | Path) -> tuple[Family, ...]:
 
 
 def _add(family: Family, source: str) -> None:
-
     require_whole(family, FAMILIES, SOURCES, source)
     _found[family.name], _sources[family.name] = family, source
     try:
@@ -264,11 +254,6 @@ def _add(family: Family, source: str) -> None:
 
 def _forget(name: str) -> None:
     del _found[name], _sources[name]
-
-
-def _built_in() -> Iterator[Family]:
-    for name in ORDER:
-        yield import_module(f"validation.effects.families.{name.replace('-', '_')}").FAMILY
 
 
 def add_installed(points: Iterator[EntryPoint]) -> None:
@@ -288,7 +273,8 @@ def add_installed(points: Iterator[EntryPoint]) -> None:
         _add(of(getattr(value, "FAMILY", value), file), source)
 
 
-_found.update({family.name: family for family in _built_in()})
+for _name in ORDER:
+    _found[_name] = import_module(f"validation.effects.families.{_name.replace('-', '_')}").FAMILY
 add_installed(iter(entry_points(group=GROUP)))
 
 
@@ -303,27 +289,18 @@ def _number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and not isnan(value)
 
 
-def _words(value: Any) -> bool:
-    return isinstance(value, tuple) and all(isinstance(one, str) and one for one in value)
-
-
 def _sizes(value: Any) -> bool:
     return isinstance(value, tuple) and all(isinstance(one, SizeSpec) for one in value)
-
-
-def _by_target(value: Any) -> bool:
-    return isinstance(value, Mapping) and all(isinstance(one, str) and _sizes(value[one]) for one in value)
-
-
-def _callable(value: Any) -> bool:
-    return value is None or callable(value)
 
 
 TEXT: Rule = (lambda value: isinstance(value, str), "text")
 FLAG: Rule = (lambda value: isinstance(value, bool), "True or False")
 NUMBER: Rule = (_number, "a number")
-FUNCTION: Rule = (_callable, "a function")
-TEXTS: Rule = (_words, 'a tuple of texts, ("one",) where there is one')
+FUNCTION: Rule = (lambda value: value is None or callable(value), "a function")
+TEXTS: Rule = (
+    lambda value: isinstance(value, tuple) and all(isinstance(one, str) and one for one in value),
+    'a tuple of texts, ("one",) where there is one',
+)
 
 OF_FAMILY: Mapping[str, Rule] = MappingProxyType(
     {
@@ -331,7 +308,10 @@ OF_FAMILY: Mapping[str, Rule] = MappingProxyType(
         **dict.fromkeys(("targets", "mistaken_for"), TEXTS),
         "optional": FLAG,
         "sizes": (_sizes, "a tuple of SizeSpec, (SizeSpec(...),) where there is one"),
-        "varying": (_by_target, "a mapping from a target to a tuple of SizeSpec"),
+        "varying": (
+            lambda value: isinstance(value, Mapping) and all(isinstance(one, str) and _sizes(value[one]) for one in value),
+            "a mapping from a target to a tuple of SizeSpec",
+        ),
         "tolerance": NUMBER,
         **dict.fromkeys(("change", "plant"), FUNCTION),
     }
@@ -345,22 +325,6 @@ OF_SIZE: Mapping[str, Rule] = MappingProxyType(
         **dict.fromkeys(("whole", "logarithmic"), FLAG),
     }
 )
-
-
-def require_form(family: Family, source: str) -> None:
-    """Refuse a field that holds something else than it must.
-
-    Raises
-    ------
-    BadInput : the file (`source`), the field, and what was found.
-    """
-    _require(family, OF_FAMILY, "", source)
-    for sizes in (family.sizes, *family.varying.values()):
-        for size in sizes:
-            _require(size, OF_SIZE, "sizes.", source)
-        if len({size.key for size in sizes}) < len(sizes):
-            problem = "two of them have the same key"
-            raise BadInput(source=source, field="sizes", problem=problem, remedy='Give each its own, Size(key="m", ...)')
 
 
 def _require(noun: Any, rules: Mapping[str, Rule], where: str, source: str) -> None:
@@ -470,7 +434,8 @@ def parse(text: str, words: Vocabulary | None = None, *, source: str = "--effect
     for kind, target in zip(kinds, targets, strict=False):
         legal = words.legal(kind)
         if legal is not None and target not in legal:
-            _refuse_target(known, name, kind, target, legal, source)
+            remedy = f"{nearest(target, legal)}Known are {', '.join(legal)}" if legal else "Leave it out"
+            raise BadInput(source=source, field=name, problem=f"no {kind} is called {target!r}", remedy=remedy)
     if len(set(targets)) < len(targets) and len(set(kinds)) < len(kinds):
         raise _refused(source, name, f"{targets[0]} is named twice", known)
     sizes = known.sizes_at(tuple(targets))
@@ -499,25 +464,15 @@ def parse_all(texts: Sequence[str], words: Vocabulary | None = None, *, source: 
     return tuple(found.values())
 
 
-def _refuse_target(family: Family, name: str, kind: str, target: str, legal: tuple[str, ...], source: str) -> None:
-    near = nearest(target, legal)
-    remedy = f"{near}Known are {', '.join(legal)}" if legal else "Leave it out"
-    raise BadInput(source=source, field=name, problem=f"no {kind} is called {target!r}", remedy=remedy)
-
-
 def _values(name: str, text: str, family: Family, sizes: tuple[SizeSpec, ...], source: str) -> dict[str, float]:
     by_key = {size.key: size for size in sizes}
     values: dict[str, float] = {}
     for part in text.split(",") if text else ():
         key, colon, number = (piece.strip() for piece in part.rpartition(":"))
         if key not in by_key or bool(colon) != bool(key):
-            surplus_part = part.strip()
-            if not by_key:
-                surplus = f"it is there or not and has no value, found {surplus_part!r}"
-            else:
-                expected = ", ".join(f"{key}:number" if key else "a number" for key in by_key)
-                surplus = f"its value is {expected}, found {surplus_part!r}"
-            raise _refused(source, name, surplus, family)
+            keys = ", ".join(f"{key}:number" if key else "a number" for key in by_key)
+            right = f"its value is {keys}" if by_key else "it is there or not and has no value"
+            raise _refused(source, name, f"{right}, found {part.strip()!r}", family)
         if key in values:
             raise _refused(source, name, f"{key or 'its value'} is given twice", family)
         size = by_key[key]
@@ -566,32 +521,9 @@ ROUNDING = 1e-12
 """Relative, of the largest entry: what an equation may change by rounding alone."""
 
 
-def null_values(family: Family, targets: tuple[str, ...], example: Mapping[str, float]) -> dict[str, float] | None:
-    """The sizes of no effect: the first at its `null`, all others as in the `example`; None for one that has no size."""
-    sizes = family.sizes_at(targets)
-    return {**example, sizes[0].key: sizes[0].null} if sizes else None
-
-
 def unchanged(before: Any, after: Any) -> bool:
     """Whether two stages are alike to rounding; coordinates that were added may stand there, if nothing drives them."""
     return all(_alike(getattr(before, one.name), getattr(after, one.name)) for one in fields(before))
-
-
-def arrays(before: Any, after: Any) -> Iterator[tuple[str, Any, Any]]:
-    """By name, every array of two stages of one kind, those in mappings one by one."""
-    for one in fields(before):
-        was, now = getattr(before, one.name), getattr(after, one.name)
-        pairs = (
-            [(one.name, was, now)]
-            if not isinstance(was, Mapping)
-            else [(f"{one.name}[{key!r}]", was[key], now.get(key)) for key in was]
-        )
-        yield from ((name, old, new) for name, old, new in pairs if isinstance(old, np.ndarray) and old.dtype.kind in "fc")
-
-
-def tried(stage: str) -> Any:
-    """A stage to try an equation on; its arrays cannot be written to."""
-    return _TRIED[stage]()
 
 
 def _alike(before: Any, after: Any) -> bool:
@@ -632,72 +564,48 @@ def _positive(n: int, scale: float) -> Any:
 
 
 @cache
-def _matrices() -> Matrices:
-    n = BASE + OWN
+def trials() -> Mapping[str, Any]:
+    """By kind, a stage to try an equation on; its arrays cannot be written to."""
+    n, channels, frequency = BASE + OWN, (*TABLE, *COVER, *FMD), _frozen(np.linspace(10.0, 11.0, LINES))
     held = np.zeros((n, n))
     held[BASE:, BASE:] = _positive(OWN, 1e5)
-    return Matrices(
-        base=BASE,
-        mass=_positive(n, 2.0),
-        stiffness=held,
-        viscous=1e-3 * held,
-        structural=1e-2 * held,
-        places={name: _frozen(_drawn(3, n) + k) for k, name in enumerate(built_in_places())},
-        parts={name: _frozen(held / len(PARTS)) for name in (*PARTS, "upper-short-silicone")},
-        cog=np.array([0.01, -0.02, 0.3]),
-    )
-
-
-@cache
-def _mounted() -> MountedDynamicMass:
-    return MountedDynamicMass(
-        frequency=_frozen(np.linspace(10.0, 11.0, LINES)),
-        matrix=_complex(LINES, 6, 6),
-        seat=_frozen([0.01, 0.02, 0.05]),
-        cog=_frozen([0.01, -0.02, 0.3]),
-        amplitude=_frozen([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]),
-        sweep_rate=2 / 60,
-        block=14.5,
-    )
-
-
-@cache
-def _reading() -> ChannelResponse:
-    channels = (*TABLE, *COVER, *FMD)
-    return ChannelResponse(
-        frequency=_frozen(np.linspace(10.0, 11.0, LINES)),
-        channels=channels,
-        rows=_complex(LINES, len(channels), 6),
-        amplitude=_frozen(1.0 + np.abs(_drawn(LINES, len(channels)))),
-        peak=_frozen(np.full(len(channels), 5.0)),
-    )
-
-
-@cache
-def _floor() -> NoiseModel:
-    channels = (*TABLE, *COVER, *FMD)
-    return NoiseModel(
-        frequency=_frozen(np.linspace(10.0, 11.0, LINES)),
-        channels=channels,
-        quantities=tuple("force" if name in FMD else "acceleration" for name in channels),
-        deviation=_frozen(np.full((LINES, len(channels)), 0.1)),
-        per_rms=_frozen(np.full(len(channels), 0.5)),
-        hum=_frozen(np.full((LINES, len(channels)), 0.01)),
-    )
-
-
-@cache
-def _swing() -> PendulumSwing:
-    return PendulumSwing(period=2.1, mass=47.0, inertia=2.3, ropes=3, length=2.0, radii=_frozen([0.3, 0.3, 0.3]))
-
-
-_TRIED = {
-    STRUCTURE_STAGE: _matrices,
-    BODY_STAGE: _mounted,
-    CHANNEL_STAGE: _reading,
-    NOISE_STAGE: _floor,
-    PERIOD_STAGE: _swing,
-}
+    return {
+        STRUCTURE_STAGE: Matrices(
+            base=BASE,
+            mass=_positive(n, 2.0),
+            stiffness=held,
+            viscous=1e-3 * held,
+            structural=1e-2 * held,
+            places={name: _frozen(_drawn(3, n) + k) for k, name in enumerate(built_in_places())},
+            parts={name: _frozen(held / len(PARTS)) for name in (*PARTS, "upper-short-silicone")},
+            cog=np.array([0.01, -0.02, 0.3]),
+        ),
+        BODY_STAGE: MountedDynamicMass(
+            frequency=frequency,
+            matrix=_complex(LINES, 6, 6),
+            seat=_frozen([0.01, 0.02, 0.05]),
+            cog=_frozen([0.01, -0.02, 0.3]),
+            amplitude=_frozen([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]),
+            sweep_rate=2 / 60,
+            block=14.5,
+        ),
+        CHANNEL_STAGE: ChannelResponse(
+            frequency=frequency,
+            channels=channels,
+            rows=_complex(LINES, len(channels), 6),
+            amplitude=_frozen(1.0 + np.abs(_drawn(LINES, len(channels)))),
+            peak=_frozen(np.full(len(channels), 5.0)),
+        ),
+        NOISE_STAGE: NoiseModel(
+            frequency=frequency,
+            channels=channels,
+            quantities=tuple("force" if name in FMD else "acceleration" for name in channels),
+            deviation=_frozen(np.full((LINES, len(channels)), 0.1)),
+            per_rms=_frozen(np.full(len(channels), 0.5)),
+            hum=_frozen(np.full((LINES, len(channels)), 0.01)),
+        ),
+        PERIOD_STAGE: PendulumSwing(period=2.1, mass=47.0, inertia=2.3, ropes=3, length=2.0, radii=_frozen([0.3, 0.3, 0.3])),
+    }
 
 
 # Where an effect acts: a structural one wherever its part or its place exists, and nowhere else.
@@ -779,20 +687,21 @@ def require_whole(family: Family, known: Mapping[str, Family], sources: Mapping[
     ------
     BadInput : its file (`source`), the field, what was found, and what to write.
     """
-    require_form(family, source)
+    _require(family, OF_FAMILY, "", source)
+    for sizes in (family.sizes, *family.varying.values()):
+        for size in sizes:
+            _require(size, OF_SIZE, "sizes.", source)
+        if len({size.key for size in sizes}) < len(sizes):
+            raise _unsound(source, "sizes", "two of them have the same key", 'Give each its own, Size(key="m", ...)')
     name = family.name
     if not NAME.fullmatch(name):
-        raise _refused_as_unsound(
-            source, "name", f"must be lower-case words joined by -, found {name!r}", "Write for example rope-slack"
-        )
+        raise _unsound(source, "name", f"must be lower-case words joined by -, found {name!r}", "Write for example rope-slack")
     if name in known:
         where = sources.get(name, "massline itself")
-        raise _refused_as_unsound(
-            source, "name", f"an effect called {name!r} is there already, from {where}", "Choose another name"
-        )
+        raise _unsound(source, "name", f"an effect called {name!r} is there already, from {where}", "Choose another name")
     for field, remedy in WORDS.items():
         if not getattr(family, field).strip():
-            raise _refused_as_unsound(source, field, "is missing", f"{field}=...: {remedy}")
+            raise _unsound(source, field, "is missing", f"{field}=...: {remedy}")
     _require_word(family.side, SIDES, "side", source)
     _require_word(family.stage, STAGES, "stage", source)
     for kind in family.targets:
@@ -800,59 +709,25 @@ def require_whole(family: Family, known: Mapping[str, Family], sources: Mapping[
     for size in dict.fromkeys((*family.sizes, *(one for sizes in family.varying.values() for one in sizes))):
         what = f"sizes ({size.key})" if size.key else "sizes"
         if not size.unit.strip():
-            raise _refused_as_unsound(source, what, "its unit is missing", 'Give it in SI, "1" for a ratio')
+            raise _unsound(source, what, "its unit is missing", 'Give it in SI, "1" for a ratio')
         if not (isfinite(size.low) and isfinite(size.high) and size.low < size.high):
-            raise _refused_as_unsound(
-                source, what, f"low must lie below high, found {size.low:g} and {size.high:g}", "Correct them"
-            )
+            raise _unsound(source, what, f"low must lie below high, found {size.low:g} and {size.high:g}", "Correct them")
         if not (isfinite(size.plausible) and size.plausible >= 0):
-            raise _refused_as_unsound(
-                source, what, f"plausible must be 0 or more, found {size.plausible:g}", "It is a standard deviation"
-            )
-    _require_equation(family, source)
-
-
-def require_usable(family: Family, source: str) -> None:
-    """Refuse a family of the catalogue whose example cannot be typed, or whose equation breaks a promise.
-
-    Raises
-    ------
-    BadInput : as in `require_whole`.
-    """
-
-    try:
-        example = parse(family.example.split(", or ")[0])
-    except BadInput as error:
-        raise _refused_as_unsound(
-            source, "example", f"{family.example!r} cannot be typed: {error.problem}", error.remedy
-        ) from None
-    if example.family != family.name:
-        raise _refused_as_unsound(source, "example", f"is one of {example.family}", f"Write one of {family.name}")
+            raise _unsound(source, what, f"plausible must be 0 or more, found {size.plausible:g}", "It is a standard deviation")
+    if family.stage == OPENED:
+        remedy = f"Name what it changes, one of {', '.join(STAGES[:-1])}, and give `change`"
+        raise _unsound(source, "stage", "is opened, and no parameter of a laboratory has its name", remedy)
     if family.change is None:
-        return
-    trial = FamilyTrial(change=family.change, example=example, source=source)
-    require_kept(trial, family.stage, null_values(family, example.targets, example.values))
+        raise _unsound(source, "change", "is missing", "Write change(stage, targets, values) and return the changed stage")
 
 
 def _require_word(word: str, words: tuple[str, ...], field: str, source: str) -> None:
     if word not in words:
         remedy = f"{nearest(word, words)}Known are {', '.join(words)}"
-        raise _refused_as_unsound(source, field, f"must be one of those known, found {word!r}", remedy)
+        raise _unsound(source, field, f"must be one of those known, found {word!r}", remedy)
 
 
-def _require_equation(family: Family, source: str) -> None:
-    if family.stage == OPENED:
-        problem = "is opened, and no parameter of a laboratory has its name"
-        raise _refused_as_unsound(
-            source, "stage", problem, f"Name what it changes, one of {', '.join(STAGES[:-1])}, and give `change`"
-        )
-    if family.change is None:
-        raise _refused_as_unsound(
-            source, "change", "is missing", "Write change(stage, targets, values) and return the changed stage"
-        )
-
-
-def _refused_as_unsound(source: str, field: str, problem: str, remedy: str) -> BadInput:
+def _unsound(source: str, field: str, problem: str, remedy: str) -> BadInput:
     return BadInput(source=source, field=field, problem=problem, remedy=remedy)
 
 
@@ -893,7 +768,13 @@ class FamilyTrial:
         if type(found) is not type(stage):
             problem = f"must return the changed {type(stage).__name__}, found {type(found).__name__}"
             raise self.refused(problem, "Return dataclasses.replace(stage, ...)")
-        for name, was, now in arrays(stage, found):
+        pairs = [(one.name, getattr(stage, one.name), getattr(found, one.name)) for one in fields(stage)]
+        inner = [
+            (f"{name}[{key!r}]", one[key], now.get(key)) for name, one, now in pairs if isinstance(one, Mapping) for key in one
+        ]
+        for name, was, now in (*pairs, *inner):
+            if not isinstance(was, np.ndarray) or was.dtype.kind not in "fc":
+                continue
             # `was.shape` with the coordinates that matrices have gained; nothing else may grow
             if not isinstance(stage, Matrices):
                 needed = was.shape
@@ -912,20 +793,31 @@ class FamilyTrial:
         return BadInput(source=self.source, field="change", problem=problem, remedy=remedy)
 
 
-def require_kept(trial: FamilyTrial, stage: str, null: Mapping[str, float] | None) -> None:
-    """Refuse an equation of `stage` that breaks a promise; `null` are the sizes of no effect.
+def require_usable(family: Family, source: str) -> None:
+    """Refuse a family of the catalogue whose example cannot be typed, or whose equation breaks a promise.
 
     Raises
     ------
-    BadInput : as `Trial.on`, or which promise is broken.
+    BadInput : as in `require_whole`; as `FamilyTrial.on`, or which promise is broken.
     """
+    try:
+        example = parse(family.example.split(", or ")[0])
+    except BadInput as error:
+        raise _unsound(source, "example", f"{family.example!r} cannot be typed: {error.problem}", error.remedy) from None
+    if example.family != family.name:
+        raise _unsound(source, "example", f"is one of {example.family}", f"Write one of {family.name}")
+    if family.change is None:
+        return
+    trial, stage = FamilyTrial(change=family.change, example=example, source=source), family.stage
     if stage not in STAGES[:-1]:
         raise trial.refused(f"changes {stage!r}, which is no stage", f"Known are {', '.join(STAGES[:-1])}")
-    before = tried(stage)
+    before = trials()[stage]
     after = trial.on(before)
-    if null is not None and not unchanged(before, trial.on(before, null)):
-        sizes = ", ".join(f"{key or 'size'} {value:g}" for key, value in null.items())
-        raise trial.refused(f"changes something at {sizes}, where there is no effect", "Correct it, or `null`")
+    if sizes := example.sizes:  # no effect: the first at its `null`, all others as in the example
+        null = {**example.values, sizes[0].key: sizes[0].null}
+        if not unchanged(before, trial.on(before, null)):
+            at = ", ".join(f"{key or 'size'} {value:g}" for key, value in null.items())
+            raise trial.refused(f"changes something at {at}, where there is no effect", "Correct it, or `null`")
     if stage == CHANNEL_STAGE:
         turned = 2.0 * np.exp(0.7j)
         twice = trial.on(replace(before, rows=turned * before.rows))
@@ -933,17 +825,13 @@ def require_kept(trial: FamilyTrial, stage: str, null: Mapping[str, float] | Non
             problem = "is not linear in `rows`: derivatives could not pass through it"
             raise trial.refused(problem, "Multiply rows, or add one to another; take levels from `amplitude`")
     if stage == STRUCTURE_STAGE:
-        _require_adding(trial, before, after)
-
-
-def _require_adding(trial: FamilyTrial, before: Any, after: Any) -> None:
-    other = trial.on(replace(before, **{name: 1.5 * getattr(before, name) for name in ADDED_TO}))
-    n = len(before.mass)
-    for name in ADDED_TO:
-        was, shift = getattr(before, name), getattr(other, name) - getattr(after, name)
-        if not _behave_alike(shift[:n, :n], 0.5 * was):
-            problem = f"adds to `{name}` what depends on the matrices that are there: derivatives could not pass it"
-            raise trial.refused(problem, "Build what is added of `places`, `parts` and `cog`")
+        other = trial.on(replace(before, **{name: 1.5 * getattr(before, name) for name in ADDED_TO}))
+        n = len(before.mass)
+        for name in ADDED_TO:
+            was, shift = getattr(before, name), getattr(other, name) - getattr(after, name)
+            if not _behave_alike(shift[:n, :n], 0.5 * was):
+                problem = f"adds to `{name}` what depends on the matrices that are there: derivatives could not pass it"
+                raise trial.refused(problem, "Build what is added of `places`, `parts` and `cog`")
 
 
 def _behave_alike(found: Any, expected: Any) -> bool:

@@ -101,7 +101,7 @@ class Family:
     sentence : what it means, for somebody who never heard of it; ``{target}`` stands for the first of its targets, ``{targets}``
         for all of them
     plant : makes it happen in a virtual test, ``plant(named) -> validation.virtual_test.plan.PlantedEffect``; None for one that
-    no     virtual test knows
+        no virtual test knows
     """
 
     name: str

@@ -47,7 +47,11 @@ def scale(unit: str, size: float, *, ratio: bool = False) -> Scale:
 
 def is_ratio(family: str, key: str = "") -> bool:
     """Whether the size `key` of `family` is a share of something, of which 0 is none."""
-    return any(_is_share(size) for size in _described(family) if size.key == key)
+    return any(
+        size.unit == "1" and size.null == 0 and not size.whole and not size.logarithmic
+        for size in _described(family)
+        if size.key == key
+    )
 
 
 def written(family: str, key: str, unit: str, values: Sequence[float]) -> tuple[tuple[str, ...], str]:
@@ -84,10 +88,6 @@ def with_unit(text: str, unit: str) -> str:
 def _described(family: str) -> tuple[Described, ...]:
     known = FAMILIES[family]
     return (*known.sizes, *(size for sizes in known.varying.values() for size in sizes))
-
-
-def _is_share(size: Described) -> bool:
-    return size.unit == "1" and size.null == 0 and not size.whole and not size.logarithmic
 
 
 # A figure with its practical unit and so many digits, for sentences: "12 mm".

@@ -17,54 +17,27 @@ from geometry.frames import Array
 from geometry.inertia import PARAMETERS
 from identification.campaign import Campaign
 from identification.request import jacobian, quantities
-from identification.rigid_body import BASIS
+from identification.self_calibration.problem import ten_matrices
 from identification.self_calibration.solve import inverse
 from validation.effects import catalogue
-from validation.effects.catalogue import FAMILIES, Named, parse
+from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import MISTAKE, SizeSpec, Vocabulary
-from validation.estimation import evaluate as estimation_evaluate
-from validation.estimation.evaluate import evaluate
+from validation.estimation import evaluate, verdicts
+from validation.estimation.cost import cost_of
 from validation.estimation.fit import fit, floor_of, start
-from validation.estimation.likelihood import cost_of
-from validation.estimation.problem import (
-    EFFECT,
-    FITTED,
-    IDENTIFYING,
-    Evaluation,
-    Fit,
-    Offsets,
-    Parameter,
-    Prediction,
-    Problem,
-    Share,
-)
-from validation.estimation.verdicts import expected_z2, largest_z
+from validation.estimation.problem import EFFECT, FITTED, IDENTIFIED, IDENTIFYING, PLAIN, Offsets, Parameter, Prediction, Problem
+from validation.estimation.result import Evaluation, Fit, Share
 from validation.history import history
-from validation.history import verdict as history_verdict
-from validation.history.history import (
-    ADDED,
-    OTHER_DATA,
-    Body,
-    Conditions,
-    Errors,
-    HistoryPosition,
-    Version,
-    VersionSize,
-    climbed,
-    history_position,
-    kept,
-    next_rung,
-    reminded,
-)
-from validation.history.verdict import Alias, names_of, sentence, verdict
+from validation.history.history import Body, Conditions, Errors, HistoryPosition, Version, VersionSize
 from validation.model import model_file
 from validation.model.model import Added, Model
-from validation.model.model_file import with_effect
 from validation.prediction import effects
 from validation.prediction.classical_facts import require_bodies
-from validation.prediction.effects import full, name
+from validation.prediction.nuisances import full
 from validation.prediction.series import SeriesPrediction
 from validation.study import Options, Study, read_data, require_band
+
+Progress = Callable[[str, float], None]
 
 # Where the fit of an effect begins that no fit finds from afar: a resonator by its frequency, a part by its modulus.
 #
@@ -97,30 +70,27 @@ def starting_sizes(
     problem : of the model with it
     base : the plain fit of the model without it
     """
-    named = added.named
-    free = {size.key: one for size in named.sizes if (one := _parameter(problem, named, size.key)) is not None}
     if added.fixed:
         return added
+    named = added.named
+    names = {size.key: effects.name(named, size.key) for size in named.sizes}
+    known = {key: problem.by_name[one] for key, one in names.items() if one in problem.by_name}
+    free = {key: one for key, one in known.items() if one.kind == EFFECT}
     if set(RESONATOR) <= set(free):
-        places = _dictionary(free, left, problem)
-        found = start(problem, tuple(places), base=base, places=places, amplitude=free[MASS].name, progress=progress)
-        return _at(added, free, found)
-    far = {key: one for key, one in free.items() if key in left and _is_far(named, key)}
+        # By name of frequency and damping ratio, the offsets at which a resonator is looked for
+        mass, frequency, damping = (free[key] for key in RESONATOR)
+        lines = np.concatenate([one.measured.frequency for one in problem.predictions])
+        own = frequency.nominal
+        low, high = (lines.min(), lines.max()) if FREQUENCY in left else (own / AROUND, own * AROUND)
+        low = max(float(low), float(high) / 1e3)
+        along = np.geomspace(low, high, 2 + int(np.log(high / low) / SPACING))
+        ratio = MODEST if DAMPING in left else damping.nominal
+        places = {frequency.name: np.array([frequency.offset(f) for f in along]), damping.name: np.array([damping.offset(ratio)])}
+        return _at(added, free, start(problem, tuple(places), base=base, places=places, amplitude=mass.name, progress=progress))
+    # What a fit cannot find from afar: a corner or a resonance, the modulus of a part
+    corners = {size.key for size in named.sizes if size.unit == "Hz" and size.logarithmic}
+    far = {key: one for key, one in free.items() if key in left and (key in corners or named.family == "modulus")}
     return _at(added, far, start(problem, [one.name for one in far.values()], base=base, progress=progress)) if far else added
-
-
-def _dictionary(free: Mapping[str, Parameter], left: Sequence[str], problem: Problem) -> dict[str, Array]:
-    """By name of frequency and damping ratio, the offsets at which a resonator is looked for."""
-    lines = np.concatenate([one.measured.frequency for one in problem.predictions])
-    own = free[FREQUENCY].nominal
-    low, high = (lines.min(), lines.max()) if FREQUENCY in left else (own / AROUND, own * AROUND)
-    low = max(float(low), float(high) / 1e3)
-    along = np.geomspace(low, high, 2 + int(np.log(high / low) / SPACING))
-    ratio = MODEST if DAMPING in left else free[DAMPING].nominal
-    return {
-        free[FREQUENCY].name: np.array([free[FREQUENCY].offset(f) for f in along]),
-        free[DAMPING].name: np.array([free[DAMPING].offset(ratio)]),
-    }
 
 
 def _at(added: Added, free: Mapping[str, Parameter], found: Offsets) -> Added:
@@ -131,20 +101,6 @@ def _at(added: Added, free: Mapping[str, Parameter], found: Offsets) -> Added:
             one = free[size.key]
             values[size.key] = min(max(one.value(found.get(one.name, one.start)), size.low), size.high)
     return replace(added, named=replace(added.named, values=values))
-
-
-def _parameter(problem: Problem, named: Named, key: str) -> Parameter | None:
-    one = problem.by_name.get(f"{named.id}[{key}]" if key else named.id)
-    return one if one is not None and one.kind == EFFECT else None
-
-
-def _is_far(named: Named, key: str) -> bool:
-    """Whether a fit cannot find it from afar: a corner or a resonance, the modulus of a part."""
-    return _is_frequency(next(size for size in named.sizes if size.key == key)) or named.family == "modulus"
-
-
-def _is_frequency(size: SizeSpec) -> bool:
-    return size.unit == "Hz" and size.logarithmic
 
 
 # The effect that is to be added, checked before anything is fitted: known, not there yet, seen by these data, no exact alias.
@@ -186,7 +142,7 @@ def read(text: str, model: Model, words: Vocabulary, *, fixed: bool) -> tuple[Ad
     BadInput : no effect of the catalogue, a size that is no physics, one that the model has already, `fixed` without a size.
     """
     whole, left = completed(text)
-    named = parse(whole, words, source=ARGUMENT)
+    named = catalogue.parse(whole, words, source=ARGUMENT)
     there = next((one for one in model.effects if one.named.id == named.id), None)
     if there is not None:
         problem = f"the model has it already, {there.named}"
@@ -206,25 +162,40 @@ def candidate(added: Added, left: Sequence[str], study: Study, *, allowed: bool)
     ------
     BadInput : it acts nowhere on these data; others of the model do exactly the same, and that is not `allowed`.
     """
-    before, after = study.whole().thinned(), study.whole([added]).thinned()
-    _require_seen(before, after, added)
-    free = history_verdict.freed(after)
-    found = history_verdict.alias(free, added.named.id, names_of(free, added.named))
+    named, before, after = added.named, study.whole().thinned(), study.whole([added]).thinned()
+    names = names_of(after, named)
+    if not (noticed(after, names) > NOTICED if names else _differ(before, after)):
+        raise BadInput(
+            source=ARGUMENT,
+            field=named.id,
+            problem="it acts nowhere on these data: no channel would read anything else",
+            remedy="Name data of an article that has it, or of a run that drives it",
+        )
+    # Every effect of the models free, those too whose size was given
+    made = tuple(
+        one.with_effects(tuple(replace(each, fixed=False) for each in one.effects)) if isinstance(one, SeriesPrediction) else one
+        for one in after.predictions
+    )
+    free = replace(after, predictions=made)
+    found = alias(free, named.id, names_of(free, named))
     if found is not None and found.effects and not allowed:
         raise BadInput(
             source=ARGUMENT,
-            field=added.named.id,
+            field=named.id,
             problem=f"these data cannot tell it from what is in the model: {found.text}",
             remedy="Add data that tell them apart, undo the other, or say --alias-ok: knowledge beforehand then shares it out",
         )
-    said = (f"{found.text}; only what is known beforehand shares it out",) if found is not None else ()
+    # Of a size that was a tolerance of the model before, that; else what its family admits of a careful laboratory
+    admitted = {size.key: FAMILIES[named.family].tolerance for size in named.sizes}
+    if named.id in before.by_name:
+        admitted[""] = before.by_name[named.id].tolerance
     return AddedEffect(
         added=added,
         left=tuple(left),
         alias=found,
-        tolerances=_tolerances(added.named, before),
-        nulls={size.key: size.null for size in added.named.sizes},
-        said=said,
+        tolerances=admitted,
+        nulls={size.key: size.null for size in named.sizes},
+        said=() if found is None else (f"{found.text}; only what is known beforehand shares it out",),
     )
 
 
@@ -250,18 +221,6 @@ def _guess(size: SizeSpec) -> float:
     return min(max(first, size.low), size.high)
 
 
-def _require_seen(before: Problem, after: Problem, added: Added) -> None:
-    names = names_of(after, added.named)
-    seen = history_verdict.noticed(after, names) > history_verdict.NOTICED if names else _differ(before, after)
-    if not seen:
-        raise BadInput(
-            source=ARGUMENT,
-            field=added.named.id,
-            problem="it acts nowhere on these data: no channel would read anything else",
-            remedy="Name data of an article that has it, or of a run that drives it",
-        )
-
-
 def _differ(before: Problem, after: Problem) -> bool:
     """Whether any channel is predicted otherwise, or its noise."""
     for one, other in zip(before.predictions, after.predictions, strict=True):
@@ -274,13 +233,130 @@ def _differ(before: Problem, after: Problem) -> bool:
     return False
 
 
-def _tolerances(named: Named, before: Problem) -> dict[str, float]:
-    """Of a size that was a tolerance of the model before, that; else what its family admits of a careful laboratory."""
-    admitted = FAMILIES[named.family].tolerance
-    found = {size.key: admitted for size in named.sizes}
-    if named.id in before.by_name:
-        found[""] = before.by_name[named.id].tolerance
-    return found
+# Whether the data can tell an effect from those that the model has already: the direction of the Fisher matrix says.
+#
+# Whitened derivatives of what the channels read, and of classical results, are the columns of J; N = J^T J is the Fisher matrix
+# of these data. What is left of an effect's column when the columns of the others are projected out,
+#
+#     S_cc = N_cc - N_co N_oo^+ N_oc ,        share = S_cc / N_cc ,
+#
+# is what only it can explain. Where nothing is left, it and a mixture of the others, N_oo^+ N_oc of each, do the same to every
+# channel at every line: no fit can share out a fault between them, knowledge beforehand does. Of an effect with several sizes it
+# is the largest share over all their mixtures.
+
+
+SAME_RESPONSE = 1e-6
+"""Share of the square of what an effect does that others must leave to it: a thousandth of what it does to the channels."""
+
+NOTICED = 1e-3
+"""Standard deviations that a plausible fault must move all data together for the effect to act on them at all."""
+
+TAKES_PART = 0.02
+"""Share of what the effect does from which a member of the mixture is named."""
+
+RANK = 1e-13
+"""Relative singular value below which a direction of the others is itself none."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Alias:
+    """An effect that others imitate.
+
+    Attributes
+    ----------
+    id : of the effect
+    share : of the square of what it does that only it can explain
+    size : of the effect, in the unit of its first parameter, to which the mixture belongs
+    unit : its unit
+    mixture : by the names of the others, which size of each does the same, in `units`
+    units : by name
+    effects : those of the mixture that are effects of the model
+    """
+
+    id: str
+    share: float
+    size: float
+    unit: str
+    mixture: Mapping[str, float]
+    units: Mapping[str, str]
+    effects: tuple[str, ...]
+
+    @property
+    def text(self) -> str:
+        """The direction in words."""
+        same = ", ".join(f"{name} {_told(size, self.units[name])}" for name, size in self.mixture.items())
+        return f"{self.id} {_told(self.size, self.unit)} does to these data what {same} does"
+
+
+def _told(size: float, unit: str) -> str:
+    return f"{size:+.3g}" if unit == "1" else f"{size:+.3g} {unit}"
+
+
+def noticed(problem: Problem, names: Sequence[str]) -> float:
+    """How many standard deviations a plausible fault in the parameters `names` moves all data together; 0 where none acts."""
+    free = [one for one in problem.parameters if one.name in names]
+    if not free:
+        return 0.0
+    N = _fisher(problem, free)
+    scale = np.array([one.tolerance for one in free])
+    return float(np.sqrt(np.linalg.eigvalsh(scale[:, None] * N * scale)[-1]))
+
+
+def alias(problem: Problem, id: str, names: Sequence[str]) -> Alias | None:
+    """The mixture of effects, and of what a laboratory must identify, that does what the parameters `names` of `id` do, if any.
+
+    Derivatives are those where the model stands.
+    """
+    others = [one for one in problem.parameters if one.kind in (EFFECT, IDENTIFIED) and one.name not in names]
+    own = [one for one in problem.parameters if one.name in names]
+    if not own or not others:
+        return None
+    free, c = [*own, *others], len(own)
+    matrix = _fisher(problem, free)
+    scale = np.sqrt(np.maximum(np.diag(matrix), np.finfo(np.float64).tiny))
+    N = matrix / np.outer(scale, scale)
+    mixed = np.linalg.pinv(N[c:, c:], rcond=RANK, hermitian=True) @ N[c:, :c]
+    # The largest share of N_cc that is left, and its direction
+    values, vectors = np.linalg.eigh(N[:c, :c])
+    kept = values > 1e-12 * values[-1]
+    root = vectors[:, kept] / np.sqrt(values[kept])
+    shares, directions = np.linalg.eigh(root.T @ (N[:c, :c] - N[:c, c:] @ mixed) @ root)
+    if shares[-1] > SAME_RESPONSE:
+        return None
+    direction = root @ directions[:, -1]
+    weight = mixed @ direction
+    # In the units of the parameters, at a tenth of a plausible fault of the effect
+    of_own, of_others = direction / scale[:c], weight / scale[c:]
+    first = int(np.argmax(np.abs(of_own) / [one.tolerance for one in own]))
+    tenth = 0.1 * own[first].tolerance / of_own[first]
+    part = np.abs(weight) > TAKES_PART * np.abs(weight).max()
+    mixture = {
+        one.name: float(tenth * x * one.slope(one.start)) for one, x, named in zip(others, of_others, part, strict=True) if named
+    }
+    return Alias(
+        id=id,
+        share=float(max(shares[-1], 0.0)),
+        size=float(tenth * of_own[first] * own[first].slope(own[first].start)),
+        unit=own[first].unit,
+        mixture=mixture,
+        units={one.name: one.unit for one in free},
+        effects=tuple(one.name for one in others if one.kind == EFFECT and one.name in mixture),
+    )
+
+
+def _fisher(problem: Problem, free: Sequence[Parameter]) -> Array:
+    """(p, p) of data and facts where the model stands, knowledge beforehand left out."""
+    cost = cost_of(problem, free, floor_of(PLAIN))
+    x = cost.at({})
+    _, rows = cost.knowledge(x)
+    facts = rows[len(rows) - len(problem.facts) :]
+    return np.asarray(cost.data(x).matrix + facts.T @ facts)
+
+
+def names_of(problem: Problem, named: Named) -> tuple[str, ...]:
+    """The parameters of `problem` that are sizes of the effect `named`."""
+    known = {named.id, *(f"{named.id}[{size.key}]" for size in named.sizes)}
+    return tuple(one.name for one in problem.parameters if one.name in known and one.kind == EFFECT)
 
 
 # What an estimate is worth when tolerances were not fitted but are there: consider covariance.
@@ -323,35 +399,44 @@ def covariance(normal: Array, estimated: npt.NDArray[np.bool_], tolerance: Array
 #
 # The ten are those of the effect `rigid-inertia`, of one article of the series at a time: the others, drawn and weighed, tell
 # the FMD from it. Participation and coupling of its modes are free too, within what the model leaves open of them. Tolerances of
-# the measurement are not fitted; their share of the interval is propagated (`validation.history.add`). The reference is
-# the model's own inertia with its effects, at the sizes of the model file.
+# the measurement are not fitted; their share of the interval is propagated, as above. The reference is the model's own inertia
+# with its effects, at the sizes of the model file.
 
 
 FAMILY = "rigid-inertia"
 
 
-def identified(problem: Problem, article: str, plain: Fit, progress: Callable[[float], None] | None = None) -> Body | None:
-    """Inertia of `article` from the data of `problem`; None where no data set has it.
+def body_of(study: Study, plain: Fit, progress: Callable[[float], None]) -> Body | None:
+    """Inertia of the article of a `study` from its data, what stands on the FMD; None without one, and where no data set has it.
 
-    Parameters
-    ----------
-    problem : whose predictions are `SeriesPrediction`
-    article : what stands on the FMD
-    plain : the plain fit of the model, in whose place this one never costs more
+    In the place of the `plain` fit of the model this one never costs more.
     """
-    freed, of = _freed(problem, article)
+    if not study.article:
+        return None
+    known = study.known()
+    problem = known.thinned()
+    predictions: list[Prediction] = []
+    of = None
+    for one in problem.predictions:
+        if isinstance(one, SeriesPrediction) and one.tested.carried.standing.article == study.article:
+            there = {each.named.id for each in one.effects}
+            ten = (Named(family=FAMILY, targets=(name,), values={"": 0.0}) for name in PARAMETERS)
+            of = one.with_effects((*one.effects, *(Added(named=each) for each in ten if each.id not in there)))
+            predictions.append(of)
+        else:
+            predictions.append(one)
     if of is None:
         return None
-    found = fit(freed, IDENTIFYING, start=plain, progress=progress)
-    offsets = {**freed.start, **found.by_name}
+    freed = replace(problem, predictions=tuple(predictions))
+    found = fit(freed, IDENTIFYING, start=at_offsets(kept_offsets(plain), known), progress=progress)
     names, C = of_fit(freed, found, IDENTIFYING)
-    ten, slopes = inertia(of, offsets)
+    ten_found, slopes = inertia(of, {**freed.start, **found.by_name})
     J = np.stack([slopes.get(name, np.zeros(10)) for name in names], axis=1)
-    through = jacobian(ten) @ J
+    through = jacobian(ten_found) @ J
     reference, _ = inertia(of, freed.start)
     return Body(
-        article=article,
-        values=quantities(ten),
+        article=study.article,
+        values=quantities(ten_found),
         deviation=np.sqrt(np.einsum("ij,jk,ik->i", through, C, through)),
         converged=found.converged,
         reference=quantities(reference),
@@ -373,28 +458,8 @@ def inertia(prediction: SeriesPrediction, offsets: Offsets) -> tuple[Array, dict
 
 def _nearest(mass: Array) -> Array:
     """(10,) of the rigid body whose mass matrix is nearest to the base's share of `mass`."""
-    basis = BASIS.reshape(10, 36).T
+    basis = ten_matrices().reshape(10, 36).T
     return np.asarray(np.linalg.lstsq(basis, mass[:6, :6].ravel(), rcond=None)[0])
-
-
-def _freed(problem: Problem, article: str) -> tuple[Problem, SeriesPrediction | None]:
-    """`problem` with the ten parameters of `article` free, and a prediction that has it."""
-    predictions: list[Prediction] = []
-    found = None
-    for one in problem.predictions:
-        if isinstance(one, SeriesPrediction) and one.tested.carried.standing.article == article:
-            found = one.with_effects(_with_ten(one.effects))
-            predictions.append(found)
-        else:
-            predictions.append(one)
-    return replace(problem, predictions=tuple(predictions)), found
-
-
-def _with_ten(effects: Sequence[Added]) -> tuple[Added, ...]:
-    """`effects` and what they lack of the ten."""
-    there = {one.named.id for one in effects}
-    ten = (Named(family=FAMILY, targets=(name,), values={"": 0.0}) for name in PARAMETERS)
-    return (*effects, *(Added(named=one) for one in ten if one.id not in there))
 
 
 # A model held against data: the figures of a rung, and the model file with the sizes that its effects were found to have.
@@ -432,23 +497,76 @@ def judged(study: Study, parent: Version | None, progress: Progress | None = Non
         found = study.evaluation(lambda share: tell("fitting", share))
     else:
         whole = study.whole()
-        began = _evaluation(parent, whole)
-        found = evaluate(whole, hold_out=study.hold_out, parent=began, progress=lambda share: tell("fitting", share))
+        # As much of the evaluation of `parent` as a child begins with: where its fits ended
+        began = Evaluation(
+            nominal=Share(percent=0.0),
+            plain=Share(percent=0.0),
+            held_out=None,
+            held_out_nominal=None,
+            plain_fit=at_offsets(parent.plain_offsets, whole),
+            fitted=at_offsets(parent.fitted_offsets, whole),
+        )
+        found = evaluate.evaluate(whole, hold_out=study.hold_out, parent=began, progress=lambda share: tell("fitting", share))
     sized = study.by(replace(study.model, effects=tuple(sized_by(one, found.fitted) for one in study.model.effects)))
-    nominal, held = _nominal(sized.whole(), study.hold_out)
+    # The errors of the model as it stands now, on what is fitted and on what the held-out plain error is told of: runs, or what
+    # is named, no configurations
+    problem = known = sized.whole()
+    turns = [fold for fold in evaluate.folds(problem) if not fold.configuration]
+    if study.hold_out:
+        turns = [evaluate.named(problem, study.hold_out)]
+        known = evaluate.without(problem, turns[0])
+    fitted = [each for one in known.predictions for each in evaluate.squares(one, problem.start)]
+    held = [
+        each
+        for fold in turns
+        for one, lines in evaluate.held(problem, fold)
+        for each in evaluate.squares(one, problem.start, lines, fold=fold.name)
+    ]
+    found = replace(found, nominal=evaluate.share(fitted), held_out_nominal=evaluate.share(held) if held else None)
     body = body_of(sized, found.plain_fit, lambda share: tell("identifying", share))
-    return EvaluatedModel(model=sized.model, evaluation=replace(found, nominal=nominal, held_out_nominal=held), body=body)
+    return EvaluatedModel(model=sized.model, evaluation=found, body=body)
 
 
 def rung_with(rung: Version, of: EvaluatedModel) -> Version:
     """`rung` with the figures of what was judged."""
+    told = of.evaluation
+    errors = Errors(
+        nominal=told.nominal.percent,
+        plain=told.plain.percent,
+        held_out_nominal=None if told.held_out_nominal is None else told.held_out_nominal.percent,
+        held_out=None if told.held_out is None else told.held_out.percent,
+        chi2=told.fitted.chi2,
+        degrees_of_freedom=told.fitted.degrees_of_freedom,
+        tolerance_z2=told.fitted.tolerance_z2,
+        tolerances=told.fitted.tolerances,
+        log_evidence=told.fitted.log_evidence,
+        expected_z2=verdicts.expected_z2(told.fitted),
+        largest_z=verdicts.largest_z(told.fitted),
+        converged=told.plain_fit.converged and told.fitted.converged,
+        held_out_names=told.held_out_names,
+        by_channel=dict(told.plain.by_channel),
+        by_fold={} if told.held_out is None else dict(told.held_out.by_fold),
+    )
+    # A size that was not fitted has no deviation
+    sizes = {
+        one.named.id: tuple(
+            VersionSize(
+                key=size.key,
+                value=one.named.values[size.key],
+                unit=size.unit,
+                deviation=None if one.fixed else one.deviation.get(size.key),
+            )
+            for size in one.named.sizes
+        )
+        for one in of.model.effects
+    }
     return replace(
         rung,
-        errors=_errors(of.evaluation),
-        effects={one.named.id: _sizes(one) for one in of.model.effects},
+        errors=errors,
+        effects=sizes,
         bodies=() if of.body is None else (of.body,),
-        plain_offsets=kept_offsets(of.evaluation.plain_fit),
-        fitted_offsets=kept_offsets(of.evaluation.fitted),
+        plain_offsets=kept_offsets(told.plain_fit),
+        fitted_offsets=kept_offsets(told.fitted),
     )
 
 
@@ -460,7 +578,7 @@ def rewritten(text: str, effects: Sequence[Added], source: str) -> str:
     BadInput : its layout allows no change of one effect alone.
     """
     for one in effects:
-        text = with_effect(text, one, source)
+        text = model_file.with_effect(text, one, source)
     return text
 
 
@@ -470,7 +588,7 @@ def sized_by(added: Added, fit: Fit) -> Added:
     spread = np.sqrt(np.diag(fit.covariance))
     found = {one.name: (one, float(x), float(sd)) for one, x, sd in zip(fit.parameters, fit.offsets, spread, strict=True)}
     for size in added.named.sizes:
-        which = name(added.named, size.key)
+        which = effects.name(added.named, size.key)
         if not added.fixed and which in found and found[which][0].kind == EFFECT:
             one, x, sd = found[which]
             values[size.key] = min(max(one.value(x), size.low), size.high)
@@ -478,63 +596,10 @@ def sized_by(added: Added, fit: Fit) -> Added:
     return replace(added, named=replace(added.named, values=values), deviation=deviation or added.deviation)
 
 
-def _sizes(added: Added) -> tuple[VersionSize, ...]:
-    """Sizes as the rung says them; one that was not fitted has no deviation."""
-    return tuple(
-        VersionSize(
-            key=size.key,
-            value=added.named.values[size.key],
-            unit=size.unit,
-            deviation=None if added.fixed else added.deviation.get(size.key),
-        )
-        for size in added.named.sizes
-    )
-
-
-def _errors(of: Evaluation) -> Errors:
-    return Errors(
-        nominal=of.nominal.percent,
-        plain=of.plain.percent,
-        held_out_nominal=None if of.held_out_nominal is None else of.held_out_nominal.percent,
-        held_out=None if of.held_out is None else of.held_out.percent,
-        chi2=of.fitted.chi2,
-        degrees_of_freedom=of.fitted.degrees_of_freedom,
-        tolerance_z2=of.fitted.tolerance_z2,
-        tolerances=of.fitted.tolerances,
-        log_evidence=of.fitted.log_evidence,
-        expected_z2=expected_z2(of.fitted),
-        largest_z=largest_z(of.fitted),
-        converged=of.plain_fit.converged and of.fitted.converged,
-        held_out_names=of.held_out_names,
-        by_channel=dict(of.plain.by_channel),
-        by_fold={} if of.held_out is None else dict(of.held_out.by_fold),
-    )
-
-
 def kept_offsets(fit: Fit) -> dict[str, float]:
     """Offsets from which another fit may begin; a logarithmic size of an effect will count from what the model file says."""
-    return {name: x for name, x in fit.by_name.items() if not _counts_anew(_named(fit, name))}
-
-
-def _named(fit: Fit, name: str) -> Parameter:
-    return next(one for one in fit.parameters if one.name == name)
-
-
-def _counts_anew(one: Parameter) -> bool:
-    return one.kind == EFFECT and one.logarithmic and one.above == 0.0
-
-
-def _evaluation(rung: Version, problem: Problem) -> Evaluation:
-    """As much of the evaluation of `rung` as a child begins with: where its fits ended."""
-    nothing = Share(percent=0.0)
-    return Evaluation(
-        nominal=nothing,
-        plain=nothing,
-        held_out=None,
-        held_out_nominal=None,
-        plain_fit=at_offsets(rung.plain_offsets, problem),
-        fitted=at_offsets(rung.fitted_offsets, problem),
-    )
+    anew = {one.name for one in fit.parameters if one.kind == EFFECT and one.logarithmic and one.above == 0.0}
+    return {name: x for name, x in fit.by_name.items() if name not in anew}
 
 
 def at_offsets(offsets: Mapping[str, float], problem: Problem) -> Fit:
@@ -552,33 +617,6 @@ def at_offsets(offsets: Mapping[str, float], problem: Problem) -> Fit:
         log_evidence=-np.inf,
         converged=True,
     )
-
-
-def _nominal(problem: Problem, names: Sequence[str]) -> tuple[Share, Share | None]:
-    """The errors of the model as it stands, on what is fitted and on what the held-out plain error is told of: runs, or what is
-    named, no configurations."""
-    apart = estimation_evaluate.named(problem, names) if names else None
-    known = problem if apart is None else estimation_evaluate.without(problem, apart)
-    turns = [fold for fold in estimation_evaluate.folds(problem) if not fold.configuration] if apart is None else [apart]
-    fitted = [each for one in known.predictions for each in estimation_evaluate.squares(one, problem.start)]
-    held = [
-        each
-        for fold in turns
-        for one, lines in estimation_evaluate.held(problem, fold)
-        for each in estimation_evaluate.squares(one, problem.start, lines, fold=fold.name)
-    ]
-    return estimation_evaluate.share(fitted), estimation_evaluate.share(held) if held else None
-
-
-def body_of(study: Study, plain: Fit, progress: Callable[[float], None]) -> Body | None:
-    """Identified inertia of the article of a `study`, whose plain fit is `plain`; None without an article."""
-    if not study.article:
-        return None
-    known = study.known()
-    return identified(known.thinned(), study.article, at_offsets(kept_offsets(plain), known), progress)
-
-
-Progress = Callable[[str, float], None]
 
 
 ALONE = "Without it no fit of these data converges, so that its errors have none to be held against."
@@ -635,15 +673,29 @@ def opened(asked: Options, effect: AddedEffectOptions, progress: Progress | None
         probe(asked.path)  # what cannot be written at the end is said before minutes are spent
     for folder in asked.effects_from:
         catalogue.load(folder)
-    at = history_position(asked.path)
-    with reminded(at.path):
+    at = history.history_position(asked.path)
+    with history.reminded(at.path):
         model = model_file.of_text(at.text, str(at.path))
-    paths = _paths(asked, at)
+    # Where the data are and what is held against what: as named, else as in the nearest rung downwards that has data
+    path = () if at.below is None else at.ladder.path(at.below.number)
+    known = next((one.conditions for one in reversed(path) if one.conditions.data), Conditions())
+    paths = asked.data
+    if not paths and known.data:
+        paths = history.paths(known, at.path.parent, str(history.path_beside(at.path)))
+    elif not paths:
+        problem = "there is no data: the model has no ladder yet that knows any"
+        raise BadInput(source="DATA", problem=problem, remedy="Name campaign folders behind EFFECT")
     data = read_data(paths, model, progress)
-    conditions, said = _conditions(asked, at, paths)
+    like = Conditions() if asked.data else known
+    now = Conditions(
+        data=history.sources(paths, at.path.parent),
+        hold_out=asked.hold_out or like.hold_out,
+        band=asked.band or like.band,
+        method=asked.method or like.method,
+    )
     _effect(effect, at, model, data.campaigns)  # refused before spectra are made
-    whole = replace(asked, data=paths, hold_out=conditions.hold_out, band=conditions.band, method=conditions.method)
-    return Study.of(model, data, whole, progress), said
+    whole = replace(asked, data=paths, hold_out=now.hold_out, band=now.band, method=now.method)
+    return Study.of(model, data, whole, progress), history.changed(known, now)
 
 
 def _effect(
@@ -651,11 +703,17 @@ def _effect(
 ) -> tuple[Added, tuple[str, ...]]:
     """The effect that is `asked`, and the keys of its sizes that are left open.
 
+    Its channels are those of the `campaigns`; its places and parts are those of whatever article, as in a model file.
+
     Raises
     ------
     BadInput : see `read`; no body is left with it; a layout of the model file that cannot be changed.
     """
-    effect, left = read(asked.effect, model, _words(campaigns), fixed=asked.fixed)
+    channels = [channel for campaign in campaigns for channel in campaign.table.channels]
+    accelerometers = dict.fromkeys(one.name for one in channels if one.quantity == "acceleration")
+    forces = dict.fromkeys(one.name for one in channels if one.quantity != "acceleration")
+    words = Vocabulary(accelerometers=tuple(accelerometers), forces=tuple(forces), places=None)
+    effect, left = read(asked.effect, model, words, fixed=asked.fixed)
     require_bodies(replace(model, effects=(*model.effects, effect)), campaigns)
     rewritten(at.text, (effect,), str(at.path))
     return effect, left
@@ -670,23 +728,38 @@ def added(study: Study, asked: AddedEffectOptions, progress: Progress | None = N
     """
     tell = progress or (lambda what, share: None)
     at = study.history
-    with reminded(at.path):
+    with history.reminded(at.path):
         model = model_file.of_text(at.text, str(at.path))
     if _sized(model) != _sized(study.model):  # the file went on since the study was opened
         study = study.by(model)
     effect, left = _effect(asked, at, model, study.campaigns)
     tell("looking for aliases", 0.0)
     chosen = candidate(effect, left, study, allowed=asked.alias_ok)
-    at, known = _grounded(at, study, tell, chosen)
-    before = _rung_of(at)
-    chosen = _begun(chosen, study, before, tell)
+    try:
+        at, known = grounded(at, study, tell)
+    except CheckFailed as failed:
+        # A mistake may be taken out of data that nothing fits with it: the rung below has no figures then
+        if FAMILIES[effect.named.family].side != MISTAKE or (at.rung is not None and at.rung.errors is not None):
+            raise
+        at = history.kept(at, replace(history.next_rung(at), settings=_settings(study.model)))
+        known = (f"the model before cannot be fitted to these data, and its rung has no figures: {failed}",)
+    before = at.rung
+    if before is None:
+        problem = "it was changed while it was evaluated"
+        raise BadInput(source=str(at.path), problem=problem, remedy="Nothing is lost: give the command again")
+    # The sizes at which its fit begins; data that are held out do not say where
+    looking = study.problem([effect]), before.plain_offsets
+    effect = starting_sizes(effect, left, *looking, lambda share: tell("looking where it is", share))
     parent = before if before.errors is not None else None
-    after = judged(study.by(replace(model, effects=(*model.effects, chosen.added))), parent, tell)
-    rung = _next(at, before, after, chosen, asked, study)
-    there = climbed(at, rung)
+    after = judged(study.by(replace(model, effects=(*model.effects, effect))), parent, tell)
+    rung = _next(at, before, after, replace(chosen, added=effect), asked, study)
+    there = history.climbed(at, rung)
     new = next(one for one in reversed(there.ladder.rungs) if one.model == rung.model)
-    said = (*study.left_out, *known, *_left_alone(there, new), *history.conditions(there))
-    return AddResult(at=there, before=before, after=new, said=said, study=study.by(after.model))
+    said = [*study.left_out, *known]
+    if there.rung is None or there.rung.number != new.number:
+        told = "was changed while the fit ran and is left as it is"
+        said.append(f"{there.path.name} {told}; `--go {new.number}` goes to the new rung")
+    return AddResult(at=there, before=before, after=new, said=(*said, *history.conditions(there)), study=study.by(after.model))
 
 
 def _sized(model: Model) -> list[tuple[str, dict[str, float], bool]]:
@@ -700,13 +773,6 @@ def conditions_of(study: Study) -> Conditions:
     return Conditions(data=sources, hold_out=study.hold_out, band=asked.band, method=asked.spectra)
 
 
-def _left_alone(at: HistoryPosition, new: Version) -> tuple[str, ...]:
-    """Said of a model file that somebody changed while the fit ran."""
-    if at.rung is not None and at.rung.number == new.number:
-        return ()
-    return (f"{at.path.name} was changed while the fit ran and is left as it is; `--go {new.number}` goes to the new rung",)
-
-
 def grounded(at: HistoryPosition, study: Study, progress: Progress) -> tuple[HistoryPosition, tuple[str, ...]]:
     """`at` on a rung that stands on the data of a `study`, evaluated and kept at once where there was none, and what is to be
     said."""
@@ -714,118 +780,43 @@ def grounded(at: HistoryPosition, study: Study, progress: Progress) -> tuple[His
     if at.rung is not None and at.rung.stands_on(conditions):
         return at, ()
     if at.rung is None or at.rung.errors is None:
-        rung, said = next_rung(at), (f"{at.path.name} was edited by hand: that is a rung of its own",) if at.edited else ()
+        rung, said = (
+            history.next_rung(at),
+            (f"{at.path.name} was edited by hand: that is a rung of its own",) if at.edited else (),
+        )
     else:
-        rung = Version(number=len(at.ladder.rungs), parent=at.rung.number, cause=OTHER_DATA, model=at.text)
+        rung = Version(number=len(at.ladder.rungs), parent=at.rung.number, cause=history.OTHER_DATA, model=at.text)
         said = (f"rung {at.rung.number} stands on other data or settings: the model is held against these first",)
     found = judged(study, None, lambda what, share: progress(f"the model before: {what}", share))
-    return kept(at, replace(rung_with(rung, found), conditions=conditions, settings=_settings(study.model))), said
-
-
-def _grounded(
-    at: HistoryPosition, study: Study, progress: Progress, chosen: AddedEffect
-) -> tuple[HistoryPosition, tuple[str, ...]]:
-    """As `grounded`; where a mistake is to be taken out of data that nothing fits with it, the rung below has no figures."""
-    try:
-        return grounded(at, study, progress)
-    except CheckFailed as failed:
-        if FAMILIES[chosen.added.named.family].side != MISTAKE or (at.rung is not None and at.rung.errors is not None):
-            raise
-        waiting = kept(at, replace(next_rung(at), settings=_settings(study.model)))
-        return waiting, (f"the model before cannot be fitted to these data, and its rung has no figures: {failed}",)
-
-
-def _begun(chosen: AddedEffect, study: Study, before: Version, progress: Progress) -> AddedEffect:
-    """`chosen` with the sizes at which its fit begins; data that are held out do not say where."""
-    known = study.problem([chosen.added])
-    at = starting_sizes(
-        chosen.added, chosen.left, known, before.plain_offsets, lambda share: progress("looking where it is", share)
-    )
-    return replace(chosen, added=at)
-
-
-def _rung_of(at: HistoryPosition) -> Version:
-    if at.rung is None:
-        problem = "it was changed while it was evaluated"
-        raise BadInput(source=str(at.path), problem=problem, remedy="Nothing is lost: give the command again")
-    return at.rung
+    return history.kept(at, replace(rung_with(rung, found), conditions=conditions, settings=_settings(study.model))), said
 
 
 def _next(
     at: HistoryPosition, before: Version, of: EvaluatedModel, chosen: AddedEffect, asked: AddedEffectOptions, study: Study
 ) -> Version:
     """The rung of the effect that was added, with its verdict."""
-    text = rewritten(at.text, of.model.effects, str(at.path))
+    alias = chosen.alias
     bare = Version(
         number=len(at.ladder.rungs),
         parent=before.number,
-        cause=ADDED,
+        cause=history.ADDED,
         effect=chosen.added.named.id,
-        model=text,
+        model=rewritten(at.text, of.model.effects, str(at.path)),
         conditions=conditions_of(study),
-        settings={**_settings(of.model), **_said_of(asked, chosen, study.asked.effects_from)},
+        settings={
+            **_settings(of.model),
+            "asked": asked.effect,
+            "fixed": chosen.added.fixed,
+            "effects_from": list(study.asked.effects_from),
+            "alias": None if alias is None else {"text": alias.text, "mixture": dict(alias.mixture), "size": alias.size},
+        },
     )
     rung = rung_with(bare, of)
     old, new = before.errors, rung.errors
-    gain = new.log_evidence - old.log_evidence if old is not None and new is not None else None
-    rung = replace(rung, gain=gain)
-    told = verdict(before, rung, chosen.tolerances, chosen.nulls) or (ALONE,)
-    return replace(rung, verdict=(*told, *(sentence(one) for one in (*chosen.said, *asked.remarks))))
+    rung = replace(rung, gain=new.log_evidence - old.log_evidence if old is not None and new is not None else None)
+    told = tuple(history.verdict(before, rung, chosen.tolerances, chosen.nulls)) or (ALONE,)
+    return replace(rung, verdict=(*told, *(history.sentence(one) for one in (*chosen.said, *asked.remarks))))
 
 
 def _settings(model: Model) -> dict[str, object]:
     return {"article": model.article, "kind": model.kind}
-
-
-def _said_of(asked: AddedEffectOptions, chosen: AddedEffect, effects_from: Sequence[str]) -> dict[str, object]:
-    alias = chosen.alias
-    return {
-        "asked": asked.effect,
-        "fixed": chosen.added.fixed,
-        "effects_from": list(effects_from),
-        "alias": None if alias is None else {"text": alias.text, "mixture": dict(alias.mixture), "size": alias.size},
-    }
-
-
-def _paths(asked: Options, at: HistoryPosition) -> tuple[str, ...]:
-    """Where the data are: as named, else where the ladder knows them."""
-    below = _with_data(at)
-    if asked.data or below is None:
-        _require_data(asked)
-        return asked.data
-    return history.paths(below.conditions, at.path.parent, str(history.path_beside(at.path)))
-
-
-def _require_data(asked: Options) -> None:
-    if not asked.data:
-        problem = "there is no data: the model has no ladder yet that knows any"
-        raise BadInput(source="DATA", problem=problem, remedy="Name campaign folders behind EFFECT")
-
-
-def _conditions(asked: Options, at: HistoryPosition, paths: tuple[str, ...]) -> tuple[Conditions, tuple[str, ...]]:
-    """What is held against what: as asked, else as in the rung below where the data are its own; and what is to be said."""
-    below = _with_data(at)
-    known = Conditions() if below is None else below.conditions
-    like = Conditions() if asked.data else known
-    now = Conditions(
-        data=history.sources(paths, at.path.parent),
-        hold_out=asked.hold_out or like.hold_out,
-        band=asked.band or like.band,
-        method=asked.method or like.method,
-    )
-    return now, history.changed(known, now)
-
-
-def _with_data(at: HistoryPosition) -> Version | None:
-    """The nearest rung downwards that was held against data."""
-    below = at.below
-    path = () if below is None else at.ladder.path(below.number)
-    return next((one for one in reversed(path) if one.conditions.data), None)
-
-
-def _words(campaigns: Sequence[Campaign]) -> Vocabulary:
-    """Channels of these campaigns; places and parts are those of whatever article, as in a model file."""
-    channels = [channel for campaign in campaigns for channel in campaign.table.channels]
-    accelerometers = [one.name for one in channels if one.quantity == "acceleration"]
-    forces = [one.name for one in channels if one.quantity != "acceleration"]
-    return Vocabulary(accelerometers=tuple(dict.fromkeys(accelerometers)), forces=tuple(dict.fromkeys(forces)), places=None)

@@ -15,7 +15,7 @@ from datetime import UTC, datetime
 from hashlib import file_digest, sha256
 from importlib.metadata import version
 from importlib.resources import files
-from math import nan
+from math import isfinite, nan
 from pathlib import Path
 from platform import python_version
 from types import MappingProxyType
@@ -31,18 +31,10 @@ from identification import campaign_file
 from identification.campaign import METHODS
 from identification.quality import NORMAL_95, sizes
 from validation.classical import files as classical_files
+from validation.effects.effect import evidence_threshold
+from validation.estimation.verdicts import ABSURD, costly
 from validation.output import entry, from_json, json_text, to_json
 from validation.reference.statement import COG, inertia_of
-
-
-def conditions(at: HistoryPosition) -> Iterator[str]:
-    """What is odd about where the model stands."""
-    if at.edited and at.below is not None:
-        yield f"{at.path.name} was edited by hand since rung {at.below.number}; the next `massline add` makes a rung of it."
-    for one in at.ladder.rungs:
-        if one.errors is None:
-            yield f"Rung {one.number} was put aside before it was held against data."
-
 
 START, ADDED, EDITED, OTHER_DATA = CAUSES = ("start", "added", "edited by hand", "other data")
 """Why there is a rung: the model as it was first, an effect that was added, the user's own change of the file, the same model on
@@ -241,16 +233,31 @@ class Version:
     settings: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
     plain_offsets: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     fitted_offsets: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
-    model: str = entry(write=lambda text: text.split("\n"), read=lambda lines: "\n".join(_strings(lines)))
+    model: str = entry(write=lambda text: text.split("\n"), read=lambda lines: _lines(lines))
 
     @property
     def title(self) -> str:
         """What distinguishes it from its parent, in a few words."""
         return self.effect or {START: "the model at first"}.get(self.cause, self.cause)
 
+    @property
+    def asked_gain(self) -> float:
+        """[nats] that its effect must bring."""
+        return evidence_threshold(self.effect.partition(":")[0])
+
     def stands_on(self, conditions: Conditions) -> bool:
         """Whether it was held against these."""
         return self.errors is not None and self.conditions.same(conditions)
+
+    def is_same(self, rung: Version) -> bool:
+        """Whether another process made it as `rung`: the same step to the same model, on the same data, by the same programs."""
+        step = ("parent", "cause", "effect", "model", "versions", "verdict")
+        alike = all(getattr(self, name) == getattr(rung, name) for name in step)
+        return alike and self.errors is not None and rung.stands_on(self.conditions)
+
+    def waits_for(self, rung: Version) -> bool:
+        """Whether it is `rung` without its figures."""
+        return self.errors is None and self.model == rung.model and self.parent == rung.parent
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -355,15 +362,35 @@ def read(path: Path) -> Ladder:
     """
     source = str(path)
     table = toml_file.read(path, remedy="`massline add` makes one beside a model")
-    _require_ours(table, source)
+    if table.get("kind") != KIND or not isinstance(table.get("rungs"), list):
+        raise _refused(source, "it is no ladder of massline")
+    found = table.get("format")
+    if isinstance(found, int) and not isinstance(found, bool) and found > FORMAT:
+        problem = f"its format is {found}, written by a newer massline; this one reads {FORMAT}"
+        raise BadInput(source=source, field="format", problem=problem, remedy="Use that massline. Nothing was changed")
+    if found != FORMAT or isinstance(found, bool):
+        raise _refused(source, f"its format must be {FORMAT}, found {found!r}")
     try:
         rungs = tuple(from_json(Version, one) for one in table["rungs"])
-        return _sound(Ladder(rungs=rungs, current=_current(table["current"])), source)
+        current = table["current"]
+        if current is not None and (isinstance(current, bool) or not isinstance(current, int)):
+            raise TypeError(f"a whole number is expected, found {current!r:.60}")
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         if isinstance(error, BadInput):
             raise
         what = f"{error} is missing" if isinstance(error, KeyError) else str(error)
         raise _refused(source, f"it is damaged: {what}") from None
+    # Numbers that are no places, parents that did not come before, causes that nobody knows
+    for place, one in enumerate(rungs):
+        if one.number != place:
+            raise _refused(source, f"it is damaged: rung {place} says that it is {one.number}")
+        if one.parent is not None and not 0 <= one.parent < place:
+            raise _refused(source, f"it is damaged: rung {place} comes from {one.parent}, which was not there before it")
+        if one.cause not in CAUSES:
+            raise _refused(source, f"it is damaged: rung {place} has the unknown cause {one.cause!r}")
+    if current is not None and not 0 <= current < len(rungs):
+        raise _refused(source, f"it is damaged: its current rung is {current} of {len(rungs)}")
+    return Ladder(rungs=rungs, current=current)
 
 
 def write(path: Path, ladder: Ladder, model: str) -> None:
@@ -388,48 +415,16 @@ def ten_json(values: Array) -> dict[str, Any]:
     return listed | {"mass_kg": listed["mass_kg"][0]}
 
 
-def _require_ours(table: Mapping[str, Any], source: str) -> None:
-    if table.get("kind") != KIND or not isinstance(table.get("rungs"), list):
-        raise _refused(source, "it is no ladder of massline")
-    found = table.get("format")
-    if isinstance(found, int) and not isinstance(found, bool) and found > FORMAT:
-        problem = f"its format is {found}, written by a newer massline; this one reads {FORMAT}"
-        raise BadInput(source=source, field="format", problem=problem, remedy="Use that massline. Nothing was changed")
-    if found != FORMAT or isinstance(found, bool):
-        raise _refused(source, f"its format must be {FORMAT}, found {found!r}")
-
-
 def _refused(source: str, problem: str) -> BadInput:
     remedy = "Put back a copy that is whole, or move the file away to begin a new ladder; nothing was changed"
     return BadInput(source=source, problem=problem, remedy=remedy)
 
 
-def _sound(ladder: Ladder, source: str) -> Ladder:
-    """Refuse numbers that are no places, parents that did not come before, causes that nobody knows."""
-    for place, one in enumerate(ladder.rungs):
-        if one.number != place:
-            raise _refused(source, f"it is damaged: rung {place} says that it is {one.number}")
-        if one.parent is not None and not 0 <= one.parent < place:
-            raise _refused(source, f"it is damaged: rung {place} comes from {one.parent}, which was not there before it")
-        if one.cause not in CAUSES:
-            raise _refused(source, f"it is damaged: rung {place} has the unknown cause {one.cause!r}")
-    if ladder.current is not None and not 0 <= ladder.current < len(ladder.rungs):
-        raise _refused(source, f"it is damaged: its current rung is {ladder.current} of {len(ladder.rungs)}")
-    return ladder
-
-
-def _current(value: Any) -> int | None:
-    if value is not None and (isinstance(value, bool) or not isinstance(value, int)):
-        raise TypeError(f"a whole number is expected, found {value!r:.60}")
-    return value
-
-
 def _errors(table: Mapping[str, Any] | None) -> Errors | None:
-    return None if table is None else _positive(from_json(Errors, table))
-
-
-def _positive(errors: Errors) -> Errors:
-    """Refuse what is negative of the errors, which are roots of squares and sums of them."""
+    if table is None:
+        return None
+    errors = from_json(Errors, table)
+    # What is negative of roots of squares and of sums of them is refused
     for key in ("nominal_percent", "plain_percent", "heldout_nominal_percent", "heldout_percent", "fitted_chi2", "tolerance_z2"):
         if (value := to_json(errors)[key] or 0.0) < 0:
             raise ValueError(f"{key} is negative, {value:g}")
@@ -440,10 +435,10 @@ def _ten(table: Mapping[str, Any]) -> Array:
     return np.concatenate([np.ravel(np.asarray(table[key], dtype=np.float64)) / scale for key, (_, scale) in _TEN.items()])
 
 
-def _strings(value: Any) -> tuple[str, ...]:
+def _lines(value: Any) -> str:
     if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
         raise TypeError(f"a list of texts is expected, found {value!r:.60}")
-    return tuple(value)
+    return "\n".join(value)
 
 
 # One process at a time changes a ladder: what it reads is what it writes on.
@@ -512,6 +507,15 @@ class HistoryPosition:
         return self.ladder.rung(self.ladder.current)
 
 
+def conditions(at: HistoryPosition) -> Iterator[str]:
+    """What is odd about where the model stands."""
+    if at.edited and at.below is not None:
+        yield f"{at.path.name} was edited by hand since rung {at.below.number}; the next `massline add` makes a rung of it."
+    for one in at.ladder.rungs:
+        if one.errors is None:
+            yield f"Rung {one.number} was put aside before it was held against data."
+
+
 def history_position(path: Path) -> HistoryPosition:
     """Where the model file `path` stands.
 
@@ -568,43 +572,19 @@ def kept(at: HistoryPosition, rung: Version) -> HistoryPosition:
 def _kept(at: HistoryPosition, rung: Version) -> tuple[HistoryPosition, int]:
     """As `kept`, the ladder being ours alone, and the number of the rung."""
     now = history_position(at.path).ladder
-    one = _numbered(now, stamped(rung))
+    if not rung.when:
+        versions = {"python": python_version(), **{name: version(name) for name in PROGRAMS}}
+        rung = replace(rung, when=datetime.now(UTC).isoformat(timespec="seconds"), versions=versions)
+    # In the place that waits for it, or as it is there already, or behind all others
+    waiting = rung.number < len(now.rungs) and now.rung(rung.number).waits_for(rung)
+    there = next((one for one in now.rungs if one.is_same(rung)), None)
+    one = rung if waiting else there or replace(rung, number=len(now.rungs))
     rungs = [*now.rungs]
     rungs[one.number : one.number + 1] = [one]
     here = one.model == at.text
     ladder = Ladder(rungs=tuple(rungs), current=one.number if here or now.current is None else now.current)
     write(path_beside(at.path), ladder, at.path.name)
     return replace(at, ladder=ladder, rung=one if here else at.rung), one.number
-
-
-def _numbered(now: Ladder, rung: Version) -> Version:
-    """`rung` in the place that waits for it, or as it is there already, or behind all others."""
-    if rung.number < len(now.rungs) and _is_waiting(now.rung(rung.number), rung):
-        return rung
-    there = next((one for one in now.rungs if _is_same(one, rung)), None)
-    return there or replace(rung, number=len(now.rungs))
-
-
-def _is_same(there: Version, rung: Version) -> bool:
-    """Whether another process made the very rung: the same step to the same model, on the same data, by the same programs."""
-    step = ("parent", "cause", "effect", "model", "versions", "verdict")
-    return (
-        rung.stands_on(there.conditions)
-        and there.errors is not None
-        and all(getattr(there, name) == getattr(rung, name) for name in step)
-    )
-
-
-def _is_waiting(there: Version, rung: Version) -> bool:
-    return there.errors is None and there.model == rung.model and there.parent == rung.parent
-
-
-def stamped(rung: Version) -> Version:
-    """`rung` with the time and the versions of the programs, where it has none."""
-    if rung.when:
-        return rung
-    versions = {"python": python_version(), **{name: version(name) for name in PROGRAMS}}
-    return replace(rung, when=datetime.now(UTC).isoformat(timespec="seconds"), versions=versions)
 
 
 def climbed(at: HistoryPosition, rung: Version) -> HistoryPosition:
@@ -647,7 +627,7 @@ def _gone_to(at: HistoryPosition, number: int) -> HistoryPosition:
     write(path_beside(at.path), ladder, at.path.name)
     rung = ladder.rung(number)
     if rung.model != at.text:
-        _write_model(at.path, rung.model)
+        write_with(at.path, lambda temporary: temporary.write_bytes(rung.model.encode("utf-8")))
     return replace(at, ladder=ladder, text=rung.model, rung=rung)
 
 
@@ -674,10 +654,6 @@ def _require_rungs(at: HistoryPosition) -> None:
         raise BadInput(source=str(at.path), problem=problem, remedy="`massline add MODEL EFFECT DATA ...` makes one")
 
 
-def _write_model(path: Path, text: str) -> None:
-    write_with(path, lambda temporary: temporary.write_bytes(text.encode("utf-8")))
-
-
 # A model file has an effect of the user's own, and nobody said where it is: its ladder remembers the folder.
 
 
@@ -695,20 +671,15 @@ def reminded(path: Path) -> Iterator[None]:
     try:
         yield
     except BadInput as error:
-        if OPTION not in error.remedy or not (folders := _folders(path)):
+        rungs: tuple[Version, ...] = ()
+        with suppress(BadInput, OSError):  # a ladder that cannot be read reminds of nothing
+            rungs = read(path_beside(path)).rungs
+        stated = [one.settings.get("effects_from") for one in rungs]
+        folders = dict.fromkeys(str(folder) for some in stated if isinstance(some, list) for folder in some)
+        if OPTION not in error.remedy or not folders:
             raise
         remedy = f"Say {' '.join(f'{OPTION} {folder}' for folder in folders)}, as when it was added"
         raise BadInput(source=error.source, field=error.field, problem=error.problem, remedy=remedy) from None
-
-
-def _folders(path: Path) -> tuple[str, ...]:
-    """Folders of own effects in any rung beside the model file `path`; none where the ladder cannot be read."""
-    try:
-        rungs = read(path_beside(path)).rungs
-    except (BadInput, OSError):
-        return ()
-    stated = [one.settings.get("effects_from") for one in rungs]
-    return tuple(dict.fromkeys(str(folder) for some in stated if isinstance(some, list) for folder in some))
 
 
 # Where a ladder's data lie and whether they are what they were: paths from its folder, and digests of what they hold.
@@ -722,7 +693,12 @@ def sources(paths: Sequence[str], folder: Path) -> tuple[Source, ...]:
     BadInput : a folder that is no campaign.
     OSError : a file cannot be read.
     """
-    return tuple(Source(path=_from(path, folder), digest=digest(path)) for path in paths)
+    found = []
+    for path in paths:
+        # Seen from the folder, with forward slashes; the name of shipped data stays one
+        beside = Path(os.path.relpath(Path(path).resolve(), folder.resolve())).as_posix() if Path(path).exists() else path
+        found.append(Source(path=beside, digest=digest(path)))
+    return tuple(found)
 
 
 def paths(known: Conditions, folder: Path, ladder: str) -> tuple[str, ...]:
@@ -732,7 +708,17 @@ def paths(known: Conditions, folder: Path, ladder: str) -> tuple[str, ...]:
     ------
     BadInput : one of them is not there any more.
     """
-    return tuple(_there(one.path, folder, ladder) for one in known.data)
+    found = []
+    for one in known.data:
+        if (folder / one.path).exists():
+            found.append(os.path.normpath(folder / one.path))
+        elif one.path.removesuffix(".toml") in classical_files.shipped():
+            found.append(one.path)
+        else:
+            problem = f"its rung stands on {one.path}, which is not there any more"
+            remedy = "Put it back, or name the data again: MODEL EFFECT DATA ..."
+            raise BadInput(source=ladder, field="data", problem=problem, remedy=remedy)
+    return tuple(found)
 
 
 def changed(known: Conditions, now: Conditions) -> tuple[str, ...]:
@@ -754,7 +740,10 @@ def digest(path: str) -> str:
     OSError : a file cannot be read.
     """
     if not Path(path).is_dir():
-        return _of_file(Path(path)) if Path(path).exists() else _shipped(path)
+        if Path(path).exists():
+            return _of_file(Path(path))
+        held = files("validation.reference").joinpath("in_print", f"{path.removesuffix('.toml')}.toml")
+        return sha256(held.read_bytes()).hexdigest()
     described = campaign_file.read_description(path)
     names = sorted({campaign_file.NAME, *(run.file for run in described.runs)})
     whole = sha256()
@@ -769,24 +758,112 @@ def _of_file(path: Path) -> str:
         return file_digest(stream, "sha256").hexdigest()
 
 
-def _shipped(name: str) -> str:
-    held = files("validation.reference").joinpath("in_print", f"{name.removesuffix('.toml')}.toml")
-    return sha256(held.read_bytes()).hexdigest()
+# What is to be thought of an effect that was added: is it worth a parameter, does it hold elsewhere, is it a fault at all.
 
 
-def _from(path: str, folder: Path) -> str:
-    """`path` from `folder`, with forward slashes; the name of shipped data stays one."""
-    if not Path(path).exists():
-        return path
-    return Path(os.path.relpath(Path(path).resolve(), folder.resolve())).as_posix()
+FALLS = 0.02
+"""Share of an error by which it must change for us to say so."""
 
 
-def _there(path: str, folder: Path, ladder: str) -> str:
-    if (folder / path).exists():
-        return os.path.normpath(folder / path)
-    if path.removesuffix(".toml") in classical_files.shipped():
-        return path
-    problem = f"its rung stands on {path}, which is not there any more"
-    raise BadInput(
-        source=ladder, field="data", problem=problem, remedy="Put it back, or name the data again: MODEL EFFECT DATA ..."
-    )
+def is_worth_adding(rung: Version) -> bool:
+    """Whether the evidence speaks for the effect of `rung`."""
+    return rung.gain is not None and rung.gain > rung.asked_gain
+
+
+def verdict(before: Version, after: Version, tolerances: Mapping[str, float], nulls: Mapping[str, float]) -> Iterator[str]:
+    """Sentences about the effect that leads from `before` to `after`; none where one of them has no figures.
+
+    Parameters
+    ----------
+    tolerances : by key of its sizes, what a careful laboratory or the model admits of it, one standard deviation; 0 for nothing
+    nulls : by key, the size at which there is no effect
+    """
+    old, new = before.errors, after.errors
+    if old is None or new is None:
+        return
+    if not (old.converged and new.converged):
+        yield "A fit did not converge: none of these figures is the last word."
+    if not all(body.converged for body in after.bodies):
+        yield "The fit of the identified inertia did not converge: its figures are not the last word."
+    gain, asked = after.gain, after.asked_gain
+    if gain is None or not isfinite(gain):
+        yield "Evidence cannot be compared: the rung before stands on other data."
+    elif gain > asked:
+        yield f"It is worth a parameter: the evidence rises by {gain:.1f} nats, where {asked:g} are asked for."
+    else:
+        told = f"{'falls' if gain < 0 else 'rises'} by {abs(gain):.1f} nats, where a rise of {asked:g} is asked for"
+        yield f"It is not worth a parameter: the evidence {told}."
+    yield f"The plain error {_change(old.plain, new.plain)} on the data it was fitted to."
+    # The channel that gained most, where others hide it in the whole
+    known = [name for name in new.by_channel if name in old.by_channel]
+    gained = {name: old.by_channel[name] ** 2 - new.by_channel[name] ** 2 for name in known}
+    best = max(gained, key=lambda name: gained[name], default="")
+    if best and new.by_channel[best] < (1 - FALLS) * old.by_channel[best]:
+        was, now = percent(old.by_channel[best]), percent(new.by_channel[best])
+        yield f"Of its channels {best} gains most: {was} before and {now} after."
+    if old.held_out is None or new.held_out is None:
+        yield "Nothing was held out, so that nothing says whether it holds elsewhere."
+    else:
+        yield f"It {_change(old.held_out, new.held_out)} on data that were held out."
+        yield from _by_fold(old.by_fold, new.by_fold)
+        if new.plain < (1 - FALLS) * old.plain and new.held_out > (1 + FALLS) * old.held_out:
+            yield "What it explains here it does not explain there: it fits the data, not the structure."
+    for size in after.effects.get(after.effect, ()):
+        yield _size(size, tolerances.get(size.key, 0.0), nulls.get(size.key, 0.0))
+    # Judged as `massline compare` judges it
+    if new.tolerances and costly(new.tolerance_z2, new.due_z2, new.largest_z or 0.0):
+        many = f"sum z² {new.tolerance_z2:.3g}, where about {new.due_z2:.0f} is due"
+        most = "" if new.largest_z is None or new.largest_z < ABSURD else f", one of them at {new.largest_z:.1f} z"
+        yield f"The tolerances still pay for it, {many}{most}: something else is wrong, however good chi² is."
+
+
+def _by_fold(old: Mapping[str, float], new: Mapping[str, float]) -> Iterator[str]:
+    """What was held out in turn and fell, and what rose, where it is not all of it."""
+    known = [name for name in new if name in old]
+    fell = [name for name in known if new[name] < (1 - FALLS) * old[name]]
+    rose = [name for name in known if new[name] > (1 + FALLS) * old[name]]
+    if rose and len(known) > 1:
+        worst = max(rose, key=lambda name: new[name] / old[name])
+        told = f"most of all {worst}: {percent(old[worst])} before and {percent(new[worst])} after"
+        yield f"Of {len(known)} that were held out in turn {len(fell)} fell and {len(rose)} rose, {told}."
+
+
+def _change(old: float, new: float) -> str:
+    if new < (1 - FALLS) * old:
+        return f"falls from {percent(old)} to {percent(new)}"
+    if new > (1 + FALLS) * old:
+        return f"rises from {percent(old)} to {percent(new)}"
+    return f"does not fall ({percent(old)} before and {percent(new)} after)"
+
+
+def _size(size: VersionSize, tolerance: float, null: float) -> str:
+    name, u = f"Its {size.key}" if size.key else "Its size", unit(size.unit)
+    if size.deviation is None:
+        return f"{name} was given, not fitted: {size.value:.4g}{u}."
+    off, half = abs(size.value - null), NORMAL_95 * size.deviation
+    told = f"{name}, {size.value:.4g} ± {half:.2g}{u} (95 %),"
+    admitted = f"within its tolerance of {tolerance:.2g}{u}, one standard deviation"
+    if size.deviation == 0:
+        return f"{name} ends at the bound of what its family allows, {size.value:.4g}{u}: the data want it beyond."
+    if tolerance > 0 and off <= NORMAL_95 * tolerance:
+        return f"{told} lies {admitted}: it is no fault."
+    if tolerance > 0 and off - half <= NORMAL_95 * tolerance:
+        return f"{told} may yet lie {admitted}."
+    if off <= half:
+        return f"{told} cannot be told from no effect."
+    return f"{name} is {size.value:.4g} ± {half:.2g}{u} (95 %)."
+
+
+def unit(of: str) -> str:
+    """Behind a figure; a ratio has none."""
+    return "" if of == "1" else f" {of}"
+
+
+def percent(value: float | None) -> str:
+    """An error with three digits."""
+    return "–" if value is None else f"{value:.3g} %"
+
+
+def sentence(text: str) -> str:
+    """`text` with a capital and one full stop."""
+    return f"{text[:1].upper()}{text[1:].rstrip('.')}."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
@@ -126,49 +126,38 @@ SAYS = {"quantity": "measures", "group": "belongs to the group", "senses_gravity
 
 def difference(one: Campaign, other: Campaign) -> str:
     """The first thing in which the channel tables of two campaigns differ, in words; empty where there is none."""
-    differences = (*_missing(one, other), *_missing(other, one))
-    return next(iter(differences), "") or next(_said_otherwise(one, other), "") or _placed_otherwise(one, other)
+    mine, its = _channels(one), _channels(other)
+    for known, told, of, to in ((mine, its, one, other), (its, mine, other, one)):
+        if missing := next((name for name in known if name not in told), ""):
+            return f"{missing} is a channel of {of.source} and not of {to.source}"
+    for name, a in mine.items():
+        b = its[name]
+        for key, says in SAYS.items():
+            if getattr(a, key) != getattr(b, key):
+                return f"{name} {says} {getattr(a, key)} in {one.source} and {getattr(b, key)} in {other.source}"
+        if len(a.places) != len(b.places):
+            return f"{name} adds up {len(a.places)} places in {one.source} and {len(b.places)} in {other.source}"
+        for first, second in zip(a.places, b.places, strict=True):
+            if _apart(first.direction, second.direction):
+                ways = _vector(first.direction), _vector(second.direction)
+                return f"{name} points along {ways[0]} in {one.source} and along {ways[1]} in {other.source}"
+    places = [
+        (name, x.position - one.table.origin, y.position - other.table.origin)
+        for name, channel in mine.items()
+        for x, y in zip(channel.places, its[name].places, strict=True)
+    ]
+    moved = [place for place in places if _apart(*place[1:])]
+    if not moved:
+        return ""
+    name, here, there = moved[0]
+    if len(moved) == len(places) and not any(_apart(y - x, there - here) for _, x, y in moved):
+        shift = _vector(there - here)
+        return f"every channel lies {shift} m farther from F than in {one.source}: one `frame.origin` is not that of F"
+    return f"{name} lies at {_vector(here)} m from F in {one.source} and at {_vector(there)} m in {other.source}"
 
 
 def _channels(campaign: Campaign) -> dict[str, Channel]:
     return {channel.name: channel for channel in campaign.table.channels if channel.group != MOUNTED}
-
-
-def _missing(one: Campaign, other: Campaign) -> list[str]:
-    names = [name for name in _channels(one) if name not in _channels(other)]
-    return [f"{names[0]} is a channel of {one.source} and not of {other.source}"] if names else []
-
-
-def _said_otherwise(one: Campaign, other: Campaign) -> Iterator[str]:
-    there = _channels(other)
-    for name, a in _channels(one).items():
-        for key, says in SAYS.items():
-            here, said = getattr(a, key), getattr(there[name], key)
-            if here != said:
-                yield f"{name} {says} {here} in {one.source} and {said} in {other.source}"
-        if len(a.places) != len(there[name].places):
-            yield f"{name} adds up {len(a.places)} places in {one.source} and {len(there[name].places)} in {other.source}"
-        for first, second in zip(a.places, there[name].places, strict=False):
-            if _apart(first.direction, second.direction):
-                ways = _vector(first.direction), _vector(second.direction)
-                yield f"{name} points along {ways[0]} in {one.source} and along {ways[1]} in {other.source}"
-
-
-def _placed_otherwise(one: Campaign, other: Campaign) -> str:
-    there = _channels(other)
-    places = [
-        (name, a.position - one.table.origin, b.position - other.table.origin)
-        for name, channel in _channels(one).items()
-        for a, b in zip(channel.places, there[name].places, strict=True)
-    ]
-    moved = [(name, a, b) for name, a, b in places if _apart(a, b)]
-    if not moved:
-        return ""
-    name, a, b = moved[0]
-    if len(moved) == len(places) and not any(_apart(y - x, b - a) for _, x, y in moved):
-        shift = _vector(b - a)
-        return f"every channel lies {shift} m farther from F than in {one.source}: one `frame.origin` is not that of F"
-    return f"{name} lies at {_vector(a)} m from F in {one.source} and at {_vector(b)} m in {other.source}"
 
 
 def _apart(a: Array, b: Array) -> bool:
@@ -200,30 +189,32 @@ def require_pair(model: Model, campaigns: Sequence[Campaign]) -> None:
         problem = "there is no campaign to hold it against"
         raise BadInput(source=model.source, problem=problem, remedy="Name at least one campaign folder")
     for campaign in campaigns:
-        if _own(model, campaign) or set(campaign.article.split("+")) <= set(NAMES):
-            pass
-        else:
+        file = str(Path(campaign.source) / NAME)
+        if not (_own(model, campaign) or set(campaign.article.split("+")) <= set(NAMES)):
             near = nearest(campaign.article, (*model.own, model.article))
             raise BadInput(
-                source=str(Path(campaign.source) / NAME),
+                source=file,
                 field="campaign.article",
                 problem=f"is {campaign.article}, which is not built in, and {model.source} has no model of it",
                 remedy=f"{near}Name its file in [structure.own] of {model.source}, or correct the article",
             )
-        _require_same_hardware(model, campaign, campaigns[0])
-        if abs(campaign.gravity - model.gravity) <= GRAVITY:
-            pass
-        else:
+        hardware, first = campaign.hardware, campaigns[0]
+        if model.hardware and hardware and hardware != model.hardware:
+            problem = f"is {hardware}, and {model.source} describes {model.hardware}: another FMD, other sensors"
+            remedy = "Use the model of this hardware, or correct `laboratory.hardware`"
+            raise BadInput(source=file, field="campaign.hardware", problem=problem, remedy=remedy)
+        if hardware and first.hardware and hardware != first.hardware:
+            problem = f"is {hardware}, and that of {first.source} is {first.hardware}: one model describes one hardware"
+            raise BadInput(source=file, field="campaign.hardware", problem=problem, remedy="Compare them one after the other")
+        if abs(campaign.gravity - model.gravity) > GRAVITY:
             raise BadInput(
-                source=str(Path(campaign.source) / NAME),
+                source=file,
                 field="environment.gravity",
                 problem=f"is {campaign.gravity:g} m/s^2, and `laboratory.gravity_m_s2` of {model.source} is {model.gravity:g}",
                 remedy="Correct the one that is wrong; 0 is a test without gravity",
             )
     wanted = _families(model.article)
-    if not wanted or any(_families(campaign.article) & wanted for campaign in campaigns):
-        pass
-    else:
+    if wanted and not any(_families(campaign.article) & wanted for campaign in campaigns):
         articles = ", ".join(f"{campaign.article} ({campaign.source})" for campaign in campaigns)
         raise BadInput(
             source=model.source,
@@ -232,10 +223,18 @@ def require_pair(model: Model, campaigns: Sequence[Campaign]) -> None:
             remedy="Name the campaign of this article, or the model of these",
         )
     # Each campaign with the first that has its hardware
-    first: dict[str, Campaign] = {}
-    of_one_hardware = [(first.setdefault(campaign.hardware, campaign), campaign) for campaign in campaigns]
-    for one, other in of_one_hardware:
-        _require_same_channels(one, other)
+    of_hardware: dict[str, Campaign] = {}
+    for campaign in campaigns:
+        problem = difference(of_hardware.setdefault(campaign.hardware, campaign), campaign)
+        if problem:
+            what = f"hardware {campaign.hardware}" if campaign.hardware else "hardware, as none is stated"
+            raise BadInput(
+                source=str(Path(campaign.source) / NAME),
+                field="channel",
+                problem=f"{problem}; both have the same {what}",
+                remedy="Correct the table that is wrong, or give what was changed between the tests a `campaign.hardware` of its "
+                "own",
+            )
     for added in model.effects:
         require_target(model, campaigns, added.named, model.source)
 
@@ -253,58 +252,50 @@ def require_target(model: Model, campaigns: Sequence[Campaign], named: Named, so
     words = vocabulary(model, campaigns)
     for kind, target in zip(FAMILIES[named.family].targets, named.targets, strict=False):
         legal = words.parts if of_parts(named) else words.legal(kind) if kind in (*OF_CHANNELS, PLACE) else None
-        if legal is not None and target not in legal:
-            raise _nowhere(model, campaigns, named, kind, legal, source)
+        if legal is None or target in legal:
+            continue
+        near = f"{nearest(target, legal)}Known are {', '.join(legal)}" if legal else "Leave the effect out"
+        if of_parts(named) and model.kind == RIGID:
+            problem, near = "acts on a part, and the parts of a rigid model do not give", 'Choose kind = "beam" in [structure]'
+        elif kind in OF_CHANNELS:
+            other = ", where one of another kind is" if any(target in campaign.table.names for campaign in campaigns) else ""
+            problem = f"no campaign has the {kind} {target!r}{other}: {', '.join(campaign.source for campaign in campaigns)}"
+        else:
+            problem = f"no article here has the {PART if of_parts(named) else kind} {target!r}: {_articles(campaigns)}"
+            near = f"{near}, or add the campaign of the article that has it"
+        raise BadInput(source=source, field=f"effect {named.id}", problem=problem, remedy=near)
 
 
 def vocabulary(model: Model, campaigns: Sequence[Campaign]) -> Vocabulary:
     """The channels of `campaigns`, and the places and parts of their articles as `model` describes them."""
+    from geometry.articles import changes_of
+    from geometry.articles.locations import locations
+    from geometry.articles.parts import FOUR_BLADES, ONE_BLADE
+
     own = any(_own(model, campaign) for campaign in campaigns)
+    places: tuple[str, ...] | None = None
+    if not own:
+        stacks = [above for campaign in campaigns if (above := above_fmd(campaign.article))]
+        every = (place for stack in stacks for place in locations(stack, changes_of(stack, model.changes)))
+        places = tuple(dict.fromkeys(every))
+    parts: tuple[str, ...] | None = None
+    if model.kind == RIGID:
+        parts = ()
+    elif not own:
+        known = {"clumod-1": ("mast", *ONE_BLADE), "clumod-4": ("mast", *FOUR_BLADES)}
+        names = (name for campaign in campaigns for name in campaign.article.split("+"))
+        parts = tuple(dict.fromkeys(part for name in names for part in known.get(name, ())))
     return Vocabulary(
         accelerometers=_channels_of_both(campaigns, ("acceleration",)),
         forces=_channels_of_both(campaigns, ("force", "moment")),
-        places=None if own else _places(model, campaigns),
-        parts=None if own and model.kind != RIGID else _parts(model, campaigns),
+        places=places,
+        parts=parts,
     )
 
 
 def _channels_of_both(campaigns: Sequence[Campaign], quantities: tuple[str, ...]) -> tuple[str, ...]:
     tables = [campaign.table for campaign in campaigns]
     return tuple(dict.fromkeys(table.names[k] for table in tables for k in table.select(quantity=quantities)))
-
-
-def _places(model: Model, campaigns: Sequence[Campaign]) -> tuple[str, ...]:
-    from geometry.articles import changes_of
-    from geometry.articles.locations import locations
-
-    stacks = [above for campaign in campaigns if (above := above_fmd(campaign.article))]
-    return tuple(dict.fromkeys(place for stack in stacks for place in locations(stack, changes_of(stack, model.changes))))
-
-
-def _parts(model: Model, campaigns: Sequence[Campaign]) -> tuple[str, ...]:
-    from geometry.articles.parts import FOUR_BLADES, ONE_BLADE
-
-    if model.kind == RIGID:
-        return ()
-    known = {"clumod-1": ("mast", *ONE_BLADE), "clumod-4": ("mast", *FOUR_BLADES)}
-    return tuple(dict.fromkeys(part for c in campaigns for name in c.article.split("+") for part in known.get(name, ())))
-
-
-def _nowhere(
-    model: Model, campaigns: Sequence[Campaign], named: Named, kind: str, legal: tuple[str, ...], source: str
-) -> BadInput:
-    """The refusal of `named`, which acts on a `kind` of which only the `legal` ones are there."""
-    target = next(one for one in named.targets if one not in legal)
-    near = f"{nearest(target, legal)}Known are {', '.join(legal)}" if legal else "Leave the effect out"
-    if of_parts(named) and model.kind == RIGID:
-        problem, near = "acts on a part, and the parts of a rigid model do not give", 'Choose kind = "beam" in [structure]'
-    elif kind in OF_CHANNELS:
-        other = ", where one of another kind is" if any(target in campaign.table.names for campaign in campaigns) else ""
-        problem = f"no campaign has the {kind} {target!r}{other}: {', '.join(campaign.source for campaign in campaigns)}"
-    else:
-        problem = f"no article here has the {PART if of_parts(named) else kind} {target!r}: {_articles(campaigns)}"
-        near = f"{near}, or add the campaign of the article that has it"
-    return BadInput(source=source, field=f"effect {named.id}", problem=problem, remedy=near)
 
 
 def _articles(campaigns: Sequence[Campaign]) -> str:
@@ -322,28 +313,3 @@ def _own(model: Model, campaign: Campaign) -> bool:
 def _families(article: str) -> set[str]:
     """The parts above the FMD; Clumod with any blades is one."""
     return {part.split("-")[0] if part in NAMES else part for part in above_fmd(article).split("+") if part}
-
-
-def _require_same_hardware(model: Model, campaign: Campaign, first: Campaign) -> None:
-    source = str(Path(campaign.source) / NAME)
-    if model.hardware and campaign.hardware and campaign.hardware != model.hardware:
-        problem = f"is {campaign.hardware}, and {model.source} describes {model.hardware}: another FMD, other sensors"
-        remedy = "Use the model of this hardware, or correct `laboratory.hardware`"
-        raise BadInput(source=source, field="campaign.hardware", problem=problem, remedy=remedy)
-    if campaign.hardware and first.hardware and campaign.hardware != first.hardware:
-        problem = f"is {campaign.hardware}, and that of {first.source} is {first.hardware}: one model describes one hardware"
-        raise BadInput(source=source, field="campaign.hardware", problem=problem, remedy="Compare them one after the other")
-
-
-def _require_same_channels(one: Campaign, other: Campaign) -> None:
-    """Refuse two campaigns of one hardware whose channel tables, seen from F, say different things of it."""
-    problem = difference(one, other)
-    if not problem:
-        return
-    what = f"hardware {other.hardware}" if other.hardware else "hardware, as none is stated"
-    raise BadInput(
-        source=str(Path(other.source) / NAME),
-        field="channel",
-        problem=f"{problem}; both have the same {what}",
-        remedy="Correct the table that is wrong, or give what was changed between the tests a `campaign.hardware` of its own",
-    )

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import json
 import os.path
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from contextlib import suppress
+from dataclasses import fields
 from functools import lru_cache, partial
 from math import degrees, inf, isfinite, nextafter, radians
 from operator import add
@@ -17,12 +17,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+from tomlkit.items import AoT
 
 from geometry import routes, toml_file
 from geometry.articles import NAMES, built_in, changes_of, dimension_files
 from geometry.articles.parts import load
 from geometry.errors import BadInput
-from geometry.frames import Array
 from geometry.inertia import Inertia, judge, parallel_axis, six_from_tensor, tensor_from_six
 from geometry.sensors import Tolerances
 from geometry.toml_file import nearest
@@ -49,13 +51,9 @@ def string(value: str) -> str:
 
 def block(head: str, lines: Sequence[Line]) -> str:
     """A table with its comments below each other."""
-    width = max(len(f"{key} = {value}") for key, value, note in lines if note) if any(note for *_, note in lines) else 0
-    return "\n".join([head, *(_line(key, value, note, width) for key, value, note in lines)])
-
-
-def _line(key: str, value: str, note: str, width: int) -> str:
-    pair = f"{key} = {value}"
-    return f"{pair:{width}}  # {note}" if note else pair
+    width = max((len(f"{key} = {value}") for key, value, note in lines if note), default=0)
+    pairs = ((f"{key} = {value}", note) for key, value, note in lines)
+    return "\n".join([head, *(f"{pair:{width}}  # {note}" if note else pair for pair, note in pairs)])
 
 
 def number(value: float) -> str:
@@ -244,51 +242,6 @@ SCALES = {
 """Fields of `Tolerances`, how the file calls them, and beyond what a unit was mistaken."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Laboratory:
-    """What [laboratory] says; see `Model`."""
-
-    hardware: str
-    gravity: float
-    fmd: Inertia | None
-    fmd_tolerance: float
-    cell_stiffness: Array | None
-
-
-def read_laboratory(table: Fields) -> Laboratory:
-    """[laboratory].
-
-    Raises
-    ------
-    BadInput : an unknown key, a wrong type or size, an inertia that no body has.
-    """
-    table.only(LABORATORY)
-    fmd = table.inner("fmd").only(FMD)
-    stiff = "cell_stiffness_N_m" in table.table
-    return Laboratory(
-        hardware=table.text("hardware"),
-        gravity=as_number(table, "gravity_m_s2", low=0.0, high=30.0) if "gravity_m_s2" in table.table else 9.81,
-        fmd=_inertia(fmd),
-        fmd_tolerance=as_number(fmd, "tolerance", low=0.0, high=1.0) if "tolerance" in fmd.table else 0.05,
-        cell_stiffness=np.array(three(table, "cell_stiffness_N_m", low=1.0, high=1e15)) if stiff else None,
-    )
-
-
-def tolerances(table: Fields, fmd: float) -> Tolerances:
-    """[tolerances], with the share `fmd` by which the FMD's inertia is known.
-
-    Raises
-    ------
-    BadInput : an unknown key, a wrong type or size.
-    """
-    names = {key: name for name, (key, _) in SCALES.items()}
-    table.only(names)
-    given = {
-        name: si(name, as_number(table, key, low=0.0, high=SCALES[name][1])) for key, name in names.items() if key in table.table
-    }
-    return Tolerances(**given, fmd_inertia=fmd)
-
-
 def si(name: str, written: float) -> float:
     """The tolerance `name` in SI of the number `written` in the file."""
     return {"position_mm": written / 1e3, "angle_deg": radians(written)}.get(SCALES[name][0], written)
@@ -360,9 +313,7 @@ def of_table(table: dict[str, Any], source: str) -> Model:
     ------
     BadInput : see `read`.
     """
-    if "model" in table:
-        pass
-    else:
+    if "model" not in table:
         kinds = {
             "campaign": "a campaign.toml",
             "fe_model": "an FE model",
@@ -370,33 +321,45 @@ def of_table(table: dict[str, Any], source: str) -> Model:
             "inertia": "a result file",
         }
         what = next((f"this is {what}" for key, what in kinds.items() if key in table), "the table [model] is missing")
-        near = nearest("model", list(table))
-        problem = f"{what}, where a model file is needed"
-        raise BadInput(
-            source=source, field="model", problem=problem, remedy=f"{near}`massline model ARTICLE --out FILE` writes one"
-        )
+        remedy = f"{nearest('model', list(table))}`massline model ARTICLE --out FILE` writes one"
+        raise BadInput(source=source, field="model", problem=f"{what}, where a model file is needed", remedy=remedy)
     toml_file.require_format(table, source)
     whole = Fields(source=source, place="", table=table).only(TABLES)
     about, structure = whole.inner("model").only(MODEL), whole.inner("structure").only(STRUCTURE)
     own = _own(structure.inner("own"))
     kind = structure.choice("kind", KINDS) if "kind" in structure.table else BEAM
-    known = read_laboratory(whole.inner("laboratory"))
+    laboratory = whole.inner("laboratory").only(LABORATORY)
+    fmd = laboratory.inner("fmd").only(FMD)
+    stiff = "cell_stiffness_N_m" in laboratory.table
+    fmd_tolerance = as_number(fmd, "tolerance", low=0.0, high=1.0) if "tolerance" in fmd.table else 0.05
+    chain = whole.inner("tolerances").only([key for key, _ in SCALES.values()])
+    told = {
+        name: si(name, as_number(chain, key, low=0.0, high=high)) for name, (key, high) in SCALES.items() if key in chain.table
+    }
+    count = structure.integer("modes", Model.modes, 1)
+    if count > MOST_MODES:
+        problem = f"must lie between 1 and {MOST_MODES}, found {count}"
+        raise structure.refused("modes", problem, "What the modes beyond the last one kept contribute is in the residual mass")
+    names = [one.name for one in fields(StructureTolerances)]
+    spread = structure.inner("tolerances").only(names)
     return Model(
         source=source,
         title=about.text("title"),
         article=_article(about, own, kind),
-        hardware=known.hardware,
-        gravity=known.gravity,
-        fmd=known.fmd,
-        fmd_tolerance=known.fmd_tolerance,
-        cell_stiffness=known.cell_stiffness,
-        tolerances=tolerances(whole.inner("tolerances"), known.fmd_tolerance),
+        hardware=laboratory.text("hardware"),
+        gravity=as_number(laboratory, "gravity_m_s2", low=0.0, high=30.0) if "gravity_m_s2" in laboratory.table else 9.81,
+        fmd=_inertia(fmd),
+        fmd_tolerance=fmd_tolerance,
+        cell_stiffness=np.array(three(laboratory, "cell_stiffness_N_m", low=1.0, high=1e15)) if stiff else None,
+        tolerances=Tolerances(**told, fmd_inertia=fmd_tolerance),
         kind=kind,
-        modes=_modes(structure),
+        modes=count,
         changes=_changes(structure.inner("dimensions")),
         damping_ratio=as_number(structure, "damping_ratio", low=0.0, high=0.99) if "damping_ratio" in structure.table else None,
         own=own,
-        structure=_tolerances(structure.inner("tolerances")),
+        structure=StructureTolerances(
+            **{key: as_number(spread, key, low=0.0, high=LARGEST_SHARE) for key in names if key in spread.table}
+        ),
         effects=effects_of(whole, anywhere=bool(own)),
     )
 
@@ -416,20 +379,6 @@ def _article(about: Fields, own: Mapping[str, str], kind: str) -> str:
         remedy = f"{error.remedy}; what is your own has its file in [structure.own]"
         raise about.refused("article", error.problem, remedy) from None
     return name
-
-
-def _modes(structure: Fields) -> int:
-    count = structure.integer("modes", Model.modes, 1)
-    if count > MOST_MODES:
-        problem = f"must lie between 1 and {MOST_MODES}, found {count}"
-        raise structure.refused("modes", problem, "What the modes beyond the last one kept contribute is in the residual mass")
-    return count
-
-
-def _tolerances(table: Fields) -> StructureTolerances:
-    keys = tuple(one.name for one in fields(StructureTolerances))
-    table.only(keys)
-    return StructureTolerances(**{key: as_number(table, key, low=0.0, high=LARGEST_SHARE) for key in keys if key in table.table})
 
 
 def _changes(table: Fields) -> dict[str, float]:
@@ -504,23 +453,27 @@ def draft(article: str, out: Path | None = None) -> Model:
     BadInput : no such article, one that does not stand on the FMD, a file that is neither.
     OSError : a file cannot be read.
     """
-    if _is_model_file(article):
-        return read(article)
-    if is_stack(article) or not _is_own(article):
+    path = Path(article)
+    if path.suffix.lower() in (".toml", ".json") and path.is_file():
+        try:
+            is_model_file = "model" in toml_file.read(path)
+        except BadInput:
+            is_model_file = path.name != DESCRIPTION  # `read` says what is wrong with it
+        if is_model_file:
+            return read(article)
+    from fem.user_model.reading import is_model
+    from geometry.user_article import require_file
+
+    if is_stack(article) or not (is_file(article) or is_model(article)):
         built_in(article)
         if article.split("+")[0] != KNOWN_FMD:
             problem = "a model file describes what stands on the FMD, which must be the lowest of the stack"
             raise BadInput(source=f"article {article}", problem=problem, remedy=f"Name {KNOWN_FMD}+{article}")
-        return _ordinary(
-            article, f"{above_fmd(article) or KNOWN_FMD} on the FMD" if article != KNOWN_FMD else "the FMD alone", out, {}
-        )
-    from fem.user_model.reading import is_model
-    from geometry.user_article import require_file
-
+        title = "the FMD alone" if article == KNOWN_FMD else f"{above_fmd(article)} on the FMD"
+        return _ordinary(article, title, out, {})
     if is_model(article):
-        if not Path(article).is_file():
+        if not path.is_file():
             raise BadInput(source=article, problem="there is no such file", remedy="Check the path")
-        path = Path(article)
     else:
         path = require_file(article)
     name = path.parent.resolve().name if path.name == DESCRIPTION else path.stem
@@ -532,32 +485,12 @@ def _ordinary(article: str, title: str, out: Path | None, own: dict[str, str]) -
     return Model(source=str(out or "model.toml"), title=title, article=article, fmd_tolerance=fmd_tolerance, own=own)
 
 
-def _is_model_file(name: str) -> bool:
-    path = Path(name)
-    if path.suffix.lower() not in (".toml", ".json") or not path.is_file():
-        return False
-    try:
-        return "model" in toml_file.read(path)
-    except BadInput:
-        return path.name != DESCRIPTION  # `reading` says what is wrong with it
-
-
-def _is_own(name: str) -> bool:
-    from fem.user_model.reading import is_model
-
-    return is_file(name) or is_model(name)
-
-
 # The text of a model file with an effect more or less: every other line, and every comment, stays as its author wrote it.
 #
 # An effect is its ``[[effect]]`` line, the comment right above it, and all down to its last key. What an edit came to is read
-# again and held against what was meant, so that a layout that these lines do not foresee is refused and never damaged.
+# again and held against what was meant, so that a layout that is not foreseen here is refused and never damaged.
 
 
-HEADER = re.compile(r"\s*\[\[\s*(effect|'effect'|\"effect\")\s*\]\]")
-INNER = re.compile(r"\s*\[\s*effect\s*\.")
-TABLE = re.compile(r"\s*\[")
-KEY = re.compile(r"(?P<key>\s*(?P<name>value|sd|fixed)\s*=\s*)(?P<value>[^#]*?)(?P<rest>\s*(?:#.*)?)$")
 EDITED = ("value", "sd", "fixed")
 SOURCE = "model file"
 
@@ -572,30 +505,20 @@ def with_effect(text: str, added: Added, source: str = SOURCE) -> str:
     before = _read(text, source)
     ids = [one.named.id for one in before.effects]
     if added.named.id not in ids:
-        return _verified(f"{text.rstrip()}\n\n{effect_text(added)}\n", [*before.effects, added], before)
+        return _verified(text, [f"{text.rstrip()}\n\n{effect_text(added)}\n"], [*before.effects, added], source)
     place = ids.index(added.named.id)
-    meant = [*before.effects[:place], added, *before.effects[place + 1 :]]
-    lines = text.split("\n")
-    _, header, end = _span(lines, place, before)
-    # The lines of one effect with its value, sd and fixed replaced, their comments kept; what is new comes last
-    changed_body = lines[header:end]
-    says = entries(added)
-    left = {key: says[key] for key in EDITED if key in says}
-    changed_lines: list[str] = []
-    for line in changed_body:
-        found = KEY.match(line)
-        if found is None:
-            changed_lines.append(line)
-        elif found["name"] in left:
-            changed_lines.append(f"{found['key']}{left.pop(found['name'])}{found['rest']}")
-        elif found["name"] == "fixed":
-            changed_lines.append(f"{found['key']}false{found['rest']}")
-    changed = [*changed_lines, *(f"{key} = {value}" for key, value in left.items())]
-    for body in (changed, effect_text(added).splitlines()[1:]):
-        edited = "\n".join([*lines[:header], *body, *lines[end:]])
-        if _says(edited, meant, before):
-            return edited
-    raise _laid_out_otherwise(before.source)
+    above, header, keys, behind = _parted(text, place, source)
+    # Value, sd and fixed replaced, their comments kept; what is new comes last
+    table = tomlkit.parse(keys)
+    says = ({"fixed": "false"} if "fixed" in table else {}) | entries(added)
+    for key in EDITED:
+        if key in says:
+            table[key] = tomlkit.value(says[key])
+    for key in {*EDITED} & table.keys() - says.keys():
+        del table[key]
+    anew = "".join(f"{line}\n" for line in effect_text(added).splitlines()[2:])
+    edits = [f"{above}{header}{body}{behind}" for body in (tomlkit.dumps(table), anew)]
+    return _verified(text, edits, [*before.effects[:place], added, *before.effects[place + 1 :]], source)
 
 
 def without_effect(text: str, id: str, source: str = SOURCE) -> str:
@@ -611,12 +534,13 @@ def without_effect(text: str, id: str, source: str = SOURCE) -> str:
         known = f"it has {', '.join(ids)}" if ids else "it has none"
         raise BadInput(source=source, field=id, problem="the model has no such effect", remedy=f"{nearest(id, ids)}{known}")
     place = ids.index(id)
-    lines = text.split("\n")
-    first, _, end = _span(lines, place, before)
-    if first and not lines[first - 1].strip():  # one empty line between what stays is enough
-        first -= 1
-    edited = "\n".join([*lines[:first], *lines[end:]])
-    return _verified(edited, [*before.effects[:place], *before.effects[place + 1 :]], before)
+    above, _, _, behind = _parted(text, place, source)
+    lines = above.splitlines(keepends=True)
+    while lines and lines[-1].lstrip().startswith("#"):
+        lines.pop()
+    if lines and not lines[-1].strip():  # one empty line between what stays is enough
+        lines.pop()
+    return _verified(text, ["".join(lines) + behind], [*before.effects[:place], *before.effects[place + 1 :]], source)
 
 
 def _read(text: str, source: str) -> Model:
@@ -626,44 +550,36 @@ def _read(text: str, source: str) -> Model:
     return of_text(text, source)
 
 
-def _span(lines: Sequence[str], place: int, before: Model) -> tuple[int, int, int]:
-    """Of the effect at `place`: its first line of comment, its header, and the line after its last key."""
-    headers = [k for k, line in enumerate(lines) if HEADER.match(line)]
-    if len(headers) != len(before.effects):
-        raise _laid_out_otherwise(before.source)
-    first = header = headers[place]
-    while first and lines[first - 1].lstrip().startswith("#"):
-        first -= 1
-    following = (k for k in range(header + 1, len(lines)) if TABLE.match(lines[k]) and not INNER.match(lines[k]))
-    end = next(following, len(lines))
-    while not lines[end - 1].strip() or lines[end - 1].lstrip().startswith("#"):
-        end -= 1
-    return first, header, end
-
-
-def _verified(text: str, meant: Sequence[Added], before: Model) -> str:
-    if not _says(text, meant, before):
-        raise _laid_out_otherwise(before.source)
-    return text
-
-
-def _says(text: str, meant: Sequence[Added], before: Model) -> bool:
-    """Whether `text` is the model `before` with the effects that were `meant`."""
+def _parted(text: str, place: int, source: str) -> tuple[str, str, str, str]:
+    """`text` in four: what stands above the effect at `place`, its header, its keys, and what follows the last of them."""
     try:
-        after = of_text(text, before.source)
-    except BadInput:
-        return False
-    return _facts(after, after.effects) == _facts(before, meant)
+        effects = tomlkit.parse(text).get("effect")
+    except TOMLKitError:  # what it does not understand and Python does, cannot be changed by it either
+        effects = None
+    body = effects[place].as_string() if isinstance(effects, AoT) else ""
+    if not body or body not in text:
+        raise _laid_out_otherwise(source)
+    head, _, behind = text.partition(body)
+    keys = body.splitlines(keepends=True)
+    while not keys[-1].strip() or keys[-1].lstrip().startswith("#"):
+        behind = keys.pop() + behind
+    header = head.splitlines(keepends=True)[-1]
+    return head.removesuffix(header), header, "".join(keys), behind
 
 
-def _facts(model: Model, effects: Sequence[Added]) -> tuple[object, ...]:
-    """All that a model says, in a form that can be compared."""
-    stiffness = None if model.cell_stiffness is None else tuple(model.cell_stiffness)
-    fmd = None if model.fmd is None else tuple(model.fmd.parameters)
-    same = (model.title, model.article, model.hardware, model.gravity, model.fmd_tolerance, model.tolerances, model.structure)
-    more = (model.kind, model.modes, model.damping_ratio, dict(model.changes), dict(model.own), stiffness, fmd)
-    added = [(one.named.id, dict(one.named.values), dict(one.deviation), one.fixed) for one in effects]
-    return (*same, *more, added)
+def _verified(text: str, edits: Iterable[str], meant: Sequence[Added], source: str) -> str:
+    """The first of the `edits` of `text` that has the effects that were `meant` and says nothing else otherwise."""
+    was = toml_file.parse(text, source) | {"effect": ()}
+    for edited in edits:
+        with suppress(BadInput):
+            table = toml_file.parse(edited, source)
+            if table | {"effect": ()} == was and _facts(of_table(table, source).effects) == _facts(meant):
+                return edited
+    raise _laid_out_otherwise(source)
+
+
+def _facts(effects: Iterable[Added]) -> list[tuple[object, ...]]:
+    return [(one.named.id, dict(one.named.values), dict(one.deviation), one.fixed) for one in effects]
 
 
 def _laid_out_otherwise(source: str) -> BadInput:
@@ -698,29 +614,38 @@ STRUCTURE_NOTES = {
 
 def text(model: Model) -> str:
     """The text of the model file of `model`."""
+    about = [
+        ("title", string(model.title), ""),
+        ("article", string(model.article), "the set-up, bottom to top; one model serves a whole series"),
+    ]
     stiffness = numbers(assumed_stiffness() if model.cell_stiffness is None else model.cell_stiffness)
     unknown = "# " if model.cell_stiffness is None else ""
-    lines = [
+    laboratory = [
         ("hardware", string(model.hardware), "FMD and sensors, as `campaign.hardware` calls them; empty: any"),
         ("gravity_m_s2", number(model.gravity), ""),
         (f"{unknown}cell_stiffness_N_m", stiffness, "one load cell along x, y, z; leave it out where it is not known"),
     ]
-    laboratory = [block("[laboratory]", lines), block(_FMD, _fmd(model))]
-    blocks = [_head(model), *laboratory, *_tolerance_lines(model), *_structure(model), _about_effects()]
-    return "\n\n".join([*blocks, *(effect_text(one) for one in model.effects)]) + "\n"
+    tolerances = []
+    for name, (key, _) in SCALES.items():
+        size = getattr(model.tolerances, name)
+        near = {"position_mm": 1e3 * size, "angle_deg": degrees(size)}.get(key, size)
+        tolerances.append((key, number(shortest(size, partial(si, name), near)), TOLERANCE_NOTES[name]))
+    blocks = [
+        block(f"{_HEAD}format = {toml_file.FORMAT}\n\n[model]", about),
+        block("[laboratory]", laboratory),
+        block(_FMD, _fmd(model)),
+        block("# What is not known of the measurement chain, one standard deviation each; 0 is exact.\n[tolerances]", tolerances),
+        *_structure(model),
+        "# Effects that were added, in the order in which they act; `massline add` writes them, `massline undo` takes them out.",
+        *(effect_text(one) for one in model.effects),
+    ]
+    return "\n\n".join(blocks) + "\n"
 
 
-def _head(model: Model) -> str:
-    return block(
-        "# A model file of massline: a laboratory, a structure, and the effects that were added so far.\n"
-        "# Units are in the names; what has none is a share, or SI.\n"
-        f"format = {toml_file.FORMAT}\n\n[model]",
-        [
-            ("title", string(model.title), ""),
-            ("article", string(model.article), "the set-up, bottom to top; one model serves a whole series"),
-        ],
-    )
-
+_HEAD = """\
+# A model file of massline: a laboratory, a structure, and the effects that were added so far.
+# Units are in the names; what has none is a share, or SI.
+"""
 
 _FMD = """\
 # The FMD's moving part: its inertia as a tare or a drawing says, never assumed to be exact. `tolerance` is one standard deviation
@@ -757,19 +682,6 @@ def _inertia_lines(inertia: Inertia) -> list[Line]:
     ]
 
 
-def _tolerance_lines(model: Model) -> list[str]:
-    lines = [
-        (key, number(shortest(size, partial(si, name), _as_written(key, size))), TOLERANCE_NOTES[name])
-        for name, (key, _) in SCALES.items()
-        for size in [getattr(model.tolerances, name)]
-    ]
-    return [block("# What is not known of the measurement chain, one standard deviation each; 0 is exact.\n[tolerances]", lines)]
-
-
-def _as_written(key: str, size: float) -> float:
-    return {"position_mm": 1e3 * size, "angle_deg": degrees(size)}.get(key, size)
-
-
 def _structure(model: Model) -> list[str]:
     ratio = model.damping_ratio
     lines = [
@@ -781,37 +693,15 @@ def _structure(model: Model) -> list[str]:
             "of every mode; left out, the loss factors of the parts hold",
         ),
     ]
-    own = [(string(article), string(os.path.relpath(path, Path(model.source).parent)), "") for article, path in model.own.items()]
-    changes = [(string(key), number(value), "") for key, value in model.changes.items()]
-    spread = [
-        (one.name, number(getattr(model.structure, one.name)), STRUCTURE_NOTES[one.name]) for one in fields(StructureTolerances)
-    ]
-    return [
-        block("[structure]", lines),
-        *(
-            [
-                block(
-                    "# Your own dimensions of built-in parts, as in their file in geometry/articles.\n[structure.dimensions]",
-                    changes,
-                )
-            ]
-            if changes
-            else []
-        ),
-        *(
-            [
-                block(
-                    "# Your own model by article: K and M, modal data or CAD, from the folder of this file.\n[structure.own]", own
-                )
-            ]
-            if own
-            else []
-        ),
-        block("# How well it is known beforehand, one standard deviation as a share.\n[structure.tolerances]", spread),
-    ]
-
-
-def _about_effects() -> str:
-    return (
-        "# Effects that were added, in the order in which they act; `massline add` writes them, `massline undo` takes them out."
-    )
+    blocks = [block("[structure]", lines)]
+    if model.changes:
+        head = "# Your own dimensions of built-in parts, as in their file in geometry/articles.\n[structure.dimensions]"
+        blocks.append(block(head, [(string(key), number(value), "") for key, value in model.changes.items()]))
+    if model.own:
+        head = "# Your own model by article: K and M, modal data or CAD, from the folder of this file.\n[structure.own]"
+        folder = Path(model.source).parent
+        own = [(string(article), string(os.path.relpath(path, folder)), "") for article, path in model.own.items()]
+        blocks.append(block(head, own))
+    head = "# How well it is known beforehand, one standard deviation as a share.\n[structure.tolerances]"
+    names = [one.name for one in fields(StructureTolerances)]
+    return [*blocks, block(head, [(name, number(getattr(model.structure, name)), STRUCTURE_NOTES[name]) for name in names])]

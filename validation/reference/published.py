@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
 
+from geometry import toml_file
 from geometry.frames import Array, Pose
 from validation.reference import statement
 from validation.reference.statement import Statement
@@ -40,9 +39,10 @@ RESULTS = ("clumod-1-table2",)
 """Identified results in print; each is a result file that `massline validate` takes by this name."""
 
 
+@cache
 def published(article: str) -> Published:
     """What is in print about the built-in `article`; empty for one about which nothing is."""
-    table = _tables().get(article)
+    table = result_table("tables").get(article)
     if table is None:
         return Published()
     statements = {}
@@ -51,7 +51,7 @@ def published(article: str) -> Published:
             # One column of a table, from the file of ``kind = "results"`` that holds its values
             column_column = table[column]
             name = column_column["file"]
-            results = tomllib.loads(_text(f"{name}.toml"))
+            results = result_table(name)
             values = (statement.stated(results[key]["value"], dimension, name, key) for key, dimension in _RESULT_KEYS)
             statements[column] = Statement(
                 name=column_column["name"],
@@ -72,8 +72,8 @@ def published(article: str) -> Published:
 
 
 def result_table(name: str) -> dict[str, Any]:
-    """The result file in print called `name`, one of `RESULTS`."""
-    return tomllib.loads(_text(f"{name}.toml"))
+    """What is in print under `name`: of `RESULTS`, or another table of the paper's."""
+    return toml_file.shipped("validation.reference", "in_print", f"{name}.toml")
 
 
 _RESULT_KEYS = (
@@ -82,15 +82,6 @@ _RESULT_KEYS = (
     *((axes, "moment of inertia") for axes in ("Ixx", "Iyy", "Izz")),
 )
 """Keys of a results file in the order of a statement."""
-
-
-@cache
-def _tables() -> dict[str, Any]:
-    return tomllib.loads(_text("tables.toml"))
-
-
-def _text(name: str) -> str:
-    return files("validation.reference").joinpath("in_print", name).read_text(encoding="utf-8")
 
 
 # What the paper prints about the eigenfrequencies of an article, and whether a model's are so.
@@ -114,7 +105,7 @@ class Claim:
 
 def claims(article: str, frequency: Array) -> tuple[Claim, ...]:
     """Every sentence about the eigenfrequencies of `article`, held against `frequency` (n,) [Hz]; empty where there is none."""
-    return tuple(_claim(entry, frequency) for entry in _table().get(article, ()))
+    return tuple(_claim(entry, frequency) for entry in result_table("modes").get(article, ()))
 
 
 def _claim(entry: Mapping[str, Any], frequency: Array) -> Claim:
@@ -128,8 +119,3 @@ def _claim(entry: Mapping[str, Any], frequency: Array) -> Claim:
     found = float(frequency[entry["mode"] - 1])
     holds = found >= entry["above_hz"] if "above_hz" in entry else abs(found - entry["hz"]) <= entry["half_hz"]
     return Claim(says=entry["says"], found=f"mode {entry['mode']} at {found:.2f} Hz", holds=holds)
-
-
-@cache
-def _table() -> dict[str, Any]:
-    return tomllib.loads(files("validation.reference").joinpath("in_print", "modes.toml").read_text(encoding="utf-8"))

@@ -14,9 +14,8 @@ import numpy as np
 from geometry.atomic import write_text
 from geometry.dynamic_mass import DynamicMass
 from geometry.frames import Array
-from validation.compare.compare import Comparison, WorstPair, compared, worst_pairs
+from validation.compare.compare import Comparison, WorstPair, compared, run, text, worst_pairs
 from validation.compare.maps import Map, NamedMode, Pairs
-from validation.compare.spots import run, text
 from validation.estimation.verdicts import ABSURD, STANDS_OUT, StatedError, absurd, figure, misfit
 from validation.identify.identify import UsedLines
 from validation.output import json_text, shown, stages, to_json

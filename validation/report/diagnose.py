@@ -11,7 +11,8 @@ import click
 
 from geometry.atomic import probe, write_text
 from geometry.errors import BadInput
-from validation.compare.compare import mapped_all, modes_of
+from validation.compare.compare import mapped_all
+from validation.compare.maps import modes_of
 from validation.diagnose import diagnose
 from validation.diagnose import diagnosis as diagnose_diagnosis
 from validation.diagnose.classical_tests import SURE
@@ -46,8 +47,7 @@ from validation.estimation.evaluate import named, without
 from validation.estimation.verdicts import figure
 from validation.history import add
 from validation.history.add import at_offsets, kept_offsets
-from validation.history.history import HistoryPosition, Version, history_position, reminded, undone
-from validation.history.verdict import is_worth_adding
+from validation.history.history import HistoryPosition, Version, history_position, is_worth_adding, reminded, undone
 from validation.model import model_file
 from validation.model.model import Added, Model
 from validation.output import json_text, stages, to_json

@@ -23,9 +23,11 @@ from validation.history.history import (
     conditions,
     gone_to,
     history_position,
+    is_worth_adding,
+    percent,
     undone,
+    unit,
 )
-from validation.history.verdict import is_worth_adding, percent, unit
 from validation.model import model_file
 from validation.model.model_file import draft
 from validation.output import json_text, require_ending, require_file, shown, stages, to_json
@@ -280,7 +282,7 @@ def add(asked: Options, effect: AddedEffectOptions, *, as_json: bool) -> None:
     CheckFailed : a fit of the model as it was does not converge.
     """
     from validation.history.add import added, opened
-    from validation.history.verdict import sentence
+    from validation.history.history import sentence
 
     with stages(f"adding {effect.effect}", quiet=as_json) as told:
         study, known = opened(asked, effect, told)

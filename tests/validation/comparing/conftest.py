@@ -11,9 +11,8 @@ import pytest
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.inertia import Inertia
 from identification.chain import Chain, chain
-from validation.compare.compare import Comparison, FactComparison
-from validation.compare.maps import Map, NamedMode, Rig, mapped, nothing_fitted
-from validation.compare.spots import worst
+from validation.compare.compare import Comparison, FactComparison, worst
+from validation.compare.maps import Doubt, Map, NamedMode, Rig, mapped
 from validation.estimation.evaluate import residuals
 from validation.estimation.problem import (
     DECLARED,
@@ -138,10 +137,15 @@ class ByHandLaboratory:
         return replace(test, mass=True)
 
     @staticmethod
+    def nothing_fitted(problem: Problem) -> Doubt:
+        loose = {one.name: one.tolerance for one in problem.parameters if 0 < one.tolerance < np.inf}
+        return Doubt(tolerances=loose, answer=np.zeros((0, len(loose))), own=np.zeros((0, 0)))
+
+    @staticmethod
     def mapped(test: ByHand) -> Map:
         """Its map, nothing fitted."""
         (left,) = residuals(Problem((test,)), {})
-        return mapped(test, {}, nothing_fitted(Problem((test,))), left.inputs, ByHandLaboratory.RIG)
+        return mapped(test, {}, ByHandLaboratory.nothing_fitted(Problem((test,))), left.inputs, ByHandLaboratory.RIG)
 
 
 def evaluated(z: float = 1.0, fmd: float = 0.1) -> Evaluation:

@@ -91,3 +91,9 @@ def test_a_model_that_is_none_ends_with_2(files: tuple[str, str], run: Run_) -> 
     code, _, error = run("compare", files[1] + "/campaign.toml", files[1])
     assert code == 2
     assert "model file" in error
+
+
+def test_a_few_lines_are_said_to_be_few(files: tuple[str, str], run: Run_) -> None:
+    code, printed, said = run("compare", *files, "--band", "4", "8", "--json")
+    assert code == 0, said
+    assert any(one.startswith("only 9 lines lie in the band of test") for one in json.loads(printed)["warnings"])

@@ -13,7 +13,7 @@ from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from identification import campaign_file
 from identification.campaign import Campaign, Recording, Run
-from validation.compare.compare import few
+from validation.estimation.problem import Problem
 from validation.model.model import Model
 from validation.model.model_file import of_text
 from validation.model.model_file import text as model_text
@@ -81,12 +81,6 @@ def test_the_truth_beside_a_simulated_campaign_is_no_data(folder, model: Model, 
         read_data([folder("one"), str(truth)], model)
 
 
-def test_a_few_lines_are_said_to_be_few() -> None:
-    assert few("one", 100) == ""
-    assert few("one", 1).startswith("only 1 line lies in the band of one")
-    assert few("one", 9).startswith("only 9 lines lie in the band of one")
-
-
 def test_the_same_folder_twice_is_refused_however_it_is_written(folder, model: Model) -> None:
     one = folder("one")
     assert "is the same as" in refused([one, f"{one}/../one"], model)
@@ -115,8 +109,6 @@ def test_the_description_of_a_campaign_is_refused_for_its_folder(folder, model: 
 
 
 def test_a_campaign_may_be_held_out_by_its_folder(by_hand, folder) -> None:
-    from validation.estimation.problem import Problem
-
     one = campaign_file.read(folder("one"))
     data = Data(campaigns=(replace(one, recordings={}),))
     problem = Problem((by_hand.test(name="one"),))

@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose
 from identification.base_motion import base_motion, resultants
 from identification.dynamic_mass import from_runs
 from identification.spectra.line_spectra import Spectra
-from validation.compare.maps import chunks, covariance, doubt, judged_error, mapped, nothing_fitted
-from validation.compare.spots import text, worst
+from validation.compare.compare import text, worst
+from validation.compare.maps import chunks, combined, covariance, doubt, judged_error, left_over, mapped
 from validation.estimation.evaluate import residuals, squares
 from validation.estimation.fit import fit
 from validation.estimation.problem import PLAIN, Problem
@@ -56,7 +56,7 @@ def test_a_resonance_elsewhere_is_a_moment_that_follows_its_mode(by_hand) -> Non
 def test_without_tolerances_deviations_of_channels_are_the_residuals_of_the_engine(by_hand) -> None:
     bare = by_hand.without_tolerances(by_hand.test({"force-gain:fmd-z2": 0.02}, seed=2))
     (left,) = residuals(Problem((bare,)), {})
-    of = mapped(bare, {}, nothing_fitted(Problem((bare,))), left.inputs, by_hand.RIG)
+    of = mapped(bare, {}, by_hand.nothing_fitted(Problem((bare,))), left.inputs, by_hand.RIG)
     assert_allclose(of.deviation[..., : of.channels], left.values, rtol=1e-7, atol=1e-9 * np.abs(left.values).max())
     assert_allclose(of.expected[..., : of.channels], left.sigma, rtol=1e-7)
 
@@ -100,7 +100,7 @@ def test_a_single_tolerance_makes_the_plain_error_that_it_explains(by_hand, name
     test = replace(test, measured=replace(test.measured, noise=1e-6 * test.measured.noise))
     problem = Problem((test,))
     (left,) = residuals(problem, {})
-    alone = replace(nothing_fitted(problem), tolerances={name: 0.1 * tolerance}, answer=np.zeros((0, 1)))
+    alone = replace(by_hand.nothing_fitted(problem), tolerances={name: 0.1 * tolerance}, answer=np.zeros((0, 1)))
     of = mapped(test, {}, alone, left.inputs, by_hand.RIG)
     found = np.sqrt(np.stack([one.values.sum(axis=1) for one in squares(test, {})]))
     assert_allclose(of.explained, found, rtol=5e-3, atol=1e-6 * found.max())
@@ -121,7 +121,7 @@ def test_over_laboratories_the_plain_error_is_what_tolerances_explain_however_lo
         test = by_hand.test(by_hand.drawn(seed), seed=seed, louder=30.0)
         problem = Problem((test,))
         (left,) = residuals(problem, {})
-        of = mapped(test, {}, nothing_fitted(problem), left.inputs)
+        of = mapped(test, {}, by_hand.nothing_fitted(problem), left.inputs)
         plain = np.mean([one.values.sum(axis=1).mean() for one in squares(test, {})])
         ratios.append(plain / np.mean(of.explained**2))
     assert_allclose(np.mean(ratios), 1.0, atol=0.5)
@@ -144,3 +144,71 @@ def test_what_a_plain_fit_makes_of_a_tolerance_is_in_what_is_expected_of_its_res
         predicted = part.spread[..., k] * size / answered.tolerances[name]
         expected, _ = judged_error(predicted, part.rows, S, None, judged)
         assert_allclose(error, expected, atol=0.01 * np.abs(error).max())  # second order: the gain's own size
+
+
+LINES, CHANNELS, INPUTS, TOLERANCES = 3, 7, 2, 4
+
+
+def _made(seed: int) -> tuple[np.ndarray, ...]:
+    rng = np.random.default_rng(seed)
+
+    def some(*shape: int) -> np.ndarray:
+        return rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
+
+    A, V = some(LINES, CHANNELS, INPUTS), 0.3 * some(LINES, CHANNELS, TOLERANCES)
+    return some(LINES, CHANNELS), A, covariance(rng.uniform(0.1, 0.4, (LINES, CHANNELS)), V)
+
+
+def test_a_channel_is_predicted_from_all_others_as_a_fit_without_it_predicts_it() -> None:
+    y, A, S = _made(1)
+    found, _ = left_over(y, A, S, None)
+    for n, c in np.ndindex(LINES, CHANNELS):
+        o = np.delete(np.arange(CHANNELS), c)
+        inverse = np.linalg.inv(S[n][np.ix_(o, o)])
+        u = np.linalg.solve(A[n, o].conj().T @ inverse @ A[n, o], A[n, o].conj().T @ inverse @ y[n, o])
+        # the best unbiased prediction of a correlated reading (Goldberger, JASA 57, 1962)
+        said = A[n, c] @ u + S[n, c, o] @ inverse @ (y[n, o] - A[n, o] @ u)
+        assert_allclose(found.value[n, c], y[n, c] - said, rtol=1e-9)
+
+
+def test_known_inputs_leave_a_channel_to_its_correlation_with_the_others() -> None:
+    y, A, S = _made(2)
+    u = np.ones((LINES, INPUTS), dtype=complex)
+    found, chi2 = left_over(y, A, S, u)
+    e = y - (A @ u[..., None])[..., 0]
+    P = np.linalg.inv(S)
+    assert_allclose(found.value, np.einsum("nij,nj->ni", P, e) / np.diagonal(P, axis1=1, axis2=2), rtol=1e-9)
+    assert_allclose(chi2, np.einsum("ni,nij,nj->n", e.conj(), P, e).real, rtol=1e-9)
+
+
+def test_errors_scatter_as_they_are_expected_to() -> None:
+    """Draws of noise and tolerances; 4000 of them tell a standard deviation to about 1 %."""
+    rng, count = np.random.default_rng(3), 4000
+    _, A, S = _made(4)
+    L = np.linalg.cholesky(S[0])
+    drawn = (rng.standard_normal((count, CHANNELS)) + 1j * rng.standard_normal((count, CHANNELS))) / np.sqrt(2) @ L.T
+    found, chi2 = left_over(drawn, np.broadcast_to(A[0], (count, CHANNELS, INPUTS)), np.broadcast_to(S[0], (count, 7, 7)), None)
+    ratio = np.sqrt(np.mean(np.abs(found.value) ** 2, axis=0)) / found.expected[0]
+    assert_allclose(ratio, 1.0, atol=0.05)
+    assert_allclose(chi2.mean(), CHANNELS - INPUTS, rtol=0.05)
+
+
+def test_an_error_of_loads_is_free_of_the_inputs_and_scatters_as_expected() -> None:
+    rng, count = np.random.default_rng(5), 4000
+    _, A, S = _made(6)
+    judged, R = np.array([False] * 4 + [True] * 3), np.array([[1.0, 1.0, 0.0], [0.0, 1.0, -1.0]])
+    L = np.linalg.cholesky(S[0])
+    drawn = (rng.standard_normal((count, CHANNELS)) + 1j * rng.standard_normal((count, CHANNELS))) / np.sqrt(2) @ L.T
+    drawn = drawn + A[0] @ np.array([3.0, -2.0j])
+    error, spread = judged_error(drawn, np.broadcast_to(A[0], (count, 7, 2)), np.broadcast_to(S[0], (count, 7, 7)), None, judged)
+    found = combined(error, spread, R)
+    assert_allclose(np.sqrt(np.mean(np.abs(found.value) ** 2, axis=0)) / found.expected[0], 1.0, atol=0.05)
+
+
+def test_a_channel_that_nothing_checks_deviates_by_nothing_and_is_never_surprising() -> None:
+    y = np.array([[1.0, 2.0, 5.0 + 0j]])
+    A = np.array([[[1, 0], [1, 0], [0, 1.0 + 0j]]])
+    found, _ = left_over(y, A, np.eye(3, dtype=complex)[None], None)
+    assert found.expected[0, 2] == np.inf
+    assert found.value[0, 2] == 0
+    assert_allclose(np.abs(found.value[0, :2]), 1.0, rtol=1e-12)

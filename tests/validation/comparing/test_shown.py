@@ -7,11 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from validation.estimation.result import Share
 
-from validation.compare import spots
-from validation.compare.compare import Comparison
-from validation.compare.spots import Spot
-from validation.estimation.problem import Share
+from validation.compare.compare import Comparison, Spot, text
 from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, ExplainedError, absurd, expected_z2, told
 from validation.output import entry, json_text, to_json
 from validation.report import compare
@@ -150,30 +148,34 @@ def test_a_configuration_never_seen_is_told_beside_the_verdict_and_does_not_chan
     assert "79 %" in alone.text
 
 
+MOMENT = Spot(
+    data_set="fmd+clumod-1",
+    configuration="fmd+clumod-1",
+    run="y",
+    axis="y",
+    row="t_y",
+    of_load=True,
+    frequency=11.9,
+    band=(11.05, 13.2),
+    sigma=9.2,
+    percent=4.1,
+    course="follows the first mast mode",
+    elsewhere=(("fmd+clumod-1", "beta", 5.0), ("fmd+clumod-4", "y", 4.5)),
+)
+
+
 def test_a_spot_is_told_as_an_engineer_would() -> None:
-    spot = Spot(
-        data_set="fmd+clumod-1",
-        configuration="fmd+clumod-1",
-        run="y",
-        axis="y",
-        row="t_y",
-        of_load=True,
-        frequency=11.9,
-        band=(11.05, 13.2),
-        sigma=9.2,
-        percent=4.1,
-        course="follows the first mast mode",
-        elsewhere=(("fmd+clumod-1", "beta", 5.0), ("fmd+clumod-4", "y", 4.5)),
-    )
-    assert spots.text(spot) == (
+    assert text(MOMENT) == (
         "moment about y in the y-sweep of fmd+clumod-1, 11-13 Hz, 9.2 sigma, 4.1 % of the dynamic mass, "
         "follows the first mast mode; also in the beta sweep, fmd+clumod-4"
     )
+    runs = tuple(("fmd+clumod-1", name, 5.0) for name in ("x", "z", "alpha", "gamma"))
+    assert text(replace(MOMENT, elsewhere=runs)).endswith("; also in the x-sweep, the z-sweep, the alpha sweep and 1 more")
 
 
-@pytest.mark.parametrize(("band", "said"), [((11.05, 13.2), "11-13 Hz"), ((12.1, 12.4), "12.1-12.4 Hz"), ((7.0, 7.0), "7.0 Hz")])
+@pytest.mark.parametrize(("band", "said"), [((12.1, 12.4), "12.1-12.4 Hz"), ((7.0, 7.0), "7.0 Hz")])
 def test_a_band_is_told_with_the_digits_that_tell_its_ends_apart(band: tuple[float, float], said: str) -> None:
-    assert spots.band(band) == said
+    assert f", {said}, 9.2 sigma" in text(replace(MOMENT, band=band))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

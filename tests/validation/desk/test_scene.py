@@ -11,7 +11,7 @@ from geometry.errors import BadInput
 from validation.app import examples, scene3d, session
 from validation.app.examples import EXAMPLES, Series
 from validation.app.session import Compared, Session, begun, faults
-from validation.compare.compare import modes_of
+from validation.compare.maps import modes_of
 
 MAST = "fmd+clumod-1"
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from validation.estimation.cost import cost_of, root
 
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.frames import Pose, rotation_about
@@ -17,7 +18,6 @@ from validation.diagnose.next_test import _whitening, advised, either, following
 from validation.diagnose.next_test_offers import SURE, Knowledge, OfferedTest, Origin, Template, knowledge, menu
 from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import INDISTINGUISHABLE_NATS
-from validation.estimation.cost import cost_of, root
 from validation.estimation.fit import FLOOR, direct, fitted
 from validation.estimation.problem import EFFECT, FITTED, Parameter, Problem
 from validation.model.model import RIGID, Added, Model

@@ -1,5 +1,6 @@
 """Every family of the catalogue is whole: what it says, what it changes, and that it changes nothing where it is not."""
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -9,7 +10,21 @@ from numpy.testing import assert_allclose
 from identification.chain import chain
 from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES, parse
-from validation.effects.effect import AMPLITUDE, CHANNEL_STAGE, COVER, FIXED, FMD, MISTAKE, OPENED, TABLE, Family, Vocabulary
+from validation.effects.effect import (
+    AMPLITUDE,
+    CHANNEL_STAGE,
+    COVER,
+    EVIDENCE_THRESHOLD,
+    FIXED,
+    FMD,
+    MISTAKE,
+    OPENED,
+    TABLE,
+    WORTH_OF,
+    Family,
+    Vocabulary,
+    evidence_threshold,
+)
 from validation.virtual_test.plan import Plan, exact
 from validation.virtual_test.simulate import laboratory
 
@@ -68,7 +83,7 @@ def test_sizes_are_sane(family: Family) -> None:
 def test_an_equation_changes_nothing_without_its_effect_and_something_with_it(family: Family) -> None:
     catalogue.require_usable(family, family.name)
     example = parse(family.example.split(", or ")[0])
-    before = catalogue.tried(family.stage)
+    before = catalogue.trials()[family.stage]
     changed = family.change(before, example.targets, _within(family, example.values))
     assert not catalogue.unchanged(before, changed)
     assert catalogue.unchanged(before, before)
@@ -81,9 +96,7 @@ def _within(family: Family, values):
 
 @pytest.mark.parametrize("family", [one for one in WITH_EQUATION if one.stage == CHANNEL_STAGE], ids=by_name)
 def test_equations_of_channels_add(family: Family) -> None:
-    from dataclasses import replace
-
-    example, reading = parse(family.example.split(", or ")[0]), catalogue.tried(CHANNEL_STAGE)
+    example, reading = parse(family.example.split(", or ")[0]), catalogue.trials()[CHANNEL_STAGE]
     values = _within(family, example.values)
     other = np.roll(reading.rows, 1, axis=0)
     one, two, both = (
@@ -122,3 +135,19 @@ def test_what_depends_on_the_level_is_known_as_such() -> None:
 def test_targets_that_are_the_same_everywhere_are_those_of_22_channels() -> None:
     assert len((*TABLE, *COVER, *FMD)) == 22
     assert len(FIXED["cell and axis"]) == 12
+
+
+def test_every_family_is_asked_for_more_than_chance_and_less_than_a_clear_fault_brings() -> None:
+    assert set(WORTH_OF) <= set(FAMILIES)
+    assert all(3.0 < evidence_threshold(family) < 30.0 for family in FAMILIES)  # above 20 to 1
+
+
+def test_a_loss_factor_is_asked_for_more_than_a_gain_and_a_modulus_for_less() -> None:
+    assert (
+        evidence_threshold("modulus")
+        < evidence_threshold("force-gain")
+        < evidence_threshold("cell-stiffness")
+        < evidence_threshold("structural-damping")
+    )
+    assert evidence_threshold("structural-damping") == evidence_threshold("layer-damping")
+    assert evidence_threshold("an-effect-of-somebody") == EVIDENCE_THRESHOLD

@@ -1,6 +1,7 @@
 """What a channel that is not linear reads of a sine: describing functions against sines in time, and against virtual tests."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,9 +9,13 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.sensors import resultants
-from validation.effects.catalogue import FAMILIES, parse
+from validation.effects.catalogue import FAMILIES, parse, parse_all
 from validation.effects.effect import CHANNEL_STAGE
-from validation.effects.stages import ChannelResponse, clipped
+from validation.effects.families.gap import clipped
+from validation.effects.stages import ChannelResponse
+from validation.virtual_test.plan import RIGID, Plan, exact
+from validation.virtual_test.planted import planted
+from validation.virtual_test.simulate import laboratory, recording, runs
 
 POINTS = 4096
 """Of one period: the corner of a clipped sine leaves (1 / POINTS)² in its fundamental."""
@@ -84,9 +89,6 @@ def test_what_a_lifted_cell_lacks_goes_to_the_others_without_a_trace_in_the_resu
 
 @pytest.fixture(scope="module")
 def layout():
-    from validation.virtual_test.plan import Plan, exact
-    from validation.virtual_test.simulate import laboratory
-
     return laboratory(exact(Plan(article="fmd+cuboid"))).layout
 
 
@@ -107,13 +109,6 @@ def test_a_saturated_channel_of_a_virtual_test_reads_its_describing_function(swe
 @pytest.fixture(scope="module")
 def sweep_of_z():
     """Spectra of a sweep along z of a rigid block, nothing else drawn; no third harmonic reaches `below_harmonics`."""
-    from dataclasses import replace
-
-    from validation.effects.catalogue import parse_all
-    from validation.virtual_test.plan import RIGID, Plan, exact
-    from validation.virtual_test.planted import planted
-    from validation.virtual_test.simulate import laboratory, recording, runs
-
     plan = replace(
         exact(Plan(article="fmd+disc+cuboid", model=RIGID, band=(8.0, 32.0), octaves_per_minute=10.0, cross=0.0)),
         quiet=0.2,

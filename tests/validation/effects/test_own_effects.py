@@ -173,24 +173,17 @@ STRUCTURAL = (
 JUNK = [None, 3, "", "x", (), ("",), [1], {"a": 1}, object(), float("nan"), lambda: None]
 
 
-@pytest.mark.parametrize("field", [one.name for one in fields(Family)])
+@pytest.mark.parametrize("field", [*(one.name for one in fields(Family)), *(f"sizes.{one.name}" for one in fields(SizeSpec))])
 @pytest.mark.parametrize("junk", JUNK, ids=lambda junk: type(junk).__name__)
 def test_no_junk_in_a_field_brings_anything_but_a_family_or_a_refusal(
     field: str, junk: object, folder: Callable[..., Path]
 ) -> None:
     (whole,) = catalogue.load(folder(mine=WHOLE))
     catalogue._forget(whole.name)
+    _, of_size, key = field.rpartition("sizes.")
+    change = {"sizes": (replace(whole.sizes[0], **{key: junk}),)} if of_size else {field: junk}
     with suppress(BadInput):
-        catalogue._add(catalogue.of(replace(whole, **{field: junk}), "mine.py"), "mine.py")
-
-
-@pytest.mark.parametrize("field", [one.name for one in fields(SizeSpec)])
-@pytest.mark.parametrize("junk", JUNK, ids=lambda junk: type(junk).__name__)
-def test_nor_does_junk_in_a_size(field: str, junk: object, folder: Callable[..., Path]) -> None:
-    (whole,) = catalogue.load(folder(mine=WHOLE))
-    catalogue._forget(whole.name)
-    with suppress(BadInput):
-        catalogue._add(replace(whole, sizes=(replace(whole.sizes[0], **{field: junk}),)), "mine.py")
+        catalogue._add(catalogue.of(replace(whole, **change), "mine.py"), "mine.py")
 
 
 def test_a_structure_that_does_not_add_is_refused(folder: Callable[..., Path]) -> None:

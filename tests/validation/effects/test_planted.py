@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from geometry.errors import BadInput
 from geometry.frames import Array
-from geometry.sensors import Channel, row, summation
+from geometry.sensors import Channel, Tolerances, row, summation
 from validation.effects.catalogue import FAMILIES, parse_all
 from validation.virtual_test.planted import planted
 
@@ -244,16 +244,10 @@ def test_mains_hum_in_every_channel_at_50_hz(recorder: Recorder, plain: Any) -> 
 
 
 def test_effects_add_to_what_was_drawn(recorder: Recorder) -> None:
-    drawn = {"tolerances": _tolerances()}
+    drawn = {"tolerances": Tolerances()}
     before, after = recorder(**drawn), recorder("force-gain:fmd-z2=0.08", **drawn)
     k = before.column("fmd-z2")
     close(after.values[:, k], 1.08 * before.values[:, k])
-
-
-def _tolerances():
-    from geometry.sensors import Tolerances
-
-    return Tolerances()
 
 
 def test_no_family_of_the_measurement_side_is_left_out() -> None:

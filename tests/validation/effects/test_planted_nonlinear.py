@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 from geometry.frames import Array
 from validation.effects.catalogue import parse_all
-from validation.effects.stages import WARP, clipped
+from validation.effects.families.gap import WARP, clipped
 from validation.virtual_test.layout import ACCELEROMETERS, FORCES
 from validation.virtual_test.plan import RIGID, Plan, exact
 from validation.virtual_test.planted import planted

@@ -184,7 +184,7 @@ def test_wherever_an_interruption_falls_model_and_ladder_agree_and_no_rung_is_lo
         return instead
 
     monkeypatch.setattr(history, "write", stopping(history.write))
-    monkeypatch.setattr(history, "_write_model", stopping(history._write_model))
+    monkeypatch.setattr(history, "write_with", stopping(history.write_with))
     acts = {
         "climb": lambda: climbed(before, rung(2, 1, "a = 3")),
         "undo": lambda: undone(before),

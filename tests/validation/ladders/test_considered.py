@@ -1,14 +1,17 @@
 """Consider covariance: it covers where tolerances nobody fitted move the estimate, and what noise alone leaves does not."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from validation.estimation.fit import fit
-from validation.estimation.problem import EFFECT, PLAIN, SENSOR, Parameter, Problem
-from validation.history.add import covariance, of_fit
+from validation.estimation.problem import EFFECT, IDENTIFIED, PLAIN, SENSOR, Parameter, Problem
+from validation.history.add import NOTICED, alias, covariance, judged, noticed, of_fit
+from validation.model.model import Model
+from validation.study import Study
 
 MakeProblem = Callable[..., Problem]
 
@@ -58,3 +61,79 @@ def test_95_per_cent_intervals_cover_about_95_per_cent(drawn: tuple[np.ndarray, 
 def test_intervals_of_noise_alone_do_not(drawn: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
     error, _, noise = drawn
     assert np.mean(np.abs(error) < 1.96 * noise) < 0.75
+
+
+KNOWN = (Parameter(name="fmd:m", unit="kg", tolerance=1.0, kind=IDENTIFIED),)
+
+
+def test_nominal_and_plain_error_on_what_was_held_out_are_of_the_same_data(affine: Callable[..., Problem]) -> None:
+    """Two configurations of one run each: configurations are held out and told apart, and no run can be."""
+    found = []
+    for seed, name in enumerate(("one", "other")):
+        (prediction,) = affine(KNOWN, {"fmd:m": 0.1}, seed=seed).predictions
+        found.append(replace(prediction, measured=replace(prediction.measured, name=name, configuration=name)))
+    series = Problem(tuple(found))
+
+    class OfSeries(Study):
+        def whole(self, effects: object = ()) -> Problem:
+            return series
+
+    of = judged(OfSeries(model=Model(source="m", title="m", article="fmd+cuboid")), None).evaluation
+    assert of.held_out_configurations is not None
+    assert (of.held_out, of.held_out_nominal) == (None, None)
+
+
+MakeProblem = Callable[..., Problem]
+
+
+def effect(name: str, unit: str = "1", kind: str = EFFECT) -> Parameter:
+    return Parameter(name=name, unit=unit, tolerance=0.1, kind=kind)
+
+
+def test_an_exact_alias_is_named_with_the_size_that_does_the_same(affine: MakeProblem) -> None:
+    problem = affine((effect("gain"), effect("mass", "kg"), effect("other")), {}, alike=[("gain", "mass")])
+    found = alias(problem, "gain", ["gain"])
+    assert found.effects == ("mass",)
+    assert_allclose(found.mixture["mass"] / found.size, 2.0, rtol=1e-6)
+    assert found.text == "gain +0.01 does to these data what mass +0.02 kg does"
+    assert found.share < 1e-12
+
+
+def test_a_mixture_of_several_is_an_alias_though_none_of_them_alone_is(affine: MakeProblem) -> None:
+    problem = affine(tuple(map(effect, "abc")), {})
+    (one,) = problem.predictions
+    one.slopes["a"] = one.slopes["b"] - 3 * one.slopes["c"]  # type: ignore[attr-defined]
+    found = alias(problem, "a", ["a"])
+    assert_allclose([found.mixture[name] / found.size for name in "bc"], [1.0, -3.0], rtol=1e-6)
+
+
+def test_what_merely_resembles_another_is_none(affine: MakeProblem) -> None:
+    problem = affine(tuple(map(effect, "ab")), {})
+    (one,) = problem.predictions
+    one.slopes["a"] = one.slopes["b"] + 0.05 * one.slopes["a"]  # type: ignore[attr-defined]
+    assert alias(problem, "a", ["a"]) is None
+
+
+@pytest.mark.parametrize(("kind", "effects"), [(IDENTIFIED, ()), (EFFECT, ("b",))])
+def test_what_must_be_identified_takes_part_but_is_no_effect(kind: str, effects: tuple[str, ...], affine: MakeProblem) -> None:
+    found = alias(affine((effect("a"), effect("b", kind=kind)), {}, alike=[("a", "b")]), "a", ["a"])
+    assert found.effects == effects
+
+
+def test_tolerances_of_the_measurement_take_no_part(affine: MakeProblem) -> None:
+    assert alias(affine((effect("a"), effect("b", kind=SENSOR)), {}, alike=[("a", "b")]), "a", ["a"]) is None
+
+
+def test_of_several_sizes_one_that_is_told_apart_is_enough(affine: MakeProblem) -> None:
+    problem = affine((effect("a[m]"), effect("a[f]"), effect("b")), {}, alike=[("a[m]", "b")])
+    assert alias(problem, "a", ["a[m]", "a[f]"]) is None
+    assert alias(problem, "a", ["a[m]"]) is not None
+
+
+def test_an_effect_that_moves_no_channel_is_not_noticed(affine: MakeProblem) -> None:
+    problem = affine(tuple(map(effect, "ab")), {})
+    (one,) = problem.predictions
+    one.slopes["b"] *= 0.0  # type: ignore[attr-defined]
+    assert noticed(problem, ["a"]) > 1.0
+    assert noticed(problem, ["b"]) < NOTICED
+    assert noticed(problem, []) == 0.0

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from geometry.articles import NAMES
+from geometry import routes
+from geometry.articles import NAMES, built_in
+from geometry.errors import BadInput
+from geometry.sensors import Tolerances
+from identification.campaign_file import read_description
+from validation.correct import CORRECTIONS
+from validation.effects.catalogue import parse
 from validation.model import model_file
+from validation.model.model import KINDS, Added, StructureTolerances, require_pair
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -47,26 +57,17 @@ def test_a_model_file_is_written_anew(run: Run) -> None:
 
 
 def test_a_model_in_json_becomes_one_that_can_be_edited(run: Run) -> None:
-    from geometry.errors import BadInput
-    from validation.effects.catalogue import parse
-    from validation.model.model import Added
-    from validation.model.model_file import with_effect
-
     text, added = '{"format": 1, "model": {"article": "fmd"}}', Added(named=parse("polarity:fmd-z1"))
     Path("lab.json").write_text(text)
     with pytest.raises(BadInput, match=r"massline model lab\.json --out FILE\.toml writes it as TOML"):
-        with_effect(text, added, "lab.json")
+        model_file.with_effect(text, added, "lab.json")
     assert run("model", "lab.json", "--out", "lab.toml")[0] == 0
-    assert (
-        model_file.of_text(with_effect(Path("lab.toml").read_text(), added), "lab.toml").effects[0].named.id == "polarity:fmd-z1"
-    )
+    edited = model_file.with_effect(Path("lab.toml").read_text(), added)
+    assert model_file.of_text(edited, "lab.toml").effects[0].named.id == "polarity:fmd-z1"
 
 
 def test_figures_of_the_drawing_can_be_taken_from_their_comment(run: Run) -> None:
     """Taking the signs # away and the drawing out makes it a statement of one's own."""
-    from geometry import routes
-    from geometry.articles import built_in
-
     text = run("model", "fmd")[1].replace('inertia = "drawing"\n', "")
     for key in ("mass_kg", "cog_mm", "moi_cog_kgm2", "poi_cog_kgm2"):
         text = text.replace(f"# {key}", key)
@@ -105,3 +106,39 @@ def test_what_makes_no_model_is_refused(run: Run, arguments: list[str], says: st
     code, printed, said = run("model", *arguments)
     assert (code, printed) == (2, "")
     assert says in said
+
+
+ROOT = Path(__file__).parents[3]
+PAGE = (ROOT / "docs" / "model-file.md").read_text(encoding="utf-8")
+EXAMPLE = ROOT / "examples" / "example_series.toml"
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+
+
+def test_the_example_says_what_nominal_json_says(data: Path) -> None:
+    known, model = json.loads((data / "example_series" / "nominal.json").read_text()), model_file.read(EXAMPLE)
+    np.testing.assert_allclose(model.fmd.mass_matrix, known["fmd"]["mass_matrix_about_F"], rtol=1e-6, atol=1e-9)  # 7 digits
+    assert model.cell_stiffness is not None
+    np.testing.assert_allclose(model.cell_stiffness, [known["cell_stiffness_N_per_m"][axis] for axis in "xyz"])
+    assert model.damping_ratio == known["damping_ratio_expected"]
+    assert f"within {100 * model.fmd_tolerance:.0f} %" in known["note"]
+
+
+def test_the_example_belongs_to_the_campaigns_of_the_data(data: Path) -> None:
+    campaigns = [read_description(data / "example_series" / name) for name in ("fmd+disc+cuboid", "fmd+clumod-1")]
+    require_pair(model_file.read(EXAMPLE), campaigns)
+
+
+def test_every_key_is_on_the_page() -> None:
+    names = [one.name for one in fields(StructureTolerances)] + [key for key, _ in model_file.SCALES.values()]
+    tables = (*model_file.MODEL, *model_file.STRUCTURE, *model_file.LABORATORY, *model_file.FMD, *model_file.EFFECT, *KINDS)
+    for key in (*names, *tables):
+        assert re.search(rf"[`.]{key}[`\]= ]", PAGE), key
+    assert {one.name for one in fields(Tolerances)} == {*model_file.SCALES, "fmd_inertia"}
+
+
+def test_every_correction_is_on_the_page() -> None:
+    for family in CORRECTIONS:
+        assert f"`{family}`" in PAGE, family

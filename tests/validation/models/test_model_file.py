@@ -302,16 +302,20 @@ def test_what_an_edit_could_damage_is_refused() -> None:
         model_file.without_effect(text, "polarity:a")
     with pytest.raises(BadInput, match="Write each as a table of its own"):
         model_file.with_effect(text, added("polarity:fmd-z1"))
-    trap = SMALLEST.replace("[model]", '[model]\ntitle = """\n[[effect]]\n"""') + "[[effect]]\nid = 'polarity:a'\n"
+    # The very lines of the effect stand in the title first
+    trap = (
+        SMALLEST.replace("[model]", "[model]\ntitle = '''\n[[effect]]\nid = \"polarity:a\"\n'''")
+        + '[[effect]]\nid = "polarity:a"\n'
+    )
     with pytest.raises(BadInput, match="Write each as a table of its own"):
         model_file.without_effect(trap, "polarity:a")
 
 
-def test_an_edit_that_would_change_something_else_is_refused() -> None:
-    """The only line [[effect]] is one of the title's; without it the file would be good, and the effect still there."""
-    trap = """effect = [{id = 'polarity:a'}]\nformat = 1\n[model]\narticle = 'fmd'\ntitle = '''\n[[effect]]\nx = 1\n[x] '''\n"""
-    with pytest.raises(BadInput, match="Write each as a table of its own"):
-        model_file.without_effect(trap, "polarity:a")
+def test_a_text_of_several_lines_and_tables_between_effects_stay() -> None:
+    title, between = 'title = """\n[[effect]]\n"""', "[[effect]]\nid = 'polarity:a'\n\n[tolerances]  # ours\ngain = 0.01\n"
+    text = SMALLEST.replace("[model]", f"[model]\n{title}") + between + "[[effect]]\nid = 'force-gain:fmd-z1'\nvalue = 0.1\n"
+    assert model_file.with_effect(text, added("force-gain:fmd-z1=0.25")) == text.replace("value = 0.1", "value = 0.25")
+    assert model_file.without_effect(text, "polarity:a") == text.replace("[[effect]]\nid = 'polarity:a'\n", "")
 
 
 def test_an_effect_that_is_not_there_cannot_be_taken_out() -> None:

@@ -13,7 +13,7 @@ from geometry.frames import Array, rigid_transformation, rigid_transformation_6
 from geometry.inertia import PARAMETERS, Inertia
 from validation.effects.catalogue import FAMILIES, Named, parse_all
 from validation.effects.effect import BODY_STAGE, STRUCTURE_STAGE
-from validation.effects.families.friction import ALWAYS_SLIPPING, carried
+from validation.effects.families.friction import ALWAYS_SLIPPING, describing_function
 from validation.effects.stages import Matrices, MountedDynamicMass
 from validation.prediction import dynamic_mass
 from validation.virtual_test.layout import ACCELEROMETERS, FORCES
@@ -298,7 +298,7 @@ def test_it_slips_along_the_axis_that_is_loose_and_by_what_the_flange_does() -> 
     assert driven(60.0, loose="y")[0, 1, 1] == 2.0  # the run does not move it along y
     turning = replace(mounted(), amplitude=np.array([0, 0, 0, 0, 30.0, 0]))
     H = on_body("friction", "flange", "x", stage=turning, size=3.0, mass=2.0) - NOMINAL
-    np.testing.assert_allclose(H[0, 0, 0], 2.0 * carried(3.0 / (2.0 * 30.0 * SEAT[2])), rtol=1e-9)
+    np.testing.assert_allclose(H[0, 0, 0], 2.0 * describing_function(3.0 / (2.0 * 30.0 * SEAT[2])), rtol=1e-9)
 
 
 @pytest.mark.parametrize("share", [0.98, 0.8, 0.6, ALWAYS_SLIPPING + 1e-3, 0.5, 0.2])
@@ -315,13 +315,13 @@ def test_harmonic_balance_is_the_first_harmonic_of_the_motion_in_time(share: flo
         own += step * force[k]
     last = slice(-per_period, None)
     found = 2 * np.mean(force[last] * np.exp(-1j * t[last]))
-    np.testing.assert_allclose(found, carried(share), rtol=0, atol=2e-3)
+    np.testing.assert_allclose(found, describing_function(share), rtol=0, atol=2e-3)
 
 
 def test_the_two_ways_to_slip_meet() -> None:
-    below, above = (carried(ALWAYS_SLIPPING * (1 + side * 1e-9)) for side in (-1, 1))
+    below, above = (describing_function(ALWAYS_SLIPPING * (1 + side * 1e-9)) for side in (-1, 1))
     np.testing.assert_allclose(below, above, atol=1e-6)
-    np.testing.assert_allclose(carried(1 - 1e-12), 1.0, atol=1e-5)
+    np.testing.assert_allclose(describing_function(1 - 1e-12), 1.0, atol=1e-5)
 
 
 def test_named_effects_carry_their_sizes() -> None:
@@ -366,4 +366,6 @@ def test_the_mass_that_a_sweep_sees_is_that_of_the_harmonic_balance(share: float
     f, A = spectrum(motion, n)
     seen = spectrum(slipping, n)[1] / spectrum(moved, n)[1] - spectrum(plain, n)[1] / A
     middle = np.mean(seen[(f > 10.0) & (f < 13.0)])
-    np.testing.assert_allclose(middle / MASS, carried(share), rtol=0, atol=0.02)  # the sweep is short; a longer one comes nearer
+    np.testing.assert_allclose(
+        middle / MASS, describing_function(share), rtol=0, atol=0.02
+    )  # the sweep is short; a longer one comes nearer

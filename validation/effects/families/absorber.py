@@ -1,7 +1,5 @@
 """`absorber`: something that swings at a place of the article."""
 
-from __future__ import annotations
-
 from validation.effects.effect import PLACE, STRUCTURE, STRUCTURE_STAGE, Family, Values, resonator
 from validation.effects.plants import at
 from validation.effects.stages import ALONG, Matrices, with_resonators

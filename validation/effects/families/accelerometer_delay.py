@@ -1,7 +1,3 @@
-"""`accelerometer-delay`."""
-
-from __future__ import annotations
-
 from geometry.sensors import Tolerances
 from validation.effects.effect import ACCELERATIONS, ACCELEROMETER, DELAY, Family
 from validation.effects.plants import at

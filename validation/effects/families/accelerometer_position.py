@@ -1,7 +1,3 @@
-"""`accelerometer-position`."""
-
-from __future__ import annotations
-
 from geometry.sensors import Tolerances
 from validation.effects.effect import ACCELERATIONS, ACCELEROMETER, LENGTH, Family
 from validation.effects.plants import at

@@ -1,7 +1,3 @@
-"""`accelerometer-tilt`."""
-
-from __future__ import annotations
-
 from validation.effects.effect import ACCELERATIONS, SWITCH, Family
 from validation.effects.plants import at
 

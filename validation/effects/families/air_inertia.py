@@ -1,9 +1,13 @@
-"""`air-inertia`."""
+import numpy as np
 
-from __future__ import annotations
+from validation.effects.effect import PENDULUM, PERIOD_STAGE, Family, SizeSpec, Values
+from validation.effects.stages import PendulumSwing
 
-from validation.effects.effect import PENDULUM, PERIOD_STAGE, Family, SizeSpec
-from validation.effects.stages import carried
+
+def change(swing: PendulumSwing, targets: tuple[str, ...], values: Values) -> PendulumSwing:
+    """Air that turns along with the body."""
+    return swing.times(np.sqrt(1 + values[""] / swing.stated("inertia")))
+
 
 FAMILY = Family(
     name="air-inertia",
@@ -12,7 +16,7 @@ FAMILY = Family(
     sizes=(SizeSpec(unit="kg m^2", low=0.0, high=100.0, plausible=0.005),),
     example="air-inertia=0.002",
     stage=PERIOD_STAGE,
-    change=carried,
+    change=change,
     equation="T = T₀ √(1 + I_air / I)",
     mistaken_for=("pendulum-amplitude", "pendulum-damping", "rope-mass", "rope-elasticity", "off-centre-suspension"),
     confirmed_by="the same swing with light plates of cardboard added, or in a posture in which the plates cut the air",

@@ -1,7 +1,5 @@
 """`appendage`: something that swings on the cover plate, beside the article."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""`board-delay`."""
-
-from __future__ import annotations
-
 from validation.effects.effect import DELAY, FORCES, Family
 from validation.effects.plants import at
 

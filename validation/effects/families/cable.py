@@ -1,7 +1,5 @@
 """`cable`: what ties the article to the laboratory."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from validation.effects.effect import PLACE, STRUCTURE, STRUCTURE_STAGE, Family, SizeSpec, Values

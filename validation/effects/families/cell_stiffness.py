@@ -1,7 +1,3 @@
-"""`cell-stiffness`."""
-
-from __future__ import annotations
-
 from geometry.sensors import Tolerances
 from validation.effects.effect import FORCES, Family, relative
 from validation.effects.plants import at

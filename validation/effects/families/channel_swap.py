@@ -1,10 +1,20 @@
-"""`channel-swap`."""
+from dataclasses import replace
 
-from __future__ import annotations
+import numpy as np
 
-from validation.effects.effect import CHANNEL, CHANNEL_STAGE, MISTAKE, Family
+from validation.effects.effect import CHANNEL, CHANNEL_STAGE, MISTAKE, Family, Values
 from validation.effects.plants import at
-from validation.effects.stages import swapped
+from validation.effects.stages import ChannelResponse
+
+
+def change(reading: ChannelResponse, targets: tuple[str, ...], values: Values) -> ChannelResponse:
+    """Each of two channels reads what the other would."""
+    order = np.arange(len(reading.channels))
+    one, other = (reading.column(name) for name in targets)
+    order[[one, other]] = other, one
+    amplitude, peak = (one[..., order] if one.size else one for one in (reading.amplitude, reading.peak))
+    return replace(reading, rows=reading.rows[:, order], amplitude=amplitude, peak=peak)
+
 
 FAMILY = Family(
     name="channel-swap",
@@ -13,7 +23,7 @@ FAMILY = Family(
     targets=(CHANNEL, CHANNEL),
     example="channel-swap:cover-z1:cover-z2",
     stage=CHANNEL_STAGE,
-    change=swapped,
+    change=change,
     equation="y_A' = y_B, y_B' = y_A",
     mistaken_for=("polarity", "accelerometer-position"),
     confirmed_by="a tap on one pick-up at a time",

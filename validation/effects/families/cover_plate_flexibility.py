@@ -1,7 +1,3 @@
-"""`cover-plate-flexibility`."""
-
-from __future__ import annotations
-
 from validation.effects.effect import ACCELERATIONS, Family, SizeSpec
 from validation.effects.plants import at
 

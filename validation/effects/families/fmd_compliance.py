@@ -1,7 +1,3 @@
-"""`fmd-compliance`."""
-
-from __future__ import annotations
-
 from validation.effects.effect import FORCES, Family, SizeSpec
 from validation.effects.plants import at
 

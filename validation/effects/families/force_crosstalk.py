@@ -1,7 +1,3 @@
-"""`force-crosstalk`."""
-
-from __future__ import annotations
-
 from geometry.sensors import Tolerances
 from validation.effects.effect import FORCES, RATIO, Family
 from validation.effects.plants import at

@@ -1,7 +1,3 @@
-"""`force-delay`."""
-
-from __future__ import annotations
-
 from geometry.sensors import Tolerances
 from validation.effects.effect import DELAY, FORCE, FORCES, Family
 from validation.effects.plants import at

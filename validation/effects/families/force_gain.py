@@ -1,7 +1,3 @@
-"""`force-gain`."""
-
-from __future__ import annotations
-
 from geometry.sensors import Tolerances
 from validation.effects.effect import FORCE, FORCES, GAIN, Family
 from validation.effects.plants import at

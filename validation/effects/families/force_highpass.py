@@ -1,7 +1,3 @@
-"""`force-highpass`."""
-
-from __future__ import annotations
-
 from validation.effects.effect import FORCE, FORCES, Family, SizeSpec
 from validation.effects.plants import at
 

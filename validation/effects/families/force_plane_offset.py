@@ -1,7 +1,3 @@
-"""`force-plane-offset`."""
-
-from __future__ import annotations
-
 from validation.effects.effect import FORCES, LENGTH, Family
 from validation.effects.plants import at
 

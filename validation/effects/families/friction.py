@@ -1,7 +1,5 @@
 """`friction`: a loose part on the flange that slips once it is shaken hard enough."""
 
-from __future__ import annotations
-
 from cmath import exp as cexp
 from dataclasses import replace
 from math import acos, asin, cos, inf, pi, sin, sqrt
@@ -25,11 +23,11 @@ def change(stage: MountedDynamicMass, targets: tuple[str, ...], values: Values) 
     loose = AXES.index(targets[1])
     driven = abs(float(rigid_transformation(stage.seat)[loose] @ stage.amplitude))
     along = np.repeat([1.0 + 0.0j, 0.0], 3)
-    along[loose] = carried(force / (mass * driven) if driven else inf)
+    along[loose] = describing_function(force / (mass * driven) if driven else inf)
     return replace(stage, matrix=stage.matrix + mass * np.diag(along))
 
 
-def carried(share: float) -> complex:
+def describing_function(share: float) -> complex:
     """First harmonic of the friction force on a part over the inertia force that would move it along, harmonic balance.
 
     Parameters

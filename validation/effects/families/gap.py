@@ -1,12 +1,34 @@
-"""`gap`."""
-
-from __future__ import annotations
-
+from dataclasses import replace
 from math import inf
 
-from validation.effects.effect import AMPLITUDE, CHANNEL_STAGE, Family, SizeSpec
+import numpy as np
+
+from geometry.frames import Array
+from validation.effects.effect import AMPLITUDE, CHANNEL_STAGE, Family, SizeSpec, Values
 from validation.effects.plants import at
-from validation.effects.stages import lifted
+from validation.effects.stages import ChannelResponse
+
+WARP = {"1": (1, -1, 1, -1), "2": (-1, 1, -1, 1), "3": (1, -1, 1, -1), "4": (-1, 1, -1, 1)}
+"""What four cells on a square, numbered around, can carry against each other without any resultant."""
+
+CELLS = ("fmd-z1", "fmd-z2", "fmd-z3", "fmd-z4")
+
+
+def change(reading: ChannelResponse, targets: tuple[str, ...], values: Values) -> ChannelResponse:
+    """A cell pulls no more than its preload. What it lacks goes to the other three, in the one pattern that has no resultant."""
+    cell = reading.column(CELLS[int(targets[0]) - 1])
+    lost = 1 - clipped(values[""], reading.amplitude_of(cell))
+    rows, missing = np.array(reading.rows), lost[:, None] * reading.rows[:, cell]
+    for name, share in zip(CELLS, WARP[targets[0]], strict=True):
+        rows[:, reading.column(name)] -= share * missing
+    return replace(reading, rows=rows)
+
+
+def clipped(preload: float, amplitude: Array) -> Array:
+    """(n,) share of the fundamental that is left of a sine of `amplitude` (n,) cut off at -`preload` on one side."""
+    p = np.divide(np.minimum(preload, amplitude), amplitude, out=np.ones_like(amplitude), where=amplitude > 0)
+    return np.asarray(0.5 + (np.arcsin(p) + p * np.sqrt(1 - p**2)) / np.pi)
+
 
 FAMILY = Family(
     name="gap",
@@ -16,7 +38,7 @@ FAMILY = Family(
     sizes=(SizeSpec(unit="N", low=1e-3, high=1e6, null=inf, plausible=2.0, logarithmic=True),),
     example="gap:1=500",
     stage=CHANNEL_STAGE,
-    change=lifted,
+    change=change,
     equation="f' = max(f, -P); of a sine of amplitude a > P: f (1/2 + (asin p + p √(1 - p²)) / π), p = P / a; "
     "the other cells take over",
     mistaken_for=("cell-stiffness", "saturation", "force-gain"),

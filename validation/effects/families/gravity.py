@@ -1,7 +1,5 @@
 """`gravity`: the structure's half of gravity. Opened: a parameter of the measurement chain, which knows both halves."""
 
-from __future__ import annotations
-
 from validation.effects.effect import OPENED, STRUCTURE, SWITCH, Family
 from validation.effects.plants import at
 

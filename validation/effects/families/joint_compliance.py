@@ -1,7 +1,5 @@
 """`joint-compliance`: the flange is not rigid on the cover plate."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """`layer-damping`: the silicone layer in a blade loses more than the model says."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from validation.effects.effect import STRUCTURE, STRUCTURE_STAGE, Family, SizeSpec, Values

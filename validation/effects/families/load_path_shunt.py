@@ -1,7 +1,3 @@
-"""`load-path-shunt`."""
-
-from __future__ import annotations
-
 from validation.effects.effect import FORCES, Family, relative
 from validation.effects.plants import at
 

@@ -1,7 +1,5 @@
 """`modulus`: a part is stiffer or softer than drawn. Opened: the modulus of the part leaves its tolerance."""
 
-from __future__ import annotations
-
 from validation.effects.effect import OPENED, STRUCTURE, Family, relative
 from validation.effects.plants import at
 

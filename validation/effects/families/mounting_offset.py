@@ -1,7 +1,5 @@
 """`mounting-offset`: the article stands beside its place."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """`orientation`: the article stands turned."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import pi
 

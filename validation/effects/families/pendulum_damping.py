@@ -1,9 +1,13 @@
-"""`pendulum-damping`."""
+import numpy as np
 
-from __future__ import annotations
+from validation.effects.effect import PENDULUM, PERIOD_STAGE, Family, SizeSpec, Values
+from validation.effects.stages import PendulumSwing
 
-from validation.effects.effect import PENDULUM, PERIOD_STAGE, Family, SizeSpec
-from validation.effects.stages import damped
+
+def change(swing: PendulumSwing, targets: tuple[str, ...], values: Values) -> PendulumSwing:
+    """``1 / sqrt(1 - zeta²)``"""
+    return swing.times(1 / np.sqrt(1 - values[""] ** 2))
+
 
 FAMILY = Family(
     name="pendulum-damping",
@@ -12,7 +16,7 @@ FAMILY = Family(
     sizes=(SizeSpec(unit="1", low=0.0, high=0.9, plausible=0.02),),
     example="pendulum-damping=0.01",
     stage=PERIOD_STAGE,
-    change=damped,
+    change=change,
     equation="T = T₀ / √(1 - ζ²)",
     mistaken_for=("pendulum-amplitude", "rope-mass", "rope-elasticity", "air-inertia", "off-centre-suspension"),
     confirmed_by="the decay of the swing: ln of the ratio of two peaks one period apart is 2π ζ",

@@ -1,7 +1,5 @@
 """`point-mass`: a cable clamp, a forgotten screw, a sensor that nobody weighed, at one place of the article."""
 
-from __future__ import annotations
-
 from validation.effects.effect import MASS, PLACE, STRUCTURE, STRUCTURE_STAGE, Family, Values
 from validation.effects.plants import at
 from validation.effects.stages import Matrices, heavier

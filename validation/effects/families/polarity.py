@@ -1,10 +1,12 @@
-"""`polarity`."""
-
-from __future__ import annotations
-
-from validation.effects.effect import CHANNEL, CHANNEL_STAGE, MISTAKE, Family
+from validation.effects.effect import CHANNEL, CHANNEL_STAGE, MISTAKE, Family, Values
 from validation.effects.plants import at
-from validation.effects.stages import inverted
+from validation.effects.stages import ChannelResponse
+
+
+def change(reading: ChannelResponse, targets: tuple[str, ...], values: Values) -> ChannelResponse:
+    """``-y``"""
+    return reading.times(targets[0], -1.0)
+
 
 FAMILY = Family(
     name="polarity",
@@ -13,7 +15,7 @@ FAMILY = Family(
     targets=(CHANNEL,),
     example="polarity:fmd-z2",
     stage=CHANNEL_STAGE,
-    change=inverted,
+    change=change,
     equation="y' = -y",
     mistaken_for=("channel-swap",),
     confirmed_by="a push by hand in a known direction; the sign of one line of one sweep",

@@ -1,7 +1,5 @@
 """`rigid-inertia`: one of the article's ten inertia parameters is not what the drawing says."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from geometry.frames import rigid_transformation_6

@@ -1,7 +1,5 @@
 """`structural-damping`: a part loses more than the model says."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from validation.effects.effect import STRUCTURE, STRUCTURE_STAGE, Family, SizeSpec, Values

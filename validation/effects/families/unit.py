@@ -1,10 +1,12 @@
-"""`unit`."""
-
-from __future__ import annotations
-
-from validation.effects.effect import CHANNEL, CHANNEL_STAGE, MISTAKE, Family, SizeSpec
+from validation.effects.effect import CHANNEL, CHANNEL_STAGE, MISTAKE, Family, SizeSpec, Values
 from validation.effects.plants import at
-from validation.effects.stages import scaled
+from validation.effects.stages import ChannelResponse
+
+
+def change(reading: ChannelResponse, targets: tuple[str, ...], values: Values) -> ChannelResponse:
+    """``factor y``"""
+    return reading.times(targets[0], values[""])
+
 
 FAMILY = Family(
     name="unit",
@@ -14,7 +16,7 @@ FAMILY = Family(
     sizes=(SizeSpec(unit="1", low=1e-6, high=1e6, null=1.0, plausible=5.0, logarithmic=True),),
     example="unit:cover-z3=0.102, or unit:cover-z3=g",
     stage=CHANNEL_STAGE,
-    change=scaled,
+    change=change,
     equation="y' = factor y",
     mistaken_for=("force-gain", "accelerometer-gain"),
     confirmed_by="the factor itself: 9.81, 1000, 4.45 and their inverses are units, 1.07 is a gain",

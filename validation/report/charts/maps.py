@@ -12,8 +12,8 @@ import numpy as np
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
+from validation.compare.compare import SENSED, run
 from validation.compare.maps import Map, NamedMode, Pairs
-from validation.compare.spots import SENSED, run
 from validation.estimation.problem import Measured
 from validation.report.charts import interactive
 from validation.report.charts.interactive import LEGEND_ROOM, TITLE_ROOM, decades, dressed, escaped, legend_above
