@@ -212,7 +212,12 @@ def _frame_notes(asked: FlexibleOptions) -> tuple[str, ...]:
 def _solid(name: str, asked: FlexibleOptions) -> Flexible:
     from fem.solid import model
 
-    article = _users_article(name, asked) if is_file(name) else built_in(name, changes_of(name, asked.changes))
+    if is_file(name):
+        from geometry import user_article
+
+        article = user_article.load(name, unit=asked.unit, material=asked.material)
+    else:
+        article = built_in(name, changes_of(name, asked.changes))
     structure = model.structure(article, size=asked.size)
     found = _solved(article.name if is_file(name) else name, "solid", structure, article, asked)
     return replace(found, notes=(f"Solid model with {structure.mass.shape[0]} degrees of freedom.", *found.notes))
@@ -241,12 +246,6 @@ def _damped(modes: Modes, damping: Damping | None) -> Modes:
     C = damping_per_mode(damping, omega)
     ratio = equivalent_ratio(C, np.zeros_like(C), omega)
     return replace(modes, viscous=C, structural=np.zeros_like(C), damping_ratio=ratio, condensed=None)
-
-
-def _users_article(name: str, asked: FlexibleOptions) -> UserArticle:
-    from geometry import user_article
-
-    return user_article.load(name, unit=asked.unit, material=asked.material)
 
 
 def _own(path: str, asked: FlexibleOptions) -> Flexible:

@@ -213,7 +213,18 @@ def ready(asked: IdentifyOptions, progress: Callable[[str, float], None] | None 
     BadInput : an option, a campaign, a known article or a classical result that cannot be used.
     OSError : a file cannot be read.
     """
-    modes, tolerances, stiffness = _modes(asked.modes), tolerances_of(asked.tolerances), _stiffness(asked.cell_stiffness)
+    text = asked.modes
+    if text == "auto":
+        modes: int | None = None
+    else:
+        if not text.isdecimal() or int(text) > MOST_MODES:
+            modes_problem = f"auto or a whole number from 0 to {MOST_MODES} is expected, found {text!r}"
+            raise BadInput(
+                source="--modes", problem=modes_problem, remedy="0 takes the article for rigid; auto lets the data choose"
+            )
+        modes = int(text)
+    tolerances = tolerances_of(asked.tolerances)
+    stiffness = _stiffness(asked.cell_stiffness)
     _require_limit(asked.condition_limit)
     share = _share(asked.known_tolerance)
     _require_band(asked.band, study=asked.study)
@@ -234,7 +245,10 @@ def ready(asked: IdentifyOptions, progress: Callable[[str, float], None] | None 
     if not asked.any_hardware:
         _require_same_hardware(described, below)
     for tare, name in zip(below, names, strict=True):
-        _require_other(tare, described)
+        if Path(tare.source).resolve() == Path(described.source).resolve():
+            raise BadInput(
+                source="--tare", problem=f"{tare.source} is the campaign itself", remedy="Name the campaign of the known article"
+            )
         words += known(name or above_fmd(tare.article) or "fmd", tare, _source(name, tare))[1]
     data, said = facts(asked.classical, described, tared=bool(below) or asked.fmd is not None)
     words += [*said, *_band_within(asked.band, described)]
@@ -288,15 +302,6 @@ def _source(name: str, tare: Campaign) -> str:
     return "--known" if name else f"{tare.source}/{campaign_file.NAME}: campaign.article"
 
 
-def _modes(text: str) -> int | None:
-    if text == "auto":
-        return None
-    if not text.isdecimal() or int(text) > MOST_MODES:
-        problem = f"auto or a whole number from 0 to {MOST_MODES} is expected, found {text!r}"
-        raise BadInput(source="--modes", problem=problem, remedy="0 takes the article for rigid; auto lets the data choose")
-    return int(text)
-
-
 def _require_limit(limit: float) -> None:
     if not (isfinite(limit) and limit > 1):
         raise BadInput(
@@ -339,13 +344,6 @@ def tolerances_of(settings: Sequence[str]) -> Tolerances:
         dimension = DIMENSIONS.get(key, "ratio")
         changed[key] = float(quantity(value, dimension, source="--tolerance", field=key).nominal_value)
     return Tolerances(**changed)
-
-
-def _require_other(tare: Campaign, campaign: Campaign) -> None:
-    if Path(tare.source).resolve() == Path(campaign.source).resolve():
-        raise BadInput(
-            source="--tare", problem=f"{tare.source} is the campaign itself", remedy="Name the campaign of the known article"
-        )
 
 
 def _require_same_hardware(campaign: Campaign, tares: Sequence[Campaign]) -> None:

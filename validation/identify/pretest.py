@@ -104,7 +104,9 @@ def question(
     _require(condition_limit, "--condition-limit", "a condition number is above 1", above=1.0)
     _require(rigid_percent, "--rigid", "a share above 0 % is expected", above=0.0)
     stacks = [_on_fmd(article), *([] if tare == NO_TARE else [_on_fmd(tare)])]
-    _require_two(article, stacks)
+    if len(set(stacks)) < len(stacks):
+        problem = f"the tare is the article itself, {article}"
+        raise BadInput(source="--tare", problem=problem, remedy=f"Name another known article, or --tare {NO_TARE}")
     plans = simulate.question(
         articles=stacks,
         out=Path("out"),
@@ -141,12 +143,6 @@ def question(
 def _on_fmd(article: str) -> str:
     """The stack with the FMD below it: what is tested here always stands on one."""
     return article if article.split("+")[0] not in NAMES or article.split("+")[0] == FMD else f"{FMD}+{article}"
-
-
-def _require_two(article: str, stacks: Sequence[str]) -> None:
-    if len(set(stacks)) < len(stacks):
-        problem = f"the tare is the article itself, {article}"
-        raise BadInput(source="--tare", problem=problem, remedy=f"Name another known article, or --tare {NO_TARE}")
 
 
 def _sensors(folder: Path, floors: Mapping[str, float]) -> ChannelTable:

@@ -38,12 +38,12 @@ from validation.report.document import (
     tag,
     toleranced,
 )
-from validation.report.parts import CampaignPart, Report, picture, section, verdict
+from validation.report.parts import Report, picture, section, verdict
 from validation.report.parts import notes as parts_notes
 from validation.study import Options, Study, read
 
 if TYPE_CHECKING:
-    from validation.report.charts.static import Figure
+    pass
 
 
 # The page of `massline compare`: four errors, the worst spots in words, runs and configurations, pairs of axes,
@@ -259,20 +259,16 @@ def notes(found: Comparison) -> Iterator[str]:
         "Sigma: deviation at the plain fit over what noise, a model error of 0.15 % and all tolerances that were not fitted let "
         "expect. A channel's is from what all other channels and the model say of it."
     )
-    yield from _resonances(found)
+    # Modes within the band by name
+    for of, modes in zip(found.maps, found.modes, strict=True):
+        inside = [one for one in modes if of.frequency[0] <= one.frequency <= of.frequency[-1]]
+        if inside:
+            yield f"Modes of {of.data_set}: {_some([f'{one.name} {one.frequency:.2f} Hz' for one in inside], 8)}."
     if found.evaluation.held_out_names:
         yield f"Held out: {_some(found.evaluation.held_out_names)}."
     if found.effects:
         yield f"Effects in the model: {', '.join(found.effects)}."
     yield from (f"warning: {text}." for text in found.remarks)
-
-
-def _resonances(found: Comparison) -> Iterator[str]:
-    """Modes within the band by name."""
-    for of, modes in zip(found.maps, found.modes, strict=True):
-        inside = [one for one in modes if of.frequency[0] <= one.frequency <= of.frequency[-1]]
-        if inside:
-            yield f"Modes of {of.data_set}: {_some([f'{one.name} {one.frequency:.2f} Hz' for one in inside], 8)}."
 
 
 def _some(names: tuple[str, ...] | list[str], most: int = 4) -> str:
@@ -332,10 +328,6 @@ def draw_channels(of: Map, modes: Sequence[NamedMode], path: Path) -> None:
     maps.draw_channels(of, modes, path, NOTE + THRESHOLD)
 
 
-def _frequencies(modes: Sequence[NamedMode]) -> tuple[float, ...]:
-    return tuple(one.frequency for one in modes)
-
-
 def _dynamic_mass(found: Comparison, path: Path) -> None:
     by_name = {of.data_set: (of.pairs, modes) for of, modes in zip(found.maps, found.modes, strict=True) if of.pairs is not None}
     panels = [_entry(pair, *by_name[pair.data_set]) for pair in worst_pairs(found.maps, PAIRS)]
@@ -344,7 +336,7 @@ def _dynamic_mass(found: Comparison, path: Path) -> None:
 
 
 def _entry(pair: WorstPair, of: Pairs, modes: Sequence[NamedMode]) -> tuple[str, int, int, tuple[DynamicMassCurve, ...]]:
-    marks = _Marks(frequency=np.array(_frequencies(modes)), effective_mass=np.full((len(modes), 6), np.inf))
+    marks = _Marks(frequency=np.array(tuple(one.frequency for one in modes)), effective_mass=np.full((len(modes), 6), np.inf))
     both = ((of.predicted, "predicted", ""), (of.measured, "measured", MEASURED))
     curves = tuple(
         DynamicMassCurve(
@@ -376,7 +368,12 @@ def answer(asked: Options, *, as_json: bool, folder: Path | None) -> None:
     else:
         click.echo(document(found).text(), nl=False)
     if folder is not None:
-        _write(found, folder, quiet=as_json)
+        write_text(folder / RESULT, json_text(to_json(found)) + "\n")
+        click.echo(f"massline: wrote {folder / RESULT}.", err=True)
+        with shown("pictures", quiet=as_json):
+            paths = draw(found, folder)
+        for path in paths:
+            click.echo(f"massline: wrote {path}.", err=True)
 
 
 def comparison(asked: Options, *, quiet: bool = True) -> Comparison:
@@ -390,16 +387,6 @@ def comparison(asked: Options, *, quiet: bool = True) -> Comparison:
         model, data = read(asked, told)
     with stages("comparing", quiet=quiet) as told:
         return compared(Study.of(model, data, asked, told), told)
-
-
-def _write(found: Comparison, folder: Path, *, quiet: bool) -> None:
-
-    write_text(folder / RESULT, json_text(to_json(found)) + "\n")
-    click.echo(f"massline: wrote {folder / RESULT}.", err=True)
-    with shown("pictures", quiet=quiet):
-        paths = draw(found, folder)
-    for path in paths:
-        click.echo(f"massline: wrote {path}.", err=True)
 
 
 # Condition number of Eqs. 9 to 11, campaign by campaign.
@@ -460,7 +447,9 @@ def _dynamic_mass_campaign(
 
     group = f"entry-{k}"
     first = next(one for one in worst if one.data_set == pairs.campaign)
-    every = _entries(pairs, modes)
+    from validation.report.charts.maps import overlay
+
+    every = {f"{i}-{j}": overlay(pairs, i, j, modes=modes) for i in range(6) for j in range(6)}
     figures.choices(group, every)
     key = f"{first.load}-{first.motion}"
     choice = tag(
@@ -475,12 +464,6 @@ def _dynamic_mass_campaign(
         figures.placed(every[key], screen_only=True, group=group, shown=key),
         class_="part",
     )
-
-
-def _entries(pairs: Pairs, modes: Sequence[NamedMode]) -> dict[str, Figure]:
-    from validation.report.charts.maps import overlay
-
-    return {f"{i}-{j}": overlay(pairs, i, j, modes=modes) for i in range(6) for j in range(6)}
 
 
 def _select(what: str, group: str, chosen: int) -> Safe:
@@ -515,12 +498,12 @@ def _worst(worst: Sequence[WorstPair]) -> Safe:
 
 def sensors_html(report: Report, figures: Figures) -> Safe:
     """The section; empty where nothing could be drawn."""
-    parts = [_sensors_campaign(one) for one in report.campaigns if one.sensors is not None]
+    parts = [
+        tag("div", tag("h3", f"{one.campaign.title} ({one.campaign.source})"), picture(one.sensors), class_="part")
+        for one in report.campaigns
+        if one.sensors is not None
+    ]
     return section("sensors", "Sensors", *parts) if parts else Safe("")
-
-
-def _sensors_campaign(one: CampaignPart) -> Safe:
-    return tag("div", tag("h3", f"{one.campaign.title} ({one.campaign.source})"), picture(one.sensors), class_="part")
 
 
 # Where the model fails: four errors, the worst spots in words, maps in sigmas, runs, classical measurements.

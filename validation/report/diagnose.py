@@ -14,7 +14,7 @@ from geometry.errors import BadInput
 from validation.compare.compare import mapped_all, modes_of
 from validation.diagnose import diagnose
 from validation.diagnose import diagnosis as diagnose_diagnosis
-from validation.diagnose.classical import MeasurementInput, Needed, SwingAnswer
+from validation.diagnose.classical import Needed, SwingAnswer
 from validation.diagnose.classical_tests import SURE
 from validation.diagnose.diagnose import of_levels, ready
 from validation.diagnose.diagnosis import (
@@ -97,7 +97,8 @@ def draw(found: Diagnosis, folder: Path) -> tuple[Path, ...]:
         crosscheck.draw_evidence(chart, folder / EVIDENCE)
         made.append(folder / EVIDENCE)
     after = None if found.after is found.before else found.after
-    crosscheck.draw_before_after(crosscheck.changes_of(found.before, after, _title(found), _held(found)), folder / ERRORS)
+    held = f"Held out: {diagnose_diagnosis.listed(found.hold_out)}." if found.hold_out else ""
+    crosscheck.draw_before_after(crosscheck.changes_of(found.before, after, _title(found), held), folder / ERRORS)
     return (*made, folder / ERRORS)
 
 
@@ -115,10 +116,6 @@ def _title(found: Diagnosis) -> str:
         AMBIGUOUS: f"one of {diagnose_diagnosis.listed(found.equivalence_class, 'or')}",
     }
     return f"Diagnosis: {told.get(found.verdict) or names or found.verdict}"
-
-
-def _held(found: Diagnosis) -> str:
-    return f"Held out: {diagnose_diagnosis.listed(found.hold_out)}." if found.hold_out else ""
 
 
 # `massline diagnose --auto`: diagnose, add what is missing as a rung, and diagnose again, until the rules say stop.
@@ -405,8 +402,12 @@ def facts(found: SwingAnswer) -> Table:
 
 def needed(of: Sequence[Needed]) -> Table:
     """What every effect would have to be, places of one kind in one line."""
+    found: dict[str, list[Needed]] = {}
+    for one in of:
+        family, _, _ = one.id.partition(":")
+        found.setdefault(family if family == PLACES else one.id, []).append(one)
     return Table(
-        rows=list(_together(of).items()),
+        rows=list(found.items()),
         columns=(
             Column("effect", lambda row: row[0], words=True),
             Column("evidence [nats]", lambda row: max(one.evidence for one in row[1]), "+.1f"),
@@ -417,8 +418,9 @@ def needed(of: Sequence[Needed]) -> Table:
 
 def readings(found: SwingAnswer) -> Table:
     """Inputs that would explain it, were they wrong."""
+    near = [one for one in found.readings if abs(one.tolerances) <= FAR and abs(one.change) < abs(one.value)]
     return Table(
-        rows=_near(found),
+        rows=near,
         columns=(
             Column("or a wrong input [SI]", lambda one: one.name, words=True),
             Column("as stated", lambda one: one.value, ".6g"),
@@ -450,18 +452,6 @@ def notes(found: SwingAnswer) -> Iterator[str]:
     if len(found.advice) > MOST:
         yield f"--json has {len(found.advice) - MOST} more tests."
     yield from (f"warning: {text}." for text in found.remarks)
-
-
-def _near(found: SwingAnswer) -> list[MeasurementInput]:
-    return [one for one in found.readings if abs(one.tolerances) <= FAR and abs(one.change) < abs(one.value)]
-
-
-def _together(of: Sequence[Needed]) -> dict[str, list[Needed]]:
-    found: dict[str, list[Needed]] = {}
-    for one in of:
-        family, _, _ = one.id.partition(":")
-        found.setdefault(family if family == PLACES else one.id, []).append(one)
-    return found
 
 
 def _thought(of: Sequence[Needed]) -> str:
@@ -618,7 +608,7 @@ def causes(of: Sequence[Cause]) -> Grid:
     lines = [line for one in of for line in _sizes(one)]
     first, *rest = zip(*lines, strict=True)
     header = ("missing", "size", "90 % interval", "unit", "evidence [nats]")
-    return Grid(header=header, lines=tuple(zip(first, *_columns(rest), strict=True)))
+    return Grid(header=header, lines=tuple(zip(first, *[aligned(column) for column in rest], strict=True)))
 
 
 def explained(one: Cause) -> Grid:
@@ -783,10 +773,6 @@ def _sizes(one: Cause) -> list[tuple[str, ...]]:
 def _told(one: Cause, size: EffectEstimate) -> tuple[str, str, str]:
     value, low, high, unit = diagnose_diagnosis.interval(one, size)
     return value, NONE if size.low == size.high else f"{low} to {high}", unit or NONE
-
-
-def _columns(columns: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
-    return [aligned(column) for column in columns]
 
 
 def _diagnosis_alike(id: str, known: Cause | None) -> str:

@@ -216,12 +216,8 @@ def _deviation(table: ReferenceTable, one: Row | None, k: int) -> tuple[str, str
     own = f"{grid_number(one.deviation, 2 if is_length else _decimals(table, k))} {one.unit}"
     relative = None if percent is None else f"{grid_number(percent, 2)} %"
     size = relative if relative and not is_length else f"{own} ({relative})" if relative else own
-    return size, NONE if many is None else _many(many)
-
-
-def _many(many: float) -> str:
-    """A deviation in tolerances; beyond a thousand the figure says nothing more."""
-    return grid_number(many, 1) if abs(many) < 1000 else f"{'-' if many < 0 else ''}>999"
+    # A deviation in tolerances; beyond a thousand the figure says nothing more
+    return size, NONE if many is None else grid_number(many, 1) if abs(many) < 1000 else f"{'-' if many < 0 else ''}>999"
 
 
 def grid_number(value: float, decimals: int) -> str:
@@ -441,7 +437,10 @@ def table(caption: str, columns: Sequence[Column], rows: Sequence[Sequence[Cell]
         return Safe("")
     head = tag("tr", *(_head(column) for column in columns))
     body = joined(
-        *(tag("tr", *(_cell(column, cell, k == 0) for k, (column, cell) in enumerate(_paired(columns, row)))) for row in rows)
+        *(
+            tag("tr", *(_cell(column, cell, k == 0) for k, (column, cell) in enumerate(list(zip(columns, row, strict=True)))))
+            for row in rows
+        )
     )
     button = tag(
         "button",
@@ -463,10 +462,6 @@ def of_grid(caption: str, grid: Grid, *, note: str = "") -> Safe:
     last = len(grid.header) - 1
     columns = [Column(head=head, words=k == 0 or (grid.words and k == last)) for k, head in enumerate(grid.header)]
     return table(caption, columns, [[cell.strip() for cell in line] for line in grid.lines], note=note)
-
-
-def _paired(columns: Sequence[Column], row: Sequence[Cell]) -> list[tuple[Column, Cell]]:
-    return list(zip(columns, row, strict=True))
 
 
 def _head(column: Column) -> Safe:
@@ -586,8 +581,19 @@ def _lines(table: ReferenceTable) -> Iterator[tuple[object, ...]]:
             stated = table.stated(column, k)
             if stated is None:
                 continue
-            value = _printed(stated.value, quantity.per_si, stated.decimals)
+            value = (
+                f"{stated.value * quantity.per_si:.12g}"
+                if stated.decimals is None
+                else f"{stated.value * quantity.per_si:.{stated.decimals}f}"
+            )
             tolerance = "" if stated.tolerance is None else f"{stated.tolerance * quantity.per_si:.6g}"
+            one = row(table, column, k)
+            if one is None:
+                held: tuple[object, ...] = ("",) * 6
+            else:
+                sizes = (one.reference, one.deviation, one.deviation_percent, one.deviation_in_tolerances)
+                shown = ("" if size is None else f"{size:.9g}" for size in sizes)
+                held = (table.reference_columns[k], *shown, "yes" if one.within else "no")
             yield (
                 table.article,
                 quantity.key,
@@ -595,21 +601,8 @@ def _lines(table: ReferenceTable) -> Iterator[tuple[object, ...]]:
                 column,
                 value,
                 tolerance,
-                *_held(table, column, k),
+                *held,
             )
-
-
-def _held(table: ReferenceTable, column: str, k: int) -> tuple[object, ...]:
-    one = row(table, column, k)
-    if one is None:
-        return ("",) * 6
-    sizes = (one.reference, one.deviation, one.deviation_percent, one.deviation_in_tolerances)
-    shown = ("" if size is None else f"{size:.9g}" for size in sizes)
-    return (table.reference_columns[k], *shown, "yes" if one.within else "no")
-
-
-def _printed(value: float, per_si: float, decimals: int | None) -> str:
-    return f"{value * per_si:.12g}" if decimals is None else f"{value * per_si:.{decimals}f}"
 
 
 # A reference table in LaTeX: plain `tabular` with `\hline`, no package needed.
@@ -680,14 +673,12 @@ def _known(character: str) -> str:
 def _grid(grid: Grid) -> str:
     left = {0, len(grid.header) - 1} if grid.words else {0}
     form = "".join("l" if k in left else "r@{}l" for k in range(len(grid.header)))
-    header = " & ".join(escaped(cell) if k in left else _over_two(cell) for k, cell in enumerate(grid.header))
+    header = " & ".join(
+        escaped(cell) if k in left else rf"\multicolumn{{2}}{{c}}{{{escaped(cell)}}}" for k, cell in enumerate(grid.header)
+    )
     lines = [" & ".join(_latex_cell(cell, k in left) for k, cell in enumerate(line)) for line in grid.lines]
     body = "".join(rf"{line} \\" + "\n" for line in lines)
     return f"\\begin{{tabular}}{{{form}}}\n\\hline\n{header} \\\\\n\\hline\n{body}\\hline\n\\end{{tabular}}"
-
-
-def _over_two(heading: str) -> str:
-    return rf"\multicolumn{{2}}{{c}}{{{escaped(heading)}}}"
 
 
 def _latex_cell(cell: str, words: bool) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 import click
 import numpy as np
 
-from fem.base_excitation.rig import Flange, Friction, LoadCell, Rig, Strut
+from fem.base_excitation.rig import Flange, Friction, Strut
 from fem.exudyn.run import exudyn_version
 from geometry.dynamic_mass import MOTIONS
 from geometry.frames import Array
@@ -33,9 +33,20 @@ from validation.report.document import Grid, aligned, page
 def rig_text(mounted: ArticleOnTable, modes: RigModes) -> tuple[str, ...]:
     """Sentences, from the table up."""
     made = mounted.rig
+    point = "the article's origin" if made.cover is None else "F, the centre of the force-measuring plane"
+    cells = made.cells
+    if not cells:
+        excitation_cells: str = ""
+    else:
+        stiffness = ", ".join(f"{k:.3g}" for k in cells[0].stiffness)
+        loads = [cell.preload for cell in cells]
+        off = [f"cell {k} at {load:g} N" for k, load in enumerate(loads, start=1) if load is not None]
+        same = len(off) == len(cells) and len(set(loads)) == 1
+        lifts = f"each lifts off at {loads[0]:g} N" if same else f"{', '.join(off)} lifts off" if off else "none lifts off"
+        excitation_cells = f"Load cells: {stiffness} N/m along x, y, z each; {lifts}."
     return (
-        f"{_stands(mounted)}; the table carries {modes.rigid_mass[0, 0]:.4g} kg. Loads about {_point(made)}.",
-        *filter(None, (_excitation_cells(made.cells), _flange(made.flange))),
+        f"{_stands(mounted)}; the table carries {modes.rigid_mass[0, 0]:.4g} kg. Loads about {point}.",
+        *filter(None, (excitation_cells, _flange(made.flange))),
         *map(_strut, made.struts),
         *map(_friction, made.frictions),
         *_kept(mounted, modes),
@@ -51,21 +62,6 @@ def _stands(mounted: ArticleOnTable) -> str:
         return f"{made.article.name} on the table itself"
     height = 1e3 * made.seat[2]
     return f"{made.article.name} on the FMD's cover plate ({made.cover.mass:.4g} kg, top {height:g} mm above F), {under}"
-
-
-def _point(made: Rig) -> str:
-    return "the article's origin" if made.cover is None else "F, the centre of the force-measuring plane"
-
-
-def _excitation_cells(cells: tuple[LoadCell, ...]) -> str:
-    if not cells:
-        return ""
-    stiffness = ", ".join(f"{k:.3g}" for k in cells[0].stiffness)
-    loads = [cell.preload for cell in cells]
-    off = [f"cell {k} at {load:g} N" for k, load in enumerate(loads, start=1) if load is not None]
-    same = len(off) == len(cells) and len(set(loads)) == 1
-    lifts = f"each lifts off at {loads[0]:g} N" if same else f"{', '.join(off)} lifts off" if off else "none lifts off"
-    return f"Load cells: {stiffness} N/m along x, y, z each; {lifts}."
 
 
 def _flange(flange: Flange | None) -> str:
@@ -160,7 +156,7 @@ def runs(outcomes: Sequence[Outcome]) -> Grid:
 def loads(outcomes: Sequence[Outcome]) -> Grid:
     """The largest load of each kind."""
     header = ("peak load", *(f"{name} [{unit}]" for name, unit in zip(LOADS, LOAD_UNITS, strict=True)))
-    lines = [(one.name, *(_significant(value) for value in one.peak_load)) for one in outcomes]
+    lines = [(one.name, *(f"{value:.1f}" if value >= 100 else f"{value:.3f}" for value in one.peak_load)) for one in outcomes]
     columns = list(zip(*lines, strict=True))
     return Grid(header=header, lines=tuple(zip(columns[0], *map(aligned, columns[1:]), strict=True)))
 
@@ -273,10 +269,6 @@ def _share(share: float) -> str:
     return f"{100 * share:.2g} % of the time" if share else "never"
 
 
-def _significant(value: float) -> str:
-    return f"{value:.1f}" if value >= 100 else f"{value:.3f}"
-
-
 POINTS = 3000
 """Of a curve over frequency."""
 
@@ -321,6 +313,31 @@ def draw(made: PreparedRuns, one: Done, folder: Path) -> Path:
 def sheet(made: PreparedRuns, one: Done) -> Sheet:
     """What the picture shows."""
     view = _swept(one) or _noise(one, made.question.drive.band)
+    from scipy.signal import spectrogram
+
+    # The load along the driven axis in time and frequency, and over the acceleration, by the Fourier integral of the record
+    from identification.spectra.line_spectra import full_record
+
+    driven, response, (low, high) = one.run.axes[0], one.response, made.question.drive.band
+    n = len(response.load)
+    length = int(min(np.clip(n / response.sampling_rate / BLOCKS**2, *BLOCK) * response.sampling_rate, n))
+    how = {"window": "hann", "nperseg": length, "noverlap": 15 * length // 16, "nfft": 4 * length, "detrend": False}
+    f, t, power = spectrogram(response.load[:, driven], response.sampling_rate, **how)
+    shown = f <= ABOVE * high
+    power = power[shown]
+    lines = np.linspace(low, high, LINES)
+    load, motion = (np.abs(full_record(x[:, driven], response.sampling_rate, lines)) for x in (response.load, response.table))
+    spectra = Spectra(
+        load=LOADS[driven],
+        time=t,
+        frequency=f[shown],
+        decibel=10 * np.log10(np.maximum(power / power.max(), 1e-30)),
+        lines=lines,
+        quotient=load / motion,
+        cut=not one.outcome.ring_down.sufficient,
+        rigid=float(made.modes.rigid_mass[driven, driven]),
+        unit=unit(driven, driven),
+    )
     return Sheet(
         title=f"{made.question.article}: {one.run.pattern.label}",
         note=_note(made, one),
@@ -328,7 +345,7 @@ def sheet(made: PreparedRuns, one: Done) -> Sheet:
         frequency=view.frequency,
         along=view.along,
         rows=tuple(_rows(made, one, view)),
-        spectra=_spectra(made, one),
+        spectra=spectra,
         marks=tuple((p.time, p.frequency) for p in one.outcome.passed),
         driven=one.motion.driven,
     )
@@ -375,34 +392,6 @@ def _cells(one: Done, view: AmplitudeView) -> PanelRow:
         unit_of_amplitude="N" + view.per,
         signals=tuple(_signal(f"cell {k + 1}", forces[:, k], view) for k in range(forces.shape[1])),
         limit=(f"lifts off at -{min(loads):g} N", -min(loads)) if loads else None,
-    )
-
-
-def _spectra(made: PreparedRuns, one: Done) -> Spectra:
-    """The load along the driven axis in time and frequency, and over the acceleration, by the Fourier integral of the record."""
-    from scipy.signal import spectrogram
-
-    from identification.spectra.line_spectra import full_record
-
-    driven, response, (low, high) = one.run.axes[0], one.response, made.question.drive.band
-    n = len(response.load)
-    length = int(min(np.clip(n / response.sampling_rate / BLOCKS**2, *BLOCK) * response.sampling_rate, n))
-    how = {"window": "hann", "nperseg": length, "noverlap": 15 * length // 16, "nfft": 4 * length, "detrend": False}
-    f, t, power = spectrogram(response.load[:, driven], response.sampling_rate, **how)
-    shown = f <= ABOVE * high
-    power = power[shown]
-    lines = np.linspace(low, high, LINES)
-    load, motion = (np.abs(full_record(x[:, driven], response.sampling_rate, lines)) for x in (response.load, response.table))
-    return Spectra(
-        load=LOADS[driven],
-        time=t,
-        frequency=f[shown],
-        decibel=10 * np.log10(np.maximum(power / power.max(), 1e-30)),
-        lines=lines,
-        quotient=load / motion,
-        cut=not one.outcome.ring_down.sufficient,
-        rigid=float(made.modes.rigid_mass[driven, driven]),
-        unit=unit(driven, driven),
     )
 
 
@@ -603,9 +592,14 @@ def excite(question: ExciteOptions, wanted: Wanted) -> None:
     BadInput : something in `question` cannot be, a file that cannot be written so; before anything is computed.
     CheckFailed : a route failed.
     """
-    from validation.output import print_json
+    from validation.output import print_json, require_file, require_folder
 
-    _require_writable(wanted)
+    if wanted.out is not None:
+        excite_runs.require_ending(wanted.out)
+        require_file(wanted.out, "--out")
+    for option, drawn in (("--plot", wanted.plot), ("--animate", wanted.animate)):
+        if drawn:
+            require_folder(FOLDER, option)
     made = ready(question, quiet=wanted.as_json)
     if wanted.animate:
         from validation.report.scenes.turntable import require_animable
@@ -623,17 +617,6 @@ def excite(question: ExciteOptions, wanted: Wanted) -> None:
         click.echo(page_of(made, outcomes), nl=False)
     for path in (path for paths in files for path in paths):
         click.echo(f"massline: wrote {path}.", err=True)
-
-
-def _require_writable(wanted: Wanted) -> None:
-    from validation.output import require_file, require_folder
-
-    if wanted.out is not None:
-        excite_runs.require_ending(wanted.out)
-        require_file(wanted.out, "--out")
-    for option, drawn in (("--plot", wanted.plot), ("--animate", wanted.animate)):
-        if drawn:
-            require_folder(FOLDER, option)
 
 
 def _written(made: PreparedRuns, one: Done, wanted: Wanted) -> list[Path]:
@@ -677,7 +660,25 @@ def text(found: Simulated) -> str:
     """The page for a reader."""
     setup = found.record.setup
     title = f"{setup.article} on {setup.suspension.ropes} ropes, axis {setup.axis} upright: simulated by exudyn"
-    return page(title, [_periods(found), _shifts(found), _inertias(found)], report_notes(found))
+    record, periods_setup = found.record, found.record.setup
+    small = record.swing.small_period
+    lines = [
+        ("by Eq. 5 from the inertia", f"{periods_setup.ideal_period:.6f}", ""),
+        ("small swings, by statics", f"{small:.6f}", _percent(small / periods_setup.ideal_period - 1)),
+        (f"recorded, {record.decay.cycles:.1f} cycles", f"{record.period:.6f}", _percent(record.shift)),
+    ]
+    periods = Grid(header=("period", "T [s]", "from Eq. 5 [%]"), lines=_columns(lines))
+    links = found.record.setup.suspension.links
+    shifts_lines = [
+        (s.name, _percent(s.period), _percent(s.plain), _percent(s.corrected), WHY[s.name].format(links=links))
+        for s in found.shifts
+    ]
+    shifts_lines.append(
+        ("all together", _percent(found.record.shift), _percent(found.plain), _percent(found.corrected), "the record")
+    )
+    header = ("effect alone", "period [%]", "inertia by Eq. 5 [%]", "corrected [%]", "what the reduction does")
+    shifts = Grid(header=header, lines=_columns(shifts_lines, words=True), words=True)
+    return page(title, [periods, shifts, _inertias(found)], report_notes(found))
 
 
 def as_json(found: Simulated, folder: Path | None) -> dict[str, Any]:
@@ -724,28 +725,6 @@ def report_notes(found: Simulated) -> tuple[str, ...]:
 
 PRODUCT = 1e-3
 """Product of inertia, relative to the moment, that is worth a word."""
-
-
-def _periods(found: Simulated) -> Grid:
-    record, setup = found.record, found.record.setup
-    small = record.swing.small_period
-    lines = [
-        ("by Eq. 5 from the inertia", f"{setup.ideal_period:.6f}", ""),
-        ("small swings, by statics", f"{small:.6f}", _percent(small / setup.ideal_period - 1)),
-        (f"recorded, {record.decay.cycles:.1f} cycles", f"{record.period:.6f}", _percent(record.shift)),
-    ]
-    return Grid(header=("period", "T [s]", "from Eq. 5 [%]"), lines=_columns(lines))
-
-
-def _shifts(found: Simulated) -> Grid:
-    links = found.record.setup.suspension.links
-    lines = [
-        (s.name, _percent(s.period), _percent(s.plain), _percent(s.corrected), WHY[s.name].format(links=links))
-        for s in found.shifts
-    ]
-    lines.append(("all together", _percent(found.record.shift), _percent(found.plain), _percent(found.corrected), "the record"))
-    header = ("effect alone", "period [%]", "inertia by Eq. 5 [%]", "corrected [%]", "what the reduction does")
-    return Grid(header=header, lines=_columns(lines, words=True), words=True)
 
 
 def _inertias(found: Simulated) -> Grid:

@@ -26,7 +26,7 @@ from validation.compare.maps import Map, NamedMode
 from validation.flexible.dynamic_mass import Apart, Curves, apart, beyond_the_modes, dynamic_mass, lines, reference_point
 from validation.flexible.model import OWN, Flexible, FlexibleOptions, another_body, flexible, require_model, require_used
 from validation.flexible.modes import APART, SAME_MODE, Described, ModeComparison, described, displacement, movable
-from validation.reference.published import Claim, claims
+from validation.reference.published import claims
 from validation.reference.reference import file_name
 from validation.reference.statement import LARGE, NONE
 from validation.report.charts.style import DynamicMassCurve, diagonal, full
@@ -113,13 +113,11 @@ def published(model: Flexible) -> Grid | None:
         return None
     return Grid(
         header=("in print", f"{model.model} model", "holds"),
-        lines=tuple((claim.says, claim.found, _verdict(claim)) for claim in said),
+        lines=tuple(
+            (claim.says, claim.found, {True: "yes", False: "NO", None: "too few modes to tell"}[claim.holds]) for claim in said
+        ),
         words=True,
     )
-
-
-def _verdict(claim: Claim) -> str:
-    return {True: "yes", False: "NO", None: "too few modes to tell"}[claim.holds]
 
 
 def modes_json(model: Flexible) -> dict[str, Any]:
@@ -151,7 +149,21 @@ SHOWN = 12
 
 def grids(found: ModeComparison) -> tuple[Grid, ...]:
     """Frequencies with MAC, the MAC matrix, and the effective masses."""
-    return _frequencies(found), *([_matrix(found)] if found.mac.size else []), _comparison_table_masses(found)
+    f, g = found.first.modes.frequency, found.second.modes.frequency
+    lines = []
+    for k, other in enumerate(found.partner):
+        alone = np.sum(found.cluster == found.cluster[k]) == 1
+        mac = f"{found.mac[k, other]:.3f}" if found.mac.size else NONE
+        theirs = (str(other + 1), f"{g[other]:.3f}", _percent(found.difference[k]), mac)
+        told = theirs if other >= 0 else 4 * (NONE,)
+        lines.append(
+            (str(k + 1), f"{f[k]:.3f}", *told, NONE if alone or other < 0 or not found.mac.size else f"{found.space[k]:.3f}")
+        )
+    columns = list(zip(*lines, strict=True))
+    first, second = found.first.model, found.second.model
+    header = (f"{first} mode", "f [Hz]", f"{second} mode", "f [Hz]", "difference", "MAC", "space")
+    frequencies = Grid(header=header, lines=tuple(zip(columns[0], *map(aligned, columns[1:]), strict=True)))
+    return frequencies, *([_matrix(found)] if found.mac.size else []), _comparison_table_masses(found)
 
 
 def comparison_table_notes(found: ModeComparison) -> tuple[str, ...]:
@@ -196,23 +208,6 @@ def _how(found: ModeComparison, k: int) -> str:
 
 def _percent(share: float) -> str:
     return f"{100 * share:+.3g} %".replace("-", "−")
-
-
-def _frequencies(found: ModeComparison) -> Grid:
-    f, g = found.first.modes.frequency, found.second.modes.frequency
-    lines = []
-    for k, other in enumerate(found.partner):
-        alone = np.sum(found.cluster == found.cluster[k]) == 1
-        mac = f"{found.mac[k, other]:.3f}" if found.mac.size else NONE
-        theirs = (str(other + 1), f"{g[other]:.3f}", _percent(found.difference[k]), mac)
-        told = theirs if other >= 0 else 4 * (NONE,)
-        lines.append(
-            (str(k + 1), f"{f[k]:.3f}", *told, NONE if alone or other < 0 or not found.mac.size else f"{found.space[k]:.3f}")
-        )
-    columns = list(zip(*lines, strict=True))
-    first, second = found.first.model, found.second.model
-    header = (f"{first} mode", "f [Hz]", f"{second} mode", "f [Hz]", "difference", "MAC", "space")
-    return Grid(header=header, lines=tuple(zip(columns[0], *map(aligned, columns[1:]), strict=True)))
 
 
 def _matrix(found: ModeComparison) -> Grid:
@@ -496,25 +491,21 @@ def write(path: Path, H: DynamicMass, article: str) -> None:
     """Write `H`: frequency [Hz], then real and imaginary part of all 36 entries, row by row."""
     require_ending(path)
     if path.suffix.lower() == ".csv":
-        write_text(path, comma_separated(H, article))
+        # `H` as lines of text; those that begin with # say of what and about which point
+        about = ", ".join(f"{1e3 * x:g}" for x in H.reference_point)
+        text = StringIO()
+        text.write(f"# dynamic mass of {article} about ({about}) mm, blocked, loads of the table on the article\n")
+        text.write("# units: kg between translations, kg m mixed, kg m2 between rotations\n")
+        table = csv.writer(text, lineterminator="\n")
+        table.writerow(
+            ["frequency_hz", *(f"{part}_{row}_{column}" for row in MOTIONS for column in MOTIONS for part in ("re", "im"))]
+        )
+        for f, matrix in zip(H.frequency, H.matrix, strict=True):
+            flat = matrix.ravel()
+            table.writerow([repr(float(f)), *(repr(float(v)) for v in np.column_stack([flat.real, flat.imag]).ravel())])
+        write_text(path, text.getvalue())
     else:
         write_with(path, lambda temporary: _npz(temporary, H, article))
-
-
-def comma_separated(H: DynamicMass, article: str) -> str:
-    """`H` as lines of text; those that begin with # say of what and about which point."""
-    about = ", ".join(f"{1e3 * x:g}" for x in H.reference_point)
-    text = StringIO()
-    text.write(f"# dynamic mass of {article} about ({about}) mm, blocked, loads of the table on the article\n")
-    text.write("# units: kg between translations, kg m mixed, kg m2 between rotations\n")
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(
-        ["frequency_hz", *(f"{part}_{row}_{column}" for row in MOTIONS for column in MOTIONS for part in ("re", "im"))]
-    )
-    for f, matrix in zip(H.frequency, H.matrix, strict=True):
-        flat = matrix.ravel()
-        table.writerow([repr(float(f)), *(repr(float(v)) for v in np.column_stack([flat.real, flat.imag]).ravel())])
-    return text.getvalue()
 
 
 def _npz(path: Path, H: DynamicMass, article: str) -> None:
@@ -586,21 +577,19 @@ def moved_bodies(model: Flexible, shapes: Array) -> tuple[Moved, ...]:
     if model.drawn is None or model.structure is None:
         return ()
     structure, article = model.structure, model.article_of_primitives
-    return tuple(_moved(structure, article, number, body, shapes) for number, body in enumerate(_surfaces(model)))
-
-
-def _surfaces(model: Flexible) -> tuple[DrawnBody, ...]:
-    """The surface of every counted part, fine enough to bend."""
-    drawn = _users(model.drawn) if model.article_of_primitives is None else drawn_bodies(model.article_of_primitives, CHORD)
+    # The surface of every counted part, fine enough to bend
+    if model.article_of_primitives is None:
+        drawn = tuple(
+            DrawnBody(name=part.name, material=part.material.name, vertices=part.mesh.vertices, faces=part.mesh.faces)
+            for part in model.drawn.parts
+        )
+    else:
+        drawn = drawn_bodies(model.article_of_primitives, CHORD)
     counted = [body for body in drawn if body.counted]
     longest = float(np.linalg.norm(np.ptp(np.concatenate([body.vertices for body in counted]), axis=0))) / PIECES
-    return tuple(bendable(body, longest) for body in counted)
-
-
-def _users(article: Any) -> tuple[DrawnBody, ...]:
     return tuple(
-        DrawnBody(name=part.name, material=part.material.name, vertices=part.mesh.vertices, faces=part.mesh.faces)
-        for part in article.parts
+        _moved(structure, article, number, body, shapes)
+        for number, body in enumerate(tuple(bendable(body, longest) for body in counted))
     )
 
 
@@ -772,7 +761,21 @@ FIGURES = ("reference", "value", "error", "bar", "pass")
 def pages(results: Sequence[CheckResult]) -> Iterator[Table]:
     """A table for every family, in order."""
     for family, rows in _by_family(results):
-        yield _verification_table(family, rows)
+        from rich import box
+        from rich.table import Table
+        from rich.text import Text
+
+        from validation.reference.statement import add_figures, headline
+
+        table = Table(title=headline(family), title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+        lines = [cells(result) for result in rows]
+        table.add_column(CHECK, min_width=WORDS)
+        for heading, column in zip(FIGURES, list(zip(*lines, strict=True))[1:-1], strict=True):
+            add_figures(table, heading, column)
+        table.add_column(SOURCE, min_width=WORDS)
+        for result, line in zip(rows, lines, strict=True):
+            table.add_row(*(Text(cell) for cell in line), style=None if result.passed else "bold red")
+        yield table
 
 
 def markdown(results: Sequence[CheckResult]) -> str:
@@ -787,24 +790,6 @@ def markdown(results: Sequence[CheckResult]) -> str:
 def _by_family(results: Sequence[CheckResult]) -> Iterator[tuple[str, list[CheckResult]]]:
     for family, rows in groupby(results, key=lambda result: result.check.family):
         yield family, list(rows)
-
-
-def _verification_table(family: str, results: list[CheckResult]) -> Table:
-    from rich import box
-    from rich.table import Table
-    from rich.text import Text
-
-    from validation.reference.statement import add_figures, headline
-
-    table = Table(title=headline(family), title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-    lines = [cells(result) for result in results]
-    table.add_column(CHECK, min_width=WORDS)
-    for heading, column in zip(FIGURES, list(zip(*lines, strict=True))[1:-1], strict=True):
-        add_figures(table, heading, column)
-    table.add_column(SOURCE, min_width=WORDS)
-    for result, line in zip(results, lines, strict=True):
-        table.add_row(*(Text(cell) for cell in line), style=None if result.passed else "bold red")
-    return table
 
 
 def cells(result: CheckResult) -> tuple[str, ...]:

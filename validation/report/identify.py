@@ -26,7 +26,6 @@ from identification.dynamic_mass import CrossMotion
 from identification.elastic.model import ElasticTerms, dynamic_mass
 from identification.quality import NORMAL_95, impossible
 from identification.request import QUANTITIES as CLASSICAL_QUANTITIES
-from identification.request import Request
 from validation.compare.compare import Comparison
 from validation.flexible.model import Flexible
 from validation.history.add import body_of, conditions_of
@@ -100,10 +99,31 @@ def draw(found: IdentificationFindings, folder: Path) -> tuple[Path, ...]:
         return made[-1]
 
     if found.lines is not None:
-        _lines(found, found.lines, to("lines"))
+        lines = found.lines
+        path = to("lines")
+        spectra = found.spectra
+        drawn = identification.DrawnLines(
+            frequency=lines.frequency,
+            condition=lines.condition,
+            limit=lines.limit,
+            left_out=lines.kept == 0,
+            runs=() if spectra is None else spectra.runs,
+            unexplained=np.zeros((0, len(lines.frequency))) if spectra is None else 1 - spectra.quality,
+        )
+        note = "Condition number of the base motions of all runs at a line, every axis divided by its nominal level."
+        identification.draw_lines(f"{_stack(found)}: lines of the spectra", drawn, path, note)
     if found.dynamic_mass is not None:
-        _diagonal(found, found.dynamic_mass, to("dynamic-mass"))
-        _full(found, found.dynamic_mass, to("dynamic-mass-6x6"))
+        diagonal_path = to("dynamic-mass")
+        diagonal_note = f"Blocked, {POINT}. {_measured(found)} Dashed: rigid body identified. Ticks: elastic terms [Hz]."
+        diagonal(f"{_stack(found)}: dynamic mass", curves(found, found.dynamic_mass), diagonal_path, diagonal_note)
+        full_path = to("dynamic-mass-6x6")
+        full_note = f"Blocked, {POINT}. {_measured(found)} Dashed: rigid body identified."
+        full(
+            f"{_stack(found)}: dynamic mass, rows loads, columns base motions",
+            curves(found, found.dynamic_mass),
+            full_path,
+            full_note,
+        )
     if found.residuals is not None:
         _residuals(found, found.residuals, to("residuals"))
     if found.study is not None:
@@ -112,20 +132,6 @@ def draw(found: IdentificationFindings, folder: Path) -> tuple[Path, ...]:
     if any(one.quality.shares for one in found.results):
         _shares(found, to("shares"))
     return tuple(made)
-
-
-def _lines(found: IdentificationFindings, lines: UsedLines, path: Path) -> None:
-    spectra = found.spectra
-    drawn = identification.DrawnLines(
-        frequency=lines.frequency,
-        condition=lines.condition,
-        limit=lines.limit,
-        left_out=lines.kept == 0,
-        runs=() if spectra is None else spectra.runs,
-        unexplained=np.zeros((0, len(lines.frequency))) if spectra is None else 1 - spectra.quality,
-    )
-    note = "Condition number of the base motions of all runs at a line, every axis divided by its nominal level."
-    identification.draw_lines(f"{_stack(found)}: lines of the spectra", drawn, path, note)
 
 
 def _stack(found: IdentificationFindings) -> str:
@@ -142,11 +148,20 @@ def curves(found: IdentificationFindings, H: DynamicMass) -> tuple[DynamicMassCu
     fitted = np.tile(rigid + 0j, (FINE, 1, 1)) if terms is None else dynamic_mass(rigid, terms, fine)
     count = 0 if terms is None else len(terms.frequency)
     if terms is not None:
-        modes = _marks(terms)
+        sharp = np.flatnonzero(terms.damping_ratio < SHARP)
+        order = sharp[np.argsort(terms.frequency[sharp])]
+        modes = _Terms(frequency=terms.frequency[order], effective_mass=terms.participation[order] ** 2)
     kept = np.ones(len(H.frequency), dtype=bool) if found.lines is None else found.lines.kept > 0
     model = DynamicMass(frequency=fine, matrix=fitted, reference_point=H.reference_point)
+    if found.crossed is None:
+        quotient: list[DynamicMassCurve] = []
+    else:
+        mass = DynamicMass(frequency=H.frequency, matrix=found.crossed.quotient, reference_point=H.reference_point)
+        quotient = [
+            DynamicMassCurve(name="quotient of the driven axis, Eq. 8a", mass=mass, rigid=rigid, modes=modes, dots=QUOTIENT)
+        ]
     drawn = [
-        *_quotient(found, H, rigid, modes),
+        *quotient,
         DynamicMassCurve(name="measured, channels as they are", mass=_at(H, kept), rigid=rigid, modes=modes, dots=MEASURED),
         DynamicMassCurve(name=f"{found.result.identified.way}, {count} elastic terms", mass=model, rigid=rigid, modes=modes),
     ]
@@ -155,26 +170,8 @@ def curves(found: IdentificationFindings, H: DynamicMass) -> tuple[DynamicMassCu
     return tuple(drawn)
 
 
-def _quotient(found: IdentificationFindings, H: DynamicMass, rigid: Array, modes: _Terms) -> list[DynamicMassCurve]:
-    if found.crossed is None:
-        return []
-    mass = DynamicMass(frequency=H.frequency, matrix=found.crossed.quotient, reference_point=H.reference_point)
-    return [DynamicMassCurve(name="quotient of the driven axis, Eq. 8a", mass=mass, rigid=rigid, modes=modes, dots=QUOTIENT)]
-
-
 def _at(H: DynamicMass, chosen: np.ndarray) -> DynamicMass:
     return DynamicMass(frequency=H.frequency[chosen], matrix=H.matrix[chosen], reference_point=H.reference_point)
-
-
-def _marks(terms: ElasticTerms) -> _Terms:
-    sharp = np.flatnonzero(terms.damping_ratio < SHARP)
-    order = sharp[np.argsort(terms.frequency[sharp])]
-    return _Terms(frequency=terms.frequency[order], effective_mass=terms.participation[order] ** 2)
-
-
-def _diagonal(found: IdentificationFindings, H: DynamicMass, path: Path) -> None:
-    note = f"Blocked, {POINT}. {_measured(found)} Dashed: rigid body identified. Ticks: elastic terms [Hz]."
-    diagonal(f"{_stack(found)}: dynamic mass", curves(found, H), path, note)
 
 
 def _measured(found: IdentificationFindings) -> str:
@@ -183,11 +180,6 @@ def _measured(found: IdentificationFindings) -> str:
     if found.result.identified.way == "plain":
         return f"{told}."
     return f"{told}, channels uncorrected; line: sensors put right, which moves what is small."
-
-
-def _full(found: IdentificationFindings, H: DynamicMass, path: Path) -> None:
-    note = f"Blocked, {POINT}. {_measured(found)} Dashed: rigid body identified."
-    full(f"{_stack(found)}: dynamic mass, rows loads, columns base motions", curves(found, H), path, note)
 
 
 def _residuals(found: IdentificationFindings, residuals: identify.DrawnResiduals, path: Path) -> None:
@@ -228,14 +220,14 @@ def _map(study: DrawnBandStudy, what: str, chosen: Reported, k: int) -> identifi
     half = np.full(apart.shape, chosen.half_width[k])
     if what in study.half_widths:
         half = np.hypot(half, study.half_widths[what][..., k])
+    # Deviation of the darkest colour at most: what lies beyond is wrong, by how much is no matter
     return identification.BandMap(
-        label=quantity.label, unit=kind, deviation=scale * apart, half_width=scale * half, most=_most(kind, chosen)
+        label=quantity.label,
+        unit=kind,
+        deviation=scale * apart,
+        half_width=scale * half,
+        most={"mm": 20.0, "g m²": 0.05 * PRODUCT * float(np.abs(chosen.values[4:7]).min()), "%": 5.0}[kind],
     )
-
-
-def _most(kind: str, chosen: Reported) -> float:
-    """Deviation of the darkest colour at most: what lies beyond is wrong, by how much is no matter."""
-    return {"mm": 20.0, "g m²": 0.05 * PRODUCT * float(np.abs(chosen.values[4:7]).min()), "%": 5.0}[kind]
 
 
 def _shares(found: IdentificationFindings, path: Path) -> None:
@@ -263,6 +255,37 @@ LIBRARIES = ("massline", "numpy", "scipy", "pin")
 def identification_json(found: IdentificationFindings) -> dict[str, Any]:
     """The findings as one object."""
     best = found.result
+    request = found.request
+    tolerances = request.tolerances
+    settings = {
+        "campaign": request.campaign.source,
+        "campaign_article": request.campaign.article,
+        "hardware": request.campaign.hardware,
+        "tares": [
+            {
+                "campaign": tare.campaign.source,
+                "campaign_article": tare.campaign.article,
+                "hardware": tare.campaign.hardware,
+                "known": None if tare.known is None else inertia_json(tare.known),
+                "known_relative_sd": tare.relative_sd,
+            }
+            for tare in request.tares
+        ],
+        "facts": [
+            {"quantity": fact.quantity, "value_si": fact.value, "sd_si": fact.sd, "source": fact.source} for fact in request.facts
+        ],
+        "band_hz": None if request.band is None else list(request.band),
+        "spectra": request.method,
+        "modes": "auto" if request.modes is None else request.modes,
+        "condition_limit": request.condition_limit,
+        "any_hardware": request.any_hardware,
+        "robust": request.robust,
+        "study": request.study,
+        "tolerances_si": {name: getattr(tolerances, name) for name in tolerances.__dataclass_fields__},
+        "fmd": None if request.fmd is None else inertia_json(request.fmd),
+        "cell_stiffness_n_m": None if request.cell_stiffness is None else request.cell_stiffness.tolist(),
+        "versions": {name: version(name) for name in LIBRARIES},
+    }
     return {
         "article": found.article,
         "origin": found.origin,
@@ -280,7 +303,7 @@ def identification_json(found: IdentificationFindings) -> dict[str, Any]:
         "lines": None if found.lines is None else _identification_lines(found.lines),
         "study": None if found.study is None else _study(found.study),
         "frame": None if found.frame is None else _frame(found.frame),
-        "settings": _settings(found.request),
+        "settings": settings,
     }
 
 
@@ -388,39 +411,6 @@ def _nulled(values: Array) -> Any:
     return [_nulled(one) for one in values]
 
 
-def _settings(request: Request) -> dict[str, Any]:
-    tolerances = request.tolerances
-    return {
-        "campaign": request.campaign.source,
-        "campaign_article": request.campaign.article,
-        "hardware": request.campaign.hardware,
-        "tares": [
-            {
-                "campaign": tare.campaign.source,
-                "campaign_article": tare.campaign.article,
-                "hardware": tare.campaign.hardware,
-                "known": None if tare.known is None else inertia_json(tare.known),
-                "known_relative_sd": tare.relative_sd,
-            }
-            for tare in request.tares
-        ],
-        "facts": [
-            {"quantity": fact.quantity, "value_si": fact.value, "sd_si": fact.sd, "source": fact.source} for fact in request.facts
-        ],
-        "band_hz": None if request.band is None else list(request.band),
-        "spectra": request.method,
-        "modes": "auto" if request.modes is None else request.modes,
-        "condition_limit": request.condition_limit,
-        "any_hardware": request.any_hardware,
-        "robust": request.robust,
-        "study": request.study,
-        "tolerances_si": {name: getattr(tolerances, name) for name in tolerances.__dataclass_fields__},
-        "fmd": None if request.fmd is None else inertia_json(request.fmd),
-        "cell_stiffness_n_m": None if request.cell_stiffness is None else request.cell_stiffness.tolist(),
-        "versions": {name: version(name) for name in LIBRARIES},
-    }
-
-
 # The closure table: what CAD, exudyn, a pendulum, identification and print say about one article, in one row each.
 #
 # CAD is what every other row is held against. The pendulum is swung by exudyn about three axes and reduced like a measured one;
@@ -476,12 +466,8 @@ def exudyn(article: str) -> Statement:
     from validation.flexible.model import flexible
 
     modes = flexible(article, "exudyn", Flexible(count=1)).modes
-    body = Inertia.from_mass_matrix(_symmetric(modes.rigid_mass), modes.reference_point)
+    body = Inertia.from_mass_matrix(np.asarray((modes.rigid_mass + modes.rigid_mass.T) / 2), modes.reference_point)
     return route_statement("exudyn", body.about(np.zeros(3)))
-
-
-def _symmetric(matrix: Array) -> Array:
-    return np.asarray((matrix + matrix.T) / 2)
 
 
 def swung(article: str) -> Statement:
@@ -595,7 +581,9 @@ def values(found: IdentificationFindings) -> Grid:
         ways += ["moved by", "half-widths"]
         moved = [_moved(found.results[0], found.results[-1], k) for k in range(10)]
         columns += [aligned(cells) for cells in zip(*moved, strict=True)]
-    return Grid(header=("± 95 %", *ways), lines=tuple(zip(_labels(), *columns, strict=True)))
+    return Grid(
+        header=("± 95 %", *ways), lines=tuple(zip(tuple(f"{q.label} [{q.unit}]" for q in QUANTITIES), *columns, strict=True))
+    )
 
 
 def _moved(plain: Reported, better: Reported, k: int) -> tuple[str, str]:
@@ -636,7 +624,8 @@ def modes(terms: ElasticTerms) -> Grid:
     lines = []
     for r in np.argsort(terms.frequency):
         f, zeta, L = terms.frequency[r], terms.damping_ratio[r], terms.participation[r]
-        most = sorted(range(6), key=lambda k: -_weight(L, k))[:2]
+        # Effective mass along axis `k`, rotations weighed as at a lever of half a metre
+        most = sorted(range(6), key=lambda k: -(float(L[k] ** 2) * (1.0 if k < 3 else 4.0)))[:2]
         shown = ", ".join(f"{MOTIONS[k]} {L[k] ** 2:.3g} {'kg' if k < 3 else 'kg m²'}" for k in most)
         lines.append((f"{f:.3f}", f"{100 * zeta:.3f}", shown))
     columns = list(zip(*lines, strict=True))
@@ -647,23 +636,42 @@ def modes(terms: ElasticTerms) -> Grid:
     )
 
 
-def _weight(participation: np.ndarray, k: int) -> float:
-    """Effective mass along axis `k`, rotations weighed as at a lever of half a metre."""
-    return float(participation[k] ** 2) * (1.0 if k < 3 else 4.0)
-
-
 def identification_notes(found: IdentificationFindings) -> Iterator[str]:
     """What must be known to read the tables, then what was left out, checked and warned of."""
     where = ORIGINS[found.origin] if found.frame is None else f"your own frame, seen from {ORIGINS[found.origin]}"
     yield f"CoG from {where}. Moments and products about the CoG; products are matrix entries, Θxy = -∫xy dm."
     yield _method(found)
     for one in found.results:
-        yield _fit(one)
-    yield from _bootstrap(found.result)
+        fit_found = one.identified
+        terms = 0 if fit_found.elastic is None else len(fit_found.elastic.frequency)
+        misfit = "" if np.isnan(fit_found.misfit) else f", chi² per degree of freedom {fit_found.misfit:.3g}"
+        surprise = f", sum z² of {fit_found.tolerances} tolerances {fit_found.surprise:.3g}" if fit_found.surprise else ""
+        stopped = "" if fit_found.converged else "; it did not converge"
+        by_spectra = "" if fit_found.raw is None else f"; from raw spectra instead of H the mass is {fit_found.raw[0]:.5g} kg"
+        fit = f"{fit_found.way[0].upper()}{fit_found.way[1:]}: {terms} elastic terms{misfit}{surprise}{stopped}{by_spectra}."
+        yield fit
+    # Whether the interval would be another one were lines not taken for independent
+    each = found.result
+    if each.quality.bootstrap:
+        ratios = [each.quality.bootstrap[name] for name in request.QUANTITIES]
+        low, high = min(ratios), max(ratios)
+        yield f"Block bootstrap of the lines: standard deviations {low:.2f} to {high:.2f} times those of the intervals."
     if found.lines is not None:
-        yield from _left_out(found.lines)
+        lines = found.lines
+        worst = int(np.argmax(lines.condition))
+        yield (
+            f"Lines: {int(np.sum(lines.kept))} of {len(lines.frequency)} used; condition number at most "
+            f"{lines.condition[worst]:.3g}, at {lines.frequency[worst]:g} Hz; the limit is {lines.limit:g}."
+        )
+        yield from (f"left out: {reason}." for reason in lines.reasons)
     yield from _checked(found.checks)
-    yield from _lost(found.losses)
+    # The accelerometers that nothing stands in for, or else the one whose absence moves the base motion most
+    losses = found.losses
+    alone = [one for one in losses if one.lost]
+    if alone:
+        yield from (f"Losing a sensor: {one.text}." for one in alone)
+    elif losses:
+        yield f"Losing a sensor: {max(losses, key=lambda one: one.moved.max()).text}."
     yield from _gained(found.result)
     yield from (f"warning: {words}." for words in found.warnings)
 
@@ -680,33 +688,6 @@ def _method(found: IdentificationFindings) -> str:
     return f"Spectra: {made}; {taken}{'; data of ' + ', '.join(facts) if facts else ''}."
 
 
-def _fit(one: Reported) -> str:
-    found = one.identified
-    terms = 0 if found.elastic is None else len(found.elastic.frequency)
-    misfit = "" if np.isnan(found.misfit) else f", chi² per degree of freedom {found.misfit:.3g}"
-    surprise = f", sum z² of {found.tolerances} tolerances {found.surprise:.3g}" if found.surprise else ""
-    stopped = "" if found.converged else "; it did not converge"
-    by_spectra = "" if found.raw is None else f"; from raw spectra instead of H the mass is {found.raw[0]:.5g} kg"
-    return f"{found.way[0].upper()}{found.way[1:]}: {terms} elastic terms{misfit}{surprise}{stopped}{by_spectra}."
-
-
-def _bootstrap(one: Reported) -> Iterator[str]:
-    """Whether the interval would be another one were lines not taken for independent."""
-    if one.quality.bootstrap:
-        ratios = [one.quality.bootstrap[name] for name in request.QUANTITIES]
-        low, high = min(ratios), max(ratios)
-        yield f"Block bootstrap of the lines: standard deviations {low:.2f} to {high:.2f} times those of the intervals."
-
-
-def _left_out(lines: UsedLines) -> Iterator[str]:
-    worst = int(np.argmax(lines.condition))
-    yield (
-        f"Lines: {int(np.sum(lines.kept))} of {len(lines.frequency)} used; condition number at most "
-        f"{lines.condition[worst]:.3g}, at {lines.frequency[worst]:g} Hz; the limit is {lines.limit:g}."
-    )
-    yield from (f"left out: {reason}." for reason in lines.reasons)
-
-
 def _checked(checks: tuple[Finding, ...]) -> Iterator[str]:
     """What does not hold, each in a sentence; what holds, together in one."""
     yield from (f"check: {one.text}." for one in checks if not one.holds)
@@ -714,24 +695,11 @@ def _checked(checks: tuple[Finding, ...]) -> Iterator[str]:
         yield f"Closed checks that hold: {', '.join(sound)}."
 
 
-def _lost(losses: tuple[Loss, ...]) -> Iterator[str]:
-    """The accelerometers that nothing stands in for, or else the one whose absence moves the base motion most."""
-    alone = [one for one in losses if one.lost]
-    if alone:
-        yield from (f"Losing a sensor: {one.text}." for one in alone)
-    elif losses:
-        yield f"Losing a sensor: {max(losses, key=lambda one: one.moved.max()).text}."
-
-
 def _gained(one: Reported) -> Iterator[str]:
     """What every classical result was good for: the parameter whose interval it narrows most."""
     for name, times in one.identified.gained.items():
         k = int(np.argmax(times))
         yield f"Without {name} the interval of {PARAMETERS[k]} would be {times[k]:.3g} times as wide."
-
-
-def _labels() -> tuple[str, ...]:
-    return tuple(f"{q.label} [{q.unit}]" for q in QUANTITIES)
 
 
 def _identification_value(one: Reported, k: int) -> str:
@@ -761,7 +729,13 @@ def answer(asked: IdentifyOptions, frame: str | None, *, as_json: bool, folder: 
     else:
         click.echo(page(title(found), identification_grids(found), identification_notes(found)), nl=False)
     if folder is not None:
-        _write(found, folder, keep=keep, quiet=as_json)
+        if keep:
+            write_text(folder / RESULT, json_text(identification_json(found)) + "\n")
+            click.echo(f"massline: wrote {folder / RESULT}.", err=True)
+        with shown(f"pictures of {found.article}", quiet=as_json):
+            paths = draw(found, folder)
+        for path in paths:
+            click.echo(f"massline: wrote {path}.", err=True)
     if impossible(found.result.quality):
         raise CheckFailed(_impossible(found))
 
@@ -771,17 +745,6 @@ def _impossible(found: IdentificationFindings) -> str:
     if found.request.modes == 0:
         return f"{said}. The article was taken for rigid: allow for elastic terms, --modes auto"
     return f"{said}. Look at the checks on the page, and drive the sweeps lower or at a higher level"
-
-
-def _write(found: IdentificationFindings, folder: Path, *, keep: bool, quiet: bool) -> None:
-
-    if keep:
-        write_text(folder / RESULT, json_text(identification_json(found)) + "\n")
-        click.echo(f"massline: wrote {folder / RESULT}.", err=True)
-    with shown(f"pictures of {found.article}", quiet=quiet):
-        paths = draw(found, folder)
-    for path in paths:
-        click.echo(f"massline: wrote {path}.", err=True)
 
 
 # What `massline pretest --json` prints; keys end in their unit.
@@ -884,13 +847,12 @@ def intervals(found: PretestFindings) -> Grid:
 def _pretest_value(found: PretestFindings, k: int) -> str:
     per_si = QUANTITIES[k].per_si
     value = found.best.values[k] * per_si
-    return rounded(value if abs(value) > 1e-6 * per_si * _size(found, k) else 0.0, found.best.half_width[k] * per_si)
-
-
-def _size(found: PretestFindings, k: int) -> float:
-    """Largest value of the kind of quantity `k`."""
+    # Largest value of the kind of quantity `k`
     kind = slice(0, 1) if k == 0 else slice(1, 4) if k < 4 else slice(4, 10)
-    return float(np.abs(found.best.values[kind]).max())
+    return rounded(
+        value if abs(value) > 1e-6 * per_si * float(np.abs(found.best.values[kind]).max()) else 0.0,
+        found.best.half_width[k] * per_si,
+    )
 
 
 def _pretest_half(found: PretestFindings, half: Array, k: int) -> str:
@@ -905,15 +867,14 @@ def rests(found: PretestFindings) -> Grid:
     """What dominates the uncertainty of every value, by both ways."""
     lines = []
     for k, quantity in enumerate(QUANTITIES):
-        said = [", ".join(_inputs(one, k)) or NONE for one in (found.plain, found.best)]
+        said = [
+            ", ".join([f"{what} {100 * share:.0f} %" for what, share in one.dominating(k)[:SHOWN_INPUTS]]) or NONE
+            for one in (found.plain, found.best)
+        ]
         lines.append((quantity.label, *said))
     width = max(len(line[1]) for line in lines)
     header = ("dominated by", f"{'plain':<{width}}", "self-calibrated")
     return Grid(header=header, lines=tuple((n, f"{a:<{width}}", b) for n, a, b in lines), words=True)
-
-
-def _inputs(one: Reported, k: int) -> list[str]:
-    return [f"{what} {100 * share:.0f} %" for what, share in one.dominating(k)[:SHOWN_INPUTS]]
 
 
 def losses(found: PretestFindings) -> Grid:
@@ -970,18 +931,16 @@ def pretest_notes(found: PretestFindings) -> Iterator[str]:
     yield f"Expected from the model and the planned chain, {tared}; CoG from the article's own origin.{fmd}"
     yield "Linearised at the drawn article with exact channels: what the model does not hold is in no interval."
     if found.places:
+        limit = f"below {100 * found.question.rigid:g} %"
+        if found.rigid_height is None:
+            height = f"All of the article's axis stays {limit}."
+        else:
+            height = f"Its axis stays {limit} up to {found.rigid_height:.3f} m above F."
         yield (
             "Elastic motion: of a place relative to the base, over what a rigid article would do there; the largest of six axes. "
-            f"{_height(found)} The cover plate counts as rigid."
+            f"{height} The cover plate counts as rigid."
         )
     yield from (f"warning: {words}." for words in found.warnings)
-
-
-def _height(found: PretestFindings) -> str:
-    limit = f"below {100 * found.question.rigid:g} %"
-    if found.rigid_height is None:
-        return f"All of the article's axis stays {limit}."
-    return f"Its axis stays {limit} up to {found.rigid_height:.3f} m above F."
 
 
 # The pictures of `massline pretest`: condition and expected intervals, shares of the variance, rigid places.
@@ -1000,7 +959,16 @@ def pretest_draw(found: PretestFindings, folder: Path) -> tuple[Path, ...]:
     stem = file_name(f"pretest-{found.question.plan.article}")
     paths = [folder / f"{stem}.png", folder / f"{stem}-shares.png"]
     draw_pretest(pretest_title(found), _intervals(found), paths[0], NOTE)
-    draw_shares(f"{pretest_title(found)}: where the uncertainty comes from", _pretest_shares(found), paths[1], NOTE)
+    pretest_shares = [
+        UncertaintyShares(
+            way=one.identified.way,
+            parameters=tuple(quantity.label for quantity in QUANTITIES),
+            intervals=tuple(f"{half * q.per_si:.2g} {q.unit}" for half, q in zip(one.half_width, QUANTITIES, strict=True)),
+            shares=one.quality.shares,
+        )
+        for one in (found.plain, found.best)
+    ]
+    draw_shares(f"{pretest_title(found)}: where the uncertainty comes from", pretest_shares, paths[1], NOTE)
     if found.model is not None and found.model.drawn is not None:
         paths.append(folder / f"{stem}-places.png")
         note = "Elastic motion, the largest of six axes, over that of a rigid article at the same place."
@@ -1021,18 +989,6 @@ def _intervals(found: PretestFindings) -> DrawnPretest:
         intervals={name: half[:7] * np.array([one.per_si for one in QUANTITIES[:7]]) for name, half in cases.items()},
         growth={name: (half / np.where(best > 0, best, 1.0))[:7] for name, half in found.without.items()},
     )
-
-
-def _pretest_shares(found: PretestFindings) -> list[UncertaintyShares]:
-    return [
-        UncertaintyShares(
-            way=one.identified.way,
-            parameters=tuple(quantity.label for quantity in QUANTITIES),
-            intervals=tuple(f"{half * q.per_si:.2g} {q.unit}" for half, q in zip(one.half_width, QUANTITIES, strict=True)),
-            shares=one.quality.shares,
-        )
-        for one in (found.plain, found.best)
-    ]
 
 
 def _surfaces(found: PretestFindings, model: Flexible) -> dict[str, tuple[MovingBody, ...]]:
@@ -1075,15 +1031,10 @@ def pretest_answer(question: PretestOptions, *, as_json: bool, plot: bool, out: 
         write_text(out / PRETEST_RESULT, json_text(pretest_json(found)) + "\n")
         click.echo(f"massline: wrote {out / PRETEST_RESULT}.", err=True)
     if plot or out is not None:
-        _draw(found, out or Path("out"), quiet=as_json)
-
-
-def _draw(found: PretestFindings, folder: Path, *, quiet: bool) -> None:
-
-    with shown(f"pictures of {found.question.plan.article}", quiet=quiet):
-        paths = pretest_draw(found, folder)
-    for path in paths:
-        click.echo(f"massline: wrote {path}.", err=True)
+        with shown(f"pictures of {found.question.plan.article}", quiet=as_json):
+            paths = pretest_draw(found, out or Path("out"))
+        for path in paths:
+            click.echo(f"massline: wrote {path}.", err=True)
 
 
 # What is known of a campaign by itself: the map of its sensors, and the inertia that is identified from it without any model.
@@ -1157,7 +1108,12 @@ def _reference(found: IdentificationFindings, model: Model, missing: list[str]) 
     source = drawing_of(found.article, model)
     if not source:
         return None
-    frame = _campaigns_frame(found)
+    # That of the result, seen from the drawing's; None where nobody stated it. The frame of a stack from the FMD up is F's.
+    if found.origin != "F" or found.article.split("+")[0] == FMD:
+        frame = Pose()
+    else:
+        mount = stated(found.request.campaign)
+        frame = None if mount is None else mount.inverse
     if frame is None:
         missing.append(f"Nothing is held against the drawing of {found.article}: {NOT_MOUNTED}")
         return None
@@ -1166,14 +1122,6 @@ def _reference(found: IdentificationFindings, model: Model, missing: list[str]) 
         return reference(source, None, ArticleOptions(changes=changes), frame)[1]
     except (BadInput, CheckFailed):
         return None
-
-
-def _campaigns_frame(found: IdentificationFindings) -> Pose | None:
-    """That of the result, seen from the drawing's; None where nobody stated it. The frame of a stack from the FMD up is F's."""
-    if found.origin != "F" or found.article.split("+")[0] == FMD:
-        return Pose()
-    mount = stated(found.request.campaign)
-    return None if mount is None else mount.inverse
 
 
 # Identified inertia with the effects of the model: what its ladder says, or what a fit finds where no rung says it.
@@ -1280,7 +1228,18 @@ def _campaign(one: CampaignPart, figures: Figures) -> Safe:
     found = one.findings
     if found is None:
         return joined(tag("h3", f"From the raw records of {one.campaign.source}"), parts_notes(one.missing))
-    bodies = bodies_of(found, one.reference)
+    # Every result beside the reference; none where a value of that is not known
+    reference = one.reference
+    if reference is None or not reference.complete:
+        bodies: dict[str, Body] = {}
+    else:
+        drawn = np.array([0.0 if one is None else one.value for one in reference.values])
+        bodies = {
+            one.identified.way: Body(
+                article=found.article, values=one.values, deviation=one.half_width / NORMAL_95, reference=drawn
+            )
+            for one in found.results
+        }
     figure = (
         figures.placed(identified_inertia(bodies, f"{found.article}: identified less drawn, 95 % intervals")) if bodies else None
     )
@@ -1295,18 +1254,6 @@ def _campaign(one: CampaignPart, figures: Figures) -> Safe:
         parts_notes([*identification_notes(found), *one.missing, f"The same by itself: {one.command}" if one.command else ""]),
         class_="part",
     )
-
-
-def bodies_of(found: IdentificationFindings, reference: Statement | None) -> dict[str, Body]:
-    """Every result beside the reference; none where a value of that is not known."""
-    if reference is None or not reference.complete:
-        return {}
-    drawn = np.array([0.0 if one is None else one.value for one in reference.values])
-    return {one.identified.way: _body(found.article, one, drawn) for one in found.results}
-
-
-def _body(article: str, one: Reported, reference: Array) -> Body:
-    return Body(article=article, values=one.values, deviation=one.half_width / NORMAL_95, reference=reference)
 
 
 def _table(found: IdentificationFindings, reference: Statement | None) -> Safe:

@@ -97,7 +97,35 @@ RAW = "From the raw records alone, which know no effect: "
 
 def summary_html(report: Report, figures: Figures) -> Safe:
     """The section."""
-    said = (_data(report), _errors(report), _worst(report), _missing(report), _inertia(report))
+    _, plain, _, held = report.comparison.errors
+    of = report.comparison.evaluation
+    told = f"With the sensors as calibrated it misses the measured forces by {percent(of.plain.percent)} "
+    if of.held_out is None:
+        errors = joined(told, verdict(plain.verdict), ".")
+    else:
+        seen = f", those of data that no fit has seen by {percent(of.held_out.percent)} "
+        errors = joined(told, verdict(plain.verdict), seen, verdict(plain.verdict if held.verdict == GOOD else held.verdict), ".")
+    spots = report.comparison.worst
+    if not spots or spots[0].sigma < STANDS_OUT:
+        peak = f", the worst spot being at {spots[0].sigma:.1f} sigma" if spots else ""
+        worst = joined(f"Nowhere does it fail by more than chance{peak} ", verdict(GOOD), ".")
+    else:
+        worst = joined("It fails most at ", tag("em", text(spots[0], len(report.comparison.maps))), " ", verdict(FAILED), ".")
+    known = [(part, part.findings.article) for part in report.campaigns if part.findings is not None]
+    alone = [part for part, article in known if article.split("+")[0] != FMD]
+    inertia_told = [_identified(part) for part in alone or [part for part, _ in known]]
+    raw = joined(RAW, *_between(inertia_told), ".") if inertia_told else joined("No inertia was identified from the raw records.")
+    if report.identified:
+        lead = "with the effects of the model" if report.comparison.effects else "with the model, which has no effects"
+        inertia = joined(
+            f"Identified {lead}: ", *_between([_corrected(one) for one in report.identified]), ". ", raw, _uncorrected(report)
+        )
+    else:
+        why = (
+            f" With the effects of the model no inertia was identified: {report.not_identified}" if report.not_identified else ""
+        )
+        inertia = joined(raw, why, _uncorrected(report))
+    said = (_data(report), errors, worst, _missing(report), inertia)
     return section("summary", "Summary", tag("ol", *(tag("li", one) for one in said), class_="summary"))
 
 
@@ -111,44 +139,12 @@ def _data(report: Report) -> Safe:
     return joined(f"{report.comparison.title} was held against {many} of {runs} runs{files}: {where}.")
 
 
-def _errors(report: Report) -> Safe:
-    _, plain, _, held = report.comparison.errors
-    of = report.comparison.evaluation
-    told = f"With the sensors as calibrated it misses the measured forces by {percent(of.plain.percent)} "
-    if of.held_out is None:
-        return joined(told, verdict(plain.verdict), ".")
-    seen = f", those of data that no fit has seen by {percent(of.held_out.percent)} "
-    return joined(told, verdict(plain.verdict), seen, verdict(plain.verdict if held.verdict == GOOD else held.verdict), ".")
-
-
-def _worst(report: Report) -> Safe:
-    spots = report.comparison.worst
-    if not spots or spots[0].sigma < STANDS_OUT:
-        peak = f", the worst spot being at {spots[0].sigma:.1f} sigma" if spots else ""
-        return joined(f"Nowhere does it fail by more than chance{peak} ", verdict(GOOD), ".")
-    return joined("It fails most at ", tag("em", text(spots[0], len(report.comparison.maps))), " ", verdict(FAILED), ".")
-
-
 def _missing(report: Report) -> Safe:
     found = report.diagnosis
     if found is None:
         return joined(f"What is missing was not looked for: {report.not_diagnosed or 'nobody asked'}.")
     then = f" Next measurement: {found.next_measurement.rstrip('.')}." if found.next_measurement else ""
     return joined(diagnosis.headline(found), then)
-
-
-def _inertia(report: Report) -> Safe:
-    known = [(part, part.findings.article) for part in report.campaigns if part.findings is not None]
-    alone = [part for part, article in known if article.split("+")[0] != FMD]
-    told = [_identified(part) for part in alone or [part for part, _ in known]]
-    raw = joined(RAW, *_between(told), ".") if told else joined("No inertia was identified from the raw records.")
-    if report.identified:
-        lead = "with the effects of the model" if report.comparison.effects else "with the model, which has no effects"
-        return joined(
-            f"Identified {lead}: ", *_between([_corrected(one) for one in report.identified]), ". ", raw, _uncorrected(report)
-        )
-    why = f" With the effects of the model no inertia was identified: {report.not_identified}" if report.not_identified else ""
-    return joined(raw, why, _uncorrected(report))
 
 
 def _uncorrected(report: Report) -> Safe:
@@ -292,17 +288,21 @@ def html(report: Report, progress: Progress | None = None) -> str:
         if made := write_section(report, figures):
             parts.append((name, heading, made))
     main = tag("main", title_html(report, figures), *(made for _, _, made in parts))
+    # What a reader can do, above the page
+    light = tag("button", "light or dark", type="button", id="theme", aria_pressed="false")
+    printed = tag("button", "print", type="button", id="print")
+    skip = tag("a", "Skip to the report", href="#top", class_="skip")
+    bar = tag("div", skip, tag("span", "massline report", class_="brand"), light, printed, class_="bar screen-only")
+    without = tag("noscript", tag("p", "Figures need JavaScript; the tables hold their numbers.", class_="warning"))
+    told = tag("div", id="told", role="status", aria_live="polite", class_="screen-only")
+    script = joined(without, told, figures.packed(), tag("script", Safe(_resource("page.js"))))
     body = tag(
         "body",
-        _bar(),
+        bar,
         tag("div", _contents([(name, heading) for name, heading, _ in parts]), main, class_="page"),
-        _script(figures),
+        script,
     )
-    return f"<!DOCTYPE html>\n{tag('html', _head(report), body, lang='en')}\n"
-
-
-def _head(report: Report) -> Safe:
-    return tag(
+    head = tag(
         "head",
         tag("meta", charset="utf-8"),
         Safe(f'<meta http-equiv="Content-Security-Policy" content="{ALLOWED}">'),
@@ -311,25 +311,12 @@ def _head(report: Report) -> Safe:
         tag("title", f"{report.comparison.title} · massline report"),
         tag("style", Safe(_resource("page.css"))),
     )
-
-
-def _bar() -> Safe:
-    """What a reader can do, above the page."""
-    light = tag("button", "light or dark", type="button", id="theme", aria_pressed="false")
-    printed = tag("button", "print", type="button", id="print")
-    skip = tag("a", "Skip to the report", href="#top", class_="skip")
-    return tag("div", skip, tag("span", "massline report", class_="brand"), light, printed, class_="bar screen-only")
+    return f"<!DOCTYPE html>\n{tag('html', head, body, lang='en')}\n"
 
 
 def _contents(parts: list[tuple[str, str]]) -> Safe:
     links = [tag("li", tag("a", heading, href=f"#{name}")) for name, heading in parts]
     return tag("nav", tag("ol", *links), aria_label="Contents", class_="screen-only")
-
-
-def _script(figures: Figures) -> Safe:
-    without = tag("noscript", tag("p", "Figures need JavaScript; the tables hold their numbers.", class_="warning"))
-    told = tag("div", id="told", role="status", aria_live="polite", class_="screen-only")
-    return joined(without, told, figures.packed(), tag("script", Safe(_resource("page.js"))))
 
 
 def _resource(name: str) -> str:
@@ -673,12 +660,16 @@ def provenance(asked: ReportOptions) -> Provenance:
     OSError : a file cannot be read.
     """
     question = asked.compared
+    found = {**{name: version_metadata(name) for name in PROGRAMS}, "Python": python_version(), "system": platform()}
+    versions = {**found, "browser that prints": version(browser_path())} if asked.pdf else found
+    # Files of code that take part in every figure
+    own_effects = tuple(source for source in SOURCES.values() if Path(source).is_file())
     return Provenance(
         when=datetime.now().astimezone().isoformat(sep=" ", timespec="minutes"),
         by=asked.by,
         command=asked.command or command_line(question, diagnosis=asked.diagnosis),
-        versions=_versions(asked),
-        inputs=inputs((question.model, *question.data, *_own_effects())),
+        versions=versions,
+        inputs=inputs((question.model, *question.data, *own_effects)),
         settings={
             "method": question.spectra,
             "band_hz": question.band or "what all runs drive",
@@ -697,16 +688,6 @@ def command_line(of: Options, *, effects_from: Sequence[str] = (), diagnosis: bo
     words += [] if of.spectra == METHODS[0] else ["--method", of.spectra]
     words += [word for folder in effects_from for word in ("--effects-from", folder)]
     return shlex.join([*words, *([] if diagnosis else [NOT_ASKED])])
-
-
-def _versions(asked: ReportOptions) -> dict[str, str]:
-    found = {**{name: version_metadata(name) for name in PROGRAMS}, "Python": python_version(), "system": platform()}
-    return {**found, "browser that prints": version(browser_path())} if asked.pdf else found
-
-
-def _own_effects() -> tuple[str, ...]:
-    """Files of code that take part in every figure."""
-    return tuple(source for source in SOURCES.values() if Path(source).is_file())
 
 
 def inputs(paths: Sequence[str]) -> tuple[Source, ...]:

@@ -55,7 +55,8 @@ def simulate(question: SimulateOptions, *, as_json: bool) -> None:
         if not as_json:
             click.echo(page_of(one, question), nl=False)
     if as_json:
-        print_json(summary_json(done, question))
+        # The same as one object; where it is sealed, nothing that was drawn or planted
+        print_json({"campaigns": [_campaign(one, question) for one in done]})
     for one in done:
         instead = " in place of the virtual test that was there" if one.replaced else ""
         click.echo(f"massline: wrote {one.folder} and its truth {one.truth}{instead}.", err=True)
@@ -80,28 +81,14 @@ def _written(question: SimulateOptions, plan: Plan, words: str, *, quiet: bool) 
         try:
             test = simulated(plan, progress)
         except BadInput as error:
-            raise _of_rig(error) from None
-    _require_alive(test.campaign)
-    campaign, folder, truth = in_units(test.campaign, question.units), question.folder(plan), question.truth(plan)
-    replaced = folder.exists() and any(folder.iterdir())
-    with shown(f"{words}: writing {folder}", quiet=quiet):
-        virtual_test_simulate.write(
-            folder, truth, test.truth, lambda new: campaign_file.write(new, campaign, ending=question.ending)
-        )
-    campaign = replace(campaign, source=str(folder))
-    return Written(plan=plan, campaign=campaign, test=test, folder=folder, truth=truth, replaced=replaced)
-
-
-def _of_rig(error: BadInput) -> BadInput:
-    """`error` of a rig that cannot be built, which only an effect can have done; others pass unchanged."""
-    if error.source != "rig":
-        return error
-    return BadInput(source="--effect", field=error.field, problem=error.problem, remedy=error.remedy)
-
-
-def _require_alive(campaign: Campaign) -> None:
-    """Refuse records that no reader would take: without noise, what nothing moves stays at zero."""
-    for run, recorded in campaign.recordings.items():
+            # `error` of a rig that cannot be built, which only an effect can have done; others pass unchanged
+            if error.source != "rig":
+                of_rig = error
+            else:
+                of_rig = BadInput(source="--effect", field=error.field, problem=error.problem, remedy=error.remedy)
+            raise of_rig from None
+    # Refuse records that no reader would take: without noise, what nothing moves stays at zero
+    for run, recorded in test.campaign.recordings.items():
         for k, name in enumerate(recorded.names):
             try:
                 require_alive(recorded.values[:, k], name, run)
@@ -111,6 +98,14 @@ def _require_alive(campaign: Campaign) -> None:
                 )
                 remedy = "A dead channel makes a campaign unusable: leave some noise (--noise 0.001) or cross motion"
                 raise BadInput(source="--noise", problem=problem, remedy=remedy) from None
+    campaign, folder, truth = in_units(test.campaign, question.units), question.folder(plan), question.truth(plan)
+    replaced = folder.exists() and any(folder.iterdir())
+    with shown(f"{words}: writing {folder}", quiet=quiet):
+        virtual_test_simulate.write(
+            folder, truth, test.truth, lambda new: campaign_file.write(new, campaign, ending=question.ending)
+        )
+    campaign = replace(campaign, source=str(folder))
+    return Written(plan=plan, campaign=campaign, test=test, folder=folder, truth=truth, replaced=replaced)
 
 
 def in_units(campaign: Campaign, units: dict[str, str]) -> Campaign:
@@ -132,11 +127,6 @@ def page_of(one: Written, question: SimulateOptions) -> str:
     return page(campaign.title(found), (*campaign.grids(found), *shown), (*notes, *_notes(one, question)))
 
 
-def summary_json(done: Sequence[Written], question: SimulateOptions) -> dict[str, Any]:
-    """The same as one object; where it is sealed, nothing that was drawn or planted."""
-    return {"campaigns": [_campaign(one, question) for one in done]}
-
-
 def _campaign(one: Written, question: SimulateOptions) -> dict[str, Any]:
     found = {**campaign.as_json(of_campaign(one.folder, one.campaign)), "truth": str(one.truth)}
     return found if question.sealed else found | {"seed": one.plan.seed, "effects": [_effect(n) for n in _planted(one, question)]}
@@ -156,11 +146,7 @@ def _behind(one: Written, effects: Sequence[Named]) -> Iterator[Grid]:
     if effects:
         lines = tuple((named.id, str(named).partition("=")[2] or NONE, named.unit or NONE, named.what) for named in effects)
         yield Grid(header=("planted", "value", "unit", "what"), lines=lines, words=True)
-    yield _inertia(one)
-
-
-def _inertia(one: Written) -> Grid:
-    """Mass, CoG and moments about it of FMD and article as they are, in their own frames."""
+    # Mass, CoG and moments about it of FMD and article as they are, in their own frames
     truth = one.test.truth
     bodies: dict[str, Any] = {"FMD, from F": truth["fmd"]}
     article: Any = truth["article"]
@@ -168,9 +154,10 @@ def _inertia(one: Written) -> Grid:
         bodies |= {f"{one.plan.on_fmd}, own frame": article["own_frame"]}
     header = ("truth", "m [kg]", *(f"{axis} of CoG [mm]" for axis in "xyz"), *(f"I{axis}{axis} [kg m²]" for axis in "xyz"))
     keys = ("mass_kg", "cog_mm", "moi_cog_kgm2")
-    lines = [(name, *(grid_number(v, 4) for key in keys for v in np.ravel(body[key]))) for name, body in bodies.items()]
-    columns = list(zip(*lines, strict=True))
-    return Grid(header=header, lines=tuple(zip(columns[0], *map(aligned, columns[1:]), strict=True)))
+    inertia_lines = [(name, *(grid_number(v, 4) for key in keys for v in np.ravel(body[key]))) for name, body in bodies.items()]
+    columns = list(zip(*inertia_lines, strict=True))
+    inertia = Grid(header=header, lines=tuple(zip(columns[0], *map(aligned, columns[1:]), strict=True)))
+    yield inertia
 
 
 def _notes(one: Written, question: SimulateOptions) -> Iterator[str]:
