@@ -300,7 +300,7 @@ def simulate_command(articles: tuple[str, ...], out: Path, as_json: bool, **give
     ARTICLE is a stack on the force measurement device, such as fmd+disc+cuboid or fmd+clumod-1. Several are a series that
     shares FMD and sensors, a folder each below DIR; so are tests of one seed. The truth goes beside a campaign, DIR.truth.json.
     """
-    from validation.report.simulate import simulate
+    from validation.report.excite import simulate
     from validation.virtual_test.simulate import question
 
     simulate(question(articles=articles, out=out, **given), as_json=as_json)
