@@ -422,17 +422,15 @@ def planted(effects: Sequence[Named]) -> tuple[PlantedEffect, ...]:
     ------
     BadInput : one of them cannot be planted in a virtual test; why, and what can.
     """
-    return tuple(_planted(named) for named in effects)
-
-
-def _planted(named: Named) -> PlantedEffect:
-    plant = FAMILIES[named.family].plant
-    if plant is None:
-        known = {PENDULUM: OF_A_PENDULUM, PROCESSING: ELSEWHERE} if named.family not in SOURCES else {}
-        problem, remedy = known.get(FAMILIES[named.family].side, UNPLANTED)
-        raise BadInput(source="--effect", field=named.id, problem=problem, remedy=remedy)
-    effect: PlantedEffect = plant(named)
-    return effect
+    found: list[PlantedEffect] = []
+    for named in effects:
+        plant = FAMILIES[named.family].plant
+        if plant is None:
+            known = {PENDULUM: OF_A_PENDULUM, PROCESSING: ELSEWHERE} if named.family not in SOURCES else {}
+            problem, remedy = known.get(FAMILIES[named.family].side, UNPLANTED)
+            raise BadInput(source="--effect", field=named.id, problem=problem, remedy=remedy)
+        found.append(plant(named))
+    return tuple(found)
 
 
 # Which articles of a series an effect reaches; the rule is that of `validation.effects.catalogue`.
@@ -484,12 +482,9 @@ def require_planted(plan: Plan) -> None:
     ------
     BadInput : see `require_reaching`.
     """
-    require_reaching([one for effect in plan.effects for one in _named(effect)], [plan], source=SOURCE)
-
-
-def _named(effect: PlantedEffect) -> tuple[Named, ...]:
-    family, *targets = effect.id.split(":")
-    return (Named(family=family, targets=tuple(targets), values=effect.value),) if family in FAMILIES else ()
+    parted = [(*effect.id.split(":"), effect.value) for effect in plan.effects]
+    known = [Named(family=family, targets=tuple(rest), values=value) for family, *rest, value in parted if family in FAMILIES]
+    require_reaching(known, [plan], source=SOURCE)
 
 
 def _there(plan: Plan) -> There:

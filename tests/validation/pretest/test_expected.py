@@ -88,11 +88,11 @@ def test_what_the_plain_way_loses_with_a_channel_is_said(tared: PretestFindings)
 
 
 def test_single_axis_sweeps_without_cross_motion_have_the_condition_number_one(ask: Callable[..., PretestOptions]) -> None:
-    from validation.identify.pretest import _condition, planned
+    from validation.identify.pretest import planned
 
     clean = planned(ask(cross=0.0).plan)
-    assert_allclose(_condition(clean.spectra), 1.0, rtol=1e-9)
-    crossed = _condition(planned(ask(cross=0.2).plan).spectra)
+    assert_allclose(clean.condition, 1.0, rtol=1e-9)
+    crossed = planned(ask(cross=0.2).plan).condition
     assert crossed.min() > 1.03
 
 
