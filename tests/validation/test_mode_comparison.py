@@ -12,8 +12,7 @@ from geometry.articles import built_in
 from geometry.frames import Array
 from validation.flexible.model import Flexible, FlexibleOptions, flexible
 from validation.flexible.modes import clusters, compared
-from validation.report.document import page
-from validation.report.flexible import as_json, grids, where_they_part
+from validation.report.flexible import ModesBeside
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +31,7 @@ def test_a_model_beside_itself_is_the_same(model: Flexible) -> None:
     assert_allclose(found.mac, np.eye(12), atol=1e-9)  # orthogonality of the eigen-solution
     assert found.partner.tolist() == list(range(12))
     assert not len(found.parted)
-    assert "agree in all 12 modes" in where_they_part(found)
+    assert "agree in all 12 modes" in ModesBeside(found=found).where_they_part()
 
 
 def test_signs_and_lengths_of_shapes_do_not_matter(model: Flexible) -> None:
@@ -68,7 +67,7 @@ def test_where_a_frequency_or_a_shape_differs_the_words_name_the_mode(model: Fle
     shapes[:, alone] = np.roll(shapes[:, alone], 6 * 5)
     found = compared(model, altered(model, shapes, frequency))
     assert found.parted.tolist() == [alone, 11]
-    text = where_they_part(found)
+    text = ModesBeside(found=found).where_they_part()
     assert "part in 2 of 12 modes" in text
     assert "mode 4 in shape, MAC 0." in text
     assert "mode 12 by +3 %" in text
@@ -78,9 +77,9 @@ def test_missing_modes_have_no_partner(model: Flexible) -> None:
     few = flexible("clumod-4", "beam", FlexibleOptions(count=10))
     found = compared(model, few)
     assert sorted(found.partner.tolist()) == [-1, -1, *range(10)]
-    assert "has no partner" in where_they_part(found)
-    assert as_json(found)["partner"].count(None) == 2
-    assert page("", grids(found), width=132).count("–") >= 10
+    assert "has no partner" in ModesBeside(found=found).where_they_part()
+    assert ModesBeside(found=found).json()["partner"].count(None) == 2
+    assert ModesBeside(found=found).document().text(132).count("–") >= 10
 
 
 def test_clusters_are_close_neighbours() -> None:

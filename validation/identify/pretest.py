@@ -486,7 +486,8 @@ def findings(question: PretestOptions, progress: Callable[[float], None] | None 
     # The beam model of what stands on the FMD, and its rigid places; none for the FMD alone
     plan, limit, lines = question.plan, question.rigid, article.spectra.frequency
     model: Flexible | None = None
-    places, height = (), None
+    places: tuple[Rigidity, ...] = ()
+    height: float | None = None
     if plan.on_fmd:
         changes = changes_of(plan.on_fmd, plan.dimensions)
         model = flexible(plan.on_fmd, plan.model, FlexibleOptions(count=MODES, damping=plan.damping, changes=changes))

@@ -11,7 +11,7 @@ import click
 import numpy as np
 
 from geometry.atomic import write_text
-from geometry.dynamic_mass import MOTIONS, DynamicMass
+from geometry.dynamic_mass import MOTIONS, ComplexArray, DynamicMass
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, Pose
 from geometry.inertia import PARAMETERS, judge
@@ -321,7 +321,7 @@ class IdentificationPictures:
             modes = _Terms(frequency=terms.frequency[order], effective_mass=terms.participation[order] ** 2)
             fitted, count = dynamic_mass(rigid, terms, fine), len(terms.frequency)
 
-        def curve(name: str, frequency: Array, matrix: Array, dots: str = "") -> DynamicMassCurve:
+        def curve(name: str, frequency: Array, matrix: ComplexArray, dots: str = "") -> DynamicMassCurve:
             mass = DynamicMass(frequency=frequency, matrix=matrix, reference_point=H.reference_point)
             return DynamicMassCurve(name=name, mass=mass, rigid=rigid, modes=modes, dots=dots)
 

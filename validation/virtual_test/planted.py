@@ -482,8 +482,11 @@ def require_planted(plan: Plan) -> None:
     ------
     BadInput : see `require_reaching`.
     """
-    parted = [(*effect.id.split(":"), effect.value) for effect in plan.effects]
-    known = [Named(family=family, targets=tuple(rest), values=value) for family, *rest, value in parted if family in FAMILIES]
+    known = []
+    for effect in plan.effects:
+        family, *targets = effect.id.split(":")
+        if family in FAMILIES:
+            known.append(Named(family=family, targets=tuple(targets), values=effect.value))
     require_reaching(known, [plan], source=SOURCE)
 
 

@@ -394,7 +394,7 @@ def truth(plan: Plan, chain: ChainTruth, made: SetUp, rig: Rig) -> Json:
         modes: Json = {"frequency_hz": [], "damping_ratio": []}
     else:
         modes = {"frequency_hz": listed(made.modes.frequency), "damping_ratio": listed(made.modes.damping_ratio)}
-    parts = {}
+    parts: dict[str, float] = {}
     for name, part in made.parts.items():
         parts |= {f"modulus:{name}": part.modulus, f"loss:{name}": part.loss}
     # Of all that the cells carry, about F: on a rigid table in their place, and without what is loose

@@ -11,7 +11,6 @@ import pytest
 from validation.diagnose import diagnosis
 from validation.diagnose.diagnosis import VERDICTS, Diagnosis
 from validation.report import diagnose
-from validation.report.document import page
 
 PAGES = Path(__file__).parent / "pages"
 WIDTH = 110
@@ -20,8 +19,7 @@ Made = Callable[[str], Diagnosis]
 
 
 def printed(found: Diagnosis, width: int = WIDTH) -> str:
-    named = diagnose.diagnosis_title("model.toml", ("cuboid", "clumod-1"))
-    return page(named, diagnose.diagnosis_grids(found), diagnose.diagnosis_notes(found), width, diagnose.diagnosis_opening(found))
+    return replace(diagnose.document(found), title=diagnose.title("model.toml", ("cuboid", "clumod-1"))).text(width)
 
 
 @pytest.mark.parametrize("verdict", VERDICTS)
@@ -45,7 +43,7 @@ def test_no_line_is_longer_than_the_terminal(verdict: str, made: Made) -> None:
 def test_a_text_that_repeats_the_sentence_is_not_said_twice(made: Made) -> None:
     found = made("missing")
     once = replace(found, text=diagnosis.headline(found))
-    assert list(diagnose.diagnosis_opening(once)) == [diagnosis.headline(found)]
+    assert diagnose.document(once).opening == (diagnosis.headline(found),)
 
 
 def test_what_was_accepted_before_a_class_of_several_is_named_as_certain(made: Made) -> None:

@@ -54,7 +54,7 @@ def test_what_an_earlier_round_fitted_is_not_said_to_be_unfitted(made: Made) -> 
     (other, *_) = made("missing").accepted
     step = ReportedStep(added=other.id, ranking=(other,), misfit=1.0, price=1.0, text="")
     found = replace(several, ranking=(), equivalence_class=(other.id, "force-gain:fmd-z4"), steps=(step,))
-    fitted, unfitted = report_diagnose.alike(found).lines
+    fitted, unfitted = report_diagnose.DiagnosisPage(found=found).alike().lines
     assert "was not fitted" not in fitted[1]
     assert f"{other.evidence:+.1f} nats" in fitted[1]
     assert "was not fitted" in unfitted[1]
@@ -62,7 +62,10 @@ def test_what_an_earlier_round_fitted_is_not_said_to_be_unfitted(made: Made) -> 
 
 @pytest.mark.parametrize(("verdict", "told"), [("nonlinear", False), ("mistake", False), ("missing", True)])
 def test_evidence_gained_is_told_of_fits_only(verdict: str, told: bool, made: Made) -> None:
-    assert any(line[0].startswith("evidence gained") for line in report_diagnose.errors(made(verdict)).lines) == told
+    assert (
+        any(line[0].startswith("evidence gained") for line in report_diagnose.DiagnosisPage(found=made(verdict)).errors().lines)
+        == told
+    )
 
 
 def test_two_levels_and_a_mistake_are_told_together_and_before_is_the_model_as_it_was(
