@@ -194,6 +194,70 @@ class IdentifyOptions:
     robust: bool = False
     study: bool = True
 
+    def checked(self) -> tuple[int | None, Tolerances, float]:
+        """Number of modes, None where the data choose; tolerances of the laboratory; share to which known articles are known.
+
+        Raises
+        ------
+        BadInput : an option that cannot be, whatever the data.
+        """
+        text = self.modes
+        if text == "auto":
+            modes: int | None = None
+        else:
+            if not text.isdecimal() or int(text) > MOST_MODES:
+                modes_problem = f"auto or a whole number from 0 to {MOST_MODES} is expected, found {text!r}"
+                raise BadInput(
+                    source="--modes", problem=modes_problem, remedy="0 takes the article for rigid; auto lets the data choose"
+                )
+            modes = int(text)
+        tolerances = tolerances_of(self.tolerances)
+        if self.cell_stiffness is not None and not all(isfinite(k) and k > 0 for k in self.cell_stiffness):
+            problem = f"three stiffnesses above 0 N/m are expected, found {' '.join(f'{k:g}' for k in self.cell_stiffness)}"
+            raise BadInput(source="--cell-stiffness", problem=problem, remedy="One load cell along x, y and z, in N/m")
+        if not (isfinite(self.condition_limit) and self.condition_limit > 1):
+            problem = f"a condition number is above 1, found {self.condition_limit:g}"
+            raise BadInput(source="--condition-limit", problem=problem, remedy=f"The default is {CONDITION_LIMIT:g}")
+        share = float(quantity(self.known_tolerance, "ratio", source="--known-tolerance", field="").nominal_value)
+        if not 0 < share < 1:
+            problem = f"a share above 0 and below 1 is expected, found {self.known_tolerance}"
+            raise BadInput(source="--known-tolerance", problem=problem, remedy=f'Write for example "{KNOWN}"')
+        band = self.band
+        if band is not None and not (0 < band[0] < band[1] and isfinite(band[1])):
+            problem = f"two frequencies, the lower one first and above 0 Hz, are expected, found {band[0]:g} {band[1]:g}"
+            raise BadInput(source="--band", problem=problem, remedy="Write for example --band 4 32")
+        if band is not None and self.study and band[1] < NARROWEST * band[0]:
+            problem = f"{band[0]:g} to {band[1]:g} Hz is too narrow for the band study, which needs {NARROWEST:g} times its start"
+            raise BadInput(source="--band", problem=problem, remedy="Choose a wider band, or leave the study out with --no-study")
+        return modes, tolerances, share
+
+    def band_within(self, campaign: Campaign) -> list[str]:
+        """Refuse a band that no run drives; say which part of it is not driven."""
+        band = self.band
+        driven = [of for run in campaign.runs if run.excitation is not None and (of := run.excitation.band) is not None]
+        if band is None or len(driven) < len(campaign.runs):
+            return []
+        low, high = max(of[0] for of in driven), min(of[1] for of in driven)
+        if band[1] <= low or band[0] >= high:
+            problem = f"{band[0]:g} to {band[1]:g} Hz is not driven: all runs of {campaign.source} drive {low:g} to {high:g} Hz"
+            raise BadInput(source="--band", problem=problem, remedy="Choose a band within")
+        if band[0] < low or band[1] > high:
+            return [f"--band {band[0]:g} {band[1]:g}: the runs of {campaign.source} drive {low:g} to {high:g} Hz only"]
+        return []
+
+    def fmd_inertia(self) -> Inertia | None:
+        """The FMD's moving part as a result file states it, in its own frame, which is that of F."""
+        if self.fmd is None:
+            return None
+        from validation.reference.reference import read_result
+
+        said = read_result(self.fmd, article="fmd").statement
+        try:
+            return said.inertia
+        except ValueError as error:
+            remedy = "State mass, CoG and moments of the FMD"
+            raise BadInput(source=self.fmd, field="inertia", problem=str(error), remedy=remedy) from None
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PreparedRequest:
@@ -213,34 +277,8 @@ def ready(asked: IdentifyOptions, progress: Callable[[str, float], None] | None 
     BadInput : an option, a campaign, a known article or a classical result that cannot be used.
     OSError : a file cannot be read.
     """
-    text = asked.modes
-    if text == "auto":
-        modes: int | None = None
-    else:
-        if not text.isdecimal() or int(text) > MOST_MODES:
-            modes_problem = f"auto or a whole number from 0 to {MOST_MODES} is expected, found {text!r}"
-            raise BadInput(
-                source="--modes", problem=modes_problem, remedy="0 takes the article for rigid; auto lets the data choose"
-            )
-        modes = int(text)
-    tolerances = tolerances_of(asked.tolerances)
-    if asked.cell_stiffness is not None and not all(isfinite(k) and k > 0 for k in asked.cell_stiffness):
-        problem = f"three stiffnesses above 0 N/m are expected, found {' '.join(f'{k:g}' for k in asked.cell_stiffness)}"
-        raise BadInput(source="--cell-stiffness", problem=problem, remedy="One load cell along x, y and z, in N/m")
-    if not (isfinite(asked.condition_limit) and asked.condition_limit > 1):
-        problem = f"a condition number is above 1, found {asked.condition_limit:g}"
-        raise BadInput(source="--condition-limit", problem=problem, remedy=f"The default is {CONDITION_LIMIT:g}")
-    share = float(quantity(asked.known_tolerance, "ratio", source="--known-tolerance", field="").nominal_value)
-    if not 0 < share < 1:
-        problem = f"a share above 0 and below 1 is expected, found {asked.known_tolerance}"
-        raise BadInput(source="--known-tolerance", problem=problem, remedy=f'Write for example "{KNOWN}"')
+    modes, tolerances, share = asked.checked()
     band = asked.band
-    if band is not None and not (0 < band[0] < band[1] and isfinite(band[1])):
-        problem = f"two frequencies, the lower one first and above 0 Hz, are expected, found {band[0]:g} {band[1]:g}"
-        raise BadInput(source="--band", problem=problem, remedy="Write for example --band 4 32")
-    if band is not None and asked.study and band[1] < NARROWEST * band[0]:
-        problem = f"{band[0]:g} to {band[1]:g} Hz is too narrow for the band study, which needs {NARROWEST:g} times its start"
-        raise BadInput(source="--band", problem=problem, remedy="Choose a wider band, or leave the study out with --no-study")
     # The known article of every tare; empty for the one that the tare's campaign says
     if asked.known and not asked.tares:
         problem = f"{asked.known[0]} is known, but there is no tare"
@@ -270,7 +308,7 @@ def ready(asked: IdentifyOptions, progress: Callable[[str, float], None] | None 
             )
         words += known(name or above_fmd(tare.article) or "fmd", tare, _source(name, tare))[1]
     data, said = facts(asked.classical, described, tared=bool(below) or asked.fmd is not None)
-    words += [*said, *_band_within(band, described)]
+    words += [*said, *asked.band_within(described)]
     campaign = _read(asked.campaign, progress)
     if band is not None and campaign.recordings:
         there, grid = next(iter(campaign.recordings.values())).frequency, campaign.processing or Processing()
@@ -292,7 +330,7 @@ def ready(asked: IdentifyOptions, progress: Callable[[str, float], None] | None 
         modes=modes,
         condition_limit=asked.condition_limit,
         tolerances=tolerances,
-        fmd=None if asked.fmd is None else _fmd(asked.fmd),
+        fmd=asked.fmd_inertia(),
         cell_stiffness=None if asked.cell_stiffness is None else np.array(asked.cell_stiffness),
         any_hardware=asked.any_hardware,
         robust=asked.robust,
@@ -325,32 +363,6 @@ def tolerances_of(settings: Sequence[str]) -> Tolerances:
         dimension = DIMENSIONS.get(key, "ratio")
         changed[key] = float(quantity(value, dimension, source="--tolerance", field=key).nominal_value)
     return Tolerances(**changed)
-
-
-def _band_within(band: tuple[float, float] | None, campaign: Campaign) -> list[str]:
-    """Refuse a band that no run drives; say which part of it is not driven."""
-    driven = [of for run in campaign.runs if run.excitation is not None and (of := run.excitation.band) is not None]
-    if band is None or len(driven) < len(campaign.runs):
-        return []
-    low, high = max(of[0] for of in driven), min(of[1] for of in driven)
-    if band[1] <= low or band[0] >= high:
-        problem = f"{band[0]:g} to {band[1]:g} Hz is not driven: all runs of {campaign.source} drive {low:g} to {high:g} Hz"
-        raise BadInput(source="--band", problem=problem, remedy="Choose a band within")
-    if band[0] < low or band[1] > high:
-        return [f"--band {band[0]:g} {band[1]:g}: the runs of {campaign.source} drive {low:g} to {high:g} Hz only"]
-    return []
-
-
-def _fmd(name: str) -> Inertia:
-    """The FMD's moving part as a result file states it, in its own frame, which is that of F."""
-    from validation.reference.reference import read_result
-
-    said = read_result(name, article="fmd").statement
-    try:
-        return said.inertia
-    except ValueError as error:
-        remedy = "State mass, CoG and moments of the FMD"
-        raise BadInput(source=name, field="inertia", problem=str(error), remedy=remedy) from None
 
 
 # `Reported`: one way's result as it is printed: mass, CoG and the tensor about the CoG in a frame, with their intervals.
@@ -547,12 +559,12 @@ class IdentificationFindings:
     verdict: Mapping[str, str] = entry(write=lambda told: {name: told.get(name, "") for name in PARAMETERS}, default_factory=dict)
     doubts: tuple[str, ...] = ()
     warnings: tuple[str, ...] = unwritten(default=())
-    checks: tuple[Finding, ...] = entry(write=lambda found: [_check_json(one) for one in found], default=())
-    losses: tuple[Loss, ...] = entry("losing_a_sensor", write=lambda found: [_loss_json(one) for one in found], default=())
+    checks: tuple[Finding, ...] = unwritten(default=())
+    losses: tuple[Loss, ...] = unwritten(default=())
     crossed: CrossMotion | None = entry("cross_motion", write=lambda one: () if one is None else one.text, default=None)
     lines: UsedLines | None = None
     study: DrawnBandStudy | None = None
-    frame: Pose | None = entry(write=lambda one: None if one is None else _frame_json(one), default=None)
+    frame: Pose | None = unwritten(default=None)
     rigid: Array | None = unwritten(default=None)
     dynamic_mass: DynamicMass | None = unwritten(default=None)
     spectra: Spectra | None = unwritten(default=None)
@@ -572,11 +584,44 @@ class IdentificationFindings:
         return {"frequency_band_hz": best.identified.band, "inertia": inertia, "interval95": interval}
 
     @property
-    @derived("", before="checks")
+    @derived("", before="cross_motion")
     def ways(self) -> dict[str, object]:
-        """Warnings, which result counts, and each by its way."""
+        """Warnings, which result counts, each by its way, closed checks, and what the base motion is without a sensor."""
+        checks = [
+            {
+                "name": one.name,
+                "holds": one.holds,
+                "tolerances": one.value,
+                "text": one.text,
+                "suspects": [
+                    {"effects": [name for mistake in of.mistakes for name in mistake.identifiers], "text": of.text}
+                    for of in one.suspects
+                ],
+            }
+            for one in self.checks
+        ]
+        losses = [
+            {
+                "channel": one.channel,
+                "lost": one.lost,
+                "moved": one.moved.max(axis=0),
+                "noise_times": None if one.lost else one.amplification,
+                "text": one.text,
+            }
+            for one in self.losses
+        ]
+        warnings, counts = [*self.doubts, *self.warnings], self.result.identified.way
         ways = {one.identified.way.replace("-", "_"): one for one in self.results}
-        return {"warnings": [*self.doubts, *self.warnings], "result": self.result.identified.way, **ways}
+        return {"warnings": warnings, "result": counts, **ways, "checks": checks, "losing_a_sensor": losses}
+
+    @property
+    @derived("frame")
+    def stated_frame(self) -> dict[str, object] | None:
+        """The user's own frame as a result file states one, so that the result can be read again."""
+        if self.frame is None:
+            return None
+        origin = " ".join(f"{x:.15g}" for x in self.frame.position) + " m"
+        return {"origin": origin, "rotation": self.frame.rotation}
 
     @property
     @derived("settings")
@@ -617,23 +662,6 @@ class IdentificationFindings:
 
 LIBRARIES = ("massline", "numpy", "scipy", "pin")
 """Whose versions stand in the settings."""
-
-
-def _check_json(one: Finding) -> dict[str, object]:
-    suspects = [
-        {"effects": [name for mistake in of.mistakes for name in mistake.identifiers], "text": of.text} for of in one.suspects
-    ]
-    return {"name": one.name, "holds": one.holds, "tolerances": one.value, "text": one.text, "suspects": suspects}
-
-
-def _loss_json(one: Loss) -> dict[str, object]:
-    moved, times = one.moved.max(axis=0), None if one.lost else one.amplification
-    return {"channel": one.channel, "lost": one.lost, "moved": moved, "noise_times": times, "text": one.text}
-
-
-def _frame_json(frame: Pose) -> dict[str, object]:
-    """As a result file states a frame, so that the result can be read again."""
-    return {"origin": " ".join(f"{x:.15g}" for x in frame.position) + " m", "rotation": frame.rotation}
 
 
 # The band study of an identification: does the result know where its band begins and ends?

@@ -338,7 +338,7 @@ def write(path: Path, H: DynamicMass, article: str) -> None:
         write_text(path, text.getvalue())
     else:
         point, order = H.reference_point, np.array(MOTIONS)
-        arrays = {"frequency_hz": H.frequency, "matrix": H.matrix, "reference_point_m": point, "order": order}
+        arrays: dict[str, Any] = {"frequency_hz": H.frequency, "matrix": H.matrix, "reference_point_m": point, "order": order}
         write_with(path, lambda temporary: np.savez_compressed(temporary, **arrays, article=np.array(article)))
 
 

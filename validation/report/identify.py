@@ -41,6 +41,7 @@ from validation.report.document import (
     aligned,
     joined,
     number,
+    plus_minus,
     tag,
     toleranced,
 )
@@ -58,152 +59,186 @@ WORTH = 0.1
 """Share of the variance from which a second input is named."""
 
 
-def document(found: IdentificationFindings) -> Document:
-    """All of an identification, in the order in which it is read."""
-    best, low, high = found.result, *found.result.identified.band
-    return Document(
-        title=f"{found.article}: identified from {len(found.request.campaign.runs)} runs, {low:g} to {high:g} Hz",
-        blocks=(
-            Table(
-                rows=list(enumerate(found.doubts, start=1)),
-                columns=(
-                    Column("", lambda row: str(row[0]), words=True),
-                    Column("the data contradict themselves: do not trust these figures", lambda row: row[1], words=True),
-                ),
+@dataclass(frozen=True, eq=False, kw_only=True)
+class IdentificationPage:
+    """What a page says of the identification that was `found`, table by table."""
+
+    found: IdentificationFindings
+
+    def document(self) -> Document:
+        """All of it, in the order in which it is read."""
+        found, (low, high) = self.found, self.found.result.identified.band
+        doubts = Table(
+            rows=list(enumerate(found.doubts, start=1)),
+            columns=(
+                Column("", lambda row: str(row[0])),
+                Column("the data contradict themselves: do not trust these figures", lambda row: row[1], words=True),
             ),
-            _values(found),
-            _verdicts(found, f"verdict on the {best.identified.way} result"),
-            _elastic_terms(best),
-            _single_axis(found),
-        ),
-        notes=tuple(_notes(found)),
-    )
-
-
-def _values(found: IdentificationFindings) -> Table:
-    """Mass, CoG, moments and products of both ways with their 95 % intervals, and how far the second lies from the first."""
-
-    def column(one: Reported) -> Column:
-        scaled = [(v * q.per_si, h * q.per_si) for v, h, q in zip(one.values, one.half_width, QUANTITIES, strict=True)]
-        cells = [f"{rounded(v, h)} ± {rounded(h, h)}" if h else rounded(v, None) for v, h in scaled]
-        return Column(one.identified.way, cells.__getitem__)
-
-    columns = [Column("± 95 %", lambda k: f"{QUANTITIES[k].label} [{QUANTITIES[k].unit}]"), *map(column, found.results)]
-    if len(found.results) > 1:
-        plain, better = found.results[0], found.results[-1]
-        moved, width = better.values - plain.values, plain.half_width
-
-        def shift(k: int) -> str:
-            """In the unit of the quantity, or in per cent where that says more."""
-            quantity = QUANTITIES[k]
-            if plain.values[k] != 0 and quantity.key.partition("_")[0] in ("mass", "moi"):
-                return f"{100 * moved[k] / abs(plain.values[k]):+.2f} %"
-            finest = min(float(width[k]), float(better.half_width[k])) * quantity.per_si
-            return f"{rounded(float(moved[k]) * quantity.per_si, finest)} {quantity.unit}"
-
-        columns += [
-            Column("moved by", shift),
-            Column("half-widths", lambda k: f"{moved[k] / width[k]:+.2f}" if width[k] else NONE),
-        ]
-    return Table(rows=range(10), columns=columns)
-
-
-def _verdicts(found: IdentificationFindings, head: str) -> Table:
-    """What is to be thought of every value, and what its uncertainty comes from."""
-
-    def said(k: int) -> str:
-        text = found.verdict.get(request.QUANTITIES[k], NONE)
-        inputs = found.result.dominating(k) if "of the variance" in text else ()
-        then = len(inputs) > 1 and inputs[1][1] > WORTH
-        return f"{text}; then {inputs[1][0]} {100 * inputs[1][1]:.0f} %" if then else text
-
-    return Table(rows=range(10), columns=(Column("", lambda k: QUANTITIES[k].label), Column(head, said, words=True)))
-
-
-def _elastic_terms(one: Reported) -> Table | None:
-    """Frequency, damping, and the axes that each term shows on most, with its effective mass."""
-    terms = one.identified.elastic
-    if terms is None:
-        return None
-    order = np.argsort(terms.frequency)
-    frequency = dict(zip(order, aligned(tuple(f"{f:.3f}" for f in terms.frequency[order])), strict=True))
-
-    def shows_on(r: int) -> str:
-        mass = terms.participation[r] ** 2
-        most = sorted(range(6), key=lambda k: -mass[k] * (1.0 if k < 3 else 4.0))[:2]  # rotations as at a lever of half a metre
-        return ", ".join(f"{MOTIONS[k]} {mass[k]:.3g} {'kg' if k < 3 else 'kg m²'}" for k in most)
-
-    return Table(
-        rows=order.tolist(),
-        columns=(
-            Column("elastic terms [Hz]", frequency.__getitem__),
-            Column("damping [%]", lambda r: 100 * terms.damping_ratio[r], ".3f"),
-            Column("effective mass about F", shows_on, words=True),
-        ),
-    )
-
-
-def _single_axis(found: IdentificationFindings) -> Table | None:
-    """What the quotient of the driven axis alone would have cost."""
-    crossed = found.crossed
-    if crossed is None:
-        return None
-    shares = {
-        "other axes move": crossed.cross_motion,
-        "off on the diagonal": crossed.diagonal,
-        "off beside it, up to": crossed.column,
-    }
-
-    def column(head: str, of: Array) -> Column:
-        return Column(head, lambda k: f"{100 * of[k]:.2g} %", aligned=False)
-
-    columns = [Column("Eq. 8a alone", lambda k: MOTIONS[k]), *(column(head, of) for head, of in shares.items())]
-    return Table(rows=range(6), columns=columns)
-
-
-def _notes(found: IdentificationFindings) -> Iterator[str]:
-    """What must be known to read the tables, then what was left out, checked and warned of."""
-    where = ORIGINS[found.origin] if found.frame is None else f"your own frame, seen from {ORIGINS[found.origin]}"
-    yield f"CoG from {where}. Moments and products about the CoG; products are matrix entries, Θxy = -∫xy dm."
-    asked, best = found.request, found.result
-    tares = ", ".join(tare.campaign.article for tare in asked.tares)
-    facts = dict.fromkeys(fact.source for fact in asked.facts)
-    taken = f"tare {tares}" if tares else "the FMD as stated" if asked.fmd is not None else "no tare"
-    if tares and not takes_fmd_off(asked):
-        taken = f"tare {tares} on other hardware, which takes no FMD off: its moving part is in the result"
-    elif not takes_fmd_off(asked):
-        taken += ", so the FMD's moving part is in the result"
-    method = asked.method if found.spectra is None else found.spectra.method
-    made = "as the files hold them" if method == "spectra" else method
-    yield f"Spectra: {made}; {taken}{'; data of ' + ', '.join(facts) if facts else ''}."
-    for one in (one.identified for one in found.results):
-        terms = 0 if one.elastic is None else len(one.elastic.frequency)
-        misfit = "" if np.isnan(one.misfit) else f", chi² per degree of freedom {one.misfit:.3g}"
-        surprise = f", sum z² of {one.tolerances} tolerances {one.surprise:.3g}" if one.surprise else ""
-        stopped = "" if one.converged else "; it did not converge"
-        by_spectra = "" if one.raw is None else f"; from raw spectra instead of H the mass is {one.raw[0]:.5g} kg"
-        yield f"{one.way[0].upper()}{one.way[1:]}: {terms} elastic terms{misfit}{surprise}{stopped}{by_spectra}."
-    if best.quality.bootstrap:  # whether the interval would be another one were lines not taken for independent
-        ratios = [best.quality.bootstrap[name] for name in request.QUANTITIES]
-        sizes = f"{min(ratios):.2f} to {max(ratios):.2f}"
-        yield f"Block bootstrap of the lines: standard deviations {sizes} times those of the intervals."
-    if found.lines is not None:
-        lines, worst = found.lines, int(np.argmax(found.lines.condition))
-        yield (
-            f"Lines: {int(np.sum(lines.kept))} of {len(lines.frequency)} used; condition number at most "
-            f"{lines.condition[worst]:.3g}, at {lines.frequency[worst]:g} Hz; the limit is {lines.limit:g}."
         )
-        yield from (f"left out: {reason}." for reason in lines.reasons)
-    yield from (f"check: {one.text}." for one in found.checks if not one.holds)
-    if sound := [one.name for one in found.checks if one.holds]:
-        yield f"Closed checks that hold: {', '.join(sound)}."
-    # The accelerometers that nothing stands in for, or else the one whose absence moves the base motion most
-    alone = [one for one in found.losses if one.lost] or sorted(found.losses, key=lambda one: -float(one.moved.max()))[:1]
-    yield from (f"Losing a sensor: {one.text}." for one in alone)
-    for name, times in best.identified.gained.items():
-        k = int(np.argmax(times))
-        yield f"Without {name} the interval of {PARAMETERS[k]} would be {times[k]:.3g} times as wide."
-    yield from (f"warning: {words}." for words in found.warnings)
+        return Document(
+            title=f"{found.article}: identified from {len(found.request.campaign.runs)} runs, {low:g} to {high:g} Hz",
+            blocks=(doubts, self.values(), self.verdicts(), self.elastic_terms(), self.single_axis()),
+            notes=tuple(self.notes()),
+        )
+
+    def values(self) -> Table:
+        """Mass, CoG, moments and products of both ways with their 95 % intervals, and how far the second lies from the first."""
+
+        def column(one: Reported) -> Column:
+            listed = zip(one.values, one.half_width, QUANTITIES, strict=True)
+            cells = [plus_minus(float(v) * q.per_si, float(h) * q.per_si) for v, h, q in listed]
+            return Column(one.identified.way, cells.__getitem__)
+
+        columns = [Column("± 95 %", lambda k: f"{QUANTITIES[k].label} [{QUANTITIES[k].unit}]"), *map(column, self.found.results)]
+        if len(self.found.results) > 1:
+            plain, better = self.found.results[0], self.found.results[-1]
+            moved, width = better.values - plain.values, plain.half_width
+
+            def shift(k: int) -> str:
+                """In the unit of the quantity, or in per cent where that says more."""
+                quantity = QUANTITIES[k]
+                if plain.values[k] != 0 and quantity.key.partition("_")[0] in ("mass", "moi"):
+                    return f"{100 * moved[k] / abs(plain.values[k]):+.2f} %"
+                finest = min(float(width[k]), float(better.half_width[k])) * quantity.per_si
+                return f"{rounded(float(moved[k]) * quantity.per_si, finest)} {quantity.unit}"
+
+            columns += [
+                Column("moved by", shift),
+                Column("half-widths", lambda k: f"{moved[k] / width[k]:+.2f}" if width[k] else NONE),
+            ]
+        return Table(rows=range(10), columns=columns)
+
+    def verdicts(self) -> Table:
+        """What is to be thought of every value, and what its uncertainty comes from."""
+
+        def said(k: int) -> str:
+            text = self.found.verdict.get(request.QUANTITIES[k], NONE)
+            inputs = self.found.result.dominating(k) if "of the variance" in text else ()
+            then = len(inputs) > 1 and inputs[1][1] > WORTH
+            return f"{text}; then {inputs[1][0]} {100 * inputs[1][1]:.0f} %" if then else text
+
+        return Table(
+            rows=range(10),
+            columns=(
+                Column("", lambda k: QUANTITIES[k].label),
+                Column(f"verdict on the {self.found.result.identified.way} result", said, words=True),
+            ),
+        )
+
+    def elastic_terms(self) -> Table | None:
+        """Frequency, damping, and the axes that each term shows on most, with its effective mass."""
+        terms = self.found.result.identified.elastic
+        if terms is None:
+            return None
+        order = np.argsort(terms.frequency)
+        frequency = dict(zip(order, aligned(tuple(f"{f:.3f}" for f in terms.frequency[order])), strict=True))
+
+        def shows_on(r: int) -> str:
+            mass = terms.participation[r] ** 2
+            most = sorted(range(6), key=lambda k: -mass[k] * (1.0 if k < 3 else 4.0))[
+                :2
+            ]  # rotations as at a lever of half a metre
+            return ", ".join(f"{MOTIONS[k]} {mass[k]:.3g} {'kg' if k < 3 else 'kg m²'}" for k in most)
+
+        return Table(
+            rows=order.tolist(),
+            columns=(
+                Column("elastic terms [Hz]", frequency.__getitem__),
+                Column("damping [%]", lambda r: 100 * terms.damping_ratio[r], ".3f"),
+                Column("effective mass about F", shows_on, words=True),
+            ),
+        )
+
+    def single_axis(self) -> Table | None:
+        """What the quotient of the driven axis alone would have cost."""
+        crossed = self.found.crossed
+        if crossed is None:
+            return None
+        shares = {
+            "other axes move": crossed.cross_motion,
+            "off on the diagonal": crossed.diagonal,
+            "off beside it, up to": crossed.column,
+        }
+
+        def column(head: str, of: Array) -> Column:
+            return Column(head, lambda k: f"{100 * of[k]:.2g} %", aligned=False)
+
+        columns = [Column("Eq. 8a alone", lambda k: MOTIONS[k]), *(column(head, of) for head, of in shares.items())]
+        return Table(rows=range(6), columns=columns)
+
+    def notes(self) -> Iterator[str]:
+        """What must be known to read the tables, then what was left out, checked and warned of."""
+        where = (
+            ORIGINS[self.found.origin] if self.found.frame is None else f"your own frame, seen from {ORIGINS[self.found.origin]}"
+        )
+        yield f"CoG from {where}. Moments and products about the CoG; products are matrix entries, Θxy = -∫xy dm."
+        asked, best = self.found.request, self.found.result
+        tares = ", ".join(tare.campaign.article for tare in asked.tares)
+        facts = dict.fromkeys(fact.source for fact in asked.facts)
+        taken = f"tare {tares}" if tares else "the FMD as stated" if asked.fmd is not None else "no tare"
+        if tares and not takes_fmd_off(asked):
+            taken = f"tare {tares} on other hardware, which takes no FMD off: its moving part is in the result"
+        elif not takes_fmd_off(asked):
+            taken += ", so the FMD's moving part is in the result"
+        method = asked.method if self.found.spectra is None else self.found.spectra.method
+        made = "as the files hold them" if method == "spectra" else method
+        yield f"Spectra: {made}; {taken}{'; data of ' + ', '.join(facts) if facts else ''}."
+        for one in (one.identified for one in self.found.results):
+            terms = 0 if one.elastic is None else len(one.elastic.frequency)
+            misfit = "" if np.isnan(one.misfit) else f", chi² per degree of freedom {one.misfit:.3g}"
+            surprise = f", sum z² of {one.tolerances} tolerances {one.surprise:.3g}" if one.surprise else ""
+            stopped = "" if one.converged else "; it did not converge"
+            by_spectra = "" if one.raw is None else f"; from raw spectra instead of H the mass is {one.raw[0]:.5g} kg"
+            yield f"{one.way[0].upper()}{one.way[1:]}: {terms} elastic terms{misfit}{surprise}{stopped}{by_spectra}."
+        if best.quality.bootstrap:  # whether the interval would be another one were lines not taken for independent
+            ratios = [best.quality.bootstrap[name] for name in request.QUANTITIES]
+            sizes = f"{min(ratios):.2f} to {max(ratios):.2f}"
+            yield f"Block bootstrap of the lines: standard deviations {sizes} times those of the intervals."
+        if self.found.lines is not None:
+            lines, worst = self.found.lines, int(np.argmax(self.found.lines.condition))
+            yield (
+                f"Lines: {int(np.sum(lines.kept))} of {len(lines.frequency)} used; condition number at most "
+                f"{lines.condition[worst]:.3g}, at {lines.frequency[worst]:g} Hz; the limit is {lines.limit:g}."
+            )
+            yield from (f"left out: {reason}." for reason in lines.reasons)
+        yield from (f"check: {one.text}." for one in self.found.checks if not one.holds)
+        if sound := [one.name for one in self.found.checks if one.holds]:
+            yield f"Closed checks that hold: {', '.join(sound)}."
+        # The accelerometers that nothing stands in for, or else the one whose absence moves the base motion most
+        alone = [one for one in self.found.losses if one.lost] or sorted(
+            self.found.losses, key=lambda one: -float(one.moved.max())
+        )[:1]
+        yield from (f"Losing a sensor: {one.text}." for one in alone)
+        for name, times in best.identified.gained.items():
+            k = int(np.argmax(times))
+            yield f"Without {name} the interval of {PARAMETERS[k]} would be {times[k]:.3g} times as wide."
+        yield from (f"warning: {words}." for words in self.found.warnings)
+
+    def beside_the_drawing(self, reference: Statement | None) -> Table:
+        """Every result beside what is drawn."""
+
+        def known(k: int) -> float | None:
+            said = None if reference is None else reference.values[k]
+            return None if said is None else said.value * QUANTITIES[k].per_si
+
+        heads = ["quantity", "unit", "drawn"]
+        rows: list[list[Cell]] = [[q.label, q.unit, number(known(k), ".6g")] for k, q in enumerate(QUANTITIES)]
+        for one in self.found.results:
+            way = one.identified.way
+            heads += [way, "± 95 %", f"{way} less drawn", "in intervals"]
+            for k, row in enumerate(rows):
+                value, half = (float(of[k]) * QUANTITIES[k].per_si for of in (one.values, one.half_width))
+                there = known(k)
+                apart = None if there is None else value - there
+                many = None if apart is None or not half else apart / half
+                row += [toleranced(value, half), toleranced(half, half), toleranced(apart, half), number(many, "+.2f")]
+        where = "from the article's own origin" if self.found.origin == "article" else "from F"
+        return Table(
+            caption=f"{self.found.article}: mass, CoG and inertia, {self.found.result.identified.way} counts, raw records",
+            rows=rows,
+            columns=[Column(head, itemgetter(at), words=at < 2) for at, head in enumerate(heads)],
+            note=f"CoG {where}; moments and products about the CoG, products as matrix entries. In intervals: 1 is its end.",
+        )
 
 
 # The pictures of `massline identify`: what each of them shows, from the findings.
@@ -379,7 +414,7 @@ def answer(asked: IdentifyOptions, frame: str | None, *, as_json: bool, folder: 
     """
     found = identify.identified(asked, frame, quiet=as_json)
     whole = json_text(to_json(found)) if as_json or keep else ""
-    click.echo(whole if as_json else document(found).text(), nl=as_json)
+    click.echo(whole if as_json else IdentificationPage(found=found).document().text(), nl=as_json)
     if folder is not None:
         if keep:
             write_text(folder / RESULT, whole + "\n")
@@ -579,7 +614,7 @@ def _from_records(one: CampaignPart, figures: Figures) -> Safe:
             for way in found.results
         }
         figure = figures.placed(identified_inertia(bodies, f"{found.article}: identified less drawn, 95 % intervals"))
-    alike = set(found.verdict.values())
+    page, alike = IdentificationPage(found=found), set(found.verdict.values())
     if len(alike) == 1:
         verdicts = paragraphs([f"All ten values: {alike.pop()}."])
     else:
@@ -591,36 +626,9 @@ def _from_records(one: CampaignPart, figures: Figures) -> Safe:
         tag("h3", f"{found.article}, from the raw records of {one.campaign.source}"),
         paragraphs([RAW]),
         notes(found.doubts),
-        _beside_the_drawing(found, reference).html(),
+        page.beside_the_drawing(reference).html(),
         figure,
         verdicts,
-        notes([*_notes(found), *one.missing, f"The same by itself: {one.command}" if one.command else ""]),
+        notes([*page.notes(), *one.missing, f"The same by itself: {one.command}" if one.command else ""]),
         class_="part",
-    )
-
-
-def _beside_the_drawing(found: IdentificationFindings, reference: Statement | None) -> Table:
-    """Every result beside what is drawn."""
-
-    def known(k: int) -> float | None:
-        said = None if reference is None else reference.values[k]
-        return None if said is None else said.value * QUANTITIES[k].per_si
-
-    heads = ["quantity", "unit", "drawn"]
-    rows: list[list[Cell]] = [[q.label, q.unit, number(known(k), ".6g")] for k, q in enumerate(QUANTITIES)]
-    for one in found.results:
-        way = one.identified.way
-        heads += [way, "± 95 %", f"{way} less drawn", "in intervals"]
-        for k, row in enumerate(rows):
-            value, half = (float(of[k]) * QUANTITIES[k].per_si for of in (one.values, one.half_width))
-            there = known(k)
-            apart = None if there is None else value - there
-            many = None if apart is None or not half else apart / half
-            row += [toleranced(value, half), toleranced(half, half), toleranced(apart, half), number(many, "+.2f")]
-    where = "from the article's own origin" if found.origin == "article" else "from F"
-    return Table(
-        caption=f"{found.article}: mass, CoG and inertia, {found.result.identified.way} counts, raw records",
-        rows=rows,
-        columns=[Column(head, itemgetter(at), words=at < 2) for at, head in enumerate(heads)],
-        note=f"CoG {where}; moments and products about the CoG, products as matrix entries. In intervals: 1 is its end.",
     )

@@ -63,7 +63,7 @@ def test_the_errors_are_of_the_kind_of_table_2(shown: IdentificationFindings) ->
 def test_all_ten_are_flagged_and_the_page_says_which_result_counts(shown: IdentificationFindings) -> None:
     assert shown.result.identified.way == "plain"
     assert all(shown.verdict[name].startswith("dominated by elasticity") for name in (*PARAMETERS, *QUANTITIES))
-    text = " ".join(report_identify.document(shown).text(132).split())
+    text = " ".join(report_identify.IdentificationPage(found=shown).document().text(132).split())
     assert "the plain result is the one that counts" in text
     assert "taken for rigid from 4 to" in text
 

@@ -22,7 +22,7 @@ Run = Callable[..., tuple[int, str, str]]
 
 
 def _page(found: IdentificationFindings, width: int = 132) -> str:
-    return identify.document(found).text(width)
+    return identify.IdentificationPage(found=found).document().text(width)
 
 
 def test_the_page_shows_both_ways_side_by_side_and_what_moved(found: IdentificationFindings) -> None:
@@ -84,7 +84,7 @@ def test_where_the_better_way_failed_the_plain_result_is_shown(found: Identifica
 
 
 def test_elastic_terms_are_listed_by_frequency(found: IdentificationFindings) -> None:
-    grid = next(one for one in identify.document(found).grids() if one.header[0].startswith("elastic"))
+    grid = next(one for one in identify.IdentificationPage(found=found).document().grids() if one.header[0].startswith("elastic"))
     shown = [float(line[0]) for line in grid.lines]
     assert shown == sorted(shown)
     assert len(shown) == 3

@@ -15,7 +15,7 @@ Run = Callable[..., tuple[int, str, str]]
 
 
 def test_the_page_says_intervals_causes_channels_and_places(tared: PretestFindings) -> None:
-    text = pretest.document(tared).text(150)
+    text = pretest.PretestPage(found=tared).document().text(150)
     for said in (
         "Pretest of fmd+disc+cuboid: 6 runs",
         "self-calibrated",
@@ -46,7 +46,7 @@ def test_json_is_one_object_with_units_in_its_keys(tared: PretestFindings) -> No
 
 
 def test_the_pictures_are_drawn(tared: PretestFindings, tmp_path: Path, renderer: None) -> None:
-    paths = pretest.draw(tared, tmp_path)
+    paths = pretest.PretestPage(found=tared).draw(tmp_path)
     assert [path.name for path in paths] == [f"pretest-fmd+disc+cuboid{end}.png" for end in ("", "-shares", "-places")]
     assert all(path.stat().st_size > 20_000 for path in paths)
 
