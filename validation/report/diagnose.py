@@ -18,20 +18,6 @@ from validation.diagnose import diagnosis as results
 from validation.diagnose.classical import Needed, SwingAnswer
 from validation.diagnose.classical_tests import SURE
 from validation.diagnose.diagnose import of_levels, ready
-from validation.diagnose.diagnosis import (
-    AMBIGUOUS,
-    MISSING,
-    MISTAKE,
-    NONLINEAR,
-    NOTHING,
-    SEVERAL,
-    UNKNOWN,
-    Cause,
-    Detectable,
-    Diagnosis,
-    headline,
-)
-from validation.diagnose.diagnosis import asked as asked_for
 from validation.diagnose.nonlinear import require_levels
 from validation.diagnose.pendulum import only_classical
 from validation.effects import practical_units
@@ -88,13 +74,13 @@ THRESHOLD = "worth_nats"
 """Key of the settings by which a diagnosis says what it asked for, of each family that has its own and of all others, by ""."""
 
 
-def draw(found: Diagnosis, folder: Path) -> tuple[Path, ...]:
+def draw(found: results.Diagnosis, folder: Path) -> tuple[Path, ...]:
     """Write every picture that `found` has the evidence for into `folder`, and say where they are."""
     named = results.listed([one.id for one in found.accepted])
     told = {
-        NOTHING: "nothing is missing",
-        UNKNOWN: "unknown",
-        AMBIGUOUS: f"one of {results.listed(found.equivalence_class, 'or')}",
+        results.NOTHING: "nothing is missing",
+        results.UNKNOWN: "unknown",
+        results.AMBIGUOUS: f"one of {results.listed(found.equivalence_class, 'or')}",
     }
     title = f"Diagnosis: {told.get(found.verdict) or named or found.verdict}"
     made = []
@@ -107,7 +93,7 @@ def draw(found: Diagnosis, folder: Path) -> tuple[Path, ...]:
     return (*made, folder / ERRORS)
 
 
-def asked(found: Diagnosis) -> float | None:
+def asked(found: results.Diagnosis) -> float | None:
     """[nats] that a diagnosis asks of most families; None where it does not say."""
     said = found.settings.get(THRESHOLD)
     return float(said[""]) if isinstance(said, Mapping) and "" in said else None
@@ -131,10 +117,10 @@ MOST_ROUNDS = 6
 """Diagnoses in a row, before something is wrong with the climb itself."""
 
 ENDED = {
-    NOTHING: "nothing more{asked} is missing at the resolution of these data",
-    AMBIGUOUS: "these data cannot tell what comes next; the rung takes the first of those that explain them alike",
-    NONLINEAR: "what depends on the level is no matter of a linear fit",
-    UNKNOWN: "what is left is explained by no effect that was looked for",
+    results.NOTHING: "nothing more{asked} is missing at the resolution of these data",
+    results.AMBIGUOUS: "these data cannot tell what comes next; the rung takes the first of those that explain them alike",
+    results.NONLINEAR: "what depends on the level is no matter of a linear fit",
+    results.UNKNOWN: "what is left is explained by no effect that was looked for",
 }
 """Why a climb ends, by the last verdict."""
 
@@ -143,7 +129,7 @@ NO_MORE = "what was found is in the model already"
 TOO_LONG = "{rounds} diagnoses in a row found something: look at the ladder before going on"
 
 Progress = Callable[[str, float], None]
-Diagnose = Callable[[Study], Diagnosis]
+Diagnose = Callable[[Study], results.Diagnosis]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -158,7 +144,7 @@ class Climb:
     at : where the model stands now
     """
 
-    rounds: tuple[Diagnosis, ...]
+    rounds: tuple[results.Diagnosis, ...]
     rungs: tuple[Version, ...]
     ended: str
     at: HistoryPosition
@@ -168,7 +154,7 @@ class Climb:
 class DiagnosisListener:
     """Who hears of what is finished: a diagnosis, a rung, and how far the work is."""
 
-    diagnosed: Callable[[Diagnosis], None] = lambda found: None
+    diagnosed: Callable[[results.Diagnosis], None] = lambda found: None
     added: Callable[[Version], None] = lambda rung: None
     progress: Progress = lambda what, share: None
 
@@ -196,7 +182,7 @@ def climb(asked: Options, bench: Study, diagnose: Diagnose, heard: DiagnosisList
         found = diagnose(bench)
         rounds.append(found)
         told.diagnosed(found)
-        ended = ENDED.get(found.verdict, "").format(asked=asked_for(found))
+        ended = ENDED.get(found.verdict, "").format(asked=results.asked(found))
         more = new(found, bench.model)
         for cause in more:
             others = [id for id in found.equivalence_class if id != cause.id] if cause.id in found.equivalence_class else []
@@ -217,14 +203,14 @@ def climb(asked: Options, bench: Study, diagnose: Diagnose, heard: DiagnosisList
         bench = bench.by(model_file.read(asked.model))
 
 
-def new(found: Diagnosis, model: Model) -> tuple[Cause, ...]:
+def new(found: results.Diagnosis, model: Model) -> tuple[results.Cause, ...]:
     """What becomes a rung: accepted, and not in `model` yet; of an unknown effect nothing does."""
-    if found.verdict == UNKNOWN:
+    if found.verdict == results.UNKNOWN:
         return ()
     known = {one.named.id for one in model.effects}
     more = tuple(one for one in found.accepted if one.id not in known)
     wrong = tuple(one for one in more if FAMILIES[one.named.family].side == OF_MISTAKES)
-    return wrong if found.verdict == MISTAKE and wrong else more
+    return wrong if found.verdict == results.MISTAKE and wrong else more
 
 
 # The smallest sizes that would have been named, for people: by side of the catalogue and family, in units of a laboratory.
@@ -260,10 +246,10 @@ class DetectableRow:
     count: int
 
 
-def rows(of: Sequence[Detectable]) -> tuple[DetectableRow, ...]:
+def rows(of: Sequence[results.Detectable]) -> tuple[DetectableRow, ...]:
     """`of` by family, in the order of the catalogue; a family that says its sizes in several units has a row for each."""
 
-    def target(one: Detectable) -> str:
+    def target(one: results.Detectable) -> str:
         return ", ".join(part for part in (one.id.partition(":")[2], one.at and f"at {one.at}") if part)
 
     found = []
@@ -289,7 +275,7 @@ def rows(of: Sequence[Detectable]) -> tuple[DetectableRow, ...]:
     return tuple(found)
 
 
-def grid(of: Sequence[Detectable]) -> Grid:
+def grid(of: Sequence[results.Detectable]) -> Grid:
     """`rows` as a table, each side of the catalogue under its heading."""
     lines: list[tuple[str, str, str]] = []
     side = ""
@@ -319,11 +305,11 @@ MOST = 8
 PLACES = "point-mass"
 
 HEADLINES = {
-    NOTHING: "NOTHING IS MISSING at the resolution of these measurements",
-    MISSING: "MISSING",
-    AMBIGUOUS: "MISSING IS one of several that these measurements cannot tell apart",
-    SEVERAL: "SEVERAL ARE MISSING",
-    UNKNOWN: "UNKNOWN: something is missing, and no effect that massline knows explains it",
+    results.NOTHING: "NOTHING IS MISSING at the resolution of these measurements",
+    results.MISSING: "MISSING",
+    results.AMBIGUOUS: "MISSING IS one of several that these measurements cannot tell apart",
+    results.SEVERAL: "SEVERAL ARE MISSING",
+    results.UNKNOWN: "UNKNOWN: something is missing, and no effect that massline knows explains it",
 }
 """By verdict."""
 
@@ -440,7 +426,7 @@ def answer(asked: Options, files: Sequence[str], *, auto: bool, as_json: bool, f
 # Where an unknown effect shows: the map of what is left once everything that was accepted acts.
 
 
-def draw_left(found: Diagnosis, bench: Study, folder: Path, progress: Callable[[float], None]) -> tuple[Path, ...]:
+def draw_left(found: results.Diagnosis, bench: Study, folder: Path, progress: Callable[[float], None]) -> tuple[Path, ...]:
     """Write a map of each campaign into `folder`: channels and loads in sigmas, at the plain fit with what was accepted."""
     whole = bench.whole([Added(named=one.named) for one in found.accepted])
     known = without(whole, named(whole, bench.hold_out)) if bench.hold_out else whole
@@ -462,14 +448,14 @@ RANKED = 8
 CLOSE = 3.0
 """[nats] from which what was not worth a name is worth a word: 20 to 1."""
 
-SAID_ALL = (NOTHING, MISSING, AMBIGUOUS, SEVERAL)
+SAID_ALL = (results.NOTHING, results.MISSING, results.AMBIGUOUS, results.SEVERAL)
 """Verdicts of which the one sentence says all that a text would."""
 
-NOT_FITTED = (MISTAKE, NONLINEAR)
+NOT_FITTED = (results.MISTAKE, results.NONLINEAR)
 """Verdicts of which the model as it was is held against the data without a fit, so that there is no evidence to compare."""
 
 
-def explained(one: Cause) -> Grid:
+def explained(one: results.Cause) -> Grid:
     """One cause for somebody who never heard of it."""
     lines = (
         ("means", one.text),
@@ -484,7 +470,7 @@ def explained(one: Cause) -> Grid:
 class DiagnosisPage:
     """What a page says of the diagnosis that was `found`, part by part."""
 
-    found: Diagnosis
+    found: results.Diagnosis
 
     def document(self) -> Document:
         """All of it, in the order in which it is read."""
@@ -508,7 +494,7 @@ class DiagnosisPage:
                 self.errors_of_page(),
                 self.ranking(),
                 self.steps(),
-                grid(found.detectable) if found.detectable and found.verdict == NOTHING else None,
+                grid(found.detectable) if found.detectable and found.verdict == results.NOTHING else None,
             ),
             notes=tuple(self.notes()),
         )
@@ -519,7 +505,7 @@ class DiagnosisPage:
         yield first
         if self.found.text and self.found.verdict not in SAID_ALL:
             yield self.found.text
-        if self.found.verdict == NOTHING and self.found.ranking and self.found.ranking[0].evidence >= CLOSE:
+        if self.found.verdict == results.NOTHING and self.found.ranking and self.found.ranking[0].evidence >= CLOSE:
             one = self.found.ranking[0]
             cause = results.cause(one)
             yield f"The closest is {cause}: {one.evidence:.1f} nats, less than is asked for. Other data decide."
@@ -563,7 +549,7 @@ class DiagnosisPage:
 
         def in_words(row: Any) -> str:
             test, separates = row[1].test, row[1].separates
-            names = ["no effect at all" if one == NOTHING else one for one in separates]
+            names = ["no effect at all" if one == results.NOTHING else one for one in separates]
             apart = f" It tells {results.listed(names)} apart." if len(names) > 1 else ""
             return f"{test[:1].upper()}{test[1:].rstrip('.')}.{apart}"
 
@@ -645,7 +631,7 @@ class DiagnosisPage:
     def tried(self) -> Table:
         """Every cause that was tried, a line for each of its numbers: name, value, both ends of its interval, unit."""
         every = {one.id: one for one in (*self.found.ranking, *self.found.accepted)}.values()  # as it was accepted
-        rows: list[tuple[Cause, tuple[Cell, ...]]] = []
+        rows: list[tuple[results.Cause, tuple[Cell, ...]]] = []
         for one in sorted(every, key=lambda one: -one.evidence):
             for size in one.sizes:
                 *figures, unit = results.interval(one, size)
@@ -680,13 +666,13 @@ class DiagnosisPage:
         """What was tried, the best first, with its first size and why it stands where it stands."""
         found, accepted = self.found, {cause.id for cause in self.found.accepted}
 
-        def size(one: Cause) -> str:
+        def size(one: results.Cause) -> str:
             if not one.sizes:
                 return NONE
             value, _, _, unit = results.interval(one, one.sizes[0])
             return practical_units.with_unit(value, unit)
 
-        def judged(one: Cause) -> str:
+        def judged(one: results.Cause) -> str:
             if one.id in accepted:
                 return "accepted"
             if one.id in found.equivalence_class:
@@ -728,16 +714,16 @@ class DiagnosisPage:
         )
         if len(self.found.ranking) > RANKED:
             yield f"{len(self.found.ranking) - RANKED} more effects were tried and explain less; --json has all of them."
-        if self.found.detectable and self.found.verdict != NOTHING:
+        if self.found.detectable and self.found.verdict != results.NOTHING:
             yield f"--json has the smallest size at which each of {len(self.found.detectable)} effects would have been named."
-        if self.found.verdict == NONLINEAR:
+        if self.found.verdict == results.NONLINEAR:
             yield "A linear fit of such data names nonsense: the errors are those of the model as it is."
         if self.found.hold_out:
             yield f"Held out: {results.listed(self.found.hold_out)}."
         yield from (f"warning: {text.rstrip('.')}." for text in self.found.remarks)
 
 
-def document(found: Diagnosis) -> Document:
+def document(found: results.Diagnosis) -> Document:
     """All of a diagnosis, in the order in which it is read."""
     return DiagnosisPage(found=found).document()
 
@@ -797,7 +783,7 @@ def prepared(asked: Options, *, quiet: bool = True) -> Study:
     return made
 
 
-def diagnosis(asked: Options, bench: Study, progress: Progress | None = None) -> Diagnosis:
+def diagnosis(asked: Options, bench: Study, progress: Progress | None = None) -> results.Diagnosis:
     """What is missing on `bench`.
 
     Raises
@@ -807,11 +793,11 @@ def diagnosis(asked: Options, bench: Study, progress: Progress | None = None) ->
     return diagnose.diagnosed(bench, only=asked.candidates, leave_out=asked.leave_out, progress=progress)
 
 
-def _climbed(asked: Options, bench: Study, *, as_json: bool) -> tuple[Diagnosis, dict[str, Any]]:
+def _climbed(asked: Options, bench: Study, *, as_json: bool) -> tuple[results.Diagnosis, dict[str, Any]]:
     """The first diagnosis of a climb, and what JSON has of the others and of the ladder; the rest is printed as it comes."""
     pages = 0
 
-    def first(found: Diagnosis) -> None:
+    def first(found: results.Diagnosis) -> None:
         nonlocal pages
         if not pages and not as_json:
             click.echo(text(asked, bench, found))
@@ -827,13 +813,15 @@ def _climbed(asked: Options, bench: Study, *, as_json: bool) -> tuple[Diagnosis,
     if not as_json:
         click.echo(f"The climb ends: {found.ended}.\n")
         click.echo(history.text(found.at) if found.at.ladder.rungs else "", nl=False)
-    rounds = [{"verdict": one.verdict, "headline": headline(one), "accepted": to_json(one.accepted)} for one in found.rounds]
+    rounds = [
+        {"verdict": one.verdict, "headline": results.headline(one), "accepted": to_json(one.accepted)} for one in found.rounds
+    ]
     numbers = [rung.number for rung in found.rungs]
     more = {"ended": found.ended, "rungs": numbers, "rounds": rounds, "ladder": of_ladder(found.at)}
     return found.rounds[0], {"auto": more}
 
 
-def text(asked: Options, bench: Study, found: Diagnosis) -> str:
+def text(asked: Options, bench: Study, found: results.Diagnosis) -> str:
     """The page of a diagnosis."""
     return replace(document(found), title=title(asked.path.name, [one.measured.name for one in bench.made])).text()
 
@@ -862,5 +850,11 @@ def html(report: Report, figures: Figures) -> Safe:
         return section("missing", "What is missing", told)
     said = document(found)
     first, *others = said.opening
-    headline = tag("p", first, class_="headline")
-    return section("missing", "What is missing", headline, paragraphs(others), *said.html(figures), parts_notes(said.notes))
+    return section(
+        "missing",
+        "What is missing",
+        tag("p", first, class_="headline"),
+        paragraphs(others),
+        *said.html(figures),
+        parts_notes(said.notes),
+    )

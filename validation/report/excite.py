@@ -49,12 +49,8 @@ LEVEL = {
 """What is compared with what was asked for, by pattern."""
 
 
-def rig_text(mounted: ArticleOnTable, modes: RigModes) -> tuple[str, ...]:
+def rig_text(mounted: ArticleOnTable, modes: RigModes) -> Iterator[str]:
     """A rig in sentences, from the table up: what stands on what, what is attached, and how many modes it has."""
-    return tuple(_rig_text(mounted, modes))
-
-
-def _rig_text(mounted: ArticleOnTable, modes: RigModes) -> Iterator[str]:
     made, cells = mounted.rig, mounted.rig.cells
     under = "on its four load cells, springs of assumed stiffness" if cells else "which is rigid on the table"
     if mounted.article == FMD:

@@ -21,7 +21,7 @@ from geometry.dynamic_mass import MOTIONS, DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Array
 from validation import output
-from validation.compare.maps import Map, NamedMode
+from validation.compare.maps import NamedMode
 from validation.flexible.dynamic_mass import UNITS, Curves
 from validation.flexible.model import OWN, Flexible, another_body
 from validation.flexible.modes import APART, SAME_MODE, Described, ModeComparison, compared, described, displacement, movable
@@ -534,35 +534,36 @@ MODES_NOTE = (
 def html(report: Report, figures: Figures) -> Safe:
     """The section; empty where nothing has modes."""
     found = report.comparison
-    tables = [mode_table(of, modes).html() for of, modes in zip(found.maps, found.modes, strict=True) if modes]
+
+    def mass(k: int, least: float, one: NamedMode) -> Number:
+        """Along axis `k`; what is below the `least` is rounding."""
+        if not one.effective_mass:
+            return TABLES_NOTHING
+        own = one.effective_mass[k]
+        return tables_number(own, ".3g") if own > least else Number(value=own, text="0")
+
+    tables = []
+    for of, modes in zip(found.maps, found.modes, strict=True):
+        if not modes:
+            continue
+        near = sum(one.frequency <= 2 * float(of.frequency[-1]) for one in modes)
+        least = SMALL * np.max([one.effective_mass or (0.0,) * 6 for one in modes], axis=0)
+        along = [Column(f"m eff {AXES[k]}", partial(mass, k, least[k]), unit=UNITS[k]) for k in range(6)]
+        table = Table(
+            caption=f"Modes of {of.configuration} ({of.data_set})",
+            rows=modes[: min(max(near, FEWEST), MOST)],
+            columns=(
+                Column("mode", lambda one: one.name, words=True),
+                Column("frequency", lambda one: one.frequency, ".3f", unit="Hz"),
+                Column("damping ratio", lambda one: 100 * one.damping_ratio, ".3g", unit="%"),
+                *along,
+            ),
+        )
+        tables.append(table.html())
     shapes = [tag("div", tag("h3", f"Shapes of {one.name}"), picture(one.shapes)) for one in report.articles if one.shapes]
     if not tables:
         return Safe("")
     return section("modes", "Modes", *tables, parts_notes([MODES_NOTE]), *shapes)
-
-
-def mode_table(of: Map, modes: tuple[NamedMode, ...]) -> Table:
-    """The modes that a page tells of the data of a map; what is far below the largest along an axis is rounding."""
-    near = sum(one.frequency <= 2 * float(of.frequency[-1]) for one in modes)
-    least = SMALL * np.max([one.effective_mass or (0.0,) * 6 for one in modes], axis=0)
-
-    def mass(k: int, one: NamedMode) -> Number:
-        if not one.effective_mass:
-            return TABLES_NOTHING
-        own = one.effective_mass[k]
-        return tables_number(own, ".3g") if own > least[k] else Number(value=own, text="0")
-
-    along = [Column(f"m eff {axis}", partial(mass, k), unit=unit) for k, (axis, unit) in enumerate(zip(AXES, UNITS, strict=True))]
-    return Table(
-        caption=f"Modes of {of.configuration} ({of.data_set})",
-        rows=modes[: min(max(near, FEWEST), MOST)],
-        columns=(
-            Column("mode", lambda one: one.name, words=True),
-            Column("frequency", lambda one: one.frequency, ".3f", unit="Hz"),
-            Column("damping ratio", lambda one: 100 * one.damping_ratio, ".3g", unit="%"),
-            *along,
-        ),
-    )
 
 
 # The verification table to print: one page a family, errors beside their bars.

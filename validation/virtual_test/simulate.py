@@ -543,7 +543,13 @@ def question(
     _word("--format", form, FORMATS)
     named = parse_all(effects)
     planted(named)  # whatever the articles: what no virtual test can plant is refused first
-    factors = _levels(levels)
+    factors = tuple(_number("--levels", part.strip(), "Write for example 1, or 1,0.5") for part in levels.split(","))
+    for level in factors:
+        if not 0 < level <= LARGEST_LEVEL:
+            problem = f"a level must lie above 0 and up to {LARGEST_LEVEL:g}, found {level:g}"
+            raise BadInput(source="--levels", problem=problem, remedy="1 is the nominal level, 0.5 half of it")
+    if len(set(factors)) < len(factors):
+        raise BadInput(source="--levels", problem=f"one of them stands there twice, found {levels}", remedy="Name each once")
     for level in factors:  # what a drive of `massline excite` may be, this one may be too
         drive(
             axes=(),
@@ -594,17 +600,6 @@ def _word(option: str, word: str, known: Collection[str]) -> None:
     if word not in known:
         remedy = toml_file.nearest(word, known) or "Choose one of them"
         raise BadInput(source=option, problem=f"must be one of {', '.join(known)}, found {word!r}", remedy=remedy)
-
-
-def _levels(text: str) -> tuple[float, ...]:
-    found = tuple(_number("--levels", part.strip(), "Write for example 1, or 1,0.5") for part in text.split(","))
-    for level in found:
-        if not 0 < level <= LARGEST_LEVEL:
-            problem = f"a level must lie above 0 and up to {LARGEST_LEVEL:g}, found {level:g}"
-            raise BadInput(source="--levels", problem=problem, remedy="1 is the nominal level, 0.5 half of it")
-    if len(set(found)) < len(found):
-        raise BadInput(source="--levels", problem=f"one of them stands there twice, found {text}", remedy="Name each once")
-    return found
 
 
 def _factor(option: str, text: str) -> float:
