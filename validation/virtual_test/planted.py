@@ -229,7 +229,8 @@ def polarity(named: Named) -> ChainChange:
 
 def shunt(named: Named) -> ChainChange:
     """Every channel along an axis reads ``y (1 - s)``: the share s passes all of its cells by."""
-    return lambda chain: _each(chain, along(named.target), lambda one, name: one.more_gain(name, -named.value))
+    along = tuple(name for name in FMD if name.startswith(f"fmd-{named.target}"))
+    return lambda chain: _each(chain, along, lambda one, name: one.more_gain(name, -named.value))
 
 
 def delay(named: Named) -> ChainChange:
@@ -308,11 +309,6 @@ def mains(named: Named) -> ChainChange:
     """So many times the ordinary hum in every channel, instead of what there is."""
     ordinary = dict.fromkeys((*TABLE, *COVER), MAINS["acceleration"]) | dict.fromkeys(FMD, MAINS["force"])
     return lambda chain: replace(chain, mains={name: named.value * size for name, size in ordinary.items()})
-
-
-def along(axis: str) -> tuple[str, ...]:
-    """The force channels along `axis`."""
-    return tuple(name for name in FMD if name.startswith(f"fmd-{axis}"))
 
 
 def _each(chain: ChainTruth, names: tuple[str, ...], change: Callable[[ChainTruth, str], ChainTruth]) -> ChainTruth:
