@@ -22,14 +22,14 @@ from geometry.article import Article
 from geometry.articles import NAMES, SETUPS, built_in
 from validation.classical.swing import Setup, Words, setup, simulated
 from validation.excite.question import Attached, ExciteOptions, drive
-from validation.excite.runs import done, ready
+from validation.excite.runs import ready
 from validation.flexible.dynamic_mass import BAND, STEP, dynamic_mass, lines, reference_point
 from validation.flexible.model import FlexibleOptions, flexible
 from validation.output import inertia_json
 from validation.reference.reference import ArticleOptions as Unchanged
 from validation.report.charts.excitation import draw_sheet as draw_driven
 from validation.report.charts.style import DynamicMassCurve, side_by_side
-from validation.report.excite import sheet as driven_sheet
+from validation.report.excite import RunPicture
 from validation.report.flexible import draw_sheet, note_on
 from validation.report.scenes.pendulum import drawn, pendulum_picture
 from validation.report.scenes.scene import contact_sheet, drawn_bodies, picture
@@ -81,8 +81,8 @@ def base_excitation(folder: Path) -> None:
         article="clumod-1", model=None, asked=FlexibleOptions(count=30), attached=Attached(), drive=sweep, route=None, rate=1024.0
     )
     made = ready(question)
-    (one,) = done(made)
-    draw_driven(driven_sheet(made, one), folder / "excite-clumod-1.png", json.dumps(frequencies("clumod-1")))
+    (one,) = made.done()
+    draw_driven(RunPicture(made=made, one=one).sheet(), folder / "excite-clumod-1.png", json.dumps(frequencies("clumod-1")))
 
 
 def pendulum(folder: Path) -> None:

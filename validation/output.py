@@ -184,32 +184,21 @@ def _object(of: Any) -> dict[str, Any]:
             at = at.setdefault(str(part), {})
         null = said.null is not None and value == said.null
         at[str(said.path[-1])] = None if null else to_json(value if said.write is None else said.write(value))
-    found = {key: _listed(value) if key in _lists(type(of)) else value for key, value in found.items()}
-    for name, key, before in _derived(type(of)):
-        value = to_json(getattr(of, name))
+    every_path = [said.path for one in fields(of) if (said := _entry(one))]
+    for key in {str(path[0]) for path in every_path if len(path) == 2 and isinstance(path[1], int)}:
+        places = [found[key][place] for place in sorted(found[key], key=int)]  # of a list, in their order; null where all are
+        found[key] = None if all(one is None for one in places) else places
+    # What is computed: name, key, and the key before which it stands
+    every = {name: one for base in reversed(type(of).__mro__) for name, one in vars(base).items() if isinstance(one, property)}
+    for name, computed in every.items():
+        if not hasattr(computed.fget, _CODEC):
+            continue
+        (key, before), value = getattr(computed.fget, _CODEC), to_json(getattr(of, name))
         items = list(found.items())
         at_key = next((k for k, (other, _) in enumerate(items) if other == before), len(items))
         items[at_key:at_key] = [(key, value)] if key else list(value.items())
         found = dict(items)
     return found
-
-
-def _listed(value: dict[str, Any]) -> list[Any] | None:
-    """Places of a list in their order; null where all are."""
-    places = [value[place] for place in sorted(value, key=int)]
-    return None if all(one is None for one in places) else places
-
-
-def _lists(kind: Any) -> frozenset[str]:
-    """Keys whose entries are places of a list."""
-    every = (said.path for one in fields(kind) if (said := _entry(one)) is not None)
-    return frozenset(str(path[0]) for path in every if len(path) == 2 and isinstance(path[1], int))
-
-
-def _derived(kind: Any) -> tuple[tuple[str, str, str], ...]:
-    """Name, key, and the key before which it stands, of what is computed."""
-    every = {name: one for base in reversed(kind.__mro__) for name, one in vars(base).items() if isinstance(one, property)}
-    return tuple((name, *getattr(one.fget, _CODEC)) for name, one in every.items() if hasattr(one.fget, _CODEC))
 
 
 def from_json(kind: type[_Of], table: Mapping[str, Any], **known: Any) -> _Of:

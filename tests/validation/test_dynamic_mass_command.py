@@ -14,10 +14,9 @@ from geometry.articles import built_in
 from geometry.dynamic_mass import DynamicMass
 from geometry.frames import rigid_transformation_6
 from validation.cli import main
-from validation.flexible.dynamic_mass import apart, lines, reference_point
+from validation.flexible.dynamic_mass import apart, lines, peaks, reference_point
 from validation.report import flexible
 from validation.report.charts.style import DynamicMassCurve, side_by_side
-from validation.report.flexible import peaks_table
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -201,7 +200,7 @@ def test_a_peak_is_where_the_mode_is() -> None:
     H = np.zeros((len(f), 6, 6), dtype=complex)
     H[:, range(6), range(6)] = 1.0
     H[:, 2, 2] += f**2 / (12.0**2 - f**2 + 2j * 0.01 * 12.0 * f)
-    (peak,) = peaks_table(DynamicMass(frequency=f, matrix=H), np.ones(6))
+    (peak,) = peaks(DynamicMass(frequency=f, matrix=H), np.ones(6))
     assert peak.axis == 2
     assert peak.frequency == pytest.approx(12.0, abs=0.05)
     assert peak.magnitude == pytest.approx(50.0, rel=0.02)  # 1 / (2 zeta)

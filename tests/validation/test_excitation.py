@@ -18,7 +18,7 @@ from geometry.frames import rigid_transformation, rigid_transformation_6
 from geometry.routes import inertia
 from validation.cli import main
 from validation.excite.question import Attached, attached
-from validation.excite.results import _cross, _levels, amplitude, amplitudes, cell_loads, passed
+from validation.excite.results import Amplitudes, AxisResponse, CellLoad, amplitude, cross_share
 from validation.excite.rig import RigModes, Run, mounted, rig_modes
 from validation.flexible.model import Flexible, FlexibleOptions
 from validation.flexible.modes import node_displacement
@@ -107,9 +107,7 @@ def test_what_carries_static_answers_is_no_resonance(article: str, joints: int) 
 def test_the_lateral_load_of_a_cell_is_the_larger_of_x_and_y(axis: int) -> None:
     forces = np.zeros((3, 1, 3))
     forces[1, 0, axis], forces[2, 0, 1 - axis], forces[:, 0, 2] = -7.0, 3.0, (1.0, 50.0, -9.0)
-    still = np.zeros((3, 6))
-    response = Response(sampling_rate=RATE, table=still, cover=still, load=still, cells=forces)
-    (found,) = cell_loads(response, (LoadCell(position=np.zeros(3), stiffness=np.ones(3)),))
+    found = CellLoad.of(1, forces[:, 0], LoadCell(position=np.zeros(3), stiffness=np.ones(3)))
     assert (found.lateral, found.lowest, found.highest) == (7.0, -9.0, 50.0)
 
 
@@ -122,7 +120,7 @@ def test_the_level_of_a_sweep_is_that_of_its_band_and_not_of_its_soft_start(rate
     table[motion.time > float(run.sweep.time_at(32.0)), 0] *= 2
     still = np.zeros((len(table), 6))
     response = Response(sampling_rate=8192.0, table=table, cover=still, load=still, cells=np.zeros((len(table), 0, 3)))
-    (found,) = _levels(run, response, motion.driven)
+    found = AxisResponse.of(0, run, response, motion.driven)
     assert found.realised == pytest.approx(2.5 * (1 + (rate * np.log(2) / 60 / (2 * np.pi * 4)) ** 2 / 2), rel=1e-3)
     assert found.peak > 1.2 * found.realised
 
@@ -133,7 +131,7 @@ def test_cross_motion_is_the_largest_share_of_any_other_axis() -> None:
     table[0, 0], table[1, 2], table[2, 5] = 2.5, -0.05, 0.3  # of nominal levels 2.5, 2.5 and 6
     still = np.zeros((3, 6))
     response = Response(sampling_rate=RATE, table=table, cover=still, load=still, cells=np.zeros((3, 0, 3)))
-    assert _cross(run, response) == pytest.approx(0.05, rel=1e-12)
+    assert cross_share(run, response) == pytest.approx(0.05, rel=1e-12)
 
 
 def test_places_ride_on_the_article() -> None:
@@ -187,7 +185,7 @@ def test_the_amplitude_of_a_swept_sine_is_its_own() -> None:
 @pytest.mark.parametrize("times", [3.0, 20.0])
 def test_a_load_that_swells_at_a_resonance_is_found_there_with_its_size(times: float) -> None:
     run = swept()
-    (found,) = passed(amplitudes(swelling(run, 10.0, times), run, MASS * np.eye(6)), run, modes(10.0))
+    (found,) = Amplitudes.of(swelling(run, 10.0, times), run, MASS * np.eye(6)).passed(run, modes(10.0))
     assert (found.mode, found.frequency, found.axis) == (1, 10.0, 0)
     assert found.time == pytest.approx(float(run.sweep.time_at(10.0)))
     # a swell of 0.3 Hz passed at 2.3 Hz/s lasts a tenth of a second, about a cycle: so far its envelope is known
@@ -198,15 +196,15 @@ def test_a_load_that_swells_at_a_resonance_is_found_there_with_its_size(times: f
 def test_what_lies_outside_the_band_or_does_not_show_along_the_axis_is_not_listed() -> None:
     run = swept()
     response = swelling(run, 10.0, 2.0)
-    found = amplitudes(response, run, MASS * np.eye(6))
-    assert [p.frequency for p in passed(found, run, modes(2.0, 10.0, 40.0))] == [10.0]
-    assert passed(found, run, modes(10.0, share=1e-5)) == ()
+    found = Amplitudes.of(response, run, MASS * np.eye(6))
+    assert [p.frequency for p in found.passed(run, modes(2.0, 10.0, 40.0))] == [10.0]
+    assert found.passed(run, modes(10.0, share=1e-5)) == ()
 
 
 def test_two_resonances_far_apart_are_told_apart() -> None:
     run = swept()
-    found = amplitudes(swelling(run, 20.0, 9.0), run, MASS * np.eye(6))
-    first, second = passed(found, run, modes(8.0, 20.0))
+    found = Amplitudes.of(swelling(run, 20.0, 9.0), run, MASS * np.eye(6))
+    first, second = found.passed(run, modes(8.0, 20.0))
     assert first.amplification == pytest.approx(1.0, abs=0.05)
     assert second.amplification == pytest.approx(9.0, rel=0.05)
 
@@ -297,7 +295,7 @@ def test_the_animation_moves_and_names_the_frequency(drawn: Path) -> None:
 def test_the_article_is_drawn_as_exudyn_moves_it_relative_to_the_table_too() -> None:
     """Both routes keep coordinates of their own; drawn, the article bends by the same amount."""
     from validation.excite.question import ExciteOptions, drive
-    from validation.excite.runs import done, ready
+    from validation.excite.runs import ready
 
     found = []
     for route in ("linear", "exudyn"):
@@ -325,7 +323,7 @@ def test_the_article_is_drawn_as_exudyn_moves_it_relative_to_the_table_too() -> 
             rate=512.0,
         )
         made = ready(question, quiet=True)
-        (one,) = done(made, keep_coordinates=True, quiet=True)
+        (one,) = made.done(keep_coordinates=True, quiet=True)
         found.append(turntable._relative(made, one.motion, one.response))
     for part in (slice(0, 6), slice(6, None)):
         assert_allclose(found[1][:, part], found[0][:, part], atol=1e-2 * np.abs(found[0][:, part]).max())

@@ -203,6 +203,6 @@ def pretest_command(article: str, as_json: bool, plot: bool, out: Path | None, *
     channel costs, and where on the article a pick-up moves with the base.
     """
     from validation.identify.pretest import question
-    from validation.report.identify import pretest_answer
+    from validation.report.pretest import answer
 
-    pretest_answer(question(article=article, **given), as_json=as_json, plot=plot, out=out)
+    answer(question(article=article, **given), as_json=as_json, plot=plot, out=out)

@@ -14,7 +14,6 @@ from validation.verification.check import FAMILIES
 if TYPE_CHECKING:
     from validation.classical.swing import Simulated
     from validation.flexible.model import Flexible
-    from validation.flexible.modes import ModeComparison
 
 
 @click.command("modes")
@@ -42,7 +41,7 @@ def modes_command(
     """
     from validation.flexible.model import chosen, flexible, require_model, require_used
     from validation.output import shown
-    from validation.report.flexible import require_drawable, require_mode
+    from validation.report.flexible import print_modes, require_drawable, require_mode
 
     models = chosen(article, model, against)
     names = [require_model(article, m, option) for m, option in zip(models, ("--model", "--against"), strict=False)]
@@ -56,32 +55,9 @@ def modes_command(
     for name, which in zip(names, models, strict=True):
         with shown(f"modes of {article}, {name} model", quiet=as_json):
             found.append(flexible(article, which, question))
-    _print(found[0], _compared(found), as_json)
+    print_modes(found[0], found[1] if len(found) == 2 else None, as_json=as_json)
     if shapes or moving is not None:
         _draw(found[0], shapes, moving, quiet=as_json)
-
-
-def _compared(found: list[Flexible]) -> ModeComparison | None:
-    from validation.flexible.modes import compared
-
-    return compared(found[0], found[1]) if len(found) == 2 else None
-
-
-def _print(model: Flexible, comparison: ModeComparison | None, as_json: bool) -> None:
-    from validation.output import print_json
-    from validation.report import flexible
-    from validation.report.document import page
-
-    if as_json:
-        beside = {} if comparison is None else {"against": flexible.as_json(comparison)}
-        print_json(flexible.modes_json(model) | beside)
-        return
-    printed = flexible.published(model)
-    grids = [flexible.grid(model), *([printed] if printed else [])]
-    click.echo(page(f"{model.article}: {model.model} model", grids, flexible.notes(model)), nl=False)
-    if comparison is not None:
-        title = f"{model.article}: {comparison.second.model} beside {model.model}"
-        click.echo("\n" + page(title, flexible.grids(comparison), flexible.comparison_table_notes(comparison)), nl=False)
 
 
 def _draw(model: Flexible, shapes: bool, moving: int | None, *, quiet: bool) -> None:
@@ -129,9 +105,10 @@ def dynamic_mass_command(
 
     A rigid body has the flat line of its mass matrix; flexible ones leave it at their resonances.
     """
+    from validation.flexible.dynamic_mass import DynamicMassOptions, curves
     from validation.flexible.model import chosen
     from validation.report import flexible
-    from validation.report.flexible import DynamicMassOptions, curves, report
+    from validation.report.flexible import report
 
     if out is not None:
         flexible.require_ending(out)
@@ -300,7 +277,7 @@ def simulate_command(articles: tuple[str, ...], out: Path, as_json: bool, **give
     ARTICLE is a stack on the force measurement device, such as fmd+disc+cuboid or fmd+clumod-1. Several are a series that
     shares FMD and sensors, a folder each below DIR; so are tests of one seed. The truth goes beside a campaign, DIR.truth.json.
     """
-    from validation.report.simulate import simulate
+    from validation.report.excite import simulate
     from validation.virtual_test.simulate import question
 
     simulate(question(articles=articles, out=out, **given), as_json=as_json)

@@ -87,7 +87,7 @@ def attached(
     cable: Sequence[str],
     damper: Sequence[str],
 ) -> Attached:
-    """What the options say; whether the article has such places is asked by `require_places`.
+    """What the options say; whether the article has such places is asked by `validation.excite.rig.require_mountable`.
 
     Raises
     ------
@@ -98,74 +98,49 @@ def attached(
     for text in preload:
         cell, equals, value = text.partition("=")
         numbers = (_known(cell.strip(), CELLS, "--preload", "cell"),) if equals else CELLS
-        from geometry.toml_file import quantity
-
-        force_text = value if equals else text
+        size = value if equals else text
         try:
-            force = float(quantity(force_text, "force", source="--preload", field="").nominal_value)
+            force = float(toml_file.quantity(size, "force", source="--preload", field="").nominal_value)
         except BadInput as error:
             raise _refused("--preload", error.problem) from None
         if force <= 0:
-            raise _refused("--preload", f"a preload presses a cell together and must be positive, found {force_text.strip()}")
+            raise _refused("--preload", f"a preload presses a cell together and must be positive, found {size.strip()}")
         for number in numbers:
             _once(number in loads, "--preload", f"cell {number}")
             loads[number] = force
     if loads and not cells:
         problem = "only cells that are springs can lift off, and they are rigid here"
         raise BadInput(source="--preload", problem=problem, remedy="Add --cells, or leave the preload out")
-    return Attached(
-        cells=cells,
-        preload=loads,
-        flange=_flange(flange),
-        struts=(
-            *(Strut(place=place, to="ground", stiffness=size) for place, size in _struts("--cable", cable).items()),
-            *(Strut(place=place, to="table", damping=size) for place, size in _struts("--damper", damper).items()),
-        ),
-        frictions=_frictions(friction),
-    )
-
-
-def require_places(struts: Sequence[Strut], places: Collection[str], article: str, why_none: str) -> None:
-    """Refuse a strut that is fastened to a place that the article has not.
-
-    Raises
-    ------
-    BadInput : such a strut, with the nearest place; `why_none` where there is none at all.
-    """
-    for strut in struts:
-        if strut.place in places:
-            continue
-        option = "--cable" if strut.to == "ground" else "--damper"
-        remedy = f"{toml_file.nearest(strut.place, places)}Its places are {', '.join(places)}" if places else why_none
-        raise BadInput(source=option, problem=f"{article} has no place {strut.place!r}", remedy=remedy)
-
-
-def _flange(texts: Sequence[str]) -> Flange | None:
     compliance = np.zeros(6)
-    for text in texts:
+    for text in flange:
         key, value = _pair("--flange", text)
         motions = list(COMPLIANT[_known(key, COMPLIANT, "--flange", "direction")])
         _once(bool(compliance[motions].any()), "--flange", key)
         compliance[motions] = _sane("--flange", key, value, SHIFTING if motions[0] < 3 else TURNING)
-    return Flange(compliance=compliance) if texts else None
-
-
-def _frictions(texts: Sequence[str]) -> tuple[Friction, ...]:
-    found: dict[str, Friction] = {}
-    for text in texts:
+    frictions: dict[str, Friction] = {}
+    for text in friction:
         axis, value = _pair("--friction", text)
         _known(axis, LATERAL, "--friction", "axis")
-        _once(axis in found, "--friction", axis)
-        force, *more = (part.strip() for part in value.split(","))
+        _once(axis in frictions, "--friction", axis)
+        slip, *more = (part.strip() for part in value.split(","))
         masses: dict[str, float] = {}
-        for masses_text in more:
-            key, _, masses_value = (part.strip() for part in masses_text.partition(":"))
+        for mass in more:
+            key, _, size = (part.strip() for part in mass.partition(":"))
             _known(key, ("mass",), "--friction", "property")
             _once(bool(masses), "--friction", key)
-            masses[key] = _sane("--friction", key, masses_value, LOOSE_MASS)
-        given = {"axis": axis, "slip_force": _sane("--friction", axis, force, SLIP_FORCE), **masses}
-        found[axis] = Friction(**given)  # type: ignore[arg-type]  # the axis was compared with those that are known
-    return tuple(found.values())
+            masses[key] = _sane("--friction", key, size, LOOSE_MASS)
+        given = {"axis": axis, "slip_force": _sane("--friction", axis, slip, SLIP_FORCE), **masses}
+        frictions[axis] = Friction(**given)  # type: ignore[arg-type]  # the axis was compared with those that are known
+    return Attached(
+        cells=cells,
+        preload=loads,
+        flange=Flange(compliance=compliance) if flange else None,
+        struts=(
+            *(Strut(place=place, to="ground", stiffness=size) for place, size in _struts("--cable", cable).items()),
+            *(Strut(place=place, to="table", damping=size) for place, size in _struts("--damper", damper).items()),
+        ),
+        frictions=tuple(frictions.values()),
+    )
 
 
 def _struts(option: str, texts: Sequence[str]) -> dict[str, Array]:
@@ -321,8 +296,19 @@ def drive(
     _within("--cross", cross, 0.0, LARGEST_CROSS, "Write for example 0.03; 0 is a table without cross motion")
     if seed < 0:
         raise BadInput(source="--seed", problem=f"must not be negative, found {seed}", remedy="Give a whole number from 0 on")
+    for axis in axes:
+        _word("--axis", axis, MOTIONS)
+    if twice := next((axis for axis in axes if list(axes).count(axis) > 1), None):
+        raise BadInput(source="--axis", problem=f"{twice} is named twice", remedy="Name each axis once")
+    if every and axes:
+        problem = f"all six axes are asked for, and {', '.join(axes)} once more"
+        raise BadInput(source="--all", problem=problem, remedy="Give --all or --axis, not both")
+    if duration is not None and pattern not in (RANDOM, BURST):
+        problem = f"only random and burst have one, the pattern is {pattern}"
+        remedy = "Leave it out: band and octaves a minute say how long it takes"
+        raise BadInput(source="--duration", problem=problem, remedy=remedy)
     found = TableDrive(
-        axes=_axes(axes, every, pattern),
+        axes=tuple(axes) or (MOTIONS if every or pattern == MULTI else MOTIONS[:1]),
         every=every,
         pattern=pattern,
         band=band,
@@ -330,10 +316,14 @@ def drive(
         level=level,
         cross=cross,
         seed=seed,
-        duration=_duration(duration, pattern),
+        duration=None if duration is None else _seconds("--duration", duration, 'Write for example "30 s"'),
         ring_down=None if ring_down == "auto" else _seconds("--ring-down", ring_down, 'Write auto, or a time such as "5 s"'),
     )
-    _require_short(found)
+    sweep = 60 * np.log2(high / low) / octaves_per_minute
+    if pattern in (SWEEP, MULTI) and sweep > LONGEST:
+        problem = f"a sweep of this band takes {sweep:.4g} s at {octaves_per_minute:g} octaves a minute"
+        remedy = f"A run lasts {LONGEST:g} s at most: sweep faster, or a part of it"
+        raise BadInput(source="--octaves-per-minute", problem=problem, remedy=remedy)
     return found
 
 
@@ -364,54 +354,16 @@ def _word(option: str, word: str, known: Sequence[str]) -> None:
         raise BadInput(source=option, problem=f"must be one of {', '.join(known)}, found {word!r}", remedy=remedy)
 
 
-def _axes(axes: Sequence[str], every: bool, pattern: str) -> tuple[str, ...]:
-    for axis in axes:
-        _word("--axis", axis, MOTIONS)
-    twice = next((axis for axis in axes if list(axes).count(axis) > 1), None)
-    if twice is not None:
-        raise BadInput(source="--axis", problem=f"{twice} is named twice", remedy="Name each axis once")
-    if every and axes:
-        problem = f"all six axes are asked for, and {', '.join(axes)} once more"
-        raise BadInput(source="--all", problem=problem, remedy="Give --all or --axis, not both")
-    if axes:
-        return tuple(axes)
-    return MOTIONS if every or pattern == MULTI else MOTIONS[:1]
-
-
 def _within(option: str, value: float, low: float, high: float, remedy: str) -> None:
     if not low <= value <= high:
         raise BadInput(source=option, problem=f"must lie between {low:g} and {high:g}, found {value:g}", remedy=remedy)
 
 
-def _duration(text: str | None, pattern: str) -> float | None:
-    if text is None:
-        return None
-    if pattern not in (RANDOM, BURST):
-        problem = f"only random and burst have one, the pattern is {pattern}"
-        raise BadInput(
-            source="--duration", problem=problem, remedy="Leave it out: band and octaves a minute say how long it takes"
-        )
-    return _seconds("--duration", text, 'Write for example "30 s"')
-
-
 def _seconds(option: str, text: str, remedy: str) -> float:
-    from geometry.toml_file import quantity
-
     try:
-        seconds = float(quantity(text, "time", source=option, field="").nominal_value)
+        seconds = float(toml_file.quantity(text, "time", source=option, field="").nominal_value)
     except BadInput as error:
         raise BadInput(source=option, problem=error.problem, remedy=remedy) from None
     if not 0 <= seconds <= LONGEST:
         raise BadInput(source=option, problem=f"must lie between 0 and {LONGEST:g} s, found {text}", remedy=remedy)
     return seconds
-
-
-def _require_short(drive: TableDrive) -> None:
-    seconds = 60 * np.log2(drive.band[1] / drive.band[0]) / drive.octaves_per_minute
-    if drive.pattern in (SWEEP, MULTI) and seconds > LONGEST:
-        problem = f"a sweep of this band takes {seconds:.4g} s at {drive.octaves_per_minute:g} octaves a minute"
-        raise BadInput(
-            source="--octaves-per-minute",
-            problem=problem,
-            remedy=f"A run lasts {LONGEST:g} s at most: sweep faster, or a part of it",
-        )

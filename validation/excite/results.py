@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.base_excitation.response import Response, SmallMotion
-from fem.base_excitation.rig import Friction, LoadCell
+from fem.base_excitation.rig import LoadCell
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.frames import Array
 from validation.excite.rig import RigModes, Run
+from validation.output import derived, entry, unwritten
 
-if TYPE_CHECKING:
-    from fem.base_excitation.patterns import Sweep
+LOADS = ("fx", "fy", "fz", "mx", "my", "mz")
+"""Forces and moments of the table on what stands on it, about the reference point."""
+
+LOAD_UNITS = ("N",) * 3 + ("N m",) * 3
 
 
 # When a sweep passes the resonances of a rig, and what each does to the load, measured on the run itself.
@@ -59,13 +61,13 @@ class Passed:
     """
 
     mode: int
-    frequency: float
+    frequency: float = entry("frequency_hz", unit="Hz")
     damping_ratio: float
-    axis: int
-    time: float
+    axis: int = entry("load", write=LOADS.__getitem__)
+    time: float = entry("passed_at_s", unit="s")
     amplification: float
-    peak_time: float
-    peak_frequency: float
+    peak_time: float = entry("largest_at_s", unit="s")
+    peak_frequency: float = entry("largest_at_hz", unit="Hz")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -87,57 +89,55 @@ class Amplitudes:
     load: Array
     rigid: Array
 
+    @classmethod
+    def of(cls, response: Response, run: Run, rigid_mass: Array) -> Amplitudes | None:
+        """The amplitudes of a run; None where many frequencies are driven at once."""
+        if run.sweep is None:
+            return None
+        band = response.time <= run.sweep.driven
+        base, load, rigid = (amplitude(x)[band] for x in (response.table, response.load, rigid_load(response, rigid_mass)))
+        time = response.time[band]
+        return cls(time=time, frequency=run.sweep.frequency_at(time), base=base, load=load, rigid=rigid)
+
+    def passed(self, run: Run, modes: RigModes) -> tuple[Passed, ...]:
+        """Every resonance that the sweep of `run` passed at full level, in the order of its time."""
+        sweep = run.sweep
+        if sweep is None:
+            return ()
+        share = modes.participation[list(run.axes)] ** 2 / np.diag(modes.rigid_mass)[list(run.axes), None]
+        held = share.max(axis=0) / (2 * np.maximum(modes.damping_ratio, LEAST_DAMPING))
+        inside = (modes.frequency >= sweep.start) & (modes.frequency <= sweep.stop) & (held > SHOWS)
+        listed = np.flatnonzero(inside)
+        # Until when [s] the largest load of each resonance, ascending, is looked for
+        frequency = modes.frequency[listed]
+        at = sweep.time_at(frequency)
+        patience = AFTER / np.sqrt(2 * np.pi * frequency * sweep.rate * np.log(2) / 60)
+        following = np.append(at[1:], np.inf)[: len(at)]
+        ends = np.where(following - at > CUT * patience, np.minimum(at + patience, following), at + patience)
+        stop = float(sweep.time_at(sweep.stop))  # from then on the level falls, and what rings on has nothing beside it
+        found = []
+        for r, end in zip(listed.tolist(), ends.tolist(), strict=True):
+            f, zeta, axis = float(modes.frequency[r]), float(modes.damping_ratio[r]), run.axes[int(np.argmax(share[:, r]))]
+            near = np.flatnonzero((self.frequency >= f * (1 - BEFORE * zeta)) & (self.time <= min(end, stop)))
+            ratio = self.load[near, axis] / np.maximum(self.rigid[near, axis], np.finfo(np.float64).tiny)
+            best = int(np.argmax(ratio))
+            one = Passed(
+                mode=r + 1,
+                frequency=f,
+                damping_ratio=zeta,
+                axis=axis,
+                time=float(sweep.time_at(f)),
+                amplification=float(ratio[best]),
+                peak_time=float(self.time[near[best]]),
+                peak_frequency=float(self.frequency[near[best]]),
+            )
+            found.append(one)
+        return tuple(found)
+
 
 def rigid_load(response: Response, rigid_mass: Array) -> Array:
     """(n, 6) M a: the load on the rigid body [N, N m]."""
     return np.asarray(response.table @ rigid_mass.T)
-
-
-def amplitudes(response: Response, run: Run, rigid_mass: Array) -> Amplitudes | None:
-    """The amplitudes of a run; None where many frequencies are driven at once."""
-    if run.sweep is None:
-        return None
-    band = response.time <= run.sweep.driven
-    base, load, rigid = (amplitude(x)[band] for x in (response.table, response.load, rigid_load(response, rigid_mass)))
-    time = response.time[band]
-    return Amplitudes(time=time, frequency=run.sweep.frequency_at(time), base=base, load=load, rigid=rigid)
-
-
-def passed(found: Amplitudes | None, run: Run, modes: RigModes) -> tuple[Passed, ...]:
-    """Every resonance that the sweep of `run` passed at full level, in the order of its time."""
-    if found is None or run.sweep is None:
-        return ()
-    driven = list(run.axes)
-    share = modes.participation[driven] ** 2 / np.diag(modes.rigid_mass)[driven, None]
-    held = share.max(axis=0) / (2 * np.maximum(modes.damping_ratio, LEAST_DAMPING))
-    inside = (modes.frequency >= run.sweep.start) & (modes.frequency <= run.sweep.stop) & (held > SHOWS)
-    listed = np.flatnonzero(inside)
-    # Until when [s] the largest load of each resonance of `frequency` (k,) [Hz], ascending, is looked for
-    frequency = modes.frequency[listed]
-    at = run.sweep.time_at(frequency)
-    patience = AFTER / np.sqrt(2 * np.pi * frequency * run.sweep.rate * np.log(2) / 60)
-    following = np.append(at[1:], np.inf)[: len(at)]
-    ends = np.asarray(np.where(following - at > CUT * patience, np.minimum(at + patience, following), at + patience))
-    axes = [run.axes[int(np.argmax(share[:, r]))] for r in listed]
-    return tuple(_passed(found, run.sweep, modes, *one) for one in zip(listed.tolist(), axes, ends.tolist(), strict=True))
-
-
-def _passed(found: Amplitudes, sweep: Sweep, modes: RigModes, r: int, axis: int, end: float) -> Passed:
-    f, zeta = float(modes.frequency[r]), float(modes.damping_ratio[r])
-    last = min(end, float(sweep.time_at(sweep.stop)))  # from then on the level falls, and what rings on has nothing beside it
-    near = np.flatnonzero((found.frequency >= f * (1 - BEFORE * zeta)) & (found.time <= last))
-    ratio = found.load[near, axis] / np.maximum(found.rigid[near, axis], np.finfo(np.float64).tiny)
-    best = int(np.argmax(ratio))
-    return Passed(
-        mode=r + 1,
-        frequency=f,
-        damping_ratio=zeta,
-        axis=axis,
-        time=float(sweep.time_at(f)),
-        amplification=float(ratio[best]),
-        peak_time=float(found.time[near[best]]),
-        peak_frequency=float(found.frequency[near[best]]),
-    )
 
 
 def amplitude(signals: Array) -> Array:
@@ -162,10 +162,29 @@ class AxisResponse:
     peak : largest acceleration of the whole drive
     """
 
-    axis: int
-    asked: float
-    realised: float
-    peak: float
+    axis: int = entry(write=MOTIONS.__getitem__)
+    asked: float = unwritten()
+    realised: float = unwritten()
+    peak: float = unwritten()
+
+    @classmethod
+    def of(cls, axis: int, run: Run, response: Response, driven: float) -> AxisResponse:
+        """What `axis` did in `run`, whose table was driven for `driven` [s]."""
+        time = response.time
+        a = response.table[time <= driven, axis]
+        if run.sweep is None:
+            realised = float(np.sqrt(np.mean(a**2)))
+        else:
+            start, stop = (float(run.sweep.time_at(f)) for f in (run.sweep.start, run.sweep.stop))
+            realised = float(np.abs(response.table[(time >= start) & (time <= stop), axis]).max())
+        return cls(axis=axis, asked=float(run.levels[axis]), realised=realised, peak=float(np.abs(a).max()))
+
+    @property
+    @derived("")
+    def by_unit(self) -> dict[str, float]:
+        """All three by keys that end in the unit of the axis."""
+        unit = "m_s2" if self.axis < 3 else "rad_s2"
+        return {f"asked_{unit}": self.asked, f"realised_{unit}": self.realised, f"peak_{unit}": self.peak}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,17 +193,32 @@ class CellLoad:
 
     Attributes
     ----------
+    number : from 1
     lowest, highest : along z; the cover plate pulls at a cell where this is negative
     lateral : largest along x or y
     preload : None for a cell that never lifts off
     share_lifted : [1] of the record in which it was off, to `LIFTED` of its preload
     """
 
-    lowest: float
-    highest: float
-    lateral: float
-    preload: float | None
+    number: int = entry("cell")
+    lowest: float = entry("z_lowest_N", unit="N")
+    highest: float = entry("z_highest_N", unit="N")
+    lateral: float = entry("lateral_N", unit="N")
+    preload: float | None = entry("preload_N", unit="N")
     share_lifted: float
+
+    @classmethod
+    def of(cls, number: int, force: Array, cell: LoadCell) -> CellLoad:
+        """The extremes of `force` (n, 3) [N] before a filter rounds the corner where the cell lifts off."""
+        preload = cell.preload
+        return cls(
+            number=number,
+            lowest=float(force[:, 2].min()),
+            highest=float(force[:, 2].max()),
+            lateral=float(np.abs(force[:, :2]).max()),
+            preload=preload,
+            share_lifted=0.0 if preload is None else float(np.mean(force[:, 2] <= -(1 - LIFTED) * preload)),
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -200,8 +234,8 @@ class LoosePart:
     """
 
     axis: str
-    mass: float
-    slip_force: float
+    mass: float = entry("mass_kg", unit="kg")
+    slip_force: float = entry("slip_force_N", unit="N")
     share_slipping: float
 
 
@@ -215,13 +249,18 @@ class RingDown:
     needed : [s] from the end of the drive until the ringing has died away
     """
 
-    kept: float
-    needed: float
+    kept: float = entry("kept_s", unit="s")
+    needed: float = entry("needed_s", unit="s")
 
     @property
+    @derived("sufficient")
     def sufficient(self) -> bool:
         """Whether it does, to a millisecond."""
         return self.kept >= self.needed - 1e-3
+
+
+LOAD_KEYS = tuple(f"{name}_{unit.replace(' ', '')}" for name, unit in zip(LOADS, LOAD_UNITS, strict=True))
+"""fx_N ... mx_Nm."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -249,105 +288,36 @@ class Outcome:
 
     name: str
     label: str
-    duration: float
-    driven: float
-    levels: tuple[AxisResponse, ...]
+    duration: float = entry("duration_s", unit="s")
+    driven: float = entry("driven_s", unit="s")
+    levels: tuple[AxisResponse, ...] = entry("level")
     cross: float
-    small: SmallMotion
-    peak_load: Array
-    peak_time: Array
-    passed: tuple[Passed, ...]
+    small: SmallMotion = unwritten()
+    peak_load: Array = entry(write=lambda loads: dict(zip(LOAD_KEYS, loads, strict=True)))
+    peak_time: Array = entry("peak_load_at_s", unit="s")
+    passed: tuple[Passed, ...] = entry("resonances")
     ring_down: RingDown
     cells: tuple[CellLoad, ...]
-    loose: tuple[LoosePart, ...]
-    step: float
+    loose: tuple[LoosePart, ...] = entry("loose_parts")
+    step: float = entry("step_s", unit="s")
     settings: Mapping[str, object]
     warnings: tuple[str, ...]
+
+    @property
+    @derived("small_motion", before="peak_load")
+    def turned(self) -> dict[str, object]:
+        """How far the table turned, and whether linear equations may leave that out."""
+        one = self.small
+        sizes = {"angle_rad": one.angle, "rate_rad_s": one.rate, "left_out": one.left_out, "limit": one.limit}
+        return {**sizes, "within": one.within, "text": one.text}
 
 
 LIFTED = 1e-3
 """A cell counts as off when less than this share of its preload is left."""
 
 
-def outcome(
-    run: Run,
-    response: Response,
-    *,
-    driven: float,
-    small: SmallMotion,
-    passed: tuple[Passed, ...],
-    needed: float,
-    step: float,
-    cells: tuple[CellLoad, ...],
-    loose: tuple[LoosePart, ...],
-    warnings: tuple[str, ...],
-) -> Outcome:
-    """The figures of `run`, whose table was driven for `driven` [s] and whose ringing takes `needed` [s] more.
-
-    `step` [s] is that of the simulation, where `response` says nothing else.
-    """
-    size = np.abs(response.load)
-    duration = (len(size) - 1) / response.sampling_rate
-    return Outcome(
-        name=run.name,
-        label=run.pattern.label,
-        duration=duration,
-        driven=driven,
-        levels=_levels(run, response, driven),
-        cross=_cross(run, response),
-        small=small,
-        peak_load=size.max(axis=0),
-        peak_time=response.time[size.argmax(axis=0)],
-        passed=passed,
-        ring_down=RingDown(kept=max(duration - driven, 0.0), needed=needed),
-        cells=cells,
-        loose=loose,
-        step=own if isinstance(own := response.settings.get("step_s"), float) else step,
-        settings=response.settings,
-        warnings=warnings,
-    )
-
-
-def cell_loads(simulated: Response, cells: tuple[LoadCell, ...]) -> tuple[CellLoad, ...]:
-    """The extremes of every one of `cells`, before a filter rounds the corner where one lifts off."""
-    return tuple(_cell(simulated.cells[:, k], cell) for k, cell in enumerate(cells))
-
-
-def loose_parts(simulated: Response, frictions: tuple[Friction, ...]) -> tuple[LoosePart, ...]:
-    """How long every one of `frictions` was at its limit."""
-    return tuple(
-        LoosePart(axis=part.axis, mass=part.mass, slip_force=part.slip_force, share_slipping=share)
-        for part, share in zip(frictions, simulated.slipping, strict=True)
-    )
-
-
-def _levels(run: Run, response: Response, driven: float) -> tuple[AxisResponse, ...]:
-    time = response.time
-    band = None if run.sweep is None else [float(run.sweep.time_at(f)) for f in (run.sweep.start, run.sweep.stop)]
-    found = []
-    for axis in run.axes:
-        a = response.table[time <= driven, axis]
-        if band is None:
-            realised = float(np.sqrt(np.mean(a**2)))
-        else:
-            realised = float(np.abs(response.table[(time >= band[0]) & (time <= band[1]), axis]).max())
-        found.append(AxisResponse(axis=axis, asked=float(run.levels[axis]), realised=realised, peak=float(np.abs(a).max())))
-    return tuple(found)
-
-
-def _cross(run: Run, response: Response) -> float:
+def cross_share(run: Run, response: Response) -> float:
+    """[1] the largest acceleration of an axis that is not driven, over that of the driven ones, each over its nominal level."""
     size = np.abs(response.table).max(axis=0) / [LEVELS[axis] for axis in MOTIONS]
     driven = np.isin(np.arange(len(MOTIONS)), run.axes)
     return float(size[~driven].max(initial=0.0) / size[driven].max())
-
-
-def _cell(force: Array, cell: LoadCell) -> CellLoad:
-    preload = cell.preload
-    off = 0.0 if preload is None else float(np.mean(force[:, 2] <= -(1 - LIFTED) * preload))
-    return CellLoad(
-        lowest=float(force[:, 2].min()),
-        highest=float(force[:, 2].max()),
-        lateral=float(np.abs(force[:, :2]).max()),
-        preload=preload,
-        share_lifted=off,
-    )

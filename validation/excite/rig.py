@@ -6,21 +6,22 @@ itself. The model of what is reduced is any that `validation.flexible` makes, so
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.base_excitation.patterns import BaseMotion
-from fem.base_excitation.rig import FlexibleBody, LoadCell, Rig
+from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.rig import LoadCell, Rig
 from fem.damping import DEFAULT_RATIO
 from geometry.articles import built_in, changes_of
-from geometry.dynamic_mass import MOTIONS
+from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen, rigid_transformation
 from geometry.inertia import Inertia
-from validation.excite.question import BURST, MULTI, RANDOM, Attached, TableDrive, require_places
+from geometry.toml_file import nearest
+from validation.excite.question import BURST, MULTI, RANDOM, Attached, TableDrive
 from validation.flexible.model import Flexible, FlexibleOptions, flexible, require_model, require_used
 from validation.model.setups import is_stack
 
@@ -66,7 +67,10 @@ def require_mountable(article: str, model: str, asked: FlexibleOptions, attached
         raise BadInput(source="--flange", problem=problem, remedy="Leave it out, or name a stack such as fmd+clumod-1")
     known = places(article, found, asked)
     why = "Leave it out" if known or found != "exudyn" else "Use --model beam or solid, whose shapes say how a place moves"
-    require_places(attached.struts, known, article, why)
+    for strut in (strut for strut in attached.struts if strut.place not in known):
+        option = "--cable" if strut.to == "ground" else "--damper"
+        remedy = f"{nearest(strut.place, known)}Its places are {', '.join(known)}" if known else why
+        raise BadInput(source=option, problem=f"{article} has no place {strut.place!r}", remedy=remedy)
 
 
 def places(article: str, model: str, asked: FlexibleOptions) -> Mapping[str, Array]:
@@ -120,11 +124,30 @@ def assembled(
 ) -> ArticleOnTable:
     """The rig of `article` from a model `made` of what stands on its FMD, or of the whole where it has none.
 
+    It is rigid when even its first mode lies above `highest` [Hz].
+
     Raises
     ------
     BadInput : modes that do not fit their structure.
     """
-    body = _body(made, places(article, made.model, asked), highest)
+    from fem.base_excitation import rig as reduced
+    from validation.flexible.model import nearest_part
+    from validation.flexible.modes import displacement
+
+    named, first = places(article, made.model, asked), made.modes.frequency[:1]
+    if not len(first) or first[0] > highest:
+        whole = Inertia.from_mass_matrix(made.modes.rigid_mass, made.modes.reference_point)
+        body = reduced.rigid(made.article, whole, named)
+    elif made.structure is None or not len(made.modes.shapes):
+        body = reduced.of_modal_data(made.article, made.modes)
+    else:
+        body = reduced.flexible(made.article, made.structure, made.modes)
+        drawn = made.article_of_primitives
+        if named and drawn is not None:
+            # What each coordinate does to a place, (3, 6 + n): on beams a place rides on the section that it belongs to
+            points = np.array(list(named.values()))
+            rows = displacement(made.structure, body.reduced.basis, drawn, points, nearest_part(drawn, points))
+            body = replace(body, places=dict(zip(named, rows, strict=True)))
     common = {"flange": attached.flange, "struts": attached.struts, "frictions": attached.frictions}
     if _above(article) == article:
         return ArticleOnTable(article=article, rig=Rig(article=body, **common), model=made)  # type: ignore[arg-type]
@@ -138,31 +161,6 @@ def _above(article: str) -> str:
     """What stands on the FMD of a stack, and the whole of everything else."""
     first, plus, rest = article.partition("+")
     return rest if plus and first == FMD and is_stack(article) else article
-
-
-def _body(model: Flexible, places: Mapping[str, Array], highest: float) -> FlexibleBody:
-    """`model` reduced; rigid when even its first mode lies above `highest` [Hz]."""
-    from fem.base_excitation import rig
-
-    if not len(model.modes.frequency) or model.modes.frequency[0] > highest:
-        return rig.rigid(model.article, Inertia.from_mass_matrix(model.modes.rigid_mass, model.modes.reference_point), places)
-    if model.structure is None or not len(model.modes.shapes):
-        return rig.of_modal_data(model.article, model.modes)
-    made = rig.flexible(model.article, model.structure, model.modes)
-    return replace(made, places=_moving(model, made, places)) if places else made
-
-
-def _moving(model: Flexible, body: FlexibleBody, places: Mapping[str, Array]) -> dict[str, Array]:
-    """What each coordinate of `body` does to `places`, (3, 6 + n): on beams a place rides on the section that it belongs to."""
-    from validation.flexible.model import nearest_part
-    from validation.flexible.modes import displacement
-
-    article, structure = model.article_of_primitives, model.structure
-    if article is None or structure is None:
-        return {}
-    points = np.array(list(places.values()))
-    rows = displacement(structure, body.reduced.basis, article, points, nearest_part(article, points))
-    return dict(zip(places, rows, strict=True))
 
 
 def _fmd(asked: FlexibleOptions) -> tuple[Array, Inertia]:
@@ -183,7 +181,7 @@ def _cells(asked: FlexibleOptions, attached: Attached, mass: float) -> tuple[Loa
         return ()
     from fem.beam.articles import load_cells
     from geometry.article import material, rectangle
-    from geometry.articles.parts import load
+    from geometry.articles.dimensions import load
 
     d = load(FMD, changes_of(FMD, asked.changes))["load_cell"]
     loss = material(d["material"]).loss_factor
@@ -232,12 +230,38 @@ class Run:
 def runs(drive: TableDrive) -> tuple[Run, ...]:
     """The runs of `drive`, in the order in which they were asked for.
 
+    The pattern ``multi`` is six runs of all six axes whose phases differ, or one run of the axes that were named.
+
     Raises
     ------
     BadInput : a band, a rate or a duration that the pattern cannot have.
     """
-    makers: dict[str, Callable[[TableDrive], tuple[Run, ...]]] = {RANDOM: _noises, BURST: _bursts, MULTI: _together}
-    return makers.get(drive.pattern, _sweeps)(drive)
+    from fem.base_excitation.patterns import Burst, MultiAxis, Random, Sweep, phased_sweeps
+
+    band = {"start": drive.band[0], "stop": drive.band[1]}
+    swept = {**band, "rate": drive.octaves_per_minute}
+    lasting: dict[str, Any] = {**band, "seed": drive.seed, **({} if drive.duration is None else {"duration": drive.duration})}
+
+    if drive.pattern == MULTI and drive.every:
+        phased = phased_sweeps(drive.level, **swept)
+        return tuple(_run(drive, f"multi-{k}", MOTIONS, one, one.patterns[0]) for k, one in enumerate(phased, start=1))
+    if drive.pattern == MULTI:
+        phases = 2 * np.pi * np.arange(len(drive.axes)) / len(drive.axes)
+        listed = zip(drive.axes, phases, strict=True)
+        each = tuple(Sweep(axis=axis, level=drive.level, phase=float(phase), **swept) for axis, phase in listed)
+        return (_run(drive, "multi", drive.axes, MultiAxis(patterns=each), each[0]),)
+    strength = {axis: {axis: drive.level * LEVELS[axis]} for axis in drive.axes}
+    if drive.pattern == RANDOM:
+        return tuple(_run(drive, axis, (axis,), Random(rms=rms, **lasting), None) for axis, rms in strength.items())
+    if drive.pattern == BURST:
+        return tuple(_run(drive, axis, (axis,), Burst(level=level, **lasting), None) for axis, level in strength.items())
+    sweeps = [Sweep(axis=axis, level=drive.level, **swept) for axis in drive.axes]
+    return tuple(_run(drive, one.axis, (one.axis,), one, one) for one in sweeps)
+
+
+def _run(drive: TableDrive, name: str, axes: tuple[str, ...], pattern: Pattern, sweep: Any) -> Run:
+    levels = np.array([drive.level * LEVELS[axis] if axis in axes else 0.0 for axis in MOTIONS])
+    return Run(name=name, axes=tuple(map(MOTIONS.index, axes)), pattern=pattern, sweep=sweep, levels=levels)
 
 
 def cross_motion(drive: TableDrive) -> CrossMotion | None:
@@ -245,60 +269,6 @@ def cross_motion(drive: TableDrive) -> CrossMotion | None:
     from fem.base_excitation.patterns import drawn
 
     return drawn(np.random.default_rng(drive.seed), drive.cross) if drive.cross else None
-
-
-def _sweeps(drive: TableDrive) -> tuple[Run, ...]:
-    from fem.base_excitation.patterns import Sweep
-
-    found = [Sweep(axis=axis, level=drive.level, **_swept(drive)) for axis in drive.axes]
-    return tuple(_run(sweep.axis, (sweep.axis,), sweep, drive.level, sweep) for sweep in found)
-
-
-def _together(drive: TableDrive) -> tuple[Run, ...]:
-    """All six axes in six runs whose phases differ, or in one run the axes that were named."""
-    from fem.base_excitation.patterns import MultiAxis, Sweep, phased_sweeps
-
-    if drive.every:
-        phased = phased_sweeps(drive.level, **_swept(drive))
-        return tuple(_run(f"multi-{k}", MOTIONS, one, drive.level, one.patterns[0]) for k, one in enumerate(phased, start=1))
-    phases = 2 * np.pi * np.arange(len(drive.axes)) / len(drive.axes)
-    each = tuple(
-        Sweep(axis=axis, level=drive.level, phase=float(phase), **_swept(drive))
-        for axis, phase in zip(drive.axes, phases, strict=True)
-    )
-    return (_run("multi", drive.axes, MultiAxis(patterns=each), drive.level, each[0]),)
-
-
-def _noises(drive: TableDrive) -> tuple[Run, ...]:
-    from fem.base_excitation.patterns import Random
-    from geometry.dynamic_mass import LEVELS
-
-    made = ((axis, Random(rms={axis: drive.level * LEVELS[axis]}, seed=drive.seed, **_lasting(drive))) for axis in drive.axes)
-    return tuple(_run(axis, (axis,), noise, drive.level, None) for axis, noise in made)
-
-
-def _bursts(drive: TableDrive) -> tuple[Run, ...]:
-    from fem.base_excitation.patterns import Burst
-    from geometry.dynamic_mass import LEVELS
-
-    made = ((axis, Burst(level={axis: drive.level * LEVELS[axis]}, seed=drive.seed, **_lasting(drive))) for axis in drive.axes)
-    return tuple(_run(axis, (axis,), burst, drive.level, None) for axis, burst in made)
-
-
-def _swept(drive: TableDrive) -> dict[str, Any]:
-    return {"start": drive.band[0], "stop": drive.band[1], "rate": drive.octaves_per_minute}
-
-
-def _lasting(drive: TableDrive) -> dict[str, Any]:
-    given = {} if drive.duration is None else {"duration": drive.duration}
-    return {"start": drive.band[0], "stop": drive.band[1], **given}
-
-
-def _run(name: str, axes: tuple[str, ...], pattern: Pattern, level: float, sweep: Any) -> Run:
-    from geometry.dynamic_mass import LEVELS
-
-    levels = np.array([level * LEVELS[axis] if axis in axes else 0.0 for axis in MOTIONS])
-    return Run(name=name, axes=tuple(MOTIONS.index(axis) for axis in axes), pattern=pattern, sweep=sweep, levels=levels)
 
 
 # Resonances of a whole rig: article on its joint on its cells, cables included, the table held.

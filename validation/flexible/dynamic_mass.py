@@ -5,13 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from geometry.articles import NAMES, built_in
-from geometry.dynamic_mass import ComplexArray, DynamicMass
+from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose
-from validation.flexible.model import Flexible, FlexibleOptions
+from validation.flexible.model import Flexible, FlexibleOptions, flexible, require_model, require_used
+from validation.output import derived, entry, shown, unwritten
+
+UNITS = ("kg", "kg", "kg", "kg m²", "kg m²", "kg m²")
+
+ORDER = ("x", "y", "z", "alpha", "beta", "gamma")
+"""Of the entries of a matrix, as JSON has it."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -26,12 +31,35 @@ class Curves:
     """
 
     article: str
-    about: str
-    models: tuple[Flexible, ...]
-    masses: tuple[DynamicMass, ...]
-    rigid: Array
-    apart: tuple[tuple[Apart, ...], ...]
-    warnings: tuple[str, ...]
+    about: str = unwritten()
+    models: tuple[Flexible, ...] = unwritten()
+    masses: tuple[DynamicMass, ...] = unwritten()
+    rigid: Array = unwritten()
+    apart: tuple[tuple[Apart, ...], ...] = unwritten()
+    warnings: tuple[str, ...] = unwritten()
+
+    @property
+    def peaks(self) -> tuple[Peak, ...]:
+        """Of the first model."""
+        return peaks(self.masses[0], np.diag(self.rigid))
+
+    @property
+    @derived("")
+    def figures(self) -> dict[str, object]:
+        """The dynamic mass of the first model, and how far the second is from it, by their keys in JSON."""
+        H = self.masses[0]
+        compared = {"against": self.models[1].model, "apart": self.apart[0]} if self.apart else {}
+        return {
+            "model": self.models[0].model,
+            "frequency_hz": H.frequency,
+            "re": H.matrix.real,
+            "im": H.matrix.imag,
+            "about": self.about,
+            "reference_point_mm": 1e3 * H.reference_point,
+            "order": ORDER,
+            "peaks": self.peaks,
+            **compared,
+        }
 
 
 BAND = (4.0, 32.0)
@@ -39,8 +67,6 @@ STEP = 0.05
 """Band and distance of lines [Hz] of the paper's tests: 561 lines."""
 
 MOST_LINES = 50_000
-
-Mask = npt.NDArray[np.bool_]
 
 FORCE, COUPLING, MOMENT = (slice(0, 3), slice(0, 3)), (slice(0, 3), slice(3, 6)), (slice(3, 6), slice(3, 6))
 BLOCKS = {"forces from translations [kg]": FORCE, "coupling [kg m]": COUPLING, "moments from rotations [kg m²]": MOMENT}
@@ -63,10 +89,14 @@ class Apart:
     """
 
     block: str
-    off_resonance: float | None
-    off_frequency: float | None
-    at_resonance: float | None
-    at_frequency: float | None
+    off_resonance: float | None = entry(
+        "off_resonance_percent", unit="%", write=lambda share: None if share is None else 100 * share
+    )
+    off_frequency: float | None = entry("off_resonance_hz", unit="Hz")
+    at_resonance: float | None = entry(
+        "at_resonance_percent", unit="%", write=lambda share: None if share is None else 100 * share
+    )
+    at_frequency: float | None = entry("at_resonance_hz", unit="Hz")
 
 
 def lines(band: tuple[float, float], step: float) -> Array:
@@ -121,44 +151,126 @@ def dynamic_mass(model: Flexible, frequency: Array, about: Array) -> DynamicMass
     return modal(model.modes, frequency).about(about)
 
 
-def beyond_the_modes(model: Flexible, high: float, asked: FlexibleOptions) -> str:
-    """A sentence when the band reaches beyond the last mode that was kept; empty when it does not."""
-    kept = model.modes.frequency
-    if len(kept) < asked.count or not len(kept) or high <= kept[-1]:
-        return ""
-    return (
-        f"the band reaches to {high:g} Hz, but the last of {len(kept)} modes kept lies at {kept[-1]:.4g} Hz: "
-        f"beyond it resonances are missing; keep more with --modes"
-    )
-
-
 def apart(first: DynamicMass, second: DynamicMass, resonances: Array, rigid_mass: Array) -> tuple[Apart, ...]:
     """How far `first` and `second` are apart, on the same lines about the same point; `resonances` (k,) [Hz] are of both.
 
     `rigid_mass` (6, 6), about that point too, is what a difference is measured with where the dynamic mass itself is smaller: at
     an antiresonance next to nothing is left to divide by.
     """
-    f = first.frequency
+    f, found = first.frequency, []
     near = np.any(np.abs(f[:, None] - resonances) < NEAR * resonances, axis=1) if len(resonances) else np.zeros(len(f), bool)
-    return tuple(
-        _apart(name, f, near, _relative(first.matrix, second.matrix, rigid_mass, block)) for name, block in BLOCKS.items()
+    for name, block in BLOCKS.items():
+        # Largest difference (n,), line by line, over the largest entry there or in the rigid mass, the larger of both
+        a, b = (H.matrix[:, block[0], block[1]].reshape(len(f), -1) for H in (first, second))
+        scale = np.maximum(np.abs(a).max(axis=1), max(np.abs(rigid_mass[block]).max(), np.finfo(np.float64).tiny))
+        difference = np.abs(a - b).max(axis=1) / scale
+        worst: list[tuple[float | None, float | None]] = []
+        for where in (np.flatnonzero(~near), np.flatnonzero(near)):
+            k = where[np.argmax(difference[where])] if len(where) else None
+            worst.append((None, None) if k is None else (float(difference[k]), float(f[k])))
+        (off, off_at), (on, on_at) = worst
+        found.append(Apart(block=name, off_resonance=off, off_frequency=off_at, at_resonance=on, at_frequency=on_at))
+    return tuple(found)
+
+
+PROMINENCE = 0.05
+"""Decades by which a peak must stand out on both sides to be listed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Peak:
+    """A maximum of one diagonal entry.
+
+    Attributes
+    ----------
+    axis : index of the entry
+    frequency : of the line [Hz]
+    magnitude : |H| there [kg, kg m²]
+    amplification : over the rigid body's [1]
+    """
+
+    axis: int = entry(write=ORDER.__getitem__)
+    frequency: float = entry("frequency_hz", unit="Hz")
+    magnitude: float
+    amplification: float = unwritten()
+
+    @property
+    @derived("magnitude_unit")
+    def unit(self) -> str:
+        """Of the magnitude."""
+        return UNITS[self.axis]
+
+
+def peaks(H: DynamicMass, rigid: Array) -> tuple[Peak, ...]:
+    """The maxima of the diagonal of `H` by axis and frequency; `rigid` (6,) is the diagonal of the rigid body."""
+    from scipy.signal import find_peaks
+
+    found = []
+    for axis in range(6):
+        size = np.abs(H.matrix[:, axis, axis])
+        for k in find_peaks(np.log10(np.maximum(size, 1e-300)), prominence=PROMINENCE)[0]:
+            found.append(
+                Peak(
+                    axis=axis,
+                    frequency=float(H.frequency[k]),
+                    magnitude=float(size[k]),
+                    amplification=float(size[k] / rigid[axis]) if rigid[axis] > 0 else float("nan"),
+                )
+            )
+    return tuple(found)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DynamicMassOptions:
+    """Article, models (the first is the one asked for, the others stand beside it), band and step [Hz], reference point."""
+
+    article: str
+    models: tuple[str, ...]
+    band: tuple[float, float]
+    step: float
+    about: str
+    asked: FlexibleOptions
+
+
+def curves(question: DynamicMassOptions, *, quiet: bool = False) -> Curves:
+    """Answer `question`.
+
+    Raises
+    ------
+    BadInput : something in it cannot be; everything that can be checked is, before anything is computed.
+    """
+    names = [
+        require_model(question.article, m, option) for m, option in zip(question.models, ("--model", "--against"), strict=False)
+    ]
+    require_used(question.article, names, question.asked)
+    frequency = lines(question.band, question.step)
+    about, point = reference_point(question.about, question.article)
+    models, masses = [], []
+    for name, model in zip(names, question.models, strict=True):
+        with shown(f"dynamic mass of {question.article}, {name} model", quiet=quiet):
+            models.append(flexible(question.article, model, question.asked))
+            masses.append(dynamic_mass(models[-1], frequency, point))
+    resonances = np.concatenate([m.modes.frequency for m in models])
+    rigid = DynamicMass(
+        frequency=np.zeros(1),
+        matrix=models[0].modes.rigid_mass[None].astype(complex),
+        reference_point=models[0].modes.reference_point,
     )
-
-
-def _relative(first: ComplexArray, second: ComplexArray, rigid: Array, block: tuple[slice, slice]) -> Array:
-    """Largest difference (n,) in `block`, line by line, over its largest entry there or in the rigid mass, the larger of both."""
-    a, b = (H[:, block[0], block[1]].reshape(len(H), -1) for H in (first, second))
-    scale = np.maximum(np.abs(a).max(axis=1), max(np.abs(rigid[block]).max(), np.finfo(np.float64).tiny))
-    return np.asarray(np.abs(a - b).max(axis=1) / scale)
-
-
-def _apart(name: str, f: Array, near: Mask, difference: Array) -> Apart:
-    def worst(mask: Mask) -> tuple[float | None, float | None]:
-        where = np.flatnonzero(mask)
-        if not len(where):
-            return None, None
-        k = where[np.argmax(difference[where])]
-        return float(difference[k]), float(f[k])
-
-    off, at = worst(~near), worst(near)
-    return Apart(block=name, off_resonance=off[0], off_frequency=off[1], at_resonance=at[0], at_frequency=at[1])
+    rigid_mass = np.asarray(rigid.about(point).matrix[0].real)
+    # Where the band reaches beyond the last mode that was kept
+    said, high = [], question.band[1]
+    for kept in (model.modes.frequency for model in models):
+        if len(kept) >= question.asked.count and len(kept) and high > kept[-1]:
+            said.append(
+                f"the band reaches to {high:g} Hz, but the last of {len(kept)} modes kept lies at {kept[-1]:.4g} Hz: "
+                "beyond it resonances are missing; keep more with --modes"
+            )
+    return Curves(
+        article=question.article,
+        about=about,
+        models=tuple(models),
+        masses=tuple(masses),
+        rigid=rigid_mass,
+        apart=tuple(apart(masses[0], other, resonances, rigid_mass) for other in masses[1:]),
+        warnings=tuple(dict.fromkeys(said)),
+    )

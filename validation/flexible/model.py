@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -180,57 +180,39 @@ def flexible(name: str, model: str, asked: FlexibleOptions) -> Flexible:
     ------
     BadInput : no such article or model, or one that this model cannot describe.
     """
-    known = require_model(name, model)
-    return _MAKERS[known](model if is_model(model) else name, asked)
+    if require_model(name, model) == OWN:
+        return _own(model if is_model(model) else name, asked)
+    if model == "solid":
+        from fem.solid import model as solid
+        from geometry import user_article
 
-
-def _beam(name: str, asked: FlexibleOptions) -> Flexible:
+        article: Article | UserArticle
+        if is_file(name):
+            article = user_article.load(name, unit=asked.unit, material=asked.material)
+        else:
+            article = built_in(name, changes_of(name, asked.changes))
+        structure = solid.structure(article, size=asked.size)
+        found = _solved(article.name if is_file(name) else name, model, structure, article, asked)
+        return replace(found, notes=(f"Solid model with {structure.mass.shape[0]} degrees of freedom.", *found.notes))
     from fem.beam import articles
 
-    changes = changes_of(name, asked.changes)
-    found = _solved(name, "beam", articles.structure(name, changes, **_frame(name, asked)), built_in(name, changes), asked)
-    return replace(found, notes=(*_frame_notes(asked), *found.notes))
-
-
-def _frame(name: str, asked: FlexibleOptions) -> dict[str, Any]:
-    """What is added to the beams of a built-in article."""
-    from fem.beam import articles
-
-    added: dict[str, Any] = {"cells": articles.load_cells(changes_of("fmd", asked.changes))} if asked.cells else {}
+    changes, added, notes = changes_of(name, asked.changes), dict[str, Any](), []
     if asked.joints:
         clumod = next(part for part in name.split("+") if part in articles.BLADES)
         added["joints"] = articles.joints(articles.BLADES[clumod], load_dimensions("clumod", changes_of(clumod, asked.changes)))
-    return added
-
-
-def _frame_notes(asked: FlexibleOptions) -> tuple[str, ...]:
-    joints = "Joints of Clumod corrected by local solid models of its crossings and of the mast's foot."
-    cells = "Load cells of the FMD as springs of assumed stiffness; the base is below them."
-    return (*([joints] if asked.joints else []), *([cells] if asked.cells else []))
-
-
-def _solid(name: str, asked: FlexibleOptions) -> Flexible:
-    from fem.solid import model
-
-    article = _users_article(name, asked) if is_file(name) else built_in(name, changes_of(name, asked.changes))
-    structure = model.structure(article, size=asked.size)
-    found = _solved(article.name if is_file(name) else name, "solid", structure, article, asked)
-    return replace(found, notes=(f"Solid model with {structure.mass.shape[0]} degrees of freedom.", *found.notes))
-
-
-def _exudyn(name: str, asked: FlexibleOptions) -> Flexible:
+        notes.append("Joints of Clumod corrected by local solid models of its crossings and of the mast's foot.")
+    if asked.cells:
+        added["cells"] = articles.load_cells(changes_of("fmd", asked.changes))
+        notes.append("Load cells of the FMD as springs of assumed stiffness; the base is below them.")
+    drawn = built_in(name, changes)
+    if model == "beam":
+        found = _solved(name, model, articles.structure(name, changes, **added), drawn, asked)
+        return replace(found, notes=(*notes, *found.notes))
     from fem.exudyn import linear
 
-    changes = changes_of(name, asked.changes)
-    modes = linear.modes(name, asked.count, changes, **_frame(name, asked))
+    modes = _damped(linear.modes(name, asked.count, changes, **added), asked.damping)
     own = "Modes of exudyn's own beam elements, by its own eigen-solution, extrapolated from two meshes."
-    return Flexible(
-        article=name,
-        model="exudyn",
-        modes=_damped(modes, asked.damping),
-        drawn=built_in(name, changes),
-        notes=(own, *_frame_notes(asked)),
-    )
+    return Flexible(article=name, model=model, modes=modes, drawn=drawn, notes=(own, *notes))
 
 
 def _damped(modes: Modes, damping: Damping | None) -> Modes:
@@ -243,18 +225,12 @@ def _damped(modes: Modes, damping: Damping | None) -> Modes:
     return replace(modes, viscous=C, structural=np.zeros_like(C), damping_ratio=ratio, condensed=None)
 
 
-def _users_article(name: str, asked: FlexibleOptions) -> UserArticle:
-    from geometry import user_article
-
-    return user_article.load(name, unit=asked.unit, material=asked.material)
-
-
 def _own(path: str, asked: FlexibleOptions) -> Flexible:
+    """The model in a user's own file."""
     found = load(path)
     if isinstance(found.model, Modes):
-        return Flexible(
-            article=found.name, model=OWN, modes=_damped(found.model, asked.damping), notes=("Modal data as they were given.",)
-        )
+        modes = _damped(found.model, asked.damping)
+        return Flexible(article=found.name, model=OWN, modes=modes, notes=("Modal data as they were given.",))
     try:
         return _solved(found.name, OWN, found.model, None, replace(asked, damping=asked.damping or found.damping))
     except BadInput as error:
@@ -278,9 +254,6 @@ def _solved(name: str, model: str, structure: Structure, drawn: Article | UserAr
     else:
         damping_notes = (f"Damping: {100 * DEFAULT_RATIO:g} % in every mode, assumed.",)
     return Flexible(article=name, model=model, modes=modes, structure=structure, drawn=drawn, notes=damping_notes)
-
-
-_MAKERS: Mapping[str, Callable[[str, FlexibleOptions], Flexible]] = {"beam": _beam, "solid": _solid, "exudyn": _exudyn, OWN: _own}
 
 
 # Are two models of the same body? A comparison of different ones says so before anything else.

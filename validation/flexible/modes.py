@@ -67,6 +67,8 @@ def node_displacement(structure: Structure, shapes: Array) -> Array:
 
 def _with_section(structure: Structure, shapes: Array, part: Part, points: Array) -> Array:
     """Motion (n, 3, m) of `points` of one part with the sections of its axis, or with the nearest node where it has none."""
+    from scipy.interpolate import CubicHermiteSpline
+
     # A point of the part's axis [m], its direction, and the part's length along it [m]: of the largest solid
     largest = max(part.shape.solids, key=lambda placed: placed.primitive.volume)
     pose, primitive = part.pose @ largest.pose, largest.primitive
@@ -85,24 +87,18 @@ def _with_section(structure: Structure, shapes: Array, part: Part, points: Array
     s, first = np.unique(np.round(along[nodes], 9), return_index=True)
     nodes = nodes[first]
     place = np.clip((points - origin) @ axis, s[0], s[-1])
-    moved, turned = _on_axis(shapes, structure.translations[nodes], s, place, axis)
-    feet = structure.points[nodes[0]] + np.outer(place - s[0], axis)
-    return moved + np.cross(turned, (points - feet)[:, :, None], axis=1)
-
-
-def _on_axis(shapes: Array, translations: Integers, s: Array, place: Array, axis: Array) -> tuple[Array, Array]:
-    """Displacement and rotation (n, 3, m) at `place` (n,) along an axis whose nodes lie at `s`."""
-    from scipy.interpolate import CubicHermiteSpline
-
-    u, turn = shapes[translations], shapes[translations + 3]
+    # Displacement u and rotation of the axis (n, 3, m) at `place`
+    u, turned = shapes[structure.translations[nodes]], shapes[structure.translations[nodes] + 3]
     if len(s) == 1:
-        return np.repeat(u, len(place), axis=0), np.repeat(turn, len(place), axis=0)
-    stretch = np.gradient(np.einsum("pim,i->pm", u, axis), s, axis=0)
-    e = axis[None, :, None]
-    slopes = np.cross(turn, e, axis=1) + stretch[:, None, :] * e
-    k = np.clip(np.searchsorted(s, place, side="right") - 1, 0, len(s) - 2)
-    share = ((place - s[k]) / (s[k + 1] - s[k]))[:, None, None]
-    return np.asarray(CubicHermiteSpline(s, u, slopes)(place)), (1 - share) * turn[k] + share * turn[k + 1]
+        moved, turned = np.repeat(u, len(place), axis=0), np.repeat(turned, len(place), axis=0)
+    else:
+        stretch, e = np.gradient(np.einsum("pim,i->pm", u, axis), s, axis=0), axis[None, :, None]
+        slopes = np.cross(turned, e, axis=1) + stretch[:, None, :] * e
+        before = np.clip(np.searchsorted(s, place, side="right") - 1, 0, len(s) - 2)
+        share = ((place - s[before]) / (s[before + 1] - s[before]))[:, None, None]
+        moved, turned = CubicHermiteSpline(s, u, slopes)(place), (1 - share) * turned[before] + share * turned[before + 1]
+    feet = structure.points[nodes[0]] + np.outer(place - s[0], axis)
+    return np.asarray(moved + np.cross(turned, (points - feet)[:, :, None], axis=1))
 
 
 WORTH_NAMING = 0.15
@@ -344,8 +340,16 @@ def compared(first: Flexible, second: Flexible) -> ModeComparison:
     partner = np.full(len(mac), -1, dtype=np.intp)
     rows, columns = linear_sum_assignment(-mac)
     partner[rows] = columns
-    space = _spaces(phi, psi, M, partner, cluster)
-    partner = _in_order_where_mixed(partner, mac, cluster, space)
+    space, matched = np.zeros(len(partner)), partner.copy()
+    for number in np.unique(cluster):
+        own = np.flatnonzero((cluster == number) & (matched >= 0))
+        if not len(own):
+            continue
+        one, other = _orthonormal(phi[:, own], M), _orthonormal(psi[:, matched[own]], M)
+        space[own] = np.linalg.svd(one.T @ (M @ other), compute_uv=False).min() ** 2
+        # In ascending order where shapes are mixed but span the same: no mode has its like, the whole has
+        if space[own].min() >= SAME_MODE > mac[own, matched[own]].min():
+            partner[own] = np.sort(matched[own])
     return ModeComparison(first=first, second=second, mac=mac, partner=partner, cluster=cluster, space=space)
 
 
@@ -353,26 +357,6 @@ def clusters(frequency: Array) -> Integers:
     """Number (n,) of the cluster of each of `frequency` (n,) [Hz], which ascend."""
     gaps = np.diff(frequency) > CLUSTER * frequency[:-1]
     return np.concatenate([[0], np.cumsum(gaps)]).astype(np.intp) if len(frequency) else np.zeros(0, dtype=np.intp)
-
-
-def _in_order_where_mixed(partner: Integers, mac: Array, cluster: Integers, space: Array) -> Integers:
-    """Partners in ascending order in clusters whose shapes are mixed but span the same: no mode has its like, the whole has."""
-    ordered = partner.copy()
-    for number in np.unique(cluster):
-        own = np.flatnonzero((cluster == number) & (partner >= 0))
-        if len(own) and space[own].min() >= SAME_MODE > mac[own, partner[own]].min():
-            ordered[own] = np.sort(partner[own])
-    return ordered
-
-
-def _spaces(phi: Array, psi: Array, M: Sparse, partner: Integers, cluster: Integers) -> Array:
-    space = np.zeros(len(partner))
-    for number in np.unique(cluster):
-        own = np.flatnonzero((cluster == number) & (partner >= 0))
-        if len(own):
-            a, b = _orthonormal(phi[:, own], M), _orthonormal(psi[:, partner[own]], M)
-            space[own] = np.linalg.svd(a.T @ (M @ b), compute_uv=False).min() ** 2
-    return space
 
 
 def _normalised(shapes: Array, M: Sparse) -> Array:

@@ -61,7 +61,15 @@ def summary(folder: str | Path, *, progress: Progress | None = None) -> Summary:
             folder=str(folder), campaign=None, problems=found.problems, warnings=(), verdicts={}, levels={}, noise=None
         )
     seen = of_campaign(folder, campaign, found.problems)
-    return replace(seen, warnings=(*seen.warnings, *_contradictions(campaign))) if seen.usable else seen
+    if not seen.usable:
+        return seen
+    try:
+        checks = of_spectra(spectra(campaign), gravity=campaign.gravity)
+    except BadInput:  # no line to look at: that is for whoever wants a result
+        return seen
+    # Channels that contradict each other, and which are suspected
+    contradictions = [f"{campaign.source}: {one.text}" for one in checks if not one.holds]
+    return replace(seen, warnings=(*seen.warnings, *contradictions))
 
 
 def of_campaign(folder: str | Path, campaign: Campaign, problems: tuple[BadInput, ...] = ()) -> Summary:
@@ -86,12 +94,3 @@ def of_campaign(folder: str | Path, campaign: Campaign, problems: tuple[BadInput
         levels=known,
         noise=noise,
     )
-
-
-def _contradictions(campaign: Campaign) -> list[str]:
-    """The closed checks that do not hold: channels that contradict each other, and which are suspected."""
-    try:
-        found = of_spectra(spectra(campaign), gravity=campaign.gravity)
-    except BadInput:  # no line to look at: that is for whoever wants a result
-        return []
-    return [f"{campaign.source}: {one.text}" for one in found if not one.holds]

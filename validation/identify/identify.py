@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from math import isfinite
 from pathlib import Path
 
@@ -31,7 +31,7 @@ from identification.spectra.line_spectra import Spectra
 from validation.classical import files, pendulum, weigh
 from validation.classical.files import Fields, Reduction, read
 from validation.model.setups import above_fmd, known, stated, takes_fmd_off
-from validation.output import percent, stages
+from validation.output import derived, entry, inertia_json, percent, stages, unwritten
 from validation.reference.statement import Stated, Statement, about_cog, read_frame
 
 
@@ -194,6 +194,70 @@ class IdentifyOptions:
     robust: bool = False
     study: bool = True
 
+    def checked(self) -> tuple[int | None, Tolerances, float]:
+        """Number of modes, None where the data choose; tolerances of the laboratory; share to which known articles are known.
+
+        Raises
+        ------
+        BadInput : an option that cannot be, whatever the data.
+        """
+        text = self.modes
+        if text == "auto":
+            modes: int | None = None
+        else:
+            if not text.isdecimal() or int(text) > MOST_MODES:
+                modes_problem = f"auto or a whole number from 0 to {MOST_MODES} is expected, found {text!r}"
+                raise BadInput(
+                    source="--modes", problem=modes_problem, remedy="0 takes the article for rigid; auto lets the data choose"
+                )
+            modes = int(text)
+        tolerances = tolerances_of(self.tolerances)
+        if self.cell_stiffness is not None and not all(isfinite(k) and k > 0 for k in self.cell_stiffness):
+            problem = f"three stiffnesses above 0 N/m are expected, found {' '.join(f'{k:g}' for k in self.cell_stiffness)}"
+            raise BadInput(source="--cell-stiffness", problem=problem, remedy="One load cell along x, y and z, in N/m")
+        if not (isfinite(self.condition_limit) and self.condition_limit > 1):
+            problem = f"a condition number is above 1, found {self.condition_limit:g}"
+            raise BadInput(source="--condition-limit", problem=problem, remedy=f"The default is {CONDITION_LIMIT:g}")
+        share = float(quantity(self.known_tolerance, "ratio", source="--known-tolerance", field="").nominal_value)
+        if not 0 < share < 1:
+            problem = f"a share above 0 and below 1 is expected, found {self.known_tolerance}"
+            raise BadInput(source="--known-tolerance", problem=problem, remedy=f'Write for example "{KNOWN}"')
+        band = self.band
+        if band is not None and not (0 < band[0] < band[1] and isfinite(band[1])):
+            problem = f"two frequencies, the lower one first and above 0 Hz, are expected, found {band[0]:g} {band[1]:g}"
+            raise BadInput(source="--band", problem=problem, remedy="Write for example --band 4 32")
+        if band is not None and self.study and band[1] < NARROWEST * band[0]:
+            problem = f"{band[0]:g} to {band[1]:g} Hz is too narrow for the band study, which needs {NARROWEST:g} times its start"
+            raise BadInput(source="--band", problem=problem, remedy="Choose a wider band, or leave the study out with --no-study")
+        return modes, tolerances, share
+
+    def band_within(self, campaign: Campaign) -> list[str]:
+        """Refuse a band that no run drives; say which part of it is not driven."""
+        band = self.band
+        driven = [of for run in campaign.runs if run.excitation is not None and (of := run.excitation.band) is not None]
+        if band is None or len(driven) < len(campaign.runs):
+            return []
+        low, high = max(of[0] for of in driven), min(of[1] for of in driven)
+        if band[1] <= low or band[0] >= high:
+            problem = f"{band[0]:g} to {band[1]:g} Hz is not driven: all runs of {campaign.source} drive {low:g} to {high:g} Hz"
+            raise BadInput(source="--band", problem=problem, remedy="Choose a band within")
+        if band[0] < low or band[1] > high:
+            return [f"--band {band[0]:g} {band[1]:g}: the runs of {campaign.source} drive {low:g} to {high:g} Hz only"]
+        return []
+
+    def fmd_inertia(self) -> Inertia | None:
+        """The FMD's moving part as a result file states it, in its own frame, which is that of F."""
+        if self.fmd is None:
+            return None
+        from validation.reference.reference import read_result
+
+        said = read_result(self.fmd, article="fmd").statement
+        try:
+            return said.inertia
+        except ValueError as error:
+            remedy = "State mass, CoG and moments of the FMD"
+            raise BadInput(source=self.fmd, field="inertia", problem=str(error), remedy=remedy) from None
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PreparedRequest:
@@ -213,10 +277,8 @@ def ready(asked: IdentifyOptions, progress: Callable[[str, float], None] | None 
     BadInput : an option, a campaign, a known article or a classical result that cannot be used.
     OSError : a file cannot be read.
     """
-    modes, tolerances, stiffness = _modes(asked.modes), tolerances_of(asked.tolerances), _stiffness(asked.cell_stiffness)
-    _require_limit(asked.condition_limit)
-    share = _share(asked.known_tolerance)
-    _require_band(asked.band, study=asked.study)
+    modes, tolerances, share = asked.checked()
+    band = asked.band
     # The known article of every tare; empty for the one that the tare's campaign says
     if asked.known and not asked.tares:
         problem = f"{asked.known[0]} is known, but there is no tare"
@@ -231,27 +293,45 @@ def ready(asked: IdentifyOptions, progress: Callable[[str, float], None] | None 
     described = campaign_file.read_description(asked.campaign)
     below = [campaign_file.read_description(folder) for folder in asked.tares]
     words: list[str] = []
-    if not asked.any_hardware:
-        _require_same_hardware(described, below)
+    for tare in () if asked.any_hardware else below:
+        if tare.hardware and described.hardware and tare.hardware != described.hardware:
+            raise BadInput(
+                source=f"{tare.source}/{campaign_file.NAME}",
+                field="campaign.hardware",
+                problem=f"is {tare.hardware}, that of {described.source} is {described.hardware}: another FMD, other sensors",
+                remedy="Such a tare says nothing about this FMD; --any-hardware combines the two all the same, and says so",
+            )
     for tare, name in zip(below, names, strict=True):
-        _require_other(tare, described)
+        if Path(tare.source).resolve() == Path(described.source).resolve():
+            raise BadInput(
+                source="--tare", problem=f"{tare.source} is the campaign itself", remedy="Name the campaign of the known article"
+            )
         words += known(name or above_fmd(tare.article) or "fmd", tare, _source(name, tare))[1]
     data, said = facts(asked.classical, described, tared=bool(below) or asked.fmd is not None)
-    words += [*said, *_band_within(asked.band, described)]
+    words += [*said, *asked.band_within(described)]
     campaign = _read(asked.campaign, progress)
-    _require_lines(asked.band, campaign)
-    tares = [_tare(folder, name, share, progress) for folder, name in zip(asked.tares, names, strict=True)]
+    if band is not None and campaign.recordings:
+        there, grid = next(iter(campaign.recordings.values())).frequency, campaign.processing or Processing()
+        lines = np.arange(band[0], band[1], grid.step) if there is None else there[(there >= band[0]) & (there <= band[1])]
+        if len(lines) < FEWEST:
+            problem = f"{band[0]:g} to {band[1]:g} Hz holds only {len(lines)} of the lines of {campaign.source}"
+            raise BadInput(source="--band", problem=problem, remedy=f"Choose a band of {FEWEST} lines or more")
+    tares = []
+    for folder, name in zip(asked.tares, names, strict=True):
+        tare = _read(folder, progress)
+        inertia, _ = known(name or above_fmd(tare.article) or "fmd", tare, _source(name, tare))
+        tares.append(Tare(campaign=tare, known=inertia, relative_sd=share))
     request = Request(
         campaign=campaign,
         tares=tuple(tares),
         facts=data,
-        band=asked.band,
+        band=band,
         method=asked.spectra,
         modes=modes,
         condition_limit=asked.condition_limit,
         tolerances=tolerances,
-        fmd=None if asked.fmd is None else _fmd(asked.fmd),
-        cell_stiffness=stiffness,
+        fmd=asked.fmd_inertia(),
+        cell_stiffness=None if asked.cell_stiffness is None else np.array(asked.cell_stiffness),
         any_hardware=asked.any_hardware,
         robust=asked.robust,
         study=asked.study,
@@ -263,65 +343,9 @@ def _read(folder: str, progress: Callable[[str, float], None] | None) -> Campaig
     return campaign_file.read(folder, progress=None if progress is None else lambda share: progress(folder, share))
 
 
-def _tare(folder: str, name: str, share: float, progress: Callable[[str, float], None] | None) -> Tare:
-    campaign = _read(folder, progress)
-    inertia, _ = known(name or above_fmd(campaign.article) or "fmd", campaign, _source(name, campaign))
-    return Tare(campaign=campaign, known=inertia, relative_sd=share)
-
-
-def _share(text: str) -> float:
-    """The share behind ``--known-tolerance``.
-
-    Raises
-    ------
-    BadInput : no number, or one that is not between 0 and 1, both left out.
-    """
-    share = float(quantity(text, "ratio", source="--known-tolerance", field="").nominal_value)
-    if not 0 < share < 1:
-        problem = f"a share above 0 and below 1 is expected, found {text}"
-        raise BadInput(source="--known-tolerance", problem=problem, remedy=f'Write for example "{KNOWN}"')
-    return share
-
-
 def _source(name: str, tare: Campaign) -> str:
     """Who named the known article: the option, or the campaign itself."""
     return "--known" if name else f"{tare.source}/{campaign_file.NAME}: campaign.article"
-
-
-def _modes(text: str) -> int | None:
-    if text == "auto":
-        return None
-    if not text.isdecimal() or int(text) > MOST_MODES:
-        problem = f"auto or a whole number from 0 to {MOST_MODES} is expected, found {text!r}"
-        raise BadInput(source="--modes", problem=problem, remedy="0 takes the article for rigid; auto lets the data choose")
-    return int(text)
-
-
-def _require_limit(limit: float) -> None:
-    if not (isfinite(limit) and limit > 1):
-        raise BadInput(
-            source="--condition-limit",
-            problem=f"a condition number is above 1, found {limit:g}",
-            remedy=f"The default is {CONDITION_LIMIT:g}",
-        )
-
-
-def _require_band(band: tuple[float, float] | None, *, study: bool) -> None:
-    if band is not None and not (0 < band[0] < band[1] and isfinite(band[1])):
-        problem = f"two frequencies, the lower one first and above 0 Hz, are expected, found {band[0]:g} {band[1]:g}"
-        raise BadInput(source="--band", problem=problem, remedy="Write for example --band 4 32")
-    if band is not None and study and band[1] < NARROWEST * band[0]:
-        problem = f"{band[0]:g} to {band[1]:g} Hz is too narrow for the band study, which needs {NARROWEST:g} times its start"
-        raise BadInput(source="--band", problem=problem, remedy="Choose a wider band, or leave the study out with --no-study")
-
-
-def _stiffness(values: tuple[float, float, float] | None) -> np.ndarray | None:
-    if values is None:
-        return None
-    if not all(isfinite(k) and k > 0 for k in values):
-        problem = f"three stiffnesses above 0 N/m are expected, found {' '.join(f'{k:g}' for k in values)}"
-        raise BadInput(source="--cell-stiffness", problem=problem, remedy="One load cell along x, y and z, in N/m")
-    return np.array(values)
 
 
 def tolerances_of(settings: Sequence[str]) -> Tolerances:
@@ -341,64 +365,6 @@ def tolerances_of(settings: Sequence[str]) -> Tolerances:
     return Tolerances(**changed)
 
 
-def _require_other(tare: Campaign, campaign: Campaign) -> None:
-    if Path(tare.source).resolve() == Path(campaign.source).resolve():
-        raise BadInput(
-            source="--tare", problem=f"{tare.source} is the campaign itself", remedy="Name the campaign of the known article"
-        )
-
-
-def _require_same_hardware(campaign: Campaign, tares: Sequence[Campaign]) -> None:
-    for tare in tares:
-        if tare.hardware and campaign.hardware and tare.hardware != campaign.hardware:
-            raise BadInput(
-                source=f"{tare.source}/{campaign_file.NAME}",
-                field="campaign.hardware",
-                problem=f"is {tare.hardware}, that of {campaign.source} is {campaign.hardware}: another FMD, other sensors",
-                remedy="Such a tare says nothing about this FMD; --any-hardware combines the two all the same, and says so",
-            )
-
-
-def _band_within(band: tuple[float, float] | None, campaign: Campaign) -> list[str]:
-    """Refuse a band that no run drives; say which part of it is not driven."""
-    driven = [of for run in campaign.runs if run.excitation is not None and (of := run.excitation.band) is not None]
-    if band is None or len(driven) < len(campaign.runs):
-        return []
-    low, high = max(of[0] for of in driven), min(of[1] for of in driven)
-    if band[1] <= low or band[0] >= high:
-        problem = f"{band[0]:g} to {band[1]:g} Hz is not driven: all runs of {campaign.source} drive {low:g} to {high:g} Hz"
-        raise BadInput(source="--band", problem=problem, remedy="Choose a band within")
-    if band[0] < low or band[1] > high:
-        return [f"--band {band[0]:g} {band[1]:g}: the runs of {campaign.source} drive {low:g} to {high:g} Hz only"]
-    return []
-
-
-def _require_lines(band: tuple[float, float] | None, campaign: Campaign) -> None:
-    """Refuse a band that holds too few lines to tell anything."""
-    if band is None or not campaign.recordings:
-        return
-    there, grid = next(iter(campaign.recordings.values())).frequency, campaign.processing or Processing()
-    lines = np.arange(band[0], band[1], grid.step) if there is None else there[(there >= band[0]) & (there <= band[1])]
-    if len(lines) < FEWEST:
-        raise BadInput(
-            source="--band",
-            problem=f"{band[0]:g} to {band[1]:g} Hz holds only {len(lines)} of the lines of {campaign.source}",
-            remedy=f"Choose a band of {FEWEST} lines or more",
-        )
-
-
-def _fmd(name: str) -> Inertia:
-    """The FMD's moving part as a result file states it, in its own frame, which is that of F."""
-    from validation.reference.reference import read_result
-
-    said = read_result(name, article="fmd").statement
-    try:
-        return said.inertia
-    except ValueError as error:
-        remedy = "State mass, CoG and moments of the FMD"
-        raise BadInput(source=name, field="inertia", problem=str(error), remedy=remedy) from None
-
-
 # `Reported`: one way's result as it is printed: mass, CoG and the tensor about the CoG in a frame, with their intervals.
 
 
@@ -416,8 +382,44 @@ class Reported:
     quality : in the frame in which it is reported
     """
 
-    identified: Identified
-    quality: Quality
+    identified: Identified = unwritten()
+    quality: Quality = unwritten()
+
+    @property
+    @derived("")
+    def figures(self) -> dict[str, object]:
+        """The result by its keys in JSON."""
+        found, elastic = self.identified, self.identified.elastic
+        return {
+            "inertia": inertia_json(self.inertia),
+            "interval95": by_kind(self.quality.intervals),
+            "about_f": {
+                "parameters": _named(found.inertia.parameters),
+                "covariance": found.covariance,
+                "reference_point_m": found.inertia.reference_point,
+            },
+            "from_raw_spectra_about_f": None if found.raw is None else _named(found.raw),
+            "shares_about_f": {name: _named(share) for name, share in found.shares.items()},
+            "shares": {name: dict(zip(QUANTITIES, share, strict=True)) for name, share in self.quality.shares.items()},
+            "narrowed_by": {name: _named(times) for name, times in found.gained.items()},
+            "bootstrap_sd_about_f": None if found.resampled is None else np.sqrt(np.diag(found.resampled)),
+            "bootstrap_over_parametric_sd": dict(self.quality.bootstrap) or None,
+            "modes": 0 if elastic is None else len(elastic.frequency),
+            "elastic": None
+            if elastic is None
+            else {
+                "frequency_hz": elastic.frequency,
+                "damping_ratio": elastic.damping_ratio,
+                "damping_rad_s": elastic.damping,
+                "participation": elastic.participation,
+                "residual": elastic.residual,
+            },
+            "chi2_per_dof": found.misfit,
+            "tolerance_z2": found.surprise,
+            "tolerances": found.tolerances,
+            "converged": found.converged,
+            "warnings": found.warnings,
+        }
 
     @property
     def inertia(self) -> Inertia:
@@ -444,6 +446,15 @@ class Reported:
         """Inputs by their share of the variance of value `k`, the largest first; none where nothing is known."""
         shares = [(name, float(share[k])) for name, share in self.quality.shares.items()]
         return tuple(sorted((one for one in shares if one[1] > NOTHING), key=lambda one: -one[1]))
+
+
+def by_kind(values: Array) -> dict[str, Array]:
+    """`values` (10, ...) of a statement by their keys in JSON, lengths in millimetres."""
+    return {"mass_kg": values[0], "cog_mm": 1e3 * values[1:4], "moi_cog_kgm2": values[4:7], "poi_cog_kgm2": values[7:]}
+
+
+def _named(parameters: Array) -> dict[str, float]:
+    return dict(zip(PARAMETERS, parameters.tolist(), strict=True))
 
 
 def reported(identified: Identified, frame: Pose) -> Reported:
@@ -478,11 +489,11 @@ class UsedLines:
     reasons : why lines were left out, sentences
     """
 
-    frequency: Array
+    frequency: Array = entry("frequency_hz", unit="Hz")
     condition: Array
-    limit: float
-    kept: Array
-    reasons: tuple[str, ...] = ()
+    limit: float = entry("condition_limit")
+    kept: Array = entry("used", write=lambda kept: [bool(one) for one in kept])
+    reasons: tuple[str, ...] = entry("left_out", default=())
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -498,11 +509,21 @@ class DrawnBandStudy:
     half_widths : by the same names (a, b, 10), of the 95 % intervals of each from noise and model error; empty when not known
     """
 
-    start: Array
-    stop: Array
-    maps: Mapping[str, Array]
-    chosen: tuple[float, float]
-    half_widths: Mapping[str, Array] = field(default_factory=dict)
+    start: Array = entry("start_hz", unit="Hz")
+    stop: Array = entry("stop_hz", unit="Hz")
+    maps: Mapping[str, Array] = unwritten()
+    chosen: tuple[float, float] = unwritten()
+    half_widths: Mapping[str, Array] = unwritten(default_factory=dict)
+
+    @property
+    @derived("maps")
+    def maps_by_kind(self) -> dict[str, dict[str, Array]]:
+        """(a, b) or (a, b, 3) of every kind of quantity, by what was fitted."""
+        kinds = {what: by_kind(np.moveaxis(values, -1, 0)) for what, values in self.maps.items()}
+        return {
+            what: {key: np.moveaxis(of, 0, -1) if of.ndim > 2 else of for key, of in found.items()}
+            for what, found in kinds.items()
+        }
 
     @property
     def reference(self) -> Array:
@@ -533,26 +554,114 @@ class IdentificationFindings:
 
     article: str
     origin: str
-    request: Request
-    results: tuple[Reported, ...]
-    verdict: Mapping[str, str] = field(default_factory=dict)
-    frame: Pose | None = None
-    rigid: Array | None = None
-    lines: UsedLines | None = None
-    dynamic_mass: DynamicMass | None = None
-    spectra: Spectra | None = None
-    crossed: CrossMotion | None = None
-    residuals: DrawnResiduals | None = None
-    study: DrawnBandStudy | None = None
-    checks: tuple[Finding, ...] = ()
-    losses: tuple[Loss, ...] = ()
+    request: Request = unwritten()
+    results: tuple[Reported, ...] = unwritten()
+    verdict: Mapping[str, str] = entry(write=lambda told: {name: told.get(name, "") for name in PARAMETERS}, default_factory=dict)
     doubts: tuple[str, ...] = ()
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = unwritten(default=())
+    checks: tuple[Finding, ...] = unwritten(default=())
+    losses: tuple[Loss, ...] = unwritten(default=())
+    crossed: CrossMotion | None = entry("cross_motion", write=lambda one: () if one is None else one.text, default=None)
+    lines: UsedLines | None = None
+    study: DrawnBandStudy | None = None
+    frame: Pose | None = unwritten(default=None)
+    rigid: Array | None = unwritten(default=None)
+    dynamic_mass: DynamicMass | None = unwritten(default=None)
+    spectra: Spectra | None = unwritten(default=None)
+    residuals: DrawnResiduals | None = unwritten(default=None)
 
     @property
     def result(self) -> Reported:
         """The one that counts."""
         return self.results[counts([one.identified for one in self.results])]
+
+    @property
+    @derived("", before="verdict")
+    def figures(self) -> dict[str, object]:
+        """Band, inertia and its intervals of the result that counts."""
+        best = self.result
+        inertia, interval = inertia_json(best.inertia), by_kind(best.quality.intervals)
+        return {"frequency_band_hz": best.identified.band, "inertia": inertia, "interval95": interval}
+
+    @property
+    @derived("", before="cross_motion")
+    def ways(self) -> dict[str, object]:
+        """Warnings, which result counts, each by its way, closed checks, and what the base motion is without a sensor."""
+        checks = [
+            {
+                "name": one.name,
+                "holds": one.holds,
+                "tolerances": one.value,
+                "text": one.text,
+                "suspects": [
+                    {"effects": [name for mistake in of.mistakes for name in mistake.identifiers], "text": of.text}
+                    for of in one.suspects
+                ],
+            }
+            for one in self.checks
+        ]
+        losses = [
+            {
+                "channel": one.channel,
+                "lost": one.lost,
+                "moved": one.moved.max(axis=0),
+                "noise_times": None if one.lost else one.amplification,
+                "text": one.text,
+            }
+            for one in self.losses
+        ]
+        warnings, counts = [*self.doubts, *self.warnings], self.result.identified.way
+        ways = {one.identified.way.replace("-", "_"): one for one in self.results}
+        return {"warnings": warnings, "result": counts, **ways, "checks": checks, "losing_a_sensor": losses}
+
+    @property
+    @derived("frame")
+    def stated_frame(self) -> dict[str, object] | None:
+        """The user's own frame as a result file states one, so that the result can be read again."""
+        if self.frame is None:
+            return None
+        origin = " ".join(f"{x:.15g}" for x in self.frame.position) + " m"
+        return {"origin": origin, "rotation": self.frame.rotation}
+
+    @property
+    @derived("settings")
+    def settings(self) -> dict[str, object]:
+        """What was asked, and by which versions of the libraries it was answered."""
+        from importlib.metadata import version
+
+        asked = self.request
+
+        def campaign(of: Campaign) -> dict[str, object]:
+            return {"campaign": of.source, "campaign_article": of.article, "hardware": of.hardware}
+
+        def stated_inertia(of: Inertia | None) -> dict[str, object] | None:
+            return None if of is None else inertia_json(of)
+
+        return {
+            **campaign(asked.campaign),
+            "tares": [
+                {**campaign(one.campaign), "known": stated_inertia(one.known), "known_relative_sd": one.relative_sd}
+                for one in asked.tares
+            ],
+            "facts": [
+                {"quantity": one.quantity, "value_si": one.value, "sd_si": one.sd, "source": one.source} for one in asked.facts
+            ],
+            "band_hz": asked.band,
+            "spectra": asked.method,
+            "modes": "auto" if asked.modes is None else asked.modes,
+            "condition_limit": asked.condition_limit,
+            "any_hardware": asked.any_hardware,
+            "robust": asked.robust,
+            "study": asked.study,
+            "tolerances_si": asdict(asked.tolerances),
+            "fmd": stated_inertia(asked.fmd),
+            "cell_stiffness_n_m": asked.cell_stiffness,
+            "versions": {name: version(name) for name in LIBRARIES},
+        }
+
+
+LIBRARIES = ("massline", "numpy", "scipy", "pin")
+"""Whose versions stand in the settings."""
 
 
 # The band study of an identification: does the result know where its band begins and ends?
@@ -616,11 +725,11 @@ def verdicts(told: Mapping[str, str], of: BandStudy, *, rigid: bool) -> dict[str
     """The verdicts `told` of a result; where fits of the plain way over narrower bands lead elsewhere, they say so."""
     shares = of.spread(rigid=rigid) / of.scale
     moved = {name: float(share) for names in (PARAMETERS, QUANTITIES) for name, share in zip(names, shares, strict=True)}
-    return {name: f"{said}; {_moved(moved[name])}" if moved[name] > LIMIT else said for name, said in told.items()}
-
-
-def _moved(share: float) -> str:
-    return f"plain fits over narrower bands and with other numbers of terms move it by {100 * share:.2g} % of that size"
+    why = "plain fits over narrower bands and with other numbers of terms move it by"
+    return {
+        name: f"{said}; {why} {100 * moved[name]:.2g} % of that size" if moved[name] > LIMIT else said
+        for name, said in told.items()
+    }
 
 
 # From the driver's `Identification` to `Findings`: results in the frame of the article, evidence as it is drawn.
@@ -650,52 +759,46 @@ def gathered(
         found.estimate.dynamic_mass, found.article, checks_request.tolerances, gravity=checks_request.campaign.gravity
     )
     chosen = next(one for one in results if one.identified is best)
-    said = [*made.warnings, *found.warnings, *(text for one in both for text in one.warnings), *_said(chosen, both)]
-    against = (*contradictions(checked), *_of_tares(found))
-    failed = failures(best)
+    said = [*made.warnings, *found.warnings, *(text for one in both for text in one.warnings)]
+    # Why the better way is not the result, and what a body cannot quite have
+    last, body = both[-1], judge(chosen.inertia)
+    if best is not last:
+        why = "blames the sensors for what is elastic" if last.converged else "did not converge"
+        said.append(f"the {best.way} result is the one that counts: the {last.way} one {why}")
+    if not body.physical:
+        said.append(f"within their intervals only can a body have these moments: {body.text}")
+    against = [*contradictions(checked)]
+    for tare, spectra in zip(found.request.tares, found.tares, strict=True):
+        of_tare = consistency.of_spectra(spectra, found.request.tolerances, gravity=tare.campaign.gravity)
+        against += [f"{text}, in the tare {tare.campaign.article}" for text in contradictions(of_tare)]
+    failed, told = failures(best), chosen.quality.verdict
+    if study is not None:
+        told = verdicts(told, study, rigid=request.modes == 0)
     return IdentificationFindings(
         article=above_fmd(request.campaign.article) if off else request.campaign.article,
         origin="F" if mount is None else "article",
         frame=frame,
         request=request,
         results=results,
-        verdict=judged(_verdict(chosen, study, rigid=request.modes == 0), against, failed),
+        verdict=judged(told, tuple(against), failed),
         doubts=(*against, *failed),
         study=None if study is None else maps(found, study, pose),
         checks=checked,
         losses=base_motion.without_each(found.article, gravity=request.campaign.gravity),
         rigid=rigid(found, best),
-        lines=_lines(found),
+        lines=UsedLines(
+            frequency=found.estimate.dynamic_mass.frequency,
+            condition=found.estimate.condition,
+            limit=found.request.condition_limit,
+            kept=np.asarray(found.exclusions.kept, dtype=np.float64),
+            reasons=found.exclusions.reasons,
+        ),
         dynamic_mass=found.estimate.dynamic_mass,
         crossed=found.crossed,
         spectra=found.article,
         residuals=residuals(found),
         warnings=tuple(dict.fromkeys(text.rstrip(".") for text in said)),
     )
-
-
-def _said(chosen: Reported, both: Sequence[Identified]) -> Iterator[str]:
-    """Why the better way is not the result, and what a body cannot quite have."""
-    last = both[-1]
-    if chosen.identified is not last:
-        why = "blames the sensors for what is elastic" if last.converged else "did not converge"
-        yield f"the {chosen.identified.way} result is the one that counts: the {last.way} one {why}"
-    body = judge(chosen.inertia)
-    if not body.physical:
-        yield f"within their intervals only can a body have these moments: {body.text}"
-
-
-def _verdict(one: Reported, study: BandStudy | None, *, rigid: bool) -> Mapping[str, str]:
-    told = one.quality.verdict
-    return told if study is None else verdicts(told, study, rigid=rigid)
-
-
-def _of_tares(found: Identification) -> Iterator[str]:
-    """What contradicts itself in the tares, each with the tare's name."""
-    request = found.request
-    for tare, spectra in zip(request.tares, found.tares, strict=True):
-        checks = consistency.of_spectra(spectra, request.tolerances, gravity=tare.campaign.gravity)
-        yield from (f"{text}, in the tare {tare.campaign.article}" for text in contradictions(checks))
 
 
 def rigid(found: Identification, one: Identified) -> Array:
@@ -718,29 +821,16 @@ def residuals(found: Identification) -> DrawnResiduals:
     motion, load, article = found.motion, found.load, found.article
     back = load.parity @ load.combinations
     parts = [(motion.channels, motion.residual), (load.channels, back)]
-    shares = [np.abs(values) / _level(article, names) for names, values in parts]
+    shares = []
+    for names, values in parts:
+        chosen = [article.table.names.index(name) for name in names]
+        level = np.sqrt(np.mean(np.abs(article.values[:, :, chosen]) ** 2, axis=2, keepdims=True))  # (r, n, 1) rms of their kind
+        shares.append(np.abs(values) / np.maximum(level, SMALLEST))
     return DrawnResiduals(
         frequency=article.frequency,
         runs=article.runs,
         channels=(*motion.channels, *load.channels),
         share=np.concatenate(shares, axis=2),
-    )
-
-
-def _level(article: Spectra, names: tuple[str, ...]) -> Array:
-    """(r, n, 1) rms of the readings of the channels `names`."""
-    chosen = [article.table.names.index(name) for name in names]
-    level = np.sqrt(np.mean(np.abs(article.values[:, :, chosen]) ** 2, axis=2, keepdims=True))
-    return np.asarray(np.maximum(level, SMALLEST))
-
-
-def _lines(found: Identification) -> UsedLines:
-    return UsedLines(
-        frequency=found.estimate.dynamic_mass.frequency,
-        condition=found.estimate.condition,
-        limit=found.request.condition_limit,
-        kept=np.asarray(found.exclusions.kept, dtype=np.float64),
-        reasons=found.exclusions.reasons,
     )
 
 

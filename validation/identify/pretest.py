@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from math import isfinite
 from pathlib import Path
 
@@ -18,23 +18,25 @@ from geometry.dynamic_mass import MOTIONS, DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose, rigid_transformation_6
 from geometry.inertia import of_motions, of_resultants
-from geometry.sensors import Channel, ChannelTable, Tolerances
+from geometry.sensors import ChannelTable, Tolerances
 from identification import campaign_file
-from identification.base_motion import base_motion, groups_used, resultants
+from identification.base_motion import base_motion, groups_used
 from identification.campaign import Processing
 from identification.chain import chain
 from identification.dynamic_mass import from_runs
-from identification.identify import Expected, expected
-from identification.request import Evidence, Known, Settings, TareSpectra
+from identification.identify import expected
+from identification.request import QUANTITIES, Evidence, Known, Settings, TareSpectra
+from identification.resultants import resultants
 from identification.spectra import noise
 from identification.spectra.line_spectra import Spectra, full_record
 from validation.flexible.model import Flexible, FlexibleOptions, flexible, nearest_part
 from validation.flexible.modes import displacement
-from validation.identify.identify import Reported, reported, tolerances_of
+from validation.identify.identify import Reported, by_kind, reported, tolerances_of
+from validation.output import derived, entry, inertia_json, unwritten
 from validation.virtual_test import simulate
 from validation.virtual_test.plan import BEAM, NOISE, Plan, Scatter
 from validation.virtual_test.shaker import nominal_fmd
-from validation.virtual_test.simulate import DrivenRun, cross_motion, laboratory, runs
+from validation.virtual_test.simulate import laboratory, runs
 
 FMD = "fmd"
 
@@ -103,7 +105,9 @@ def question(
     _require(condition_limit, "--condition-limit", "a condition number is above 1", above=1.0)
     _require(rigid_percent, "--rigid", "a share above 0 % is expected", above=0.0)
     stacks = [_on_fmd(article), *([] if tare == NO_TARE else [_on_fmd(tare)])]
-    _require_two(article, stacks)
+    if len(set(stacks)) < len(stacks):
+        problem = f"the tare is the article itself, {article}"
+        raise BadInput(source="--tare", problem=problem, remedy=f"Name another known article, or --tare {NO_TARE}")
     plans = simulate.question(
         articles=stacks,
         out=Path("out"),
@@ -142,12 +146,6 @@ def _on_fmd(article: str) -> str:
     return article if article.split("+")[0] not in NAMES or article.split("+")[0] == FMD else f"{FMD}+{article}"
 
 
-def _require_two(article: str, stacks: Sequence[str]) -> None:
-    if len(set(stacks)) < len(stacks):
-        problem = f"the tare is the article itself, {article}"
-        raise BadInput(source="--tare", problem=problem, remedy=f"Name another known article, or --tare {NO_TARE}")
-
-
 def _sensors(folder: Path, floors: Mapping[str, float]) -> ChannelTable:
     """The channel table of a campaign, which must tell six motions and six resultants; ordinary noise where it states none."""
     table = campaign_file.read_description(folder).table
@@ -156,14 +154,12 @@ def _sensors(folder: Path, floors: Mapping[str, float]) -> ChannelTable:
     if not verdict.complete:
         problem = f"the load cells of {folder} do not tell the six resultants: {verdict.text}"
         raise BadInput(source="--sensors", problem=problem, remedy=f"Add a cell that sees {', '.join(verdict.missing)}")
-    return ChannelTable(channels=tuple(_noisy(one, floors) for one in table.channels), origin=table.origin)
-
-
-def _noisy(channel: Channel, floors: Mapping[str, float]) -> Channel:
-    """`channel` with its floor times the factor that was asked for."""
-    ordinary, asked = NOISE.get(channel.quantity, 0.0), floors.get(channel.quantity, 0.0)
-    factor = asked / ordinary if ordinary else 1.0
-    return replace(channel, noise_rms=factor * (ordinary if channel.noise_rms is None else channel.noise_rms))
+    channels = []
+    for one in table.channels:  # each with its floor times the factor that was asked for
+        ordinary, asked = NOISE.get(one.quantity, 0.0), floors.get(one.quantity, 0.0)
+        factor = asked / ordinary if ordinary else 1.0
+        channels.append(replace(one, noise_rms=factor * (ordinary if one.noise_rms is None else one.noise_rms)))
+    return ChannelTable(channels=tuple(channels), origin=table.origin)
 
 
 def _require(value: float, option: str, words: str, *, above: float) -> None:
@@ -199,6 +195,12 @@ class PlannedCampaign:
     seat: Array
     stiffness: Array
 
+    @property
+    def condition(self) -> Array:
+        """(n,) scaled condition number of the base motions at every line."""
+        loads, motion = resultants(self.spectra), base_motion(self.spectra)
+        return from_runs(loads.values, motion.values, self.spectra.frequency).condition
+
 
 def planned(plan: Plan, table: ChannelTable | None = None) -> PlannedCampaign:
     """The campaign of `plan`, its structure as drawn, with the sensors of `table` (by default those of the virtual shaker).
@@ -213,13 +215,14 @@ def planned(plan: Plan, table: ChannelTable | None = None) -> PlannedCampaign:
     lines = np.asarray(low + Processing().step * np.arange(round((high - low) / Processing().step) + 1), dtype=np.float64)
     H = dynamic_mass(replace(lab.rig, cells=()), lines)
     driven = runs(plan)
-    motions, durations = zip(*(_motion(plan, run, lines) for run in driven), strict=True)
-    # (r, n, c): what the nominal chain reads of `read_motions` (r, n, 6); 0 in channels on the structure
-    read_motions = np.stack(motions)
+    tables = [run.motion(plan, plan.rate, REST + plan.quiet) for run in driven]
+    durations = [len(one.acceleration) / plan.rate for one in tables]
+    # (r, n, c): what the nominal chain reads of the table's motions (r, n, 6); 0 in channels on the structure
+    motions = np.stack([full_record(one.acceleration, plan.rate, lines) for one in tables])
     of = chain(channels, stiffness=np.asarray(lab.rig.cells[0].stiffness), gravity=plan.gravity)
     A0, A1 = of.rows(np.zeros(len(of.parameters)), H.frequency)
-    values = np.zeros((*read_motions.shape[:2], len(channels)), dtype=np.complex128)
-    values[:, :, list(of.columns)] = np.einsum("nck,rnk->rnc", A0 + A1 @ H.matrix, read_motions)
+    values = np.zeros((*motions.shape[:2], len(channels)), dtype=np.complex128)
+    values[:, :, list(of.columns)] = np.einsum("nck,rnk->rnc", A0 + A1 @ H.matrix, motions)
     floors = np.array([one.noise_rms or 0.0 for one in channels.channels])
     density = np.broadcast_to(floors**2 / plan.rate, values.shape)
     spectra = Spectra(
@@ -234,14 +237,6 @@ def planned(plan: Plan, table: ChannelTable | None = None) -> PlannedCampaign:
     return PlannedCampaign(
         spectra=spectra, dynamic_mass=H, seat=np.asarray(lab.rig.seat), stiffness=np.asarray(lab.rig.cells[0].stiffness)
     )
-
-
-def _motion(plan: Plan, run: DrivenRun, lines: Array) -> tuple[np.ndarray, float]:
-    """Spectra (n, 6) of the table's accelerations in `run`, and the length of its record [s]."""
-    motion = run.pattern.motion(  # type: ignore[attr-defined]
-        plan.rate, ring_down=REST + plan.quiet, cross=cross_motion(plan, run.name)
-    )
-    return full_record(motion.acceleration, plan.rate, lines), len(motion.acceleration) / plan.rate
 
 
 # Where on an article a pick-up moves with the base alone: how large its elastic motion is, place by place.
@@ -281,13 +276,13 @@ class Rigidity:
     """
 
     name: str
-    position: Array
-    at_start: float
-    largest: float
+    position: Array = entry("position_m", unit="m")
+    at_start: float = entry("elastic_share_at_start")
+    largest: float = entry("elastic_share")
     axis: str
-    frequency: float
-    up_to: float | None
-    within: float
+    frequency: float = entry("frequency_hz", unit="Hz")
+    up_to: float | None = entry("rigid_up_to_hz", unit="Hz")
+    within: float = entry("share_of_lines")
 
 
 def judged(model: Flexible, places: Mapping[str, Array], seat: Array, frequency: Array, limit: float) -> tuple[Rigidity, ...]:
@@ -296,8 +291,23 @@ def judged(model: Flexible, places: Mapping[str, Array], seat: Array, frequency:
         return ()
     points = np.array(list(places.values()))
     moved = _displacement(model, points)
-    share = elastic_share(moved, points + seat, model.modes, seat, frequency)
-    found = [_one(name, point + seat, own, frequency, limit) for name, point, own in zip(places, points, share, strict=True)]
+    shares = elastic_share(moved, points + seat, model.modes, seat, frequency)
+    found = []
+    for name, position, share in zip(places, points + seat, shares, strict=True):
+        line, axis = np.unravel_index(int(np.argmax(share)), share.shape)
+        under = np.all(share <= limit, axis=1)
+        first = int(np.argmin(under)) if not under.all() else len(under)
+        one = Rigidity(
+            name=name,
+            position=position,
+            at_start=float(share[0].max()),
+            largest=float(share[line, axis]),
+            axis=MOTIONS[int(axis)],
+            frequency=float(frequency[line]),
+            up_to=float(frequency[first - 1]) if first else None,
+            within=float(under.mean()),
+        )
+        found.append(one)
     return tuple(sorted(found, key=lambda one: (one.largest, one.position[2])))
 
 
@@ -361,22 +371,6 @@ def _displacement(model: Flexible, points: Array) -> Array:
     return displacement(model.structure, model.modes.shapes, article, points, parts)
 
 
-def _one(name: str, position: Array, share: Array, frequency: Array, limit: float) -> Rigidity:
-    line, axis = np.unravel_index(int(np.argmax(share)), share.shape)
-    under = np.all(share <= limit, axis=1)
-    first = int(np.argmin(under)) if not under.all() else len(under)
-    return Rigidity(
-        name=name,
-        position=position,
-        at_start=float(share[0].max()),
-        largest=float(share[line, axis]),
-        axis=MOTIONS[int(axis)],
-        frequency=float(frequency[line]),
-        up_to=float(frequency[first - 1]) if first else None,
-        within=float(under.mean()),
-    )
-
-
 # The answer of a pretest: condition of every line, expected intervals, what dominates them, rigid places.
 
 
@@ -403,24 +397,66 @@ class PretestFindings:
     warnings : sentences
     """
 
-    question: PretestOptions
-    spectra: Spectra
+    question: PretestOptions = unwritten()
+    spectra: Spectra = unwritten()
     condition: Array
-    best: Reported
-    plain: Reported
-    untared: Array | None
-    without: Mapping[str, Array]
-    lost: Mapping[str, str]
+    best: Reported = unwritten()
+    plain: Reported = unwritten()
+    untared: Array | None = unwritten()
+    without: Mapping[str, Array] = unwritten()
+    lost: Mapping[str, str] = unwritten()
+    rigid_height: float | None = entry("rigid_height_m", unit="m")
     places: tuple[Rigidity, ...]
-    rigid_height: float | None
-    model: Flexible | None
-    seat: Array
+    model: Flexible | None = unwritten()
+    seat: Array = unwritten()
     warnings: tuple[str, ...] = ()
 
     @property
     def left_out(self) -> Array:
         """(n,) bool: lines whose condition number is above the limit."""
         return np.asarray(self.condition > self.question.condition_limit)
+
+    @property
+    @derived("", before="condition")
+    def planned(self) -> dict[str, object]:
+        """What would be measured, by its keys in JSON."""
+        tare = self.question.tare
+        return {
+            "article": self.question.plan.article,
+            "tare": None if tare is None else tare.article,
+            "origin": "article",
+            "runs": self.spectra.runs,
+            "frequency_hz": self.spectra.frequency,
+        }
+
+    @property
+    @derived("", before="rigid_height_m")
+    def figures(self) -> dict[str, object]:
+        """What would be found, by its keys in JSON."""
+        lost = {name: {"half_width95": by_kind(half), "plain_loses": self.lost[name]} for name, half in self.without.items()}
+        ways = {
+            key: {
+                "half_width95": by_kind(one.half_width),
+                "shares": {name: dict(zip(QUANTITIES, share, strict=True)) for name, share in one.quality.shares.items()},
+                "verdict": {name: one.quality.verdict[name] for name in QUANTITIES},
+            }
+            for key, one in (("self_calibrated", self.best), ("plain", self.plain))
+        }
+        return {
+            "condition_limit": self.question.condition_limit,
+            "lines_left_out": np.sum(self.left_out),
+            "inertia": inertia_json(self.best.inertia),
+            **ways,
+            "without_tare": None if self.untared is None else {"half_width95": by_kind(self.untared)},
+            "without": lost,
+            "rigid_share": self.question.rigid,
+        }
+
+    @property
+    @derived("tolerances", before="warnings")
+    def tolerances(self) -> dict[str, float]:
+        """Of the laboratory."""
+        return asdict(self.question.tolerances)
 
 
 def findings(question: PretestOptions, progress: Callable[[float], None] | None = None) -> PretestFindings:
@@ -432,22 +468,36 @@ def findings(question: PretestOptions, progress: Callable[[float], None] | None 
     """
     article = planned(question.plan, question.table)
     tare = None if question.tare is None else planned(question.tare, question.table)
-    condition = _condition(article.spectra)
+    condition = article.condition
     settings = Settings(tolerances=question.tolerances, stiffness=article.stiffness, gravity=question.plan.gravity)
     fmd = Known.within(nominal_fmd(question.plan), question.tolerances.fmd_inertia or 1e-6)
-    tares = () if tare is None or question.tare is None else (_known(tare, question.tare),)
+    tares: tuple[TareSpectra, ...] = ()
+    if tare is not None and question.tare is not None:
+        of = question.tare
+        there = Known.nothing()
+        if of.on_fmd:
+            own = routes.inertia(built_in(of.on_fmd, changes_of(of.on_fmd, of.dimensions)))
+            there = Known.within(own.placed(Pose(position=tare.seat)))
+        tares = (TareSpectra(spectra=tare.spectra, known=there, name=of.article),)
     evidence = Evidence(article=article.spectra, tares=tares, fmd=None if tares else fmd)
     found = expected(evidence, settings, fmd, lost=question.lost, progress=progress)
     pose = Pose(position=article.seat) if question.above else Pose()
     best = reported(found.best, pose)
-    # The beam model of what stands on the FMD; None for the FMD alone
-    plan = question.plan
-    if not plan.on_fmd:
-        model: Flexible | None = None
-    else:
+    # The beam model of what stands on the FMD, and its rigid places; none for the FMD alone
+    plan, limit, lines = question.plan, question.rigid, article.spectra.frequency
+    model: Flexible | None = None
+    places: tuple[Rigidity, ...] = ()
+    height: float | None = None
+    if plan.on_fmd:
         changes = changes_of(plan.on_fmd, plan.dimensions)
         model = flexible(plan.on_fmd, plan.model, FlexibleOptions(count=MODES, damping=plan.damping, changes=changes))
-    places, height = ((), None) if model is None else _rigid(model, question, article)
+        named = locations(plan.on_fmd, changes)
+        places = judged(model, named, article.seat, lines, limit)
+        height = rigid_height(model, max(float(point[2]) for point in named.values()), article.seat, lines, limit)
+    warnings = [] if found.best.converged else ["the joint fit of the planned data did not converge: its intervals are rough"]
+    if over := int(np.sum(condition > question.condition_limit)):
+        above = f"at {over} of {len(condition)} lines the condition number is above {question.condition_limit:g}"
+        warnings.append(f"{above}: drive the axes in runs of their own")
     return PretestFindings(
         question=question,
         spectra=article.spectra,
@@ -461,32 +511,12 @@ def findings(question: PretestOptions, progress: Callable[[float], None] | None 
         rigid_height=height,
         model=model,
         seat=article.seat,
-        warnings=_warnings(found, condition, question),
+        warnings=tuple(warnings),
     )
-
-
-def _condition(spectra: Spectra) -> Array:
-    motion, loads = base_motion(spectra).values, resultants(spectra).values
-    return from_runs(loads, motion, spectra.frequency).condition
-
-
-def _known(tare: PlannedCampaign, plan: Plan) -> TareSpectra:
-    if not plan.on_fmd:
-        return TareSpectra(spectra=tare.spectra, known=Known.nothing(), name=plan.article)
-    own = routes.inertia(built_in(plan.on_fmd, changes_of(plan.on_fmd, plan.dimensions)))
-    return TareSpectra(spectra=tare.spectra, known=Known.within(own.placed(Pose(position=tare.seat))), name=plan.article)
 
 
 def _half(best: Reported, covariance: Array, pose: Pose) -> Array:
     return reported(replace(best.identified, covariance=covariance), pose).half_width
-
-
-def _rigid(model: Flexible, question: PretestOptions, article: PlannedCampaign) -> tuple[tuple[Rigidity, ...], float | None]:
-    plan = question.plan
-    named = locations(plan.on_fmd, changes_of(plan.on_fmd, plan.dimensions))
-    found = judged(model, named, article.seat, article.spectra.frequency, question.rigid)
-    top = max(float(point[2]) for point in named.values())
-    return found, rigid_height(model, top, article.seat, article.spectra.frequency, question.rigid)
 
 
 def _lost(table: ChannelTable, gone: str) -> str:
@@ -499,11 +529,3 @@ def _lost(table: ChannelTable, gone: str) -> str:
     except BadInput:
         return f"no base motion: {', '.join(of_motions(left, groups_used(table)).missing)} cannot be told"
     return "" if groups == groups_used(table) else f"the base motion of the {groups[0]} only"
-
-
-def _warnings(found: Expected, condition: Array, question: PretestOptions) -> tuple[str, ...]:
-    over = int(np.sum(condition > question.condition_limit))
-    unfinished = () if found.best.converged else ("the joint fit of the planned data did not converge: its intervals are rough",)
-    limit = question.condition_limit
-    many = f"at {over} of {len(condition)} lines the condition number is above {limit:g}: drive the axes in runs of their own"
-    return (*unfinished, *([many] if over else []))

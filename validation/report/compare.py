@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 import numpy as np
@@ -14,10 +13,10 @@ import numpy as np
 from geometry.atomic import write_text
 from geometry.dynamic_mass import DynamicMass
 from geometry.frames import Array
-from validation.compare.compare import Comparison, WorstPair, compared, run, text, worst_pairs
-from validation.compare.maps import Map, NamedMode, Pairs
+from validation.compare.compare import Comparison, compared, worst_pairs
+from validation.compare.maps import Map, NamedMode
+from validation.compare.spots import run, text
 from validation.estimation.verdicts import ABSURD, STANDS_OUT, StatedError, absurd, figure, misfit
-from validation.identify.identify import UsedLines
 from validation.output import json_text, shown, stages, to_json
 from validation.reference.reference import file_name
 from validation.reference.statement import NONE
@@ -33,17 +32,12 @@ from validation.report.document import (
     Figures,
     Safe,
     Table,
-    joined,
     tag,
     toleranced,
 )
-from validation.report.parts import CampaignPart, Report, picture, section, verdict
+from validation.report.parts import Report, picture, section, verdict
 from validation.report.parts import notes as parts_notes
 from validation.study import Options, Study, read
-
-if TYPE_CHECKING:
-    from validation.report.charts.static import Figure
-
 
 # The page of `massline compare`: four errors, the worst spots in words, runs and configurations, pairs of axes,
 # tolerances, facts.
@@ -62,22 +56,22 @@ def document(found: Comparison) -> Document:
     """What is said of a comparison, in the order in which it is read."""
     from validation.report.charts.crosscheck import four_errors
 
-    both = zip(found.maps, found.modes, strict=True)
+    both, page = zip(found.maps, found.modes, strict=True), ComparisonPage(found=found)
     return Document(
         title=f"{found.title} beside {', '.join(found.data_sets)}",
         blocks=(
             errors(found),
             Drawn(lambda: four_errors(found)),
-            spots(found),
+            page.spots(),
             *(partial(_maps, of, modes, k) for k, (of, modes) in enumerate(both)),
             parts_notes([SCALE]),
-            runs(found),
-            _runs_by_campaign(found.maps),
-            entries(found),
-            tolerances(found),
-            facts(found),
+            page.runs(),
+            page.misfits(),
+            page.entries(),
+            page.tolerances(),
+            page.facts(),
         ),
-        notes=tuple(notes(found)),
+        notes=tuple(page.notes()),
     )
 
 
@@ -105,6 +99,20 @@ def errors(found: Comparison) -> Table:
     """The four errors: figure, meaning, verdict."""
     rows = error_rows(found)
     said = "what it means, and what is to be thought of it"
+
+    def thought(row: ErrorRow) -> str:
+        one = row[3]
+        if one is None:
+            return ""
+        return f"{one.meaning}. {one.text[:1].upper()}{one.text[1:]}" if one.text else one.meaning
+
+    def judged(row: ErrorRow) -> str:
+        one = row[3]
+        if one is None:
+            return ""
+        verdict = f"{one.verdict.upper()}: {one.text}" if one.verdict else one.text
+        return f"{one.meaning}. {verdict}" if verdict else one.meaning
+
     return Table(
         caption="The four errors",
         rows=rows,
@@ -118,8 +126,8 @@ def errors(found: Comparison) -> Table:
             Column("size", lambda row: row[1], on=PAGE),
             Column("unit", lambda row: row[2], words=True, on=PAGE),
             Column("verdict", lambda row: verdict(_of(row, "verdict")), words=True, on=PAGE),
-            Column(said, lambda row: _thought(row[3]), words=True, on=PAGE),
-            Column(said, lambda row: _judged(row[3]), words=True, on=TERMINAL),
+            Column(said, thought, words=True, on=PAGE),
+            Column(said, judged, words=True, on=TERMINAL),
             Column("", lambda row: _of(row, "meaning"), panel="meaning", on=PANEL),
             Column("", lambda row: _of(row, "verdict") or None, panel="verdict", on=PANEL),
             Column("", lambda row: _of(row, "text"), panel="text", on=PANEL),
@@ -131,147 +139,132 @@ def _of(row: ErrorRow, name: str) -> str:
     return "" if row[3] is None else str(getattr(row[3], name))
 
 
-def _judged(one: StatedError | None) -> str:
-    if one is None:
-        return ""
-    said = f"{one.verdict.upper()}: {one.text}" if one.verdict else one.text
-    return f"{one.meaning}. {said}" if said else one.meaning
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ComparisonPage:
+    """What a page says of the comparison that was `found`, table by table."""
 
+    found: Comparison
 
-def _thought(one: StatedError | None) -> str:
-    if one is None:
-        return ""
-    return f"{one.meaning}. {one.text[:1].upper()}{one.text[1:]}" if one.text else one.meaning
+    def spots(self) -> Table:
+        """The worst spots in words; on a terminal those that stand out, or else the worst three, as chance leaves them."""
+        rows = list(enumerate(self.found.worst, start=1))
+        return Table(
+            caption="The worst spots",
+            rows=rows,
+            shown=[row for row in rows if row[1].sigma >= STANDS_OUT] or rows[:CHANCE],
+            columns=(
+                Column("", lambda row: f"{row[0]}", words=True, on=PAGE),
+                Column("", lambda row: f"{row[0]:>2}", words=True, on=TERMINAL),
+                Column("deviation", lambda row: row[1].sigma, ".3g", unit="σ", said=("sigma", figure), aligned=False),
+                Column("of the reading", lambda row: row[1].percent, ".3g", unit="%", on=PAGE),
+                Column("at", lambda row: row[1].frequency, ".2f", unit="Hz", on=PAGE),
+                Column("row", lambda row: row[1].row, words=True, on=PAGE),
+                Column("run", lambda row: row[1].run, words=True, on=PAGE),
+                Column("campaign", lambda row: row[1].data_set, words=True, on=PAGE),
+                Column("in words", lambda row: text(row[1], len(self.found.maps)), words=True, said="where it fails"),
+            ),
+        )
 
+    def runs(self) -> Table:
+        """Every run of every campaign."""
+        by_run = self.found.evaluation.plain.by_run
+        return Table(
+            caption="Runs",
+            rows=[(of, k, name) for of in self.found.maps for k, name in enumerate(of.runs)],
+            columns=(
+                Column("run", lambda row: row[2], words=True),
+                Column("campaign", lambda row: row[0].data_set, words=True),
+                Column("plain error", lambda row: by_run.get(f"{row[0].data_set}/{row[2]}"), ".3g", unit="%"),
+                Column("χ² per degree of freedom", lambda row: float(row[0].misfit[row[1]].mean()), ".3g"),
+                Column("worst cell", lambda row: float(row[0].sigma[row[1]].max()), ".3g", unit="σ"),
+            ),
+            on=PAGE,
+        )
 
-def spots(found: Comparison) -> Table:
-    """The worst spots in words; on a terminal those that stand out, or else the worst three, as chance leaves them."""
-    rows = list(enumerate(found.worst, start=1))
-    return Table(
-        caption="The worst spots",
-        rows=rows,
-        shown=[row for row in rows if row[1].sigma >= STANDS_OUT] or rows[:CHANCE],
-        columns=(
-            Column("", lambda row: f"{row[0]}", words=True, on=PAGE),
-            Column("", lambda row: f"{row[0]:>2}", words=True, on=TERMINAL),
-            Column("deviation", lambda row: row[1].sigma, ".3g", unit="σ", said=("sigma", figure), aligned=False),
-            Column("of the reading", lambda row: row[1].percent, ".3g", unit="%", on=PAGE),
-            Column("at", lambda row: row[1].frequency, ".2f", unit="Hz", on=PAGE),
-            Column("row", lambda row: row[1].row, words=True, on=PAGE),
-            Column("run", lambda row: row[1].run, words=True, on=PAGE),
-            Column("campaign", lambda row: row[1].data_set, words=True, on=PAGE),
-            Column("in words", lambda row: text(row[1], len(found.maps)), words=True, said="where it fails"),
-        ),
-    )
+    def misfits(self) -> Table:
+        """Chi² per degree of freedom of every run of every data set, tolerances counted."""
 
+        def misfit_of(name: str) -> Column:
+            return Column(name, lambda row: figure(row[1][name]) if name in row[1] else NONE)
 
-def runs(found: Comparison) -> Table:
-    """Every run of every campaign."""
-    by_run = found.evaluation.plain.by_run
-    return Table(
-        caption="Runs",
-        rows=[(of, k, name) for of in found.maps for k, name in enumerate(of.runs)],
-        columns=(
-            Column("run", lambda row: row[2], words=True),
-            Column("campaign", lambda row: row[0].data_set, words=True),
-            Column("plain error", lambda row: by_run.get(f"{row[0].data_set}/{row[2]}"), ".3g", unit="%"),
-            Column("χ² per degree of freedom", lambda row: float(row[0].misfit[row[1]].mean()), ".3g"),
-            Column("worst cell", lambda row: float(row[0].sigma[row[1]].max()), ".3g", unit="σ"),
-        ),
-        on=PAGE,
-    )
+        names = dict.fromkeys(name for one in self.found.maps for name in one.runs)
+        rows = [(one.data_set, dict(zip(one.runs, map(float, one.misfit.mean(axis=1)), strict=True))) for one in self.found.maps]
+        return Table(
+            columns=[Column("chi² by run", lambda row: row[0], words=True), *map(misfit_of, names)], rows=rows, on=TERMINAL
+        )
 
+    def entries(self) -> Table:
+        """The pairs of axes in which predicted and measured dynamic mass differ most."""
+        return Table(
+            columns=(
+                Column("dynamic mass", lambda one: f"H {SIGNS[one.load]}{SIGNS[one.motion]} of {one.data_set}", words=True),
+                Column("sigma", lambda one: figure(one.sigma)),
+                Column("of it", lambda one: f"{figure(one.percent)} %"),
+                Column("at [Hz]", lambda one: one.frequency, ".2f"),
+            ),
+            rows=worst_pairs(self.found.maps, COMPARISON_PAIRS),
+            on=TERMINAL,
+        )
 
-def _runs_by_campaign(maps: Sequence[Map]) -> Table:
-    """Chi² per degree of freedom of every run of every data set, tolerances counted."""
+    def tolerances(self) -> Table:
+        """The tolerances that a fit of everything moved farthest; on a terminal where they are absurd, the most absurd."""
+        worst = [one for one in self.found.absurd if abs(one.z) >= min(ABSURD, abs(self.found.absurd[0].z))]
+        return Table(
+            caption="Tolerances that the fit of everything moved farthest",
+            rows=self.found.absurd,
+            shown=worst if absurd(self.found.evaluation.fitted) else (),
+            columns=(
+                Column("tolerance", lambda one: one.parameter.name, words=True, said="absurd tolerances"),
+                Column("moved by", lambda one: one.z, "+.2f", unit="z", said=("z", "+.1f")),
+                Column("moved by", lambda one: one.offset, "+.3g", on=PAGE),
+                Column(
+                    "moved by",
+                    lambda one: f"{one.offset:+.3g} {one.parameter.unit if one.parameter.unit != '1' else ''}".rstrip(),
+                    on=TERMINAL,
+                ),
+                Column("unit", lambda one: one.parameter.unit, words=True, on=PAGE),
+            ),
+            note="One standard deviation of what was known beforehand is 1 z. Beyond 4 no careful laboratory has it.",
+        )
 
-    def misfit_of(name: str) -> Column:
-        return Column(name, lambda row: figure(row[1][name]) if name in row[1] else NONE)
+    def facts(self) -> Table:
+        """Classical measurements, predicted minus measured."""
+        return Table(
+            caption="Classical measurements beside the model",
+            rows=self.found.facts,
+            columns=(
+                Column("classical measurement", lambda one: one.name, words=True, on=PAGE),
+                Column("classical measurements", lambda one: f"{one.name} [{one.unit}]", words=True, on=TERMINAL),
+                Column("unit", lambda one: one.unit, words=True, on=PAGE),
+                Column("measured", lambda one: toleranced(one.measured, one.tolerance)),
+                Column("standard deviation", lambda one: toleranced(one.tolerance, one.tolerance), said="sd"),
+                Column("predicted", lambda one: toleranced(one.predicted, one.tolerance)),
+                Column("deviation", lambda one: one.sigma, "+.2f", unit="σ", said=("sigma", "+.1f")),
+                Column("nothing fitted", lambda one: one.nominal_sigma, "+.2f", unit="σ", said=("nominal", "+.1f")),
+            ),
+        )
 
-    names = dict.fromkeys(name for one in maps for name in one.runs)
-    rows = [(one.data_set, dict(zip(one.runs, map(float, one.misfit.mean(axis=1)), strict=True))) for one in maps]
-    return Table(columns=[Column("chi² by run", lambda row: row[0], words=True), *map(misfit_of, names)], rows=rows, on=TERMINAL)
-
-
-def entries(found: Comparison) -> Table:
-    """The pairs of axes in which predicted and measured dynamic mass differ most."""
-    return Table(
-        columns=(
-            Column("dynamic mass", lambda one: f"H {SIGNS[one.load]}{SIGNS[one.motion]} of {one.data_set}", words=True),
-            Column("sigma", lambda one: figure(one.sigma)),
-            Column("of it", lambda one: f"{figure(one.percent)} %"),
-            Column("at [Hz]", lambda one: one.frequency, ".2f"),
-        ),
-        rows=worst_pairs(found.maps, COMPARISON_PAIRS),
-        on=TERMINAL,
-    )
-
-
-def tolerances(found: Comparison) -> Table:
-    """The tolerances that a fit of everything moved farthest; on a terminal where they are absurd, the most absurd."""
-    worst = [one for one in found.absurd if abs(one.z) >= min(ABSURD, abs(found.absurd[0].z))]
-    return Table(
-        caption="Tolerances that the fit of everything moved farthest",
-        rows=found.absurd,
-        shown=worst if absurd(found.evaluation.fitted) else (),
-        columns=(
-            Column("tolerance", lambda one: one.parameter.name, words=True, said="absurd tolerances"),
-            Column("moved by", lambda one: one.z, "+.2f", unit="z", said=("z", "+.1f")),
-            Column("moved by", lambda one: one.offset, "+.3g", on=PAGE),
-            Column("moved by", lambda one: f"{one.offset:+.3g} {_unit(one.parameter.unit)}".rstrip(), on=TERMINAL),
-            Column("unit", lambda one: one.parameter.unit, words=True, on=PAGE),
-        ),
-        note="One standard deviation of what was known beforehand is 1 z. Beyond 4 no careful laboratory has it.",
-    )
-
-
-def _unit(unit: str) -> str:
-    return "" if unit == "1" else unit
-
-
-def facts(found: Comparison) -> Table:
-    """Classical measurements, predicted minus measured."""
-    return Table(
-        caption="Classical measurements beside the model",
-        rows=found.facts,
-        columns=(
-            Column("classical measurement", lambda one: one.name, words=True, on=PAGE),
-            Column("classical measurements", lambda one: f"{one.name} [{one.unit}]", words=True, on=TERMINAL),
-            Column("unit", lambda one: one.unit, words=True, on=PAGE),
-            Column("measured", lambda one: toleranced(one.measured, one.tolerance)),
-            Column("standard deviation", lambda one: toleranced(one.tolerance, one.tolerance), said="sd"),
-            Column("predicted", lambda one: toleranced(one.predicted, one.tolerance)),
-            Column("deviation", lambda one: one.sigma, "+.2f", unit="σ", said=("sigma", "+.1f")),
-            Column("nothing fitted", lambda one: one.nominal_sigma, "+.2f", unit="σ", said=("nominal", "+.1f")),
-        ),
-    )
-
-
-def notes(found: Comparison) -> Iterator[str]:
-    """What must be known to read the tables, then what was assumed."""
-    first = found.worst[0].sigma if found.worst else 0.0
-    if first < STANDS_OUT:
-        yield f"Nothing stands out: the worst spot is {figure(first)} sigma, and chance reaches about {STANDS_OUT - 1:g}."
-    elif below := sum(one.sigma < STANDS_OUT for one in found.worst):
-        yield f"{below} more of the ten worst spots are below {STANDS_OUT:g} sigma, as chance leaves them."
-    yield (
-        "Sigma: deviation at the plain fit over what noise, a model error of 0.15 % and all tolerances that were not fitted let "
-        "expect. A channel's is from what all other channels and the model say of it."
-    )
-    yield from _resonances(found)
-    if found.evaluation.held_out_names:
-        yield f"Held out: {_some(found.evaluation.held_out_names)}."
-    if found.effects:
-        yield f"Effects in the model: {', '.join(found.effects)}."
-    yield from (f"warning: {text}." for text in found.remarks)
-
-
-def _resonances(found: Comparison) -> Iterator[str]:
-    """Modes within the band by name."""
-    for of, modes in zip(found.maps, found.modes, strict=True):
-        inside = [one for one in modes if of.frequency[0] <= one.frequency <= of.frequency[-1]]
-        if inside:
-            yield f"Modes of {of.data_set}: {_some([f'{one.name} {one.frequency:.2f} Hz' for one in inside], 8)}."
+    def notes(self) -> Iterator[str]:
+        """What must be known to read the tables, then what was assumed."""
+        first = self.found.worst[0].sigma if self.found.worst else 0.0
+        if first < STANDS_OUT:
+            yield f"Nothing stands out: the worst spot is {figure(first)} sigma, and chance reaches about {STANDS_OUT - 1:g}."
+        elif below := sum(one.sigma < STANDS_OUT for one in self.found.worst):
+            yield f"{below} more of the ten worst spots are below {STANDS_OUT:g} sigma, as chance leaves them."
+        yield (
+            "Sigma: deviation at the plain fit over what noise, a model error of 0.15 % and all tolerances that were not fitted "
+            "let expect. A channel's is from what all other channels and the model say of it."
+        )
+        # Modes within the band by name
+        for of, modes in zip(self.found.maps, self.found.modes, strict=True):
+            inside = [one for one in modes if of.frequency[0] <= one.frequency <= of.frequency[-1]]
+            if inside:
+                yield f"Modes of {of.data_set}: {_some([f'{one.name} {one.frequency:.2f} Hz' for one in inside], 8)}."
+        if self.found.evaluation.held_out_names:
+            yield f"Held out: {_some(self.found.evaluation.held_out_names)}."
+        if self.found.effects:
+            yield f"Effects in the model: {', '.join(self.found.effects)}."
+        yield from (f"warning: {text}." for text in self.found.remarks)
 
 
 def _some(names: tuple[str, ...] | list[str], most: int = 4) -> str:
@@ -302,18 +295,6 @@ def draw(found: Comparison, folder: Path) -> tuple[Path, ...]:
         return made[-1]
 
     crosscheck.draw_errors(crosscheck.errors_of(found), to("errors"))
-    _runs(found, to("runs"))
-    for of, modes in zip(found.maps, found.modes, strict=True):
-        draw_channels(of, modes, to(f"{of.data_set}-channels"))
-        if of.pairs is not None:
-            note = f"Predicted beside measured, about F; sigma as in the maps of the channels. {THRESHOLD}"
-            maps.draw_pairs(of.pairs, modes, to(f"{of.data_set}-pairs"), note)
-    if any(of.pairs is not None for of in found.maps):
-        _dynamic_mass(found, to("dynamic-mass"))
-    return tuple(made)
-
-
-def _runs(found: Comparison, path: Path) -> None:
     columns = tuple(dict.fromkeys(name for of in found.maps for name in of.runs))
     sigma = np.full((len(found.maps), len(columns)), np.nan)
     percent = sigma.copy()
@@ -323,35 +304,38 @@ def _runs(found: Comparison, path: Path) -> None:
             sigma[at] = of.sigma[k].max()
             percent[at] = found.evaluation.plain.by_run.get(f"{of.data_set}/{name}", np.nan)
     note = "The worst cell of each run in sigmas, and its plain error in per cent."
-    maps.draw_runs(f"{found.title}: runs", found.data_sets, columns, sigma, percent, path, note)
+    maps.draw_runs(f"{found.title}: runs", found.data_sets, columns, sigma, percent, to("runs"), note)
+    for of, modes in zip(found.maps, found.modes, strict=True):
+        draw_channels(of, modes, to(f"{of.data_set}-channels"))
+        if of.pairs is not None:
+            note = f"Predicted beside measured, about F; sigma as in the maps of the channels. {THRESHOLD}"
+            maps.draw_pairs(of.pairs, modes, to(f"{of.data_set}-pairs"), note)
+    known = {of.data_set: (of.pairs, modes) for of, modes in zip(found.maps, found.modes, strict=True) if of.pairs is not None}
+    panels = []
+    for pair in worst_pairs(found.maps, PAIRS) if known else ():
+        pairs, modes = known[pair.data_set]
+        marks = _Marks(frequency=np.array([one.frequency for one in modes]), effective_mass=np.full((len(modes), 6), np.inf))
+        curves = tuple(
+            DynamicMassCurve(
+                name=name,
+                mass=DynamicMass(frequency=pairs.frequency, matrix=matrix),
+                rigid=np.zeros((6, 6)),
+                modes=marks,
+                dots=dots,
+            )
+            for matrix, name, dots in ((pairs.predicted, "predicted", ""), (pairs.measured, "measured", MEASURED))
+        )
+        heading = f"{pair.data_set}, {pair.sigma:.0f} σ at {pair.frequency:.1f} Hz"
+        panels.append((heading, pair.load, pair.motion, curves))
+    if known:
+        note = "Blocked, about F: the pairs of axes that differ most. Dots: Eqs. 9 to 11. Line: model, plain fit, made likewise."
+        chosen(f"{found.title}: predicted beside measured", panels, to("dynamic-mass"), note)
+    return tuple(made)
 
 
 def draw_channels(of: Map, modes: Sequence[NamedMode], path: Path) -> None:
     """Write the map of channels and loads over frequency, a panel a run."""
     maps.draw_channels(of, modes, path, NOTE + THRESHOLD)
-
-
-def _frequencies(modes: Sequence[NamedMode]) -> tuple[float, ...]:
-    return tuple(one.frequency for one in modes)
-
-
-def _dynamic_mass(found: Comparison, path: Path) -> None:
-    by_name = {of.data_set: (of.pairs, modes) for of, modes in zip(found.maps, found.modes, strict=True) if of.pairs is not None}
-    panels = [_entry(pair, *by_name[pair.data_set]) for pair in worst_pairs(found.maps, PAIRS)]
-    note = "Blocked, about F: the pairs of axes that differ most. Dots: Eqs. 9 to 11. Line: model, plain fit, made likewise."
-    chosen(f"{found.title}: predicted beside measured", panels, path, note)
-
-
-def _entry(pair: WorstPair, of: Pairs, modes: Sequence[NamedMode]) -> tuple[str, int, int, tuple[DynamicMassCurve, ...]]:
-    marks = _Marks(frequency=np.array(_frequencies(modes)), effective_mass=np.full((len(modes), 6), np.inf))
-    both = ((of.predicted, "predicted", ""), (of.measured, "measured", MEASURED))
-    curves = tuple(
-        DynamicMassCurve(
-            name=name, mass=DynamicMass(frequency=of.frequency, matrix=matrix), rigid=np.zeros((6, 6)), modes=marks, dots=dots
-        )
-        for matrix, name, dots in both
-    )
-    return f"{pair.data_set}, {pair.sigma:.0f} σ at {pair.frequency:.1f} Hz", pair.load, pair.motion, curves
 
 
 # `massline compare` from options to output: read, fit, map, show.
@@ -369,36 +353,19 @@ def answer(asked: Options, *, as_json: bool, folder: Path | None) -> None:
     BadInput : something that was asked cannot be used.
     CheckFailed : a fit that does not converge.
     """
-    found = comparison(asked, quiet=as_json)
-    if as_json:
-        click.echo(json_text(to_json(found)))
-    else:
-        click.echo(document(found).text(), nl=False)
-    if folder is not None:
-        _write(found, folder, quiet=as_json)
-
-
-def comparison(asked: Options, *, quiet: bool = True) -> Comparison:
-    """The comparison that `asked` leads to.
-
-    Raises
-    ------
-    BadInput, CheckFailed : see `answer`.
-    """
-    with stages("reading", quiet=quiet) as told:
+    with stages("reading", quiet=as_json) as told:
         model, data = read(asked, told)
-    with stages("comparing", quiet=quiet) as told:
-        return compared(Study.of(model, data, asked, told), told)
-
-
-def _write(found: Comparison, folder: Path, *, quiet: bool) -> None:
-
-    write_text(folder / RESULT, json_text(to_json(found)) + "\n")
-    click.echo(f"massline: wrote {folder / RESULT}.", err=True)
-    with shown("pictures", quiet=quiet):
-        paths = draw(found, folder)
-    for path in paths:
-        click.echo(f"massline: wrote {path}.", err=True)
+    with stages("comparing", quiet=as_json) as told:
+        found = compared(Study.of(model, data, asked, told), told)
+    whole = json_text(to_json(found))
+    click.echo(whole if as_json else document(found).text(), nl=as_json)
+    if folder is not None:
+        write_text(folder / RESULT, whole + "\n")
+        click.echo(f"massline: wrote {folder / RESULT}.", err=True)
+        with shown("pictures", quiet=as_json):
+            paths = draw(found, folder)
+        for path in paths:
+            click.echo(f"massline: wrote {path}.", err=True)
 
 
 # Condition number of Eqs. 9 to 11, campaign by campaign.
@@ -406,20 +373,20 @@ def _write(found: Comparison, folder: Path, *, quiet: bool) -> None:
 
 def html(report: Report, figures: Figures) -> Safe:
     """The section; empty where no line has a condition number."""
-    known = [(one.campaign.source, one.findings.lines) for one in report.campaigns if one.findings is not None]
-    parts = [_campaign(name, lines, figures) for name, lines in known if lines is not None]
-    return section("condition", "Condition number of Eqs. 9 to 11", *parts) if parts else Safe("")
-
-
-def _campaign(name: str, lines: UsedLines, figures: Figures) -> Safe:
     from validation.report.charts.identification import condition
 
-    worst, used = int(np.argmax(lines.condition)), int(np.sum(np.asarray(lines.kept) > 0))
-    told = (
-        f"{name}: at most {lines.condition[worst]:.3g}, at {lines.frequency[worst]:.4g} Hz; {used} of "
-        f" {len(lines.frequency)} lines are used. Base motions of all runs, every axis divided by its nominal level"
-    )
-    return joined(figures.placed(condition(lines, name)), parts_notes([told, *lines.reasons]))
+    parts: list[Safe] = []
+    for one in report.campaigns:
+        lines, name = None if one.findings is None else one.findings.lines, one.campaign.source
+        if lines is None:
+            continue
+        worst, used = int(np.argmax(lines.condition)), int(np.sum(np.asarray(lines.kept) > 0))
+        told = (
+            f"{name}: at most {lines.condition[worst]:.3g}, at {lines.frequency[worst]:.4g} Hz; {used} of "
+            f" {len(lines.frequency)} lines are used. Base motions of all runs, every axis divided by its nominal level"
+        )
+        parts += [figures.placed(condition(lines, name)), parts_notes([told, *lines.reasons])]
+    return section("condition", "Condition number of Eqs. 9 to 11", *parts) if parts else Safe("")
 
 
 # Measured beside predicted dynamic mass: the six diagonals of every campaign, and any other entry by choice.
@@ -437,76 +404,59 @@ DYNAMIC_MASS_NOTE = (
 
 def dynamic_mass_html(report: Report, figures: Figures) -> Safe:
     """The section; empty where no dynamic mass was measured."""
+    from validation.report.charts.maps import LOADS, MOTIONS, diagonal, entry, overlay
+
     found = report.comparison
     both = [(of.pairs, modes) for of, modes in zip(found.maps, found.modes, strict=True) if of.pairs is not None]
     if not both:
         return Safe("")
     worst = worst_pairs(found.maps, 36 * len(both))
-    parts = [_dynamic_mass_campaign(pairs, modes, worst, k, figures) for k, (pairs, modes) in enumerate(both)]
-    return section(
-        "dynamic-mass",
-        "Dynamic mass, measured and predicted",
-        parts_notes([DYNAMIC_MASS_NOTE]),
-        _worst(worst[:DYNAMIC_MASS_PAIRS]),
-        *parts,
+    listed = Table(
+        caption="The entries that differ most",
+        rows=worst[:DYNAMIC_MASS_PAIRS],
+        columns=(
+            Column("entry", lambda one: entry(one.load, one.motion), words=True),
+            Column("campaign", lambda one: one.data_set, words=True),
+            Column("load", lambda one: LOADS[one.load], words=True),
+            Column("base motion", lambda one: MOTIONS[one.motion], words=True),
+            Column("at", lambda one: one.frequency, ".2f", unit="Hz"),
+            Column("deviation", lambda one: one.sigma, ".3g", unit="σ"),
+            Column("of the dynamic mass", lambda one: one.percent, ".3g", unit="%"),
+        ),
     )
+    parts = []
+    for k, (pairs, modes) in enumerate(both):
+        group, first = f"entry-{k}", next(one for one in worst if one.data_set == pairs.campaign)
+        every = {f"{i}-{j}": overlay(pairs, i, j, modes=modes) for i in range(6) for j in range(6)}
+        figures.choices(group, every)
+        key = f"{first.load}-{first.motion}"
+        part = tag(
+            "div",
+            tag("h3", pairs.campaign),
+            figures.placed(diagonal(pairs, modes=modes)),
+            tag("h4", "Any entry", class_="screen-only"),
+            tag(
+                "div",
+                _select("load", "load", LOADS, group, first.load),
+                _select("base motion", "motion", MOTIONS, group, first.motion),
+                class_="choice screen-only",
+            ),
+            figures.placed(every[key], screen_only=True, group=group, shown=key),
+            class_="part",
+        )
+        parts.append(part)
+    title = "Dynamic mass, measured and predicted"
+    return section("dynamic-mass", title, parts_notes([DYNAMIC_MASS_NOTE]), listed.html(), *parts)
 
 
-def _dynamic_mass_campaign(
-    pairs: Pairs, modes: Sequence[NamedMode], worst: Sequence[WorstPair], k: int, figures: Figures
-) -> Safe:
-    from validation.report.charts.maps import diagonal
+def _select(what: str, part: str, names: Sequence[str], group: str, chosen: int) -> Safe:
+    from validation.report.charts.maps import SIGNS
 
-    group = f"entry-{k}"
-    first = next(one for one in worst if one.data_set == pairs.campaign)
-    every = _entries(pairs, modes)
-    figures.choices(group, every)
-    key = f"{first.load}-{first.motion}"
-    choice = tag(
-        "div", _select("load", group, first.load), _select("base motion", group, first.motion), class_="choice screen-only"
-    )
-    return tag(
-        "div",
-        tag("h3", pairs.campaign),
-        figures.placed(diagonal(pairs, modes=modes)),
-        tag("h4", "Any entry", class_="screen-only"),
-        choice,
-        figures.placed(every[key], screen_only=True, group=group, shown=key),
-        class_="part",
-    )
-
-
-def _entries(pairs: Pairs, modes: Sequence[NamedMode]) -> dict[str, Figure]:
-    from validation.report.charts.maps import overlay
-
-    return {f"{i}-{j}": overlay(pairs, i, j, modes=modes) for i in range(6) for j in range(6)}
-
-
-def _select(what: str, group: str, chosen: int) -> Safe:
-    from validation.report.charts.maps import LOADS, MOTIONS, SIGNS
-
-    names = LOADS if what == "load" else MOTIONS
     options = [
         tag("option", f"{sign}: {name}", value=str(k), selected=k == chosen)
         for k, (sign, name) in enumerate(zip(SIGNS, names, strict=True))
     ]
-    part = "load" if what == "load" else "motion"
     return tag("label", f"{what} ", tag("select", *options, data_choice=group, data_part=part))
-
-
-def _worst(worst: Sequence[WorstPair]) -> Safe:
-    from validation.report.charts.maps import LOADS, MOTIONS, entry
-
-    columns = (
-        Column("entry", lambda one: entry(one.load, one.motion), words=True),
-        Column("campaign", lambda one: one.data_set, words=True),
-        Column("load", lambda one: LOADS[one.load], words=True),
-        Column("base motion", lambda one: MOTIONS[one.motion], words=True),
-        Column("at", lambda one: one.frequency, ".2f", unit="Hz"),
-        Column("deviation", lambda one: one.sigma, ".3g", unit="σ"),
-        Column("of the dynamic mass", lambda one: one.percent, ".3g", unit="%"),
-    )
-    return Table(caption="The entries that differ most", columns=columns, rows=worst).html()
 
 
 # The sensors of every campaign on a map.
@@ -514,12 +464,12 @@ def _worst(worst: Sequence[WorstPair]) -> Safe:
 
 def sensors_html(report: Report, figures: Figures) -> Safe:
     """The section; empty where nothing could be drawn."""
-    parts = [_sensors_campaign(one) for one in report.campaigns if one.sensors is not None]
+    parts = [
+        tag("div", tag("h3", f"{one.campaign.title} ({one.campaign.source})"), picture(one.sensors), class_="part")
+        for one in report.campaigns
+        if one.sensors is not None
+    ]
     return section("sensors", "Sensors", *parts) if parts else Safe("")
-
-
-def _sensors_campaign(one: CampaignPart) -> Safe:
-    return tag("div", tag("h3", f"{one.campaign.title} ({one.campaign.source})"), picture(one.sensors), class_="part")
 
 
 # Where the model fails: four errors, the worst spots in words, maps in sigmas, runs, classical measurements.
@@ -542,20 +492,14 @@ def _maps(of: Map, modes: Sequence[NamedMode], k: int, figures: Figures) -> Safe
     every |= {str(at): channel_map(of, at, modes=modes) for at in range(len(of.runs))}
     figures.choices(group, every)
     pairs = figures.placed(pair_map(of.pairs, modes=modes)) if of.pairs is not None else None
-    choice = tag(
-        "div", tag("label", "run ", tag("select", *_options(of), data_choice=group, data_part="run")), class_="choice screen-only"
-    )
+    options = [tag("option", "the worst of all runs", value="worst", selected=True)]
+    options += [tag("option", run(name, axis), value=str(j)) for j, (name, axis) in enumerate(zip(of.runs, of.axes, strict=True))]
+    choice = tag("label", "run ", tag("select", *options, data_choice=group, data_part="run"))
     return tag(
         "div",
         tag("h3", f"Map of {of.data_set}"),
-        choice,
+        tag("div", choice, class_="choice screen-only"),
         figures.placed(every["worst"], group=group, shown="worst"),
         pairs,
         class_="part",
     )
-
-
-def _options(of: Map) -> Iterator[Safe]:
-    yield tag("option", "the worst of all runs", value="worst", selected=True)
-    for k, (name, axis) in enumerate(zip(of.runs, of.axes, strict=True)):
-        yield tag("option", run(name, axis), value=str(k))

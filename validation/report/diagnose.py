@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,31 +12,12 @@ import click
 
 from geometry.atomic import probe, write_text
 from geometry.errors import BadInput
-from validation.compare.compare import mapped_all
-from validation.compare.maps import modes_of
+from validation.compare.compare import mapped_all, modes_of
 from validation.diagnose import diagnose
-from validation.diagnose import diagnosis as diagnose_diagnosis
+from validation.diagnose import diagnosis as results
+from validation.diagnose.classical import Needed, SwingAnswer
 from validation.diagnose.classical_tests import SURE
-from validation.diagnose.diagnose import ready
-from validation.diagnose.diagnosis import (
-    AMBIGUOUS,
-    MISSING,
-    MISTAKE,
-    NONLINEAR,
-    NOTHING,
-    SEVERAL,
-    UNKNOWN,
-    Cause,
-    Detectable,
-    Diagnosis,
-    EffectEstimate,
-    MeasurementInput,
-    Needed,
-    ReportedStep,
-    SwingAnswer,
-    headline,
-)
-from validation.diagnose.diagnosis import asked as asked_for
+from validation.diagnose.diagnose import of_levels, ready
 from validation.diagnose.nonlinear import require_levels
 from validation.diagnose.pendulum import only_classical
 from validation.effects import practical_units
@@ -47,7 +29,8 @@ from validation.estimation.evaluate import named, without
 from validation.estimation.verdicts import figure
 from validation.history import add
 from validation.history.add import at_offsets, kept_offsets
-from validation.history.history import HistoryPosition, Version, history_position, is_worth_adding, reminded, undone
+from validation.history.history import HistoryPosition, Version, history_position, reminded, undone
+from validation.history.verdict import is_worth_adding
 from validation.model import model_file
 from validation.model.model import Added, Model
 from validation.output import json_text, stages, to_json
@@ -91,36 +74,29 @@ THRESHOLD = "worth_nats"
 """Key of the settings by which a diagnosis says what it asked for, of each family that has its own and of all others, by ""."""
 
 
-def draw(found: Diagnosis, folder: Path) -> tuple[Path, ...]:
+def draw(found: results.Diagnosis, folder: Path) -> tuple[Path, ...]:
     """Write every picture that `found` has the evidence for into `folder`, and say where they are."""
+    named = results.listed([one.id for one in found.accepted])
+    told = {
+        results.NOTHING: "nothing is missing",
+        results.UNKNOWN: "unknown",
+        results.AMBIGUOUS: f"one of {results.listed(found.equivalence_class, 'or')}",
+    }
+    title = f"Diagnosis: {told.get(found.verdict) or named or found.verdict}"
     made = []
     if tried(found):
-        chart = crosscheck.causes_of(found, _title(found), EVIDENCE_NOTE, asked(found))
-        crosscheck.draw_evidence(chart, folder / EVIDENCE)
+        crosscheck.draw_evidence(crosscheck.causes_of(found, title, EVIDENCE_NOTE, asked(found)), folder / EVIDENCE)
         made.append(folder / EVIDENCE)
     after = None if found.after is found.before else found.after
-    crosscheck.draw_before_after(crosscheck.changes_of(found.before, after, _title(found), _held(found)), folder / ERRORS)
+    held = f"Held out: {results.listed(found.hold_out)}." if found.hold_out else ""
+    crosscheck.draw_before_after(crosscheck.changes_of(found.before, after, title, held), folder / ERRORS)
     return (*made, folder / ERRORS)
 
 
-def asked(found: Diagnosis) -> float | None:
+def asked(found: results.Diagnosis) -> float | None:
     """[nats] that a diagnosis asks of most families; None where it does not say."""
     said = found.settings.get(THRESHOLD)
     return float(said[""]) if isinstance(said, Mapping) and "" in said else None
-
-
-def _title(found: Diagnosis) -> str:
-    names = diagnose_diagnosis.listed([one.id for one in found.accepted])
-    told = {
-        NOTHING: "nothing is missing",
-        UNKNOWN: "unknown",
-        AMBIGUOUS: f"one of {diagnose_diagnosis.listed(found.equivalence_class, 'or')}",
-    }
-    return f"Diagnosis: {told.get(found.verdict) or names or found.verdict}"
-
-
-def _held(found: Diagnosis) -> str:
-    return f"Held out: {diagnose_diagnosis.listed(found.hold_out)}." if found.hold_out else ""
 
 
 # `massline diagnose --auto`: diagnose, add what is missing as a rung, and diagnose again, until the rules say stop.
@@ -141,10 +117,10 @@ MOST_ROUNDS = 6
 """Diagnoses in a row, before something is wrong with the climb itself."""
 
 ENDED = {
-    NOTHING: "nothing more{asked} is missing at the resolution of these data",
-    AMBIGUOUS: "these data cannot tell what comes next; the rung takes the first of those that explain them alike",
-    NONLINEAR: "what depends on the level is no matter of a linear fit",
-    UNKNOWN: "what is left is explained by no effect that was looked for",
+    results.NOTHING: "nothing more{asked} is missing at the resolution of these data",
+    results.AMBIGUOUS: "these data cannot tell what comes next; the rung takes the first of those that explain them alike",
+    results.NONLINEAR: "what depends on the level is no matter of a linear fit",
+    results.UNKNOWN: "what is left is explained by no effect that was looked for",
 }
 """Why a climb ends, by the last verdict."""
 
@@ -153,7 +129,7 @@ NO_MORE = "what was found is in the model already"
 TOO_LONG = "{rounds} diagnoses in a row found something: look at the ladder before going on"
 
 Progress = Callable[[str, float], None]
-Diagnose = Callable[[Study], Diagnosis]
+Diagnose = Callable[[Study], results.Diagnosis]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -168,7 +144,7 @@ class Climb:
     at : where the model stands now
     """
 
-    rounds: tuple[Diagnosis, ...]
+    rounds: tuple[results.Diagnosis, ...]
     rungs: tuple[Version, ...]
     ended: str
     at: HistoryPosition
@@ -178,9 +154,13 @@ class Climb:
 class DiagnosisListener:
     """Who hears of what is finished: a diagnosis, a rung, and how far the work is."""
 
-    diagnosed: Callable[[Diagnosis], None] = lambda found: None
+    diagnosed: Callable[[results.Diagnosis], None] = lambda found: None
     added: Callable[[Version], None] = lambda rung: None
     progress: Progress = lambda what, share: None
+
+    def said(self, of: str, what: str, share: float) -> None:
+        """Progress of a part `of` the work."""
+        self.progress(f"{of}: {what}", share)
 
 
 def climb(asked: Options, bench: Study, diagnose: Diagnose, heard: DiagnosisListener | None = None) -> Climb:
@@ -202,13 +182,17 @@ def climb(asked: Options, bench: Study, diagnose: Diagnose, heard: DiagnosisList
         found = diagnose(bench)
         rounds.append(found)
         told.diagnosed(found)
-        ended = ENDED.get(found.verdict, "").format(asked=asked_for(found))
+        ended = ENDED.get(found.verdict, "").format(asked=results.asked(found))
         more = new(found, bench.model)
         for cause in more:
-            rung, below = _added(bench, cause, found, told.progress)
+            others = [id for id in found.equivalence_class if id != cause.id] if cause.id in found.equivalence_class else []
+            remarks = (f"These data cannot tell it from {' or '.join(others)}.",) if others else ()
+            progress = partial(told.said, f"adding {cause.id}")
+            step = add.added(bench, add.AddedEffectOptions(effect=str(cause.named), remarks=remarks), progress)
+            rung = step.after
             if not is_worth_adding(rung) and rung.gain is not None:
                 undone(history_position(asked.path))
-                ended = NOT_WORTH.format(effect=cause.id, below=below)
+                ended = NOT_WORTH.format(effect=cause.id, below=step.before.number)
                 break
             rungs.append(rung)
             told.added(rung)
@@ -219,44 +203,14 @@ def climb(asked: Options, bench: Study, diagnose: Diagnose, heard: DiagnosisList
         bench = bench.by(model_file.read(asked.model))
 
 
-def new(found: Diagnosis, model: Model) -> tuple[Cause, ...]:
+def new(found: results.Diagnosis, model: Model) -> tuple[results.Cause, ...]:
     """What becomes a rung: accepted, and not in `model` yet; of an unknown effect nothing does."""
-    if found.verdict == UNKNOWN:
+    if found.verdict == results.UNKNOWN:
         return ()
     known = {one.named.id for one in model.effects}
     more = tuple(one for one in found.accepted if one.id not in known)
     wrong = tuple(one for one in more if FAMILIES[one.named.family].side == OF_MISTAKES)
-    return wrong if found.verdict == MISTAKE and wrong else more
-
-
-def _added(study: Study, cause: Cause, found: Diagnosis, progress: Progress) -> tuple[Version, int]:
-    """The rung of `cause`, and the number of the one below."""
-    step = add.added(
-        study,
-        add.AddedEffectOptions(effect=str(cause.named), remarks=_alike(cause, found)),
-        lambda what, share: progress(f"adding {cause.id}: {what}", share),
-    )
-    return step.after, step.before.number
-
-
-def _alike(cause: Cause, found: Diagnosis) -> Sequence[str]:
-    others = [id for id in found.equivalence_class if id != cause.id]
-    if cause.id not in found.equivalence_class or not others:
-        return ()
-    return (f"These data cannot tell it from {' or '.join(others)}.",)
-
-
-def automatic_json(found: Climb) -> dict[str, Any]:
-    """What --json says of a climb beside its first diagnosis."""
-    rounds = [{"verdict": one.verdict, "headline": headline(one), "accepted": to_json(one.accepted)} for one in found.rounds]
-    return {
-        "auto": {
-            "ended": found.ended,
-            "rungs": [rung.number for rung in found.rungs],
-            "rounds": rounds,
-            "ladder": of_ladder(found.at),
-        }
-    }
+    return wrong if found.verdict == results.MISTAKE and wrong else more
 
 
 # The smallest sizes that would have been named, for people: by side of the catalogue and family, in units of a laboratory.
@@ -292,18 +246,43 @@ class DetectableRow:
     count: int
 
 
-def rows(of: Sequence[Detectable]) -> tuple[DetectableRow, ...]:
+def rows(of: Sequence[results.Detectable]) -> tuple[DetectableRow, ...]:
     """`of` by family, in the order of the catalogue; a family that says its sizes in several units has a row for each."""
-    return tuple(_rows(of))
+
+    def target(one: results.Detectable) -> str:
+        return ", ".join(part for part in (one.id.partition(":")[2], one.at and f"at {one.at}") if part)
+
+    found = []
+    for name, family in FAMILIES.items():
+        every = [one for one in of if one.id.partition(":")[0] == name]
+        for unit in dict.fromkeys(one.unit for one in every):
+            own = sorted((one for one in every if one.unit == unit), key=lambda one: one.size)
+            least, greatest = own[0], own[-1]
+            low, high = said(least.size, unit), said(greatest.size, unit)
+            together = greatest.size <= SPREAD * least.size or low == high
+            row = DetectableRow(
+                side=family.side,
+                family=name,
+                least=least.size,
+                greatest=greatest.size,
+                unit=unit,
+                text=low if together else f"{low} to {high}",
+                best=target(least),
+                worst="" if together else target(greatest),
+                count=len(own),
+            )
+            found.append(row)
+    return tuple(found)
 
 
-def grid(of: Sequence[Detectable]) -> Grid:
+def grid(of: Sequence[results.Detectable]) -> Grid:
     """`rows` as a table, each side of the catalogue under its heading."""
     lines: list[tuple[str, str, str]] = []
     side = ""
     for one in rows(of):
         lines += [(one.side, "", "")] if one.side != side else []
-        lines.append((f"  {one.family}", one.text, _where(one)))
+        several = f"{one.best} to {one.worst}, {one.count} in all" if one.worst else f"all {one.count} alike"
+        lines.append((f"  {one.family}", one.text, one.best if one.count == 1 else several))
         side = one.side
     first, size, where = zip(*lines, strict=True)
     return Grid(
@@ -312,42 +291,6 @@ def grid(of: Sequence[Detectable]) -> Grid:
         words=True,
         caption="The smallest sizes that would have been named",
     )
-
-
-def _rows(of: Sequence[Detectable]) -> Iterator[DetectableRow]:
-    for name, family in FAMILIES.items():
-        own = [one for one in of if one.id.partition(":")[0] == name]
-        for unit in dict.fromkeys(one.unit for one in own):
-            yield _row(family.side, name, unit, sorted((one for one in own if one.unit == unit), key=lambda one: one.size))
-
-
-def _row(side: str, family: str, unit: str, of: Sequence[Detectable]) -> DetectableRow:
-    least, greatest = of[0], of[-1]
-    low, high = said(least.size, unit), said(greatest.size, unit)
-    together = greatest.size <= SPREAD * least.size or low == high
-    return DetectableRow(
-        side=side,
-        family=family,
-        least=least.size,
-        greatest=greatest.size,
-        unit=unit,
-        text=low if together else f"{low} to {high}",
-        best=_target(least),
-        worst="" if together else _target(greatest),
-        count=len(of),
-    )
-
-
-def _target(of: Detectable) -> str:
-    return ", ".join(part for part in (of.id.partition(":")[2], of.at and f"at {of.at}") if part)
-
-
-def _where(of: DetectableRow) -> str:
-    if of.count == 1:
-        return of.best
-    if not of.worst:
-        return f"all {of.count} alike"
-    return f"{of.best} to {of.worst}, {of.count} in all"
 
 
 # The page of a diagnosis without a campaign: the verdict, the measurements, what each effect would need, what to do next.
@@ -362,40 +305,30 @@ MOST = 8
 PLACES = "point-mass"
 
 HEADLINES = {
-    NOTHING: "NOTHING IS MISSING at the resolution of these measurements",
-    MISSING: "MISSING",
-    AMBIGUOUS: "MISSING IS one of several that these measurements cannot tell apart",
-    SEVERAL: "SEVERAL ARE MISSING",
-    UNKNOWN: "UNKNOWN: something is missing, and no effect that massline knows explains it",
+    results.NOTHING: "NOTHING IS MISSING at the resolution of these measurements",
+    results.MISSING: "MISSING",
+    results.AMBIGUOUS: "MISSING IS one of several that these measurements cannot tell apart",
+    results.SEVERAL: "SEVERAL ARE MISSING",
+    results.UNKNOWN: "UNKNOWN: something is missing, and no effect that massline knows explains it",
 }
 """By verdict."""
 
 
-def title(model: str, files: Sequence[str]) -> str:
+MEASURE = "measure this, and expect that much evidence of it"
+
+
+def title(model: str, data: Sequence[str]) -> str:
     """Model and data."""
-    return f"What {model} is missing beside {', '.join(files)}"
-
-
-def opening(found: SwingAnswer) -> Iterator[str]:
-    """The verdict, and what there is to say of it."""
-    yield f"{HEADLINES[found.verdict]}."
-    yield found.text
+    return f"What {model} is missing beside {', '.join(data)}"
 
 
 def classical_document(found: SwingAnswer, named: str) -> Document:
-    """All of it, in the order in which it is read."""
-    tables = (facts(found), needed(found.needed), readings(found), classical_advice(found))
-    least = grid(found.detectable) if found.detectable else None
-    return Document(title=named, opening=tuple(opening(found)), blocks=(*tables, least), notes=tuple(notes(found)))
-
-
-def facts(found: SwingAnswer) -> Table:
-    """Every measurement beside the model."""
+    """All of a diagnosis without a campaign, in the order in which it is read."""
     several = len({one.name.removesuffix(one.quantity) for one in found.facts}) > 1
-    return Table(
+    facts = Table(
         rows=found.facts,
         columns=(
-            Column("measurement", lambda one: f"{one.name if several else one.quantity} [{_unit(one.unit)}]", words=True),
+            Column("measurement", lambda one: f"{one.name if several else one.quantity} [{one.unit.replace('^2', '²')}]"),
             Column("measured", lambda one: toleranced(one.measured, one.deviation)),
             Column("sd", lambda one: toleranced(one.deviation, one.deviation)),
             Column("model", lambda one: toleranced(one.predicted, one.deviation)),
@@ -403,91 +336,59 @@ def facts(found: SwingAnswer) -> Table:
             Column("sigma", lambda one: -one.sigma, "+.1f"),
         ),
     )
+    # What every effect would have to be, places of one kind in one line
+    places: dict[str, list[Needed]] = {}
+    for needed in found.needed:
+        family, _, _ = needed.id.partition(":")
+        places.setdefault(family if family == PLACES else needed.id, []).append(needed)
 
+    def size(of: Sequence[Needed]) -> str:
+        if len(of) == 1:
+            return of[0].text
+        low, high = (end(of, key=lambda one: one.value) for end in (min, max))
+        least = min(of, key=lambda one: abs(one.value))
+        anywhere = f"at any of {len(of)} places {said(low.value, low.unit)} to {said(high.value, high.unit)}"
+        return f"{anywhere}; at {least.id.partition(':')[2]} {least.text}"
 
-def needed(of: Sequence[Needed]) -> Table:
-    """What every effect would have to be, places of one kind in one line."""
-    return Table(
-        rows=list(_together(of).items()),
+    effects = Table(
+        rows=list(places.items()),
         columns=(
-            Column("effect", lambda row: row[0], words=True),
+            Column("effect", lambda row: row[0]),
             Column("evidence [nats]", lambda row: max(one.evidence for one in row[1]), "+.1f"),
-            Column("size that would explain it by itself", lambda row: _thought(row[1]), words=True),
+            Column("size that would explain it by itself", lambda row: size(row[1]), words=True),
         ),
     )
-
-
-def readings(found: SwingAnswer) -> Table:
-    """Inputs that would explain it, were they wrong."""
-    return Table(
-        rows=_near(found),
+    inputs = Table(  # that would explain it, were they wrong
+        rows=[one for one in found.readings if abs(one.tolerances) <= FAR and abs(one.change) < abs(one.value)],
         columns=(
-            Column("or a wrong input [SI]", lambda one: one.name, words=True),
+            Column("or a wrong input [SI]", lambda one: one.name),
             Column("as stated", lambda one: one.value, ".6g"),
             Column("it would be off by", lambda one: one.change, "+.2g"),
             Column("in its tolerances", lambda one: one.tolerances, "+.1f"),
         ),
     )
 
+    def nats(gain: float) -> str:
+        """Of a test; where it decides anyway, no more than that."""
+        return NONE if gain == 0 else f"> {SURE:.0f}" if gain > SURE else significant(gain, 2)
 
-MEASURE = "measure this, and expect that much evidence of it"
-
-
-def classical_advice(found: SwingAnswer) -> Table:
-    """What to measure next, the best first."""
-    return Table(
+    advice = Table(
         rows=list(enumerate(found.advice[:MOST], start=1)),
         columns=(
-            Column("next", lambda row: f"{row[0]}", words=True),
-            Column("nats", lambda row: _nats(row[1].gain), aligned=False),
-            Column(MEASURE, lambda row: _sentence(row[1].test), words=True),
+            Column("next", lambda row: f"{row[0]}"),
+            Column("nats", lambda row: nats(row[1].gain), aligned=False),
+            Column(MEASURE, lambda row: f"{row[1].test[:1].upper()}{row[1].test[1:]}", words=True),
         ),
     )
-
-
-def notes(found: SwingAnswer) -> Iterator[str]:
-    """What must be known to read the tables, then warnings."""
-    yield "Sigma: measured less the model's, over the standard deviation; what is stated as a tolerance is a 95 % limit."
-    yield "Evidence: how much more probable the measurements are with it than without it, in nats: 3 is 20 to 1, 7 is 1000 to 1."
-    if len(found.advice) > MOST:
-        yield f"--json has {len(found.advice) - MOST} more tests."
-    yield from (f"warning: {text}." for text in found.remarks)
-
-
-def _near(found: SwingAnswer) -> list[MeasurementInput]:
-    return [one for one in found.readings if abs(one.tolerances) <= FAR and abs(one.change) < abs(one.value)]
-
-
-def _together(of: Sequence[Needed]) -> dict[str, list[Needed]]:
-    found: dict[str, list[Needed]] = {}
-    for one in of:
-        family, _, _ = one.id.partition(":")
-        found.setdefault(family if family == PLACES else one.id, []).append(one)
-    return found
-
-
-def _thought(of: Sequence[Needed]) -> str:
-    if len(of) == 1:
-        return of[0].text
-    low, high = (end(of, key=lambda one: one.value) for end in (min, max))
-    least = min(of, key=lambda one: abs(one.value))
-    places = f"at any of {len(of)} places {said(low.value, low.unit)} to {said(high.value, high.unit)}"
-    return f"{places}; at {least.id.partition(':')[2]} {least.text}"
-
-
-def _nats(gain: float) -> str:
-    """Of a test; where it decides anyway, no more than that."""
-    if gain == 0:
-        return NONE
-    return f"> {SURE:.0f}" if gain > SURE else significant(gain, 2)
-
-
-def _sentence(text: str) -> str:
-    return f"{text[:1].upper()}{text[1:]}"
-
-
-def _unit(unit: str) -> str:
-    return unit.replace("^2", "²")
+    least = grid(found.detectable) if found.detectable else None
+    notes = [
+        "Sigma: measured less the model's, over the standard deviation; what is stated as a tolerance is a 95 % limit.",
+        "Evidence: how much more probable the measurements are with it than without it, in nats: 3 is 20 to 1, 7 is 1000 to 1.",
+        *([f"--json has {len(found.advice) - MOST} more tests."] if len(found.advice) > MOST else []),
+        *(f"warning: {text}." for text in found.remarks),
+    ]
+    opening = (f"{HEADLINES[found.verdict]}.", found.text)
+    return Document(title=named, opening=opening, blocks=(facts, effects, inputs, advice, least), notes=notes)
 
 
 # `massline diagnose` where no campaign is among the data, from options to output.
@@ -504,7 +405,10 @@ def answer(asked: Options, files: Sequence[str], *, auto: bool, as_json: bool, f
     ------
     BadInput : a model or a file that cannot be used, or an option that asks for a campaign.
     """
-    _require_nothing_of_spectra(asked, auto=auto)
+    given = {"--auto": auto, "--hold-out": bool(asked.hold_out), "--band": asked.band is not None}
+    for option in (option for option, there in given.items() if there):
+        problem = "there is no campaign among DATA: weights and periods alone are neither held out nor climbed on"
+        raise BadInput(source=option, problem=problem, remedy="Leave it out, or name a campaign folder, too")
     with reminded(asked.path):
         model = model_file.read(asked.model)
     with stages("diagnosing", quiet=as_json) as told:
@@ -513,31 +417,16 @@ def answer(asked: Options, files: Sequence[str], *, auto: bool, as_json: bool, f
     if as_json:
         click.echo(json_text(whole))
     else:
-        named = title(asked.path.name, files)
-        click.echo(classical_document(found, named).text(), nl=False)
+        click.echo(classical_document(found, title(asked.path.name, files)).text(), nl=False)
     if folder is not None:
         write_text(folder / RESULT, json_text(whole) + "\n")
         click.echo(f"massline: wrote {folder / RESULT}.", err=True)
 
 
-def _require_nothing_of_spectra(asked: Options, *, auto: bool) -> None:
-    """Refuse options that mean nothing without a campaign.
-
-    Raises
-    ------
-    BadInput : names the option.
-    """
-    given = {"--auto": auto, "--hold-out": bool(asked.hold_out), "--band": asked.band is not None}
-    for option, there in given.items():
-        if there:
-            problem = "there is no campaign among DATA: weights and periods alone are neither held out nor climbed on"
-            raise BadInput(source=option, problem=problem, remedy="Leave it out, or name a campaign folder, too")
-
-
 # Where an unknown effect shows: the map of what is left once everything that was accepted acts.
 
 
-def draw_left(found: Diagnosis, bench: Study, folder: Path, progress: Callable[[float], None]) -> tuple[Path, ...]:
+def draw_left(found: results.Diagnosis, bench: Study, folder: Path, progress: Callable[[float], None]) -> tuple[Path, ...]:
     """Write a map of each campaign into `folder`: channels and loads in sigmas, at the plain fit with what was accepted."""
     whole = bench.whole([Added(named=one.named) for one in found.accepted])
     known = without(whole, named(whole, bench.hold_out)) if bench.hold_out else whole
@@ -559,258 +448,284 @@ RANKED = 8
 CLOSE = 3.0
 """[nats] from which what was not worth a name is worth a word: 20 to 1."""
 
-SAID_ALL = (NOTHING, MISSING, AMBIGUOUS, SEVERAL)
+SAID_ALL = (results.NOTHING, results.MISSING, results.AMBIGUOUS, results.SEVERAL)
 """Verdicts of which the one sentence says all that a text would."""
 
-NOT_FITTED = (MISTAKE, NONLINEAR)
+NOT_FITTED = (results.MISTAKE, results.NONLINEAR)
 """Verdicts of which the model as it was is held against the data without a fit, so that there is no evidence to compare."""
 
 
-def diagnosis_title(model: str, data_sets: Sequence[str]) -> str:
-    """Model and data."""
-    return f"What {model} is missing beside {', '.join(data_sets)}"
-
-
-def diagnosis_opening(found: Diagnosis) -> Iterator[str]:
-    """The verdict in one sentence, and what there is to say of it."""
-    first = diagnose_diagnosis.headline(found)
-    yield first
-    if found.text and found.verdict not in SAID_ALL:
-        yield found.text
-    if found.verdict == NOTHING and found.ranking and found.ranking[0].evidence >= CLOSE:
-        one = found.ranking[0]
-        cause = diagnose_diagnosis.cause(one)
-        yield f"The closest is {cause}: {one.evidence:.1f} nats, less than is asked for. Other data decide."
-
-
-def diagnosis_grids(found: Diagnosis) -> list[Grid]:
-    """All tables of a terminal, in the order in which they are read."""
-    return document(found).grids()
-
-
-def document(found: Diagnosis) -> Document:
-    """All of a diagnosis, in the order in which it is read."""
-    from validation.report.charts.crosscheck import before_and_after, evidence
-
-    after = None if found.after is found.before else found.after
-    return Document(
-        opening=tuple(diagnosis_opening(found)),
-        blocks=(
-            causes(found.accepted) if found.accepted else None,
-            Drawn(lambda: evidence(found)) if tried(found) else None,
-            _tried(found),
-            *(explained(one) for one in found.accepted),
-            alike(found) if len(found.equivalence_class) > 1 else None,
-            diagnosis_advice(found),
-            diagnosis_leftover(found) if found.leftover is not None else None,
-            levels(found),
-            Drawn(lambda: before_and_after(found.before, after)),
-            errors(found),
-            _error_table(found),
-            ranking(found),
-            steps(found),
-            grid(found.detectable) if found.detectable and found.verdict == NOTHING else None,
-        ),
-        notes=tuple(diagnosis_notes(found)),
-    )
-
-
-def causes(of: Sequence[Cause]) -> Grid:
-    """What is missing, size by size."""
-    lines = [line for one in of for line in _sizes(one)]
-    first, *rest = zip(*lines, strict=True)
-    header = ("missing", "size", "90 % interval", "unit", "evidence [nats]")
-    return Grid(header=header, lines=tuple(zip(first, *_columns(rest), strict=True)))
-
-
-def explained(one: Cause) -> Grid:
+def explained(one: results.Cause) -> Grid:
     """One cause for somebody who never heard of it."""
     lines = (
         ("means", one.text),
         *((("these data say", one.note),) if one.note else ()),
-        ("mistaken for", ", ".join(one.mistaken_for) or NONE),
+        ("mistaken for", results.mistaken(one)),
         ("confirm it by", one.confirmed_by or NONE),
     )
     return Grid(header=(one.id, one.named.what), lines=lines, words=True, caption=f"{one.id}: {one.named.what}")
 
 
-def alike(found: Diagnosis) -> Grid:
-    """What these data cannot tell apart."""
-    before = [one for step in found.steps for one in step.ranking]
-    known = {one.id: one for one in (*before, *found.ranking, *found.accepted)}
-    lines = tuple((id, _diagnosis_alike(id, known.get(id))) for id in found.equivalence_class)
-    header = ("one of these", "size (90 %), evidence, and what it is")
-    return Grid(header=header, lines=lines, words=True, caption="What these data cannot tell apart")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DiagnosisPage:
+    """What a page says of the diagnosis that was `found`, part by part."""
 
+    found: results.Diagnosis
 
-def diagnosis_advice(found: Diagnosis) -> Table:
-    """What to measure next, the best first."""
-    return Table(
-        caption="The next measurement, the best first",
-        rows=list(enumerate(found.advice, start=1)),
-        columns=(
-            Column("next", lambda row: f"{row[0]}", words=True),
-            Column("expected evidence", lambda row: row[1].gain if row[1].gain > 0 else None, ".3g", unit="nats", on=PAGE),
-            Column("nats", lambda row: figure(row[1].gain) if row[1].gain > 0 else NONE, aligned=False, on=TERMINAL),
-            Column("work", lambda row: row[1].hours or None, "g", unit="h", on=PAGE),
-            Column("measure this", lambda row: row[1].test, words=True, on=PAGE),
-            Column("tells apart", lambda row: diagnose_diagnosis.listed(row[1].separates), words=True, on=PAGE),
-            Column(MEASURE, lambda row: _advised(row[1].test, row[1].separates), words=True, on=TERMINAL),
-        ),
-    )
+    def document(self) -> Document:
+        """All of it, in the order in which it is read."""
+        from validation.report.charts.crosscheck import before_and_after, evidence
 
-
-def diagnosis_leftover(found: Diagnosis) -> Grid:
-    """What no effect explains."""
-    of = found.leftover
-    if of is None:
-        return Grid(header=("", ""), lines=())
-    where = f"{of.load} by {of.motion}" if of.load else ", ".join(of.channels[:4])
-    size = NONE if of.size is None else f"{of.size:.3g} {'' if of.unit == '1' else of.unit}".rstrip()
-    at = NONE if of.frequency is None else f"{of.frequency:.2f} Hz"
-    lines = (
-        ("what is left", of.text),
-        ("looks like", of.looks_like),
-        ("where", where or NONE),
-        ("size", size),
-        ("resonance at", at),
-        ("share of it that this covers", f"{100 * of.share:.0f} %"),
-    )
-    kept = tuple(line for line in lines if line[1] != NONE)
-    return Grid(header=("leftover", "in words"), lines=kept, words=True, caption="What no effect explains")
-
-
-def levels(found: Diagnosis) -> Grid:
-    """Axes that answer otherwise at another level."""
-    lines = tuple(
-        (
-            f"{one.data_set}: {one.runs[0]} against {one.runs[1]}",
-            figure(one.sigma),
-            f"{one.axis}, most at {one.frequency:.1f} Hz, in {diagnose_diagnosis.listed(one.channels)}",
+        found = self.found
+        after = None if found.after is found.before else found.after
+        return Document(
+            opening=tuple(self.opening()),
+            blocks=(
+                self.causes(),
+                Drawn(lambda: evidence(found)) if tried(found) else None,
+                self.tried(),
+                *map(explained, found.accepted),
+                self.alike() if len(found.equivalence_class) > 1 else None,
+                self.advice(),
+                self.leftover(),
+                self.levels(),
+                Drawn(lambda: before_and_after(found.before, after)),
+                self.errors(),
+                self.errors_of_page(),
+                self.ranking(),
+                self.steps(),
+                grid(found.detectable) if found.detectable and found.verdict == results.NOTHING else None,
+            ),
+            notes=tuple(self.notes()),
         )
-        for one in found.levels
-    )
-    header = ("two levels", "sigma", "axis, and where")
-    return Grid(header=header, lines=lines, words=True, caption="Two levels that do not give the same")
+
+    def opening(self) -> Iterator[str]:
+        """The verdict in one sentence, and what there is to say of it."""
+        first = results.headline(self.found)
+        yield first
+        if self.found.text and self.found.verdict not in SAID_ALL:
+            yield self.found.text
+        if self.found.verdict == results.NOTHING and self.found.ranking and self.found.ranking[0].evidence >= CLOSE:
+            one = self.found.ranking[0]
+            cause = results.cause(one)
+            yield f"The closest is {cause}: {one.evidence:.1f} nats, less than is asked for. Other data decide."
+
+    def causes(self) -> Grid | None:
+        """What is missing, a line a size; one of a mistake that has none."""
+        lines: list[tuple[str, ...]] = []
+        for one in self.found.accepted:
+            evidence = f"{one.evidence:+.1f}"
+            for size in one.sizes:
+                value, low, high, unit = results.interval(one, size)
+                interval = NONE if size.low == size.high else f"{low} to {high}"
+                lines.append((f"{one.id} {size.key}".rstrip(), value, interval, unit or NONE, evidence))
+                evidence = ""
+            if not one.sizes:
+                lines.append((one.id, NONE, NONE, NONE, evidence))
+        if not lines:
+            return None
+        first, *rest = zip(*lines, strict=True)
+        header = ("missing", "size", "90 % interval", "unit", "evidence [nats]")
+        return Grid(header=header, lines=tuple(zip(first, *[aligned(column) for column in rest], strict=True)))
+
+    def alike(self) -> Grid:
+        """What these data cannot tell apart."""
+        before = [one for step in self.found.steps for one in step.ranking]
+        known = {one.id: one for one in (*before, *self.found.ranking, *self.found.accepted)}
+
+        def what(id: str) -> str:
+            one = known.get(id)
+            if one is None:
+                return f"does the same to these data, and was not fitted: {results.what(id)}"
+            sizes = "; ".join(results.sized(one, size) for size in one.sizes)
+            return f"{sizes}, {one.evidence:+.1f} nats: {one.named.what}"
+
+        lines = tuple((id, what(id)) for id in self.found.equivalence_class)
+        header = ("one of these", "size (90 %), evidence, and what it is")
+        return Grid(header=header, lines=lines, words=True, caption="What these data cannot tell apart")
+
+    def advice(self) -> Table:
+        """What to measure next, the best first."""
+
+        def in_words(row: Any) -> str:
+            test, separates = row[1].test, row[1].separates
+            names = ["no effect at all" if one == results.NOTHING else one for one in separates]
+            apart = f" It tells {results.listed(names)} apart." if len(names) > 1 else ""
+            return f"{test[:1].upper()}{test[1:].rstrip('.')}.{apart}"
+
+        return Table(
+            caption="The next measurement, the best first",
+            rows=list(enumerate(self.found.advice, start=1)),
+            columns=(
+                Column("next", lambda row: f"{row[0]}", words=True),
+                Column("expected evidence", lambda row: row[1].gain if row[1].gain > 0 else None, ".3g", unit="nats", on=PAGE),
+                Column("nats", lambda row: figure(row[1].gain) if row[1].gain > 0 else NONE, aligned=False, on=TERMINAL),
+                Column("work", lambda row: row[1].hours or None, "g", unit="h", on=PAGE),
+                Column("measure this", lambda row: row[1].test, words=True, on=PAGE),
+                Column("tells apart", lambda row: results.listed(row[1].separates), words=True, on=PAGE),
+                Column(MEASURE, in_words, words=True, on=TERMINAL),
+            ),
+        )
+
+    def leftover(self) -> Grid | None:
+        """What no effect explains."""
+        of = self.found.leftover
+        if of is None:
+            return None
+        where = f"{of.load} by {of.motion}" if of.load else ", ".join(of.channels[:4])
+        size = NONE if of.size is None else f"{of.size:.3g} {'' if of.unit == '1' else of.unit}".rstrip()
+        at = NONE if of.frequency is None else f"{of.frequency:.2f} Hz"
+        lines = (
+            ("what is left", of.text),
+            ("looks like", of.looks_like),
+            ("where", where or NONE),
+            ("size", size),
+            ("resonance at", at),
+            ("share of it that this covers", f"{100 * of.share:.0f} %"),
+        )
+        kept = tuple(line for line in lines if line[1] != NONE)
+        return Grid(header=("leftover", "in words"), lines=kept, words=True, caption="What no effect explains")
+
+    def levels(self) -> Grid:
+        """Axes that answer otherwise at another level."""
+        lines = tuple(
+            (
+                f"{one.data_set}: {one.runs[0]} against {one.runs[1]}",
+                figure(one.sigma),
+                f"{one.axis}, most at {one.frequency:.1f} Hz, in {results.listed(one.channels)}",
+            )
+            for one in self.found.levels
+        )
+        header = ("two levels", "sigma", "axis, and where")
+        return Grid(header=header, lines=lines, words=True, caption="Two levels that do not give the same")
+
+    def errors(self) -> Grid:
+        """The four errors without and with what was accepted."""
+        before, after = self.found.before, self.found.after
+        both = (before,) if before is after else (before, after)
+        kept = [(name, cells) for name, cells in error_lines(*both) if set(cells) != {NONE}]
+        gain = after.fitted.log_evidence - before.fitted.log_evidence
+        if len(both) > 1 and self.found.verdict not in NOT_FITTED:
+            kept.append(("evidence gained [nats]", [NONE, f"{gain:+.1f}"]))
+        columns = [aligned(tuple(column)) for column in zip(*(cells for _, cells in kept), strict=True)]
+        header = ("the four errors", "before", "after") if len(both) > 1 else ("the four errors", "now")
+        return Grid(header=header, lines=tuple(zip((name for name, _ in kept), *columns, strict=True)))
+
+    def errors_of_page(self) -> Table:
+        """The same for a page, an error a row with its unit."""
+        before, after = error_figures(self.found.before), error_figures(self.found.after)
+        if self.found.after is self.found.before:
+            after = {}
+        return Table(
+            caption="The errors before and after what was found is added",
+            rows=[row for row in ERROR_NAMES if before[row[2]] is not None],
+            columns=(
+                Column("error", lambda row: row[0], words=True),
+                Column("unit", lambda row: row[1], words=True),
+                Column("before", lambda row: before[row[2]]),
+                Column("after", lambda row: after.get(row[2])),
+            ),
+            on=PAGE,
+        )
+
+    def tried(self) -> Table:
+        """Every cause that was tried, a line for each of its numbers: name, value, both ends of its interval, unit."""
+        every = {one.id: one for one in (*self.found.ranking, *self.found.accepted)}.values()  # as it was accepted
+        rows: list[tuple[results.Cause, tuple[Cell, ...]]] = []
+        for one in sorted(every, key=lambda one: -one.evidence):
+            for size in one.sizes:
+                *figures, unit = results.interval(one, size)
+                value, low, high = (Number(value=float(text), text=text.replace("-", "−")) for text in figures)
+                fitted = size.low != size.high
+                rows.append((one, (size.key or one.named.what, value, *((low, high) if fitted else (EMPTY, EMPTY)), unit)))
+            if not one.sizes:
+                rows.append((one, (NONE, EMPTY, EMPTY, EMPTY, "")))
+        return Table(
+            caption="Causes that were tried, the best first",
+            rows=rows,
+            columns=(
+                Column("cause", lambda row: row[0].id, words=True),
+                Column("evidence", lambda row: row[0].evidence, "+.1f", unit="nats"),
+                Column("asked for", lambda row: evidence_threshold(row[0].named.family), "g", unit="nats"),
+                Column("number", lambda row: row[1][0], words=True),
+                Column("size", lambda row: row[1][1]),
+                Column("from", lambda row: row[1][2]),
+                Column("to", lambda row: row[1][3]),
+                Column("unit", lambda row: row[1][4], words=True),
+                Column("χ² per dof", lambda row: row[0].misfit, ".3g"),
+                Column("price", lambda row: row[0].price, ".3g"),
+                Column("so", lambda row: standing_of(self.found, row[0]), words=True),
+            ),
+            note=(
+                "From and to: 90 % interval. Price: sum of z² of the tolerances with it, over what is due where nothing is wrong."
+            ),
+            on=PAGE,
+        )
+
+    def ranking(self) -> Table:
+        """What was tried, the best first, with its first size and why it stands where it stands."""
+        found, accepted = self.found, {cause.id for cause in self.found.accepted}
+
+        def size(one: results.Cause) -> str:
+            if not one.sizes:
+                return NONE
+            value, _, _, unit = results.interval(one, one.sizes[0])
+            return practical_units.with_unit(value, unit)
+
+        def judged(one: results.Cause) -> str:
+            if one.id in accepted:
+                return "accepted"
+            if one.id in found.equivalence_class:
+                return "cannot be told from it"
+            return ("explains less" if found.accepted else "too little") if one.null else "misfit or price stay too high"
+
+        return Table(
+            rows=self.found.ranking[:RANKED],
+            columns=(
+                Column("tried", lambda one: one.id, words=True),
+                Column("size", size),
+                Column("evidence [nats]", lambda one: f"{one.evidence:+.1f}"),
+                Column("chi²", lambda one: f"{one.misfit:.3g}"),
+                Column("price", lambda one: f"{one.price:.3g}"),
+                Column("so", judged, words=True),
+            ),
+            on=TERMINAL,
+        )
+
+    def steps(self) -> Grid:
+        """How it was found."""
+        lines = tuple(
+            (
+                f"{k}",
+                f"{one.misfit:.3g}",
+                f"{one.price:.3g}",
+                one.text if one.text.startswith(one.added) else f"{one.added}: {one.text}",
+            )
+            for k, one in enumerate(self.found.steps, start=1)
+        )
+        return Grid(header=("round", "chi²", "price", "how it was found"), lines=lines, words=True, caption="How it was found")
+
+    def notes(self) -> Iterator[str]:
+        """What must be known to read the tables, then what was assumed."""
+        yield "Evidence: how much more probable the data are with it than without it, in nats: 3 is 20 to 1, 7 is 1000 to 1."
+        yield (
+            "Price: sum of z² of all tolerances over what is due where nothing is wrong. Chi² alone says little: tolerances "
+            "swallow faults at an absurd price."
+        )
+        if len(self.found.ranking) > RANKED:
+            yield f"{len(self.found.ranking) - RANKED} more effects were tried and explain less; --json has all of them."
+        if self.found.detectable and self.found.verdict != results.NOTHING:
+            yield f"--json has the smallest size at which each of {len(self.found.detectable)} effects would have been named."
+        if self.found.verdict == results.NONLINEAR:
+            yield "A linear fit of such data names nonsense: the errors are those of the model as it is."
+        if self.found.hold_out:
+            yield f"Held out: {results.listed(self.found.hold_out)}."
+        yield from (f"warning: {text.rstrip('.')}." for text in self.found.remarks)
 
 
-def errors(found: Diagnosis) -> Grid:
-    """The four errors without and with what was accepted."""
-    both = (found.before,) if found.before is found.after else (found.before, found.after)
-    kept = [(name, cells) for name, cells in error_lines(*both) if set(cells) != {NONE}]
-    gain = found.after.fitted.log_evidence - found.before.fitted.log_evidence
-    if len(both) > 1 and found.verdict not in NOT_FITTED:
-        kept.append(("evidence gained [nats]", [NONE, f"{gain:+.1f}"]))
-    columns = [aligned(tuple(column)) for column in zip(*(cells for _, cells in kept), strict=True)]
-    header = ("the four errors", "before", "after") if len(both) > 1 else ("the four errors", "now")
-    return Grid(header=header, lines=tuple(zip((name for name, _ in kept), *columns, strict=True)))
-
-
-def _error_table(found: Diagnosis) -> Table:
-    before, after = error_figures(found.before), {} if found.after is found.before else error_figures(found.after)
-    return Table(
-        caption="The errors before and after what was found is added",
-        rows=[row for row in ERROR_NAMES if before[row[2]] is not None],
-        columns=(
-            Column("error", lambda row: row[0], words=True),
-            Column("unit", lambda row: row[1], words=True),
-            Column("before", lambda row: before[row[2]]),
-            Column("after", lambda row: after.get(row[2])),
-        ),
-        on=PAGE,
-    )
-
-
-def ranking(found: Diagnosis) -> Table:
-    """What was tried, the best first."""
-    return Table(
-        rows=found.ranking[:RANKED],
-        columns=(
-            Column("tried", lambda one: one.id, words=True),
-            Column("size", figure_of),
-            Column("evidence [nats]", lambda one: f"{one.evidence:+.1f}"),
-            Column("chi²", lambda one: f"{one.misfit:.3g}"),
-            Column("price", lambda one: f"{one.price:.3g}"),
-            Column("so", lambda one: _judged(found, one), words=True),
-        ),
-        on=TERMINAL,
-    )
-
-
-def steps(found: Diagnosis) -> Grid:
-    """How it was found."""
-    lines = tuple(
-        (f"{k}", f"{one.misfit:.3g}", f"{one.price:.3g}", _diagnosis_sentence(one)) for k, one in enumerate(found.steps, start=1)
-    )
-    return Grid(header=("round", "chi²", "price", "how it was found"), lines=lines, words=True, caption="How it was found")
-
-
-def diagnosis_notes(found: Diagnosis) -> Iterator[str]:
-    """What must be known to read the tables, then what was assumed."""
-    yield "Evidence: how much more probable the data are with it than without it, in nats: 3 is 20 to 1, 7 is 1000 to 1."
-    yield (
-        "Price: sum of z² of all tolerances over what is due where nothing is wrong. Chi² alone says little: tolerances swallow "
-        "faults at an absurd price."
-    )
-    if len(found.ranking) > RANKED:
-        yield f"{len(found.ranking) - RANKED} more effects were tried and explain less; --json has all of them."
-    if found.detectable and found.verdict != NOTHING:
-        yield f"--json has the smallest size at which each of {len(found.detectable)} effects would have been named."
-    if found.verdict == NONLINEAR:
-        yield "A linear fit of such data names nonsense: the errors are those of the model as it is."
-    if found.hold_out:
-        yield f"Held out: {diagnose_diagnosis.listed(found.hold_out)}."
-    yield from (f"warning: {text.rstrip('.')}." for text in found.remarks)
-
-
-def figure_of(one: Cause) -> str:
-    """The first size of a cause with its unit."""
-    if not one.sizes:
-        return NONE
-    value, _, _, unit = diagnose_diagnosis.interval(one, one.sizes[0])
-    return practical_units.with_unit(value, unit)
-
-
-def _diagnosis_sentence(of: ReportedStep) -> str:
-    return of.text if of.text.startswith(of.added) else f"{of.added}: {of.text}"
-
-
-def _sizes(one: Cause) -> list[tuple[str, ...]]:
-    """A line a size; one of a mistake that has none."""
-    told = [(*_told(one, size), f"{one.evidence:+.1f}" if k == 0 else "") for k, size in enumerate(one.sizes)]
-    names = [f"{one.id} {size.key}".rstrip() for size in one.sizes]
-    return [(name, *line) for name, line in zip(names, told, strict=True)] or [(one.id, NONE, NONE, NONE, f"{one.evidence:+.1f}")]
-
-
-def _told(one: Cause, size: EffectEstimate) -> tuple[str, str, str]:
-    value, low, high, unit = diagnose_diagnosis.interval(one, size)
-    return value, NONE if size.low == size.high else f"{low} to {high}", unit or NONE
-
-
-def _columns(columns: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
-    return [aligned(column) for column in columns]
-
-
-def _diagnosis_alike(id: str, known: Cause | None) -> str:
-    if known is None:
-        return f"does the same to these data, and was not fitted: {FAMILIES[id.partition(':')[0]].what}"
-    sizes = "; ".join(diagnose_diagnosis.sized(known, size) for size in known.sizes)
-    return f"{sizes}, {known.evidence:+.1f} nats: {known.named.what}"
-
-
-def _advised(test: str, separates: Sequence[str]) -> str:
-    names = ["no effect at all" if one == NOTHING else one for one in separates]
-    apart = f" It tells {diagnose_diagnosis.listed(names)} apart." if len(names) > 1 else ""
-    return f"{test[:1].upper()}{test[1:].rstrip('.')}.{apart}"
-
-
-def _judged(found: Diagnosis, one: Cause) -> str:
-    """Why a cause that was tried stands where it stands."""
-    if one.id in {cause.id for cause in found.accepted}:
-        return "accepted"
-    if one.id in found.equivalence_class:
-        return "cannot be told from it"
-    return ("explains less" if found.accepted else "too little") if one.null else "misfit or price stay too high"
+def document(found: results.Diagnosis) -> Document:
+    """All of a diagnosis, in the order in which it is read."""
+    return DiagnosisPage(found=found).document()
 
 
 # `massline diagnose` from options to output: read, diagnose, show; with `--auto`, climb.
@@ -831,12 +746,26 @@ def diagnosis_answer(asked: Options, *, auto: bool, as_json: bool, folder: Path 
     if auto and asked.path.is_file():
         probe(asked.path)  # what cannot be written at the end is said before minutes are spent
     bench = prepared(asked, quiet=as_json)
-    found, more = (_climbed if auto else _diagnosed)(asked, bench, as_json=as_json)
+    if auto:
+        found, more = _climbed(asked, bench, as_json=as_json)
+    else:
+        with stages("diagnosing", quiet=as_json) as told:
+            found, more = diagnosis(asked, bench, told), {}
+        if not as_json:
+            click.echo(text(asked, bench, found), nl=False)
     whole = {**of_asked(asked, bench), **to_json(found), **more}
     if as_json:
         click.echo(json_text(whole))
-    if folder is not None:
-        write(found, bench, whole, folder, quiet=as_json)
+    if folder is None:
+        return
+    write_text(folder / RESULT, json_text(whole) + "\n")
+    click.echo(f"massline: wrote {folder / RESULT}.", err=True)
+    with progress_percent("pictures", quiet=as_json) as share:
+        paths = draw(found, folder)
+        if found.leftover is not None:
+            paths += draw_left(found, bench, folder, share)
+    for path in paths:
+        click.echo(f"massline: wrote {path}.", err=True)
 
 
 def prepared(asked: Options, *, quiet: bool = True) -> Study:
@@ -849,12 +778,12 @@ def prepared(asked: Options, *, quiet: bool = True) -> Study:
     with stages("reading", quiet=quiet) as told:
         model, data = ready(asked, told)
         made = Study.of(model, data, asked, told)
-    for text in asked.candidates:
+    for text in of_levels(asked):
         require_levels(made, text)
     return made
 
 
-def diagnosis(asked: Options, bench: Study, progress: Progress | None = None) -> Diagnosis:
+def diagnosis(asked: Options, bench: Study, progress: Progress | None = None) -> results.Diagnosis:
     """What is missing on `bench`.
 
     Raises
@@ -864,20 +793,11 @@ def diagnosis(asked: Options, bench: Study, progress: Progress | None = None) ->
     return diagnose.diagnosed(bench, only=asked.candidates, leave_out=asked.leave_out, progress=progress)
 
 
-def _diagnosed(asked: Options, bench: Study, *, as_json: bool) -> tuple[Diagnosis, dict[str, Any]]:
-    """The diagnosis, printed; there is nothing more to say in JSON."""
-    with stages("diagnosing", quiet=as_json) as told:
-        found = diagnosis(asked, bench, told)
-    if not as_json:
-        click.echo(text(asked, bench, found), nl=False)
-    return found, {}
-
-
-def _climbed(asked: Options, bench: Study, *, as_json: bool) -> tuple[Diagnosis, dict[str, Any]]:
+def _climbed(asked: Options, bench: Study, *, as_json: bool) -> tuple[results.Diagnosis, dict[str, Any]]:
     """The first diagnosis of a climb, and what JSON has of the others and of the ladder; the rest is printed as it comes."""
     pages = 0
 
-    def first(found: Diagnosis) -> None:
+    def first(found: results.Diagnosis) -> None:
         nonlocal pages
         if not pages and not as_json:
             click.echo(text(asked, bench, found))
@@ -893,18 +813,17 @@ def _climbed(asked: Options, bench: Study, *, as_json: bool) -> tuple[Diagnosis,
     if not as_json:
         click.echo(f"The climb ends: {found.ended}.\n")
         click.echo(history.text(found.at) if found.at.ladder.rungs else "", nl=False)
-    return found.rounds[0], automatic_json(found)
+    rounds = [
+        {"verdict": one.verdict, "headline": results.headline(one), "accepted": to_json(one.accepted)} for one in found.rounds
+    ]
+    numbers = [rung.number for rung in found.rungs]
+    more = {"ended": found.ended, "rungs": numbers, "rounds": rounds, "ladder": of_ladder(found.at)}
+    return found.rounds[0], {"auto": more}
 
 
-def text(asked: Options, bench: Study, found: Diagnosis) -> str:
+def text(asked: Options, bench: Study, found: results.Diagnosis) -> str:
     """The page of a diagnosis."""
-    named = diagnosis_title(asked.path.name, data_sets(bench))
-    return page(named, diagnosis_grids(found), diagnosis_notes(found), opening=diagnosis_opening(found))
-
-
-def data_sets(bench: Study) -> tuple[str, ...]:
-    """Names of the campaigns."""
-    return tuple(one.measured.name for one in bench.made)
+    return replace(document(found), title=title(asked.path.name, [one.measured.name for one in bench.made])).text()
 
 
 def of_asked(asked: Options, bench: Study) -> dict[str, Any]:
@@ -912,25 +831,12 @@ def of_asked(asked: Options, bench: Study) -> dict[str, Any]:
     return {
         "model": asked.model,
         "data": list(asked.data),
-        "campaigns": list(data_sets(bench)),
+        "campaigns": [one.measured.name for one in bench.made],
         "hold_out": list(asked.hold_out),
         "band_hz": None if asked.band is None else list(asked.band),
         "method": asked.method,
         "candidates": list(asked.candidates),
     }
-
-
-def write(found: Diagnosis, bench: Study, whole: dict[str, Any], folder: Path, *, quiet: bool) -> None:
-    """`diagnose.json` and the pictures, into `folder`; of what is left over a map of each campaign, too."""
-
-    write_text(folder / RESULT, json_text(whole) + "\n")
-    click.echo(f"massline: wrote {folder / RESULT}.", err=True)
-    with progress_percent("pictures", quiet=quiet) as told:
-        paths = draw(found, folder)
-        if found.leftover is not None:
-            paths += draw_left(found, bench, folder, told)
-    for path in paths:
-        click.echo(f"massline: wrote {path}.", err=True)
 
 
 # What is missing: ranked causes with evidence and sizes, what each means and how to confirm it, the next measurement.
@@ -944,50 +850,11 @@ def html(report: Report, figures: Figures) -> Safe:
         return section("missing", "What is missing", told)
     said = document(found)
     first, *others = said.opening
-    headline = tag("p", first, class_="headline")
-    return section("missing", "What is missing", headline, paragraphs(others), *said.html(figures), parts_notes(said.notes))
-
-
-def _tried(found: Diagnosis) -> Table:
-    """Every cause that was tried, a line for each of its numbers."""
-    every = {one.id: one for one in (*found.ranking, *found.accepted)}.values()  # as it was accepted
-    rows = [(one, line) for one in sorted(every, key=lambda one: -one.evidence) for line in _numbers(one)]
-    return Table(
-        caption="Causes that were tried, the best first",
-        rows=rows,
-        columns=(
-            Column("cause", lambda row: row[0].id, words=True),
-            Column("evidence", lambda row: row[0].evidence, "+.1f", unit="nats"),
-            Column("asked for", lambda row: evidence_threshold(row[0].named.family), "g", unit="nats"),
-            Column("number", lambda row: row[1][0], words=True),
-            Column("size", lambda row: row[1][1]),
-            Column("from", lambda row: row[1][2]),
-            Column("to", lambda row: row[1][3]),
-            Column("unit", lambda row: row[1][4], words=True),
-            Column("χ² per dof", lambda row: row[0].misfit, ".3g"),
-            Column("price", lambda row: row[0].price, ".3g"),
-            Column("so", lambda row: standing_of(found, row[0]), words=True),
-        ),
-        note="From and to: 90 % interval. Price: sum of z² of the tolerances with it, over what is due where nothing is wrong.",
-        on=PAGE,
+    return section(
+        "missing",
+        "What is missing",
+        tag("p", first, class_="headline"),
+        paragraphs(others),
+        *said.html(figures),
+        parts_notes(said.notes),
     )
-
-
-def _numbers(one: Cause) -> list[list[Cell]]:
-    """Of each number its name, value, both ends of its interval and unit; one line without any of a mistake that has none."""
-    if not one.sizes:
-        return [[NONE, EMPTY, EMPTY, EMPTY, ""]]
-    return [[size.key or one.named.what, *_missing_sizes(one, k)] for k, size in enumerate(one.sizes)]
-
-
-def _missing_sizes(one: Cause, k: int) -> list[Cell]:
-    """Value and both ends of its interval in the unit of a laboratory."""
-    size = one.sizes[k]
-    value, low, high, unit = diagnose_diagnosis.interval(one, size)
-    fitted = size.low != size.high
-    ends: list[Cell] = [_shown(low), _shown(high)] if fitted else [EMPTY, EMPTY]
-    return [_shown(value), *ends, unit]
-
-
-def _shown(text: str) -> Cell:
-    return Number(value=float(text), text=text.replace("-", "−"))

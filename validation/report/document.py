@@ -12,10 +12,11 @@ import math
 import re
 import unicodedata
 from base64 import b64encode
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from gzip import compress
 from html import escape, unescape
+from itertools import product
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -25,8 +26,6 @@ from validation.reference.reference import IDENTIFIED, MEASURED, PUBLISHED, Refe
 from validation.reference.statement import COG, LARGE, MASS, NONE, QUANTITIES, TENSOR, Quantity, Row, Stated, rounded
 
 if TYPE_CHECKING:
-    from rich.table import Table as RichTable
-
     from validation.report.charts.static import Figure
 
 
@@ -50,7 +49,11 @@ def tag(name: str, /, *inside: str | None, **attributes: str | bool | None) -> S
 
     Attributes: `class_` and `for_` lose their underscore, others become dashes; True stands alone, None and False are left out.
     """
-    opened = f"<{name}{''.join(_attribute(key, value) for key, value in attributes.items())}>"
+    given = {
+        key.rstrip("_").replace("_", "-"): value for key, value in attributes.items() if value is not None and value is not False
+    }
+    written = (f" {key}" if value is True else f' {key}="{escape(value, quote=True)}"' for key, value in given.items())
+    opened = f"<{name}{''.join(written)}>"
     return Safe(opened if name in EMPTY else f"{opened}{joined(*inside)}</{name}>")
 
 
@@ -67,13 +70,6 @@ def worded(text: str) -> Safe:
     if len(pieces) % 2 == 0:
         return joined(text)
     return joined(*(tag("code", piece) if k % 2 else piece for k, piece in enumerate(pieces)))
-
-
-def _attribute(key: str, value: str | bool | None) -> str:
-    name = key.rstrip("_").replace("_", "-")
-    if value is None or value is False:
-        return ""
-    return f" {name}" if value is True else f' {name}="{escape(value, quote=True)}"'
 
 
 # A reference table laid out as strings: two grids, the values and their deviations, and the notes below them.
@@ -101,6 +97,16 @@ class Grid:
     words: bool = False
     caption: str = ""
     on: str = ""
+
+    @property
+    def left(self) -> frozenset[int]:
+        """The columns that read from the left."""
+        return frozenset({0, len(self.header) - 1} if self.words else {0})
+
+    def html(self, note: str = "") -> Safe:
+        """For a page."""
+        columns = [Column(head=head, words=k in self.left) for k, head in enumerate(self.header)]
+        return table(self.caption, columns, [[cell.strip() for cell in line] for line in self.lines], note=note)
 
 
 def values(table: ReferenceTable) -> Grid:
@@ -175,8 +181,13 @@ def _value(table: ReferenceTable, column: str, k: int) -> str:
     per_si = QUANTITIES[k].per_si
     printed = stated.decimals is not None
     decimals = stated.decimals if stated.decimals is not None else _decimals(table, k)
-    text = grid_number(stated.value * per_si, decimals)
-    return f"{text} ± {_tolerance(stated, per_si, decimals)}" if printed and not _is_rounding(stated, per_si) else text
+    text, size = grid_number(stated.value * per_si, decimals), (stated.tolerance or 0.0) * per_si
+    # Half a unit of the last printed digit is said by the digits already
+    rounding = stated.tolerance is None or math.isclose(size, 0.5 * 10.0**-decimals, rel_tol=1e-6)
+    if not printed or rounding:
+        return text
+    # Two significant digits at the least, rounded up never away
+    return f"{text} ± {grid_number(size, max(decimals, 1 - math.floor(math.log10(size)) if size else 0))}"
 
 
 def _decimals(table: ReferenceTable, k: int) -> int:
@@ -195,19 +206,6 @@ def _kind(table: ReferenceTable, column: str, kind: slice) -> list[tuple[Stated 
     return [(table.stated(column, k), QUANTITIES[k]) for k in range(kind.start, kind.stop)]
 
 
-def _is_rounding(stated: Stated, per_si: float) -> bool:
-    """Whether the tolerance is half a unit of the last printed digit, which the digits say already."""
-    if stated.tolerance is None or stated.decimals is None:
-        return True
-    return math.isclose(stated.tolerance * per_si, 0.5 * 10.0**-stated.decimals, rel_tol=1e-6)
-
-
-def _tolerance(stated: Stated, per_si: float, decimals: int) -> str:
-    """Two significant digits at the least, rounded up never away."""
-    size = (stated.tolerance or 0.0) * per_si
-    return grid_number(size, max(decimals, 1 - math.floor(math.log10(size)) if size else 0))
-
-
 def _deviation(table: ReferenceTable, one: Row | None, k: int) -> tuple[str, str]:
     if one is None or one.deviation is None:
         return NONE, NONE
@@ -216,12 +214,8 @@ def _deviation(table: ReferenceTable, one: Row | None, k: int) -> tuple[str, str
     own = f"{grid_number(one.deviation, 2 if is_length else _decimals(table, k))} {one.unit}"
     relative = None if percent is None else f"{grid_number(percent, 2)} %"
     size = relative if relative and not is_length else f"{own} ({relative})" if relative else own
-    return size, NONE if many is None else _many(many)
-
-
-def _many(many: float) -> str:
-    """A deviation in tolerances; beyond a thousand the figure says nothing more."""
-    return grid_number(many, 1) if abs(many) < 1000 else f"{'-' if many < 0 else ''}>999"
+    # A deviation in tolerances; beyond a thousand the figure says nothing more
+    return size, NONE if many is None else grid_number(many, 1) if abs(many) < 1000 else f"{'-' if many < 0 else ''}>999"
 
 
 def grid_number(value: float, decimals: int) -> str:
@@ -380,19 +374,19 @@ class Document:
 
     def html(self, figures: Figures) -> list[Safe]:
         """For a page: its blocks, one behind the other; figures find their places among `figures`."""
-        return [made for one in self.blocks if (made := _html(one, figures))]
-
-
-def _html(one: Block, figures: Figures) -> Safe | None:
-    if one is None or isinstance(one, Safe):
-        return one
-    if isinstance(one, Drawn):
-        return figures.placed(one.figure(), one.caption)
-    if isinstance(one, Grid):
-        return of_grid(one.caption, one) if one.caption and one.on != TERMINAL else None
-    if isinstance(one, Table):
-        return one.html() if one.on != TERMINAL else None
-    return one(figures)
+        found: list[Safe | None] = []
+        for one in self.blocks:
+            if one is None or isinstance(one, Safe):
+                found.append(one)
+            elif isinstance(one, Drawn):
+                found.append(figures.placed(one.figure(), one.caption))
+            elif isinstance(one, Table):
+                found.append(one.html() if one.on != TERMINAL else None)
+            elif isinstance(one, Grid):
+                found.append(one.html() if one.caption and one.on != TERMINAL else None)
+            else:
+                found.append(one(figures))
+        return [one for one in found if one]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -435,14 +429,32 @@ def toleranced(value: float | None, tolerance: float | None) -> Number:
     return Number(value=value, text=rounded(value, tolerance).replace("-", "−"))
 
 
+def plus_minus(value: float, half: float) -> str:
+    """`value` with half the width of its interval, both with the digits that it leaves them; alone where that is none."""
+    return f"{rounded(value, half)} ± {rounded(half, half)}" if half else rounded(value, None)
+
+
 def table(caption: str, columns: Sequence[Column], rows: Sequence[Sequence[Cell]], *, note: str = "") -> Safe:
     """A table under its `caption`, with a button that copies it; nothing where it has no rows."""
     if not rows:
         return Safe("")
-    head = tag("tr", *(_head(column) for column in columns))
-    body = joined(
-        *(tag("tr", *(_cell(column, cell, k == 0) for k, (column, cell) in enumerate(_paired(columns, row)))) for row in rows)
-    )
+    heads = []
+    for column in columns:
+        unit = tag("span", f" [{column.unit}]", class_="unit") if column.unit else None
+        heads.append(tag("th", column.head, unit, scope="col", class_="words" if column.words else None))
+    lines = []
+    for line in rows:
+        cells = []
+        for k, (column, cell) in enumerate(zip(columns, line, strict=True)):
+            name, scope = ("td", None) if k else ("th", "row")
+            if isinstance(cell, Number):
+                value = "" if cell.value is None else repr(float(cell.value))
+                words = "words" if column.words else None
+                cells.append(tag(name, cell.text, class_=words, data_value=value, scope=scope))
+                continue
+            length = "" if isinstance(cell, Safe) or len(cell) > SHORT else " short" if len(cell) > TINY else " short tiny"
+            cells.append(tag(name, worded(cell), class_=f"words{length}" if column.words else None, scope=scope))
+        lines.append(tag("tr", *cells))
     button = tag(
         "button",
         "copy",
@@ -452,39 +464,10 @@ def table(caption: str, columns: Sequence[Column], rows: Sequence[Sequence[Cell]
         aria_label=f"Copy the table: {caption}",
     )
     named = tag("caption", tag("span", caption), button)
-    inner = tag("table", named, tag("thead", head), tag("tbody", body))
+    inner = tag("table", named, tag("thead", tag("tr", *heads)), tag("tbody", *lines))
     below = tag("p", worded(note), class_="note") if note else None
     kind = "table whole" if len(rows) <= WHOLE else "table"
     return tag("div", tag("div", inner, class_="scroll", tabindex="0", role="region", aria_label=caption), below, class_=kind)
-
-
-def of_grid(caption: str, grid: Grid, *, note: str = "") -> Safe:
-    """A table of words as the command line prints it."""
-    last = len(grid.header) - 1
-    columns = [Column(head=head, words=k == 0 or (grid.words and k == last)) for k, head in enumerate(grid.header)]
-    return table(caption, columns, [[cell.strip() for cell in line] for line in grid.lines], note=note)
-
-
-def _paired(columns: Sequence[Column], row: Sequence[Cell]) -> list[tuple[Column, Cell]]:
-    return list(zip(columns, row, strict=True))
-
-
-def _head(column: Column) -> Safe:
-    unit = tag("span", f" [{column.unit}]", class_="unit") if column.unit else None
-    return tag("th", column.head, unit, scope="col", class_="words" if column.words else None)
-
-
-def _cell(column: Column, cell: Cell, first: bool) -> Safe:
-    name, scope = ("th", "row") if first else ("td", None)
-    if isinstance(cell, Number):
-        value = "" if cell.value is None else repr(float(cell.value))
-        return tag(name, cell.text, class_="words" if column.words else None, data_value=value, scope=scope)
-    kind = "words" if isinstance(cell, Safe) else f"words{_length(cell)}"
-    return tag(name, worded(cell), class_=kind if column.words else None, scope=scope)
-
-
-def _length(cell: str) -> str:
-    return " short tiny" if len(cell) <= TINY else " short" if len(cell) <= SHORT else ""
 
 
 # Figures of a page: each has its place in the text, and all of them travel in one packed block at its end.
@@ -575,41 +558,21 @@ def render(tables: Sequence[ReferenceTable]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(HEADER)
-    for table in tables:
-        writer.writerows(_lines(table))
-    return text.getvalue()
-
-
-def _lines(table: ReferenceTable) -> Iterator[tuple[object, ...]]:
-    for k, quantity in enumerate(QUANTITIES):
+    for table, (k, quantity) in product(tables, enumerate(QUANTITIES)):
         for column in table.columns:
             stated = table.stated(column, k)
             if stated is None:
                 continue
-            value = _printed(stated.value, quantity.per_si, stated.decimals)
+            form = ".12g" if stated.decimals is None else f".{stated.decimals}f"
             tolerance = "" if stated.tolerance is None else f"{stated.tolerance * quantity.per_si:.6g}"
-            yield (
-                table.article,
-                quantity.key,
-                plain_unit(quantity.unit),
-                column,
-                value,
-                tolerance,
-                *_held(table, column, k),
-            )
-
-
-def _held(table: ReferenceTable, column: str, k: int) -> tuple[object, ...]:
-    one = row(table, column, k)
-    if one is None:
-        return ("",) * 6
-    sizes = (one.reference, one.deviation, one.deviation_percent, one.deviation_in_tolerances)
-    shown = ("" if size is None else f"{size:.9g}" for size in sizes)
-    return (table.reference_columns[k], *shown, "yes" if one.within else "no")
-
-
-def _printed(value: float, per_si: float, decimals: int | None) -> str:
-    return f"{value * per_si:.12g}" if decimals is None else f"{value * per_si:.{decimals}f}"
+            held: tuple[object, ...] = ("",) * 6
+            if one := row(table, column, k):
+                sizes = (one.reference, one.deviation, one.deviation_percent, one.deviation_in_tolerances)
+                shown = ("" if size is None else f"{size:.9g}" for size in sizes)
+                held = (table.reference_columns[k], *shown, "yes" if one.within else "no")
+            named = (table.article, quantity.key, plain_unit(quantity.unit), column)
+            writer.writerow((*named, format(stated.value * quantity.per_si, form), tolerance, *held))
+    return text.getvalue()
 
 
 # A reference table in LaTeX: plain `tabular` with `\hline`, no package needed.
@@ -664,35 +627,30 @@ def document(tables: list[str]) -> str:
 
 def escaped(text: str) -> str:
     """`text` with every character that LaTeX reads as a command, or may not know, spelled out; signs as mathematics."""
-    spelled = "".join(_SPECIAL.get(character) or _known(character) for character in text)
+
+    def known(character: str) -> str:
+        """Where every LaTeX has it, else its nearest letter or, of other scripts, its number."""
+        if character.isascii() or character in _WESTERN:
+            return character
+        plain = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
+        return plain or f"U+{ord(character):04X}"
+
+    spelled = "".join(_SPECIAL.get(character) or known(character) for character in text)
     indexed = re.sub(r"\$\\Theta\$([xyz]{2})\b", r"$\\Theta_{\1}$", spelled)
     return re.sub(r"(?<![\w.])-(?=\.?\d|\$>)", "$-$", indexed)
 
 
-def _known(character: str) -> str:
-    """`character` where every LaTeX has it, else its nearest letter or, of other scripts, its number."""
-    if character.isascii() or character in _WESTERN:
-        return character
-    plain = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
-    return plain or f"U+{ord(character):04X}"
-
-
 def _grid(grid: Grid) -> str:
-    left = {0, len(grid.header) - 1} if grid.words else {0}
-    form = "".join("l" if k in left else "r@{}l" for k in range(len(grid.header)))
-    header = " & ".join(escaped(cell) if k in left else _over_two(cell) for k, cell in enumerate(grid.header))
-    lines = [" & ".join(_latex_cell(cell, k in left) for k, cell in enumerate(line)) for line in grid.lines]
-    body = "".join(rf"{line} \\" + "\n" for line in lines)
-    return f"\\begin{{tabular}}{{{form}}}\n\\hline\n{header} \\\\\n\\hline\n{body}\\hline\n\\end{{tabular}}"
-
-
-def _over_two(heading: str) -> str:
-    return rf"\multicolumn{{2}}{{c}}{{{escaped(heading)}}}"
-
-
-def _latex_cell(cell: str, words: bool) -> str:
     """Words as they are; a figure as two cells, before and from its decimal point."""
-    return escaped(cell.strip()) if words else " & ".join(escaped(part) for part in at_point(cell.strip()))
+    form = "".join("l" if k in grid.left else "r@{}l" for k in range(len(grid.header)))
+    header = " & ".join(
+        escaped(cell) if k in grid.left else rf"\multicolumn{{2}}{{c}}{{{escaped(cell)}}}" for k, cell in enumerate(grid.header)
+    )
+    body = ""
+    for line in grid.lines:
+        cells = [(cell.strip(),) if k in grid.left else at_point(cell.strip()) for k, cell in enumerate(line)]
+        body += " & ".join(escaped(part) for cell in cells for part in cell) + " \\\\\n"
+    return f"\\begin{{tabular}}{{{form}}}\n\\hline\n{header} \\\\\n\\hline\n{body}\\hline\n\\end{{tabular}}"
 
 
 # A reference table in Markdown (pipe tables), padded so that its source reads as a table too.
@@ -715,15 +673,13 @@ def pipes(grid: Grid) -> str:
     header = tuple(map(markdown_escaped, grid.header))
     columns = list(zip(header, *grid.lines, strict=True))
     widths = [max(3, *(len(cell) for cell in column)) for column in columns]
-    left = {0, len(grid.header) - 1} if grid.words else {0}
-    rule = [":" + "-" * (w - 1) if k in left else "-" * (w - 1) + ":" for k, w in enumerate(widths)]
-    lines = [header, tuple(rule), *grid.lines]
-    return "\n".join(_line(line, widths, left) for line in lines)
-
-
-def _line(cells: tuple[str, ...], widths: list[int], left: set[int]) -> str:
-    padded = (f"{cell:<{w}}" if k in left else f"{cell:>{w}}" for k, (cell, w) in enumerate(zip(cells, widths, strict=True)))
-    return "| " + " | ".join(padded) + " |"
+    rule = tuple(":" + "-" * (w - 1) if k in grid.left else "-" * (w - 1) + ":" for k, w in enumerate(widths))
+    lines = []
+    for cells in (header, rule, *grid.lines):
+        listed = zip(cells, widths, strict=True)
+        padded = (f"{cell:<{w}}" if k in grid.left else f"{cell:>{w}}" for k, (cell, w) in enumerate(listed))
+        lines.append(f"| {' | '.join(padded)} |")
+    return "\n".join(lines)
 
 
 # A reference table for a terminal, by rich.
@@ -754,8 +710,10 @@ def page(
 
     None is `page_width`.
     """
+    from rich import box
     from rich.console import Console
     from rich.padding import Padding
+    from rich.table import Table as RichTable
     from rich.text import Text
 
     console = Console(width=width or page_width(), color_system=None, force_terminal=False)
@@ -763,9 +721,16 @@ def page(
         console.print(Text(title), Text("═" * min(len(title), console.width)), sep="\n")
         for paragraph in opening:
             console.print(Text(), Text(paragraph), sep="\n")
-        for grid in grids:
-            for part in parts(grid, console.width):
-                console.print(_table(part))
+        for part in (part for grid in grids for part in parts(grid, console.width)):
+            table, columns = RichTable(box=box.SIMPLE_HEAD, pad_edge=False), []
+            for k, column in enumerate(zip(part.header, *part.lines, strict=True)):
+                # Padded here: rich strips what it justifies to the right, and with it the spaces that line the decimal points up.
+                least = 0 if k in part.left else max(len(cell) for cell in column)
+                columns.append([f"{cell:>{least}}" for cell in column])
+                table.add_column(Text(columns[k][0]), no_wrap=k == 0 or k not in part.left)
+            for line in list(zip(*columns, strict=True))[1:]:
+                table.add_row(*(Text(cell) for cell in line))
+            console.print(table)
         for note in notes:
             console.print(Padding(Text(note), (0, 0, 0, 2)))
     return "\n".join(line.rstrip() for line in capture.get().splitlines()) + "\n"
@@ -777,46 +742,26 @@ def parts(grid: Grid, width: int) -> list[Grid]:
     A piece holds at least one column more, however narrow the terminal. Columns of a pair stay together: a deviation and the same
     in tolerances.
     """
-    columns = list(zip(grid.header, *grid.lines, strict=True))
-    label, rest = columns[0], columns[1:]
+
+    def needed(columns: list[tuple[str, ...]], words: bool) -> int:
+        """Columns of the terminal, with the verdict at its narrowest."""
+        widths = [max(map(len, column)) for column in columns]
+        if words:
+            widths[-1] = min(widths[-1], VERDICT)
+        return sum(widths) + GAP * (len(widths) - 1) + 2
+
+    label, *rest = zip(grid.header, *grid.lines, strict=True)
     step = 2 if grid.words else 1
     groups = [rest[i : i + step] for i in range(0, len(rest), step)]
-    pieces = [[groups[0]]]
+    pieces = [[label, *groups[0]]]
     for group in groups[1:]:
-        tried = [label, *(column for one in (*pieces[-1], group) for column in one)]
-        if _width(tried, grid.words and group is groups[-1]) <= width:
-            pieces[-1].append(group)
+        wider = [*pieces[-1], *group]
+        if needed(wider, grid.words and group is groups[-1]) <= width:
+            pieces[-1] = wider
         else:
-            pieces.append([group])
-    return [_piece([label, *(c for group in piece for c in group)], grid.words and piece is pieces[-1]) for piece in pieces]
-
-
-def _width(columns: list[tuple[str, ...]], words: bool) -> int:
-    """Columns that a table of `columns` needs, with the verdict at its narrowest."""
-    widths = [max(map(len, column)) for column in columns]
-    if words:
-        widths[-1] = min(widths[-1], VERDICT)
-    return sum(widths) + GAP * (len(widths) - 1) + 2
-
-
-def _piece(columns: list[tuple[str, ...]], words: bool) -> Grid:
-    header, *lines = zip(*columns, strict=True)
-    return Grid(header=header, lines=tuple(lines), words=words)
-
-
-def _table(grid: Grid) -> RichTable:
-    from rich import box
-    from rich.table import Table as RichTable
-    from rich.text import Text
-
-    table = RichTable(box=box.SIMPLE_HEAD, pad_edge=False)
-    left = {0, len(grid.header) - 1} if grid.words else {0}
-    columns = []
-    for k, column in enumerate(zip(grid.header, *grid.lines, strict=True)):
-        # Padded here: rich strips what it justifies to the right, and with it the spaces that line the decimal points up.
-        width = 0 if k in left else max(len(cell) for cell in column)
-        columns.append([f"{cell:>{width}}" for cell in column])
-        table.add_column(Text(columns[k][0]), no_wrap=k == 0 or k not in left)
-    for line in list(zip(*columns, strict=True))[1:]:
-        table.add_row(*(Text(cell) for cell in line))
-    return table
+            pieces.append([label, *group])
+    found = []
+    for piece in pieces:
+        header, *lines = zip(*piece, strict=True)
+        found.append(Grid(header=header, lines=tuple(lines), words=grid.words and piece is pieces[-1]))
+    return found

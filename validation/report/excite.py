@@ -1,115 +1,39 @@
-"""The picture of `massline excite --plot`: table, loads and cells of one run over time, and over frequency."""
+"""Tests simulated in time, `massline excite`, `simulate` and `swing`: their pages, their JSON, the picture of a driven run."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
 import click
 import numpy as np
 
-from fem.base_excitation.rig import Flange, Friction, LoadCell, Rig, Strut
 from fem.exudyn.run import exudyn_version
 from geometry.dynamic_mass import MOTIONS
+from geometry.errors import BadInput
 from geometry.frames import Array
+from identification import campaign_file
+from identification.campaign import Campaign
 from validation.classical.swing import MEASUREMENT, RECORD, Simulated
 from validation.excite import runs as excite_runs
 from validation.excite.question import BURST, COMPLIANT, LARGE, LINEAR, MULTI, RANDOM, SWEEP, ExciteOptions
-from validation.excite.results import AxisResponse, CellLoad, LoosePart, Outcome, Passed, RingDown, amplitude, rigid_load
+from validation.excite.results import LOAD_UNITS, LOADS, Outcome, amplitude, rigid_load
 from validation.excite.rig import FMD, ArticleOnTable, RigModes
-from validation.excite.runs import LOAD_UNITS, LOADS, Done, PreparedRuns, as_one_body, done, ready
-from validation.output import shown
+from validation.excite.runs import Done, PreparedRuns, ready
+from validation.identify.check import of_campaign
+from validation.output import percent, print_json, require_file, require_folder, shown, to_json
 from validation.reference.reference import file_name
 from validation.reference.statement import NONE
+from validation.report import campaign as campaign_page
 from validation.report.charts.excitation import PanelRow, Sheet, Signal, Spectra, draw_sheet
 from validation.report.charts.style import unit
-from validation.report.document import Grid, aligned, page
-
-# A rig and a route in words: what stands on what, what is attached, and how it was computed.
-
-
-def rig_text(mounted: ArticleOnTable, modes: RigModes) -> tuple[str, ...]:
-    """Sentences, from the table up."""
-    made = mounted.rig
-    return (
-        f"{_stands(mounted)}; the table carries {modes.rigid_mass[0, 0]:.4g} kg. Loads about {_point(made)}.",
-        *filter(None, (_excitation_cells(made.cells), _flange(made.flange))),
-        *map(_strut, made.struts),
-        *map(_friction, made.frictions),
-        *_kept(mounted, modes),
-    )
-
-
-def _stands(mounted: ArticleOnTable) -> str:
-    made = mounted.rig
-    under = "on its four load cells, springs of assumed stiffness" if made.cells else "which is rigid on the table"
-    if mounted.article == FMD:
-        return f"The FMD's cover plate ({2 * float(made.article.reduced.mass[0, 0]):.4g} kg) alone, {under}"
-    if made.cover is None:
-        return f"{made.article.name} on the table itself"
-    height = 1e3 * made.seat[2]
-    return f"{made.article.name} on the FMD's cover plate ({made.cover.mass:.4g} kg, top {height:g} mm above F), {under}"
-
-
-def _point(made: Rig) -> str:
-    return "the article's origin" if made.cover is None else "F, the centre of the force-measuring plane"
-
-
-def _excitation_cells(cells: tuple[LoadCell, ...]) -> str:
-    if not cells:
-        return ""
-    stiffness = ", ".join(f"{k:.3g}" for k in cells[0].stiffness)
-    loads = [cell.preload for cell in cells]
-    off = [f"cell {k} at {load:g} N" for k, load in enumerate(loads, start=1) if load is not None]
-    same = len(off) == len(cells) and len(set(loads)) == 1
-    lifts = f"each lifts off at {loads[0]:g} N" if same else f"{', '.join(off)} lifts off" if off else "none lifts off"
-    return f"Load cells: {stiffness} N/m along x, y, z each; {lifts}."
-
-
-def _flange(flange: Flange | None) -> str:
-    if flange is None:
-        return ""
-    given = [
-        f"{name} {flange.compliance[axes[0]]:.3g} {'m/N' if axes[0] < 3 else 'rad/(N m)'}"
-        for name, axes in COMPLIANT.items()
-        if flange.compliance[axes[0]]
-    ]
-    return f"The flange gives: {', '.join(given)}."
-
-
-def _strut(strut: Strut) -> str:
-    if strut.to == "ground":
-        return f"A cable from {strut.place} to the ground: {_along(strut.stiffness)} N/m along x, y, z."
-    return f"A damper from {strut.place} to the table: {_along(strut.damping)} N s/m along x, y, z."
-
-
-def _along(values: Array) -> str:
-    return ", ".join(f"{value:g}" for value in values)
-
-
-def _friction(friction: Friction) -> str:
-    part = f"A loose part of {friction.mass:g} kg on the flange"
-    return f"{part}, held along {friction.axis} by {friction.slip_force:g} N of friction."
-
-
-def _kept(mounted: ArticleOnTable, modes: RigModes) -> Iterator[str]:
-    if mounted.model is None:
-        return
-    kept = mounted.rig.article.kept
-    if not len(kept):
-        first = mounted.model.modes.frequency[:1]
-        why = f": its first mode lies at {first[0]:.4g} Hz, beyond what the step follows" if len(first) else ""
-        yield f"{mounted.model.model} model, taken as rigid{why}."
-        return
-    lowest = float(np.min(modes.frequency))
-    yield (
-        f"{mounted.model.model} model with {len(kept)} modes, {kept[0]:.4g} to {kept[-1]:.4g} Hz, and what the others answer "
-        f"statically; on the table the lowest resonance is {lowest:.4g} Hz."
-    )
-    yield from mounted.model.notes
-
+from validation.report.document import Column, Document, Grid, Table, aligned, grid_number, page
+from validation.virtual_test import simulate as virtual_test
+from validation.virtual_test.plan import Plan
+from validation.virtual_test.simulate import SimulateOptions, VirtualTest
 
 # What `massline excite` prints: runs, peak loads, resonances, load cells, and below them what must be known to read them.
 
@@ -125,127 +49,146 @@ LEVEL = {
 """What is compared with what was asked for, by pattern."""
 
 
-def page_of(made: PreparedRuns, outcomes: Sequence[Outcome]) -> str:
-    """All of it as text."""
-    from validation.report.document import page
-
-    return page(f"{made.question.article}: driven in time, {made.route.name} route", grids(outcomes), notes(made, outcomes))
-
-
-def grids(outcomes: Sequence[Outcome]) -> tuple[Grid, ...]:
-    """The tables, from runs to cells; one without a line is left out."""
-    return tuple(
-        grid for grid in (runs(outcomes), loads(outcomes), resonances(outcomes), cells(outcomes), loose(outcomes)) if grid.lines
-    )
-
-
-def runs(outcomes: Sequence[Outcome]) -> Grid:
-    """Duration, level and motion of every run."""
-    lines = [
-        (
-            one.name,
-            f"{one.duration:.1f}",
-            "\n".join(f"{level.realised:.4g} of {level.asked:.4g} {UNITS[level.axis]}" for level in one.levels[:1]),
-            f"{1e3 * one.small.angle:.3f}",
-            f"{1e3 * one.small.rate:.2f}",
-            f"{100 * one.small.left_out:.3f} of {100 * one.small.limit:g}",
-            _ring_down(one.ring_down),
-        )
-        for one in outcomes
-    ]
-    header = ("run", "lasts [s]", "level", "turns [mrad]", "at [mrad/s]", "left out [%]", "ring-down")
-    return Grid(header=header, lines=tuple(lines), words=True)
-
-
-def loads(outcomes: Sequence[Outcome]) -> Grid:
-    """The largest load of each kind."""
-    header = ("peak load", *(f"{name} [{unit}]" for name, unit in zip(LOADS, LOAD_UNITS, strict=True)))
-    lines = [(one.name, *(_significant(value) for value in one.peak_load)) for one in outcomes]
-    columns = list(zip(*lines, strict=True))
-    return Grid(header=header, lines=tuple(zip(columns[0], *map(aligned, columns[1:]), strict=True)))
-
-
-def resonances(outcomes: Sequence[Outcome]) -> Grid:
-    """Every resonance that was passed."""
-    lines = [
-        (
-            one.name,
-            str(p.mode),
-            f"{p.frequency:.3f}",
-            f"{100 * p.damping_ratio:.2f}",
-            f"{p.time:.2f}",
-            f"{p.amplification:.2f}",
-            LOADS[p.axis],
-            f"{p.peak_frequency:.3f}",
-        )
-        for one in outcomes
-        for p in one.passed
-    ]
-    header = ("run", "mode", "f [Hz]", "ζ [%]", "passed at [s]", "times rigid", "seen in", "largest at [Hz]")
-    return Grid(header=header, lines=tuple(lines))
-
-
-def cells(outcomes: Sequence[Outcome]) -> Grid:
-    """The extremes of every load cell."""
-    lines = [
-        (
-            one.name,
-            str(number),
-            f"{cell.lowest:.1f}",
-            f"{cell.highest:.1f}",
-            f"{cell.lateral:.1f}",
-            NONE if cell.preload is None else f"{cell.preload:g}",
-            NONE if cell.preload is None else _share(cell.share_lifted),
-        )
-        for one in outcomes
-        for number, cell in enumerate(one.cells, start=1)
-    ]
-    header = ("run", "cell", "z from [N]", "to [N]", "lateral up to [N]", "preload [N]", "lifts off")
-    return Grid(header=header, lines=tuple(lines))
-
-
-def loose(outcomes: Sequence[Outcome]) -> Grid:
-    """How long every loose part slips."""
-    lines = [
-        (one.name, part.axis, f"{part.mass:g}", f"{part.slip_force:g}", _share(part.share_slipping))
-        for one in outcomes
-        for part in one.loose
-    ]
-    return Grid(header=("run", "loose along", "mass [kg]", "friction [N]", "slips"), lines=tuple(lines))
-
-
-def notes(made: PreparedRuns, outcomes: Sequence[Outcome]) -> tuple[str, ...]:
-    """What must be known to read the tables."""
-    labels = [f"{one.name}: {one.label}." for one in outcomes]
-    return (
-        *labels,
-        *rig_text(made.mounted, made.modes),
-        *_how(made, outcomes),
-        *_explained(made.question.drive.pattern, outcomes),
-    )
-
-
-def _how(made: PreparedRuns, outcomes: Sequence[Outcome]) -> Iterator[str]:
-    question = made.question
-    what = "exact recursion of its modes" if made.route.name == LINEAR else f"integration by exudyn {exudyn_version()}"
-    if made.route.name == LARGE:
-        own = "one rigid body" if as_one_body(made) else "exudyn's own bodies and beams"
-        what = f"{what} of {own} on a base that turns, instead of the model above"
-    step = outcomes[0].step
+def rig_text(mounted: ArticleOnTable, modes: RigModes) -> Iterator[str]:
+    """A rig in sentences, from the table up: what stands on what, what is attached, and how many modes it has."""
+    made, cells = mounted.rig, mounted.rig.cells
+    under = "on its four load cells, springs of assumed stiffness" if cells else "which is rigid on the table"
+    if mounted.article == FMD:
+        stands = f"The FMD's cover plate ({2 * float(made.article.reduced.mass[0, 0]):.4g} kg) alone, {under}"
+    elif made.cover is None:
+        stands = f"{made.article.name} on the table itself"
+    else:
+        plate = f"the FMD's cover plate ({made.cover.mass:.4g} kg, top {1e3 * made.seat[2]:g} mm above F)"
+        stands = f"{made.article.name} on {plate}, {under}"
+    point = "the article's origin" if made.cover is None else "F, the centre of the force-measuring plane"
+    yield f"{stands}; the table carries {modes.rigid_mass[0, 0]:.4g} kg. Loads about {point}."
+    if cells:
+        loads = [cell.preload for cell in cells]
+        off = [f"cell {k} at {load:g} N" for k, load in enumerate(loads, start=1) if load is not None]
+        same = len(off) == len(cells) and len(set(loads)) == 1
+        lifts = f"each lifts off at {loads[0]:g} N" if same else f"{', '.join(off)} lifts off" if off else "none lifts off"
+        yield f"Load cells: {', '.join(f'{k:.3g}' for k in cells[0].stiffness)} N/m along x, y, z each; {lifts}."
+    if made.flange is not None:
+        of = {name: (made.flange.compliance[axes[0]], "m/N" if axes[0] < 3 else "rad/(N m)") for name, axes in COMPLIANT.items()}
+        yield f"The flange gives: {', '.join(f'{name} {size:.3g} {per}' for name, (size, per) in of.items() if size)}."
+    for strut in made.struts:
+        sizes = ", ".join(f"{value:g}" for value in (strut.stiffness if strut.to == "ground" else strut.damping))
+        if strut.to == "ground":
+            yield f"A cable from {strut.place} to the ground: {sizes} N/m along x, y, z."
+        else:
+            yield f"A damper from {strut.place} to the table: {sizes} N s/m along x, y, z."
+    for loose in made.frictions:
+        held = f"held along {loose.axis} by {loose.slip_force:g} N of friction"
+        yield f"A loose part of {loose.mass:g} kg on the flange, {held}."
+    if mounted.model is None:
+        return
+    kept = made.article.kept
+    if not len(kept):
+        first = mounted.model.modes.frequency[:1]
+        why = f": its first mode lies at {first[0]:.4g} Hz, beyond what the step follows" if len(first) else ""
+        yield f"{mounted.model.model} model, taken as rigid{why}."
+        return
     yield (
-        f"Route {made.route.name}, {made.route.why}: {what}, step {1e6 * step:.4g} µs; recorded at {question.rate:g} Hz "
+        f"{mounted.model.model} model with {len(kept)} modes, {kept[0]:.4g} to {kept[-1]:.4g} Hz, and what the others answer "
+        f"statically; on the table the lowest resonance is {float(np.min(modes.frequency)):.4g} Hz."
+    )
+    yield from mounted.model.notes
+
+
+def document(made: PreparedRuns, outcomes: Sequence[Outcome]) -> Document:
+    """All of the runs, in the order in which it is read."""
+
+    def ring_down(one: Outcome) -> str:
+        kept = f"{one.ring_down.kept:.1f} s"
+        return f"{kept}, sufficient" if one.ring_down.sufficient else f"CUT: {kept} of {one.ring_down.needed:.1f} s needed"
+
+    def level(one: Outcome) -> str:
+        return "".join(f"{of.realised:.4g} of {of.asked:.4g} {UNITS[of.axis]}" for of in one.levels[:1])
+
+    def share(of: float) -> str:
+        return f"{100 * of:.2g} % of the time" if of else "never"
+
+    def load(value: float) -> str:
+        return f"{value:.1f}" if value >= 100 else f"{value:.3f}"
+
+    run = Column("run", lambda row: row[0].name)
+    runs = Table(
+        rows=outcomes,
+        columns=(
+            Column("run", lambda one: one.name),
+            Column("lasts [s]", lambda one: one.duration, ".1f"),
+            Column("level", level, aligned=False),
+            Column("turns [mrad]", lambda one: 1e3 * one.small.angle, ".3f"),
+            Column("at [mrad/s]", lambda one: 1e3 * one.small.rate, ".2f"),
+            Column("left out [%]", lambda one: f"{100 * one.small.left_out:.3f} of {100 * one.small.limit:g}", aligned=False),
+            Column("ring-down", ring_down, words=True),
+        ),
+    )
+    heads = [f"{name} [{unit}]" for name, unit in zip(LOADS, LOAD_UNITS, strict=True)]
+    loads = Table(
+        rows=[(one.name, *map(load, one.peak_load)) for one in outcomes],
+        columns=[Column(head, itemgetter(k)) for k, head in enumerate(("peak load", *heads))],
+    )
+    resonances = Table(
+        rows=[(one, p) for one in outcomes for p in one.passed],
+        columns=(
+            run,
+            Column("mode", lambda row: str(row[1].mode)),
+            Column("f [Hz]", lambda row: row[1].frequency, ".3f"),
+            Column("ζ [%]", lambda row: 100 * row[1].damping_ratio, ".2f"),
+            Column("passed at [s]", lambda row: row[1].time, ".2f"),
+            Column("times rigid", lambda row: row[1].amplification, ".2f"),
+            Column("seen in", lambda row: LOADS[row[1].axis]),
+            Column("largest at [Hz]", lambda row: row[1].peak_frequency, ".3f"),
+        ),
+    )
+    cells = Table(
+        rows=[(one, cell) for one in outcomes for cell in one.cells],
+        columns=(
+            run,
+            Column("cell", lambda row: str(row[1].number)),
+            Column("z from [N]", lambda row: row[1].lowest, ".1f"),
+            Column("to [N]", lambda row: row[1].highest, ".1f"),
+            Column("lateral up to [N]", lambda row: row[1].lateral, ".1f"),
+            Column("preload [N]", lambda row: row[1].preload, "g", aligned=False),
+            Column("lifts off", lambda row: NONE if row[1].preload is None else share(row[1].share_lifted), aligned=False),
+        ),
+    )
+    loose = Table(
+        rows=[(one, part) for one in outcomes for part in one.loose],
+        columns=(
+            run,
+            Column("loose along", lambda row: row[1].axis),
+            Column("mass [kg]", lambda row: row[1].mass, "g", aligned=False),
+            Column("friction [N]", lambda row: row[1].slip_force, "g", aligned=False),
+            Column("slips", lambda row: share(row[1].share_slipping), aligned=False),
+        ),
+    )
+    return Document(
+        title=f"{made.question.article}: driven in time, {made.route.name} route",
+        blocks=(runs, loads, resonances, cells, loose),
+        notes=(*(f"{one.name}: {one.label}." for one in outcomes), *rig_text(made.mounted, made.modes), *_notes(made, outcomes)),
+    )
+
+
+def _notes(made: PreparedRuns, outcomes: Sequence[Outcome]) -> Iterator[str]:
+    """How it was computed, and what must be known to read the tables."""
+    question, route = made.question, made.route
+    what = "exact recursion of its modes" if route.name == LINEAR else f"integration by exudyn {exudyn_version()}"
+    if route.name == LARGE:
+        own = "one rigid body" if made.as_one_body else "exudyn's own bodies and beams"
+        what = f"{what} of {own} on a base that turns, instead of the model above"
+    yield (
+        f"Route {route.name}, {route.why}: {what}, step {1e6 * outcomes[0].step:.4g} µs; recorded at {question.rate:g} Hz "
         "behind one anti-alias filter."
     )
     if question.drive.cross:
         drawn = f"Cross motion of the table: {100 * question.drive.cross:g} % on average, seed {question.drive.seed}"
         largest = ", ".join(f"{100 * one.cross:.2g} % in {one.name}" for one in outcomes if one.cross)
         yield f"{drawn}; the largest on another axis, of the level driven: {largest}." if largest else f"{drawn}."
-
-
-def _explained(pattern: str, outcomes: Sequence[Outcome]) -> Iterator[str]:
     yield (
-        f"Level: {LEVEL[pattern]}. Turns: largest rotation of the table and its rate; left out is what linear equations neglect "
-        "of the load for that, and their limit."
+        f"Level: {LEVEL[question.drive.pattern]}. Turns: largest rotation of the table and its rate; left out is what linear "
+        "equations neglect of the load for that, and their limit."
     )
     if any(one.cells for one in outcomes):
         yield "Cells: change of force, as simulated; behind the anti-alias filter what is too fast for the record is rounded off."
@@ -263,18 +206,7 @@ def _explained(pattern: str, outcomes: Sequence[Outcome]) -> Iterator[str]:
         )
 
 
-def _ring_down(found: RingDown) -> str:
-    if found.sufficient:
-        return f"{found.kept:.1f} s, sufficient"
-    return f"CUT: {found.kept:.1f} s of {found.needed:.1f} s needed"
-
-
-def _share(share: float) -> str:
-    return f"{100 * share:.2g} % of the time" if share else "never"
-
-
-def _significant(value: float) -> str:
-    return f"{value:.1f}" if value >= 100 else f"{value:.3f}"
+# The picture of `massline excite --plot`: table, loads and cells of one run over time, and over frequency.
 
 
 POINTS = 3000
@@ -310,162 +242,138 @@ class AmplitudeView:
     per: str
     amplitude: Callable[[Array], Array]
 
+    @classmethod
+    def of(cls, one: Done, band: tuple[float, float]) -> AmplitudeView:
+        """Amplitudes while the sweep of `one` run passes its band; without a sweep spectral densities of the record, averaged
+        (Welch, IEEE Trans. Audio 15, 1967)."""
+        time, rate, sweep = one.response.time, one.response.sampling_rate, one.run.sweep
+        if sweep is not None:
+            begin, end = (int(np.searchsorted(time, float(sweep.time_at(f)))) for f in (sweep.start, sweep.stop))
+            at = np.unique(np.linspace(begin, max(begin, min(end, len(time) - 1)), POINTS).astype(int))
+            return cls(
+                frequency=sweep.frequency_at(time[at]),
+                along="frequency of the sweep at that moment [Hz]",
+                per="",
+                amplitude=lambda signal: np.asarray(amplitude(signal)[at]),
+            )
+        from scipy.signal import welch
 
-def draw(made: PreparedRuns, one: Done, folder: Path) -> Path:
-    """Write the picture of `one` run into `folder`, and say where it is."""
-    path = folder / f"{file_name(f'excite-{made.question.article}-{made.route.name}-{one.run.name}')}.png"
-    draw_sheet(sheet(made, one), path)
-    return path
-
-
-def sheet(made: PreparedRuns, one: Done) -> Sheet:
-    """What the picture shows."""
-    view = _swept(one) or _noise(one, made.question.drive.band)
-    return Sheet(
-        title=f"{made.question.article}: {one.run.pattern.label}",
-        note=_note(made, one),
-        time=one.response.time,
-        frequency=view.frequency,
-        along=view.along,
-        rows=tuple(_rows(made, one, view)),
-        spectra=_spectra(made, one),
-        marks=tuple((p.time, p.frequency) for p in one.outcome.passed),
-        driven=one.motion.driven,
-    )
-
-
-def _rows(made: PreparedRuns, one: Done, view: AmplitudeView) -> Iterator[PanelRow]:
-    """The table's acceleration, the load along it, the largest load of the other kind, the cells."""
-    driven = one.run.axes[0]
-    named = f"{'along' if driven < 3 else 'about'} {MOTIONS[driven]}"
-    yield PanelRow(
-        title=f"Acceleration of the table {named}",
-        unit=UNITS[driven],
-        unit_of_amplitude=UNITS[driven] + view.per,
-        signals=(_signal(MOTIONS[driven], one.response.table[:, driven], view),),
-        logarithmic=False,
-    )
-    other = [k for k in range(6) if (k < 3) != (driven < 3)]
-    second = other[int(np.argmax(one.outcome.peak_load[other]))]
-    for load in (driven, second):
-        yield _load(made, one, load, view)
-    if len(one.outcome.cells):
-        yield _cells(one, view)
+        n = len(one.response.table)
+        length = max(2 * n // BLOCKS, min(n, 64))
+        f = welch(one.response.table[:, 0], rate, nperseg=length)[0]
+        inside = (f >= band[0]) & (f <= band[1])
+        return cls(
+            frequency=f[inside],
+            along="frequency [Hz]",
+            per="/√Hz",
+            amplitude=lambda signal: np.sqrt(welch(signal, rate, nperseg=length)[1])[inside],
+        )
 
 
-def _load(made: PreparedRuns, one: Done, load: int, view: AmplitudeView) -> PanelRow:
-    rigid = rigid_load(one.response, made.modes.rigid_mass)[:, load]
-    swept = one.run.sweep is not None
-    what = f"{'Force' if load < 3 else 'Moment'} {LOADS[load]} of the table on {made.question.article}"
-    return PanelRow(
-        title=f"{what}; dashed: the rigid body, M a",
-        unit=LOAD_UNITS[load],
-        unit_of_amplitude=LOAD_UNITS[load] + view.per,
-        signals=(_signal(LOADS[load], one.response.load[:, load], view),),
-        rigid=(amplitude(rigid) if swept else None, view.amplitude(rigid)),
-    )
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RunPicture:
+    """The picture of `one` of the runs that were `made` ready."""
+
+    made: PreparedRuns
+    one: Done
+
+    def draw(self, folder: Path) -> Path:
+        """Write it into `folder`, and say where it is."""
+        path = folder / f"{file_name(f'excite-{self.made.question.article}-{self.made.route.name}-{self.one.run.name}')}.png"
+        draw_sheet(self.sheet(), path)
+        return path
+
+    def sheet(self) -> Sheet:
+        """What it shows."""
+        made, one = self.made, self.one
+        view = AmplitudeView.of(one, made.question.drive.band)
+        marks = " Lines and figures above: resonances passed [Hz]." if one.outcome.passed else ""
+        about = "the article's origin" if made.about_article else "F"
+        seen = "amplitude of the analytic signal" if one.run.sweep is not None else "spectral density"
+        left = "Left: over time, dotted: end of the drive"
+        return Sheet(
+            title=f"{made.question.article}: {one.run.pattern.label}",
+            note=f"Route {made.route.name}. Loads about {about}. {left}. Right: {seen}.{marks}",
+            time=one.response.time,
+            frequency=view.frequency,
+            along=view.along,
+            rows=tuple(self._rows(view)),
+            spectra=self._spectra(),
+            marks=tuple((p.time, p.frequency) for p in one.outcome.passed),
+            driven=one.motion.driven,
+        )
+
+    def _rows(self, view: AmplitudeView) -> Iterator[PanelRow]:
+        """The table's acceleration, the load along it, the largest load of the other kind, the cells."""
+
+        def signal(name: str, values: Array) -> Signal:
+            return Signal(name=name, values=values, amplitude=view.amplitude(values))
+
+        one, response = self.one, self.one.response
+        driven = one.run.axes[0]
+        yield PanelRow(
+            title=f"Acceleration of the table {'along' if driven < 3 else 'about'} {MOTIONS[driven]}",
+            unit=UNITS[driven],
+            unit_of_amplitude=UNITS[driven] + view.per,
+            signals=(signal(MOTIONS[driven], response.table[:, driven]),),
+            logarithmic=False,
+        )
+        other = [k for k in range(6) if (k < 3) != (driven < 3)]
+        for k in (driven, other[int(np.argmax(one.outcome.peak_load[other]))]):
+            rigid = rigid_load(response, self.made.modes.rigid_mass)[:, k]
+            what = f"{'Force' if k < 3 else 'Moment'} {LOADS[k]} of the table on {self.made.question.article}"
+            yield PanelRow(
+                title=f"{what}; dashed: the rigid body, M a",
+                unit=LOAD_UNITS[k],
+                unit_of_amplitude=LOAD_UNITS[k] + view.per,
+                signals=(signal(LOADS[k], response.load[:, k]),),
+                rigid=(amplitude(rigid) if one.run.sweep is not None else None, view.amplitude(rigid)),
+            )
+        if len(one.outcome.cells):
+            forces = response.cells[:, :, 2]
+            loads = [cell.preload for cell in one.outcome.cells if cell.preload is not None]
+            yield PanelRow(
+                title="Load cells along z, change of force; lowest and highest",
+                unit="N",
+                unit_of_amplitude="N" + view.per,
+                signals=tuple(signal(f"cell {k + 1}", forces[:, k]) for k in range(forces.shape[1])),
+                limit=(f"lifts off at -{min(loads):g} N", -min(loads)) if loads else None,
+            )
+
+    def _spectra(self) -> Spectra:
+        """The load along the driven axis in time and frequency; over the acceleration, by the Fourier integral of the record."""
+        from scipy.signal import spectrogram
+
+        from identification.spectra.line_spectra import full_record
+
+        driven, response, (low, high) = self.one.run.axes[0], self.one.response, self.made.question.drive.band
+        n, rate = len(response.load), response.sampling_rate
+        length = int(min(np.clip(n / rate / BLOCKS**2, *BLOCK) * rate, n))
+        how = {"window": "hann", "nperseg": length, "noverlap": 15 * length // 16, "nfft": 4 * length, "detrend": False}
+        f, t, power = spectrogram(response.load[:, driven], rate, **how)
+        inside = f <= ABOVE * high
+        power = power[inside]
+        lines = np.linspace(low, high, LINES)
+        load, motion = (np.abs(full_record(x[:, driven], rate, lines)) for x in (response.load, response.table))
+        return Spectra(
+            load=LOADS[driven],
+            time=t,
+            frequency=f[inside],
+            decibel=10 * np.log10(np.maximum(power / power.max(), 1e-30)),
+            lines=lines,
+            quotient=load / motion,
+            cut=not self.one.outcome.ring_down.sufficient,
+            rigid=float(self.made.modes.rigid_mass[driven, driven]),
+            unit=unit(driven, driven),
+        )
 
 
-def _cells(one: Done, view: AmplitudeView) -> PanelRow:
-    forces = one.response.cells[:, :, 2]
-    loads = [cell.preload for cell in one.outcome.cells if cell.preload is not None]
-    return PanelRow(
-        title="Load cells along z, change of force; lowest and highest",
-        unit="N",
-        unit_of_amplitude="N" + view.per,
-        signals=tuple(_signal(f"cell {k + 1}", forces[:, k], view) for k in range(forces.shape[1])),
-        limit=(f"lifts off at -{min(loads):g} N", -min(loads)) if loads else None,
-    )
+# The run of `massline excite`: ask, drive, write files and pictures run by run, and print what came of it.
 
 
-def _spectra(made: PreparedRuns, one: Done) -> Spectra:
-    """The load along the driven axis in time and frequency, and over the acceleration, by the Fourier integral of the record."""
-    from scipy.signal import spectrogram
-
-    from identification.spectra.line_spectra import full_record
-
-    driven, response, (low, high) = one.run.axes[0], one.response, made.question.drive.band
-    n = len(response.load)
-    length = int(min(np.clip(n / response.sampling_rate / BLOCKS**2, *BLOCK) * response.sampling_rate, n))
-    how = {"window": "hann", "nperseg": length, "noverlap": 15 * length // 16, "nfft": 4 * length, "detrend": False}
-    f, t, power = spectrogram(response.load[:, driven], response.sampling_rate, **how)
-    shown = f <= ABOVE * high
-    power = power[shown]
-    lines = np.linspace(low, high, LINES)
-    load, motion = (np.abs(full_record(x[:, driven], response.sampling_rate, lines)) for x in (response.load, response.table))
-    return Spectra(
-        load=LOADS[driven],
-        time=t,
-        frequency=f[shown],
-        decibel=10 * np.log10(np.maximum(power / power.max(), 1e-30)),
-        lines=lines,
-        quotient=load / motion,
-        cut=not one.outcome.ring_down.sufficient,
-        rigid=float(made.modes.rigid_mass[driven, driven]),
-        unit=unit(driven, driven),
-    )
-
-
-def _signal(name: str, values: Array, view: AmplitudeView) -> Signal:
-    return Signal(name=name, values=values, amplitude=view.amplitude(values))
-
-
-def _swept(one: Done) -> AmplitudeView | None:
-    """Amplitudes while the sweep passes its band; None where it has none."""
-    sweep = one.run.sweep
-    if sweep is None:
-        return None
-    time = one.response.time
-    begin, end = (int(np.searchsorted(time, float(sweep.time_at(f)))) for f in (sweep.start, sweep.stop))
-    shown = np.unique(np.linspace(begin, max(begin, min(end, len(time) - 1)), POINTS).astype(int))
-    return AmplitudeView(
-        frequency=sweep.frequency_at(time[shown]),
-        along="frequency of the sweep at that moment [Hz]",
-        per="",
-        amplitude=lambda signal: np.asarray(amplitude(signal)[shown]),
-    )
-
-
-def _noise(one: Done, band: tuple[float, float]) -> AmplitudeView:
-    """Spectral densities of the record, averaged (Welch, IEEE Trans. Audio 15, 1967)."""
-    from scipy.signal import welch
-
-    rate, n = one.response.sampling_rate, len(one.response.table)
-    length = max(2 * n // BLOCKS, min(n, 64))
-
-    def density(signal: Array) -> tuple[Array, Array]:
-        f, power = welch(signal, rate, nperseg=length)
-        return f, np.sqrt(power)
-
-    f = density(one.response.table[:, 0])[0]
-    shown = (f >= band[0]) & (f <= band[1])
-    return AmplitudeView(
-        frequency=f[shown],
-        along="frequency [Hz]",
-        per="/√Hz",
-        amplitude=lambda signal: density(signal)[1][shown],
-    )
-
-
-def _note(made: PreparedRuns, one: Done) -> str:
-    marks = " Lines and figures above: resonances passed [Hz]." if one.outcome.passed else ""
-    about = "the article's origin" if made.mounted.rig.cover is None and made.mounted.model is not None else "F"
-    ring = "dotted: end of the drive"
-    seen = "amplitude of the analytic signal" if one.run.sweep is not None else "spectral density"
-    return f"Route {made.route.name}. Loads about {about}. Left: over time, {ring}. Right: {seen}.{marks}"
-
-
-# The JSON object of `massline excite`, a stable contract: keys end in their unit, loads act on the article.
-
-
-ACCELERATION = ("m_s2",) * 3 + ("rad_s2",) * 3
-LOAD_KEYS = tuple(f"{name}_{unit.replace(' ', '')}" for name, unit in zip(LOADS, LOAD_UNITS, strict=True))
-"""fx_N ... mx_Nm."""
-
-
-def of(made: PreparedRuns, outcomes: Sequence[Outcome], files: Sequence[Sequence[Path]]) -> dict[str, Any]:
-    """All that is printed, and more digits of it; `files` were written for each run."""
-    question, rig = made.question, made.mounted.rig
+def excite_json(made: PreparedRuns, outcomes: Sequence[Outcome], files: Sequence[Sequence[Path]]) -> dict[str, Any]:
+    """The JSON object of `massline excite`, a stable contract; `files` were written for each run."""
+    question, rig, modes = made.question, made.mounted.rig, made.modes
     drive = question.drive
     return {
         "article": question.article,
@@ -473,7 +381,7 @@ def of(made: PreparedRuns, outcomes: Sequence[Outcome], files: Sequence[Sequence
         "route": made.route.name,
         "route_why": made.route.why,
         "exudyn": None if made.route.name == LINEAR else exudyn_version(),
-        "about": "article" if rig.cover is None and made.mounted.model is not None else "F",
+        "about": "article" if made.about_article else "F",
         "sampling_rate_hz": question.rate,
         "drive": {
             "pattern": drive.pattern,
@@ -484,95 +392,16 @@ def of(made: PreparedRuns, outcomes: Sequence[Outcome], files: Sequence[Sequence
             "seed": drive.seed,
         },
         "rig": {
-            "text": list(rig_text(made.mounted, made.modes)),
+            "text": list(rig_text(made.mounted, modes)),
             "linear": rig.linear,
-            "mass_kg": float(made.modes.rigid_mass[0, 0]),
+            "mass_kg": float(modes.rigid_mass[0, 0]),
             "modes_kept": len(rig.article.kept),
-            "frequency_hz": made.modes.frequency.tolist(),
-            "resonance": list(made.modes.resonance),
-            "damping_ratio": made.modes.damping_ratio.tolist(),
+            "frequency_hz": modes.frequency.tolist(),
+            "resonance": list(modes.resonance),
+            "damping_ratio": modes.damping_ratio.tolist(),
         },
-        "runs": [_run(one, paths) for one, paths in zip(outcomes, files, strict=True)],
+        "runs": [{**to_json(one), "files": list(map(str, paths))} for one, paths in zip(outcomes, files, strict=True)],
     }
-
-
-def _run(one: Outcome, files: Sequence[Path]) -> dict[str, Any]:
-    return {
-        "name": one.name,
-        "label": one.label,
-        "duration_s": one.duration,
-        "driven_s": one.driven,
-        "level": [_level(level) for level in one.levels],
-        "cross": one.cross,
-        "small_motion": {
-            "angle_rad": one.small.angle,
-            "rate_rad_s": one.small.rate,
-            "left_out": one.small.left_out,
-            "limit": one.small.limit,
-            "within": one.small.within,
-            "text": one.small.text,
-        },
-        "peak_load": dict(zip(LOAD_KEYS, one.peak_load.tolist(), strict=True)),
-        "peak_load_at_s": one.peak_time.tolist(),
-        "resonances": [_passed(p) for p in one.passed],
-        "ring_down": {
-            "kept_s": one.ring_down.kept,
-            "needed_s": one.ring_down.needed,
-            "sufficient": one.ring_down.sufficient,
-        },
-        "cells": [_cell(number, cell) for number, cell in enumerate(one.cells, start=1)],
-        "loose_parts": [_loose(part) for part in one.loose],
-        "step_s": one.step,
-        "settings": dict(one.settings),
-        "warnings": list(one.warnings),
-        "files": [str(path) for path in files],
-    }
-
-
-def _level(level: AxisResponse) -> dict[str, Any]:
-    unit = ACCELERATION[level.axis]
-    return {
-        "axis": MOTIONS[level.axis],
-        f"asked_{unit}": level.asked,
-        f"realised_{unit}": level.realised,
-        f"peak_{unit}": level.peak,
-    }
-
-
-def _passed(p: Passed) -> dict[str, Any]:
-    return {
-        "mode": p.mode,
-        "frequency_hz": p.frequency,
-        "damping_ratio": p.damping_ratio,
-        "load": LOADS[p.axis],
-        "passed_at_s": p.time,
-        "amplification": p.amplification,
-        "largest_at_s": p.peak_time,
-        "largest_at_hz": p.peak_frequency,
-    }
-
-
-def _cell(number: int, cell: CellLoad) -> dict[str, Any]:
-    return {
-        "cell": number,
-        "z_lowest_N": cell.lowest,
-        "z_highest_N": cell.highest,
-        "lateral_N": cell.lateral,
-        "preload_N": cell.preload,
-        "share_lifted": cell.share_lifted,
-    }
-
-
-def _loose(part: LoosePart) -> dict[str, Any]:
-    return {
-        "axis": part.axis,
-        "mass_kg": part.mass,
-        "slip_force_N": part.slip_force,
-        "share_slipping": part.share_slipping,
-    }
-
-
-# The run of `massline excite`: ask, drive, write files and pictures run by run, and print what came of it.
 
 
 FOLDER = Path("out")
@@ -603,60 +432,182 @@ def excite(question: ExciteOptions, wanted: Wanted) -> None:
     BadInput : something in `question` cannot be, a file that cannot be written so; before anything is computed.
     CheckFailed : a route failed.
     """
-    from validation.output import print_json
-
-    _require_writable(wanted)
-    made = ready(question, quiet=wanted.as_json)
-    if wanted.animate:
-        from validation.report.scenes.turntable import require_animable
-
-        require_animable(made)
-    outcomes, files = [], []
-    for one in done(made, keep_coordinates=wanted.animate, quiet=wanted.as_json):
-        files.append(_written(made, one, wanted))
-        outcomes.append(one.outcome)
-        for warning in one.outcome.warnings:
-            click.echo(f"massline: {one.run.name}: {warning}", err=True)
-    if wanted.as_json:
-        print_json(of(made, outcomes, files))
-    else:
-        click.echo(page_of(made, outcomes), nl=False)
-    for path in (path for paths in files for path in paths):
-        click.echo(f"massline: wrote {path}.", err=True)
-
-
-def _require_writable(wanted: Wanted) -> None:
-    from validation.output import require_file, require_folder
-
     if wanted.out is not None:
         excite_runs.require_ending(wanted.out)
         require_file(wanted.out, "--out")
     for option, drawn in (("--plot", wanted.plot), ("--animate", wanted.animate)):
         if drawn:
             require_folder(FOLDER, option)
+    made = ready(question, quiet=wanted.as_json)
+    if wanted.animate:
+        from validation.report.scenes.turntable import require_animable
+
+        require_animable(made)
+    outcomes, files = [], []
+    for one in made.done(keep_coordinates=wanted.animate, quiet=wanted.as_json):
+        files.append(_written_run(made, one, wanted))
+        outcomes.append(one.outcome)
+        for warning in one.outcome.warnings:
+            click.echo(f"massline: {one.run.name}: {warning}", err=True)
+    if wanted.as_json:
+        print_json(excite_json(made, outcomes, files))
+    else:
+        click.echo(document(made, outcomes).text(), nl=False)
+    for path in (path for paths in files for path in paths):
+        click.echo(f"massline: wrote {path}.", err=True)
 
 
-def _written(made: PreparedRuns, one: Done, wanted: Wanted) -> list[Path]:
+def _written_run(made: PreparedRuns, one: Done, wanted: Wanted) -> list[Path]:
     """The files of one run."""
-    written: list[Path] = []
+    name, quiet, written = one.run.name, wanted.as_json, []
     if wanted.out is not None:
-        path = wanted.out if len(made.runs) == 1 else wanted.out.with_stem(f"{wanted.out.stem}-{one.run.name}")
-        with shown(f"{one.run.name}: writing {path}", quiet=wanted.as_json):
+        path = wanted.out if len(made.runs) == 1 else wanted.out.with_stem(f"{wanted.out.stem}-{name}")
+        with shown(f"{name}: writing {path}", quiet=quiet):
             excite_runs.write(path, one.response, f"{made.question.article}: {one.run.pattern.label}")
         written.append(path)
     if wanted.plot:
-        with shown(f"{one.run.name}: drawing", quiet=wanted.as_json):
-            written.append(draw(made, one, FOLDER))
+        with shown(f"{name}: drawing", quiet=quiet):
+            written.append(RunPicture(made=made, one=one).draw(FOLDER))
     if wanted.animate:
         from validation.report.scenes.turntable import animate
 
-        with shown(f"{one.run.name}: drawing the passage of a resonance", quiet=wanted.as_json):
+        with shown(f"{name}: drawing the passage of a resonance", quiet=quiet):
             moving = animate(made, one, FOLDER)
         if moving is None:
-            click.echo(f"massline: {one.run.name}: no resonance was passed, and nothing is animated.", err=True)
+            click.echo(f"massline: {name}: no resonance was passed, and nothing is animated.", err=True)
         else:
             written.append(moving)
     return written
+
+
+# The answer of `massline simulate`: a virtual test written to disk, shown as `massline check` would, and unless it is sealed what
+# lies behind it.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Written:
+    """A virtual test that was written: as its file states it, where it lies and its truth, and whether it replaced another.
+
+    `planted` are the effects that act in this campaign; in a series, others may act elsewhere.
+    """
+
+    plan: Plan
+    campaign: Campaign
+    test: VirtualTest
+    folder: Path
+    truth: Path
+    replaced: bool
+    sealed: bool
+    planted: tuple[Any, ...]
+
+    def text(self) -> str:
+        """The page."""
+        found = of_campaign(self.folder, self.campaign)
+        grids = (*campaign_page.grids(found), *(() if self.sealed else self._behind()))
+        return page(campaign_page.title(found), grids, (*campaign_page.notes(found)[:-1], *self._notes()))
+
+    def as_json(self) -> dict[str, Any]:
+        """The same as one object; where it is sealed, nothing that was drawn or planted."""
+        found = {**campaign_page.as_json(of_campaign(self.folder, self.campaign)), "truth": str(self.truth)}
+        if self.sealed:
+            return found
+        effects = [
+            {"id": one.id, "value": one.value if set(one.values) <= {""} else dict(one.values), "unit": one.unit}
+            for one in self.planted
+        ]
+        return found | {"seed": self.plan.seed, "effects": effects}
+
+    def _behind(self) -> Iterator[Grid]:
+        """What was planted; mass, CoG and moments about it of FMD and article as they are, in their own frames."""
+        if self.planted:
+            lines = tuple((one.id, str(one).partition("=")[2] or NONE, one.unit or NONE, one.what) for one in self.planted)
+            yield Grid(header=("planted", "value", "unit", "what"), lines=lines, words=True)
+        truth: Any = self.test.truth
+        bodies = {"FMD, from F": truth["fmd"]}
+        if truth["article"] is not None:
+            bodies[f"{self.plan.on_fmd}, own frame"] = truth["article"]["own_frame"]
+        header = ("truth", "m [kg]", *(f"{axis} of CoG [mm]" for axis in "xyz"), *(f"I{axis}{axis} [kg m²]" for axis in "xyz"))
+        keys = ("mass_kg", "cog_mm", "moi_cog_kgm2")
+        figures = [[grid_number(value, 4) for key in keys for value in np.ravel(body[key])] for body in bodies.values()]
+        columns = [aligned(column) for column in zip(*figures, strict=True)]
+        yield Grid(header=header, lines=tuple(zip(bodies, *columns, strict=True)))
+
+    def _notes(self) -> Iterator[str]:
+        if self.sealed:
+            yield f"Sealed: what was drawn and planted stands in {self.truth} alone."
+            return
+        yield f"Drawn from seed {self.plan.seed}: tests of the same seed share FMD, load cells and sensors, and so their errors."
+        modes: Any = self.test.truth["modes"]
+        if modes["frequency_hz"]:
+            listed = ", ".join(f"{f:.2f}" for f in modes["frequency_hz"] if f <= 1.5 * self.plan.band[1])
+            yield f"Modes of {self.plan.on_fmd} on a rigid base: {listed} Hz." if listed else "No mode lies near the band."
+        yield f"Every figure that was drawn stands in {self.truth}, by the ids of the catalogue."
+
+
+def simulate(question: SimulateOptions, *, as_json: bool) -> None:
+    """Answer `question`, campaign by campaign; what is finished stays when a later one is interrupted.
+
+    Raises
+    ------
+    BadInput : a folder or a truth that cannot be written or would destroy what is there, or what the plans cannot be.
+    CheckFailed : something on the table swings freely.
+    """
+    virtual_test.require_folder(question.out)
+    require_folder(question.out, "--out")
+    if question.sealed is not None:
+        (require_file if len(question.plans) == 1 else require_folder)(question.sealed, "--sealed")
+    for plan in question.plans:
+        virtual_test.require_free(question.folder(plan), question.truth(plan))
+    done = []
+    for number, plan in enumerate(question.plans, start=1):
+        one = _written_test(question, plan, f"{plan.article} ({number} of {len(question.plans)})", quiet=as_json)
+        done.append(one)
+        if not as_json:
+            click.echo(one.text(), nl=False)
+    if as_json:
+        print_json({"campaigns": [one.as_json() for one in done]})
+    for one in done:
+        instead = " in place of the virtual test that was there" if one.replaced else ""
+        click.echo(f"massline: wrote {one.folder} and its truth {one.truth}{instead}.", err=True)
+
+
+def _written_test(question: SimulateOptions, plan: Plan, words: str, *, quiet: bool) -> Written:
+    with percent(f"{words}: simulating", quiet=quiet) as progress:
+        try:
+            test = virtual_test.simulate(plan, progress)
+        except BadInput as error:
+            if error.source != "rig":
+                raise
+            # A rig that cannot be built, which only an effect can have done
+            raise BadInput(source="--effect", field=error.field, problem=error.problem, remedy=error.remedy) from None
+    # Refuse records that no reader would take: without noise, what nothing moves stays at zero
+    for run, recorded in test.campaign.recordings.items():
+        for k, name in enumerate(recorded.names):
+            try:
+                campaign_file.require_alive(recorded.values[:, k], name, run)
+            except BadInput:
+                what = f"nothing moves {name} in the run {run}, and it reads zero throughout"
+                remedy = "A dead channel makes a campaign unusable: leave some noise (--noise 0.001) or cross motion"
+                problem = f"without noise, hum and cross motion {what}"
+                raise BadInput(source="--noise", problem=problem, remedy=remedy) from None
+    table, units = test.campaign.table, question.units
+    in_units = tuple(replace(channel, unit=units.get(channel.quantity, channel.unit)) for channel in table.channels)
+    campaign = replace(test.campaign, table=replace(table, channels=in_units))
+    folder, truth = question.folder(plan), question.truth(plan)
+    replaced = folder.exists() and any(folder.iterdir())
+    with shown(f"{words}: writing {folder}", quiet=quiet):
+        virtual_test.write(folder, truth, test.truth, lambda new: campaign_file.write(new, campaign, ending=question.ending))
+    acting = {effect.id for effect in plan.effects}
+    return Written(
+        plan=plan,
+        campaign=replace(campaign, source=str(folder)),
+        test=test,
+        folder=folder,
+        truth=truth,
+        replaced=replaced,
+        sealed=question.sealed is not None,
+        planted=tuple(one for one in question.effects if one.id in acting),
+    )
 
 
 # What `massline swing` prints: the period beside Eq. 5's, the shifts by cause, the reduced inertia beside the true one.
@@ -675,9 +626,40 @@ WHY = {
 
 def text(found: Simulated) -> str:
     """The page for a reader."""
-    setup = found.record.setup
+
+    def percent_of(share: float) -> str:
+        return f"{100 * share:+.4f}"
+
+    record, setup = found.record, found.record.setup
+    small, ideal = record.swing.small_period, setup.ideal_period
+    periods = [
+        ("by Eq. 5 from the inertia", f"{ideal:.6f}", ""),
+        ("small swings, by statics", f"{small:.6f}", percent_of(small / ideal - 1)),
+        (f"recorded, {record.decay.cycles:.1f} cycles", f"{record.period:.6f}", percent_of(record.shift)),
+    ]
+    links = setup.suspension.links
+    shifts = [(s.name, *map(percent_of, (s.period, s.plain, s.corrected)), WHY[s.name].format(links=links)) for s in found.shifts]
+    shifts.append(("all together", *map(percent_of, (record.shift, found.plain, found.corrected)), "the record"))
+    inertias = [
+        (name, f"{value:.6g}", percent_of(value / setup.reference - 1))
+        for name, value in (
+            ("simulated body", setup.reference),
+            ("Eq. 5 alone", record.plain),
+            ("with corrections", record.corrected),
+        )
+    ]
+    heads = ("effect alone", "period [%]", "inertia by Eq. 5 [%]", "corrected [%]", "what the reduction does")
+    tables = (
+        (("period", "T [s]", "from Eq. 5 [%]"), periods),
+        (heads, shifts),
+        (("moment of inertia", f"Θ{2 * setup.axis} [kg m²]", "error [%]"), inertias),
+    )
+    blocks = [
+        Table(rows=rows, columns=[Column(head, itemgetter(k), words=k == 4) for k, head in enumerate(header)])
+        for header, rows in tables
+    ]
     title = f"{setup.article} on {setup.suspension.ropes} ropes, axis {setup.axis} upright: simulated by exudyn"
-    return page(title, [_periods(found), _shifts(found), _inertias(found)], report_notes(found))
+    return Document(title=title, blocks=blocks, notes=report_notes(found)).text()
 
 
 def as_json(found: Simulated, folder: Path | None) -> dict[str, Any]:
@@ -724,43 +706,3 @@ def report_notes(found: Simulated) -> tuple[str, ...]:
 
 PRODUCT = 1e-3
 """Product of inertia, relative to the moment, that is worth a word."""
-
-
-def _periods(found: Simulated) -> Grid:
-    record, setup = found.record, found.record.setup
-    small = record.swing.small_period
-    lines = [
-        ("by Eq. 5 from the inertia", f"{setup.ideal_period:.6f}", ""),
-        ("small swings, by statics", f"{small:.6f}", _percent(small / setup.ideal_period - 1)),
-        (f"recorded, {record.decay.cycles:.1f} cycles", f"{record.period:.6f}", _percent(record.shift)),
-    ]
-    return Grid(header=("period", "T [s]", "from Eq. 5 [%]"), lines=_columns(lines))
-
-
-def _shifts(found: Simulated) -> Grid:
-    links = found.record.setup.suspension.links
-    lines = [
-        (s.name, _percent(s.period), _percent(s.plain), _percent(s.corrected), WHY[s.name].format(links=links))
-        for s in found.shifts
-    ]
-    lines.append(("all together", _percent(found.record.shift), _percent(found.plain), _percent(found.corrected), "the record"))
-    header = ("effect alone", "period [%]", "inertia by Eq. 5 [%]", "corrected [%]", "what the reduction does")
-    return Grid(header=header, lines=_columns(lines, words=True), words=True)
-
-
-def _inertias(found: Simulated) -> Grid:
-    record, setup = found.record, found.record.setup
-    rows = (("simulated body", setup.reference), ("Eq. 5 alone", record.plain), ("with corrections", record.corrected))
-    lines = [(name, f"{value:.6g}", _percent(value / setup.reference - 1)) for name, value in rows]
-    return Grid(header=("moment of inertia", f"Θ{2 * setup.axis} [kg m²]", "error [%]"), lines=_columns(lines))
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:+.4f}"
-
-
-def _columns(lines: Sequence[tuple[str, ...]], *, words: bool = False) -> tuple[tuple[str, ...], ...]:
-    columns = list(zip(*lines, strict=True))
-    last = len(columns) - 1 if words else len(columns)
-    shown = [columns[0], *map(aligned, columns[1:last]), *columns[last:]]
-    return tuple(zip(*shown, strict=True))

@@ -7,7 +7,7 @@ import os
 import shlex
 import shutil
 import subprocess
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from importlib.metadata import version as version_metadata
@@ -15,6 +15,7 @@ from importlib.resources import files
 from pathlib import Path
 from platform import platform, python_version
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import click
 
@@ -22,8 +23,9 @@ from geometry.atomic import write_text, write_with
 from geometry.errors import BadInput, CheckFailed
 from identification.campaign import METHODS
 from validation import study as validation_study
-from validation.classical.files import Reduction, read
-from validation.compare.compare import Comparison, compared, text
+from validation.classical.files import read
+from validation.compare.compare import Comparison, compared
+from validation.compare.spots import text
 from validation.diagnose import diagnose, diagnosis
 from validation.diagnose.diagnose import require_runs
 from validation.diagnose.diagnosis import Diagnosis
@@ -38,7 +40,7 @@ from validation.reference.reference import file_name
 from validation.reference.statement import QUANTITIES, rounded
 from validation.report import compare, flexible, history, identify, reference
 from validation.report import diagnose as report_diagnose
-from validation.report.document import Column, Figures, Safe, joined, table, tag, worded
+from validation.report.document import Column, Figures, Safe, joined, plus_minus, table, tag, worded
 from validation.report.identify import campaign_part
 from validation.report.parts import ArticlePart, CampaignPart, Provenance, Report, section, verdict
 from validation.report.reference import article_part
@@ -96,100 +98,100 @@ RAW = "From the raw records alone, which know no effect: "
 
 def summary_html(report: Report, figures: Figures) -> Safe:
     """The section."""
-    said = (_data(report), _errors(report), _worst(report), _missing(report), _inertia(report))
-    return section("summary", "Summary", tag("ol", *(tag("li", one) for one in said), class_="summary"))
+    said = ReportSummary(report=report)
+    sentences = (said.data(), said.errors(), said.worst(), said.missing(), said.inertia())
+    return section("summary", "Summary", tag("ol", *(tag("li", one) for one in sentences), class_="summary"))
 
 
-def _data(report: Report) -> Safe:
-    maps, classical = report.comparison.maps, len(report.classical)
-    runs, lines = sum(len(one.runs) for one in maps), sum(len(one.runs) * len(one.frequency) for one in maps)
-    low, high = min(one.frequency[0] for one in maps), max(one.frequency[-1] for one in maps)
-    files = f" and {classical} classical measurement{'s' if classical != 1 else ''}" if classical else ""
-    many = f"{len(maps)} campaign{'s' if len(maps) != 1 else ''}"
-    where = f"{lines} lines between {low:.4g} and {high:.4g} Hz"
-    return joined(f"{report.comparison.title} was held against {many} of {runs} runs{files}: {where}.")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ReportSummary:
+    """The sentences at the head of a `report`."""
+
+    report: Report
+
+    def data(self) -> Safe:
+        """What was held against what."""
+        maps, classical = self.report.comparison.maps, len(self.report.classical)
+        runs, lines = sum(len(one.runs) for one in maps), sum(len(one.runs) * len(one.frequency) for one in maps)
+        low, high = min(one.frequency[0] for one in maps), max(one.frequency[-1] for one in maps)
+        files = f" and {classical} classical measurement{'s' if classical != 1 else ''}" if classical else ""
+        many = f"{len(maps)} campaign{'s' if len(maps) != 1 else ''}"
+        where = f"{lines} lines between {low:.4g} and {high:.4g} Hz"
+        return joined(f"{self.report.comparison.title} was held against {many} of {runs} runs{files}: {where}.")
+
+    def errors(self) -> Safe:
+        """How well it fits."""
+        _, plain, _, held = self.report.comparison.errors
+        of = self.report.comparison.evaluation
+        told = f"With the sensors as calibrated it misses the measured forces by {percent(of.plain.percent)} "
+        if of.held_out is None:
+            return joined(told, verdict(plain.verdict), ".")
+        seen = f", those of data that no fit has seen by {percent(of.held_out.percent)} "
+        unseen = verdict(plain.verdict if held.verdict == GOOD else held.verdict)
+        return joined(told, verdict(plain.verdict), seen, unseen, ".")
+
+    def worst(self) -> Safe:
+        """Where it fails."""
+        spots = self.report.comparison.worst
+        if not spots or spots[0].sigma < STANDS_OUT:
+            peak = f", the worst spot being at {spots[0].sigma:.1f} sigma" if spots else ""
+            return joined(f"Nowhere does it fail by more than chance{peak} ", verdict(GOOD), ".")
+        where = text(spots[0], len(self.report.comparison.maps))
+        return joined("It fails most at ", tag("em", where), " ", verdict(FAILED), ".")
+
+    def missing(self) -> Safe:
+        """What the model lacks."""
+        found = self.report.diagnosis
+        if found is None:
+            return joined(f"What is missing was not looked for: {self.report.not_diagnosed or 'nobody asked'}.")
+        then = f" Next measurement: {found.next_measurement.rstrip('.')}." if found.next_measurement else ""
+        return joined(diagnosis.headline(found), then)
+
+    def inertia(self) -> Safe:
+        """What the article weighs: with the effects of the model first, then from raw records; and what neither knows yet."""
+        report = self.report
+        known = [(part, part.findings.article) for part in report.campaigns if part.findings is not None]
+        alone = [part for part, article in known if article.split("+")[0] != FMD]
+        told = [_from_records(part) for part in alone or [part for part, _ in known]]
+        raw = joined(RAW, *_between(told), ".") if told else joined("No inertia was identified from the raw records.")
+        # What was diagnosed and is not in the model yet
+        there = set(report.comparison.effects)
+        lacking = [one.id for one in report.diagnosis.accepted if one.id not in there] if report.diagnosis is not None else []
+        later = f" Nothing of this knows {diagnosis.listed(lacking)} yet, which the model lacks: `massline add` adds it."
+        unknown = worded(later if lacking else "")
+        if report.identified:
+            lead = "with the effects of the model" if report.comparison.effects else "with the model, which has no effects"
+            return joined(
+                f"Identified {lead}: ", *_between([_with_effects(one) for one in report.identified]), ". ", raw, unknown
+            )
+        why = report.not_identified and f" With the effects of the model no inertia was identified: {report.not_identified}"
+        return joined(raw, why, unknown)
 
 
-def _errors(report: Report) -> Safe:
-    _, plain, _, held = report.comparison.errors
-    of = report.comparison.evaluation
-    told = f"With the sensors as calibrated it misses the measured forces by {percent(of.plain.percent)} "
-    if of.held_out is None:
-        return joined(told, verdict(plain.verdict), ".")
-    seen = f", those of data that no fit has seen by {percent(of.held_out.percent)} "
-    return joined(told, verdict(plain.verdict), seen, verdict(plain.verdict if held.verdict == GOOD else held.verdict), ".")
-
-
-def _worst(report: Report) -> Safe:
-    spots = report.comparison.worst
-    if not spots or spots[0].sigma < STANDS_OUT:
-        peak = f", the worst spot being at {spots[0].sigma:.1f} sigma" if spots else ""
-        return joined(f"Nowhere does it fail by more than chance{peak} ", verdict(GOOD), ".")
-    return joined("It fails most at ", tag("em", text(spots[0], len(report.comparison.maps))), " ", verdict(FAILED), ".")
-
-
-def _missing(report: Report) -> Safe:
-    found = report.diagnosis
-    if found is None:
-        return joined(f"What is missing was not looked for: {report.not_diagnosed or 'nobody asked'}.")
-    then = f" Next measurement: {found.next_measurement.rstrip('.')}." if found.next_measurement else ""
-    return joined(diagnosis.headline(found), then)
-
-
-def _inertia(report: Report) -> Safe:
-    known = [(part, part.findings.article) for part in report.campaigns if part.findings is not None]
-    alone = [part for part, article in known if article.split("+")[0] != FMD]
-    told = [_identified(part) for part in alone or [part for part, _ in known]]
-    raw = joined(RAW, *_between(told), ".") if told else joined("No inertia was identified from the raw records.")
-    if report.identified:
-        lead = "with the effects of the model" if report.comparison.effects else "with the model, which has no effects"
-        return joined(
-            f"Identified {lead}: ", *_between([_corrected(one) for one in report.identified]), ". ", raw, _uncorrected(report)
-        )
-    why = f" With the effects of the model no inertia was identified: {report.not_identified}" if report.not_identified else ""
-    return joined(raw, why, _uncorrected(report))
-
-
-def _uncorrected(report: Report) -> Safe:
-    """That what was diagnosed is not in the model yet."""
-    there = set(report.comparison.effects)
-    found = [one.id for one in report.diagnosis.accepted if one.id not in there] if report.diagnosis is not None else []
-    told = (
-        f" Nothing of this knows {diagnosis.listed(found)} yet, which the model lacks: `massline add` adds it." if found else ""
-    )
-    return worded(told)
-
-
-def _corrected(body: Body) -> Safe:
+def _with_effects(body: Body) -> Safe:
     """Mass, CoG and moments with their intervals beside the model's, and how many of the ten values lie outside."""
-    mass = _beside(body, slice(0, 1))
+    beside = []
+    for which in (slice(0, 1), slice(1, 4), slice(4, 7)):
+        values, half, model = (one[which] * QUANTITIES[which][0].per_si for one in (body.values, body.half_width, body.reference))
+        told = ", ".join(map(plus_minus, values, half))
+        own = ", ".join(rounded(x, h) for x, h in zip(model, half, strict=True))
+        beside.append(f"{told} {QUANTITIES[which][0].unit} (95 %), the model {own}")
+    mass, cog, moments = beside
     within = verdict("within", GOOD) if abs(body.distance[0]) <= body.half_width[0] else verdict("outside", DOUBTFUL)
     beyond = int((abs(body.distance) > body.half_width).sum())
     of_ten = f"{beyond} of the ten values outside" if beyond else "all ten values inside"
-    rest = f"; CoG {_beside(body, slice(1, 4))}; moments about it {_beside(body, slice(4, 7))}; {of_ten} their intervals"
+    rest = f"; CoG {cog}; moments about it {moments}; {of_ten} their intervals"
     return joined(f"{body.article} weighs {mass}, ", within, rest)
 
 
-def _beside(body: Body, which: slice) -> str:
-    """Some of the ten with half their 95 % intervals, and the model's."""
-    values, half, model = (one[which] * QUANTITIES[which][0].per_si for one in (body.values, body.half_width, body.reference))
-    told = ", ".join(f"{rounded(x, h)} ± {rounded(h, h)}" for x, h in zip(values, half, strict=True))
-    own = ", ".join(rounded(x, h) for x, h in zip(model, half, strict=True))
-    return f"{told} {QUANTITIES[which][0].unit} (95 %), the model {own}"
-
-
-def _between(parts: list[Safe]) -> list[str]:
-    return [piece for k, one in enumerate(parts) for piece in ([one] if k == 0 else ["; ", one])]
-
-
-def _identified(part: CampaignPart) -> Safe:
+def _from_records(part: CampaignPart) -> Safe:
     found = part.findings
     if found is None:
         return Safe("")
     best, mass = found.result, QUANTITIES[0]
     value, half = float(best.values[0]) * mass.per_si, float(best.half_width[0]) * mass.per_si
     carried = ", the FMD's moving part included," if found.article.split("+")[0] == FMD else ""
-    told = f"{found.article}{carried} weighs {rounded(value, half)} ± {rounded(half, half)} kg ({best.identified.way}, 95 %)"
+    told = f"{found.article}{carried} weighs {plus_minus(value, half)} kg ({best.identified.way}, 95 %)"
     doubted = joined(", ", verdict(DOUBTFUL), f" since {found.doubts[0]}") if found.doubts else None
     known = None if part.reference is None else part.reference.values[0]
     if known is None:
@@ -199,45 +201,38 @@ def _identified(part: CampaignPart) -> Safe:
     return joined(told, drawn, verdict("within", GOOD) if within else verdict("outside", DOUBTFUL), doubted)
 
 
+def _between(parts: list[Safe]) -> list[str]:
+    return [piece for k, one in enumerate(parts) for piece in ([one] if k == 0 else ["; ", one])]
+
+
 # The title block: what this is about, who made it of what and when, and where somebody signs.
 
 
 def title_html(report: Report, figures: Figures) -> Safe:
     """The head of the page."""
-    rows = [tag("tr", tag("th", name, scope="row"), tag("td", said)) for name, said in _rows(report)]
-    signed = (_line("prepared by", report.provenance.by), _line("checked by"), _line("released by, date"))
+    made, found = report.provenance, report.comparison
+    counted = [(part.campaign, len(part.campaign.runs)) for part in report.campaigns]
+    campaigns = [f"{one.title} ({one.source}, {runs} run{'s' if runs != 1 else ''})" for one, runs in counted]
+    facts = {
+        "model": found.source,
+        "articles": ", ".join(dict.fromkeys(one.article for one, _ in counted)),
+        "campaigns": "; ".join(campaigns),
+        **({"classical": "; ".join(one.title for one in report.classical)} if report.classical else {}),
+        **({"effects in it": ", ".join(found.effects)} if found.effects else {}),
+        "date": made.when,
+        "made with": f"massline {made.versions.get('massline', '')}{', by ' + made.by if made.by else ''}",
+    }
+    signed = {"prepared by": made.by, "checked by": "", "released by, date": ""}
+    lines = [tag("div", tag("span", name, class_="signed"), tag("span", what, class_="what")) for what, name in signed.items()]
+    rows = [tag("tr", tag("th", name, scope="row"), tag("td", said)) for name, said in facts.items()]
     return tag(
         "header",
         tag("p", "massline · report of a model and its measurements", class_="kind"),
-        tag("h1", report.comparison.title),
+        tag("h1", found.title),
         tag("table", tag("tbody", *rows), class_="facts"),
-        tag("div", *signed, class_="signatures"),
+        tag("div", *lines, class_="signatures"),
         id="top",
     )
-
-
-def _rows(report: Report) -> Iterator[tuple[str, str]]:
-    made = report.provenance
-    yield "model", report.comparison.source
-    yield "articles", ", ".join(dict.fromkeys(part.campaign.article for part in report.campaigns))
-    yield (
-        "campaigns",
-        "; ".join(_campaign(part.campaign.title, part.campaign.source, len(part.campaign.runs)) for part in report.campaigns),
-    )
-    if report.classical:
-        yield "classical", "; ".join(one.title for one in report.classical)
-    if report.comparison.effects:
-        yield "effects in it", ", ".join(report.comparison.effects)
-    yield "date", made.when
-    yield "made with", f"massline {made.versions.get('massline', '')}{', by ' + made.by if made.by else ''}"
-
-
-def _campaign(title: str, source: str, runs: int) -> str:
-    return f"{title} ({source}, {runs} run{'s' if runs != 1 else ''})"
-
-
-def _line(what: str, name: str = "") -> Safe:
-    return tag("div", tag("span", name, class_="signed"), tag("span", what, class_="what"))
 
 
 Section = Callable[[Report, Figures], Safe]
@@ -291,17 +286,22 @@ def html(report: Report, progress: Progress | None = None) -> str:
         if made := write_section(report, figures):
             parts.append((name, heading, made))
     main = tag("main", title_html(report, figures), *(made for _, _, made in parts))
+    links = [tag("li", tag("a", heading, href=f"#{name}")) for name, heading, _ in parts]
+    # What a reader can do, above the page
+    light = tag("button", "light or dark", type="button", id="theme", aria_pressed="false")
+    printed = tag("button", "print", type="button", id="print")
+    skip = tag("a", "Skip to the report", href="#top", class_="skip")
+    bar = tag("div", skip, tag("span", "massline report", class_="brand"), light, printed, class_="bar screen-only")
+    without = tag("noscript", tag("p", "Figures need JavaScript; the tables hold their numbers.", class_="warning"))
+    told = tag("div", id="told", role="status", aria_live="polite", class_="screen-only")
+    script = joined(without, told, figures.packed(), tag("script", Safe(_resource("page.js"))))
     body = tag(
         "body",
-        _bar(),
-        tag("div", _contents([(name, heading) for name, heading, _ in parts]), main, class_="page"),
-        _script(figures),
+        bar,
+        tag("div", tag("nav", tag("ol", *links), aria_label="Contents", class_="screen-only"), main, class_="page"),
+        script,
     )
-    return f"<!DOCTYPE html>\n{tag('html', _head(report), body, lang='en')}\n"
-
-
-def _head(report: Report) -> Safe:
-    return tag(
+    head = tag(
         "head",
         tag("meta", charset="utf-8"),
         Safe(f'<meta http-equiv="Content-Security-Policy" content="{ALLOWED}">'),
@@ -310,25 +310,7 @@ def _head(report: Report) -> Safe:
         tag("title", f"{report.comparison.title} · massline report"),
         tag("style", Safe(_resource("page.css"))),
     )
-
-
-def _bar() -> Safe:
-    """What a reader can do, above the page."""
-    light = tag("button", "light or dark", type="button", id="theme", aria_pressed="false")
-    printed = tag("button", "print", type="button", id="print")
-    skip = tag("a", "Skip to the report", href="#top", class_="skip")
-    return tag("div", skip, tag("span", "massline report", class_="brand"), light, printed, class_="bar screen-only")
-
-
-def _contents(parts: list[tuple[str, str]]) -> Safe:
-    links = [tag("li", tag("a", heading, href=f"#{name}")) for name, heading in parts]
-    return tag("nav", tag("ol", *links), aria_label="Contents", class_="screen-only")
-
-
-def _script(figures: Figures) -> Safe:
-    without = tag("noscript", tag("p", "Figures need JavaScript; the tables hold their numbers.", class_="warning"))
-    told = tag("div", id="told", role="status", aria_live="polite", class_="screen-only")
-    return joined(without, told, figures.packed(), tag("script", Safe(_resource("page.js"))))
+    return f"<!DOCTYPE html>\n{tag('html', head, body, lang='en')}\n"
 
 
 def _resource(name: str) -> str:
@@ -384,10 +366,12 @@ def assembled(
 
     Raises
     ------
+    BadInput : a measurement file cannot be used.
     OSError : a file cannot be read any more.
     """
     how, tell = how or How(), progress or (lambda what, share: None)
-    classical = reductions(data.classical)
+    measured = [read(name, tuple(REDUCED)) for name in data.classical]
+    classical = tuple(REDUCED[one.text("kind")](one) for one in measured)  # as `massline weigh`, `cog` and `pendulum` do it
     names = tuple(dict.fromkeys(name for one in data.campaigns if (name := above_fmd(one.article))))
     count = len(names) + len(data.campaigns)
     articles: list[ArticlePart] = []
@@ -411,20 +395,6 @@ def assembled(
         not_diagnosed=not_diagnosed,
         standing=standing,
     )
-
-
-def reductions(names: Sequence[str]) -> tuple[Reduction, ...]:
-    """The measurement files `names`, reduced as `massline weigh`, `cog` and `pendulum` do it.
-
-    Raises
-    ------
-    BadInput : one of them cannot be used.
-    """
-    found = []
-    for name in names:
-        file = read(name, tuple(REDUCED))
-        found.append(REDUCED[file.text("kind")](file))
-    return tuple(found)
 
 
 # A browser of the Chromium family without a window: where it lies, and how it is started so that it asks nobody for anything.
@@ -509,44 +479,28 @@ def print_to(page: Path, path: Path, program: str) -> None:
     CheckFailed : the browser does not print.
     OSError : `path` cannot be written.
     """
-    write_with(path, lambda temporary: _print(page, temporary, program))
-
-
-def _print(page: Path, path: Path, program: str) -> None:
     with TemporaryDirectory() as profile:
         made = Path(profile) / "page.pdf"
-        done = _run([program, *_options(profile, made), f"{page.resolve().as_uri()}#paper"])
+        options = (
+            "--headless",
+            *flags(),
+            "--disable-extensions",
+            f"--user-data-dir={profile}/profile",  # of its own, so that nothing is asked of anybody
+            f"--virtual-time-budget={BUDGET}",
+            "--no-pdf-header-footer",
+            "--generate-pdf-document-outline",
+            f"--print-to-pdf={made}",
+        )
+        words = [program, *options, f"{page.resolve().as_uri()}#paper"]
+        how: dict[str, Any] = {"capture_output": True, "encoding": "utf-8", "errors": "replace", "check": False}
+        try:
+            done = subprocess.run(words, timeout=PDF_PATIENCE, **how)
+        except subprocess.TimeoutExpired:
+            raise CheckFailed(f"{program} did not print the report within {PDF_PATIENCE:g} s") from None
+        last = next((line for line in reversed(done.stderr.splitlines()) if line.strip()), "")
         if not made.exists() or made.stat().st_size == 0:
-            raise CheckFailed(f"{program} did not print the report: {done or 'it said nothing'}")
-        shutil.copyfile(made, path)
-
-
-def _options(profile: str, made: Path) -> tuple[str, ...]:
-    """Without a window, a profile of its own, nothing asked of anybody."""
-    return (
-        "--headless",
-        *flags(),
-        "--disable-extensions",
-        f"--user-data-dir={profile}/profile",
-        f"--virtual-time-budget={BUDGET}",
-        "--no-pdf-header-footer",
-        "--generate-pdf-document-outline",
-        f"--print-to-pdf={made}",
-    )
-
-
-def _run(words: list[str]) -> str:
-    """The last thing that the browser said.
-
-    Raises
-    ------
-    CheckFailed : it does not end by itself.
-    """
-    try:
-        done = subprocess.run(words, capture_output=True, encoding="utf-8", errors="replace", timeout=PDF_PATIENCE, check=False)
-    except subprocess.TimeoutExpired:
-        raise CheckFailed(f"{words[0]} did not print the report within {PDF_PATIENCE:g} s") from None
-    return next((line for line in reversed(done.stderr.splitlines()) if line.strip()), "")
+            raise CheckFailed(f"{program} did not print the report: {last or 'it said nothing'}")
+        write_with(path, lambda temporary: shutil.copyfile(made, temporary))
 
 
 # `massline report` from options to output: read, compare, diagnose, assemble, write, print.
@@ -637,7 +591,14 @@ def reported(asked: ReportOptions, *, quiet: bool = False) -> Report:
         study = Study.of(model, data, question, told)
         comparison = compared(study, told)
     with stages("diagnosing", quiet=quiet) as told:
-        found, why = _diagnosis(study, told) if asked.diagnosis else (None, NOT_ASKED)
+        found: Diagnosis | None = None
+        why = "" if asked.diagnosis else NOT_ASKED
+        if asked.diagnosis:
+            try:
+                require_runs(study.campaigns)
+                found = diagnose.diagnosed(study, progress=told)
+            except (BadInput, CheckFailed) as error:
+                why = str(error)
     with stages("identifying and drawing", quiet=quiet) as told:
         bodies, missing = identify.identified(study, comparison, at, told)
         return assembled(
@@ -655,15 +616,6 @@ def reported(asked: ReportOptions, *, quiet: bool = False) -> Report:
         )
 
 
-def _diagnosis(study: Study, told: Callable[[str, float], None]) -> tuple[Diagnosis | None, str]:
-    """What is missing; or None, and why nothing can be said."""
-    try:
-        require_runs(study.campaigns)
-        return diagnose.diagnosed(study, progress=told), ""
-    except (BadInput, CheckFailed) as error:
-        return None, str(error)
-
-
 def provenance(asked: ReportOptions) -> Provenance:
     """Where a report of what is `asked` comes from, at this moment.
 
@@ -672,12 +624,16 @@ def provenance(asked: ReportOptions) -> Provenance:
     OSError : a file cannot be read.
     """
     question = asked.compared
+    found = {**{name: version_metadata(name) for name in PROGRAMS}, "Python": python_version(), "system": platform()}
+    versions = {**found, "browser that prints": version(browser_path())} if asked.pdf else found
+    # Files of code that take part in every figure
+    own_effects = tuple(source for source in SOURCES.values() if Path(source).is_file())
     return Provenance(
         when=datetime.now().astimezone().isoformat(sep=" ", timespec="minutes"),
         by=asked.by,
         command=asked.command or command_line(question, diagnosis=asked.diagnosis),
-        versions=_versions(asked),
-        inputs=inputs((question.model, *question.data, *_own_effects())),
+        versions=versions,
+        inputs=tuple(Source(path=path, digest=digest(path)) for path in (question.model, *question.data, *own_effects)),
         settings={
             "method": question.spectra,
             "band_hz": question.band or "what all runs drive",
@@ -696,18 +652,3 @@ def command_line(of: Options, *, effects_from: Sequence[str] = (), diagnosis: bo
     words += [] if of.spectra == METHODS[0] else ["--method", of.spectra]
     words += [word for folder in effects_from for word in ("--effects-from", folder)]
     return shlex.join([*words, *([] if diagnosis else [NOT_ASKED])])
-
-
-def _versions(asked: ReportOptions) -> dict[str, str]:
-    found = {**{name: version_metadata(name) for name in PROGRAMS}, "Python": python_version(), "system": platform()}
-    return {**found, "browser that prints": version(browser_path())} if asked.pdf else found
-
-
-def _own_effects() -> tuple[str, ...]:
-    """Files of code that take part in every figure."""
-    return tuple(source for source in SOURCES.values() if Path(source).is_file())
-
-
-def inputs(paths: Sequence[str]) -> tuple[Source, ...]:
-    """Files and campaign folders with their digests; those of effects are files of code."""
-    return tuple(Source(path=path, digest=digest(path)) for path in paths)

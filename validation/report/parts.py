@@ -163,15 +163,17 @@ def error_lines(*several: Evaluation | Errors | None) -> Iterator[tuple[str, lis
     """Name and figures of every error, as a terminal has them."""
     figures = [error_figures(of) for of in several]
     for name, unit, key in ERRORS:
-        if key != "due_z2":
-            yield SAID.get(key, name), [_error_text(of, unit, key) for of in figures]
-
-
-def _error_text(of: dict[str, float | None], unit: str, key: str) -> str:
-    value = of[key]
-    if value is None:
-        return NONE
-    return percent(value) if unit == "%" else f"{value:.3g} of {of['due_z2']:.0f}" if key == "tolerance_z2" else f"{value:.3g}"
+        if key == "due_z2":
+            continue
+        texts = []
+        for of in figures:
+            value, due = of[key], of["due_z2"]
+            if value is None:
+                texts.append(NONE)
+            else:
+                beside = f" of {due:.0f}" if key == "tolerance_z2" else ""
+                texts.append(percent(value) if unit == "%" else f"{value:.3g}{beside}")
+        yield SAID.get(key, name), texts
 
 
 # What several sections are made of: headings, verdicts, pictures, notes.

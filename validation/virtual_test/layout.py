@@ -11,7 +11,7 @@ Cells and corners are numbered counter-clockwise from +x +y. Frame: origin F, th
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from hashlib import blake2b
 from types import MappingProxyType
@@ -85,26 +85,27 @@ def mavis(cells: npt.ArrayLike, noise_rms: Mapping[str, float]) -> Layout:
     """
     middles = np.asarray(cells, dtype=np.float64)
     floor = {quantity: value or None for quantity, value in noise_rms.items()}
-    accelerations = [_accelerometer(name, floor.get("acceleration")) for name in ACCELEROMETERS]
-    forces = [_force(name, middles, floor.get("force")) for name in FORCES]
-    return Layout(table=ChannelTable(channels=(*accelerations, *forces)), cells=middles)
+    channels = []
+    for name, position in ACCELEROMETERS.items():
+        group, noise = name.split("-")[0], floor.get("acceleration")
+        one = Channel(
+            name=name,
+            quantity="acceleration",
+            group=group,
+            places=(Place(position=np.array(position), direction=np.array(ALONG[letter(name)])),),
+            reference=group == "table",
+            noise_rms=noise,
+        )
+        channels.append(one)
+    for name, numbers in FORCES.items():
+        places = tuple(Place(position=middles[k - 1], direction=np.array(ALONG[letter(name)])) for k in numbers)
+        channels.append(Channel(name=name, quantity="force", group="fmd", places=places, noise_rms=floor.get("force")))
+    return Layout(table=ChannelTable(channels=tuple(channels)), cells=middles)
 
 
 def letter(channel: str) -> str:
     """The axis that the name of a channel states: x of ``cover-x1``."""
     return channel.split("-")[1][0]
-
-
-def _accelerometer(name: str, noise: float | None) -> Channel:
-    group = name.split("-")[0]
-    place = Place(position=np.array(ACCELEROMETERS[name]), direction=np.array(ALONG[letter(name)]))
-    return Channel(name=name, quantity="acceleration", group=group, places=(place,), reference=group == "table", noise_rms=noise)
-
-
-def _force(name: str, cells: Array, noise: float | None) -> Channel:
-    direction = np.array(ALONG[letter(name)])
-    places = tuple(Place(position=cells[number - 1], direction=direction) for number in FORCES[name])
-    return Channel(name=name, quantity="force", group="fmd", places=places, noise_rms=noise)
 
 
 # `ChainTruth`: what load cells, summation box and accelerometers really are, beside what the campaign file says they are.
@@ -183,6 +184,20 @@ class ChainTruth:
         changed[cell, axis] = (1 + changed[cell, axis]) * (1 + value) - 1
         return replace(self, cell_stiffness=changed)
 
+    def deviations(self) -> Iterator[tuple[str, float]]:
+        """Every deviation under its id of the catalogue, SI."""
+        for what in ("gain", "delay"):
+            for channel, value in getattr(self, what).items():
+                yield f"{'force' if channel.startswith('fmd') else 'accelerometer'}-{what}:{channel}", float(value)
+        for family, vectors in (("accelerometer-position", self.position), ("accelerometer-misalignment", self.angle)):
+            for channel, vector in vectors.items():
+                yield from ((f"{family}:{channel}:{axis}", float(v)) for axis, v in zip("xyz", vector, strict=True))
+        for (cell, axis), value in np.ndenumerate(self.cell_stiffness):
+            yield f"cell-stiffness:{cell + 1}{'xyz'[axis]}", float(value)
+        for (to, of), value in np.ndenumerate(self.crosstalk):
+            if to != of:
+                yield f"force-crosstalk:{'xyz'[to]}{'xyz'[of]}", float(value)
+
 
 # Random streams by name: what is drawn under a name depends on the seed and on the name, and on nothing that was drawn before.
 #
@@ -191,17 +206,13 @@ class ChainTruth:
 
 def stream(seed: int, *names: str) -> np.random.Generator:
     """The generator of `names` under `seed`; the same on every machine and in every process."""
-    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=_key(names)))
+    key = tuple(int(word) for word in np.frombuffer(_digest(*names), dtype="<u4"))  # four words of 32 bits
+    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))
 
 
 def token(seed: int, *names: str) -> str:
     """Eight characters that belong to `names` under `seed` and show neither."""
     return _digest(f"{seed}", *names).hex()[:8]
-
-
-def _key(names: tuple[str, ...]) -> tuple[int, ...]:
-    """Four words of 32 bits."""
-    return tuple(int(word) for word in np.frombuffer(_digest(*names), dtype="<u4"))
 
 
 def _digest(*words: str) -> bytes:

@@ -21,7 +21,7 @@ from geometry import toml_file
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.inertia import Inertia
-from geometry.sensors import Channel, ChannelTable, Tolerances
+from geometry.sensors import ChannelTable, Tolerances
 from validation.virtual_test.layout import CELLS, ChainTruth, Layout, stream
 
 # `Effect`: what is different from an ordinary laboratory, as changes at five places of a virtual test.
@@ -91,39 +91,11 @@ class PlantedEffect:
     record: Callable[[Sensed], Sensed] = same
 
 
-def changed_chain(chain: ChainTruth, effects: Sequence[PlantedEffect]) -> ChainTruth:
-    """`chain` after all `effects`."""
-    for effect in effects:
-        chain = effect.chain(chain)
-    return chain
-
-
-def changed_parts(parts: Mapping[str, Part], effects: Sequence[PlantedEffect]) -> dict[str, Part]:
-    """`parts` of the structure after all `effects`."""
-    for effect in effects:
-        parts = effect.parts(parts)
-    return dict(parts)
-
-
 def changed_rig(rig: Rig, effects: Sequence[PlantedEffect]) -> Rig:
     """`rig` after all `effects`."""
     for effect in effects:
         rig = effect.rig(rig)
     return rig
-
-
-def changed_signals(sensed: Sensed, effects: Sequence[PlantedEffect]) -> Sensed:
-    """What the sensors read after all `effects`."""
-    for effect in effects:
-        sensed = effect.signals(sensed)
-    return sensed
-
-
-def changed_record(sensed: Sensed, effects: Sequence[PlantedEffect]) -> Sensed:
-    """What was recorded after all `effects`."""
-    for effect in effects:
-        sensed = effect.record(sensed)
-    return sensed
 
 
 SOURCE = "virtual test"
@@ -165,6 +137,19 @@ class Scatter:
     def scaled(self, factor: float) -> Scatter:
         """All of them times `factor` [1]."""
         return Scatter(**{one.name: factor * getattr(self, one.name) for one in fields(self)})
+
+
+LIGHTEST = 0.1
+"""Least share that a draw leaves of a mass or of a second moment: a body stays a body whatever the tolerance."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """Relative changes of the moduli and of the loss factor of a part of the structure, and what an effect adds to the latter."""
+
+    modulus: float
+    loss: float
+    added_loss: float = 0.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -244,6 +229,62 @@ class Plan:
         """What stands on the FMD; empty for the FMD alone."""
         return self.article.partition("+")[2]
 
+    # What the seed draws: the errors of the measurement chain, the FMD that is on the shaker, the parts of the structure. Every
+    # figure has a stream of its own name, so that it is the same for every article, and grows with its tolerance alone.
+
+    def drawn_chain(self, layout: Layout) -> ChainTruth:
+        """The measurement chain."""
+        of, channels = self.tolerances, layout.table.channels
+        accelerometers = [channel for channel in channels if channel.quantity == "acceleration"]
+        angle = {}
+        for one in accelerometers:  # a standard rotation about the two axes across its direction
+            direction, vector = one.places[0].direction, self._normal("angle", one.name, size=3)
+            angle[one.name] = of.angle * (vector - direction * (direction @ vector))
+        return ChainTruth(
+            gain={c.name: (of.table_gain if c.group == "table" else of.gain) * self._one("gain", c.name) for c in channels},
+            delay={c.name: of.delay * self._one("delay", c.name) for c in channels},
+            position={c.name: of.position * self._normal("position", c.name, size=3) for c in accelerometers},
+            angle=angle,
+            cell_stiffness=np.maximum(of.cell_stiffness * self._normal("cell-stiffness", size=(CELLS, 3)), LIGHTEST - 1),
+            crosstalk=of.crosstalk * self._normal("crosstalk", size=(3, 3)) * (1 - np.eye(3)),
+            noise_rms={c.name: self.noise_rms[c.quantity] for c in channels},
+            mains={c.name: self.mains[c.quantity] for c in channels},
+        )
+
+    def drawn_moving_part(self, nominal: Inertia) -> Inertia:
+        """The FMD's moving part about F that is on the shaker: `nominal` with other mass, CoG and second moments.
+
+        Second moments are drawn and not moments of inertia, which would break the triangle inequality: the FMD is nearly a plate.
+        """
+        of = self.tolerances.fmd_inertia
+        second = 0.5 * np.trace(nominal.tensor_cog) * np.eye(3) - nominal.tensor_cog
+        factors = np.sqrt(np.maximum(1 + of * self._normal("fmd-second-moments", size=3), LIGHTEST))
+        drawn = factors[:, None] * second * factors
+        return Inertia.from_cog(
+            nominal.mass * max(1 + of * self._one("fmd-mass"), LIGHTEST),
+            nominal.cog + self.scatter.fmd_cog * self._normal("fmd-cog", size=3),
+            np.trace(drawn) * np.eye(3) - drawn,
+        )
+
+    def drawn_part(self, name: str) -> Part:
+        """What is drawn for the structure's part `name`; the same in every article that has it."""
+        modulus, loss = (
+            float(np.expm1(sd * self._one(what, name)))
+            for sd, what in ((self.scatter.modulus, "modulus"), (self.scatter.damping, "loss-factor"))
+        )
+        return Part(modulus=modulus, loss=loss)
+
+    def drawn_damping(self, count: int) -> Array:
+        """(count,) factors on the damping ratios of an article's modes, where they are stated by mode."""
+        names = [f"{self.on_fmd} mode {number}" for number in range(1, count + 1)]
+        return np.exp([self.scatter.damping * self._one("damping-ratio", name) for name in names])
+
+    def _one(self, *names: str) -> float:
+        return float(stream(self.seed, *names).standard_normal())
+
+    def _normal(self, *names: str, size: int | tuple[int, ...]) -> Array:
+        return np.asarray(stream(self.seed, *names).standard_normal(size))
+
 
 def exact(plan: Plan) -> Plan:
     """`plan` in a laboratory without any error: nothing drawn, no noise, no mains. Its table still moves across."""
@@ -254,84 +295,3 @@ def _require(value: float, name: str, *, zero: bool = False) -> None:
     if not (isfinite(value) and (value > 0 or (zero and value == 0))):
         what = "finite and not negative" if zero else "positive and finite"
         raise BadInput(source=SOURCE, field=name, problem=f"must be {what}, found {value:g}", remedy="Give it in SI units")
-
-
-# What a seed draws: the errors of the measurement chain, the FMD that is on the shaker, the parts of the structure.
-#
-# Every figure has a stream of its own name, so that it is the same for every article, and grows with its tolerance alone.
-
-
-LIGHTEST = 0.1
-"""Least share that a draw leaves of a mass or of a second moment: a body stays a body whatever the tolerance."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Part:
-    """Relative changes of the moduli and of the loss factor of a part of the structure, and what an effect adds to the latter."""
-
-    modulus: float
-    loss: float
-    added_loss: float = 0.0
-
-
-def chain(plan: Plan, layout: Layout) -> ChainTruth:
-    """The measurement chain of `plan.seed`."""
-    of, channels = plan.tolerances, layout.table.channels
-    accelerometers = [channel for channel in channels if channel.quantity == "acceleration"]
-    crosstalk = of.crosstalk * _normal(plan, "crosstalk", size=(3, 3))
-    return ChainTruth(
-        gain={c.name: (of.table_gain if c.group == "table" else of.gain) * _one(plan, "gain", c.name) for c in channels},
-        delay={c.name: of.delay * _one(plan, "delay", c.name) for c in channels},
-        position={c.name: of.position * _normal(plan, "position", c.name, size=3) for c in accelerometers},
-        angle={c.name: of.angle * _across(plan, c) for c in accelerometers},
-        cell_stiffness=np.maximum(of.cell_stiffness * _normal(plan, "cell-stiffness", size=(CELLS, 3)), LIGHTEST - 1),
-        crosstalk=crosstalk * (1 - np.eye(3)),
-        noise_rms={c.name: plan.noise_rms[c.quantity] for c in channels},
-        mains={c.name: plan.mains[c.quantity] for c in channels},
-    )
-
-
-def moving_part(plan: Plan, nominal: Inertia) -> Inertia:
-    """The FMD's moving part about F that is on the shaker: `nominal` with other mass, CoG and second moments.
-
-    Second moments are drawn and not moments of inertia, which would break the triangle inequality: the FMD is nearly a plate.
-    """
-    of = plan.tolerances.fmd_inertia
-    second = 0.5 * np.trace(nominal.tensor_cog) * np.eye(3) - nominal.tensor_cog
-    factors = np.sqrt(np.maximum(1 + of * _normal(plan, "fmd-second-moments", size=3), LIGHTEST))
-    drawn = factors[:, None] * second * factors
-    return Inertia.from_cog(
-        nominal.mass * max(1 + of * _one(plan, "fmd-mass"), LIGHTEST),
-        nominal.cog + plan.scatter.fmd_cog * _normal(plan, "fmd-cog", size=3),
-        np.trace(drawn) * np.eye(3) - drawn,
-    )
-
-
-def part(plan: Plan, name: str) -> Part:
-    """What is drawn for the structure's part `name`; the same in every article that has it."""
-    modulus, loss = (
-        float(np.expm1(sd * _one(plan, what, name)))
-        for sd, what in ((plan.scatter.modulus, "modulus"), (plan.scatter.damping, "loss-factor"))
-    )
-    return Part(modulus=modulus, loss=loss)
-
-
-def damping_factors(plan: Plan, count: int) -> Array:
-    """(count,) factors on the damping ratios of an article's modes, where they are stated by mode."""
-    names = [f"{plan.on_fmd} mode {number}" for number in range(1, count + 1)]
-    return np.exp([plan.scatter.damping * _one(plan, "damping-ratio", name) for name in names])
-
-
-def _across(plan: Plan, channel: Channel) -> Array:
-    """(3,) a standard rotation about the two axes across the direction of an accelerometer."""
-    direction = channel.places[0].direction
-    vector = _normal(plan, "angle", channel.name, size=3)
-    return np.asarray(vector - direction * (direction @ vector))
-
-
-def _one(plan: Plan, *names: str) -> float:
-    return float(stream(plan.seed, *names).standard_normal())
-
-
-def _normal(plan: Plan, *names: str, size: int | tuple[int, ...]) -> Array:
-    return np.asarray(stream(plan.seed, *names).standard_normal(size))

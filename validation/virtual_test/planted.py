@@ -229,7 +229,8 @@ def polarity(named: Named) -> ChainChange:
 
 def shunt(named: Named) -> ChainChange:
     """Every channel along an axis reads ``y (1 - s)``: the share s passes all of its cells by."""
-    return lambda chain: _each(chain, along(named.target), lambda one, name: one.more_gain(name, -named.value))
+    along = tuple(name for name in FMD if name.startswith(f"fmd-{named.target}"))
+    return lambda chain: _each(chain, along, lambda one, name: one.more_gain(name, -named.value))
 
 
 def delay(named: Named) -> ChainChange:
@@ -308,11 +309,6 @@ def mains(named: Named) -> ChainChange:
     """So many times the ordinary hum in every channel, instead of what there is."""
     ordinary = dict.fromkeys((*TABLE, *COVER), MAINS["acceleration"]) | dict.fromkeys(FMD, MAINS["force"])
     return lambda chain: replace(chain, mains={name: named.value * size for name, size in ordinary.items()})
-
-
-def along(axis: str) -> tuple[str, ...]:
-    """The force channels along `axis`."""
-    return tuple(name for name in FMD if name.startswith(f"fmd-{axis}"))
 
 
 def _each(chain: ChainTruth, names: tuple[str, ...], change: Callable[[ChainTruth, str], ChainTruth]) -> ChainTruth:
@@ -422,17 +418,15 @@ def planted(effects: Sequence[Named]) -> tuple[PlantedEffect, ...]:
     ------
     BadInput : one of them cannot be planted in a virtual test; why, and what can.
     """
-    return tuple(_planted(named) for named in effects)
-
-
-def _planted(named: Named) -> PlantedEffect:
-    plant = FAMILIES[named.family].plant
-    if plant is None:
-        known = {PENDULUM: OF_A_PENDULUM, PROCESSING: ELSEWHERE} if named.family not in SOURCES else {}
-        problem, remedy = known.get(FAMILIES[named.family].side, UNPLANTED)
-        raise BadInput(source="--effect", field=named.id, problem=problem, remedy=remedy)
-    effect: PlantedEffect = plant(named)
-    return effect
+    found: list[PlantedEffect] = []
+    for named in effects:
+        plant = FAMILIES[named.family].plant
+        if plant is None:
+            known = {PENDULUM: OF_A_PENDULUM, PROCESSING: ELSEWHERE} if named.family not in SOURCES else {}
+            problem, remedy = known.get(FAMILIES[named.family].side, UNPLANTED)
+            raise BadInput(source="--effect", field=named.id, problem=problem, remedy=remedy)
+        found.append(plant(named))
+    return tuple(found)
 
 
 # Which articles of a series an effect reaches; the rule is that of `validation.effects.catalogue`.
@@ -484,12 +478,12 @@ def require_planted(plan: Plan) -> None:
     ------
     BadInput : see `require_reaching`.
     """
-    require_reaching([one for effect in plan.effects for one in _named(effect)], [plan], source=SOURCE)
-
-
-def _named(effect: PlantedEffect) -> tuple[Named, ...]:
-    family, *targets = effect.id.split(":")
-    return (Named(family=family, targets=tuple(targets), values=effect.value),) if family in FAMILIES else ()
+    known = []
+    for effect in plan.effects:
+        family, *targets = effect.id.split(":")
+        if family in FAMILIES:
+            known.append(Named(family=family, targets=tuple(targets), values=effect.value))
+    require_reaching(known, [plan], source=SOURCE)
 
 
 def _there(plan: Plan) -> There:

@@ -19,15 +19,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.base_excitation.response import Channels, cell_forces
-from fem.base_excitation.rig import LoadCell, Rig, RigStructure
+from fem.base_excitation.rig import Rig, RigStructure
 from geometry.articles import NAMES, built_in, changes_of
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen, rigid_transformation
 from geometry.inertia import Inertia
 from geometry.sensors import Channel
-from validation.virtual_test import plan as virtual_test_plan
 from validation.virtual_test.layout import CELLS, ChainTruth, Layout, letter
-from validation.virtual_test.plan import RIGID, Plan, changed_parts
+from validation.virtual_test.plan import RIGID, Part, Plan
 
 if TYPE_CHECKING:
     from fem.modes import Modes
@@ -55,35 +54,34 @@ class Sensors:
         object.__setattr__(self, "rows", frozen(self.rows, (len(self.delay), WIDTH), "rows"))
         object.__setattr__(self, "delay", frozen(self.delay, np.shape(self.delay), "delay"))
 
+    @classmethod
+    def of(cls, layout: Layout, chain: ChainTruth, gravity: float) -> Sensors:
+        """The sensors of `layout` as `chain` says they are; `gravity` in m/s²."""
+        channels = layout.table.channels
+        rows = np.array([_row(channel, layout, chain, gravity) for channel in channels])
+        gains = np.array([1 + chain.gain.get(channel.name, 0.0) for channel in channels])
+        delay = np.array([chain.delay.get(channel.name, 0.0) for channel in channels])
+        return cls(rows=gains[:, None] * rows, delay=delay)
 
-def sensors(layout: Layout, chain: ChainTruth, gravity: float) -> Sensors:
-    """The sensors of `layout` as `chain` says they are; `gravity` in m/s²."""
-    channels = layout.table.channels
-    rows = np.array([_row(channel, layout, chain, gravity) for channel in channels])
-    gains = np.array([1 + chain.gain.get(channel.name, 0.0) for channel in channels])
-    delay = np.array([chain.delay.get(channel.name, 0.0) for channel in channels])
-    return Sensors(rows=gains[:, None] * rows, delay=delay)
+    def channels(self, structure: RigStructure) -> Channels:
+        """What all channels read, undelayed and without the tilt of the table, as sums of the motions of a rig."""
+        table, forces = np.eye(6, structure.mass.shape[0]), cell_forces(structure)
+        rows = self.rows
+        return Channels(
+            names=tuple(f"channel {number}" for number in range(1, len(rows) + 1)),
+            acceleration=rows[:, TABLE] @ table + rows[:, COVER] @ structure.cover,
+            velocity=rows[:, FORCES] @ forces.velocity,
+            displacement=rows[:, FORCES] @ forces.displacement + rows[:, COVER_TILT] @ (structure.cover - table)[3:5],
+        )
 
-
-def channels(sensors: Sensors, structure: RigStructure) -> Channels:
-    """What all channels read, undelayed and without the tilt of the table, as sums of the motions of a rig."""
-    table, forces = np.eye(6, structure.mass.shape[0]), cell_forces(structure)
-    rows = sensors.rows
-    return Channels(
-        names=tuple(f"channel {number}" for number in range(1, len(rows) + 1)),
-        acceleration=rows[:, TABLE] @ table + rows[:, COVER] @ structure.cover,
-        velocity=rows[:, FORCES] @ forces.velocity,
-        displacement=rows[:, FORCES] @ forces.displacement + rows[:, COVER_TILT] @ (structure.cover - table)[3:5],
-    )
-
-
-def tilted(sensors: Sensors, motion: Array) -> Array | float:
-    """What the tilt of the table adds to all channels (c, k), `motion` (3, 6, k) of the table; 0 where it cancels."""
-    rows = sensors.rows[:, TABLE_TILT] + sensors.rows[:, COVER_TILT]
-    return np.asarray(rows @ motion[0, 3:5]) if rows.any() else 0.0
+    def tilted(self, motion: Array) -> Array | float:
+        """What the tilt of the table adds to all channels (c, k), `motion` (3, 6, k) of the table; 0 where it cancels."""
+        rows = self.rows[:, TABLE_TILT] + self.rows[:, COVER_TILT]
+        return np.asarray(rows @ motion[0, 3:5]) if rows.any() else 0.0
 
 
 def _row(channel: Channel, layout: Layout, chain: ChainTruth, gravity: float) -> Array:
+    row = np.zeros(WIDTH)
     if channel.quantity == "force":
         # A summation of cells; cross-talk of the resultants in equal parts; cell moments that nobody measures
         axis = AXES.index(letter(channel.name))
@@ -92,32 +90,21 @@ def _row(channel: Channel, layout: Layout, chain: ChainTruth, gravity: float) ->
         cells[list(layout.cells_of(channel)), axis] = 1.0
         cells += chain.crosstalk[axis] / alike
         if axis == AXES.index("z"):
-            cells += _of_moments(layout, chain)[layout.cells_of(channel)[0]]
-        force_row = np.zeros(WIDTH)
-        force_row[FORCES] = cells.ravel()
-        return force_row
+            # What a lateral force does that acts `plane_offset` h off the plane:
+            # M_y = -sum x f_z loses h_x F_x and M_x = sum y f_z gains h_y F_y
+            place = layout.cells[layout.cells_of(channel)[0], :2]
+            cells[:, :2] += chain.plane_offset * place / np.sum(layout.cells[:, :2] ** 2, axis=0)
+        row[FORCES] = cells.ravel()
+        return row
     from scipy.spatial.transform import Rotation
 
-    place, nothing = channel.places[0], np.zeros(3)
-    direction = Rotation.from_rotvec(np.array(chain.angle.get(channel.name, nothing))).apply(np.array(place.direction))
-    position = place.position + chain.position.get(channel.name, nothing) - layout.table.origin
+    at, nothing = channel.places[0], np.zeros(3)
+    direction = Rotation.from_rotvec(np.array(chain.angle.get(channel.name, nothing))).apply(np.array(at.direction))
+    position = at.position + chain.position.get(channel.name, nothing) - layout.table.origin
     motion, tilt = MOTION_OF[channel.group]
-    row = np.zeros(WIDTH)
     row[motion] = direction @ rigid_transformation(position)
     row[tilt] = (chain.gravity - chain.accelerometer_tilt) * gravity * np.array([-direction[1], direction[0]])
     return row
-
-
-def _of_moments(layout: Layout, chain: ChainTruth) -> Array:
-    """(4, 3) what the z force of each cell has of a lateral force that acts `plane_offset` off the plane.
-
-    M_y = -sum x f_z loses h_x F_x and M_x = sum y f_z gains h_y F_y.
-    """
-    x, y = layout.cells[:, 0], layout.cells[:, 1]
-    found = np.zeros((CELLS, 3))
-    found[:, 0] = chain.plane_offset[0] * x / (x @ x)
-    found[:, 1] = chain.plane_offset[1] * y / (y @ y)
-    return found
 
 
 # What stands on the table in a virtual test: the stack of the plan with the FMD, the cells and the parts that its seed draws.
@@ -145,7 +132,7 @@ class SetUp:
 
     rig: Rig
     modes: Modes | None
-    parts: Mapping[str, virtual_test_plan.Part]
+    parts: Mapping[str, Part]
 
 
 def set_up(plan: Plan, chain: ChainTruth) -> SetUp:
@@ -157,8 +144,13 @@ def set_up(plan: Plan, chain: ChainTruth) -> SetUp:
     """
     require_stack(plan.article)
     mounted, parts = _mounted(plan)
-    cover = virtual_test_plan.moving_part(plan, nominal_fmd(plan))
-    cells = tuple(_cell(cell, chain, number) for number, cell in enumerate(mounted.rig.cells))
+    cover = plan.drawn_moving_part(nominal_fmd(plan))
+    lateral, vertical = chain.compliance
+    factors = (1 + chain.cell_stiffness) / np.array([lateral, lateral, vertical])
+    cells = tuple(  # each with its own stiffness, and its damping in proportion
+        replace(cell, stiffness=cell.stiffness * factor, damping=cell.damping * factor)
+        for cell, factor in zip(mounted.rig.cells, factors, strict=True)
+    )
     if not plan.on_fmd:
         from fem.base_excitation import rig as body
 
@@ -208,7 +200,7 @@ def nominal_fmd(plan: Plan) -> Inertia:
     return inertia(built_in(FMD, changes_of(FMD, plan.dimensions)))
 
 
-def _mounted(plan: Plan) -> tuple[ArticleOnTable, dict[str, virtual_test_plan.Part]]:
+def _mounted(plan: Plan) -> tuple[ArticleOnTable, dict[str, Part]]:
     """The nominal rig but for the parts of the structure, and what was drawn for these."""
     from validation.excite.question import Attached
     from validation.excite.rig import assembled, mounted
@@ -226,21 +218,21 @@ def _mounted(plan: Plan) -> tuple[ArticleOnTable, dict[str, virtual_test_plan.Pa
     if nominal.structure is None:
         made, parts = nominal, {}
     else:
-        scattered_parts = changed_parts(
-            {name: virtual_test_plan.part(plan, _sheet(name)) for name in nominal.structure.part_stiffness}, plan.effects
-        )
-        structure = _stiffened(nominal.structure, scattered_parts)
+        scattered: Mapping[str, Part] = {name: plan.drawn_part(_sheet(name)) for name in nominal.structure.part_stiffness}
+        for effect in plan.effects:
+            scattered = effect.parts(scattered)
+        structure = _stiffened(nominal.structure, scattered)
         kept = int(np.sum(nominal.modes.frequency <= _highest(plan, nominal.modes)))
         # The damping that the plan states, scattered where it is given by mode
         if plan.damping is None or plan.damping.ratio is None:
             damping = plan.damping
         else:
             ratio = np.broadcast_to(np.asarray(plan.damping.ratio, dtype=np.float64), (kept,))
-            damping = replace(plan.damping, ratio=ratio * virtual_test_plan.damping_factors(plan, kept))
+            damping = replace(plan.damping, ratio=ratio * plan.drawn_damping(kept))
         modes = fixed_base(structure, kept, damping=damping)
         made, parts = (
             replace(nominal, structure=structure, modes=modes),
-            {_sheet(name): part for name, part in scattered_parts.items()},
+            {_sheet(name): part for name, part in scattered.items()},
         )
     return assembled(plan.article, made, asked, attached, highest=_highest(plan, made.modes)), parts
 
@@ -253,7 +245,7 @@ def _nominal(above: str, dimensions: tuple[tuple[str, float], ...]) -> Flexible:
     return flexible(above, "beam", FlexibleOptions(count=MODES, changes=dict(dimensions)))
 
 
-def _stiffened(structure: Structure, parts: Mapping[str, virtual_test_plan.Part]) -> Structure:
+def _stiffened(structure: Structure, parts: Mapping[str, Part]) -> Structure:
     """`structure` with every part's stiffness and loss factor changed; itself where nothing was drawn."""
     if not any(part.modulus or part.loss or part.added_loss for part in parts.values()):
         return structure
@@ -272,10 +264,3 @@ def _sheet(part: str) -> str:
     for ending in ONE_SHEET:
         part = part.removesuffix(ending)
     return part
-
-
-def _cell(cell: LoadCell, chain: ChainTruth, number: int) -> LoadCell:
-    """`cell` with its own stiffness, and its damping in proportion."""
-    lateral, vertical = chain.compliance
-    factor = (1 + chain.cell_stiffness[number]) / np.array([lateral, lateral, vertical])
-    return replace(cell, stiffness=cell.stiffness * factor, damping=cell.damping * factor)

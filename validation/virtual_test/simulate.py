@@ -8,43 +8,33 @@ The chain is linear from the table to the recorder but for what an effect makes 
 from __future__ import annotations
 
 import json
+import platform
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from hashlib import sha256
 from math import isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
-from fem.base_excitation.patterns import BaseMotion
-from fem.base_excitation.response import (
-    Channels,
-    Piece,
-    Response,
-    accelerations,
-    cell_forces,
-    decimated_channels,
-    joined,
-    load,
-    require_recorded,
-    simulation_rate,
-    stacked,
-    streamed,
-)
+from fem.base_excitation.base_motion import BaseMotion
+from fem.base_excitation.decimation import decimated_channels, joined, require_recorded, simulation_rate
+from fem.base_excitation.response import Channels, Piece, Response, accelerations, cell_forces, load, stacked, streamed
 from fem.base_excitation.rig import Rig, RigStructure
 from fem.damping import Damping
 from geometry import atomic, toml_file
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose
+from geometry.inertia import PARAMETERS, Inertia
 from geometry.sensors import SI, Tolerances
 from identification.campaign import UNITS, Campaign, Excitation, Recording, Run
 from validation.effects.catalogue import Named, parse_all
 from validation.excite.question import LARGEST_LEVEL, drive, require_rate
 from validation.output import json_text
 from validation.reference import reference
-from validation.virtual_test import plan as virtual_test_plan
 from validation.virtual_test.layout import CELLS, ChainTruth, Layout, mavis, stream, token
 from validation.virtual_test.plan import (
     DIAGONAL,
@@ -57,16 +47,12 @@ from validation.virtual_test.plan import (
     Plan,
     Scatter,
     Sensed,
-    changed_chain,
-    changed_record,
     changed_rig,
-    changed_signals,
     same,
 )
 from validation.virtual_test.plan import MAINS as PLAN_MAINS
 from validation.virtual_test.planted import planted, reaching, require_planted, require_reaching
-from validation.virtual_test.shaker import Sensors, SetUp, channels, middles_of_cells, require_stack, sensors, set_up, tilted
-from validation.virtual_test.truth import truth
+from validation.virtual_test.shaker import Sensors, SetUp, middles_of_cells, nominal_fmd, require_stack, set_up
 
 if TYPE_CHECKING:
     from fem.base_excitation.patterns import CrossMotion, Pattern, Sweep
@@ -105,10 +91,12 @@ def laboratory(plan: Plan) -> ShakerLaboratory:
     require_stack(plan.article)
     require_planted(plan)
     layout = mavis(middles_of_cells(plan), plan.noise_rms)
-    chain = changed_chain(virtual_test_plan.chain(plan, layout), plan.effects)
+    chain = plan.drawn_chain(layout)
+    for effect in plan.effects:
+        chain = effect.chain(chain)
     made = set_up(plan, chain)
     rig = changed_rig(made.rig, plan.effects)
-    return ShakerLaboratory(layout=layout, chain=chain, made=made, rig=rig, sensors=sensors(layout, chain, plan.gravity))
+    return ShakerLaboratory(layout=layout, chain=chain, made=made, rig=rig, sensors=Sensors.of(layout, chain, plan.gravity))
 
 
 # The runs of a plan: what is driven in each, by which name, and how the campaign file states it.
@@ -137,6 +125,12 @@ class DrivenRun:
     excitation: Excitation
     level: float = 1.0
 
+    def motion(self, plan: Plan, rate: float, rest: float) -> BaseMotion:
+        """What the table does, sampled at `rate` [Hz], with `rest` [s] after the drive."""
+        cross = cross_motion(plan, self.name)
+        found: BaseMotion = self.pattern.motion(rate, ring_down=rest, cross=cross)  # type: ignore[attr-defined]
+        return found
+
 
 def runs(plan: Plan) -> tuple[DrivenRun, ...]:
     """All runs of `plan`, level by level.
@@ -145,18 +139,35 @@ def runs(plan: Plan) -> tuple[DrivenRun, ...]:
     ------
     BadInput : a band or a rate that no sweep can have.
     """
+    from fem.base_excitation.patterns import MultiAxis, Sweep, phased_sweeps
+
+    swept = {"start": plan.band[0], "stop": plan.band[1], "rate": plan.octaves_per_minute, "delay": plan.quiet}
+
+    def of_one(level: float, ending: str = "", phase: float = 0.0) -> list[DrivenRun]:
+        sweeps = [Sweep(axis=axis, level=level, phase=phase, **swept) for axis in MOTIONS]
+        stated = [_stated("sine-sweep", plan, level=sweep.amplitude) for sweep in sweeps]
+        listed = zip(MOTIONS, sweeps, stated, strict=True)
+        return [DrivenRun(name=f"{axis}{ending}", axis=axis, pattern=one, excitation=said) for axis, one, said in listed]
+
+    def of_several(name: str, pattern: Pattern, sweeps: Sequence[Any]) -> DrivenRun:
+        driven: dict[str, Sweep] = {sweep.axis: sweep for sweep in sweeps}
+        levels = tuple(float(driven[axis].level * LEVELS[axis]) if axis in driven else 0.0 for axis in MOTIONS)
+        return DrivenRun(name=name, axis="", pattern=pattern, excitation=_stated("multi-axis", plan, levels=levels))
+
     found: list[DrivenRun] = []
     for level in plan.levels:
-        ending = "" if level == plan.levels[0] else f"-at-{level:g}"
-        further: Mapping[str, Callable[[Plan, float], list[DrivenRun]]] = {TWICE: _again, DIAGONAL: _diagonals}
         if plan.pattern == MULTI:
-            from fem.base_excitation.patterns import phased_sweeps
-
-            phased = phased_sweeps(level, **_swept(plan))
-            of_level = [_several(plan, f"multi-{k}", one, one.patterns) for k, one in enumerate(phased, start=1)]
+            phased = phased_sweeps(level, **swept)
+            of_level = [of_several(f"multi-{k}", one, one.patterns) for k, one in enumerate(phased, start=1)]
         else:
-            first = [_sweep(plan, level, axis, axis) for axis in MOTIONS]
-            of_level = first + (further[plan.pattern](plan, level) if plan.pattern in further else [])
+            of_level = of_one(level)
+        if plan.pattern == TWICE:
+            of_level += of_one(level, "-2", np.pi / 2)
+        if plan.pattern == DIAGONAL:
+            for axes in DIAGONALS:
+                sweeps = tuple(Sweep(axis=axis, level=level / np.sqrt(2), **swept) for axis in axes)
+                of_level.append(of_several("-".join(axes), MultiAxis(patterns=sweeps), sweeps))
+        ending = "" if level == plan.levels[0] else f"-at-{level:g}"
         found += [replace(run, name=f"{run.name}{ending}", level=level) for run in of_level]
     return tuple(found)
 
@@ -168,73 +179,10 @@ def cross_motion(plan: Plan, run: str) -> CrossMotion | None:
     return drawn(stream(plan.seed, "cross-motion", plan.article, run), plan.cross) if plan.cross else None
 
 
-def _again(plan: Plan, level: float) -> list[DrivenRun]:
-    return [_sweep(plan, level, axis, f"{axis}-2", phase=np.pi / 2) for axis in MOTIONS]
-
-
-def _sweep(plan: Plan, level: float, axis: str, name: str, phase: float = 0.0) -> DrivenRun:
-    from fem.base_excitation.patterns import Sweep
-
-    sweep = Sweep(axis=axis, level=level, phase=phase, **_swept(plan))
-    return DrivenRun(name=name, axis=axis, pattern=sweep, excitation=_stated("sine-sweep", plan, level=sweep.amplitude))
-
-
-def _diagonals(plan: Plan, level: float) -> list[DrivenRun]:
-    from fem.base_excitation.patterns import MultiAxis, Sweep
-
-    found = []
-    for axes in DIAGONALS:
-        sweeps = tuple(Sweep(axis=axis, level=level / np.sqrt(2), **_swept(plan)) for axis in axes)
-        found.append(_several(plan, "-".join(axes), MultiAxis(patterns=sweeps), sweeps))
-    return found
-
-
-def _several(plan: Plan, name: str, pattern: Pattern, sweeps: tuple[Any, ...]) -> DrivenRun:
-    driven: dict[str, Sweep] = {sweep.axis: sweep for sweep in sweeps}
-    levels = tuple(float(driven[axis].level * LEVELS[axis]) if axis in driven else 0.0 for axis in MOTIONS)
-    return DrivenRun(name=name, axis="", pattern=pattern, excitation=_stated("multi-axis", plan, levels=levels))
-
-
-def _swept(plan: Plan) -> dict[str, Any]:
-    return {"start": plan.band[0], "stop": plan.band[1], "rate": plan.octaves_per_minute, "delay": plan.quiet}
-
-
 def _stated(kind: str, plan: Plan, **more: float | tuple[float, ...]) -> Excitation:
     start, stop = plan.band
     figures = {"start_hz": start, "stop_hz": stop, "octaves_per_minute": plan.octaves_per_minute, **more}
     return Excitation(kind=kind, figures=figures)
-
-
-# A run of a rig that is not linear - a cell that lifts off, a loose part that slips - integrated by exudyn, whole.
-#
-# It costs twenty times and more what the recursion does. The sensors read the same signals with the same rows. The tilt of the
-# cover plate, which counts only where one half of gravity is off, is taken to be that of the table: cells let the two differ
-# by microradians.
-
-
-def respond(plan: Plan, lab: ShakerLaboratory, run: DrivenRun, rate: float) -> tuple[Response, Array]:
-    """What the rig of `lab` does in `run` at `rate` [Hz], and what all sensors read of it, (n, c).
-
-    Raises
-    ------
-    BadInput : a rig that cannot be built, or whose ringing never ends.
-    CheckFailed : the integration failed.
-    """
-    from fem.base_excitation import response as ring_down
-    from fem.exudyn import driven_run
-
-    at_rest = _motion(plan, run, rate, 0.0)
-    length = ring_down.needed(lab.rig, at_rest, plan.ringing)
-    motion = _motion(plan, run, rate, length - at_rest.driven + plan.quiet)
-    response = driven_run.respond(lab.rig, motion)
-    tilt = motion.displacement[:, 3:5]
-    signals = [response.table, response.cover, response.cells.reshape(len(response.table), -1), tilt, tilt]
-    return response, np.asarray(np.hstack(signals) @ lab.sensors.rows.T)
-
-
-def _motion(plan: Plan, run: DrivenRun, rate: float, rest: float) -> BaseMotion:
-    found: BaseMotion = run.pattern.motion(rate, ring_down=rest, cross=cross_motion(plan, run.name))  # type: ignore[attr-defined]
-    return found
 
 
 # One run: the rig driven, read by the sensors, delayed, filtered and brought down to the rate of the record.
@@ -255,21 +203,39 @@ def record(plan: Plan, lab: ShakerLaboratory, run: DrivenRun) -> Array:
     BadInput, CheckFailed : as `fem.base_excitation.response.streamed`.
     """
     if not lab.rig.linear or any(effect.signals is not same for effect in plan.effects):
-        sensed = changed_signals(whole(plan, lab, run), plan.effects)
-        return decimated_channels(sensed.values, sensed.sampling_rate, plan.rate, lab.sensors.delay)
+        read = _whole(plan, lab, run)
+        for effect in plan.effects:
+            read = effect.signals(read)
+        return decimated_channels(read.values, read.sampling_rate, plan.rate, lab.sensors.delay)
     rate = _rate(plan)
     blocks = (_read_of_table(lab, piece) for piece in _pieces(plan, lab, run, rate, with_response=False))
     return joined(blocks, round(rate / plan.rate), lab.sensors.delay * rate)
 
 
-def whole(plan: Plan, lab: ShakerLaboratory, run: DrivenRun) -> Sensed:
-    """What all sensors read in `run` at the rate of the simulation, and what there was to read."""
-    rate, pieces = _rate(plan), []
+def _whole(plan: Plan, lab: ShakerLaboratory, run: DrivenRun) -> Sensed:
+    """What all sensors read in `run` at the rate of the simulation, and what there was to read.
+
+    A rig that is not linear - a cell that lifts off, a loose part that slips - is integrated by exudyn, whole, which costs twenty
+    times and more what the recursion does. The sensors read the same signals with the same rows. The tilt of the cover plate,
+    which counts only where one half of gravity is off, is then taken to be that of the table: cells let the two differ by
+    microradians.
+    """
+    rate = _rate(plan)
     if not lab.rig.linear:
-        response, values = respond(plan, lab, run, rate)
-        return sensed(plan, lab, run, values, rate, response)
-    for piece in _pieces(plan, lab, run, rate, with_response=True):
-        pieces.append((_read_of_table(lab, piece), piece.motion[2], piece.values[len(lab.sensors.rows) :]))
+        from fem.base_excitation import response as ring_down
+        from fem.exudyn import driven_run
+
+        at_rest = run.motion(plan, rate, 0.0)
+        length = ring_down.needed(lab.rig, at_rest, plan.ringing)
+        motion = run.motion(plan, rate, length - at_rest.driven + plan.quiet)
+        response = driven_run.respond(lab.rig, motion)
+        tilt = motion.displacement[:, 3:5]
+        signals = [response.table, response.cover, response.cells.reshape(len(response.table), -1), tilt, tilt]
+        return sensed(plan, lab, run, np.hstack(signals) @ lab.sensors.rows.T, rate, response)
+    pieces = [
+        (_read_of_table(lab, piece), piece.motion[2], piece.values[len(lab.sensors.rows) :])
+        for piece in _pieces(plan, lab, run, rate, with_response=True)
+    ]
     values, table, rest = (np.hstack(one).T for one in zip(*pieces, strict=True))
     loads, cover, cells = np.split(rest, np.cumsum(WIDTHS)[:-1], axis=1)
     response = Response(sampling_rate=rate, table=table, cover=cover, load=loads, cells=cells.reshape(len(cells), CELLS, 3))
@@ -298,7 +264,7 @@ def _rate(plan: Plan) -> float:
 
 def _pieces(plan: Plan, lab: ShakerLaboratory, run: DrivenRun, rate: float, *, with_response: bool) -> Iterator[Piece]:
     def wanted(structure: RigStructure) -> Channels:
-        read = channels(lab.sensors, structure)
+        read = lab.sensors.channels(structure)
         cover = accelerations(structure.cover, "the cover plate")
         return stacked([read, load(structure), cover, cell_forces(structure)]) if with_response else read
 
@@ -307,7 +273,7 @@ def _pieces(plan: Plan, lab: ShakerLaboratory, run: DrivenRun, rate: float, *, w
 
 def _read_of_table(lab: ShakerLaboratory, piece: Piece) -> Array:
     """(c, k) what the channels read in `piece`."""
-    return np.asarray(piece.values[: len(lab.sensors.rows)] + tilted(lab.sensors, piece.motion))
+    return np.asarray(piece.values[: len(lab.sensors.rows)] + lab.sensors.tilted(piece.motion))
 
 
 # What a recorder adds: noise of every channel and the mains' hum, at the rate of the record.
@@ -321,30 +287,6 @@ DRIFT = 0.02
 
 HARMONICS = {1: 1.0, 3: 0.3, 5: 0.1}
 """Amplitude of each harmonic over that of the fundamental."""
-
-
-def disturbed(values: Array, names: tuple[str, ...], chain: ChainTruth, plan: Plan, run: str) -> Array:
-    """`values` (m, c) with the noise and the hum of this article's `run`."""
-    time = np.arange(len(values)) / plan.rate
-    hum = stream(plan.seed, "mains", plan.article, run)
-    # (h, m) rotating phasors of unit mains and its harmonics; zero for those that a record of `rate` [Hz] cannot hold
-    frequency = MAINS + DRIFT * hum.standard_normal()
-    rate = plan.rate
-    phasor = np.exp(2j * np.pi * frequency * time)
-    waves = np.array(
-        [share * phasor**order if order * frequency < rate / 2 else 0 * phasor for order, share in HARMONICS.items()]
-    )
-    found = np.array(values, order="F")
-    for k, name in enumerate(names):
-        phases = np.exp(1j * hum.uniform(0.0, 2 * np.pi, len(HARMONICS)))
-        found[:, k] += _noise(name, len(time), chain, plan, run)
-        found[:, k] += chain.mains.get(name, 0.0) * (phases @ waves).imag
-    return found
-
-
-def _noise(name: str, count: int, chain: ChainTruth, plan: Plan, run: str) -> Array | float:
-    rms = chain.noise_rms.get(name, 0.0)
-    return rms * stream(plan.seed, "noise", plan.article, run, name).standard_normal(count) if rms else 0.0
 
 
 Progress = Callable[[float], None]
@@ -393,10 +335,126 @@ def simulate(plan: Plan, progress: Progress | None = None) -> VirtualTest:
 
 def recording(plan: Plan, lab: ShakerLaboratory, run: DrivenRun) -> Recording:
     """What the recorder of `lab` holds after `run`, noise and hum in it."""
-    names = lab.layout.table.names
-    samples = disturbed(record(plan, lab, run), names, lab.chain, plan, run.name)
-    got = changed_record(sensed(plan, lab, run, samples, plan.rate), plan.effects)
+    names, values = lab.layout.table.names, record(plan, lab, run)
+    time = np.arange(len(values)) / plan.rate
+    hum = stream(plan.seed, "mains", plan.article, run.name)
+    # (h, m) rotating phasors of unit mains and its harmonics; zero for those that the record cannot hold
+    frequency = MAINS + DRIFT * hum.standard_normal()
+    phasor = np.exp(2j * np.pi * frequency * time)
+    held = {order: share if order * frequency < plan.rate / 2 else 0.0 for order, share in HARMONICS.items()}
+    waves = np.array([share * phasor**order for order, share in held.items()])
+    samples = np.array(values, order="F")
+    for k, name in enumerate(names):
+        phases = np.exp(1j * hum.uniform(0.0, 2 * np.pi, len(HARMONICS)))
+        if rms := lab.chain.noise_rms.get(name, 0.0):
+            samples[:, k] += rms * stream(plan.seed, "noise", plan.article, run.name, name).standard_normal(len(time))
+        samples[:, k] += lab.chain.mains.get(name, 0.0) * (phases @ waves).imag
+    got = sensed(plan, lab, run, samples, plan.rate)
+    for effect in plan.effects:
+        got = effect.record(got)
     return Recording(names=names, values=got.values, sampling_rate=plan.rate, source=run.name)
+
+
+# The truth of a virtual test as JSON values: every figure that was drawn, under its id of the catalogue, and what follows.
+
+
+FORMAT = 1
+
+LINES = (4.0, 8.0, 12.0, 16.0, 24.0, 32.0)
+"""[Hz] at which the dynamic mass is stated."""
+
+SWINGING = ("appendage", "absorber", "slosh")
+"""Families of effects that belong to no rigid body."""
+
+Json = dict[str, object]
+
+
+def truth(plan: Plan, chain: ChainTruth, made: SetUp, rig: Rig) -> Json:
+    """Everything about the virtual test of `plan`; `rig` is the one that was driven."""
+    from importlib.metadata import version
+
+    from fem.base_excitation import rig as body
+
+    # Inertia of what stands on the FMD about its own origin
+    # The rig with all effects but those that swing on a spring of their own: some weigh along one axis only, as no body does
+    without_resonators = changed_rig(made.rig, [effect for effect in plan.effects if effect.id.partition(":")[0] not in SWINGING])
+    article = Inertia.from_mass_matrix(without_resonators.article.reduced.mass[:6, :6])
+    # How the FMD's moving part differs from its drawing: relative, the centre of gravity in metres
+    cover = Inertia(parameters=np.zeros(10)) if rig.cover is None else rig.cover
+    found, nominal = (
+        cover if plan.on_fmd else cover.scaled(2.0),
+        nominal_fmd(plan),
+    )  # one half of a bare FMD stands for the article
+    relative = {
+        "mass": found.mass / nominal.mass - 1,
+        "cog_m": listed(found.cog - nominal.cog),
+        "moi_cog": listed(found.moments_cog / nominal.moments_cog - 1),
+    }
+    if made.modes is None:
+        modes: Json = {"frequency_hz": [], "damping_ratio": []}
+    else:
+        modes = {"frequency_hz": listed(made.modes.frequency), "damping_ratio": listed(made.modes.damping_ratio)}
+    parts: dict[str, float] = {}
+    for name, part in made.parts.items():
+        parts |= {f"modulus:{name}": part.modulus, f"loss:{name}": part.loss}
+    # Of all that the cells carry, about F: on a rigid table in their place, and without what is loose
+    H = body.dynamic_mass(replace(rig, cells=(), frictions=()), LINES).matrix
+    names = ("massline", "numpy", "scipy")
+    versions = {"python": platform.python_version(), **{name: version(name) for name in names}}
+    return {
+        "format": FORMAT,
+        "seed": plan.seed,
+        "plan": {
+            **{name: getattr(plan, name) for name in ("article", "model", "pattern")},
+            "levels": list(plan.levels),
+            "band_hz": list(plan.band),
+            "octaves_per_minute": plan.octaves_per_minute,
+            "cross": plan.cross,
+            "noise_rms": dict(plan.noise_rms),
+            "mains": dict(plan.mains),
+            "rate_hz": plan.rate,
+            "simulation_rate_hz": plan.simulation_rate,
+            "quiet_s": plan.quiet,
+            "ringing": plan.ringing,
+            "highest_hz": plan.highest,
+            "gravity": plan.gravity,
+            "dimensions": dict(plan.dimensions),
+            "tolerances": asdict(plan.tolerances),
+            "scatter": asdict(plan.scatter),
+        },
+        "effects": [{"id": effect.id, "value": dict(effect.value)} for effect in plan.effects],
+        "tolerances": dict(chain.deviations()) | parts | {"fmd-inertia": relative},
+        "fmd": inertia(found),
+        "article": {"own_frame": inertia(article), "about_F": inertia(article.moved(rig.seat))} if plan.on_fmd else None,
+        "mounting_origin_m": listed(rig.seat),
+        "modes": modes,
+        "cell_stiffness_N_per_m": [listed(cell.stiffness) for cell in rig.cells],
+        "dynamic_mass": {
+            "frequency_hz": list(LINES),
+            "re": H.real.tolist(),
+            "im": H.imag.tolist(),
+            "about": "F",
+            "order": list(MOTIONS),
+        },
+        "versions": dict(versions),
+    }
+
+
+def inertia(of: Inertia) -> Json:
+    """Ten parameters about the origin of the frame, and the usual way to say them."""
+    return {
+        "parameters": dict(zip(PARAMETERS, listed(of.about(np.zeros(3)).parameters), strict=True)),
+        "mass_kg": of.mass,
+        "cog_mm": listed(1e3 * of.cog),
+        "moi_cog_kgm2": listed(of.moments_cog),
+        "poi_cog_kgm2": listed(of.products_cog),
+        "about": "cog",
+    }
+
+
+def listed(values: npt.ArrayLike) -> list[float]:
+    """Plain numbers."""
+    return [float(value) for value in np.ravel(np.asarray(values, dtype=np.float64))]
 
 
 # What `massline simulate` was asked, checked at the door: from options to plans, and to the folders that they go to.
@@ -476,14 +534,40 @@ def question(
     ------
     BadInput : one of them cannot be; what was found, and what to write.
     """
-    _require_articles(articles)
+    for article in articles:
+        require_stack(article)
+    if twice := next((article for article in articles if list(articles).count(article) > 1), None):
+        remedy = "Name each once, or change --seed and --out"
+        raise BadInput(source=f"article {twice}", problem="it is named twice", remedy=remedy)
     _word("--model", model, MODELS)
     _word("--format", form, FORMATS)
     named = parse_all(effects)
     planted(named)  # whatever the articles: what no virtual test can plant is refused first
-    factors = _levels(levels)
-    _require_drive(band, octaves_per_minute, cross, seed, factors)
-    _require_rate(rate, band)
+    factors = tuple(_number("--levels", part.strip(), "Write for example 1, or 1,0.5") for part in levels.split(","))
+    for level in factors:
+        if not 0 < level <= LARGEST_LEVEL:
+            problem = f"a level must lie above 0 and up to {LARGEST_LEVEL:g}, found {level:g}"
+            raise BadInput(source="--levels", problem=problem, remedy="1 is the nominal level, 0.5 half of it")
+    if len(set(factors)) < len(factors):
+        raise BadInput(source="--levels", problem=f"one of them stands there twice, found {levels}", remedy="Name each once")
+    for level in factors:  # what a drive of `massline excite` may be, this one may be too
+        drive(
+            axes=(),
+            every=True,
+            pattern=SWEEP,
+            band=band,
+            octaves_per_minute=octaves_per_minute,
+            level=level,
+            cross=cross,
+            seed=seed,
+            duration=None,
+            ring_down="auto",
+        )
+    require_rate(rate)
+    try:
+        require_recorded(band[1], rate, "--rate")
+    except BadInput as error:
+        raise BadInput(source="--rate", problem=error.problem, remedy="Record faster, or end lower with --band") from None
     changes = reference.read(settings)
     reference.require_used(articles, changes)
     share = _factor("--tolerances", tolerances)
@@ -512,58 +596,10 @@ def question(
     return SimulateOptions(plans=plans, effects=named, out=out, sealed=sealed, ending=f".{form}", units=_units(units))
 
 
-def _require_articles(articles: Sequence[str]) -> None:
-    for article in articles:
-        require_stack(article)
-    twice = next((article for article in articles if list(articles).count(article) > 1), None)
-    if twice is not None:
-        raise BadInput(
-            source=f"article {twice}", problem="it is named twice", remedy="Name each once, or change --seed and --out"
-        )
-
-
 def _word(option: str, word: str, known: Collection[str]) -> None:
     if word not in known:
         remedy = toml_file.nearest(word, known) or "Choose one of them"
         raise BadInput(source=option, problem=f"must be one of {', '.join(known)}, found {word!r}", remedy=remedy)
-
-
-def _levels(text: str) -> tuple[float, ...]:
-    found = tuple(_number("--levels", part.strip(), "Write for example 1, or 1,0.5") for part in text.split(","))
-    for level in found:
-        if not 0 < level <= LARGEST_LEVEL:
-            problem = f"a level must lie above 0 and up to {LARGEST_LEVEL:g}, found {level:g}"
-            raise BadInput(source="--levels", problem=problem, remedy="1 is the nominal level, 0.5 half of it")
-    if len(set(found)) < len(found):
-        raise BadInput(source="--levels", problem=f"one of them stands there twice, found {text}", remedy="Name each once")
-    return found
-
-
-def _require_drive(band: tuple[float, float], rate: float, cross: float, seed: int, levels: tuple[float, ...]) -> None:
-    """What a drive of `massline excite` may be, this one may be too."""
-    for level in levels:
-        drive(
-            axes=(),
-            every=True,
-            pattern=SWEEP,
-            band=band,
-            octaves_per_minute=rate,
-            level=level,
-            cross=cross,
-            seed=seed,
-            duration=None,
-            ring_down="auto",
-        )
-
-
-def _require_rate(rate: float, band: tuple[float, float]) -> None:
-    from fem.base_excitation.response import require_recorded
-
-    require_rate(rate)
-    try:
-        require_recorded(band[1], rate, "--rate")
-    except BadInput as error:
-        raise BadInput(source="--rate", problem=error.problem, remedy="Record faster, or end lower with --band") from None
 
 
 def _factor(option: str, text: str) -> float:
@@ -635,8 +671,16 @@ def require_free(folder: Path, truth: Path) -> None:
     BadInput : `folder` holds something else than the virtual test that `truth` vouches for; `truth` is another file, or lies in
         the folder.
     """
-    _require_apart(folder, truth)
-    known = _vouched(truth)
+    if truth.resolve().is_relative_to(folder.resolve()):
+        problem = f"{truth} lies in the campaign folder, which whoever is not to see the truth will read"
+        raise BadInput(source="--sealed", problem=problem, remedy="Name a file elsewhere")
+    known: dict[str, str] | None = None
+    try:
+        found = json.loads(truth.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        found = None
+    if isinstance(found, dict) and found.get("kind") == KIND and isinstance(found.get(FILES), dict):
+        known = dict(found[FILES])
     if truth.exists() and known is None:
         problem = f"{truth} is there and is no truth of a virtual test"
         raise BadInput(source=str(truth), problem=problem, remedy="Name another file; it is not overwritten")
@@ -681,20 +725,3 @@ def write(folder: Path, truth: Path, content: Mapping[str, object], fill: Callab
 def digests(folder: Path) -> dict[str, str]:
     """SHA-256 of everything in `folder` by name; a subfolder has none."""
     return {path.name: sha256(path.read_bytes()).hexdigest() if path.is_file() else "" for path in sorted(folder.iterdir())}
-
-
-def _vouched(truth: Path) -> dict[str, str] | None:
-    """The digests in the file `truth`; None where there is no such file, or it is something else."""
-    try:
-        found = json.loads(truth.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return None
-    if not isinstance(found, dict) or found.get("kind") != KIND or not isinstance(found.get(FILES), dict):
-        return None
-    return dict(found[FILES])
-
-
-def _require_apart(folder: Path, truth: Path) -> None:
-    if truth.resolve().is_relative_to(folder.resolve()):
-        problem = f"{truth} lies in the campaign folder, which whoever is not to see the truth will read"
-        raise BadInput(source="--sealed", problem=problem, remedy="Name a file elsewhere")

@@ -165,12 +165,11 @@ def found(clumod: Inertia, terms: ElasticTerms) -> IdentificationFindings:
 @pytest.fixture
 def result_file(found: IdentificationFindings, tmp_path: Path) -> Callable[..., Path]:
     """``result_file(**changes)``: what `massline identify --json` prints of `found`, in a file."""
-    from validation.output import json_text
-    from validation.report.identify import identification_json
+    from validation.output import json_text, to_json
 
     def write(**changes: object) -> Path:
         path = tmp_path / "identify.json"
-        path.write_text(json_text({**identification_json(replace(found, **changes))}))
+        path.write_text(json_text(to_json(replace(found, **changes))))
         return path
 
     return write

@@ -4,6 +4,7 @@ import io
 import runpy
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from numpy.testing import assert_allclose
@@ -11,12 +12,17 @@ from rich.console import Console
 
 from validation.reference.published import published
 from validation.reference.statement import Statement
-from validation.report import identify
 
 
 @pytest.fixture(scope="module")
-def rows() -> dict[str, Statement]:
-    return identify.rows("clumod-1", {})
+def example(root: Path) -> dict[str, Any]:
+    return runpy.run_path(str(root / "examples" / "closure_table.py"))
+
+
+@pytest.fixture(scope="module")
+def rows(example: dict[str, Any]) -> dict[str, Statement]:
+    found: dict[str, Statement] = example["rows"]("clumod-1", {})
+    return found
 
 
 def _values(said: Statement) -> list[float | None]:
@@ -31,15 +37,15 @@ def test_exudyn_and_the_pendulum_say_what_cad_says(rows: dict[str, Statement]) -
     assert_allclose(pendulum[4:], cad[4:], rtol=1e-4)  # what corrections leave of a swing of 0.1 rad
 
 
-def test_the_papers_errors_stand_beside_it(rows: dict[str, Statement]) -> None:
-    _, deviations = identify.grids(rows)
+def test_the_papers_errors_stand_beside_it(example: dict[str, Any], rows: dict[str, Statement]) -> None:
+    _, deviations = example["grids"](rows)
     printed = next(line for line in deviations.lines if line[0] == "in print: identified")
     numbers = [float(cell) for cell in printed[1:]]
     assert_allclose(numbers, [2.94, 0.39, -5.45, 13.01, 2.18, 15.50, -2.60], atol=0.0051)
 
 
-def test_every_source_has_one_row_and_cad_is_what_it_is_held_against(rows: dict[str, Statement]) -> None:
-    values, deviations = identify.grids(rows)
+def test_every_source_has_one_row_and_cad_is_what_it_is_held_against(example: dict[str, Any], rows: dict[str, Statement]) -> None:
+    values, deviations = example["grids"](rows)
     names = [line[0] for line in values.lines]
     in_print = [f"in print: {column}" for column in published("clumod-1").statements]
     assert names == ["CAD", "exudyn, flexible body", "pendulum, swung by exudyn", *in_print]
@@ -47,12 +53,11 @@ def test_every_source_has_one_row_and_cad_is_what_it_is_held_against(rows: dict[
 
 
 def test_the_example_puts_an_identification_in_its_rows(
-    root: Path, result_file: Callable[..., Path], rows: dict[str, Statement], monkeypatch: pytest.MonkeyPatch
+    example: dict[str, Any], result_file: Callable[..., Path], rows: dict[str, Statement], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(identify, "rows", lambda article, identified: {**rows, **identified})
+    monkeypatch.setitem(example["main"].__globals__, "rows", lambda article, identified: {**rows, **identified})
     printed = io.StringIO()
-    main = runpy.run_path(str(root / "examples" / "closure_table.py"))["main"]
-    main(Console(file=printed, width=160), str(result_file()))
+    example["main"](Console(file=printed, width=160), str(result_file()))
     text = printed.getvalue()
     plain, better = (line for line in text.splitlines() if "identified, " in line and "±" in line)
     assert "33.28" in plain  # 1 % too heavy, as it was made

@@ -15,7 +15,6 @@ from identification.request import QUANTITIES, counts
 from validation.identify.identify import IdentificationFindings, IdentifyOptions, PreparedRequest, gathered, ready
 from validation.reference.statement import about_cog
 from validation.report import identify as report_identify
-from validation.report.document import page
 from validation.report.identify import answer
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.simulate import simulate
@@ -64,14 +63,7 @@ def test_the_errors_are_of_the_kind_of_table_2(shown: IdentificationFindings) ->
 def test_all_ten_are_flagged_and_the_page_says_which_result_counts(shown: IdentificationFindings) -> None:
     assert shown.result.identified.way == "plain"
     assert all(shown.verdict[name].startswith("dominated by elasticity") for name in (*PARAMETERS, *QUANTITIES))
-    text = " ".join(
-        page(
-            report_identify.title(shown),
-            report_identify.identification_grids(shown),
-            report_identify.identification_notes(shown),
-            132,
-        ).split()
-    )
+    text = " ".join(report_identify.IdentificationPage(found=shown).document().text(132).split())
     assert "the plain result is the one that counts" in text
     assert "taken for rigid from 4 to" in text
 

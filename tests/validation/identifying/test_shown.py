@@ -12,18 +12,17 @@ from numpy.testing import assert_allclose
 from geometry.frames import Pose, rotation_about
 from geometry.inertia import PARAMETERS
 from validation.identify.identify import IdentificationFindings, reported
-from validation.output import json_text
+from validation.output import json_text, to_json
 from validation.reference.statement import QUANTITIES
 from validation.report import identify
-from validation.report.document import page
-from validation.report.identify import draw, identification_json
+from validation.report.identify import IdentificationPictures
 
 Write = Callable[..., Path]
 Run = Callable[..., tuple[int, str, str]]
 
 
 def _page(found: IdentificationFindings, width: int = 132) -> str:
-    return page(identify.title(found), identify.identification_grids(found), identify.identification_notes(found), width)
+    return identify.IdentificationPage(found=found).document().text(width)
 
 
 def test_the_page_shows_both_ways_side_by_side_and_what_moved(found: IdentificationFindings) -> None:
@@ -56,20 +55,20 @@ def test_the_page_says(words: str, found: IdentificationFindings) -> None:
 
 def test_page_and_json_say_how_the_block_bootstrap_agrees(found: IdentificationFindings) -> None:
     assert "Block bootstrap" not in _page(found)
-    assert identification_json(found)["self_calibrated"]["bootstrap_over_parametric_sd"] is None
+    assert to_json(found)["self_calibrated"]["bootstrap_over_parametric_sd"] is None
     one = found.result
     again = replace(one.identified, resampled=1.3**2 * one.identified.covariance)
     with_it = replace(found, results=(found.results[0], reported(again, Pose())))
     assert "standard deviations 1.30 to 1.30 times those of the intervals" in " ".join(_page(with_it).split())
-    assert identification_json(with_it)["self_calibrated"]["bootstrap_over_parametric_sd"]["mass_kg"] == pytest.approx(1.3)
+    assert to_json(with_it)["self_calibrated"]["bootstrap_over_parametric_sd"]["mass_kg"] == pytest.approx(1.3)
 
 
 def test_crosses_compare_with_the_interval_of_the_difference(found: IdentificationFindings) -> None:
     assert found.study is not None
     what = "no elastic terms"
-    alone = identify._map(found.study, what, found.result, 0).half_width
+    alone = IdentificationPictures(found=found).band_map(found.study, what, 0).half_width
     wide = replace(found.study, half_widths={what: np.full((3, 3, 10), 3.0)})
-    both = identify._map(wide, what, found.result, 0).half_width
+    both = IdentificationPictures(found=found).band_map(wide, what, 0).half_width
     scale = 100 / found.result.values[0]
     assert_allclose(both, np.hypot(alone, 3.0 * scale), rtol=1e-12)
     assert_allclose(alone, scale * found.result.half_width[0], rtol=1e-12)
@@ -79,13 +78,13 @@ def test_where_the_better_way_failed_the_plain_result_is_shown(found: Identifica
     plain, better = found.results
     failed = replace(found, results=(plain, replace(better, identified=replace(better.identified, converged=False))))
     assert failed.result is plain
-    assert identification_json(failed)["result"] == "plain"
-    assert_allclose(identification_json(failed)["inertia"]["mass_kg"], plain.values[0])
+    assert to_json(failed)["result"] == "plain"
+    assert_allclose(to_json(failed)["inertia"]["mass_kg"], plain.values[0])
     assert "verdict on the plain result" in " ".join(_page(failed).split())
 
 
 def test_elastic_terms_are_listed_by_frequency(found: IdentificationFindings) -> None:
-    grid = next(one for one in identify.identification_grids(found) if one.header[0].startswith("elastic"))
+    grid = next(one for one in identify.IdentificationPage(found=found).document().grids() if one.header[0].startswith("elastic"))
     shown = [float(line[0]) for line in grid.lines]
     assert shown == sorted(shown)
     assert len(shown) == 3
@@ -107,7 +106,7 @@ def test_without_a_tare_the_page_says_that_the_fmd_is_in_the_result(found: Ident
 
 
 def test_the_json_keeps_the_contract(found: IdentificationFindings) -> None:
-    printed = json.loads(json_text(identification_json(found)))
+    printed = json.loads(json_text(to_json(found)))
     assert set(printed) >= {"article", "origin", "frequency_band_hz", "inertia", "interval95", "verdict", "warnings"}
     assert set(printed["inertia"]) == {"mass_kg", "cog_mm", "moi_cog_kgm2", "poi_cog_kgm2", "about"}
     assert set(printed["verdict"]) == set(PARAMETERS)
@@ -171,7 +170,7 @@ def test_validate_refuses_the_result_of_another_article(result_file: Write, run:
 def test_every_picture_is_drawn_and_is_no_empty_page(found: IdentificationFindings, tmp_path: Path) -> None:
     from PIL import Image
 
-    paths = draw(found, tmp_path)
+    paths = IdentificationPictures(found=found).draw(tmp_path)
     names = [path.stem.removeprefix("identify-clumod-1-") for path in paths]
     assert names == ["lines", "dynamic-mass", "dynamic-mass-6x6", "residuals", "stability", "stability-rigid", "shares"]
     for path in paths:
@@ -182,4 +181,4 @@ def test_every_picture_is_drawn_and_is_no_empty_page(found: IdentificationFindin
 
 def test_pictures_without_evidence_are_left_out(found: IdentificationFindings, tmp_path: Path) -> None:
     bare = replace(found, lines=None, residuals=None, study=None, spectra=None, dynamic_mass=None)
-    assert [path.name for path in draw(bare, tmp_path)] == ["identify-clumod-1-shares.png"]
+    assert [path.name for path in IdentificationPictures(found=bare).draw(tmp_path)] == ["identify-clumod-1-shares.png"]

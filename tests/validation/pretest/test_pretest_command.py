@@ -8,14 +8,14 @@ import pytest
 
 from validation.cli import main
 from validation.identify.pretest import PretestFindings
-from validation.report import identify
-from validation.report.document import page
+from validation.output import to_json
+from validation.report import pretest
 
 Run = Callable[..., tuple[int, str, str]]
 
 
 def test_the_page_says_intervals_causes_channels_and_places(tared: PretestFindings) -> None:
-    text = page(identify.pretest_title(tared), identify.pretest_grids(tared), identify.pretest_notes(tared), 150)
+    text = pretest.PretestPage(found=tared).document().text(150)
     for said in (
         "Pretest of fmd+disc+cuboid: 6 runs",
         "self-calibrated",
@@ -33,7 +33,7 @@ def test_the_page_says_intervals_causes_channels_and_places(tared: PretestFindin
 
 
 def test_json_is_one_object_with_units_in_its_keys(tared: PretestFindings) -> None:
-    said = json.loads(json.dumps(identify.pretest_json(tared)))
+    said = json.loads(json.dumps(to_json(tared)))
     assert said["article"] == "fmd+disc+cuboid"
     assert said["tare"] == "fmd"
     assert len(said["condition"]) == len(said["frequency_hz"]) == 121
@@ -46,9 +46,7 @@ def test_json_is_one_object_with_units_in_its_keys(tared: PretestFindings) -> No
 
 
 def test_the_pictures_are_drawn(tared: PretestFindings, tmp_path: Path, renderer: None) -> None:
-    from validation.report.identify import pretest_draw
-
-    paths = pretest_draw(tared, tmp_path)
+    paths = pretest.PretestPage(found=tared).draw(tmp_path)
     assert [path.name for path in paths] == [f"pretest-fmd+disc+cuboid{end}.png" for end in ("", "-shares", "-places")]
     assert all(path.stat().st_size > 20_000 for path in paths)
 

@@ -82,8 +82,8 @@ def series(tmp_path_factory: pytest.TempPathFactory) -> Series:
 def report(series: Series) -> Report:
     """Compared, diagnosed, identified and drawn; the ladder is made by hand."""
     with pytest.MonkeyPatch.context() as patch:  # pictures of articles and sensors have tests of their own, and take longest
-        for module in (reference, identify):
-            patch.setattr(module, "draw", lambda _, *given: dot(given[-1]))
+        for module, name in ((reference, "draw"), (identify, "draw_sensors")):
+            patch.setattr(module, name, lambda _, *given: dot(given[-1]))
         found = reported(
             ReportOptions(compared=series.asked, by="A. Tester", command="massline report cuboid.toml gain"), quiet=True
         )

@@ -23,8 +23,8 @@ def part(report: Report, mounting: Pose | None) -> CampaignPart:
     campaign = replace(known.campaign, mounting=mounting)
     found = replace(known.findings, article="cuboid", origin="F", request=replace(known.findings.request, campaign=campaign))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(identify, "identification_identified", lambda asked: found)
-        patch.setattr(identify, "_sensors", lambda one, missing: None)
+        patch.setattr(identify.identify, "identified", lambda asked: found)
+        patch.setattr(identify, "sensor_map", lambda one, missing: None)
         return identify.campaign_part(campaign, [campaign], report.model, None, "full-record")
 
 

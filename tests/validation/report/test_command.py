@@ -66,7 +66,7 @@ def test_the_diagnosis_can_be_left_out(series: Any, monkeypatch: pytest.MonkeyPa
         raise AssertionError
 
     monkeypatch.setattr(page, "compared", lambda *_, **__: "compared")
-    monkeypatch.setattr(page, "_diagnosis", never)
+    monkeypatch.setattr(page.diagnose, "diagnosed", never)
     monkeypatch.setattr(page, "assembled", lambda *_, **given: given)
     given: Any = page.reported(page.ReportOptions(compared=series.asked, diagnosis=False), quiet=True)
     assert given["diagnosis"] is None

@@ -13,7 +13,6 @@ from validation.report.document import (
     Safe,
     joined,
     number,
-    of_grid,
     table,
     tag,
     toleranced,
@@ -56,5 +55,5 @@ def test_a_table_has_one_number_a_cell_its_unit_in_the_head_and_a_button() -> No
 
 
 def test_a_grid_of_the_command_line_becomes_a_table() -> None:
-    made = of_grid("Words", Grid(header=("", "how"), lines=(("1", "  use `massline check`"),), words=True))
+    made = Grid(header=("", "how"), lines=(("1", "  use `massline check`"),), words=True, caption="Words").html()
     assert "use <code>massline check</code>" in made

@@ -12,7 +12,6 @@ from numpy.testing import assert_array_equal
 from validation.virtual_test.layout import stream, token
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.simulate import VirtualTest, cross_motion, laboratory, recording, runs
-from validation.virtual_test.truth import deviations
 
 ARTICLES = ("fmd", "fmd+disc+cuboid", "fmd+clumod-1", "fmd+clumod-4")
 
@@ -20,7 +19,7 @@ ARTICLES = ("fmd", "fmd+disc+cuboid", "fmd+clumod-1", "fmd+clumod-4")
 def test_the_same_seed_is_the_same_fmd_sensors_and_cells_whatever_is_mounted() -> None:
     labs = [laboratory(Plan(article=article, seed=5)) for article in ARTICLES]
     for lab in labs[1:]:
-        assert dict(deviations(lab.chain)) == dict(deviations(labs[0].chain))
+        assert dict(lab.chain.deviations()) == dict(labs[0].chain.deviations())
         for one, other in zip(lab.rig.cells, labs[0].rig.cells, strict=True):
             assert_array_equal(one.stiffness, other.stiffness)
     covers = [
@@ -38,7 +37,7 @@ def test_the_same_seed_is_the_same_clumod_with_one_blade_and_with_four() -> None
 
 def test_another_seed_is_another_laboratory(ordinary: Callable[[str], VirtualTest]) -> None:
     mine, other = (laboratory(Plan(article="fmd+clumod-1", seed=seed)) for seed in (5, 6))
-    figures = [np.array(list(dict(deviations(lab.chain)).values())) for lab in (mine, other)]
+    figures = [np.array(list(dict(lab.chain.deviations()).values())) for lab in (mine, other)]
     drawn = figures[0] != 0
     assert np.all(figures[0][drawn] != figures[1][drawn])
     assert mine.made.parts["mast"] != other.made.parts["mast"]

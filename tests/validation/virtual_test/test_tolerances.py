@@ -10,7 +10,6 @@ from numpy.testing import assert_allclose
 from geometry.frames import rigid_transformation, rotation_about
 from geometry.sensors import ChannelTable, Tolerances
 from identification.campaign import Campaign
-from validation.virtual_test import plan as virtual_test_plan
 from validation.virtual_test.layout import ChainTruth
 from validation.virtual_test.plan import Plan, PlantedEffect, Scatter, exact
 from validation.virtual_test.shaker import nominal_fmd
@@ -124,7 +123,7 @@ def test_what_is_drawn_has_the_size_of_its_tolerance_and_grows_with_it() -> None
     """Of 400 laboratories; a standard deviation from 400 draws lies within 10 % of its own (nearly three of its errors)."""
     plan, of = Plan(article="fmd"), Tolerances()
     layout = laboratory(plan).layout
-    chains = [virtual_test_plan.chain(replace(plan, seed=seed), layout) for seed in range(400)]
+    chains = [replace(plan, seed=seed).drawn_chain(layout) for seed in range(400)]
     for name, values, size in (
         ("gain", [chain.gain["cover-z1"] for chain in chains], of.gain),
         ("table gain", [chain.gain["table-z1"] for chain in chains], of.table_gain),
@@ -136,7 +135,7 @@ def test_what_is_drawn_has_the_size_of_its_tolerance_and_grows_with_it() -> None
     ):
         assert_allclose(np.std(values), size, rtol=0.1, err_msg=name)
         assert abs(np.mean(values)) < 0.2 * size
-    doubled = virtual_test_plan.chain(replace(plan, tolerances=of.scaled(2.0)), layout)
+    doubled = replace(plan, tolerances=of.scaled(2.0)).drawn_chain(layout)
     for one in ("gain", "delay"):
         assert_allclose(list(getattr(doubled, one).values()), 2 * np.array(list(getattr(chains[0], one).values())), rtol=1e-12)
     assert np.all([chain.angle["cover-z2"][2] == 0 for chain in chains])  # a turn about its own direction is none
@@ -145,7 +144,7 @@ def test_what_is_drawn_has_the_size_of_its_tolerance_and_grows_with_it() -> None
 def test_the_fmd_of_any_seed_is_a_body_within_its_tolerance() -> None:
     plan = Plan(article="fmd")
     nominal = nominal_fmd(plan)
-    found = [virtual_test_plan.moving_part(replace(plan, seed=seed), nominal) for seed in range(400)]
+    found = [replace(plan, seed=seed).drawn_moving_part(nominal) for seed in range(400)]
     assert_allclose(np.std([one.mass for one in found]) / nominal.mass, 0.05, rtol=0.1)
     assert_allclose(np.std([one.cog[0] for one in found]), Scatter().fmd_cog, rtol=0.1)
     spread = np.std([one.moments_cog for one in found], axis=0) / nominal.moments_cog

@@ -21,8 +21,8 @@ from fem.base_excitation.response import Response
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, frozen, rigid_transformation_6
 from validation.excite.question import LARGE, LINEAR
-from validation.excite.results import Passed, amplitude, rigid_load
-from validation.excite.runs import LOAD_UNITS, LOADS, Done, PreparedRuns
+from validation.excite.results import LOAD_UNITS, LOADS, Passed, amplitude, rigid_load
+from validation.excite.runs import Done, PreparedRuns
 from validation.reference.reference import file_name
 from validation.report.charts.style import Label, arranged, colours
 from validation.report.flexible import moved_bodies
