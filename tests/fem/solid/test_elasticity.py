@@ -12,7 +12,7 @@ from fem.solid.mesh import SolidMesh
 from fem.structure import rigid_motion
 from geometry.article import Material, material
 from geometry.errors import BadInput
-from validation.verification.closed_forms import block
+from validation.verification.solids import block
 
 SIDES = (1.0, 0.8, 0.6)
 FIRM = Material(name="firm", density=7850.0, youngs_modulus=207e9, poisson_ratio=0.3)
