@@ -174,7 +174,9 @@ def main() -> int:
         if step.needs is not None and not step.needs.is_dir():
             click.echo(f"Passed over: {step.needs} is absent. MASSLINE_DATA may name the folder of data.")
             continue
-        code = _run(step.command)
+        program, *arguments = shlex.split(step.command)
+        sys.stdout.flush()
+        code = run(arguments) if program == "massline" else subprocess.run([sys.executable, *arguments], check=False).returncode
         if code != step.ends:
             click.echo(f"The demo stops here: `{step.command}` ended with exit code {code}.", err=True)
             return code or FAILED_CHECK
@@ -190,12 +192,6 @@ def main() -> int:
         )
     )
     return DONE
-
-
-def _run(command: str) -> int:
-    program, *arguments = shlex.split(command)
-    sys.stdout.flush()
-    return run(arguments) if program == "massline" else subprocess.run([sys.executable, *arguments], check=False).returncode
 
 
 if __name__ == "__main__":

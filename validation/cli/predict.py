@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from geometry.errors import BadInput, CheckFailed
 from validation.cli import options
 from validation.verification.check import FAMILIES
-
-if TYPE_CHECKING:
-    from validation.classical.swing import Simulated
-    from validation.flexible.model import Flexible
-    from validation.flexible.modes import ModeComparison
 
 
 @click.command("modes")
@@ -41,62 +37,40 @@ def modes_command(
     model), or your own FE model (.h5, .npz, .op4 ... or its .toml), which may stand beside a built-in one too: --against FILE.
     """
     from validation.flexible.model import chosen, flexible, require_model, require_used
-    from validation.output import shown
-    from validation.report.flexible import require_drawable, require_mode
+    from validation.flexible.modes import compared
+    from validation.output import print_json, shown
+    from validation.report import flexible as answers
+    from validation.report.document import page
 
     models = chosen(article, model, against)
     names = [require_model(article, m, option) for m, option in zip(models, ("--model", "--against"), strict=False)]
     question = options.flexible_asked(count=count, counted="--count", **asked)
     require_used(article, names, question)
     if shapes or moving is not None:
-        require_drawable(article, names[0])
+        answers.require_drawable(article, names[0])
     if moving is not None:
-        require_mode(moving, count)
+        answers.require_mode(moving, count)
     found = []
     for name, which in zip(names, models, strict=True):
         with shown(f"modes of {article}, {name} model", quiet=as_json):
             found.append(flexible(article, which, question))
-    _print(found[0], _compared(found), as_json)
-    if shapes or moving is not None:
-        _draw(found[0], shapes, moving, quiet=as_json)
-
-
-def _compared(found: list[Flexible]) -> ModeComparison | None:
-    from validation.flexible.modes import compared
-
-    return compared(found[0], found[1]) if len(found) == 2 else None
-
-
-def _print(model: Flexible, comparison: ModeComparison | None, as_json: bool) -> None:
-    from validation.output import print_json
-    from validation.report import flexible
-    from validation.report.document import page
-
+    first = found[0]
+    comparison = compared(*found) if len(found) == 2 else None
     if as_json:
-        beside = {} if comparison is None else {"against": flexible.as_json(comparison)}
-        print_json(flexible.modes_json(model) | beside)
-        return
-    printed = flexible.published(model)
-    grids = [flexible.grid(model), *([printed] if printed else [])]
-    click.echo(page(f"{model.article}: {model.model} model", grids, flexible.notes(model)), nl=False)
-    if comparison is not None:
-        title = f"{model.article}: {comparison.second.model} beside {model.model}"
-        click.echo("\n" + page(title, flexible.grids(comparison), flexible.comparison_table_notes(comparison)), nl=False)
-
-
-def _draw(model: Flexible, shapes: bool, moving: int | None, *, quiet: bool) -> None:
-    from validation.output import shown
-    from validation.report.flexible import draw_moving, draw_sheet
-
-    folder = Path("out")
-    with shown(f"shapes of {model.article}", quiet=quiet):
-        written = [draw_sheet(model, folder)] if shapes else []
-        written += draw_moving(model, moving, folder) if moving is not None else []
-    for path in written:
-        click.echo(f"massline: wrote {path}.", err=True)
-
-
-# `massline dynamic-mass`: the blocked 6x6 dynamic mass of an article over frequency.
+        print_json(answers.modes_json(first) | ({} if comparison is None else {"against": answers.as_json(comparison)}))
+    else:
+        printed = answers.published(first)
+        grids = [answers.grid(first), *([printed] if printed else [])]
+        click.echo(page(f"{first.article}: {first.model} model", grids, answers.notes(first)), nl=False)
+    if comparison is not None and not as_json:
+        title = f"{first.article}: {comparison.second.model} beside {first.model}"
+        click.echo("\n" + page(title, answers.grids(comparison), answers.comparison_table_notes(comparison)), nl=False)
+    if shapes or moving is not None:
+        with shown(f"shapes of {first.article}", quiet=as_json):
+            written = [answers.draw_sheet(first, Path("out"))] if shapes else []
+            written += answers.draw_moving(first, moving, Path("out")) if moving is not None else []
+        for path in written:
+            click.echo(f"massline: wrote {path}.", err=True)
 
 
 @click.command("dynamic-mass")
@@ -130,12 +104,11 @@ def dynamic_mass_command(
     A rigid body has the flat line of its mass matrix; flexible ones leave it at their resonances.
     """
     from validation.flexible.model import chosen
-    from validation.report import flexible
-    from validation.report.flexible import DynamicMassOptions, curves, report
+    from validation.report import flexible as answers
 
     if out is not None:
-        flexible.require_ending(out)
-    question = DynamicMassOptions(
+        answers.require_ending(out)
+    question = answers.DynamicMassOptions(
         article=article,
         models=chosen(article, model, against),
         band=band,
@@ -143,21 +116,15 @@ def dynamic_mass_command(
         about=about,
         asked=options.flexible_asked(count=count, counted="--modes", **asked),
     )
-    found = curves(question, quiet=as_json)
+    found = answers.curves(question, quiet=as_json)
     for warning in found.warnings:
         click.echo(f"massline: {warning}.", err=True)
-    report(found, as_json=as_json)
+    answers.report(found, as_json=as_json)
     if out is not None:
-        flexible.write(out, found.masses[0], article)
+        answers.write(out, found.masses[0], article)
         click.echo(f"massline: wrote {out}.", err=True)
-    if plot:
-        from validation.report.flexible import draw
-
-        for path in draw(found, Path("out")):
-            click.echo(f"massline: wrote {path}.", err=True)
-
-
-# `massline excite`: an article on a table that is driven in time; loads, load cells and resonances passed.
+    for path in answers.draw(found, Path("out")) if plot else ():
+        click.echo(f"massline: wrote {path}.", err=True)
 
 
 @click.command("excite")
@@ -201,14 +168,8 @@ def excite_command(
     ARTICLE is a built-in part or a stack of them (clumod-1, fmd+clumod-1), a STEP file of your own (--model solid) or your own FE
     model (.h5, .npz, .op4 ... or its .toml). Nominal levels are 2.5 m/s² along x, y, z, 3 rad/s² about x, y and 6 rad/s² about z.
     """
-    from validation.report.excite import Wanted, excite
-
-    question = _question(article, model, given)
-    excite(question, Wanted(out=out, plot=plot, animate=animate, as_json=as_json))
-
-
-def _question(article: str, model: str | None, given: dict[str, Any]) -> Any:
     from validation.excite.question import ExciteOptions, attached, drive, require_rate, require_route
+    from validation.report.excite import Wanted, excite
 
     require_route(given["route"])
     require_rate(given["rate"])
@@ -216,7 +177,7 @@ def _question(article: str, model: str | None, given: dict[str, Any]) -> Any:
     driven = ("axes", "every", "pattern", "band", "octaves_per_minute", "duration", "level", "cross", "seed", "ring_down")
     fastened = ("cells", "preload", "flange", "friction", "cable", "damper")
     made = ("damping_ratio", "size", "joints", "settings", "unit", "material")
-    return ExciteOptions(
+    question = ExciteOptions(
         article=article,
         model=model,
         asked=options.flexible_asked(
@@ -228,9 +189,7 @@ def _question(article: str, model: str | None, given: dict[str, Any]) -> Any:
         rate=given["rate"],
         every_mode=count is not None,
     )
-
-
-# `massline simulate`: a virtual test on the shaker, a campaign folder with its truth beside it.
+    excite(question, Wanted(out=out, plot=plot, animate=animate, as_json=as_json))
 
 
 @click.command("simulate")
@@ -316,9 +275,6 @@ def _list(ctx: click.Context, asked: bool) -> None:
     ctx.exit()
 
 
-# `massline swing`: an article on ropes, simulated by exudyn, recorded and reduced as a measured pendulum.
-
-
 @click.command("swing")
 @click.argument("article")
 @options.JSON
@@ -366,79 +322,39 @@ def swing_command(
     Prints the period beside that of Eq. 5, what every effect alone does to it, and the inertia that comes out beside that of the
     article. With --out FOLDER the record goes through `massline pendulum FOLDER/pendulum.toml` like any other.
     """
-    from validation.classical.swing import as_option, setup, simulated
-    from validation.output import require_folder
+    from validation.classical.swing import OPTIONS, Words, as_option, setup, simulated, write
+    from validation.output import percent, print_json, require_folder, shown
+    from validation.report import excite
+    from validation.report.scenes.pendulum import draw, in_the_way
 
     options.require_articles([article])
     asked = options.reading(None, unit, material, settings)
-    question = setup(article, _words(words), asked)
-    for option, folder in _folders(out, plot=plot, animate=animate).items():
+    texts = {name: words.pop(name) for name in OPTIONS}
+    question = setup(article, Words(texts=texts, **words), asked)
+    wanted = {"--plot": plot, "--animate": animate}
+    folders = {"--out": out} if out is not None else {option: Path("out") for option, drawn in wanted.items() if drawn}
+    for option, folder in folders.items():
         require_folder(folder, option)
     try:
-        found = simulated(question, _watched(as_json))
+        found = simulated(question, partial(percent, quiet=as_json))
     except BadInput as error:
         raise as_option(error) from None
-    _write(found, out)
-    _swing_print(found, out, as_json)
-    for folder in set(_folders(out, plot=plot, animate=animate).values()):
-        _swing_draw(found, asked, folder, animate=animate, quiet=as_json)
-
-
-def _folders(out: Path | None, *, plot: bool, animate: bool) -> dict[str, Path]:
-    """The folder that something is written into, by the option that asked for it; empty where nothing is."""
+    record = found.record
     if out is not None:
-        return {"--out": out}
-    return {option: Path("out") for option, wanted in (("--plot", plot), ("--animate", animate)) if wanted}
-
-
-def _words(words: dict[str, Any]) -> Any:
-    from validation.classical.swing import OPTIONS, Words
-
-    texts = {name: words.pop(name) for name in OPTIONS}
-    return Words(texts=texts, **words)
-
-
-def _watched(quiet: bool) -> Any:
-    from functools import partial
-
-    from validation.output import percent
-
-    return partial(percent, quiet=quiet)
-
-
-def _write(found: Simulated, out: Path | None) -> None:
-    from validation.classical.swing import write
-
-    if out is not None:
-        record = found.record
         path = write(out, record.setup, record.swing, record.signal, record.decay)
         click.echo(f"massline: wrote {path} and its record. Reduce it with `massline pendulum {path}`.", err=True)
-
-
-def _swing_print(found: Simulated, out: Path | None, as_json: bool) -> None:
-    from validation.output import print_json
-    from validation.report import excite
-
     if as_json:
         print_json(excite.as_json(found, out))
     else:
         click.echo(excite.text(found), nl=False)
-
-
-def _swing_draw(found: Simulated, asked: Any, folder: Path, *, animate: bool, quiet: bool) -> None:
-    from validation.output import shown
-    from validation.report.scenes.pendulum import draw, in_the_way
-
-    with shown("pictures of the swing", quiet=quiet):
-        written = draw(found, asked, folder, animate=animate)
-        said = in_the_way(found.record.setup, asked)
-    for path in written:
-        click.echo(f"massline: wrote {path}.", err=True)
-    if said:
-        click.echo(f"massline: {said}", err=True)
-
-
-# ``massline verify``: the prediction side against closed forms, second sources and rates of convergence, row by row.
+    for folder in set(folders.values()):
+        with shown("pictures of the swing", quiet=as_json):
+            written = draw(found, asked, folder, animate=animate)
+            said = in_the_way(record.setup, asked)
+        for path in written:
+            click.echo(f"massline: wrote {path}.", err=True)
+        if said:
+            click.echo(f"massline: {said}", err=True)
 
 
 @click.command("verify", epilog="Families: " + ", ".join(f"{name} ({words})" for name, words in FAMILIES.items()) + ".")
@@ -454,14 +370,14 @@ def verify_command(families: tuple[str, ...], fine: bool, as_markdown: bool, as_
 
     Exit code 0 when every check passes, 1 when one does not.
     """
-    from validation.output import print_json, print_pages
+    from validation.output import print_json, print_pages, to_json
     from validation.report.flexible import markdown, pages, summary
     from validation.verification.check import Mesh, checks, run
 
     results = run(checks(*families), Mesh.FINE if fine else Mesh.FAST, quiet=as_json)
     passed = all(result.passed for result in results)
     if as_json:
-        print_json({"rows": [result.json() for result in results], "pass": passed, "text": summary(results)})
+        print_json({"rows": to_json(results), "pass": passed, "text": summary(results)})
     elif as_markdown:
         click.echo(markdown(results))
     else:

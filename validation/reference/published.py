@@ -42,22 +42,20 @@ RESULTS = ("clumod-1-table2",)
 
 def published(article: str) -> Published:
     """What is in print about the built-in `article`; empty for one about which nothing is."""
-    table = _tables().get(article)
+    table = _in_print("tables").get(article)
     if table is None:
         return Published()
     statements = {}
     for column in ("published", "measured"):
         if column in table:
             # One column of a table, from the file of ``kind = "results"`` that holds its values
-            column_column = table[column]
-            name = column_column["file"]
-            results = tomllib.loads(_text(f"{name}.toml"))
+            name, results = table[column]["file"], _in_print(table[column]["file"])
             values = (statement.stated(results[key]["value"], dimension, name, key) for key, dimension in _RESULT_KEYS)
             statements[column] = Statement(
-                name=column_column["name"],
+                name=table[column]["name"],
                 values=(*values, None, None, None),
                 source=table["source"],
-                tolerance_note=column_column["tolerance"],
+                tolerance_note=table[column]["tolerance"],
             )
     if "identified" in table:
         statements["identified"] = statement.read(result_table(table["identified"]), table["identified"], Pose())
@@ -73,7 +71,7 @@ def published(article: str) -> Published:
 
 def result_table(name: str) -> dict[str, Any]:
     """The result file in print called `name`, one of `RESULTS`."""
-    return tomllib.loads(_text(f"{name}.toml"))
+    return dict(_in_print(name))
 
 
 _RESULT_KEYS = (
@@ -85,12 +83,8 @@ _RESULT_KEYS = (
 
 
 @cache
-def _tables() -> dict[str, Any]:
-    return tomllib.loads(_text("tables.toml"))
-
-
-def _text(name: str) -> str:
-    return files("validation.reference").joinpath("in_print", name).read_text(encoding="utf-8")
+def _in_print(name: str) -> dict[str, Any]:
+    return tomllib.loads(files("validation.reference").joinpath("in_print", f"{name}.toml").read_text(encoding="utf-8"))
 
 
 # What the paper prints about the eigenfrequencies of an article, and whether a model's are so.
@@ -114,22 +108,20 @@ class Claim:
 
 def claims(article: str, frequency: Array) -> tuple[Claim, ...]:
     """Every sentence about the eigenfrequencies of `article`, held against `frequency` (n,) [Hz]; empty where there is none."""
-    return tuple(_claim(entry, frequency) for entry in _table().get(article, ()))
-
-
-def _claim(entry: Mapping[str, Any], frequency: Array) -> Claim:
-    if "count" in entry:
-        low, high = entry["between_hz"]
-        count = int(np.sum((frequency >= low) & (frequency <= high)))
-        enough = len(frequency) > 0 and frequency[-1] > high
-        return Claim(says=entry["says"], found=f"{count} modes", holds=count == entry["count"] if enough else None)
-    if len(frequency) < entry["mode"]:
-        return Claim(says=entry["says"], found=f"{len(frequency)} modes computed", holds=None)
-    found = float(frequency[entry["mode"] - 1])
-    holds = found >= entry["above_hz"] if "above_hz" in entry else abs(found - entry["hz"]) <= entry["half_hz"]
-    return Claim(says=entry["says"], found=f"mode {entry['mode']} at {found:.2f} Hz", holds=holds)
-
-
-@cache
-def _table() -> dict[str, Any]:
-    return tomllib.loads(files("validation.reference").joinpath("in_print", "modes.toml").read_text(encoding="utf-8"))
+    made = []
+    for entry in _in_print("modes").get(article, ()):
+        holds: bool | None = None
+        if "count" in entry:
+            low, high = entry["between_hz"]
+            count = int(np.sum((frequency >= low) & (frequency <= high)))
+            found = f"{count} modes"
+            if len(frequency) > 0 and frequency[-1] > high:
+                holds = count == entry["count"]
+        elif len(frequency) < entry["mode"]:
+            found = f"{len(frequency)} modes computed"
+        else:
+            at = float(frequency[entry["mode"] - 1])
+            found = f"mode {entry['mode']} at {at:.2f} Hz"
+            holds = at >= entry["above_hz"] if "above_hz" in entry else abs(at - entry["hz"]) <= entry["half_hz"]
+        made.append(Claim(says=entry["says"], found=found, holds=holds))
+    return tuple(made)

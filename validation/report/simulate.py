@@ -16,7 +16,7 @@ from identification.campaign import Campaign
 from identification.campaign_file import require_alive
 from validation.effects.catalogue import Named
 from validation.identify.check import of_campaign
-from validation.output import percent, shown
+from validation.output import percent, shown, to_json
 from validation.reference.statement import NONE
 from validation.report import campaign
 from validation.report.document import Grid, aligned, grid_number
@@ -138,7 +138,7 @@ def summary_json(done: Sequence[Written], question: SimulateOptions) -> dict[str
 
 
 def _campaign(one: Written, question: SimulateOptions) -> dict[str, Any]:
-    found = {**campaign.as_json(of_campaign(one.folder, one.campaign)), "truth": str(one.truth)}
+    found = {**to_json(of_campaign(one.folder, one.campaign)), "truth": str(one.truth)}
     return found if question.sealed else found | {"seed": one.plan.seed, "effects": [_effect(n) for n in _planted(one, question)]}
 
 

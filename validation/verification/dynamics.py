@@ -123,9 +123,9 @@ def _driven_rod(motion: str, mesh: Mesh) -> Found:
     return Found(0.0, largest(_driven(beams.ROD, motion, ROD_LINES, mesh) - expected, expected))
 
 
-for _words, _motion in (("Rod driven along", beams.TENSION), ("Round rod driven about its axis", beams.TORSION)):
+for _words, _how in (("Rod driven along", beams.TENSION), ("Round rod driven about its axis", beams.TORSION)):
     _what = f"{_words}, loss factor 2 %, to 1600 Hz"
-    DYNAMIC_MASS.absolute(_what, "m tan(k L) / (k L), k complex", 1e-2, _motion)(_driven_rod)
+    DYNAMIC_MASS.absolute(_what, "m tan(k L) / (k L), k complex", 1e-2, _how)(_driven_rod)
 
 
 @once
