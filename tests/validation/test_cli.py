@@ -39,12 +39,9 @@ def raising(error: BaseException) -> Callable[[], None]:
     return action
 
 
-def test_a_command_that_returns_is_done(probe: Install) -> None:
+def test_a_command_that_returns_is_done_or_ends_early_with_its_own_exit_code(probe: Install) -> None:
     probe(lambda: None)
     assert main.run(["probe"]) == main.DONE == 0
-
-
-def test_a_command_may_end_early_with_its_own_exit_code(probe: Install) -> None:
     probe(lambda: click.get_current_context().exit(1))
     assert main.run(["probe"]) == main.FAILED_CHECK == 1
 

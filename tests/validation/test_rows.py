@@ -87,10 +87,6 @@ def test_a_value_is_printed_with_the_digits_its_tolerance_leaves_it(value: float
     assert rounded(value, tolerance) == text
 
 
-def test_the_table_has_one_line_a_row() -> None:
-    assert rows_table([row(), row(reference=None)]).row_count == 2
-
-
 def printed(table: Table, width: int) -> str:
     console = Console(width=width, color_system=None)
     with console.capture() as capture:

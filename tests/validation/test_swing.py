@@ -298,12 +298,6 @@ def test_what_a_refusal_advises_passes_the_door(
     assert code == 130, err
 
 
-def test_an_article_that_does_not_exist_is_refused(run: Run) -> None:
-    code, _, err = run("swing", "cubiod")
-    assert code == 2
-    assert "cuboid" in err
-
-
 def test_ctrl_c_leaves_no_file(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupted(self: Watch, system: object, time: float) -> bool:
         self.stopped = KeyboardInterrupt()

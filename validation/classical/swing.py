@@ -20,15 +20,7 @@ from geometry.frames import Array, frozen
 from geometry.inertia import Inertia
 from validation.classical import pendulum
 from validation.classical.files import read
-from validation.classical.pendulum import (
-    LEAST_CYCLES,
-    LEAST_SAMPLES,
-    TERMS,
-    Decay,
-    from_signal,
-    rope_amplitude_factor,
-    rope_pendulum,
-)
+from validation.classical.pendulum import LEAST_CYCLES, LEAST_SAMPLES, Decay, rope_amplitude_factor, rope_pendulum
 from validation.model.setups import is_file
 from validation.reference.reference import ArticleOptions, require_use
 
@@ -402,7 +394,7 @@ def recorded(setup: Setup, progress: Progress | None = None) -> Record:
     noise = np.random.default_rng(setup.seed).normal(0.0, setup.noise, len(run.yaw)) if setup.noise else 0.0
     signal = run.yaw + noise
     try:
-        decay = from_signal(run.time, signal, "the simulated record")
+        decay = pendulum.from_signal(run.time, signal, "the simulated record")
     except BadInput as error:  # said of what can be changed here
         remedy = "Use less noise or a larger twist" if setup.noise else "Use a smaller twist, or lighter and more equal ropes"
         problem = f"its record cannot be reduced: {error.problem}"
@@ -410,7 +402,7 @@ def recorded(setup: Setup, progress: Progress | None = None) -> Record:
     with TemporaryDirectory() as folder:
         path = write(Path(folder), setup, run, signal, decay)
         file = read(str(path), ("pendulum",))
-        with_all, plain = (pendulum.reduce(file, off) for off in ((), TERMS))
+        with_all, plain = (pendulum.reduce(file, off) for off in ((), pendulum.TERMS))
     key = f"I{setup.axis}{setup.axis}"
     return Record(
         setup=setup,

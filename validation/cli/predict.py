@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from geometry.errors import BadInput, CheckFailed
 from validation.cli import options
 from validation.verification.check import FAMILIES
+
+if TYPE_CHECKING:
+    from validation.flexible.model import Flexible
+    from validation.flexible.modes import ModeComparison
 
 
 @click.command("modes")
@@ -37,40 +41,62 @@ def modes_command(
     model), or your own FE model (.h5, .npz, .op4 ... or its .toml), which may stand beside a built-in one too: --against FILE.
     """
     from validation.flexible.model import chosen, flexible, require_model, require_used
-    from validation.flexible.modes import compared
-    from validation.output import print_json, shown
-    from validation.report import flexible as answers
-    from validation.report.document import page
+    from validation.output import shown
+    from validation.report.flexible import require_drawable, require_mode
 
     models = chosen(article, model, against)
     names = [require_model(article, m, option) for m, option in zip(models, ("--model", "--against"), strict=False)]
     question = options.flexible_asked(count=count, counted="--count", **asked)
     require_used(article, names, question)
     if shapes or moving is not None:
-        answers.require_drawable(article, names[0])
+        require_drawable(article, names[0])
     if moving is not None:
-        answers.require_mode(moving, count)
+        require_mode(moving, count)
     found = []
     for name, which in zip(names, models, strict=True):
         with shown(f"modes of {article}, {name} model", quiet=as_json):
             found.append(flexible(article, which, question))
-    first = found[0]
-    comparison = compared(*found) if len(found) == 2 else None
-    if as_json:
-        print_json(answers.modes_json(first) | ({} if comparison is None else {"against": answers.as_json(comparison)}))
-    else:
-        printed = answers.published(first)
-        grids = [answers.grid(first), *([printed] if printed else [])]
-        click.echo(page(f"{first.article}: {first.model} model", grids, answers.notes(first)), nl=False)
-    if comparison is not None and not as_json:
-        title = f"{first.article}: {comparison.second.model} beside {first.model}"
-        click.echo("\n" + page(title, answers.grids(comparison), answers.comparison_table_notes(comparison)), nl=False)
+    _print(found[0], _compared(found), as_json)
     if shapes or moving is not None:
-        with shown(f"shapes of {first.article}", quiet=as_json):
-            written = [answers.draw_sheet(first, Path("out"))] if shapes else []
-            written += answers.draw_moving(first, moving, Path("out")) if moving is not None else []
-        for path in written:
-            click.echo(f"massline: wrote {path}.", err=True)
+        _draw(found[0], shapes, moving, quiet=as_json)
+
+
+def _compared(found: list[Flexible]) -> ModeComparison | None:
+    from validation.flexible.modes import compared
+
+    return compared(found[0], found[1]) if len(found) == 2 else None
+
+
+def _print(model: Flexible, comparison: ModeComparison | None, as_json: bool) -> None:
+    from validation.output import print_json
+    from validation.report import flexible
+    from validation.report.document import page
+
+    if as_json:
+        beside = {} if comparison is None else {"against": flexible.as_json(comparison)}
+        print_json(flexible.modes_json(model) | beside)
+        return
+    printed = flexible.published(model)
+    grids = [flexible.grid(model), *([printed] if printed else [])]
+    click.echo(page(f"{model.article}: {model.model} model", grids, flexible.notes(model)), nl=False)
+    if comparison is not None:
+        title = f"{model.article}: {comparison.second.model} beside {model.model}"
+        click.echo("\n" + page(title, flexible.grids(comparison), flexible.comparison_table_notes(comparison)), nl=False)
+
+
+def _draw(model: Flexible, shapes: bool, moving: int | None, *, quiet: bool) -> None:
+    from validation.output import shown
+    from validation.report.flexible import draw_moving, draw_sheet
+
+    folder = Path("out")
+    with shown(f"shapes of {model.article}", quiet=quiet):
+        written = [draw_sheet(model, folder)] if shapes else []
+        written += draw_moving(model, moving, folder) if moving is not None else []
+    for path in written:
+        click.echo(f"massline: wrote {path}.", err=True)
+
+
+# `massline dynamic-mass`: the blocked 6x6 dynamic mass of an article over frequency.
 
 
 @click.command("dynamic-mass")
@@ -104,11 +130,12 @@ def dynamic_mass_command(
     A rigid body has the flat line of its mass matrix; flexible ones leave it at their resonances.
     """
     from validation.flexible.model import chosen
-    from validation.report import flexible as answers
+    from validation.report import flexible
+    from validation.report.flexible import DynamicMassOptions, curves, report
 
     if out is not None:
-        answers.require_ending(out)
-    question = answers.DynamicMassOptions(
+        flexible.require_ending(out)
+    question = DynamicMassOptions(
         article=article,
         models=chosen(article, model, against),
         band=band,
@@ -116,15 +143,18 @@ def dynamic_mass_command(
         about=about,
         asked=options.flexible_asked(count=count, counted="--modes", **asked),
     )
-    found = answers.curves(question, quiet=as_json)
+    found = curves(question, quiet=as_json)
     for warning in found.warnings:
         click.echo(f"massline: {warning}.", err=True)
-    answers.report(found, as_json=as_json)
+    report(found, as_json=as_json)
     if out is not None:
-        answers.write(out, found.masses[0], article)
+        flexible.write(out, found.masses[0], article)
         click.echo(f"massline: wrote {out}.", err=True)
-    for path in answers.draw(found, Path("out")) if plot else ():
-        click.echo(f"massline: wrote {path}.", err=True)
+    if plot:
+        from validation.report.flexible import draw
+
+        for path in draw(found, Path("out")):
+            click.echo(f"massline: wrote {path}.", err=True)
 
 
 @click.command("excite")

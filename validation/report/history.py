@@ -14,40 +14,14 @@ from geometry.atomic import write_text
 from geometry.errors import BadInput
 from identification.quality import NORMAL_90
 from validation.history import history
-from validation.history.history import (
-    SHOWN,
-    Body,
-    Errors,
-    HistoryPosition,
-    Version,
-    VersionSize,
-    conditions,
-    gone_to,
-    history_position,
-    undone,
-)
+from validation.history.history import SHOWN, Body, HistoryPosition, Version, VersionSize
 from validation.history.verdict import is_worth_adding, percent, unit
 from validation.model import model_file
-from validation.model.model_file import draft
 from validation.output import json_text, require_ending, require_file, shown, stages, to_json
 from validation.reference.statement import NONE, QUANTITIES, rounded
+from validation.report import document
 from validation.report.charts import history as charts
-from validation.report.document import (
-    PAGE,
-    TERMINAL,
-    Block,
-    Column,
-    Document,
-    Drawn,
-    Figures,
-    Grid,
-    Safe,
-    Table,
-    aligned,
-    joined,
-    page,
-    tag,
-)
+from validation.report.document import PAGE, TERMINAL, Block, Column, Document, Drawn, Figures, Grid, Safe, Table, aligned
 from validation.report.parts import Report, error_figures, error_lines, paragraphs, section
 from validation.report.parts import notes as parts_notes
 
@@ -151,6 +125,9 @@ def _body(body: Body) -> dict[str, Any]:
 HERE, NOT_HERE = "→ ", "  "
 """Before the rung on which the model stands, and before the others."""
 
+PRICE = "{tolerance_z2:.3g} of {due_z2:.0f}"
+"""Of the tolerances, on a terminal."""
+
 UNKEPT = "plain error, a configuration never seen"
 """An error that versions do not keep."""
 
@@ -218,10 +195,6 @@ def _sizes(one: Version) -> str:
     return _size(every[0]) if len(every) == 1 else ", ".join(f"{each.key} {each.value:.4g}" for each in every) or NONE
 
 
-def _price(errors: Errors | None) -> str:
-    return NONE if errors is None else f"{errors.tolerance_z2:.3g} of {errors.due_z2:.0f}"
-
-
 def rungs(at: HistoryPosition) -> Table:
     """All rungs: on a page in their order, on a terminal as a tree."""
     here = None if at.rung is None else at.rung.number
@@ -246,7 +219,7 @@ def rungs(at: HistoryPosition) -> Table:
             Column("held out", lambda row: row[2]["held_out"], unit="%", said=("held out", percent)),
             Column("χ² per dof", lambda row: row[2]["chi2_per_dof"], said=("chi²/dof", ".3g")),
             Column("sum z²", lambda row: row[2]["tolerance_z2"], on=PAGE),
-            Column("sum z²", lambda row: _price(row[1].errors), on=TERMINAL),
+            Column("sum z²", lambda row: NONE if row[2]["due_z2"] is None else PRICE.format(**row[2]), on=TERMINAL),
             Column("due", lambda row: row[2]["due_z2"], on=PAGE),
             Column("evidence", lambda row: row[1].gain, "+.1f", unit="nats"),
             Column("when", lambda row: row[1].when.replace("T", " ")[:16], words=True, on=PAGE),
@@ -254,7 +227,7 @@ def rungs(at: HistoryPosition) -> Table:
     )
 
 
-def document(at: HistoryPosition) -> Document:
+def ladder_document(at: HistoryPosition) -> Document:
     """The rungs, and of every article what was identified and its way to the reference along the rungs to here."""
     many = f"{len(at.ladder.rungs)} rung{'s' if len(at.ladder.rungs) > 1 else ''}"
     where = "edited by hand since" if at.rung is None else f"it stands on rung {at.rung.number}"
@@ -270,13 +243,13 @@ def document(at: HistoryPosition) -> Document:
         blocks += [_values(article, numbered), distances(article, numbered), drawn]
     for one in at.ladder.rungs:
         if one.verdict:
-            blocks.append(joined(tag("p", tag("strong", f"Rung {one.number}, {one.title}: "), " ".join(one.verdict))))
+            blocks.append(document.tag("p", document.tag("strong", f"Rung {one.number}, {one.title}: "), " ".join(one.verdict)))
     return Document(title=f"{at.path.name}: {many}, {where}", blocks=blocks, notes=list(notes(at)))
 
 
 def text(at: HistoryPosition) -> str:
     """The page of a ladder."""
-    return document(at).text()
+    return ladder_document(at).text()
 
 
 def html(report: Report, figures: Figures) -> Safe:
@@ -284,7 +257,7 @@ def html(report: Report, figures: Figures) -> Safe:
     at = report.standing
     if at is None or not any(one.errors for one in at.ladder.rungs):
         return section("ladder", "The ladder", paragraphs([NONE_YET]))
-    said = document(at)
+    said = ladder_document(at)
     return section("ladder", "The ladder", *said.html(figures), parts_notes(said.notes))
 
 
@@ -294,7 +267,7 @@ def notes(at: HistoryPosition) -> Iterator[str]:
     yield "Sum z²: of the tolerances, all fitted, and what is due where nothing is wrong."
     yield "Identified: CoG from the article's own origin, moments and products about it. Reference: the model with its effects."
     yield "Less reference: mass, moments in per cent, products in per cent of √(Θii Θjj), CoG in mm; σ: one standard deviation."
-    yield from conditions(at)
+    yield from history.conditions(at)
 
 
 def add(asked: Options, effect: AddedEffectOptions, *, as_json: bool) -> None:
@@ -316,7 +289,7 @@ def add(asked: Options, effect: AddedEffectOptions, *, as_json: bool) -> None:
         click.echo(json_text(of_step(step.at, step.before, step.after, said)))
         return
     title = f"{asked.path.name}: {step.after.effect} added, rung {step.after.number} on rung {step.before.number}"
-    click.echo(page(title, of_added(step.before, step.after), (*step.after.verdict, *map(sentence, said))), nl=False)
+    click.echo(document.page(title, of_added(step.before, step.after), (*step.after.verdict, *map(sentence, said))), nl=False)
 
 
 def ladder(path: Path, *, go: int | None, as_json: bool, folder: Path | None) -> None:
@@ -327,9 +300,9 @@ def ladder(path: Path, *, go: int | None, as_json: bool, folder: Path | None) ->
     BadInput : there is no ladder, or none that can be read; no such rung.
     OSError : a file cannot be written.
     """
-    at = history_position(path)
+    at = history.history_position(path)
     if go is not None:
-        at = gone_to(at, go)
+        at = history.gone_to(at, go)
     _show(at, as_json=as_json)
     if folder is not None:
         with shown(f"pictures of {at.path.name}", quiet=as_json):
@@ -346,7 +319,7 @@ def undo(path: Path, *, as_json: bool) -> None:
     BadInput : there is no ladder, or nothing below.
     OSError : a file cannot be written.
     """
-    _show(undone(history_position(path)), as_json=as_json)
+    _show(history.undone(history.history_position(path)), as_json=as_json)
 
 
 def _show(at: HistoryPosition, *, as_json: bool) -> None:
@@ -375,7 +348,7 @@ def model(article: str, out: Path | None, *, force: bool) -> None:
                 source=str(out), field="--out", problem=problem, remedy="Name another file, or replace it with --force"
             )
         require_file(out, "--out")
-    text = model_file.text(draft(article, out))
+    text = model_file.text(model_file.draft(article, out))
     model_file.of_text(text, str(out or "model.toml"))
     if out is None:
         click.echo(text, nl=False)
