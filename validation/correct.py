@@ -18,10 +18,11 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array, skew
 from geometry.sensors import Channel, Place
-from identification.campaign import Campaign, Processing, Recording
-from validation.effects.catalogue import FAMILIES, Named
-from validation.effects.effect import AMPLITUDE, AXES, CHANNEL_STAGE, PENDULUM, STRUCTURE
+from identification.campaign import Campaign, Processing, Recording, factor
+from validation.effects.catalogue import FAMILIES, MISTAKEN_UNIT, Named, parse
+from validation.effects.effect import AMPLITUDE, AXES, CHANNEL_STAGE, PENDULUM, STRUCTURE, Vocabulary
 from validation.effects.stages import ChannelResponse
+from validation.output import entry
 
 # Signals with a delay or a high-pass taken out: time histories by their Fourier transform, spectra line by line.
 #
@@ -55,7 +56,14 @@ def through(values: Samples, rate: float, response: Response) -> Array:
     n = len(values)
     margin = min(n - 1, MARGIN)
     length = next_fast_len(n + 2 * margin, real=True)
-    continued = _continued(values, margin, length - n - margin)
+    # `values` (n, k) with `margin` and `after` samples beyond its ends
+    after = length - n - margin
+    mean = values.mean(axis=0)
+    head = 2 * values[0] - values[margin:0:-1]
+    short = min(after, len(values) - 1)
+    tail = np.full((after, values.shape[1]), mean)
+    tail[:short] = (2 * values[-1] - values[-2 : -2 - short : -1] - mean) * _fading(short)[:, None] + mean
+    continued = np.concatenate([(head - mean) * _fading(margin)[::-1, None] + mean, values, tail])
     spectra = _times(response(rfftfreq(length, 1 / rate)), rfft(continued, axis=0))
     return np.asarray(irfft(spectra, n=length, axis=0)[margin : margin + n])
 
@@ -86,16 +94,6 @@ def _times(factors: ComplexArray, spectra: ComplexArray) -> ComplexArray:
     return np.asarray((factors @ spectra[:, :, None])[:, :, 0])
 
 
-def _continued(values: Samples, before: int, after: int) -> Array:
-    """`values` (n, k) with `before` and `after` samples beyond its ends."""
-    mean = values.mean(axis=0)
-    head = 2 * values[0] - values[before:0:-1]
-    short = min(after, len(values) - 1)
-    tail = np.full((after, values.shape[1]), mean)
-    tail[:short] = (2 * values[-1] - values[-2 : -2 - short : -1] - mean) * _fading(short)[:, None] + mean
-    return np.concatenate([(head - mean) * _fading(before)[::-1, None] + mean, values, tail])
-
-
 def _fading(count: int) -> Array:
     """(count,) from nearly 1 to nearly 0, even at both ends."""
     return np.asarray(0.5 * (1 + np.cos(np.pi * (np.arange(count) + 1) / (count + 1))))
@@ -114,26 +112,17 @@ WORST = 1e4
 """Condition number beyond which noise would be blown up out of all proportion."""
 
 
-def has_inverse(named: Named) -> bool:
-    """Whether the equation of `named` is one of the channels that does not ask how the run was driven."""
-    family = FAMILIES[named.family]
-    return family.stage == CHANNEL_STAGE and family.change is not None and family.side != AMPLITUDE
-
-
-def touched(named: Named, channels: tuple[str, ...], frequency: Array) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Which of `channels` the equation changes at `frequency` (n,) [Hz], and which it needs to: these and those that leak in."""
-    change = np.abs(_matrix(named, channels, frequency) - np.eye(len(channels))).max(axis=0) > 0
-    changed, leaking = change.any(axis=1), change.any(axis=0)
-    return tuple(map(int, np.flatnonzero(changed))), tuple(map(int, np.flatnonzero(changed | leaking)))
-
-
 def inverse(named: Named, channels: tuple[str, ...], chosen: Sequence[int], held: float) -> Response:
     """R^-1 of the `chosen` of `channels`, (n, k, k); below `held` [Hz] that of this frequency."""
 
     def response(frequency: Array) -> ComplexArray:
         lines = np.maximum(frequency, held)
         matrix = _matrix(named, channels, lines)[:, chosen][:, :, chosen]
-        _require_invertible(named, matrix, lines)
+        singular = np.linalg.svd(matrix, compute_uv=False)
+        lost = np.flatnonzero(~(singular[:, -1] * WORST > singular[:, 0]))
+        if len(lost):
+            problem = f"cannot be taken out of a record: at {lines[lost[0]]:.4g} Hz its equation leaves nothing of the signal"
+            raise BadInput(source=named.id, problem=problem, remedy=ADD.format(named=named))
         return np.asarray(np.linalg.inv(matrix))
 
     return response
@@ -148,14 +137,6 @@ def _matrix(named: Named, channels: tuple[str, ...], frequency: Array) -> Comple
     return np.asarray(
         change(ChannelResponse(frequency=frequency, channels=channels, rows=rows), named.targets, named.values).rows
     )
-
-
-def _require_invertible(named: Named, matrix: ComplexArray, frequency: Array) -> None:
-    singular = np.linalg.svd(matrix, compute_uv=False)
-    lost = np.flatnonzero(~(singular[:, -1] * WORST > singular[:, 0]))
-    if len(lost):
-        problem = f"cannot be taken out of a record: at {frequency[lost[0]]:.4g} Hz its equation leaves nothing of the signal"
-        raise BadInput(source=named.id, problem=problem, remedy=f"Add it to the model instead: massline add MODEL {named}")
 
 
 # Why an effect cannot be taken out of a record, and what to do instead.
@@ -194,13 +175,6 @@ OF_FAMILY = {
 }
 
 
-def refused(named: Named) -> BadInput:
-    """The refusal of `named`, ready to be raised."""
-    fallback = ("no inverse of its equation is known", ADD)
-    why, remedy = OF_FAMILY.get(named.family) or OF_SIDE.get(FAMILIES[named.family].side) or fallback
-    return BadInput(source=named.id, problem=f"cannot be taken out of a record: {why}", remedy=remedy.format(named=named))
-
-
 BOARDS = {"force": ("fmd",), "cover": ("cover",), "table": ("table",)}
 """Groups of the channels that a board holds."""
 
@@ -212,6 +186,22 @@ HELD = 0.01
 
 LOWEST = 0.1
 """[Hz] of the lowest line, where a campaign says 0."""
+
+
+Correct = Callable[[Campaign, Named], "Corrected"]
+
+CORRECTIONS: dict[str, Correct] = {}
+"""What can be taken out of a record, by family."""
+
+
+def _takes_out(*families: str) -> Callable[[Correct], Correct]:
+    """The function below is the correction of `families`."""
+
+    def put(correct: Correct) -> Correct:
+        CORRECTIONS.update(dict.fromkeys(families, correct))
+        return correct
+
+    return put
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -237,9 +227,14 @@ def corrected(campaign: Campaign, named: Named) -> Corrected:
     ------
     BadInput : a fault that cannot be taken out of a record, and why; one that nothing of this campaign could have.
     """
-    correction = CORRECTIONS.get(named.family, _by_equation if has_inverse(named) else None)
+    # A family of the user's own: an equation of the channels that does not ask how the run was driven
+    family = FAMILIES[named.family]
+    own = family.stage == CHANNEL_STAGE and family.change is not None and family.side != AMPLITUDE
+    correction = CORRECTIONS.get(named.family, _by_equation if own else None)
     if correction is None:
-        raise refused(named)
+        why, remedy = OF_FAMILY.get(named.family) or OF_SIDE.get(family.side) or ("no inverse of its equation is known", ADD)
+        problem = f"cannot be taken out of a record: {why}"
+        raise BadInput(source=named.id, problem=problem, remedy=remedy.format(named=named))
     if named.values and all(named.values[size.key] == size.null for size in named.sizes):
         raise _idle(named, "this is the size of no effect")
     found = correction(campaign, named)
@@ -247,39 +242,42 @@ def corrected(campaign: Campaign, named: Named) -> Corrected:
     return replace(found, campaign=replace(found.campaign, notes=notes))
 
 
+@_takes_out("force-gain", "accelerometer-gain")
 def _gain(campaign: Campaign, named: Named) -> Corrected:
     return _scaled(campaign, {named.target: 1 / (1 + named.value)}, noise=True)
 
 
+@_takes_out("unit")
 def _unit(campaign: Campaign, named: Named) -> Corrected:
     return _scaled(campaign, {named.target: 1 / named.value})
 
 
+@_takes_out("polarity")
 def _polarity(campaign: Campaign, named: Named) -> Corrected:
     return replace(_scaled(campaign, {named.target: -1.0}), did="its sign is turned")
 
 
+@_takes_out("load-path-shunt")
 def _shunt(campaign: Campaign, named: Named) -> Corrected:
-    axis = np.eye(3)[AXES.index(named.target)]
-    shares = {
-        campaign.table.names[k]: _along(campaign.table.channels[k], axis, named) for k in campaign.table.select(group="fmd")
-    }
+    axis, shares = np.eye(3)[AXES.index(named.target)], {}
+    for k in campaign.table.select(group="fmd"):
+        # How much of what it reads is force along the axis: the same for all of its cells, or nobody can take it apart
+        channel = campaign.table.channels[k]
+        along = [float(place.direction @ axis) ** 2 for place in channel.places]
+        problem = ""
+        if channel.quantity == "moment":
+            problem = f"{channel.name} is a moment, and how much of it passed the cells by is not known"
+        elif np.ptp(along) > PARALLEL:
+            problem = f"{channel.name} adds up cells of several directions, which lost different shares"
+        if problem:
+            raise BadInput(
+                source=named.id, problem=problem, remedy="Give the cells' own channels, or add the effect to the model"
+            )
+        shares[channel.name] = along[0]
     factors = {name: 1 / (1 - named.value * share) for name, share in shares.items() if share > PARALLEL}
     if not factors:
         raise _idle(named, f"no load cell measures along {named.target}")
     return _scaled(campaign, factors, noise=True)
-
-
-def _along(channel: Channel, axis: Array, named: Named) -> float:
-    """How much of what `channel` reads is force along `axis`: the same for all of its cells, or nobody can take it apart."""
-    shares = [float(place.direction @ axis) ** 2 for place in channel.places]
-    if channel.quantity == "moment":
-        problem = f"{channel.name} is a moment, and how much of it passed the cells by is not known"
-        raise BadInput(source=named.id, problem=problem, remedy="Give the cells' own channels, or add the effect to the model")
-    if np.ptp(shares) > PARALLEL:
-        problem = f"{channel.name} adds up cells of several directions, which lost different shares"
-        raise BadInput(source=named.id, problem=problem, remedy="Give the cells' own channels, or add the effect to the model")
-    return shares[0]
 
 
 def _scaled(campaign: Campaign, factors: Mapping[str, float], *, noise: bool = False) -> Corrected:
@@ -294,6 +292,7 @@ def _scaled(campaign: Campaign, factors: Mapping[str, float], *, noise: bool = F
     return Corrected(campaign=made, channels=tuple(factors), did=f"multiplied by {', '.join(sorted(one))}")
 
 
+@_takes_out("channel-swap")
 def _swap(campaign: Campaign, named: Named) -> Corrected:
     order = list(range(len(campaign.table)))
     one, other = (campaign.table.names.index(name) for name in named.targets)
@@ -302,10 +301,12 @@ def _swap(campaign: Campaign, named: Named) -> Corrected:
     return Corrected(campaign=made, channels=named.targets, did="what each of them measured stands under its own name")
 
 
+@_takes_out("force-delay", "accelerometer-delay")
 def _delay(campaign: Campaign, named: Named) -> Corrected:
     return _filtered(campaign, [named.target], advanced(named.value), f"shifted by {-1e6 * named.value:.6g} us")
 
 
+@_takes_out("board-delay")
 def _board(campaign: Campaign, named: Named) -> Corrected:
     names = [campaign.table.names[k] for k in campaign.table.select(group=BOARDS[named.target])]
     if not names:
@@ -313,6 +314,7 @@ def _board(campaign: Campaign, named: Named) -> Corrected:
     return _filtered(campaign, names, advanced(named.value), f"shifted by {-1e6 * named.value:.6g} us")
 
 
+@_takes_out("force-highpass")
 def _highpass(campaign: Campaign, named: Named) -> Corrected:
     held, column = _held(campaign), campaign.table.names.index(named.target)
 
@@ -326,8 +328,12 @@ def _highpass(campaign: Campaign, named: Named) -> Corrected:
 def _by_equation(campaign: Campaign, named: Named) -> Corrected:
     """A family of the user's own."""
     names, held = campaign.table.names, _held(campaign)
-    changed, chosen = touched(named, names, np.array([100 * held, 1000 * held]))
-    if not changed:
+    lines = np.array([100 * held, 1000 * held])
+    # Which channels it changes, and which it needs to: these and those that leak in
+    change = np.abs(_matrix(named, names, lines) - np.eye(len(names))).max(axis=0) > 0
+    changed = np.flatnonzero(change.any(axis=1))
+    chosen = [int(k) for k in np.flatnonzero(change.any(axis=1) | change.any(axis=0))]
+    if not len(changed):
         raise _idle(named, "its equation changes no channel")
     made = _recorded(campaign, lambda one: filtered(one, chosen, inverse(named, names, chosen, held)))
     return Corrected(campaign=made, channels=tuple(names[k] for k in changed), did="the inverse of its equation")
@@ -344,13 +350,16 @@ def _filtered(campaign: Campaign, names: Sequence[str], response: Response, did:
     return Corrected(campaign=made, channels=tuple(names), did=did)
 
 
+@_takes_out("accelerometer-position")
 def _position(campaign: Campaign, named: Named) -> Corrected:
     shift = named.value * np.eye(3)[AXES.index(named.targets[1])]
     return _placed(campaign, named, lambda place: replace(place, position=place.position + shift), "its place")
 
 
+@_takes_out("accelerometer-misalignment")
 def _misalignment(campaign: Campaign, named: Named) -> Corrected:
-    turn = _rotation(named.value, np.eye(3)[AXES.index(named.targets[1])])
+    S = skew(np.eye(3)[AXES.index(named.targets[1])])
+    turn = np.eye(3) + np.sin(named.value) * S + (1 - np.cos(named.value)) * S @ S  # Rodrigues
     made = _placed(campaign, named, lambda place: replace(place, direction=turn @ place.direction), "its direction")
     pairs = zip(_channel(campaign, named).places, _channel(made.campaign, named).places, strict=True)
     if named.value and all(np.abs(a.direction - b.direction).max() < PARALLEL * abs(named.value) for a, b in pairs):
@@ -361,12 +370,6 @@ def _misalignment(campaign: Campaign, named: Named) -> Corrected:
 def _placed(campaign: Campaign, named: Named, change: Callable[[Place], Place], what: str) -> Corrected:
     made = _tabled(campaign, [named.target], lambda c: replace(c, places=tuple(map(change, c.places))))
     return Corrected(campaign=made, channels=(named.target,), did=f"{what} in the channel table is the true one")
-
-
-def _rotation(angle: float, axis: Array) -> Array:
-    """(3, 3) by `angle` [rad] about the unit vector `axis` (Rodrigues)."""
-    S = skew(axis)
-    return np.asarray(np.eye(3) + np.sin(angle) * S + (1 - np.cos(angle)) * S @ S)
 
 
 def _channel(campaign: Campaign, named: Named) -> Channel:
@@ -386,18 +389,78 @@ def _idle(named: Named, why: str) -> BadInput:
     return BadInput(source=named.id, problem=f"there is nothing to correct: {why}", remedy="Check the target")
 
 
-CORRECTIONS: Mapping[str, Callable[[Campaign, Named], Corrected]] = {
-    "force-gain": _gain,
-    "accelerometer-gain": _gain,
-    "load-path-shunt": _shunt,
-    "unit": _unit,
-    "polarity": _polarity,
-    "channel-swap": _swap,
-    "force-delay": _delay,
-    "accelerometer-delay": _delay,
-    "board-delay": _board,
-    "force-highpass": _highpass,
-    "accelerometer-position": _position,
-    "accelerometer-misalignment": _misalignment,
-}
-"""What can be taken out of a record, by family."""
+# Faults as they are typed, taken out one upon the other, and what that changed.
+
+
+EFFECT = "EFFECT"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChannelLevel:
+    """Root mean square of a channel over all runs, SI, before the first and after the last correction."""
+
+    name: str
+    rms_before: float
+    rms_after: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AppliedCorrection:
+    """A fault that was taken out, what was done, and to which channels."""
+
+    named: Named = entry("id", write=lambda named: named.id)
+    value: float | Mapping[str, float]
+    unit: str
+    did: str
+    channels: tuple[ChannelLevel, ...]
+
+
+def asked(text: str, campaign: Campaign) -> Named:
+    """The fault that `text` names, on a channel that the described `campaign` has.
+
+    Raises
+    ------
+    BadInput : see `validation.effects.catalogue.parse`; a fault that no record can be rid of.
+    """
+    names = campaign.table.names
+    accelerometers, forces = (
+        tuple(names[k] for k in campaign.table.select(quantity=quantity)) for quantity in ("acceleration", ("force", "moment"))
+    )
+    words = Vocabulary(accelerometers=accelerometers, forces=forces, places=None, parts=None)
+    named = parse(text, words, source=EFFECT)
+    if named.family == MISTAKEN_UNIT:
+        try:
+            float(text.partition("=")[2])
+        except ValueError:  # a word: what the record is in, where the table states another
+            channel = _channel(campaign, named)
+            stated = factor(channel.unit, channel.quantity, source=EFFECT, field=named.id)
+            named = replace(named, values={"": named.value * stated})
+    corrected(campaign, named)  # without recordings as yet: what cannot be done is said before they are read
+    return named
+
+
+def in_turn(campaign: Campaign, faults: Sequence[Named]) -> tuple[Campaign, tuple[AppliedCorrection, ...]]:
+    """`campaign` without all of `faults`, one taken out after the other, and what each of them was."""
+    steps, made = [], campaign
+    for named in faults:
+        steps.append(corrected(made, named))
+        made = steps[-1].campaign
+    levels = {
+        name: ChannelLevel(name=name, rms_before=_level(campaign, name), rms_after=_level(made, name))
+        for name in dict.fromkeys(name for step in steps for name in step.channels)
+    }
+    return made, tuple(
+        AppliedCorrection(
+            named=named,
+            value=named.value if set(named.values) <= {""} else dict(named.values),
+            unit=named.unit,
+            did=step.did,
+            channels=tuple(levels[name] for name in step.channels),
+        )
+        for named, step in zip(faults, steps, strict=True)
+    )
+
+
+def _level(campaign: Campaign, channel: str) -> float:
+    squares = [np.mean(np.abs(one.channel(channel)) ** 2) for one in campaign.recordings.values()]
+    return float(np.sqrt(np.mean(squares)))

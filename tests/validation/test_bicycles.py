@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from validation.classical.pendulum import meeting_point, unobservable
+from geometry.errors import BadInput
+from validation.classical.pendulum import PLANAR, meeting_point, tensor_from_axes
 
 BICYCLES = ["Browser", "Fisher", "Pista", "Yellow"]
 
@@ -45,8 +46,9 @@ def test_the_published_cog_is_the_mean_of_intersections_and_not_the_least_square
 def test_three_axes_in_the_plane_see_the_planar_tensor_and_two_do_not() -> None:
     angles = np.radians([0, 40, 100])
     axes = np.column_stack([np.cos(angles), 0 * angles, -np.sin(angles)])
-    assert unobservable(axes, ("xx", "zz", "xz")) == ()
-    assert set(unobservable(axes[:2], ("xx", "zz", "xz"))) <= {"xx", "zz", "xz"} != set()
+    assert set(tensor_from_axes(axes, [1.0, 1.1, 1.2], PLANAR)) == set(PLANAR)
+    with pytest.raises(BadInput, match="2 axes do not determine"):
+        tensor_from_axes(axes[:2], [1.0, 1.1], PLANAR)
 
 
 def test_the_example_prints_a_table_a_bicycle(example: ModuleType, data: Path) -> None:

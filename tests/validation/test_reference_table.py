@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from geometry.frames import Pose, rotation_about
 from geometry.inertia import Inertia
 from validation.reference import published
-from validation.reference.reference import MEASURED, PUBLISHED, ReferenceTable, held_against, route_statement, row, seen, verdict
+from validation.reference.reference import MEASURED, PUBLISHED, ReferenceTable, held_against, route_statement, row, verdict
 from validation.reference.statement import QUANTITIES, Row, Stated
 
 BODY = Inertia.from_cog(47.23, [0, 0, 0.6033], np.diag([20.144, 20.41, 2.289]))
@@ -96,7 +96,7 @@ def test_the_larger_tolerance_dominates() -> None:
 
 def test_the_deviations_do_not_depend_on_a_quarter_turn_of_the_frame() -> None:
     before = table("clumod-4")
-    after = seen(before, Pose(rotation=rotation_about("z", np.pi / 2)))
+    after = before.seen_from(Pose(rotation=rotation_about("z", np.pi / 2)))
     percent = [row(before, MEASURED, 5), row(after, MEASURED, 4)]
     assert_allclose(*[one.deviation_percent for one in percent if one is not None], rtol=1e-12)  # rounding
 

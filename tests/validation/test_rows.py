@@ -1,6 +1,8 @@
-"""A row's arithmetic, its verdict, and its two renderings."""
+"""A row's arithmetic, its verdict, its renderings, and pages as wide as the reader can see."""
 
+import io
 import json
+import sys
 
 import pytest
 from hypothesis import given
@@ -10,8 +12,10 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from validation.classical.files import Item, budget_table
-from validation.reference.statement import Row, rounded, rows_json, rows_table
+from validation.classical.files import Item
+from validation.output import PIPED_WIDTH, page_width, print_pages, to_json
+from validation.reference.statement import Row, add_figures, rounded, rows_table
+from validation.report.reference import budget_table
 
 CONTRACT = ["quantity", "value", "tolerance", "unit", "reference", "deviation_percent", "within", "dominated_by"]
 
@@ -53,13 +57,13 @@ def test_a_zero_reference_has_no_deviation_in_per_cent_but_still_a_verdict() -> 
 
 
 def test_json_carries_the_contract_first_and_is_strict_json() -> None:
-    (entry,) = rows_json([row()])
+    entry = to_json(row())
     assert list(entry)[:8] == CONTRACT
     assert json.loads(json.dumps(entry, allow_nan=False)) == entry
 
 
 def test_json_tells_a_row_that_agrees_from_one_that_was_compared_with_nothing() -> None:
-    entries = rows_json([row(tolerance=1.0), row(reference=None), row(reference=0.0)])
+    entries = to_json([row(tolerance=1.0), row(reference=None), row(reference=0.0)])
     assert [(entry["within"], entry["compared"]) for entry in entries] == [(True, True), (True, False), (False, True)]
 
 
@@ -81,10 +85,6 @@ def test_json_tells_a_row_that_agrees_from_one_that_was_compared_with_nothing() 
 )
 def test_a_value_is_printed_with_the_digits_its_tolerance_leaves_it(value: float, tolerance: float, text: str) -> None:
     assert rounded(value, tolerance) == text
-
-
-def test_the_table_has_one_line_a_row() -> None:
-    assert rows_table([row(), row(reference=None)]).row_count == 2
 
 
 def printed(table: Table, width: int) -> str:
@@ -151,8 +151,55 @@ def test_a_unit_is_spelt_for_programs_as_a_model_file_spells_it() -> None:
     """Effects, rows of measurements and facts of a comparison go into the same programs."""
     from validation.compare.compare import FactComparison
     from validation.effects.catalogue import FAMILIES
-    from validation.output import to_json
 
     (of_effect,) = {size.unit for size in FAMILIES["air-inertia"].sizes}
     fact = FactComparison(name="a period", unit="kg m²", predicted=1.0, measured=1.0, tolerance=0.1, sigma=0.0, nominal_sigma=0.0)
-    assert rows_json([moment()])[0]["unit"] == to_json(fact)["unit"] == of_effect == "kg m^2"
+    assert to_json(moment())["unit"] == to_json(fact)["unit"] == of_effect == "kg m^2"
+
+
+# Pages are as wide as the reader can see, cut no figure and end no line in spaces.
+
+
+MASS = Row(quantity="mass", value=47.4, tolerance=0.14, unit="kg", dominated_by="relative error of the balance that weighed it")
+
+
+@pytest.mark.parametrize(("columns", "width"), [("72", 72), ("", PIPED_WIDTH), ("0", PIPED_WIDTH), ("wide", PIPED_WIDTH)])
+@pytest.mark.usefixtures("capsys")
+def test_a_pipe_is_as_wide_as_columns_says(columns: str, width: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", columns)
+    assert page_width() == width
+
+
+@pytest.mark.parametrize("columns", ["20", "80", "200"])
+def test_words_wrap_figures_stay_whole_and_no_line_ends_in_spaces(
+    columns: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", columns)
+    print_pages([rows_table([MASS], "A [title]\nconstructed, not measured")])
+    page = capsys.readouterr().out
+    assert "47.40 ± 0.14" in page
+    assert "…" not in page
+    assert max(map(len, page.splitlines())) <= max(80, int(columns))
+    assert all(line == line.rstrip() for line in page.splitlines())
+
+
+def test_a_column_of_figures_is_never_narrower_than_its_figures(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "20")
+    table = Table()
+    for _ in range(6):
+        add_figures(table, "deviation\n/ tolerance", ["-0.00440876", "0.1"])
+    table.add_row(*["-0.00440876"] * 6)
+    print_pages([table])
+    assert capsys.readouterr().out.count("-0.00440876") == 6
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "utf-8"])
+def test_the_line_under_the_title_stands_alone_in_any_encoding(encoding: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    written = io.BytesIO()
+    out = io.TextIOWrapper(written, encoding=encoding, errors="replace")
+    monkeypatch.setattr(sys, "stdout", out)
+    print_pages([rows_table([MASS], "Weighed\nconstructed, not measured")])
+    out.flush()
+    assert "constructed, not measured" in written.getvalue().decode("utf-8").splitlines()  # click takes an ASCII stream for UTF-8

@@ -1,5 +1,8 @@
 """The whole chain: exudyn swings, a recorder samples, and the reduction of measured pendulums reads what it wrote."""
 
+import json
+import re
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -8,6 +11,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fem.exudyn import rope_pendulum
+from fem.exudyn.rope_pendulum import Watch
 from geometry.errors import BadInput
 from geometry.inertia import Inertia
 from validation.classical import pendulum as classical_pendulum
@@ -19,12 +24,18 @@ from validation.classical.swing import (
     SMALL,
     Record,
     Setup,
+    Words,
     recorded,
     require_recordable,
+    setup,
     simulated,
     suspended,
     write,
 )
+from validation.reference.reference import ArticleOptions
+from validation.report.charts.static import said_about
+from validation.report.scenes import pendulum as drawn
+from validation.report.scenes import scene
 
 # the article of physics.md: three ropes of 2 m at s = 0.3 m
 BODY = Inertia.from_cog(47.23, np.zeros(3), np.diag([5.0, 6.0, 2.289]))
@@ -153,22 +164,195 @@ def test_the_heaviest_damping_that_is_let_in_is_found_again_in_a_clean_record(cy
     assert_allclose(from_signal(t, y, "clean").damping_ratio.nominal_value, zeta, rtol=1e-6)
 
 
+# `massline swing`: what it prints, what it writes, and how it refuses.
+
+
+Run = Callable[..., tuple[int, str, str]]
+SHORT = ("--cycles", "4", "--rate", "25")
+
+
+def test_it_prints_the_period_every_effect_and_the_inertia(run: Run) -> None:
+    code, out, _ = run("swing", "cuboid", "--radius", "0.1 m", "--damping", "1 %", "--off-centre", "1 mm, 1 mm", *SHORT)
+    assert code == 0
+    for words in ("by Eq. 5", "effect alone", "amplitude", "damping", "off-centre", "all together", "with corrections", "let go"):
+        assert words in out
+
+
+def test_json_holds_what_the_page_does_in_units_that_keys_name(run: Run) -> None:
+    code, out, _ = run("swing", "clumod-4", "--axis", "x", "--s1", "0.55 m", "--s2", "0.9 m", "--json", *SHORT)
+    found = json.loads(out)
+    assert code == 0
+    assert found["ropes"] == 2
+    assert set(found["period_shift_percent"]) == {"amplitude", "all"}
+    reference = found["moi_kgm2"]["reference"]
+    assert_allclose(reference, 20.144, rtol=1e-3)  # about x; Table 1
+    assert_allclose(100 * (found["moi_kgm2"]["eq5"] / reference - 1), found["moi_error_percent"]["eq5"], rtol=1e-9)
+    assert abs(found["moi_error_percent"]["corrected"]) < 0.02
+    assert found["settings"]["solver"] == "exudyn"
+    assert found["files"] == []
+
+
+def test_what_it_writes_goes_through_massline_pendulum(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(drawn, "draw", lambda *_, **__: [])
+    code, out, err = run("swing", "cuboid", "--radius", "0.1 m", "--out", "there", "--json", "--noise", "1 mrad", *SHORT)
+    assert code == 0
+    assert "massline pendulum there/pendulum.toml" in err
+    told = json.loads(out)
+    assert told["files"] == ["there/record.csv", "there/pendulum.toml"]
+    code, out, _ = run("pendulum", "there/pendulum.toml", "--json")
+    reduced = json.loads(out)
+    assert code == 0
+    assert_allclose(reduced["rows"][0]["value"], told["moi_kgm2"]["corrected"], rtol=1e-12)
+    assert "simulated by exudyn" in reduced["origin"]
+
+
 @pytest.mark.parametrize(
-    ("setup", "words"),
+    ("words", "said"),
     [
-        (pendulum(seed=-1), "seed.*negative"),
-        (pendulum(cycles=1001.0), "cycles.*at most 1000"),
-        (pendulum(rate=1e6), "rate.*samples, more than"),
-        (pendulum(stiffness=1000.0), "stiffness.*stretch by 15.4 %.*Use an EA of 1.56e"),
-        (pendulum(rope_mass=50.0), "rope_mass.*heavier"),
-        (pendulum(cycles=2.0), "cycles.*at least 3"),
-        (pendulum(rate=2.0), "samples a cycle, 5 are needed.*Record at 3 Hz"),
-        (pendulum(noise=-1.0), "noise.*negative"),
-        (pendulum(amplitude=3.2), "cross or lie flat"),
-        (pendulum((0.3, 1.2), amplitude=2.0), "cross or lie flat"),
-        (pendulum(off=(-0.2, 0.0)), "would have to push"),
+        (("--length", "1e9 m"), "--length: ropes of 1e+09 m are longer"),
+        (("--links", "1000", "--rope-mass", "0.3 kg"), "--links: at most 20"),
+        (("--cycles", "1e6"), "--cycles: at most 1000"),
+        (("--cycles", "nan"), "--cycles: at least 3"),
+        (("--rate", "1e9"), "--rate: 1e+09 Hz over 20 cycles"),
+        (("--step", "1e-9 s"), "--step: "),
+        (("--rope-mass", "1e-9 kg"), "--links: "),
+        (("--damping", "50 %"), "--damping: a twist damped by 0.5 has"),
+        (("--rope-mass", "1000 kg"), "--rope-mass: ropes of 1000 kg are heavier than the body"),
+        (("--unequal", "-3 m"), "--unequal: ropes of 2 m whose feet are 0.52 m apart cannot be 3 m unequal"),
+        (("--unequal", "1.5 m"), "--unequal: ropes of 2 m"),
+        (("--unequal", "0.4 m"), "--unequal: rope 1 would have to push"),
+        (("--noise", "-1 mrad"), "--noise: it must be finite and not negative"),
+        (("--s1", "0.3 m", "--s2", "1.2 m", "--amplitude", "2 rad"), "cross or lie flat"),
+        (("--seed", "-1"), "--seed: it must not be negative"),
+        (("--rope-stiffness", "100 N"), "--rope-stiffness: a rope would stretch by"),
+        (("--length", "-2 m"), "--length: it must be positive"),
+        (("--length", "2 kg"), "--length: 'kg' is"),
+        (("--off-centre", "-0.2 m"), "--off-centre: the CoG is not between the ropes"),
+        (("--off-centre", "1 mm, 2 mm, 3 mm"), "--off-centre: one length or two"),
+        (("--amplitude", "200 deg"), "--amplitude: ropes cannot swing"),
+        (("--damping", "1.5"), "--damping: it must be from 0"),
+        (("--rope-stiffness", "0 N"), "--rope-stiffness: it must be positive"),
+        (("--rope-mass", "-1 kg"), "--rope-mass: it cannot be negative"),
+        (("--links", "4"), "--links: ropes of 0 kg"),
+        (("--cycles", "2"), "--cycles: at least 3"),
+        (("--rate", "1"), "--rate: 1 Hz is"),
+        (("--step", "1 s"), "--step: 1 s is too coarse"),
+        (("--axis", "w"), "--axis: x, y or z"),
+        (("--along", "z"), "--along: z is upright"),
+        (("--ropes", "4"), "--ropes: 4 ropes do not go with no sizes"),
+        (("--ropes", "3", "--s1", "0.3 m", "--s2", "0.3 m"), "--ropes: 3 ropes do not go with --s1 and --s2"),
+        (("--s1", "0.3 m"), "--ropes: 2 ropes do not go with --s1"),
+        (("--ropes", "2", "--radius", "0.3 m", "--height", "-10 mm"), "--height: on two ropes"),
+        (("--gravity", "0 m/s^2"), "--gravity: it must be positive"),
+        (("--material", "steel"), "--material"),
+        (("--out", "/dev/null"), "--out: /dev/null cannot be written: Not a directory"),
+        (("--out", "../nowhere/deep"), "--out: ../nowhere/deep cannot be written"),
     ],
 )
-def test_what_cannot_be_recorded_is_refused(setup: Setup, words: str) -> None:
-    with pytest.raises(BadInput, match=words):
-        recorded(setup)
+def test_what_cannot_be_is_refused_by_the_option_that_asked_for_it(run: Run, words: tuple[str, ...], said: str) -> None:
+    code, out, err = run("swing", "cuboid", *words)
+    assert (code, out) == (2, "")
+    assert said in err
+
+
+@pytest.mark.parametrize("option", ["--plot", "--animate"])
+def test_pictures_that_could_not_be_written_are_refused_before_anything_swings(run: Run, option: str) -> None:
+    Path("out").write_text("not a folder")
+    code, _, err = run("swing", "cuboid", option)
+    assert code == 2
+    assert f"{option}: out cannot be written" in err
+
+
+def test_a_record_in_which_noise_drowns_the_swing_is_refused_as_any_record_would_be(run: Run) -> None:
+    code, _, err = run("swing", "cuboid", "--radius", "0.1 m", "--amplitude", "1 mrad", "--noise", "1 mrad", *SHORT)
+    assert code == 2
+    assert "--noise: its record cannot be reduced: no decaying sinusoid" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "unit"),
+    [
+        (("--damping", "50 %"), ""),
+        (("--rope-mass", "1000 kg"), "kg"),
+        (("--unequal", "-3 m"), "m"),
+        (("--rope-stiffness", "100 N"), "N"),
+        (("--length", "1e9 m"), "m"),
+        (("--rate", "1e9"), ""),
+        (("--step", "1e-9 s"), "s"),
+        (("--cycles", "1e6"), ""),
+        (("--links", "1000", "--rope-mass", "0.3 kg"), ""),
+    ],
+    ids=lambda given: given[0] if isinstance(given, tuple) else "",
+)
+def test_what_a_refusal_advises_passes_the_door(
+    run: Run, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], unit: str
+) -> None:
+    def passed(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(rope_pendulum, "build", passed)
+    _, _, err = run("swing", "clumod-4", *words)
+    advice = re.search(r"(?:[Uu]se an EA of|[Uu]se|[Rr]ecord(?: at)?|[Gg]ive(?: well below)?) (\d[\d.e+-]*)", err)
+    assert advice is not None, err
+    code, _, err = run("swing", "clumod-4", words[0], f"{float(advice[1]):g} {unit}".strip(), *words[2:])
+    assert code == 130, err
+
+
+def test_ctrl_c_leaves_no_file(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(self: Watch, system: object, time: float) -> bool:
+        self.stopped = KeyboardInterrupt()
+        return False
+
+    monkeypatch.setattr(Watch, "__call__", interrupted)
+    code, _, err = run("swing", "cuboid", "--out", "there")
+    assert code == 130
+    assert "interrupted" in err
+    assert not Path("there").exists()
+
+
+def test_the_picture_and_the_animation_show_the_pendulum_moving(
+    run: Run, renderer: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import numpy as np
+    from PIL import Image
+
+    monkeypatch.setattr(drawn, "FRAMES_A_SECOND", 3)
+    monkeypatch.setattr(scene, "SUPERSAMPLING", 1)  # a quarter of the pixels
+    code, _, err = run("swing", "cuboid", "--radius", "0.1 m", "--amplitude", "30 deg", "--animate", "--out", "there", *SHORT)
+    assert code == 0
+    assert "wrote there/swing-cuboid-z.gif" in err
+    with Image.open("there/swing-cuboid-z.gif") as moving:
+        frames = []
+        for k in range(moving.n_frames):
+            moving.seek(k)
+            frames.append(np.asarray(moving.convert("L"), dtype=float))
+    assert len(frames) >= 4
+    shown = [frame[84:644] for frame in frames]
+    changed = [np.mean(np.abs(frame - shown[0]) > 20) for frame in shown[1:]]
+    assert max(changed) > 2e-3  # the edges of the block move
+    assert all(np.mean(frame < 200) > 0.01 for frame in shown)
+    with Image.open("there/swing-cuboid-z.png") as still:
+        assert still.size == (620, 854)
+    assert said_about(Path("there/swing-cuboid-z.png")) == ""
+
+
+def test_a_clean_record_raises_no_alarm_and_a_large_dying_swing_says_what_is_left(run: Run) -> None:
+    _, clean, _ = run("swing", "cuboid", "--radius", "0.1 m", *SHORT)
+    assert "leaves over" not in clean
+    _, dying, _ = run("swing", "cuboid", "--radius", "0.1 m", "--amplitude", "1 rad", "--damping", "3 %", *SHORT)
+    assert "% of the swing" in dying
+    assert "changes with the amplitude" in " ".join(dying.split())
+
+
+def test_ropes_through_the_article_are_said_with_the_height_that_clears_it() -> None:
+    def said(*, height: str) -> str:
+        texts = {"length": "2 m", "amplitude": "0.1 rad", "height": height}
+        recorder = {"off_centre": None, "links": None, "start": "twist", "cycles": 3.0, "rate": 25.0, "seed": 0}
+        test = setup("clumod-4", Words(texts=texts, ropes=3, axis="z", along=None, **recorder), ArticleOptions())
+        return drawn.in_the_way(test, ArticleOptions())
+
+    sentence = said(height="100 mm")
+    assert "ropes may pass through it" in sentence
+    clears = re.search(r'--height "(\d+ mm)"', sentence)
+    assert said(height=clears[1]) == ""
+    assert said(height=f"{int(clears[1][:-3]) - 20} mm") != ""

@@ -4,16 +4,17 @@ import csv
 import io
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from geometry.inertia import Inertia
+from validation.output import to_json
 from validation.reference import published
 from validation.reference.reference import ReferenceTable, route_statement
 from validation.reference.statement import QUANTITIES
 from validation.report import document as report_document
-from validation.report import reference
 
 BODY = Inertia.from_cog(32.95, [0, 0, 0.2706], np.diag([6.42, 6.00, 0.77]))
 
@@ -184,7 +185,7 @@ def test_latex_spells_out_what_it_would_read_or_set_otherwise(plain: str, spelle
 
 
 def test_json_keeps_the_contract_and_says_null_for_what_nobody_states() -> None:
-    value = json.loads(json.dumps(reference.render(table()), allow_nan=False))
+    value = json.loads(json.dumps(to_json(table()), allow_nan=False))
     assert set(value) >= {"routes", "published", "measured", "agree"}
     assert value["measured"] is None
     assert value["published"]["mass_kg"] == 32.95
@@ -193,3 +194,15 @@ def test_json_keeps_the_contract_and_says_null_for_what_nobody_states() -> None:
     assert value["published"]["poi_cog_kgm2"] == [None] * 3
     assert value["routes"]["occ"]["about"] == "cog"
     assert len(value["verdict"]) == len(QUANTITIES)
+
+
+# docs/reference-tables.md shows the tables that the program renders from the published data, to the letter.
+
+
+@pytest.mark.parametrize(("number", "article"), [(1, "clumod-4"), (2, "clumod-1")])
+def test_the_page_shows_the_table_that_the_data_gives(root: Path, number: int, article: str) -> None:
+    page = (root / "docs" / "reference-tables.md").read_text(encoding="utf-8")
+    shown = re.search(rf"<!-- table {number} -->\n(.*?)<!-- end -->", page, re.DOTALL)
+    said = published.published(article)
+    given = ReferenceTable(article=article, columns=said.statements, footnotes=said.footnotes)
+    assert shown.group(1).strip() == report_document.markdown_render(given).strip()

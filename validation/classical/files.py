@@ -5,16 +5,16 @@
     title = "..."                # a sentence, printed above the results
     origin = "..."               # where the numbers come from; printed with every result
 
-What else a file holds depends on its kind; `validation.classical.weigh`, `validation.classical.weigh`,
-`validation.classical.pendulum` and
-`validation.classical.files` say so. A key that a kind does not know is refused by name, since a misspelt tolerance is a lost one.
+What else a file holds depends on its kind; `validation.classical.weigh`, `validation.classical.pendulum` and this file say so.
+A key that a kind does not know is refused by name, since a misspelt tolerance is a lost one.
 """
 
 from __future__ import annotations
 
 import math
+import tomllib
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
@@ -24,11 +24,10 @@ from typing import TYPE_CHECKING, Any
 from geometry import toml_file
 from geometry.errors import BadInput
 from geometry.toml_file import doubtful_at_first_order, exact, nearest, quantity, tagged
-from validation.reference.statement import MIN_WORDS, Row, headline, rounded, rows_json, rows_table
+from validation.output import derived, entry, unwritten
+from validation.reference.statement import Row
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
-    from rich.table import Table
     from uncertainties import UFloat
 
 
@@ -151,7 +150,14 @@ def read(name: str, kinds: tuple[str, ...]) -> Fields:
     ------
     BadInput : no such file, a folder, not TOML, another format number or another kind.
     """
-    fields = Fields(source=name, place="", table=_table(name, kinds))
+    bare = name.removesuffix(".toml")
+    if bare in shipped() and not Path(name).is_file():
+        table = _shipped()[bare]
+    else:
+        known = shipped(kinds)
+        remedy = f"{toml_file.nearest(name, known)}Shipped with massline are {', '.join(known)}"
+        table = toml_file.read(name, remedy=remedy)
+    fields = Fields(source=name, place="", table=table)
     toml_file.require_format(fields.table, name)
     kind = fields.choice("kind", KINDS)
     if kind not in kinds:
@@ -163,23 +169,15 @@ def read(name: str, kinds: tuple[str, ...]) -> Fields:
 
 def shipped(kinds: tuple[str, ...] = KINDS) -> tuple[str, ...]:
     """Names of the measurement files of `kinds` that come with massline."""
-    return tuple(sorted(name for name, kind in _shipped_kinds().items() if kind in kinds))
+    return tuple(sorted(name for name, table in _shipped().items() if table["kind"] in kinds))
 
 
 @cache
-def _shipped_kinds() -> dict[str, str]:
-    """Kind by name of everything published that has one; what has none (a table, a result file) is no measurement file."""
-    names = [entry.name for entry in files("validation.reference").joinpath("in_print").iterdir() if entry.name.endswith(".toml")]
-    tables = {name.removesuffix(".toml"): toml_file.shipped("validation.reference", "in_print", name) for name in names}
-    return {name: table["kind"] for name, table in tables.items() if "kind" in table}
-
-
-def _table(name: str, kinds: tuple[str, ...]) -> dict[str, Any]:
-    bare = name.removesuffix(".toml")
-    if bare in shipped() and not Path(name).is_file():
-        return toml_file.shipped("validation.reference", "in_print", f"{bare}.toml")
-    known = shipped(kinds)
-    return toml_file.read(name, remedy=f"{toml_file.nearest(name, known)}Shipped with massline are {', '.join(known)}")
+def _shipped() -> dict[str, dict[str, Any]]:
+    """By name everything published that has a kind; what has none (a table, a result file) is no measurement file."""
+    entries = [entry for entry in files("validation.reference").joinpath("in_print").iterdir() if entry.name.endswith(".toml")]
+    tables = {entry.name.removesuffix(".toml"): tomllib.loads(entry.read_text(encoding="utf-8")) for entry in entries}
+    return {name: table for name, table in tables.items() if "kind" in table}
 
 
 # The tolerance of a result, itemised: what each input contributes, and which one dominates.
@@ -197,10 +195,10 @@ class Item:
     share : of the result's variance, 0 to 1
     """
 
-    name: str
-    value: float
-    tolerance: float
-    contribution: float
+    name: str = entry("input")
+    value: float = entry("value_si")
+    tolerance: float = entry("tolerance_si")
+    contribution: float = entry("contribution_si")
     share: float
 
 
@@ -210,7 +208,12 @@ def itemised(result: UFloat) -> tuple[Item, ...]:
     for variable, part in result.error_components().items():
         parts[variable.tag or "unnamed"].append((variable, part))
     variance = sum(part**2 for named in parts.values() for _, part in named)
-    items = [_item(name, named, variance) for name, named in parts.items()]
+    items = []
+    for name, named in parts.items():
+        first, contribution = named[0][0], math.sqrt(sum(part**2 for _, part in named))
+        share = contribution**2 / variance if variance else 0.0
+        item = Item(name=name, value=first.nominal_value, tolerance=first.std_dev, contribution=contribution, share=share)
+        items.append(item)
     return tuple(sorted((item for item in items if item.contribution > 0), key=lambda item: -item.contribution))
 
 
@@ -218,29 +221,6 @@ def dominating(result: UFloat) -> str:
     """Name of the input with the largest share; empty when `result` is exact."""
     items = itemised(result)
     return items[0].name if items else ""
-
-
-def budget_table(items: Sequence[Item], title: str, unit: str, factor: float) -> Table:
-    """`items` as a table to print; contributions in `unit`, which is SI times `factor`."""
-    from rich import box
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table(title=headline(title), title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-    table.add_column("input", min_width=MIN_WORDS)
-    for heading in ("value (SI)", "tolerance (SI)", f"contributes\n[{unit}]", "share of variance"):
-        table.add_column(Text(heading), justify="right")
-    for item in items:
-        shown = (rounded(item.value, item.tolerance), f"{item.tolerance:.3g}", f"{factor * item.contribution:.2g}")
-        table.add_row(Text(item.name), *shown, f"{100 * item.share:.1f} %")
-    return table
-
-
-def _item(name: str, named: list[tuple[Any, float]], variance: float) -> Item:
-    contribution = math.sqrt(sum(part**2 for _, part in named))
-    first = named[0][0]
-    share = contribution**2 / variance if variance else 0.0
-    return Item(name=name, value=first.nominal_value, tolerance=first.std_dev, contribution=contribution, share=share)
 
 
 # `Reduction`: what a measurement file comes down to, as rows, as budgets, on paper and as JSON.
@@ -264,8 +244,6 @@ QUANTITIES = {
 SMALL_SHARE = 0.01
 """Share of the variance below which an input cannot spoil a result, however wide its own tolerance."""
 
-LEVEL = "Tolerances: one level for all inputs, independent, combined in quadrature to first order."
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Reduction:
@@ -280,47 +258,53 @@ class Reduction:
     notes : what the user should know, sentences
     terms : key -> {correction: relative change that it makes to the result}
     assumed : whether the tolerances are assumed rather than stated by whoever measured
+    reference : by the same keys what the results are held against, SI
     """
 
-    title: str
-    origin: str
     article: str
-    results: Mapping[str, UFloat]
-    notes: tuple[str, ...] = ()
-    terms: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    assumed: bool = False
-
-    def rows(self, reference: Mapping[str, UFloat] | None = None) -> list[Row]:
-        """One row a result, beside `reference` (same keys, SI) where it has one."""
-        return [_row(key, value, (reference or {}).get(key)) for key, value in self.results.items()]
-
-    def json(self, reference: Mapping[str, UFloat] | None = None) -> dict[str, Any]:
-        """The object of the output contract, with the budgets and notes beside the rows."""
-        budgets = {}
-        for key, value in self.results.items():
-            # `itemised(value)` for machine reading; contributions in the unit of the result, in SI
-            budgets[QUANTITIES[key][0]] = [
-                {
-                    "input": i.name,
-                    "value_si": i.value,
-                    "tolerance_si": i.tolerance,
-                    "contribution_si": i.contribution,
-                    "share": i.share,
-                }
-                for i in itemised(value)
-            ]
-        terms = {QUANTITIES[key][0]: {name: 100 * part for name, part in parts.items()} for key, parts in self.terms.items()}
-        return {
-            "rows": rows_json(self.rows(reference)),
-            "article": self.article,
-            "origin": self.origin,
-            "tolerances": "assumed" if self.assumed else "stated",
-            "budget": budgets,
-            "corrections_percent": terms,
-            "notes": list(self.all_notes),
-        }
+    origin: str
+    title: str = unwritten()
+    results: Mapping[str, UFloat] = unwritten()
+    notes: tuple[str, ...] = unwritten(default=())
+    terms: Mapping[str, Mapping[str, float]] = unwritten(default_factory=dict)
+    assumed: bool = entry("tolerances", write=lambda assumed: "assumed" if assumed else "stated", default=False)
+    reference: Mapping[str, UFloat] = unwritten(default_factory=dict)
 
     @property
+    @derived("rows", before="article")
+    def rows(self) -> list[Row]:
+        """One row a result, beside its reference where it has one."""
+        made = []
+        for key, value in self.results.items():
+            words, unit, factor = QUANTITIES[key]
+            known = self.reference.get(key)
+            made.append(
+                Row(
+                    quantity=words,
+                    value=factor * value.nominal_value,
+                    tolerance=factor * value.std_dev,
+                    unit=unit,
+                    reference=None if known is None else factor * known.nominal_value,
+                    reference_tolerance=None if known is None else factor * known.std_dev or None,
+                    dominated_by=dominating(value),
+                )
+            )
+        return made
+
+    @property
+    @derived("budget")
+    def budgets(self) -> dict[str, tuple[Item, ...]]:
+        """By the words of a result, what makes its tolerance."""
+        return {QUANTITIES[key][0]: itemised(value) for key, value in self.results.items()}
+
+    @property
+    @derived("corrections_percent")
+    def corrections_percent(self) -> dict[str, dict[str, float]]:
+        """By the words of a result, what every correction makes of it."""
+        return {QUANTITIES[key][0]: {name: 100 * part for name, part in parts.items()} for key, parts in self.terms.items()}
+
+    @property
+    @derived("notes")
     def all_notes(self) -> tuple[str, ...]:
         """The notes, one for every input that matters and whose tolerance is too large for first order, and `impossible`."""
         items = [item for value in self.results.values() for item in itemised(value) if item.share > SMALL_SHARE]
@@ -338,32 +322,6 @@ class Reduction:
         if excess.nominal_value <= excess.std_dev:
             return ""
         return f"No body has these moments: the largest exceeds the sum of the others by {excess.nominal_value:.3g} kg m²."
-
-    def pages(self, reference: Mapping[str, UFloat] | None = None) -> Iterator[RenderableType]:
-        """What a person reads: the rows, the budgets, the corrections, the notes."""
-        assumed = "; tolerances ASSUMED" if self.assumed else ""
-        yield rows_table(self.rows(reference), f"{self.title}\n{self.origin}{assumed}")
-        for key, value in self.results.items():
-            words, unit, factor = QUANTITIES[key]
-            if itemised(value) and not self.assumed:
-                yield budget_table(itemised(value), f"Tolerance of {words}", unit, factor)
-        for key, parts in self.terms.items():
-            shown = ", ".join(f"{name} {100 * part:+.3f} %" for name, part in parts.items())
-            yield f"Corrections in {QUANTITIES[key][0]}: {shown or 'none'}"
-        yield from (LEVEL, *self.all_notes)
-
-
-def _row(key: str, value: UFloat, reference: UFloat | None) -> Row:
-    words, unit, factor = QUANTITIES[key]
-    return Row(
-        quantity=words,
-        value=factor * value.nominal_value,
-        tolerance=factor * value.std_dev,
-        unit=unit,
-        reference=None if reference is None else factor * reference.nominal_value,
-        reference_tolerance=None if reference is None else factor * reference.std_dev or None,
-        dominated_by=dominating(value),
-    )
 
 
 # Published results as such: what somebody printed, when the readings behind it are not known.
@@ -393,9 +351,7 @@ def reduce(file: Fields, keys: tuple[str, ...] = _PUBLISHABLE) -> Reduction:
     results = {}
     for key in _PUBLISHABLE:
         if key in file.table and key in keys:
-            fields = file.inner(key)
-            dimension = _DIMENSIONS[QUANTITIES[key][1]]
-            value = fields.only(("value",)).quantity("value", dimension)
+            value = file.inner(key).only(("value",)).quantity("value", _DIMENSIONS[QUANTITIES[key][1]])
             results[key] = tagged(value.nominal_value, value.std_dev, "assumed tolerance" if assumed else "stated tolerance")
     if not results:
         raise BadInput(

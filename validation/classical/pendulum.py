@@ -17,7 +17,7 @@ Both hold for rope feet in one horizontal plane; its height does not matter. The
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import combinations
 from pathlib import Path
@@ -105,16 +105,21 @@ def tensor_from_axes(
     ------
     BadInput : the axes cannot see all `components`; the message names those that are not observable.
     """
-    directions = np.array([_unit(axis) for axis in np.asarray(axes)])
-    A = np.array([[_weight(n, entry) for entry in components] for n in directions])
-    _require_observable(_nominal(A), components, source)
-    return dict(zip(components, _least_squares(A, np.array(moments, dtype=object)), strict=True))
-
-
-def unobservable(axes: npt.ArrayLike, components: Sequence[str] = SIX) -> tuple[str, ...]:
-    """Those of `components` that moments about `axes` (n, 3) do not determine."""
-    directions = np.array([_unit(axis) for axis in np.asarray(axes)])
-    return _unseen(_nominal(np.array([[_weight(n, entry) for entry in components] for n in directions])), components)
+    A = _weights(axes, components)
+    A0, b, b0 = _nominal(A), np.array(moments, dtype=object), _nominal(moments)
+    if unseen := _unseen(A0, components):
+        raise BadInput(
+            source=source,
+            field="axes",
+            problem=f"{len(A)} axes do not determine {', '.join('I' + name for name in unseen)} of the {len(components)} entries",
+            remedy="Swing about further axes, not in one plane with these, or state the symmetry with `components`",
+        )
+    # Least squares, linearised exactly in the tolerances of both `A` and `b`
+    inverse = np.linalg.pinv(A0)
+    x0 = inverse @ b0
+    r0 = b0 - A0 @ x0
+    x = x0 + inverse @ (b - A @ x0 - r0) + np.linalg.inv(A0.T @ A0) @ ((A - A0).T @ r0)
+    return dict(zip(components, x, strict=True))
 
 
 def meeting_point(normals: npt.ArrayLike, offsets: Sequence[UFloat], source: str = "plumb lines") -> tuple[UFloat, UFloat]:
@@ -136,19 +141,26 @@ def meeting_point(normals: npt.ArrayLike, offsets: Sequence[UFloat], source: str
     if len(lines) < 2:
         problem = f"at least two plumb lines must cross, found {len(lines)}"
         raise BadInput(source=source, field="orientations", problem=problem, remedy="Hang the body in another orientation too")
-    corners = [_intersection(one, other, source) for one, other in combinations(lines, 2)]
+    corners = []
+    for (n, c), (m, d) in combinations(lines, 2):
+        determinant = n[0] * m[1] - n[1] * m[0]
+        if abs(_number(determinant)) < PARALLEL:
+            problem = "two plumb lines are parallel within 0.06 deg"
+            remedy = "Hang the body in a clearly different orientation"
+            raise BadInput(source=source, field="orientations", problem=problem, remedy=remedy)
+        corners.append(((c * m[1] - d * n[1]) / determinant, (n[0] * d - m[0] * c) / determinant))
     x, z = (sum(corner[i] for corner in corners) / len(corners) for i in (0, 1))
     return x, z
 
 
-def _unit(axis: Any) -> Any:
-    length = sum(component**2 for component in axis) ** 0.5
-    return np.array([component / length for component in axis])
-
-
-def _weight(n: Any, entry: str) -> Any:
-    i, j = ("xyz".index(letter) for letter in entry)
-    return n[i] * n[j] * (1 if i == j else 2)
+def _weights(axes: npt.ArrayLike, components: Sequence[str]) -> Any:
+    """What a moment about each of `axes` has of each of the `components`, (n, k)."""
+    rows = []
+    for axis in np.asarray(axes):
+        length = sum(component**2 for component in axis) ** 0.5
+        n = dict(zip("xyz", (component / length for component in axis), strict=True))
+        rows.append([n[two[0]] * n[two[1]] * (1 if two[0] == two[1] else 2) for two in components])
+    return np.array(rows)
 
 
 def _nominal(values: Any) -> Array:
@@ -160,42 +172,10 @@ def _number(value: Any) -> float:
     return float(getattr(value, "nominal_value", value))
 
 
-def _least_squares(A: Any, b: Any) -> Any:
-    """Solution of ``A x = b`` by least squares, linearised exactly in the tolerances of both `A` and `b`."""
-    A0, b0 = _nominal(A), _nominal(b)
-    inverse = np.linalg.pinv(A0)
-    x0 = inverse @ b0
-    r0 = b0 - A0 @ x0
-    return x0 + inverse @ (b - A @ x0 - r0) + np.linalg.inv(A0.T @ A0) @ ((A - A0).T @ r0)
-
-
 def _unseen(A: Array, components: Sequence[str]) -> tuple[str, ...]:
     _, singular, V = np.linalg.svd(A, full_matrices=True)
-    rank = int(np.sum(singular > UNSEEN * singular[0]))
-    null = V[rank:]
+    null = V[int(np.sum(singular > UNSEEN * singular[0])) :]
     return tuple(name for name, column in zip(components, null.T, strict=True) if np.any(np.abs(column) > UNSEEN))
-
-
-def _require_observable(A: Array, components: Sequence[str], source: str) -> None:
-    unseen = _unseen(A, components)
-    if unseen:
-        raise BadInput(
-            source=source,
-            field="axes",
-            problem=f"{len(A)} axes do not determine {', '.join('I' + name for name in unseen)} of the {len(components)} entries",
-            remedy="Swing about further axes, not in one plane with these, or state the symmetry with `components`",
-        )
-
-
-def _intersection(one: Any, other: Any, source: str) -> tuple[UFloat, UFloat]:
-    (n, c), (m, d) = one, other
-    determinant = n[0] * m[1] - n[1] * m[0]
-    if abs(_number(determinant)) < PARALLEL:
-        problem = "two plumb lines are parallel within 0.06 deg"
-        raise BadInput(
-            source=source, field="orientations", problem=problem, remedy="Hang the body in a clearly different orientation"
-        )
-    return (c * m[1] - d * n[1]) / determinant, (n[0] * d - m[0] * c) / determinant
 
 
 # What Eq. 5 and its sisters leave out, as named terms that can be switched one by one.
@@ -228,15 +208,6 @@ TERMS = ("amplitude", "damping", "rope-mass")
 
 QUADRATURE_POINTS = 64
 """Midpoints of the quarter swing; the integrand is smooth and periodic, so the error falls exponentially (1e-15 below 2 rad)."""
-
-
-def require_terms(names: tuple[str, ...]) -> tuple[str, ...]:
-    """`names` unchanged; BadInput when one of them is not in `TERMS`."""
-    for name in names:
-        if name not in TERMS:
-            problem = f"no correction is called {name!r}"
-            raise BadInput(source="--without", problem=problem, remedy=f"Known are {', '.join(TERMS)}")
-    return names
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -284,17 +255,12 @@ class RopeSwing:
         lengths = {"gravity": self.gravity, "s1": self.s1, "s2": self.s2, "length": self.length}
         total = rope_pendulum(mass=hanging, period=period, **lengths)
         if terms.amplitude is not None:
-            total = self._small_amplitude(total, terms.amplitude)
+            # The factor needs the inertia that it corrects: a fixed point, each step a thousand times closer than the last.
+            epsilon, swung = self.s1 * self.s2 / self.length**2, total
+            for _ in range(5):
+                kappa = self.mass * self.s1 * self.s2 / total
+                total = swung / wrap(rope_amplitude_factor)(terms.amplitude, epsilon, kappa) ** 2
         return total - ropes * radius_square / 3
-
-    def _small_amplitude(self, inertia: UFloat, amplitude: UFloat) -> UFloat:
-        # The factor needs the inertia that it corrects: a fixed point, each step a thousand times closer than the last.
-        epsilon = self.s1 * self.s2 / self.length**2
-        corrected = inertia
-        for _ in range(5):
-            kappa = self.mass * self.s1 * self.s2 / corrected
-            corrected = inertia / wrap(rope_amplitude_factor)(amplitude, epsilon, kappa) ** 2
-        return corrected
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -408,12 +374,11 @@ def from_cycles(count: int, time: UFloat, source: str) -> UFloat:
     """
     if count < 1:
         raise BadInput(source=source, field="cycles", problem=f"at least one cycle is needed, found {count}", remedy="Count them")
-    # `value` unchanged; BadInput when it is not positive
     value = time / count
-    if value.nominal_value > 0:
-        return value
-    problem = f"it must be positive, found {value.nominal_value:.6g}"
-    raise BadInput(source=source, field="time", problem=problem, remedy="Check the sign and the unit")
+    if value.nominal_value <= 0:
+        problem = f"it must be positive, found {value.nominal_value:.6g}"
+        raise BadInput(source=source, field="time", problem=problem, remedy="Check the sign and the unit")
+    return value
 
 
 def from_times(times: Sequence[UFloat], source: str) -> UFloat:
@@ -457,7 +422,8 @@ def from_signal(time: npt.ArrayLike, signal: npt.ArrayLike, source: str) -> Deca
     BadInput : not finite, time not increasing, fewer than `LEAST_CYCLES`, fewer than `LEAST_SAMPLES` a cycle, or no decaying
         sinusoid in it.
     """
-    t, y = _checked(time, signal, source)
+    t, y = np.asarray(time, dtype=np.float64), np.asarray(signal, dtype=np.float64)
+    _require_record(t, y, source)
     t = t - t[0]
     even = np.linspace(t[0], t[-1], len(t))
     flat = np.interp(even, t, y)
@@ -465,36 +431,43 @@ def from_signal(time: npt.ArrayLike, signal: npt.ArrayLike, source: str) -> Deca
     spectrum = np.abs(np.fft.rfft(flat, 8 * len(t)))
     omega0 = float(2 * np.pi * np.argmax(spectrum) / (8 * len(t) * (even[1] - even[0])))
     _require_resolved(omega0 * t[-1] / (2 * np.pi), len(t), source)
-    delta, omega, covariance, fit = _fitted(t, y, omega0)
+    fit = _fitted(t, y, omega0)
+    delta, omega = fit.delta, fit.omega
     _require_resolved(omega * t[-1] / (2 * np.pi), len(t), source)
     residual, swing = y - fit.full, fit.full - fit.baseline
     noise = float(np.std(residual) / np.std(swing))
-    _require_decay(delta, omega, t[-1], noise, source)
+    problem = ""
+    if noise > NOISE_REFUSED or delta >= omega:
+        problem = f"no decaying sinusoid: what the best one leaves over is {100 * noise:.0f} % of it"
+    elif delta * t[-1] < -GROWTH_REFUSED:
+        problem = f"the oscillation grows, by a factor {np.exp(-delta * t[-1]):.3g} over the record"
+    if problem:
+        raise BadInput(source=source, field="signal", problem=problem, remedy="Record a free decay, or filter what disturbs it")
     # Correlation of neighbouring residuals; a negative one is taken as none
     correlation = max(0.0, float(np.corrcoef(residual[:-1], residual[1:])[0, 1])) if noise > ROUNDING else 0.0
     widening = np.sqrt((1 + correlation) / (1 - min(correlation, 0.99)))
-    s_delta, s_omega = widening * np.sqrt(np.diag(covariance))
+    s_delta, s_omega = widening * np.sqrt(np.diag(fit.covariance))
+    drift = abs(fit.baseline[-1] - fit.baseline[0]) / (np.sqrt(2) * np.std(swing))
+    said = {
+        f"The residual is {100 * noise:.0f} % of the signal.": noise > NOISE_WARNED,
+        f"The baseline drifts by {drift:.1f} amplitudes; a straight drift is fitted, a bent one is not.": drift > 1,
+        f"What one decaying sinusoid leaves over is {100 * noise:.1f} % of the swing and no noise (neighbours are correlated, "
+        f"{correlation:.2f}): the period changes with the amplitude as it dies away, or something else moves too. "
+        "The tolerance is widened for it.": correlation > 0.5 and noise > LEFT_OVER,
+    }
     return Decay(
         period=tagged(2 * np.pi / omega, 2 * np.pi / omega**2 * s_omega, "fit of the signal"),
         damping_ratio=tagged(delta / np.hypot(delta, omega), s_delta / omega, "damping from the signal"),
         amplitude=float(np.sqrt(np.mean(fit.envelope**2))),
         cycles=float(omega * t[-1] / (2 * np.pi)),
         fitted=fit.full,
-        notes=_notes(noise, correlation, fit, swing),
+        notes=tuple(sentence for sentence, true in said.items() if true),
     )
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Fit:
-    full: Array
-    baseline: Array
-    envelope: Array
-
-
-def _checked(time: npt.ArrayLike, signal: npt.ArrayLike, source: str) -> tuple[Array, Array]:
-    t, y = np.asarray(time, dtype=np.float64), np.asarray(signal, dtype=np.float64)
-    if t.ndim != 1 or t.shape != y.shape or len(t) < LEAST_CYCLES * LEAST_SAMPLES:
-        least = LEAST_CYCLES * LEAST_SAMPLES
+def _require_record(t: Array, y: Array, source: str) -> None:
+    least = LEAST_CYCLES * LEAST_SAMPLES
+    if t.ndim != 1 or t.shape != y.shape or len(t) < least:
         problem = f"time and signal must be equally long and hold {least} samples or more, found {t.shape}, {y.shape}"
     elif not (np.all(np.isfinite(t)) and np.all(np.isfinite(y))):
         problem = f"{np.sum(~np.isfinite(t) | ~np.isfinite(y))} samples are not finite"
@@ -503,10 +476,9 @@ def _checked(time: npt.ArrayLike, signal: npt.ArrayLike, source: str) -> tuple[A
     elif np.ptp(y) == 0:
         problem = f"the signal is constant, {y[0]:.6g}"
     else:
-        return t, y
-    raise BadInput(
-        source=source, field="signal", problem=problem, remedy="Export two columns, time in s and the signal, of one free decay"
-    )
+        return
+    remedy = "Export two columns, time in s and the signal, of one free decay"
+    raise BadInput(source=source, field="signal", problem=problem, remedy=remedy)
 
 
 def _require_resolved(cycles: float, samples: int, source: str) -> None:
@@ -518,29 +490,25 @@ def _require_resolved(cycles: float, samples: int, source: str) -> None:
         raise BadInput(source=source, field="signal", problem=problem, remedy="Sample faster; a slower record may be aliased")
 
 
-def _require_decay(delta: float, omega: float, duration: float, noise: float, source: str) -> None:
-    if noise > NOISE_REFUSED or delta >= omega:
-        problem = f"no decaying sinusoid: what the best one leaves over is {100 * noise:.0f} % of it"
-    elif delta * duration < -GROWTH_REFUSED:
-        problem = f"the oscillation grows, by a factor {np.exp(-delta * duration):.3g} over the record"
-    else:
-        return
-    raise BadInput(source=source, field="signal", problem=problem, remedy="Record a free decay, or filter what disturbs it")
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Fit:
+    """δ and ω [1/s] with their (2, 2) covariance, and the record (n,) as they make it: whole, without swing, its envelope."""
+
+    delta: float
+    omega: float
+    covariance: Array
+    full: Array
+    baseline: Array
+    envelope: Array
 
 
-def _fitted(t: Array, y: Array, omega0: float) -> tuple[float, float, Array, _Fit]:
-    """δ, ω, their (2, 2) covariance, and the fitted record."""
+def _fitted(t: Array, y: Array, omega0: float) -> _Fit:
     from scipy.optimize import least_squares
 
     def linear(p: Array) -> tuple[Array, Array]:
-        omega = p[1] * omega0
-        columns_envelope = np.exp(-(p[0] * omega0) * (t - t[-1] / 2))
-        ramp = t / t[-1] - 0.5
-        columns = np.column_stack(
-            [columns_envelope * np.cos(omega * t), columns_envelope * np.sin(omega * t), np.ones_like(t), ramp]
-        )
-        coefficients: Array = np.linalg.lstsq(columns, y, rcond=None)[0].astype(np.float64)
-        return columns, coefficients
+        omega, envelope = p[1] * omega0, np.exp(-(p[0] * omega0) * (t - t[-1] / 2))
+        columns = np.column_stack([envelope * np.cos(omega * t), envelope * np.sin(omega * t), np.ones_like(t), t / t[-1] - 0.5])
+        return columns, np.linalg.lstsq(columns, y, rcond=None)[0].astype(np.float64)
 
     def misfit(p: Array) -> Array:
         columns, coefficients = linear(p)
@@ -549,22 +517,14 @@ def _fitted(t: Array, y: Array, omega0: float) -> tuple[float, float, Array, _Fi
     best = least_squares(misfit, [0.001, 1.0], x_scale=[0.01, 0.01], xtol=1e-15, ftol=1e-15, gtol=1e-15, jac="3-point")
     columns, coefficients = linear(best.x)
     variance = np.sum(best.fun**2) / max(len(t) - 6, 1)
-    covariance = omega0**2 * variance * np.linalg.inv(best.jac.T @ best.jac)
-    envelope = np.exp(-best.x[0] * omega0 * (t - t[-1] / 2)) * np.hypot(*coefficients[:2])
-    fit = _Fit(full=columns @ coefficients, baseline=columns[:, 2:] @ coefficients[2:], envelope=envelope)
-    return float(best.x[0] * omega0), float(best.x[1] * omega0), covariance, fit
-
-
-def _notes(noise: float, correlation: float, fit: _Fit, swing: Array) -> tuple[str, ...]:
-    drift = abs(fit.baseline[-1] - fit.baseline[0]) / (np.sqrt(2) * np.std(swing))
-    said = {
-        f"The residual is {100 * noise:.0f} % of the signal.": noise > NOISE_WARNED,
-        f"The baseline drifts by {drift:.1f} amplitudes; a straight drift is fitted, a bent one is not.": drift > 1,
-        f"What one decaying sinusoid leaves over is {100 * noise:.1f} % of the swing and no noise (neighbours are correlated, "
-        f"{correlation:.2f}): the period changes with the amplitude as it dies away, or something else moves too. "
-        "The tolerance is widened for it.": correlation > 0.5 and noise > LEFT_OVER,
-    }
-    return tuple(sentence for sentence, true in said.items() if true)
+    return _Fit(
+        delta=float(best.x[0] * omega0),
+        omega=float(best.x[1] * omega0),
+        covariance=omega0**2 * variance * np.linalg.inv(best.jac.T @ best.jac),
+        full=columns @ coefficients,
+        baseline=columns[:, 2:] @ coefficients[2:],
+        envelope=np.exp(-best.x[0] * omega0 * (t - t[-1] / 2)) * np.hypot(*coefficients[:2]),
+    )
 
 
 # Pendulum files: one swing or several of one article, down to moments of inertia or to the whole tensor.
@@ -667,26 +627,26 @@ def reduce(file: Fields, off: tuple[str, ...] = ()) -> Reduction:
     """
     found = swings(file, off)
     coordinate = all(swing.axis in _AXES.values() for swing in found)
+    results: dict[str, UFloat] = {}
+    terms: dict[str, Mapping[str, float]] = {}
     if not coordinate or "components" in file.table:
         components = file.table.get("components", list(SIX))
         if not isinstance(components, list) or not components or not set(map(str, components)) <= set(SIX):
             raise file.refused("components", f"found {components!r}", f"A list of some of {', '.join(SIX)}")
         moments = [swing.moment for swing in found]
         tensor = tensor_from_axes([swing.axis for swing in found], moments, components, file.source)
-        results, terms = {f"I{name}": value for name, value in tensor.items()}, {}
+        results = {f"I{name}": value for name, value in tensor.items()}
     else:
-        moments_results: dict[str, UFloat] = {}
-        moments_terms: dict[str, Mapping[str, float]] = {}
         for letter, axis in _AXES.items():
             same = [swing for swing in found if swing.axis == axis]
             if same:
-                moments_results[f"I{letter}{letter}"] = sum(swing.moment for swing in same) / len(same)
+                results[f"I{letter}{letter}"] = sum(swing.moment for swing in same) / len(same)
                 each = [swing.effects() for swing in same]
-                names = [name for name in TERMS if any(name in effects for effects in each)]
-                moments_terms[f"I{letter}{letter}"] = {
-                    name: sum(effects.get(name, 0.0) for effects in each) / len(each) for name in names
+                terms[f"I{letter}{letter}"] = {
+                    name: sum(effects.get(name, 0.0) for effects in each) / len(each)
+                    for name in TERMS
+                    if any(name in effects for effects in each)
                 }
-        results, terms = moments_results, moments_terms
     return Reduction(
         title=file.text("title", "Pendulum"),
         origin=file.text("origin", "origin not stated"),
@@ -706,131 +666,57 @@ def swings(file: Fields, off: tuple[str, ...] = ()) -> list[RecordedSwing]:
     """
     file.only((*HEAD, "gravity", "corrections", "torsion_rod", "components", "swing"))
     article = file.inner("article").only(("name", "mass", "cog_x", "cog_y", "cog_z"))
-    return [_swing(entry, file, article, off) for entry in file.each("swing")]
+    found = []
+    for entry in file.each("swing"):
+        suspension = entry.choice("suspension", tuple(_OWN_KEYS))
+        entry.only(("about", "suspension", *_PERIOD_KEYS, *_OWN_KEYS[suspension]))
+        period, recorded, notes = _period(entry)
+        pendulum: RopeSwing | CompoundSwing | TorsionSwing
+        if suspension == "torsion-rod":
+            pendulum = _torsion(file, period)
+        elif suspension == "compound":
+            mass, arm = article.positive("mass", "mass"), entry.positive("arm", "length")
+            pendulum = CompoundSwing(mass=mass, gravity=file.positive("gravity", "acceleration"), arm=arm, period=period)
+        else:
+            s1, s2 = _radii(entry, article)
+            mass, length = article.positive("mass", "mass"), entry.positive("rope_length", "length")
+            gravity = file.positive("gravity", "acceleration")
+            pendulum = RopeSwing(mass=mass, gravity=gravity, s1=s1, s2=s2, length=length, period=period)
+        terms, stated = _terms(entry, file, off, recorded)
+        ropes = (3 if "radius" in entry.table else 2) if suspension == "ropes" else 0
+        swing = RecordedSwing(axis=_axis(entry), pendulum=pendulum, terms=terms, stated=stated, ropes=ropes, notes=notes)
+        try:
+            moment = swing.moment.nominal_value
+        except BadInput as error:  # the equations know the quantity that is at fault, but not the file
+            raise entry.refused(error.field, error.problem, error.remedy) from None
+        if moment <= 0:
+            problem = f"the swing contradicts itself: its moment of inertia comes out as {moment:.4g} kg m²"
+            why = "No body swings faster than a point mass there; check period, lengths and mass"
+            raise BadInput(source=entry.source, field=entry.place, problem=problem, remedy=why)
+        found.append(swing)
+    return found
 
 
-def _swing(entry: Fields, file: Fields, article: Fields, off: tuple[str, ...]) -> RecordedSwing:
-    suspension = entry.choice("suspension", tuple(_OWN_KEYS))
-    entry.only(("about", "suspension", *_PERIOD_KEYS, *_OWN_KEYS[suspension]))
-    # The period [s], the fitted decay where a signal was recorded, and notes
+def _period(entry: Fields) -> tuple[UFloat, Decay | None, tuple[str, ...]]:
+    """The period [s], the fitted decay where a signal was recorded, and notes."""
     ways = [key for key in ("period", "cycles", "times", "signal") if key in entry.table]
     if len(ways) != 1 or ("time" in entry.table) != (ways == ["cycles"]):
         remedy = "Give period, or cycles and time, or times, or signal"
         raise entry.refused("period", f"the period must be given in one way, found {', '.join(ways) or 'none'}", remedy)
     source = f"{entry.source}: {entry.place}"
-    notes: tuple[str, ...] = ()
-    if ways == ["period"]:
-        period, recorded = entry.positive("period", "time"), None
-    elif ways == ["cycles"]:
-        count = entry.integer("cycles", 1, 1)
-        period, recorded, notes = from_cycles(count, entry.positive("time", "time", "time of the cycles"), source), None, ()
-    elif ways == ["times"]:
-        period, recorded, notes = from_times(_times(entry), source), None, ()
-    else:
+    if ways == ["signal"]:
         decay = from_signal(*_record(entry), source)
-        period, recorded, notes = decay.period, decay, decay.notes
-    pendulum = _SUSPENSIONS[suspension](entry, file, article, period)
-    (terms, stated), ropes = (
-        _terms(entry, file, off, recorded),
-        (3 if "radius" in entry.table else 2) if suspension == "ropes" else 0,
-    )
-    swing = RecordedSwing(axis=_axis(entry), pendulum=pendulum, terms=terms, stated=stated, ropes=ropes, notes=notes)
-    moment = _moment(swing, entry).nominal_value
-    if moment <= 0:
-        problem = f"the swing contradicts itself: its moment of inertia comes out as {moment:.4g} kg m²"
-        why = "No body swings faster than a point mass there; check period, lengths and mass"
-        raise BadInput(source=entry.source, field=entry.place, problem=problem, remedy=why)
-    return swing
-
-
-def _moment(swing: RecordedSwing, entry: Fields) -> UFloat:
-    try:
-        return swing.moment
-    except BadInput as error:  # the equations know the quantity that is at fault, but not the file
-        raise entry.refused(error.field, error.problem, error.remedy) from None
-
-
-def _axis(entry: Fields) -> tuple[float, ...]:
-    about = entry.table.get("about")
-    if isinstance(about, str) and about in _AXES:
-        return _AXES[about]
-    if isinstance(about, list) and len(about) == 3 and all(isinstance(c, int | float) and not isinstance(c, bool) for c in about):
-        length = float(np.linalg.norm(about))
-        if np.isfinite(length) and length > 0:
-            return tuple(float(c) / length for c in about)
-    raise entry.refused("about", f"an axis is expected, found {about!r}", 'Write "x", "y", "z" or a direction like [1, 0, 1]')
-
-
-def _gravity(file: Fields) -> UFloat:
-    return file.positive("gravity", "acceleration")
-
-
-def _ropes(entry: Fields, file: Fields, article: Fields, period: UFloat) -> RopeSwing:
-    # s1 and s2 [m], in whichever of three ways the file gives them
-    ways = [key for key in ("s1", "positions", "radius") if key in entry.table]
-    if len(ways) != 1:
-        remedy = "Give s1 and s2, or positions and positions_along, or radius (three ropes or more)"
-        raise entry.refused("s1", f"the attachments must be given in one way, found {len(ways)}", remedy)
-    if ways == ["radius"]:
-        radius = entry.positive("radius", "length")
-        s1, s2 = radius, radius
-    elif ways == ["s1"]:
-        s1, s2 = entry.positive("s1", "length"), entry.positive("s2", "length")
-    else:
-        s1, s2 = _radii_from_positions(entry, article)
-    mass, length = article.positive("mass", "mass"), entry.positive("rope_length", "length")
-    return RopeSwing(mass=mass, gravity=_gravity(file), s1=s1, s2=s2, length=length, period=period)
-
-
-def _compound(entry: Fields, file: Fields, article: Fields, period: UFloat) -> CompoundSwing:
-    mass, arm = article.positive("mass", "mass"), entry.positive("arm", "length")
-    return CompoundSwing(mass=mass, gravity=_gravity(file), arm=arm, period=period)
-
-
-def _torsion(entry: Fields, file: Fields, article: Fields, period: UFloat) -> TorsionSwing:
-    rod = file.inner("torsion_rod").only(("known_inertia", "rod_mass", "rod_length", "rod_diameter", "period"))
-    if "known_inertia" in rod.table:
-        inertia = rod.positive("known_inertia", "moment of inertia")
-    else:
-        length, diameter = (rod.positive(key, "length") for key in ("rod_length", "rod_diameter"))
-        inertia = rod_inertia(mass=rod.positive("rod_mass", "mass"), length=length, diameter=diameter)
-    return TorsionSwing(
-        stiffness=torsion_stiffness(known_inertia=inertia, period=rod.positive("period", "time", "period with the known rod")),
-        period=period,
-    )
-
-
-_SUSPENSIONS: Mapping[str, Callable[[Fields, Fields, Fields, UFloat], RopeSwing | CompoundSwing | TorsionSwing]] = {
-    "ropes": _ropes,
-    "compound": _compound,
-    "torsion-rod": _torsion,
-}
-
-
-def _radii_from_positions(entry: Fields, article: Fields) -> tuple[UFloat, UFloat]:
-    letter = entry.choice("positions_along", tuple(_AXES))
-    texts = entry.table["positions"]
-    if not isinstance(texts, list) or len(texts) != 2:
-        raise entry.refused("positions", f"two are expected, found {texts!r}", "Give both ropes' places along the article")
-    names = [f"position of rope {i}" for i in (1, 2)]
-    one, two = (
-        quantity(text, "length", source=entry.source, field=entry.path("positions"), name=name)
-        for text, name in zip(texts, names, strict=True)
-    )
-    cog = article.quantity(f"cog_{letter}", "length", f"position of the CoG ({letter})")
-    s1, s2 = cog - one, two - cog
-    if s1.nominal_value * s2.nominal_value <= 0:
-        places = f"{one.nominal_value:.6g} and {two.nominal_value:.6g} m"
-        problem = f"the CoG at {cog.nominal_value:.6g} m is not between the ropes at {places}"
-        raise entry.refused("positions", problem, "One rope would have to push; check the places and the CoG")
-    return s1, s2  # both negative where the places are listed downwards: only their product and squares are used
-
-
-def _times(entry: Fields) -> list[UFloat]:
+        return decay.period, decay, decay.notes
+    if ways == ["period"]:
+        return entry.positive("period", "time"), None, ()
+    if ways == ["cycles"]:
+        count = entry.integer("cycles", 1, 1)
+        return from_cycles(count, entry.positive("time", "time", "time of the cycles"), source), None, ()
     texts = entry.table["times"]
     if not isinstance(texts, list):
         raise entry.refused("times", f"a list is expected, found {texts!r}", 'Write ["0.0 +/- 0.1 s", "3.1 +/- 0.1 s", ...]')
-    return [quantity(text, "time", source=entry.source, field=entry.path("times"), name="passage times") for text in texts]
+    times = [quantity(text, "time", source=entry.source, field=entry.path("times"), name="passage times") for text in texts]
+    return from_times(times, source), None, ()
 
 
 def _record(entry: Fields) -> tuple[Any, Any]:
@@ -851,6 +737,55 @@ def _record(entry: Fields) -> tuple[Any, Any]:
     return columns[:, 0], columns[:, 1]
 
 
+def _axis(entry: Fields) -> tuple[float, ...]:
+    about = entry.table.get("about")
+    if isinstance(about, str) and about in _AXES:
+        return _AXES[about]
+    if isinstance(about, list) and len(about) == 3 and all(isinstance(c, int | float) and not isinstance(c, bool) for c in about):
+        length = float(np.linalg.norm(about))
+        if np.isfinite(length) and length > 0:
+            return tuple(float(c) / length for c in about)
+    raise entry.refused("about", f"an axis is expected, found {about!r}", 'Write "x", "y", "z" or a direction like [1, 0, 1]')
+
+
+def _torsion(file: Fields, period: UFloat) -> TorsionSwing:
+    rod = file.inner("torsion_rod").only(("known_inertia", "rod_mass", "rod_length", "rod_diameter", "period"))
+    if "known_inertia" in rod.table:
+        inertia = rod.positive("known_inertia", "moment of inertia")
+    else:
+        length, diameter = (rod.positive(key, "length") for key in ("rod_length", "rod_diameter"))
+        inertia = rod_inertia(mass=rod.positive("rod_mass", "mass"), length=length, diameter=diameter)
+    known = rod.positive("period", "time", "period with the known rod")
+    return TorsionSwing(stiffness=torsion_stiffness(known_inertia=inertia, period=known), period=period)
+
+
+def _radii(entry: Fields, article: Fields) -> tuple[UFloat, UFloat]:
+    """s1 and s2 [m], in whichever of three ways the file gives them."""
+    ways = [key for key in ("s1", "positions", "radius") if key in entry.table]
+    if len(ways) != 1:
+        remedy = "Give s1 and s2, or positions and positions_along, or radius (three ropes or more)"
+        raise entry.refused("s1", f"the attachments must be given in one way, found {len(ways)}", remedy)
+    if ways == ["radius"]:
+        radius = entry.positive("radius", "length")
+        return radius, radius
+    if ways == ["s1"]:
+        return entry.positive("s1", "length"), entry.positive("s2", "length")
+    letter, texts = entry.choice("positions_along", tuple(_AXES)), entry.table["positions"]
+    if not isinstance(texts, list) or len(texts) != 2:
+        raise entry.refused("positions", f"two are expected, found {texts!r}", "Give both ropes' places along the article")
+    one, two = (
+        quantity(text, "length", source=entry.source, field=entry.path("positions"), name=f"position of rope {i}")
+        for i, text in enumerate(texts, start=1)
+    )
+    cog = article.quantity(f"cog_{letter}", "length", f"position of the CoG ({letter})")
+    s1, s2 = cog - one, two - cog
+    if s1.nominal_value * s2.nominal_value <= 0:
+        places = f"{one.nominal_value:.6g} and {two.nominal_value:.6g} m"
+        problem = f"the CoG at {cog.nominal_value:.6g} m is not between the ropes at {places}"
+        raise entry.refused("positions", problem, "One rope would have to push; check the places and the CoG")
+    return s1, s2  # both negative where the places are listed downwards: only their product and squares are used
+
+
 def _terms(entry: Fields, file: Fields, off: tuple[str, ...], recorded: Decay | None) -> tuple[Terms, Terms]:
     """The corrections that are on, and the sizes of all that are stated."""
     switches = file.inner("corrections").only(TERMS)
@@ -865,9 +800,8 @@ def _terms(entry: Fields, file: Fields, off: tuple[str, ...], recorded: Decay | 
         if key == "damping" and stated is None and recorded is not None:
             stated = recorded.damping_ratio
         if stated is None and switches.switch(name, False) and key in _OWN_KEYS[entry.text("suspension")]:
-            raise entry.refused(
-                key, f"the correction {name} is switched on, but its size is missing", "State it, or switch it off"
-            )
+            problem = f"the correction {name} is switched on, but its size is missing"
+            raise entry.refused(key, problem, "State it, or switch it off")
         known[key] = stated
         sizes[key] = stated if switches.switch(name, True) and name not in off else None
     return Terms(**sizes), Terms(**known)

@@ -20,15 +20,7 @@ from geometry.frames import Array, frozen
 from geometry.inertia import Inertia
 from validation.classical import pendulum
 from validation.classical.files import read
-from validation.classical.pendulum import (
-    LEAST_CYCLES,
-    LEAST_SAMPLES,
-    TERMS,
-    Decay,
-    from_signal,
-    rope_amplitude_factor,
-    rope_pendulum,
-)
+from validation.classical.pendulum import LEAST_CYCLES, LEAST_SAMPLES, Decay, rope_amplitude_factor, rope_pendulum
 from validation.model.setups import is_file
 from validation.reference.reference import ArticleOptions, require_use
 
@@ -156,7 +148,18 @@ def require_recordable(setup: Setup) -> None:
     s1, s2 = setup.s1_s2
     kappa = setup.inertia.mass * s1 * s2 / setup.reference
     rope_amplitude_factor(setup.suspension.amplitude, (max(s1, s2) / setup.suspension.length) ** 2, kappa)
-    _require_cycles(setup)
+    if not LEAST_CYCLES <= setup.cycles <= MOST_CYCLES:
+        least, remedy = f"at least {LEAST_CYCLES} are needed for a period", "Record longer"
+        if setup.cycles > MOST_CYCLES:
+            least, remedy = f"at most {MOST_CYCLES} are recorded", f"Record {MOST_CYCLES} or fewer"
+        raise _refused("cycles", f"{least}, found {setup.cycles:g}", remedy)
+    most, ratio = min(MOST_DAMPING, np.sqrt(DIED_AWAY / setup.cycles)), setup.suspension.damping_ratio
+    if ratio > most:
+        left = np.exp(-2 * np.pi * ratio * LEAST_CYCLES / np.sqrt(1 - ratio**2))
+        problem = f"a twist damped by {ratio:g} has {100 * left:.2g} % left after {LEAST_CYCLES} of {setup.cycles:g} cycles"
+        bearable = np.floor(1000 * most) / 1000
+        remedy = f"Use {bearable:g} or less; fewer cycles bear more, up to {MOST_DAMPING:g}"
+        raise _refused("damping_ratio", problem, remedy)
     if not setup.rate > 0 or setup.rate * setup.ideal_period < LEAST_SAMPLES:
         problem = f"{setup.rate:g} Hz is {setup.rate * setup.ideal_period:.2g} samples a cycle, {LEAST_SAMPLES} are needed"
         raise _refused("rate", problem, f"Record at {np.ceil(LEAST_SAMPLES / setup.ideal_period):g} Hz or more")
@@ -169,23 +172,6 @@ def require_recordable(setup: Setup) -> None:
         raise _refused("noise", f"it must be finite and not negative, found {setup.noise:g} rad", "Give a standard deviation")
     if setup.seed < 0:
         raise _refused("seed", f"it must not be negative, found {setup.seed}", "Give a whole number from 0 on")
-
-
-def _require_cycles(setup: Setup) -> None:
-    if not LEAST_CYCLES <= setup.cycles <= MOST_CYCLES:
-        least, remedy = (f"at least {LEAST_CYCLES} are needed for a period", "Record longer")
-        if setup.cycles > MOST_CYCLES:
-            least, remedy = (f"at most {MOST_CYCLES} are recorded", f"Record {MOST_CYCLES} or fewer")
-        raise _refused("cycles", f"{least}, found {setup.cycles:g}", remedy)
-    most, ratio = min(MOST_DAMPING, np.sqrt(DIED_AWAY / setup.cycles)), setup.suspension.damping_ratio
-    if ratio > most:
-        left = np.exp(-2 * np.pi * ratio * LEAST_CYCLES / np.sqrt(1 - ratio**2))
-        problem = f"a twist damped by {ratio:g} has {100 * left:.2g} % left after {LEAST_CYCLES} of {setup.cycles:g} cycles"
-        raise _refused(
-            "damping_ratio",
-            problem,
-            f"Use {np.floor(1000 * most) / 1000:g} or less; fewer cycles bear more, up to {MOST_DAMPING:g}",
-        )
 
 
 def _refused(field: str, problem: str, remedy: str) -> BadInput:
@@ -246,9 +232,28 @@ def setup(article: str, words: Words, asked: ArticleOptions) -> Setup:
     BadInput : an option that cannot be used; it is named.
     """
     require_use([article], asked)
-    value = {name: _quantity(text, name) for name, text in words.texts.items() if text is not None}
-    radii = _radii(words, value)
-    off_centre = _pair(words.off_centre)
+    value = {name: _quantity(text, OPTIONS[name], name) for name, text in words.texts.items() if text is not None}
+    # s1 and s2 [m] for two ropes, the one radius for three
+    sides = [name for name in ("s1", "s2") if name in value]
+    ropes = words.ropes or (2 if sides else 3)
+    if ropes == 3 and not sides:
+        radii: tuple[float, ...] = (value.get("radius", RADIUS),)
+    elif ropes == 2 and len(sides) == 2 and "radius" not in value:
+        radii = value["s1"], value["s2"]
+    elif ropes == 2 and not sides and "radius" in value:
+        radii = value["radius"], value["radius"]
+    else:
+        given = " and ".join(f"--{name}" for name in (*sides, "radius") if name in value) or "no sizes"
+        remedy = "Give --s1 and --s2 (or --radius) for two ropes, --radius for three"
+        raise BadInput(source="--ropes", problem=f"{ropes} ropes do not go with {given}", remedy=remedy)
+    # One length along the ropes' x, or two with a comma, the second across
+    parts = () if words.off_centre is None else words.off_centre.split(",")
+    lengths = [_quantity(part.strip(), "length", "off_centre") for part in parts]
+    if len(lengths) > 2:
+        problem = f"one length or two are expected, found {words.off_centre!r}"
+        raise BadInput(source="--off-centre", problem=problem, remedy='Write "10 mm" or "10 mm, 5 mm"')
+    along, across, *_ = (*lengths, 0.0, 0.0)
+    off_centre = along, across
     height = value.get("height", HEIGHT)
     rope_mass = value.get("rope_mass", 0.0)
     fields: dict[str, Any] = {
@@ -307,49 +312,15 @@ def as_option(error: BadInput) -> BadInput:
     return BadInput(source=f"--{name.replace('_', '-')}", problem=error.problem, remedy=error.remedy)
 
 
-def _quantity(text: str, name: str) -> float:
+def _quantity(text: str, dimension: str, name: str) -> float:
+    """What was typed for the option `name`."""
     from geometry.toml_file import quantity
 
     option = f"--{name.replace('_', '-')}"
     try:
-        return float(quantity(text, OPTIONS[name], source=option, field="").nominal_value)
+        return float(quantity(text, dimension, source=option, field="").nominal_value)
     except BadInput as error:
         raise BadInput(source=option, problem=error.problem, remedy=error.remedy) from None
-
-
-def _radii(words: Words, value: Mapping[str, float]) -> tuple[float, ...]:
-    """s1 and s2 [m] for two ropes, the one radius for three."""
-    sides = [name for name in ("s1", "s2") if name in value]
-    ropes = words.ropes or (2 if sides else 3)
-    if ropes == 3 and not sides:
-        return (value.get("radius", RADIUS),)
-    if ropes == 2 and len(sides) == 2 and "radius" not in value:
-        return value["s1"], value["s2"]
-    if ropes == 2 and not sides and "radius" in value:
-        return value["radius"], value["radius"]
-    given = " and ".join(f"--{name}" for name in (*sides, "radius") if name in value) or "no sizes"
-    remedy = "Give --s1 and --s2 (or --radius) for two ropes, --radius for three"
-    raise BadInput(source="--ropes", problem=f"{ropes} ropes do not go with {given}", remedy=remedy)
-
-
-def _pair(text: str | None) -> tuple[float, float]:
-    """One length along the ropes' x, or two with a comma, the second across."""
-    if text is None:
-        return 0.0, 0.0
-    parts = [_length(part) for part in text.split(",")]
-    if len(parts) > 2:
-        problem = f"one length or two are expected, found {text!r}"
-        raise BadInput(source="--off-centre", problem=problem, remedy='Write "10 mm" or "10 mm, 5 mm"')
-    return parts[0], parts[1] if len(parts) == 2 else 0.0
-
-
-def _length(text: str) -> float:
-    from geometry.toml_file import quantity
-
-    try:
-        return float(quantity(text.strip(), "length", source="--off-centre", field="").nominal_value)
-    except BadInput as error:
-        raise BadInput(source="--off-centre", problem=error.problem, remedy=error.remedy) from None
 
 
 # The recorded swing: sampled, noisy, written as any recorder's file, and reduced by the code that reduces measured ones.
@@ -412,19 +383,26 @@ def recorded(setup: Setup, progress: Progress | None = None) -> Record:
     kappa = setup.inertia.mass * s1 * s2 / setup.reference
     cycle = small * rope_amplitude_factor(setup.suspension.amplitude, s1 * s2 / setup.suspension.length**2, kappa)
     more: dict[str, Any] = {"step": setup.step, "rate": setup.rate, "gravity": setup.gravity, "progress": progress}
-    run_run = swing(setup.inertia, setup.suspension, duration=(setup.cycles + SURPLUS) * cycle, **more)
-    took = _cycle(run_run)
-    if run_run.time[-1] > (setup.cycles + LEAST_SURPLUS) * took:
-        run = run_run
-    else:
+    run = swing(setup.inertia, setup.suspension, duration=(setup.cycles + SURPLUS) * cycle, **more)
+    # [s] of one cycle on average, from the passages through the middle of the twist
+    y = run.yaw - np.mean(run.yaw)
+    k = np.flatnonzero(np.signbit(y[1:]) != np.signbit(y[:-1]))
+    t = run.time[k] + np.diff(run.time)[k] * y[k] / (y[k] - y[k + 1])
+    took = float(2 * (t[-1] - t[0]) / (len(t) - 1)) if len(t) > 1 else 0.0
+    if run.time[-1] <= (setup.cycles + LEAST_SURPLUS) * took:
         run = swing(setup.inertia, setup.suspension, duration=(setup.cycles + SURPLUS) * took, **more)
     noise = np.random.default_rng(setup.seed).normal(0.0, setup.noise, len(run.yaw)) if setup.noise else 0.0
     signal = run.yaw + noise
-    decay = _fitted(setup, run, signal)
+    try:
+        decay = pendulum.from_signal(run.time, signal, "the simulated record")
+    except BadInput as error:  # said of what can be changed here
+        remedy = "Use less noise or a larger twist" if setup.noise else "Use a smaller twist, or lighter and more equal ropes"
+        problem = f"its record cannot be reduced: {error.problem}"
+        raise _refused("noise" if setup.noise else "amplitude", problem, remedy) from None
     with TemporaryDirectory() as folder:
         path = write(Path(folder), setup, run, signal, decay)
         file = read(str(path), ("pendulum",))
-        with_all, plain = (pendulum.reduce(file, off) for off in ((), TERMS))
+        with_all, plain = (pendulum.reduce(file, off) for off in ((), pendulum.TERMS))
     key = f"I{setup.axis}{setup.axis}"
     return Record(
         setup=setup,
@@ -468,26 +446,6 @@ def write(folder: Path, setup: Setup, run: Swing, signal: Array, decay: Decay) -
     ]
     write_text(folder / MEASUREMENT, "\n".join(lines) + "\n")
     return folder / MEASUREMENT
-
-
-def _cycle(run: Swing) -> float:
-    """[s] of one cycle on average, from the passages through the middle of the twist."""
-    y = run.yaw - np.mean(run.yaw)
-    k = np.flatnonzero(np.signbit(y[1:]) != np.signbit(y[:-1]))
-    t = run.time[k] + np.diff(run.time)[k] * y[k] / (y[k] - y[k + 1])
-    return float(2 * (t[-1] - t[0]) / (len(t) - 1)) if len(t) > 1 else 0.0
-
-
-def _fitted(setup: Setup, run: Swing, signal: Array) -> Decay:
-    """The decaying sinusoid in `signal`; what cannot be fitted is said of what can be changed here."""
-    try:
-        return from_signal(run.time, signal, "the simulated record")
-    except BadInput as error:
-        name = "noise" if setup.noise else "amplitude"
-        remedy = "Use less noise or a larger twist" if setup.noise else "Use a smaller twist, or lighter and more equal ropes"
-        raise BadInput(
-            source=SOURCE, field=name, problem=f"its record cannot be reduced: {error.problem}", remedy=remedy
-        ) from None
 
 
 def _text(words: str) -> str:

@@ -25,7 +25,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from uncertainties import umath
 
-from geometry.errors import BadInput
 from geometry.toml_file import exact, tagged
 from validation.classical.files import HEAD, Fields, Reduction
 
@@ -104,43 +103,35 @@ def reduce(file: Fields) -> Reduction:
     file.only((*HEAD, "balance", "reading", "buoyancy"))
     article = file.inner("article").only(("name",))
     scale = balance(file.inner("balance"))
-    weighed = scale.mean([_net(entry, scale) for entry in file.each("reading")])
+    net = []
+    for entry in file.each("reading"):
+        entry.only(("gross", "tare"))
+        gross = scale.reading(entry.positive("gross", "mass", "gross reading"))
+        tared = "tare" in entry.table
+        net.append(gross - scale.reading(entry.quantity("tare", "mass", "tare reading")) if tared else gross)
+    weighed = scale.mean(net)
     if weighed.nominal_value <= 0:
         raise file.refused(
             "reading", f"the net mass must be positive, found {weighed.nominal_value:.6g} kg", "Check gross and tare"
         )
     # Mass over weighing; None where the densities are not stated and not wanted
-    fields = file.inner("buoyancy")
-    fields.only(("apply", "air_density", "weights_density", "article_density"))
-    if not fields.switch("apply", False) and len(fields.table.keys() - {"apply"}) < 3:
-        factor: UFloat | None = None
-    else:
+    fields = file.inner("buoyancy").only(("apply", "air_density", "weights_density", "article_density"))
+    applied = fields.switch("apply", False)
+    factor: UFloat | None = None
+    if applied or len(fields.table.keys() - {"apply"}) == 3:
         air, weights, own = (fields.positive(f"{what}_density", "density") for what in ("air", "weights", "article"))
         if air.nominal_value >= min(own.nominal_value, weights.nominal_value):
             raise fields.refused("air_density", "the article and the weights must be denser than air", "Densities in kg/m^3")
         factor = (1 - air / weights) / (1 - air / own)
-    applied = file.inner("buoyancy").switch("apply", False)
-    if applied:
-        notes: tuple[str, ...] = ()
-    else:
-        size = f"; it would change the mass by {100 * (factor.nominal_value - 1):+.4f} %" if factor is not None else ""
-        notes = (f"Buoyancy is not corrected{size}.",)
+    size = f"; it would change the mass by {100 * (factor.nominal_value - 1):+.4f} %" if factor is not None else ""
     return Reduction(
         title=file.text("title", "Weighing"),
         origin=file.text("origin", "origin not stated"),
         article=article.text("name"),
         results={"mass": weighed * factor if applied and factor is not None else weighed},
-        notes=notes,
+        notes=() if applied else (f"Buoyancy is not corrected{size}.",),
         terms={"mass": {"buoyancy": factor.nominal_value - 1}} if applied and factor is not None else {},
     )
-
-
-def _net(entry: Fields, scale: Balance) -> UFloat:
-    entry.only(("gross", "tare"))
-    gross = scale.reading(entry.positive("gross", "mass", "gross reading"))
-    if "tare" not in entry.table:
-        return gross
-    return gross - scale.reading(entry.quantity("tare", "mass", "tare reading"))
 
 
 # CoG height by crane and balance (paper 3.3): one end hangs on the crane's rope, the other stands on the balance.
@@ -223,10 +214,15 @@ def reduce_cog(file: Fields) -> Reduction:
     reading = scale.mean(
         [scale.reading(entry.only(("shown",)).positive("shown", "mass", "balance reading")) for entry in file.each("reading")]
     )
-    _require_rope_in_tension(reading, mass, file)
+    if reading.nominal_value >= mass.nominal_value:
+        carried = f"the balance carries {reading.nominal_value:.6g} kg of {mass.nominal_value:.6g} kg"
+        raise file.refused(
+            "reading",
+            f"{carried}: the rope would have to push",
+            "Check the mass, the tare of the supports and the reading; the CoG lies between rope and support",
+        )
     gravity = file.positive("gravity", "acceleration") if "gravity" in file.table else exact(STANDARD_GRAVITY)
-    fields = file.inner("distances")
-    fields.only(("rope", "support", "inclination", "rope_offset", "support_offset"))
+    fields = file.inner("distances").only(("rope", "support", "inclination", "rope_offset", "support_offset"))
     rope, support = (fields.quantity(key, "length", f"{key} position") for key in ("rope", "support"))
     if rope.nominal_value == support.nominal_value:
         raise fields.refused("support", "rope and support are at one place: no lever", "Measure both from the article's bottom")
@@ -243,15 +239,4 @@ def reduce_cog(file: Fields) -> Reduction:
         article=article.text("name"),
         results={"cog_z": height, "rope_force": (mass - reading) * gravity},
         notes=("Assumed: rope vertical, no side force on the balance, rigid article.",),
-    )
-
-
-def _require_rope_in_tension(reading: UFloat, mass: UFloat, file: Fields) -> None:
-    if reading.nominal_value < mass.nominal_value:
-        return
-    raise BadInput(
-        source=file.source,
-        field="reading",
-        problem=f"the balance carries {reading.nominal_value:.6g} kg of {mass.nominal_value:.6g} kg: the rope would have to push",
-        remedy="Check the mass, the tare of the supports and the reading; the CoG lies between rope and support",
     )

@@ -5,32 +5,22 @@ from __future__ import annotations
 import shlex
 import sys
 from pathlib import Path
+from typing import Any
 
 import click
 
 from validation.app.options import LINGER
 from validation.cli import options
-from validation.cli.options import METHODS
 
 
 @click.command("compare")
 @click.argument("model", metavar="MODEL")
 @click.argument("data", nargs=-1, required=True, metavar="DATA ...")
-@options.HOLD_OUT
-@options.BAND
-@options.METHOD
+@options.study
 @options.effects_from
 @options.JSON
 @click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Write compare.json and the pictures into DIR.")
-def compare_command(
-    model: str,
-    data: tuple[str, ...],
-    hold_out: tuple[str, ...],
-    band: tuple[float, float] | None,
-    method: str,
-    as_json: bool,
-    out: Path | None,
-) -> None:
+def compare_command(as_json: bool, out: Path | None, **given: Any) -> None:
     """Where MODEL fails: four errors with their verdicts, the ten worst spots in words, maps over frequency.
 
     DATA are the campaign folders of one series, and weigh, cog and pendulum files with them. Spots are told in standard
@@ -45,11 +35,7 @@ def compare_command(
 
     if out is not None:
         require_folder(out, "--out")
-    asked = Options(model=model, data=data, hold_out=hold_out, band=band, method=method)
-    answer(asked, as_json=as_json, folder=out)
-
-
-# `massline add`: an effect fitted and added to a model, with the errors before and after.
+    answer(Options(**given), as_json=as_json, folder=out)
 
 
 @click.command("add")
@@ -62,26 +48,15 @@ def compare_command(
     metavar="NAME",
     help="A run, campaign or file that is predicted and never fitted. May be repeated.  [default: each run in turn]",
 )
-@click.option("--band", nargs=2, type=float, metavar="LO HI", help="Frequencies [Hz] to use.  [default: what all runs drive]")
-@click.option("--method", type=click.Choice(METHODS), help=f"How spectra are made.  [default: {METHODS[0]}]")
-@click.option("--effects-from", multiple=True, metavar="DIR", help="A folder of your own effects. May be repeated.")
+@options.BAND
+@click.option("--method", type=click.Choice(options.METHODS), help=f"How spectra are made.  [default: {options.METHODS[0]}]")
+@options.EFFECTS_FROM
 @click.option("--fixed", is_flag=True, help="Keep the effect at VALUE instead of fitting it.")
 @click.option(
     "--alias-ok", is_flag=True, help="Add it though these data cannot tell it from what the model has; the rung says so."
 )
 @options.JSON
-def add_command(
-    model: Path,
-    effect: str,
-    data: tuple[str, ...],
-    hold_out: tuple[str, ...],
-    band: tuple[float, float] | None,
-    method: str | None,
-    effects_from: tuple[str, ...],
-    fixed: bool,
-    alias_ok: bool,
-    as_json: bool,
-) -> None:
+def add_command(model: Path, effect: str, fixed: bool, alias_ok: bool, as_json: bool, **given: Any) -> None:
     """Add EFFECT to MODEL: fit it, print the errors before and after, and keep both as rungs of the model's ladder.
 
     EFFECT is an id of the catalogue, such as force-gain:fmd-z2; with =VALUE its fit begins there. DATA are the campaign folders
@@ -95,11 +70,7 @@ def add_command(
     from validation.report.history import add
     from validation.study import Options
 
-    asked = Options(model=str(model), data=data, hold_out=hold_out, band=band, method=method, effects_from=effects_from)
-    add(asked, AddedEffectOptions(effect=effect, fixed=fixed, alias_ok=alias_ok), as_json=as_json)
-
-
-# `massline app`: the workbench in the browser.
+    add(Options(model=str(model), **given), AddedEffectOptions(effect=effect, fixed=fixed, alias_ok=alias_ok), as_json=as_json)
 
 
 @click.command("app")
@@ -120,10 +91,8 @@ def add_command(
     help="How long to wait, when the last page is closed, for it to be opened again.",
 )
 @click.option("--stay", is_flag=True, help="Keep serving when the last page is closed.")
-@options.HOLD_OUT
-@options.BAND
-@options.METHOD
-@click.option("--effects-from", multiple=True, metavar="DIR", help="A folder of your own effects. May be repeated.")
+@options.study
+@options.EFFECTS_FROM
 def app_command(
     model: str | None,
     data: tuple[str, ...],
@@ -133,10 +102,7 @@ def app_command(
     no_browser: bool,
     linger: float,
     stay: bool,
-    hold_out: tuple[str, ...],
-    band: tuple[float, float] | None,
-    method: str,
-    effects_from: tuple[str, ...],
+    **given: Any,
 ) -> None:
     """The workbench in the browser: compare, diagnose, add, undo, what if.
 
@@ -151,13 +117,10 @@ def app_command(
     from validation.app import server
     from validation.app.options import WorkbenchOptions, opened
 
-    begun = opened(example, model, data, hold_out=hold_out, band=band, method=method, effects_from=effects_from)
+    begun = opened(example, model, data, **given)
     server.run(
         WorkbenchOptions(opened=begun, port=port, host=host, browser=not no_browser, linger=None if stay else linger), click.echo
     )
-
-
-# `massline correct`: a copy of a campaign without a fault of its measurement.
 
 
 @click.command("correct")
@@ -174,20 +137,15 @@ def correct_command(campaign: str, effects: tuple[str, ...], out: Path, force: b
     units, polarities, swapped channels, delays, a high-pass, places and directions of accelerometers and a shunt can be taken
     out of a record; for everything else the command says why not.
     """
-    from validation.report.correct import correct
+    from validation.report.campaign import correct
 
     correct(campaign, effects, out, force=force, as_json=as_json)
-
-
-# `massline diagnose`: which effect a model is missing, that nothing is missing, or that it is none of those known.
 
 
 @click.command("diagnose")
 @click.argument("model", type=click.Path(path_type=Path), metavar="MODEL")
 @click.argument("data", nargs=-1, required=True, metavar="DATA ...")
-@options.HOLD_OUT
-@options.BAND
-@options.METHOD
+@options.study
 @click.option(
     "--candidate",
     "candidates",
@@ -195,22 +153,11 @@ def correct_command(campaign: str, effects: tuple[str, ...], out: Path, force: b
     metavar="FAMILY[:TARGET]",
     help="Look for this effect, or this family, only. May be repeated.  [default: all that could act on DATA]",
 )
-@click.option("--effects-from", multiple=True, metavar="DIR", help="A folder of your own effects. May be repeated.")
+@options.EFFECTS_FROM
 @click.option("--auto", is_flag=True, help="Add what is found to MODEL, rung by rung, until the rules say stop.")
 @options.JSON
 @click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Write diagnose.json and the pictures into DIR.")
-def diagnose_command(
-    model: Path,
-    data: tuple[str, ...],
-    hold_out: tuple[str, ...],
-    band: tuple[float, float] | None,
-    method: str,
-    candidates: tuple[str, ...],
-    effects_from: tuple[str, ...],
-    auto: bool,
-    as_json: bool,
-    out: Path | None,
-) -> None:
+def diagnose_command(model: Path, auto: bool, as_json: bool, out: Path | None, **given: Any) -> None:
     """Which physical effect MODEL is missing, how surely, and what would confirm it; that nothing is; or that it is unknown.
 
     DATA are the campaign folders of one series, and weigh, cog and pendulum files with them. With --auto every effect that is
@@ -226,21 +173,9 @@ def diagnose_command(
 
     if out is not None:
         require_folder(out, "--out")
-    for folder in effects_from:
+    for folder in given["effects_from"]:
         catalogue.load(folder)
-    asked = Options(
-        model=str(model),
-        data=data,
-        hold_out=hold_out,
-        band=band,
-        method=method,
-        candidates=candidates,
-        effects_from=effects_from,
-    )
-    diagnosis_answer(asked, auto=auto, as_json=as_json, folder=out)
-
-
-# `massline effects`: the physical effects that massline knows, or one of them in full.
+    diagnosis_answer(Options(model=str(model), **given), auto=auto, as_json=as_json, folder=out)
 
 
 @click.command("effects")
@@ -263,9 +198,6 @@ def effects_command(names: tuple[str, ...], as_json: bool) -> None:
         click.echo("\n".join(effects.whole(family, target) for family, target in found), nl=False)
     else:
         click.echo(effects.table(), nl=False)
-
-
-# `massline ladder`: every version of a model, and how its errors fell.
 
 
 @click.command("ladder")
@@ -294,9 +226,6 @@ def ladder_command(model: Path, go: int | None, plot: bool, out: Path, as_json: 
     ladder(model, go=go, as_json=as_json, folder=out if plot else None)
 
 
-# `massline model`: a commented model file to start from.
-
-
 @click.command("model")
 @click.argument("article", metavar="ARTICLE")
 @click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="Write it there instead of to standard output.")
@@ -313,15 +242,10 @@ def model_command(article: str, out: Path | None, force: bool) -> None:
     model(article, out, force=force)
 
 
-# `massline report`: one page of all that is known of a model and its measurements, to be read, printed and signed.
-
-
 @click.command("report")
 @click.argument("model", metavar="MODEL")
 @click.argument("data", nargs=-1, required=True, metavar="DATA ...")
-@options.HOLD_OUT
-@options.BAND
-@options.METHOD
+@options.study
 @options.effects_from
 @click.option("--no-diagnosis", is_flag=True, help="Do not look for what is missing, which takes longest.")
 @click.option("--pdf", is_flag=True, help="Print it to a PDF beside it as well, by Chromium or what MASSLINE_BROWSER names.")
@@ -332,17 +256,7 @@ def model_command(article: str, out: Path | None, force: bool) -> None:
     metavar="FILE.html",
     help="Where the page goes.  [default: out/, named after MODEL]",
 )
-def report_command(
-    model: str,
-    data: tuple[str, ...],
-    hold_out: tuple[str, ...],
-    band: tuple[float, float] | None,
-    method: str,
-    no_diagnosis: bool,
-    pdf: bool,
-    by: str,
-    out: Path | None,
-) -> None:
+def report_command(no_diagnosis: bool, pdf: bool, by: str, out: Path | None, **given: Any) -> None:
     """A report of MODEL and DATA as one HTML file that needs no network: figures to look into, tables that copy, room to sign.
 
     DATA are the campaign folders of one series, and weigh, cog and pendulum files with them. The report compares, identifies and
@@ -354,12 +268,8 @@ def report_command(
     from validation.report.page import ReportOptions, answer
     from validation.study import Options
 
-    asked = Options(model=model, data=data, hold_out=hold_out, band=band, method=method)
     line = shlex.join(["massline", *sys.argv[1:]])
-    answer(ReportOptions(compared=asked, diagnosis=not no_diagnosis, out=out, pdf=pdf, by=by, command=line))
-
-
-# `massline undo`: back to the rung below.
+    answer(ReportOptions(compared=Options(**given), diagnosis=not no_diagnosis, out=out, pdf=pdf, by=by, command=line))
 
 
 @click.command("undo")

@@ -47,6 +47,9 @@ EXAMPLE = shlex.quote(str(DATA / "example_series"))
 HIDDEN, MODEL = "out/hidden", "out/hidden/model.toml"
 """A series with an effect that its model lacks, and the model."""
 
+BOTH = f"{HIDDEN}/fmd+disc+cuboid {HIDDEN}/fmd+clumod-1"
+"""Its campaigns."""
+
 REPORT = f"{HIDDEN}/report.html"
 """What is known of both at the end."""
 
@@ -136,15 +139,15 @@ STEPS = (
     ),
     DemoStep(
         title="... where it fails: errors, worst spots in words, maps",
-        command=f"massline compare {MODEL} {HIDDEN}/fmd+disc+cuboid {HIDDEN}/fmd+clumod-1 --out {HIDDEN}/compared",
+        command=f"massline compare {MODEL} {BOTH} --out {HIDDEN}/compared",
     ),
     DemoStep(
         title="... what it is missing: ranked causes, how surely, what they are mistaken for, what would confirm them",
-        command=f"massline diagnose {MODEL} {HIDDEN}/fmd+disc+cuboid {HIDDEN}/fmd+clumod-1 --out {HIDDEN}/diagnosed",
+        command=f"massline diagnose {MODEL} {BOTH} --out {HIDDEN}/diagnosed",
     ),
     DemoStep(
         title="... the effect added: the error falls, on held-out sweeps too, the identified CoG returns into its interval",
-        command=f"massline add {MODEL} force-gain:fmd-z2 {HIDDEN}/fmd+disc+cuboid {HIDDEN}/fmd+clumod-1",
+        command=f"massline add {MODEL} force-gain:fmd-z2 {BOTH}",
     ),
     DemoStep(title="... and the ladder, with pictures of the fall", command=f"massline ladder {MODEL} --out {HIDDEN}/ladder"),
     DemoStep(
@@ -155,7 +158,7 @@ STEPS = (
     DemoStep(title="An effect of one's own, from its file to a campaign", command="python examples/own_effect.py"),
     DemoStep(
         title="All of the hidden effect on one page, to be read, printed and signed",
-        command=f"massline report {MODEL} {HIDDEN}/fmd+disc+cuboid {HIDDEN}/fmd+clumod-1 --no-diagnosis --out {REPORT}",
+        command=f"massline report {MODEL} {BOTH} --no-diagnosis --out {REPORT}",
     ),
 )
 
@@ -174,7 +177,9 @@ def main() -> int:
         if step.needs is not None and not step.needs.is_dir():
             click.echo(f"Passed over: {step.needs} is absent. MASSLINE_DATA may name the folder of data.")
             continue
-        code = _run(step.command)
+        program, *arguments = shlex.split(step.command)
+        sys.stdout.flush()
+        code = run(arguments) if program == "massline" else subprocess.run([sys.executable, *arguments], check=False).returncode
         if code != step.ends:
             click.echo(f"The demo stops here: `{step.command}` ended with exit code {code}.", err=True)
             return code or FAILED_CHECK
@@ -186,16 +191,10 @@ def main() -> int:
             report=Path(REPORT).absolute().as_uri(),
             massline=os.path.relpath(Path(sys.executable).with_name("massline")),
             model=MODEL,
-            data=f"{HIDDEN}/fmd+disc+cuboid {HIDDEN}/fmd+clumod-1",
+            data=BOTH,
         )
     )
     return DONE
-
-
-def _run(command: str) -> int:
-    program, *arguments = shlex.split(command)
-    sys.stdout.flush()
-    return run(arguments) if program == "massline" else subprocess.run([sys.executable, *arguments], check=False).returncode
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ from typing import Any
 import click
 
 from validation.cli import options
-from validation.cli.options import METHODS
 
 
 @click.command("identify")
@@ -40,7 +39,9 @@ from validation.cli.options import METHODS
     help="A weighing, CoG, pendulum or results file about the article, taken as data with its tolerance. May be repeated.",
 )
 @click.option("--band", nargs=2, type=float, metavar="LO HI", help="Frequencies [Hz] to use.  [default: the campaign's]")
-@click.option("--spectra", type=click.Choice(METHODS), default=METHODS[0], show_default=True, help="How spectra are made.")
+@click.option(
+    "--spectra", type=click.Choice(options.METHODS), default=options.METHODS[0], show_default=True, help="How spectra are made."
+)
 @click.option("--modes", default="auto", show_default=True, metavar="N", help="Elastic terms; 0 takes the article for rigid.")
 @click.option(
     "--condition-limit", type=float, default=100.0, show_default=True, metavar="X", help="Leave out lines conditioned worse."
@@ -64,27 +65,7 @@ from validation.cli.options import METHODS
 @click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Write identify.json and the pictures into DIR.")
 @options.JSON
 @options.FRAME
-def identify_command(
-    campaign: str,
-    tares: tuple[str, ...],
-    known: tuple[str, ...],
-    known_tolerance: str,
-    classical: tuple[str, ...],
-    band: tuple[float, float] | None,
-    spectra: str,
-    modes: str,
-    condition_limit: float,
-    tolerances: tuple[str, ...],
-    cell_stiffness: tuple[float, float, float] | None,
-    fmd: str | None,
-    any_hardware: bool,
-    robust: bool,
-    study: bool,
-    plot: bool,
-    out: Path | None,
-    as_json: bool,
-    frame: str | None,
-) -> None:
+def identify_command(plot: bool, out: Path | None, as_json: bool, frame: str | None, **given: Any) -> None:
     """Mass, CoG, moments and products of inertia of the article of CAMPAIGN, with 95 % intervals and a verdict on each.
 
     Plain results (Eqs. 6 to 11, then 1 and 4) and self-calibrated ones, in which every tolerance of sensors and load cells is
@@ -99,28 +80,8 @@ def identify_command(
 
     if out is not None:
         require_folder(out, "--out")
-    asked = IdentifyOptions(
-        campaign=campaign,
-        tares=tares,
-        known=known,
-        known_tolerance=known_tolerance,
-        classical=classical,
-        band=band,
-        spectra=spectra,
-        modes=modes,
-        condition_limit=condition_limit,
-        tolerances=tolerances,
-        cell_stiffness=cell_stiffness,
-        fmd=fmd,
-        any_hardware=any_hardware,
-        robust=robust,
-        study=study,
-    )
     folder = out if out is not None else Path("out") if plot else None
-    answer(asked, frame, as_json=as_json, folder=folder, keep=out is not None)
-
-
-# `massline check`: what is in a campaign folder, and what is wrong with it.
+    answer(IdentifyOptions(**given), frame, as_json=as_json, folder=folder, keep=out is not None)
 
 
 @click.command("check")
@@ -136,9 +97,8 @@ def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool) 
     """
     from validation.cli.main import BAD_INPUT, FAILED_CHECK
     from validation.identify.check import summary
-    from validation.output import print_json, shown
-    from validation.report import campaign as summary_json
-    from validation.report import campaign as summary_table
+    from validation.output import print_json, shown, to_json
+    from validation.report import campaign as answer
     from validation.report.document import page
 
     with shown(f"reading {campaign}", quiet=as_json):
@@ -146,9 +106,9 @@ def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool) 
     if found.campaign is None and len(found.problems) == 1:
         raise found.problems[0]
     if as_json:
-        print_json(summary_json.as_json(found))
+        print_json(to_json(found))
     else:
-        click.echo(page(summary_table.title(found), summary_table.grids(found), summary_table.notes(found)), nl=False)
+        click.echo(page(answer.title(found), answer.grids(found), answer.notes(found)), nl=False)
     if view and found.campaign is not None:
         from validation.report.scenes.sensors import draw
 
@@ -159,9 +119,6 @@ def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool) 
         ctx.exit(BAD_INPUT)
     if found.warnings:
         ctx.exit(FAILED_CHECK)
-
-
-# `massline pretest`: before a test, what it would tell, and where pick-ups belong.
 
 
 @click.command("pretest")

@@ -53,17 +53,12 @@ def held_while_importing() -> Iterator[None]:
 
 
 def _heard(number: int, frame: FrameType | None) -> None:
-    if not _importing(frame):
+    inner = frame
+    while inner is not None and not inner.f_code.co_filename.startswith(_IMPORTING):
+        inner = inner.f_back
+    if inner is None:
         signal.default_int_handler(number, frame)
     _thread.start_new_thread(_again, ())  # takes no lock, unlike threading.Timer, so it may start anywhere
-
-
-def _importing(frame: FrameType | None) -> bool:
-    while frame is not None:
-        if frame.f_code.co_filename.startswith(_IMPORTING):
-            return True
-        frame = frame.f_back
-    return False
 
 
 def _again() -> None:

@@ -40,24 +40,35 @@ SET = click.option(
     help="Your own dimension of a built-in part, in the unit of its file in geometry/articles, such as "
     "fmd.load_cell.moving_fraction=0.6. May be repeated.",
 )
-MODEL = click.option(
-    "--model",
-    metavar="MODEL",
-    help="beam (milliseconds; the default), solid (meshed CAD) or exudyn (solved by exudyn itself).",
-)
-
 METHODS = ("full-record", "peak-reference-hold")
 
-HOLD_OUT = click.option(
-    "--hold-out",
-    multiple=True,
-    metavar="NAME",
-    help="A run, campaign or file that is predicted, never fitted. Repeatable.  [default: each run in turn]",
-)
 BAND = click.option(
     "--band", nargs=2, type=float, metavar="LO HI", help="Frequencies [Hz] to use.  [default: what all runs drive]"
 )
-METHOD = click.option("--method", type=click.Choice(METHODS), default=METHODS[0], show_default=True, help="How spectra are made.")
+EFFECTS_FROM = click.option("--effects-from", multiple=True, metavar="DIR", help="A folder of your own effects. May be repeated.")
+"""Hands the folders to the command, which must know them later."""
+
+
+def _with(command: Command, *added: Callable[[Command], Command]) -> Command:
+    """`command` with options in the order in which its help lists them."""
+    for option in reversed(added):
+        command = option(command)
+    return command
+
+
+def study(command: Command) -> Command:
+    """How a model is held against data: ``--hold-out``, ``--band``, ``--method``."""
+    return _with(
+        command,
+        click.option(
+            "--hold-out",
+            multiple=True,
+            metavar="NAME",
+            help="A run, campaign or file that is predicted, never fitted. Repeatable.  [default: each run in turn]",
+        ),
+        BAND,
+        click.option("--method", type=click.Choice(METHODS), default=METHODS[0], show_default=True, help="How spectra are made."),
+    )
 
 
 def _load_effects(ctx: click.Context, _: click.Parameter, folders: Sequence[str]) -> None:
@@ -82,40 +93,41 @@ effects_from = click.option(
 
 def measurement(command: Command) -> Command:
     """What a measurement file is reduced with: FILE, ``--against``, ``--json``."""
-    for option in (
-        JSON,
-        click.option("--against", metavar="ARTICLE", help="Set the result beside what is published about ARTICLE."),
+    return _with(
+        command,
         click.argument("file"),
-    ):
-        command = option(command)
-    return command
+        click.option("--against", metavar="ARTICLE", help="Set the result beside what is published about ARTICLE."),
+        JSON,
+    )
+
+
+UNIT = click.option("--unit", metavar="UNIT", help="Unit of length of your own mesh file, for example mm.")
 
 
 def asked(command: Command) -> Command:
     """How articles are read: ``--set``, ``--chord``, ``--unit``, ``--material``."""
-    for option in (
-        click.option("--material", metavar="NAME", help="Material or density of your own file, for every body that has none."),
-        click.option("--unit", metavar="UNIT", help="Unit of length of your own mesh file, for example mm."),
+    return _with(
+        command,
+        SET,
         click.option(
             "--chord",
             metavar="LENGTH",
             help=f"Chord error of the mesh route.  [default: {DEFAULT_CHORD * 1e6:g} um; in your own STEP 1e-4 of a body's size]",
         ),
-        SET,
-    ):
-        command = option(command)
-    return command
+        UNIT,
+        click.option("--material", metavar="NAME", help="Material or density of your own file, for every body that has none."),
+    )
 
 
 def flexible(command: Command) -> Command:
     """How a flexible model is made: ``--model``, ``--damping``, ``--size``, ``--joints``, ``--cells``, ``--set`` and others."""
-    for option in (
-        click.option("--material", metavar="NAME", help="Material of your own CAD file, for every body that has none."),
-        click.option("--unit", metavar="UNIT", help="Unit of length of your own mesh file, for example mm."),
-        SET,
-        click.option("--cells", is_flag=True, help="The FMD's load cells as springs of assumed stiffness (beam, exudyn)."),
-        click.option("--joints", is_flag=True, help="Correct Clumod's beams by local solid models of its joints (beam, exudyn)."),
-        click.option("--size", metavar="LENGTH", help='Element size of the solid model, for example "20 mm".'),
+    return _with(
+        command,
+        click.option(
+            "--model",
+            metavar="MODEL",
+            help="beam (milliseconds; the default), solid (meshed CAD) or exudyn (solved by exudyn itself).",
+        ),
         click.option(
             "--damping",
             "damping_ratio",
@@ -123,10 +135,13 @@ def flexible(command: Command) -> Command:
             metavar="RATIO",
             help="Damping ratio of every mode, instead of the model's own.",
         ),
-        MODEL,
-    ):
-        command = option(command)
-    return command
+        click.option("--size", metavar="LENGTH", help='Element size of the solid model, for example "20 mm".'),
+        click.option("--joints", is_flag=True, help="Correct Clumod's beams by local solid models of its joints (beam, exudyn)."),
+        click.option("--cells", is_flag=True, help="The FMD's load cells as springs of assumed stiffness (beam, exudyn)."),
+        SET,
+        UNIT,
+        click.option("--material", metavar="NAME", help="Material of your own CAD file, for every body that has none."),
+    )
 
 
 def flexible_asked(
@@ -171,7 +186,10 @@ def reading(chord: str | None, unit: str | None, material: str | None, settings:
     BadInput : the chord error is no length within `CHORDS`, or a setting is not of the form KEY=VALUE with a number.
     """
     return ArticleOptions(
-        chord=None if chord is None else _chord(chord), unit=unit, material=material, changes=reference.read(settings)
+        chord=None if chord is None else _length(chord, "--chord", CHORDS, '"2 um"'),
+        unit=unit,
+        material=material,
+        changes=reference.read(settings),
     )
 
 
@@ -187,10 +205,6 @@ def require_articles(names: Sequence[str]) -> None:
     for name in names:
         if not is_file(name):
             dimension_files(name)
-
-
-def _chord(text: str) -> float:
-    return _length(text, "--chord", CHORDS, '"2 um"')
 
 
 def _length(text: str, option: str, limits: tuple[float, float], example: str) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,6 @@ from validation.cli import options
 from validation.verification.check import FAMILIES
 
 if TYPE_CHECKING:
-    from validation.classical.swing import Simulated
     from validation.flexible.model import Flexible
 
 
@@ -134,9 +134,6 @@ def dynamic_mass_command(
             click.echo(f"massline: wrote {path}.", err=True)
 
 
-# `massline excite`: an article on a table that is driven in time; loads, load cells and resonances passed.
-
-
 @click.command("excite")
 @click.argument("article")
 @options.JSON
@@ -178,14 +175,8 @@ def excite_command(
     ARTICLE is a built-in part or a stack of them (clumod-1, fmd+clumod-1), a STEP file of your own (--model solid) or your own FE
     model (.h5, .npz, .op4 ... or its .toml). Nominal levels are 2.5 m/s² along x, y, z, 3 rad/s² about x, y and 6 rad/s² about z.
     """
-    from validation.report.excite import Wanted, excite
-
-    question = _question(article, model, given)
-    excite(question, Wanted(out=out, plot=plot, animate=animate, as_json=as_json))
-
-
-def _question(article: str, model: str | None, given: dict[str, Any]) -> Any:
     from validation.excite.question import ExciteOptions, attached, drive, require_rate, require_route
+    from validation.report.excite import Wanted, excite
 
     require_route(given["route"])
     require_rate(given["rate"])
@@ -193,7 +184,7 @@ def _question(article: str, model: str | None, given: dict[str, Any]) -> Any:
     driven = ("axes", "every", "pattern", "band", "octaves_per_minute", "duration", "level", "cross", "seed", "ring_down")
     fastened = ("cells", "preload", "flange", "friction", "cable", "damper")
     made = ("damping_ratio", "size", "joints", "settings", "unit", "material")
-    return ExciteOptions(
+    question = ExciteOptions(
         article=article,
         model=model,
         asked=options.flexible_asked(
@@ -205,9 +196,7 @@ def _question(article: str, model: str | None, given: dict[str, Any]) -> Any:
         rate=given["rate"],
         every_mode=count is not None,
     )
-
-
-# `massline simulate`: a virtual test on the shaker, a campaign folder with its truth beside it.
+    excite(question, Wanted(out=out, plot=plot, animate=animate, as_json=as_json))
 
 
 @click.command("simulate")
@@ -293,9 +282,6 @@ def _list(ctx: click.Context, asked: bool) -> None:
     ctx.exit()
 
 
-# `massline swing`: an article on ropes, simulated by exudyn, recorded and reduced as a measured pendulum.
-
-
 @click.command("swing")
 @click.argument("article")
 @options.JSON
@@ -343,79 +329,39 @@ def swing_command(
     Prints the period beside that of Eq. 5, what every effect alone does to it, and the inertia that comes out beside that of the
     article. With --out FOLDER the record goes through `massline pendulum FOLDER/pendulum.toml` like any other.
     """
-    from validation.classical.swing import as_option, setup, simulated
-    from validation.output import require_folder
+    from validation.classical.swing import OPTIONS, Words, as_option, setup, simulated, write
+    from validation.output import percent, print_json, require_folder, shown
+    from validation.report import excite
+    from validation.report.scenes.pendulum import draw, in_the_way
 
     options.require_articles([article])
     asked = options.reading(None, unit, material, settings)
-    question = setup(article, _words(words), asked)
-    for option, folder in _folders(out, plot=plot, animate=animate).items():
+    texts = {name: words.pop(name) for name in OPTIONS}
+    question = setup(article, Words(texts=texts, **words), asked)
+    wanted = {"--plot": plot, "--animate": animate}
+    folders = {"--out": out} if out is not None else {option: Path("out") for option, drawn in wanted.items() if drawn}
+    for option, folder in folders.items():
         require_folder(folder, option)
     try:
-        found = simulated(question, _watched(as_json))
+        found = simulated(question, partial(percent, quiet=as_json))
     except BadInput as error:
         raise as_option(error) from None
-    _write(found, out)
-    _swing_print(found, out, as_json)
-    for folder in set(_folders(out, plot=plot, animate=animate).values()):
-        _swing_draw(found, asked, folder, animate=animate, quiet=as_json)
-
-
-def _folders(out: Path | None, *, plot: bool, animate: bool) -> dict[str, Path]:
-    """The folder that something is written into, by the option that asked for it; empty where nothing is."""
+    record = found.record
     if out is not None:
-        return {"--out": out}
-    return {option: Path("out") for option, wanted in (("--plot", plot), ("--animate", animate)) if wanted}
-
-
-def _words(words: dict[str, Any]) -> Any:
-    from validation.classical.swing import OPTIONS, Words
-
-    texts = {name: words.pop(name) for name in OPTIONS}
-    return Words(texts=texts, **words)
-
-
-def _watched(quiet: bool) -> Any:
-    from functools import partial
-
-    from validation.output import percent
-
-    return partial(percent, quiet=quiet)
-
-
-def _write(found: Simulated, out: Path | None) -> None:
-    from validation.classical.swing import write
-
-    if out is not None:
-        record = found.record
         path = write(out, record.setup, record.swing, record.signal, record.decay)
         click.echo(f"massline: wrote {path} and its record. Reduce it with `massline pendulum {path}`.", err=True)
-
-
-def _swing_print(found: Simulated, out: Path | None, as_json: bool) -> None:
-    from validation.output import print_json
-    from validation.report import excite
-
     if as_json:
         print_json(excite.as_json(found, out))
     else:
         click.echo(excite.text(found), nl=False)
-
-
-def _swing_draw(found: Simulated, asked: Any, folder: Path, *, animate: bool, quiet: bool) -> None:
-    from validation.output import shown
-    from validation.report.scenes.pendulum import draw, in_the_way
-
-    with shown("pictures of the swing", quiet=quiet):
-        written = draw(found, asked, folder, animate=animate)
-        said = in_the_way(found.record.setup, asked)
-    for path in written:
-        click.echo(f"massline: wrote {path}.", err=True)
-    if said:
-        click.echo(f"massline: {said}", err=True)
-
-
-# ``massline verify``: the prediction side against closed forms, second sources and rates of convergence, row by row.
+    for folder in set(folders.values()):
+        with shown("pictures of the swing", quiet=as_json):
+            written = draw(found, asked, folder, animate=animate)
+            said = in_the_way(record.setup, asked)
+        for path in written:
+            click.echo(f"massline: wrote {path}.", err=True)
+        if said:
+            click.echo(f"massline: {said}", err=True)
 
 
 @click.command("verify", epilog="Families: " + ", ".join(f"{name} ({words})" for name, words in FAMILIES.items()) + ".")
@@ -431,14 +377,14 @@ def verify_command(families: tuple[str, ...], fine: bool, as_markdown: bool, as_
 
     Exit code 0 when every check passes, 1 when one does not.
     """
-    from validation.output import print_json, print_pages
+    from validation.output import print_json, print_pages, to_json
     from validation.report.flexible import markdown, pages, summary
     from validation.verification.check import Mesh, checks, run
 
     results = run(checks(*families), Mesh.FINE if fine else Mesh.FAST, quiet=as_json)
     passed = all(result.passed for result in results)
     if as_json:
-        print_json({"rows": [result.json() for result in results], "pass": passed, "text": summary(results)})
+        print_json({"rows": to_json(results), "pass": passed, "text": summary(results)})
     elif as_markdown:
         click.echo(markdown(results))
     else:

@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import click
 
 from geometry.errors import BadInput, CheckFailed
 from validation.cli import options
-
-if TYPE_CHECKING:
-    from geometry.frames import Pose
-    from validation.reference.reference import ArticleOptions, CrossCheck, ReferenceTable, StatedResult
-    from validation.reference.statement import Statement
-
 
 FORMATS = ("text", "markdown", "csv", "latex")
 
@@ -54,100 +47,51 @@ def reference_command(
 
     Exit code 1 when the routes of an article disagree by more than their stated errors.
     """
-    from validation.output import counted
-    from validation.reference.reference import DEFAULT_ARTICLES, reference_table, require_use
+    from geometry.atomic import write_text
+    from validation.output import counted, json_text, to_json
+    from validation.reference.reference import DEFAULT_ARTICLES, IDENTIFIED, read_result, reference_table, require_use
     from validation.reference.statement import read_frame
+    from validation.report.reference import draw, tables_text
 
     names = list(dict.fromkeys(articles)) or list(DEFAULT_ARTICLES)
     asked = options.reading(chord, unit, material, settings)
     options.require_articles(names)
     require_use(names, asked)
     pose = None if frame is None else read_frame(frame)
-    result = None if identified is None else _result(identified, names, pose)
-    tables = [
-        _completed(reference_table(name, asked), result, pose, frame) for name in counted(names, "three routes", quiet=as_json)
-    ]
-    warnings = () if result is None else result.warnings
-    in_sight = form == "text" and out is None and not as_json  # the tables' footnotes say them already
-    for warning in (*warnings, *(() if in_sight else _warnings(tables))):
-        click.echo(f"massline: {warning}.", err=True)
-    _write(_json(tables, warnings) if as_json else _text(tables, form, to_file=out is not None), out)
-    if view:
-        _pictures(names, asked, quiet=as_json)
-    apart = [f"{table.article}: {table.agreement}" for table in tables if not table.agree]
-    if apart:
-        raise CheckFailed("; ".join(apart))
-
-
-def _warnings(tables: Sequence[ReferenceTable]) -> tuple[str, ...]:
-    """Everything noticed about the articles, each with the file that it is about."""
-    pairs = [(table.article, said) for table in tables for said in table.warnings]
-    return tuple(said if said.startswith(article) else f"{article}: {said}" for article, said in pairs)
-
-
-def _result(identified: str, names: Sequence[str], pose: Pose | None) -> StatedResult:
-    from validation.reference.reference import read_result
-
-    if len(names) > 1:
+    if identified is not None and len(names) > 1:
         raise BadInput(
             source="--identified",
             problem=f"a result is about one article, found {len(names)}",
             remedy="Name the one that was identified: massline reference ARTICLE --identified RESULT",
         )
-    return read_result(identified, article=names[0], frame=pose)
-
-
-def _completed(table: ReferenceTable, result: StatedResult | None, pose: Pose | None, frame: str | None) -> ReferenceTable:
-    """`table` in the user's frame, with the user's result."""
-    from validation.reference.reference import IDENTIFIED, seen
-
-    if pose is not None:
-        table = replace(
-            seen(table, pose), footnotes=(*table.footnotes, f"Origin and axes: --frame {frame}, in the article's frame.")
-        )
-    return table if result is None else replace(table, columns={**table.columns, IDENTIFIED: result.statement})
-
-
-def _json(tables: Sequence[ReferenceTable], warnings: Sequence[str]) -> str:
-    from validation.output import json_text
-    from validation.report import reference
-
-    articles = {table.article: reference.render(table) for table in tables}
-    return json_text({"articles": articles, "warnings": list(warnings)}) + "\n"
-
-
-def _text(tables: Sequence[ReferenceTable], form: str, *, to_file: bool) -> str:
-    from validation.report import document
-
-    if form == "csv":
-        return document.render(tables)
-    if form == "latex":
-        return document.document([document.latex_render(table) for table in tables])
-    if form == "markdown":
-        return "\n".join(document.markdown_render(table) for table in tables)
-    width = document.WIDTH if to_file else None  # a file does not depend on the terminal that it was written from
-    return "\n".join(document.text_render(table, width) for table in tables)
-
-
-def _write(text: str, out: Path | None) -> None:
-    from geometry.atomic import write_text
-
+    result = None if identified is None else read_result(identified, article=names[0], frame=pose)
+    tables = []
+    for name in counted(names, "three routes", quiet=as_json):
+        table = reference_table(name, asked)
+        if pose is not None:
+            note = f"Origin and axes: --frame {frame}, in the article's frame."
+            table = replace(table.seen_from(pose), footnotes=(*table.footnotes, note))
+        tables.append(table if result is None else replace(table, columns={**table.columns, IDENTIFIED: result.statement}))
+    warnings = () if result is None else result.warnings
+    for warning in warnings:
+        click.echo(f"massline: {warning}.", err=True)
+    if form != "text" or out is not None or as_json:  # the tables' footnotes say them already
+        for article, warning in ((table.article, said) for table in tables for said in table.warnings):
+            click.echo(f"massline: {warning if warning.startswith(article) else f'{article}: {warning}'}.", err=True)
+    if as_json:
+        text = json_text({"articles": {table.article: to_json(table) for table in tables}, "warnings": list(warnings)}) + "\n"
+    else:
+        text = tables_text(tables, form, to_file=out is not None)
     if out is None:
         click.echo(text, nl=False)
     else:
         write_text(out, text)
         click.echo(f"massline: wrote {out}.", err=True)
-
-
-def _pictures(names: Sequence[str], asked: ArticleOptions, *, quiet: bool) -> None:
-    from validation.output import counted
-    from validation.report.reference import draw
-
-    for name in counted(names, "picture", quiet=quiet):
+    for name in counted(names, "picture", quiet=as_json) if view else ():
         click.echo(f"massline: wrote {draw(name, asked)}.", err=True)
-
-
-# `massline cog`: CoG height by crane and balance.
+    apart = [f"{table.article}: {table.agreement}" for table in tables if not table.agree]
+    if apart:
+        raise CheckFailed("; ".join(apart))
 
 
 @click.command("cog")
@@ -164,9 +108,6 @@ def cog_command(file: str, against: str | None, as_json: bool) -> None:
     show(readings_or_results(file, "crane-cog", weigh.reduce_cog, ("cog_x", "cog_y", "cog_z")), against, as_json)
 
 
-# `massline pendulum`: moments of inertia from pendulum periods.
-
-
 @click.command("pendulum")
 @options.measurement
 @click.option("--without", "off", multiple=True, metavar="TERM", help="Leave out a correction: amplitude, damping or rope-mass.")
@@ -177,18 +118,16 @@ def pendulum_command(file: str, against: str | None, off: tuple[str, ...], as_js
 
     Exit code 1 when no body can have the moments that come out.
     """
-    from functools import partial
-
     from validation.classical import pendulum
     from validation.classical.files import readings_or_results
-    from validation.classical.pendulum import require_terms
     from validation.report.reference import show
 
-    reduce = partial(pendulum.reduce, off=require_terms(off))
+    for name in off:
+        if name not in pendulum.TERMS:
+            remedy = f"Known are {', '.join(pendulum.TERMS)}"
+            raise BadInput(source="--without", problem=f"no correction is called {name!r}", remedy=remedy)
+    reduce = partial(pendulum.reduce, off=off)
     show(readings_or_results(file, "pendulum", reduce, ("Ixx", "Iyy", "Izz")), against, as_json)
-
-
-# ``massline validate``: anyone's identified ten parameters against the reference, row by row.
 
 
 REFERENCES = ("occ", "trimesh", "pinocchio", "published", "measured")
@@ -229,80 +168,41 @@ def validate_command(
     no body can have these parameters.
     """
     from geometry.frames import Pose
-    from validation.output import shown
-    from validation.reference.reference import (
-        IDENTIFIED,
-        changes_note,
-        cross_check,
-        read_result,
-        reference,
-        require_use,
-        summary,
-    )
+    from validation.output import print_json, shown, to_json
+    from validation.reference import reference
     from validation.reference.statement import read_frame
+    from validation.report.document import text_render
 
     options.require_articles([article])
     pose = None if frame is None else read_frame(frame)
-    said = read_result(result, article=article, frame=pose)
+    said = reference.read_result(result, article=article, frame=pose)
     asked = options.reading(chord, unit, material, settings)
-    require_use([article], asked)
+    reference.require_use([article], asked)
     with shown(f"reference of {article}", quiet=as_json):
-        chosen, known = reference(article, choice, asked, pose or Pose())
-    check = cross_check(said.statement, known)
-    words = summary(check, f"{article} ({chosen})")
-    note = changes_note(article, asked)
+        chosen, known = reference.reference(article, choice, asked, pose or Pose())
+    check = reference.cross_check(said.statement, known, f"{article} ({chosen})")
+    note = reference.changes_note(article, asked)
     if as_json:
-        tolerances = {"result": said.statement.tolerance_note, "reference": known.tolerance_note}
         more = {
             "article": article,
             "reference": chosen,
-            "tolerance_note": tolerances,
+            "tolerance_note": {"result": said.statement.tolerance_note, "reference": known.tolerance_note},
             "warnings": said.warnings,
             "changes": asked.changes,
         }
-        _print_json(check, words, more)
+        print_json(to_json(check) | to_json(more))
     else:
-        _print(
-            f"{said.statement.source} against {article} ({chosen})",
-            {chosen: known, IDENTIFIED: said.statement},
-            check,
-            [note.removesuffix("."), *said.warnings] if note else said.warnings,
-        )
+        odd = [f"Not stated by the result: {', '.join(check.not_stated)}."] if check.not_stated else []
+        odd += [f"Nothing to hold against: {', '.join(check.not_known)}."] if check.not_known else []
+        odd += [f"{check.physics[0].upper()}{check.physics[1:]}.", *([note] if note else [])]
+        odd += [f"{words}." for words in said.warnings]
+        columns = {chosen: known, reference.IDENTIFIED: said.statement}
+        title = f"{said.statement.source} against {article} ({chosen})"
+        click.echo(text_render(reference.ReferenceTable(article=title, columns=columns, footnotes=tuple(odd))))
     if not check.passed:
-        raise CheckFailed(words)
+        raise CheckFailed(check.text)
     if not as_json:
-        click.echo(f"{words}.")
-
-
-def _print(title: str, columns: dict[str, Statement], check: CrossCheck, warnings: Sequence[str]) -> None:
-    from validation.reference.reference import ReferenceTable
-    from validation.report import document
-
-    odd = [f"Not stated by the result: {', '.join(check.not_stated)}."] if check.not_stated else []
-    odd += [f"Nothing to hold against: {', '.join(check.not_known)}."] if check.not_known else []
-    odd += [f"{check.physics[0].upper()}{check.physics[1:]}.", *(f"{words}." for words in warnings)]
-    click.echo(document.text_render(ReferenceTable(article=title, columns=columns, footnotes=tuple(odd))))
-
-
-def _print_json(check: CrossCheck, words: str, more: dict[str, Any]) -> None:
-    from validation.output import print_json
-    from validation.reference.statement import rows_json
-
-    print_json(
-        {
-            "rows": [{**line, "deviation": row.deviation} for row in check.rows for line in rows_json([row])],
-            "passed": check.passed,
-            "text": words,
-            "physical": check.physical,
-            "physics": check.physics,
-            "not_stated": list(check.not_stated),
-            "not_known": list(check.not_known),
-            **more,
-        }
-    )
-
-
-# `massline weigh`: mass from readings of a balance.
+        click.echo(f"{check.text}.")
 
 
 @click.command("weigh")

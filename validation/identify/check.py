@@ -5,14 +5,27 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.inertia import Observability
-from identification.campaign import Campaign, Levels, levels, noise_floors, observed, problems_of_runs, warnings_of_runs
+from geometry.sensors import Channel
+from identification.campaign import (
+    Campaign,
+    Levels,
+    Recording,
+    Run,
+    levels,
+    noise_floors,
+    observed,
+    problems_of_runs,
+    warnings_of_runs,
+)
 from identification.campaign_file import Progress, examine
 from identification.consistency import of_spectra
 from identification.spectra.of_campaign import spectra
+from validation.output import derived, entry, unwritten
 
 LOUD = 1.5
 """How far above its stated noise floor a channel may read while nothing moves; beyond, it is said aloud."""
@@ -33,18 +46,89 @@ class Summary:
     noise : (c,) broadband rms of every channel in the quiet parts, in SI; None where there is none
     """
 
-    folder: str
-    campaign: Campaign | None
-    problems: tuple[BadInput, ...]
+    folder: str = entry("campaign")
+    campaign: Campaign | None = unwritten()
+    levels: Mapping[str, Levels] = unwritten()
+    noise: Array | None = unwritten()
+    verdicts: Mapping[str, Observability] = unwritten()
+    problems: tuple[BadInput, ...] = entry(write=lambda problems: [_problem(one) for one in problems])
     warnings: tuple[str, ...]
-    verdicts: Mapping[str, Observability]
-    levels: Mapping[str, Levels]
-    noise: Array | None
 
     @property
+    @derived("usable", before="problems")
     def usable(self) -> bool:
         """Whether nothing is wrong that a reader would refuse."""
         return self.campaign is not None and not self.problems
+
+    @property
+    @derived("", before="problems")
+    def contents(self) -> dict[str, Any]:
+        """What the campaign is and has, by its keys in JSON; positions are in its own frame. Nothing without a campaign."""
+        of = self.campaign
+        if of is None:
+            return {}
+        noise = [None] * len(of.table) if self.noise is None else list(self.noise)
+        return {
+            "title": of.title,
+            "article": of.article,
+            "hardware": of.hardware,
+            "gravity_m_s2": of.gravity,
+            "origin_m": of.table.origin,
+            "mounting_origin_m": None if of.mounting is None else of.mounting.position,
+            "channels": [_channel(*one) for one in zip(of.table.channels, noise, strict=True)],
+            "runs": [_run(one, of.recordings.get(one.name), self.levels.get(one.name)) for one in of.runs],
+            "observability": {
+                what: {
+                    "channels": one.channels,
+                    "rank": one.rank,
+                    "condition": one.condition if one.complete else None,
+                    "lever_m": one.lever,
+                    "missing": one.missing,
+                    "text": one.text,
+                }
+                for what, one in self.verdicts.items()
+            },
+        }
+
+
+def _problem(one: BadInput) -> dict[str, str]:
+    return {"file": one.source, "field": one.field, "problem": one.problem, "remedy": one.remedy}
+
+
+UNIT_KEYS = {"acceleration": "noise_m_s2", "force": "noise_n", "moment": "noise_n_m"}
+"""Key of a noise floor, by quantity."""
+
+
+def _channel(channel: Channel, noise: float | None) -> dict[str, Any]:
+    key = UNIT_KEYS[channel.quantity]
+    return {
+        "name": channel.name,
+        "quantity": channel.quantity,
+        "group": channel.group,
+        "unit_in_files": channel.unit,
+        "position_m": [place.position for place in channel.places],
+        "direction": [place.direction for place in channel.places],
+        "reference": channel.reference,
+        "senses_gravity": channel.senses_gravity,
+        f"{key}_stated": channel.noise_rms,
+        f"{key}_found": noise,
+    }
+
+
+def _run(run: Run, recorded: Recording | None, level: Levels | None) -> dict[str, Any]:
+    return {
+        "name": run.name,
+        "file": run.file,
+        "axis": run.axis or None,
+        "excitation": None if run.excitation is None else {"kind": run.excitation.kind, **run.excitation.figures},
+        "read": recorded is not None,
+        "sampling_rate_hz": None if recorded is None else recorded.sampling_rate,
+        "samples": None if recorded is None else len(recorded),
+        "duration_s": None if recorded is None or recorded.is_spectrum else recorded.duration,
+        "level_m_s2_rad_s2": None if level is None else level.amplitude,
+        "level_share": None if level is None else level.share,
+        "driven_s": None if level is None else level.driven,
+    }
 
 
 def summary(folder: str | Path, *, progress: Progress | None = None) -> Summary:
@@ -64,11 +148,10 @@ def summary(folder: str | Path, *, progress: Progress | None = None) -> Summary:
     if not seen.usable:
         return seen
     try:
-        checks = of_spectra(spectra(campaign), gravity=campaign.gravity)
+        closed = of_spectra(spectra(campaign), gravity=campaign.gravity)
     except BadInput:  # no line to look at: that is for whoever wants a result
         return seen
-    # Channels that contradict each other, and which are suspected
-    contradictions = [f"{campaign.source}: {one.text}" for one in checks if not one.holds]
+    contradictions = (f"{campaign.source}: {one.text}" for one in closed if not one.holds)
     return replace(seen, warnings=(*seen.warnings, *contradictions))
 
 
@@ -76,15 +159,13 @@ def of_campaign(folder: str | Path, campaign: Campaign, problems: tuple[BadInput
     """All about a `campaign` that lies, or will lie, in `folder`."""
     noise = noise_floors(campaign)
     known = {name: level for name, one in campaign.recordings.items() if (level := levels(one, campaign.table)) is not None}
-    if noise is None:
-        loud: list[str] = []
-    else:
-        loud = [
-            f"{campaign.source}: {channel.name} reads {floor / channel.noise_rms:.1f} times its stated noise_rms while nothing "
-            "moves; check cable and range, or correct noise_rms"
-            for channel, floor in zip(campaign.table.channels, noise, strict=True)
-            if channel.noise_rms and floor > LOUD * channel.noise_rms
-        ]
+    floors = zip(campaign.table.channels, () if noise is None else noise, strict=noise is not None)
+    loud = (
+        f"{campaign.source}: {channel.name} reads {floor / channel.noise_rms:.1f} times its stated noise_rms while nothing "
+        "moves; check cable and range, or correct noise_rms"
+        for channel, floor in floors
+        if channel.noise_rms and floor > LOUD * channel.noise_rms
+    )
     return Summary(
         folder=str(folder),
         campaign=campaign,

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
 
-from geometry import toml_file
 from geometry.frames import Array, Pose
 from validation.reference import statement
 from validation.reference.statement import Statement
@@ -39,25 +40,22 @@ RESULTS = ("clumod-1-table2",)
 """Identified results in print; each is a result file that `massline validate` takes by this name."""
 
 
-@cache
 def published(article: str) -> Published:
     """What is in print about the built-in `article`; empty for one about which nothing is."""
-    table = result_table("tables").get(article)
+    table = _in_print("tables").get(article)
     if table is None:
         return Published()
     statements = {}
     for column in ("published", "measured"):
         if column in table:
             # One column of a table, from the file of ``kind = "results"`` that holds its values
-            column_column = table[column]
-            name = column_column["file"]
-            results = result_table(name)
+            name, results = table[column]["file"], _in_print(table[column]["file"])
             values = (statement.stated(results[key]["value"], dimension, name, key) for key, dimension in _RESULT_KEYS)
             statements[column] = Statement(
-                name=column_column["name"],
+                name=table[column]["name"],
                 values=(*values, None, None, None),
                 source=table["source"],
-                tolerance_note=column_column["tolerance"],
+                tolerance_note=table[column]["tolerance"],
             )
     if "identified" in table:
         statements["identified"] = statement.read(result_table(table["identified"]), table["identified"], Pose())
@@ -72,8 +70,8 @@ def published(article: str) -> Published:
 
 
 def result_table(name: str) -> dict[str, Any]:
-    """What is in print under `name`: of `RESULTS`, or another table of the paper's."""
-    return toml_file.shipped("validation.reference", "in_print", f"{name}.toml")
+    """The result file in print called `name`, one of `RESULTS`."""
+    return dict(_in_print(name))
 
 
 _RESULT_KEYS = (
@@ -82,6 +80,11 @@ _RESULT_KEYS = (
     *((axes, "moment of inertia") for axes in ("Ixx", "Iyy", "Izz")),
 )
 """Keys of a results file in the order of a statement."""
+
+
+@cache
+def _in_print(name: str) -> dict[str, Any]:
+    return tomllib.loads(files("validation.reference").joinpath("in_print", f"{name}.toml").read_text(encoding="utf-8"))
 
 
 # What the paper prints about the eigenfrequencies of an article, and whether a model's are so.
@@ -105,17 +108,20 @@ class Claim:
 
 def claims(article: str, frequency: Array) -> tuple[Claim, ...]:
     """Every sentence about the eigenfrequencies of `article`, held against `frequency` (n,) [Hz]; empty where there is none."""
-    return tuple(_claim(entry, frequency) for entry in result_table("modes").get(article, ()))
-
-
-def _claim(entry: Mapping[str, Any], frequency: Array) -> Claim:
-    if "count" in entry:
-        low, high = entry["between_hz"]
-        count = int(np.sum((frequency >= low) & (frequency <= high)))
-        enough = len(frequency) > 0 and frequency[-1] > high
-        return Claim(says=entry["says"], found=f"{count} modes", holds=count == entry["count"] if enough else None)
-    if len(frequency) < entry["mode"]:
-        return Claim(says=entry["says"], found=f"{len(frequency)} modes computed", holds=None)
-    found = float(frequency[entry["mode"] - 1])
-    holds = found >= entry["above_hz"] if "above_hz" in entry else abs(found - entry["hz"]) <= entry["half_hz"]
-    return Claim(says=entry["says"], found=f"mode {entry['mode']} at {found:.2f} Hz", holds=holds)
+    made = []
+    for entry in _in_print("modes").get(article, ()):
+        holds: bool | None = None
+        if "count" in entry:
+            low, high = entry["between_hz"]
+            count = int(np.sum((frequency >= low) & (frequency <= high)))
+            found = f"{count} modes"
+            if len(frequency) > 0 and frequency[-1] > high:
+                holds = count == entry["count"]
+        elif len(frequency) < entry["mode"]:
+            found = f"{len(frequency)} modes computed"
+        else:
+            at = float(frequency[entry["mode"] - 1])
+            found = f"mode {entry['mode']} at {at:.2f} Hz"
+            holds = at >= entry["above_hz"] if "above_hz" in entry else abs(at - entry["hz"]) <= entry["half_hz"]
+        made.append(Claim(says=entry["says"], found=found, holds=holds))
+    return tuple(made)

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import copy
 import json
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -105,10 +105,21 @@ class Reconstruction:
 
 CONFIGURATIONS = (parts.FOUR_BLADES, parts.ONE_BLADE)
 
+FREE: tuple[tuple[Path_, ...], ...] = (
+    *((("flange", key),) for key in ("diameter_mm", "height_mm")),
+    *((("mast", key),) for key in ("outer_diameter_mm", "inner_diameter_mm")),
+    *((("blade", n, key),) for key in ("z_mm", "length_mm", "hub_height_mm") for n in range(4)),
+    *(
+        keys
+        for key in ("width_mm", "thickness_mm")
+        for keys in ((("blade", 0, key), ("blade", 1, key)), (("blade", 2, key),), (("blade", 3, key),))
+    ),
+)
+"""Free dimensions; both lower blades share one width and one thickness, as in the reconstruction."""
+
 
 def problem(details: dict[str, Any], reconstruction: dict[str, Any]) -> Reconstruction:
     """The problem posed by the fixed `details` of `clumod.toml` and the `reconstruction` to start from."""
-    free = tuple(_free_dimensions())
     published = [reconstruction["published"][name] for name in ("four_blades", "one_blade")]
     targets = [np.array([p["mass_kg"], p["cog_mm"][2] * 1e-3, *p["Ixx_Iyy_Izz_cog_kgm2"]]) for p in published]
     modes = [np.array(reconstruction["achieved"][name]["f_Hz"]) for name in ("four_blades", "one_blade")]
@@ -120,7 +131,9 @@ def problem(details: dict[str, Any], reconstruction: dict[str, Any]) -> Reconstr
         dimensions["mast"][f"{side}_diameter_mm"] = mast[f"{side}_diameter_m"] * 1e3
     for blade, start, hub in zip(dimensions["blade"], reconstruction["blades"], reconstruction["hubs"]["mass_kg"], strict=True):
         blade |= {f"{key}_mm": start[f"{key}_m"] * 1e3 for key in ("z", "length", "width", "thickness")}
-        _shorten(blade, dimensions["hubs"]["outer_diameter_mm"])
+        # Thinner and wider, its mass kept: held by collars [mm] it bends as slowly as one that begins at the mast's axis
+        held = 1 - dimensions["hubs"]["outer_diameter_mm"] / blade["length_mm"]
+        blade |= {"thickness_mm": blade["thickness_mm"] * held**2, "width_mm": blade["width_mm"] / held**2}
         # Height of both collars together [mm] that makes up for `hub` [kg] and for the holes in the blade
         bolts = dimensions["hubs"]["bolts"]
         hole = np.pi / 4 * (dimensions["mast"]["outer_diameter_mm"] ** 2 + bolts["count"] * bolts["diameter_mm"] ** 2)
@@ -132,8 +145,8 @@ def problem(details: dict[str, Any], reconstruction: dict[str, Any]) -> Reconstr
     second |= {key: first[key] for key in ("width_mm", "thickness_mm")}  # which nearly equal lengths had parted
     return Reconstruction(
         start=dimensions,
-        free=free,
-        freedom=np.array([TOLERANCES.get(keys[0][-1], DIMENSION_TOLERANCE) for keys in free]),
+        free=FREE,
+        freedom=np.array([TOLERANCES.get(keys[0][-1], DIMENSION_TOLERANCE) for keys in FREE]),
         inertias=(targets[0], targets[1]),
         frequencies=(modes[0], modes[1]),
     )
@@ -160,14 +173,23 @@ def solve(
 
 
 def _path(posed: Reconstruction, change: Array, each: Callable[[int, float], None]) -> Array:
+    from scipy.linalg import null_space
+
     for iteration in range(ITERATIONS):
         wishes, inertias = misfit(posed, change)
         worst = float(np.abs(wishes[len(change) :]).max())
         each(iteration, worst)
         if worst < FREQUENCY_SOLVED and np.abs(inertias).max() < INERTIA_SOLVED:
             return change
-        particular, free = _step(posed, change, wishes, inertias)
-        step = particular if worst < FREQUENCY_SOLVED else particular + free
+        # One constrained Gauss-Newton step in units of the freedoms: the shortest that solves the inertias, and, unless the
+        # frequencies are solved, one that leaves these alone and makes the wishes least
+        moved = [misfit(posed, change + DIFFERENCE * unit) for unit in np.eye(len(change))]
+        J = np.array([w - wishes for w, _ in moved]).T * posed.freedom / DIFFERENCE
+        A = np.array([i - inertias for _, i in moved]).T * posed.freedom / DIFFERENCE
+        step = -np.linalg.pinv(A) @ inertias
+        if worst >= FREQUENCY_SOLVED:
+            Z = null_space(A)
+            step = step + Z @ np.linalg.lstsq(J @ Z, -(wishes + J @ step), rcond=None)[0]
         longest = LONGEST_STEP / (1 + iteration / SHORTENING)
         change = change + posed.freedom * step * min(1.0, longest / np.abs(step).max())
     raise CheckFailed(
@@ -187,20 +209,6 @@ def misfit(posed: Reconstruction, change: Array) -> tuple[Array, Array]:
         found = articles.frequencies(articles.clumod_frame(blades, dimensions), len(modes))
         wishes.append(FREQUENCY_SOLVED * (found / modes - 1) / limits)
     return np.concatenate(wishes), np.concatenate(inertias)
-
-
-def _step(posed: Reconstruction, change: Array, wishes: Array, inertias: Array) -> tuple[Array, Array]:
-    """One constrained Gauss-Newton step in units of the freedoms, in two parts.
-
-    The first is the shortest that solves the inertias, the second leaves them alone and makes the wishes least.
-    """
-    from scipy.linalg import null_space
-
-    moved = [misfit(posed, change + DIFFERENCE * unit) for unit in np.eye(len(change))]
-    J = np.array([w - wishes for w, _ in moved]).T * posed.freedom / DIFFERENCE
-    A = np.array([i - inertias for _, i in moved]).T * posed.freedom / DIFFERENCE
-    particular, Z = -np.linalg.pinv(A) @ inertias, null_space(A)
-    return np.asarray(particular), np.asarray(Z @ np.linalg.lstsq(J @ Z, -(wishes + J @ particular), rcond=None)[0])
 
 
 def summary(blades: tuple[str, ...], dimensions: Dimensions) -> Array:
@@ -226,22 +234,6 @@ def write(posed: Reconstruction, change: Array, path: Path) -> None:
         for key in keys:
             _put(document, key, round(_get(dimensions, key), DECIMALS))
     write_text(path, tomlkit.dumps(document))
-
-
-def _free_dimensions() -> Iterator[tuple[Path_, ...]]:
-    """Free dimensions; both lower blades share one width and one thickness, as in the reconstruction."""
-    yield from (((("flange", key)),) for key in ("diameter_mm", "height_mm"))
-    yield from (((("mast", key)),) for key in ("outer_diameter_mm", "inner_diameter_mm"))
-    yield from ((("blade", n, key),) for key in ("z_mm", "length_mm", "hub_height_mm") for n in range(4))
-    for key in ("width_mm", "thickness_mm"):
-        yield ("blade", 0, key), ("blade", 1, key)
-        yield from ((("blade", n, key),) for n in (2, 3))
-
-
-def _shorten(blade: dict[str, Any], collar: float) -> None:
-    """Thinner and wider, its mass kept: held by collars [mm] it bends as slowly as a blade that begins at the mast's axis."""
-    free = 1 - collar / blade["length_mm"]
-    blade |= {"thickness_mm": blade["thickness_mm"] * free**2, "width_mm": blade["width_mm"] / free**2}
 
 
 def _get(table: Any, key: Path_) -> Any:

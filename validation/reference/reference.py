@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from math import hypot
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from geometry.frames import Array, Pose
 from geometry.inertia import Inertia, judge
 from geometry.routes import DEFAULT_CHORD, ROUTES, agreement, by_mesh, by_routes, rounding, tessellation_error
 from validation.model.setups import is_file, is_stack
+from validation.output import derived, entry, to_json, unwritten
 from validation.reference import statement
 from validation.reference.published import RESULTS, published, result_table
 from validation.reference.statement import QUANTITIES, Quantity, Row, Stated, Statement, about_cog, jacobian, pose_of, seen_from
@@ -75,14 +77,6 @@ def require_used(names: Collection[str], changes: Mapping[str, float]) -> None:
             raise _refused(key, f"no article here has a part {file!r}", remedy)
 
 
-def _acts(name: str, changes: Mapping[str, float], key: str) -> bool:
-    from geometry import routes
-
-    without = routes.inertia(built_in(name, {k: v for k, v in changes.items() if k != key}))
-    difference = np.abs(routes.inertia(built_in(name, changes)).parameters - without.parameters)
-    return bool(np.any(difference > rounding(without)))
-
-
 def _refused(key: str, problem: str, remedy: str) -> BadInput:
     return BadInput(source=OPTION, field=key, problem=problem, remedy=remedy)
 
@@ -115,15 +109,38 @@ class ReferenceTable:
     warnings : what was noticed on the way, in words; each is among the footnotes too
     """
 
-    article: str
-    columns: Mapping[str, Statement]
-    note: str = ""
+    article: str = unwritten()
+    columns: Mapping[str, Statement] = unwritten()
     agree: bool = True
     agreement: str = ""
-    chord: float = 0.0
+    chord: float = entry("chord_m", unit="m", default=0.0)
     changes: Mapping[str, float] = field(default_factory=dict)
-    footnotes: tuple[str, ...] = ()
+    note: str = ""
     warnings: tuple[str, ...] = ()
+    footnotes: tuple[str, ...] = ()
+
+    @property
+    @derived("", before="agree")
+    def statements(self) -> dict[str, Any]:
+        """Routes, and the columns that others state, None where nothing is stated."""
+        routes = {route: self.columns[route] for route in ROUTES if route in self.columns}
+        return {"routes": routes} | {column: self.columns.get(column) for column in (PUBLISHED, MEASURED, IDENTIFIED)}
+
+    @property
+    @derived("rows", before="note")
+    def every_row(self) -> list[dict[str, Any]]:
+        """Every column that is held against another, quantity by quantity."""
+        return [
+            to_json(one) | {"column": column, "reference_column": against}
+            for k, against in enumerate(self.reference_columns)
+            for column, one in rows(self, k)
+        ]
+
+    @property
+    @derived("verdict", before="note")
+    def verdicts(self) -> dict[str, str]:
+        """By quantity."""
+        return {quantity.key: verdict(self, k) for k, quantity in enumerate(QUANTITIES)}
 
     @property
     def reference_columns(self) -> tuple[str | None, ...]:
@@ -134,6 +151,10 @@ class ReferenceTable:
     def stated(self, column: str, k: int) -> Stated | None:
         """What `column` says about quantity `k`."""
         return self.columns[column].values[k] if column in self.columns else None
+
+    def seen_from(self, frame: Pose) -> ReferenceTable:
+        """The same from the user's own `frame`, whose pose is given in the article's frame."""
+        return replace(self, columns={column: seen_from(said, frame) for column, said in self.columns.items()})
 
 
 def row(table: ReferenceTable, column: str, k: int) -> Row | None:
@@ -148,16 +169,15 @@ def row(table: ReferenceTable, column: str, k: int) -> Row | None:
 
 def held_against(quantity: Quantity, said: Stated, known: Stated | None, names: tuple[str, str]) -> Row:
     """One stated value beside a known one, in printed units; `names` of the two say which tolerance dominates."""
-    result = _shown(said.tolerance, quantity)
-    limit = None if known is None else _shown(known.tolerance, quantity)
+    one, other = (None if of is None or of.tolerance is None else of.tolerance * quantity.per_si for of in (said, known))
     return Row(
         quantity=quantity.label,
         value=said.value * quantity.per_si,
-        tolerance=result,
+        tolerance=one,
         unit=quantity.unit,
         reference=None if known is None else known.value * quantity.per_si,
-        reference_tolerance=limit,
-        dominated_by=names[0] if (result or 0.0) >= (limit or 0.0) else names[1],
+        reference_tolerance=other,
+        dominated_by=names[0] if (one or 0.0) >= (other or 0.0) else names[1],
     )
 
 
@@ -179,8 +199,8 @@ def verdict(table: ReferenceTable, k: int) -> str:
     held = list(rows(table, k))
     if not held:
         return "nothing to compare"
-    outside = [f"{column} outside{_by(one)}" for column, one in held if not one.within]
-    return "; ".join(outside) if outside else "all within"
+    many = {column: in_tolerances(one.deviation_in_tolerances) for column, one in held if not one.within}
+    return "; ".join(f"{column} outside{f' ({words})' if words else ''}" for column, words in many.items()) or "all within"
 
 
 def route_statement(name: str, inertia: Inertia, error: Array | None = None) -> Statement:
@@ -206,20 +226,6 @@ def _spread(inertia: Inertia, error: Array) -> Array:
     """What `error` (10,) of the parameters about the origin, Eq. 4, makes of the values about the CoG, (10,)."""
     J = jacobian(lambda parameters: about_cog(Inertia(parameters=parameters)), inertia.about(np.zeros(3)).parameters)
     return np.asarray(np.sqrt(J**2 @ error**2))
-
-
-def seen(table: ReferenceTable, frame: Pose) -> ReferenceTable:
-    """`table` from the user's own `frame`, whose pose is given in the article's frame."""
-    return replace(table, columns={column: seen_from(said, frame) for column, said in table.columns.items()})
-
-
-def _shown(tolerance: float | None, quantity: Quantity) -> float | None:
-    return None if tolerance is None else tolerance * quantity.per_si
-
-
-def _by(one: Row) -> str:
-    words = in_tolerances(one.deviation_in_tolerances)
-    return f" ({words})" if words else ""
 
 
 def in_tolerances(many: float | None, before: str = "") -> str:
@@ -295,12 +301,14 @@ def reference_table(name: str, asked: ArticleOptions) -> ReferenceTable:
     routes = _of_file(name, asked) if is_file(name) else _of_built_in(name, asked)
     print_ = published(name)
     notes = [note] if (note := changes_note(name, asked)) else []
+    length = f"{routes.chord * 1e3:.3g} mm" if routes.chord >= 1e-3 else f"{routes.chord * 1e6:.3g} µm"
+    chord = f"; chord error of the mesh {length}" if routes.chord else ""
     return ReferenceTable(
         article=name,
         columns={**routes.statements(), **print_.statements},
         note=routes.note,
         agree=routes.agree,
-        agreement=f"{routes.text}; chord error of the mesh {_length(routes.chord)}" if routes.chord else routes.text,
+        agreement=f"{routes.text}{chord}",
         chord=routes.chord,
         changes={} if is_file(name) else changes_of(name, asked.changes),
         footnotes=(*notes, *print_.footnotes, *(f"{warning}." for warning in routes.warnings)),
@@ -312,15 +320,19 @@ def changes_note(name: str, asked: ArticleOptions) -> str:
     """What the user's own dimensions mean for the figures of the article `name`, a sentence; empty without any."""
     if is_file(name):
         return ""
-    # A sentence on what `asked.changes` do to the article `name`, of which something is published or not; empty without any
-    in_print = bool(published(name).statements)
     own = changes_of(name, asked.changes)
     if not own:
         return ""
-    idle = [key for key in own if not _acts(name, own, key)]
+    from geometry import routes
+
+    changed, idle = routes.inertia(built_in(name, own)).parameters, []
+    for key in own:
+        without = routes.inertia(built_in(name, {other: value for other, value in own.items() if other != key}))
+        if not np.any(np.abs(changed - without.parameters) > rounding(without)):
+            idle.append(key)
     words = [f"Dimensions changed: {', '.join(f'{key} = {value:g}' for key, value in own.items())}"]
     words += [f"without effect on its inertia: {', '.join(idle)}"] if idle else []
-    words += ["published and measured values are those of the unchanged article"] if in_print else []
+    words += ["published and measured values are those of the unchanged article"] if published(name).statements else []
     return f"{'; '.join(words)}."
 
 
@@ -346,68 +358,58 @@ def reference(name: str, choice: str | None, asked: ArticleOptions, frame: Pose)
         raise CheckFailed(f"{name}: {routes.text}")
     chosen = choice or next(iter(routes.inertias))
     if chosen not in routes.inertias:
+        possible = (*(c for c in (PUBLISHED, MEASURED) if c in printed), *(routes.inertias if is_file(name) else ROUTES))
         raise BadInput(
             source=f"article {name}",
             field="--reference",
             problem=f"nothing {chosen} is known of it",
-            remedy=f"Choose one of {', '.join((*(c for c in (PUBLISHED, MEASURED) if c in printed), *_possible(name, routes)))}",
+            remedy=f"Choose one of {', '.join(possible)}",
         )
     exact = routes.statements()[chosen]
-    if PUBLISHED not in printed:
-        as_well_as = exact
-    else:
-        pairs = zip(exact.values, printed[PUBLISHED].values, strict=True)
+    if PUBLISHED in printed:
+        widened = tuple(
+            mine
+            if mine is None or theirs is None
+            else replace(mine, tolerance=hypot(mine.tolerance or 0.0, theirs.tolerance or 0.0))
+            for mine, theirs in zip(exact.values, printed[PUBLISHED].values, strict=True)
+        )
         note = "that of the published values, where there are any, and rounding"
-        as_well_as = replace(exact, values=tuple(mine and _widened(mine, theirs) for mine, theirs in pairs), tolerance_note=note)
-    return chosen, seen_from(as_well_as, frame)
-
-
-def _length(metres: float) -> str:
-    return f"{metres * 1e3:.3g} mm" if metres >= 1e-3 else f"{metres * 1e6:.3g} µm"
-
-
-def _possible(name: str, routes: _Routes) -> tuple[str, ...]:
-    return tuple(routes.inertias) if is_file(name) else ROUTES
+        exact = replace(exact, values=widened, tolerance_note=note)
+    return chosen, seen_from(exact, frame)
 
 
 def _of_built_in(name: str, asked: ArticleOptions, only: str | None = None) -> _Routes:
     """By all routes, held against each other, or by `only` one of them (none when it is no route)."""
-    article, chord = _article(name, asked), asked.chord or DEFAULT_CHORD
+    from geometry import cad, routes
+
+    article, chord = built_in(name, changes_of(name, asked.changes)), asked.chord or DEFAULT_CHORD
     errors = {"trimesh": tessellation_error(article, chord)}
     if only is not None:
-        found = {only: _BY_ROUTE[only](article, chord)} if only in _BY_ROUTE else {}
+        by: dict[str, Callable[[Article], Inertia]] = {
+            "occ": cad.inertia,
+            "trimesh": partial(by_mesh, chord=chord),
+            "pinocchio": routes.inertia,
+        }
+        found = {only: by[only](article)} if only in by else {}
         return _Routes(inertias=found, errors=errors, note=article.note, chord=chord)
-    inertias = _by_routes(article, chord, changed_by_user=bool(asked.changes))
-    verdict = agreement(article, inertias, chord)
-    if asked.changes or "+" in name:
-        from geometry import cad
-
-        # What no route can see, since each adds bodies up: two that share volume. Empty where none do.
-        pairs = [f"{a} and {b} share {1e9 * volume:.4g} mm³" for (a, b), volume in cad.overlaps(article).items()]
-        more = f" and {len(pairs) - 3} pairs more" if len(pairs) > 3 else ""
-        shared = f"bodies overlap: {', '.join(pairs[:3])}{more}" if pairs else ""
-    else:
-        shared = ""
-    text = f"{shared}; {verdict.text}" if shared else verdict.text
-    return _Routes(
-        inertias=inertias, errors=errors, agree=verdict.agree and not shared, text=text, note=article.note, chord=chord
-    )
-
-
-def _by_routes(article: Article, chord: float, *, changed_by_user: bool) -> Mapping[str, Inertia]:
     try:
-        return by_routes(article, chord)
+        inertias = by_routes(article, chord)
     except BadInput:
         raise
     except Exception as error:  # OCC and the mesh routines raise errors of every kind on bodies that cannot be
-        if not changed_by_user:
+        if not asked.changes:
             raise
         problem = f"no body of {article.name} can be made with these dimensions ({type(error).__name__})"
         raise BadInput(source=OPTION, problem=problem, remedy="Check the sizes and their unit") from error
-
-
-def _article(name: str, asked: ArticleOptions) -> Article:
-    return built_in(name, changes_of(name, asked.changes))
+    verdict = agreement(article, inertias, chord)
+    agree, text = verdict.agree, verdict.text
+    if asked.changes or "+" in name:
+        # What no route can see, since each adds bodies up: two that share volume
+        pairs = [f"{a} and {b} share {1e9 * volume:.4g} mm³" for (a, b), volume in cad.overlaps(article).items()]
+        if pairs:
+            more = f" and {len(pairs) - 3} pairs more" if len(pairs) > 3 else ""
+            agree, text = False, f"bodies overlap: {', '.join(pairs[:3])}{more}; {text}"
+    return _Routes(inertias=inertias, errors=errors, agree=agree, text=text, note=article.note, chord=chord)
 
 
 def _of_file(name: str, asked: ArticleOptions) -> _Routes:
@@ -432,25 +434,6 @@ def file_name(title: str) -> str:
     return re.sub(r"[^\w.+-]+", "-", title).strip(".-") or "article"
 
 
-def _widened(mine: Stated, theirs: Stated | None) -> Stated:
-    return mine if theirs is None else replace(mine, tolerance=hypot(mine.tolerance or 0.0, theirs.tolerance or 0.0))
-
-
-def _occ(article: Article, chord: float) -> Inertia:
-    from geometry import cad
-
-    return cad.inertia(article)
-
-
-def _pinocchio(article: Article, chord: float) -> Inertia:
-    from geometry import routes
-
-    return routes.inertia(article)
-
-
-_BY_ROUTE: Mapping[str, Callable[[Article, float], Inertia]] = {"occ": _occ, "trimesh": by_mesh, "pinocchio": _pinocchio}
-
-
 # A result against its reference, row by row, and what to say about the whole.
 #
 # *Within* means that a value differs from its reference by no more than the tolerance of the result and that of the reference,
@@ -470,11 +453,12 @@ class CrossCheck:
     physics : that verdict in words
     """
 
-    rows: tuple[Row, ...]
-    not_stated: tuple[str, ...]
-    not_known: tuple[str, ...]
+    rows: tuple[Row, ...] = entry(write=lambda rows: [to_json(row) | {"deviation": row.deviation} for row in rows])
     physical: bool | None
     physics: str
+    not_stated: tuple[str, ...]
+    not_known: tuple[str, ...]
+    against: str = unwritten(default="the reference")
 
     @property
     def outside(self) -> tuple[Row, ...]:
@@ -482,26 +466,42 @@ class CrossCheck:
         return tuple(row for row in self.rows if not row.within)
 
     @property
+    @derived("passed", before="physical")
     def passed(self) -> bool:
         """Every row within, at least one of them, and no law of physics broken."""
         return bool(self.rows) and not self.outside and self.physical is not False
 
+    @property
+    @derived("text", before="physical")
+    def text(self) -> str:
+        """The verdict in a sentence."""
+        if not self.rows:
+            return f"nothing could be compared with {self.against}"
+        if not self.outside:
+            held = f"all {len(self.rows)} stated values agree with {self.against} within the combined tolerance"
+        else:
+            named = []
+            for row in self.outside:
+                percent = row.deviation_percent
+                size = f"{row.deviation:+.3g} {row.unit}" if percent is None else f"{percent:+.2f} %"
+                named.append(f"{row.quantity} ({size}{in_tolerances(row.deviation_in_tolerances, ', ')})")
+            held = f"outside the combined tolerance of {self.against}: {', '.join(named)}"
+        return held if self.physical is not False else f"{held}; and {self.physics}"
 
-def cross_check(result: Statement, reference: Statement) -> CrossCheck:
-    """Hold `result` against `reference`, both in one frame."""
+
+def cross_check(result: Statement, reference: Statement, against: str = "the reference") -> CrossCheck:
+    """Hold `result` against `reference`, both in one frame; `against` are words for the latter."""
     triples = list(zip(QUANTITIES, result.values, reference.values, strict=True))
     # The judgement on all ten values; on fewer only what no products could mend, for they leave the diagonal as it is
+    physical: bool | None = None
     if None in result.values[:7] or result.values[0] is None or result.values[0].value == 0:
-        physical, physics = None, "too few values are stated to judge whether a body can have them"
+        physics = "too few values are stated to judge whether a body can have them"
     else:
         verdict = judge(result.inertia, rounding=1e-9)
         if not verdict.physical:
             physical, physics = False, f"no body has these parameters: {verdict.text}"
         elif not result.complete:
-            physical, physics = (
-                None,
-                "nothing speaks against a body with these parameters; without the products it cannot be proven",
-            )
+            physics = "nothing speaks against a body with these parameters; without the products it cannot be proven"
         else:
             physical, physics = True, f"a body can have these parameters: {verdict.text}"
     return CrossCheck(
@@ -514,24 +514,8 @@ def cross_check(result: Statement, reference: Statement) -> CrossCheck:
         not_known=tuple(q.label for q, said, known in triples if said is not None and known is None),
         physical=physical,
         physics=physics,
+        against=against,
     )
-
-
-def summary(check: CrossCheck, against: str) -> str:
-    """The verdict in a sentence."""
-    if not check.rows:
-        return f"nothing could be compared with {against}"
-    if not check.outside:
-        held = f"all {len(check.rows)} stated values agree with {against} within the combined tolerance"
-    else:
-        held = f"outside the combined tolerance of {against}: {', '.join(_named(row) for row in check.outside)}"
-    return held if check.physical is not False else f"{held}; and {check.physics}"
-
-
-def _named(row: Row) -> str:
-    percent, many = row.deviation_percent, row.deviation_in_tolerances
-    size = f"{row.deviation:+.3g} {row.unit}" if percent is None else f"{percent:+.2f} %"
-    return f"{row.quantity} ({size}{in_tolerances(many, ', ')})"
 
 
 # Somebody's identified ten parameters, from a file: our own format, what `massline identify --json` prints, or a bare INERTIA.
@@ -653,9 +637,17 @@ def _from_inertia(inertia: dict[str, Any], name: str, intervals: dict[str, Any] 
         raise BadInput(source=name, field="about", problem=problem, remedy="State another point in a file of format = 1")
     values: list[Stated | None] = []
     for key, (factor, length) in _PRINTED.items():
-        ends = _list((intervals or {}).get(key), length, name, f"interval95.{key}")
+        place = f"interval95.{key}"
+        ends = _list((intervals or {}).get(key), length, name, place)
         for value, pair in zip(_list(inertia[key], length, name, key), ends, strict=True):
-            values.append(_one(value, pair, factor, name, key))
+            if value is None:
+                values.append(None)
+                continue
+            one = Stated(value=_finite(value, name, key) * factor)
+            if pair is not None:
+                low, high = (_finite(end, name, place) * factor for end in _list(pair, 2, name, place))
+                one = statement.with_interval(one, low, high, name, place)
+            values.append(one)
     note = "95 % intervals" if intervals else "none stated"
     return Statement(name="identified", values=tuple(values), source=name, tolerance_note=note)
 
@@ -667,16 +659,6 @@ def _list(value: Any, length: int, name: str, field: str) -> list[Any]:
     if not isinstance(listed, list) or len(listed) != length:
         raise BadInput(source=name, field=field, problem=f"must be a list of {length}, found {value!r}", remedy="See INERTIA")
     return listed
-
-
-def _one(value: Any, pair: Any, factor: float, name: str, field: str) -> Stated | None:
-    if value is None:
-        return None
-    stated = Stated(value=_finite(value, name, field) * factor)
-    if pair is None:
-        return stated
-    low, high = (_finite(end, name, f"interval95.{field}") * factor for end in _list(pair, 2, name, f"interval95.{field}"))
-    return statement.with_interval(stated, low, high, name, f"interval95.{field}")
 
 
 def _finite(value: Any, name: str, field: str) -> float:

@@ -26,7 +26,7 @@ from geometry.frames import Array, Pose, frozen, proper_rotation, rotation_about
 from geometry.inertia import Inertia, parallel_axis, six_from_tensor, tensor_from_six
 from geometry.toml_file import LARGEST_QUANTITY, SI_UNITS, quantity
 from identification.quality import NORMAL_95
-from validation.output import plain_unit
+from validation.output import derived, entry, plain_unit, unwritten
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -91,9 +91,21 @@ class Statement:
     """
 
     name: str
-    values: tuple[Stated | None, ...]
+    values: tuple[Stated | None, ...] = unwritten()
     source: str = ""
-    tolerance_note: str = ""
+    tolerance_note: str = unwritten(default="")
+
+    @property
+    @derived("", before="name")
+    def stated_values(self) -> dict[str, Any]:
+        """INERTIA of the output contract, null for what is not stated."""
+        return _shaped([None if stated is None else stated.value for stated in self.values]) | {"about": "cog"}
+
+    @property
+    @derived("tolerance")
+    def stated_tolerances(self) -> dict[str, Any]:
+        """The same of the tolerances."""
+        return _shaped([None if stated is None else stated.tolerance for stated in self.values]) | {"note": self.tolerance_note}
 
     @property
     def complete(self) -> bool:
@@ -112,6 +124,12 @@ class Statement:
         if missing:
             raise ValueError(f"`values` must state mass, CoG and moments to be a body, {', '.join(missing)} not stated")
         return inertia_of(np.array([0.0 if stated is None else stated.value for stated in self.values]))
+
+
+def _shaped(ten: Sequence[float | None]) -> dict[str, Any]:
+    """`ten` values [SI] by the keys of INERTIA, with fifteen digits: what a printed 603.3 mm is, after its way through metres."""
+    shown = [None if v is None else float(f"{v * q.per_si:.15g}") for v, q in zip(ten, QUANTITIES, strict=True)]
+    return {"mass_kg": shown[0], "cog_mm": shown[1:4], "moi_cog_kgm2": shown[4:7], "poi_cog_kgm2": shown[7:]}
 
 
 def about_cog(inertia: Inertia) -> Array:
@@ -290,7 +308,7 @@ def _no_rotation(why: str, source: str, field: str) -> BadInput:
     return BadInput(source=source, field=field, problem=f"is no rotation: {why}", remedy=remedy)
 
 
-def _si(text: str, dimension: str, source: str, field: str) -> float:
+def _si(text: object, dimension: str, source: str, field: str) -> float:
     return float(quantity(text, dimension, source=source, field=field).nominal_value)
 
 
@@ -328,21 +346,6 @@ def stated(text: object, dimension: str, source: str, field: str) -> Stated | No
     tolerance = float(read.std_dev) or 0.5 * 10.0**-last_digit * one
     shown = one * _SHOWN_PER_SI.get(dimension, 1.0)
     return Stated(value=value, tolerance=tolerance, decimals=max(0, last_digit - round(math.log10(shown))))
-
-
-def tolerance(text: object, dimension: str, value: float, source: str, field: str) -> float:
-    """A half-width [SI] from ``"0.15 kg"``, or from ``"3 %"`` of `value` [SI].
-
-    Raises
-    ------
-    BadInput : see `quantity`; not positive.
-    """
-    relative = isinstance(text, str) and text.rstrip().endswith("%")
-    read = float(quantity(text, "ratio" if relative else dimension, source=source, field=field).nominal_value)
-    if read <= 0:
-        remedy = f"Give a half-width in {SI_UNITS[dimension]} or per cent"
-        raise BadInput(source=source, field=field, problem=f"a tolerance must be positive, found {text!r}", remedy=remedy)
-    return read * abs(value) if relative else read
 
 
 # `Row`: one quantity with its tolerance beside its reference, and what becomes of a list of them.
@@ -383,10 +386,10 @@ class Row:
     quantity: str
     value: float
     tolerance: float | None
-    unit: str
+    unit: str = entry(write=plain_unit)
     reference: float | None = None
-    reference_tolerance: float | None = None
     dominated_by: str = ""
+    reference_tolerance: float | None = None
 
     @property
     def deviation(self) -> float | None:
@@ -394,6 +397,7 @@ class Row:
         return None if self.reference is None else self.value - self.reference
 
     @property
+    @derived("deviation_percent", before="dominated_by")
     def deviation_percent(self) -> float | None:
         """Deviation in per cent of the reference; None without a reference or where the reference is zero."""
         return None if not self.reference or self.deviation is None else 100 * self.deviation / abs(self.reference)
@@ -404,37 +408,22 @@ class Row:
         return math.hypot(self.tolerance or 0.0, self.reference_tolerance or 0.0)
 
     @property
+    @derived("deviation_in_tolerances")
     def deviation_in_tolerances(self) -> float | None:
         """Deviation in units of the combined tolerance; None without a reference or without any tolerance."""
         return None if self.deviation is None or self.combined_tolerance == 0 else self.deviation / self.combined_tolerance
 
     @property
+    @derived("within", before="dominated_by")
     def within(self) -> bool:
-        """Whether value and reference agree within the combined tolerance."""
+        """Whether value and reference agree within the combined tolerance; true as well where nothing is known."""
         return self.deviation is None or abs(self.deviation) <= self.combined_tolerance
 
-
-def rows_json(rows: Iterable[Row]) -> list[dict[str, Any]]:
-    """`rows` as the output contract has them; more keys than the contract's eight may follow them.
-
-    `within` is true as well where nothing contradicts because nothing is known: `compared` tells the two apart.
-    """
-    return [
-        {
-            "quantity": row.quantity,
-            "value": row.value,
-            "tolerance": row.tolerance,
-            "unit": plain_unit(row.unit),
-            "reference": row.reference,
-            "deviation_percent": row.deviation_percent,
-            "within": row.within,
-            "dominated_by": row.dominated_by,
-            "reference_tolerance": row.reference_tolerance,
-            "deviation_in_tolerances": row.deviation_in_tolerances,
-            "compared": row.reference is not None,
-        }
-        for row in rows
-    ]
+    @property
+    @derived("compared")
+    def compared(self) -> bool:
+        """Whether there is a reference: tells the two kinds of `within` apart."""
+        return self.reference is not None
 
 
 def rows_table(rows: Iterable[Row], title: str = "") -> Table:
@@ -502,21 +491,14 @@ def _cells(row: Row) -> tuple[str, ...]:
 
 # Ten parameters as a person writes them: the ``[inertia]`` table of a result file and of the published data.
 #
-# ===========
-#   =====================================================================================================================
-# key         meaning
-# ===========
-#   =====================================================================================================================
-# about       the point of the moments and products: "cog" (default), "origin", or three numbers and a unit, in the file's own
-#   frame
-# mass        with its unit, as every value; a value without "+/-" is taken as known to half a unit of its last digit
-# cog         three, from the origin of the file's own frame; or instead
-# first_moment three, mass times CoG *from the point `about`* (Eq. 4: m x, m y, m z)
-# moments     Θxx, Θyy, Θzz about `about`
-# products    Θxy, Θxz, Θyz about `about`, with the sign that ``products_sign`` states: "matrix-entry", -∫xy dm, as in Eq. 4, or
-#             "positive-integral", +∫xy dm, as SolidWorks and others print; there is no default
-# ===========
-#   =====================================================================================================================
+# about         the point of the moments and products: "cog" (default), "origin", or three numbers and a unit, in the file's own
+#               frame
+# mass          with its unit, as every value; a value without "+/-" is taken as known to half a unit of its last digit
+# cog           three, from the origin of the file's own frame; or instead
+# first_moment  three, mass times CoG *from the point `about`* (Eq. 4: m x, m y, m z)
+# moments       Θxx, Θyy, Θzz about `about`
+# products      Θxy, Θxz, Θyz about `about`, with the sign that ``products_sign`` states: "matrix-entry", -∫xy dm, as in Eq. 4,
+#               or "positive-integral", +∫xy dm, as SolidWorks and others print; there is no default
 #
 # Beside it, at most one of ``[tolerance]`` (a half-width for each group, absolute or per cent), ``[interval95]`` (low and high
 # for each value) and `covariance` (10x10, SI, in the order mass, cog or first_moment, moments, products; half-widths are 1.96
@@ -544,6 +526,21 @@ class _Form:
     first_moment: bool
     sign: float
 
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Of the table, in the order of the values."""
+        return ("mass", "first_moment" if self.first_moment else "cog", "moments", "products")
+
+    def about_cog(self, values: Array, frame: Pose) -> Array:
+        """The ten `values` about the CoG, seen from outside the `frame` in which they stand."""
+        sign = self.sign
+        mass, vector, six = values[MASS], values[COG], values[TENSOR] * np.array([1.0, 1.0, 1.0, sign, sign, sign])
+        about = self.about if self.about is not None else vector
+        lever = vector / mass if self.first_moment else vector - about
+        tensor = tensor_from_six(six) - parallel_axis(mass, lever)
+        R = frame.rotation
+        return np.concatenate([values[:1], frame.apply(about + lever), six_from_tensor(R @ tensor @ R.T)])
+
 
 def read(table: Mapping[str, Any], source: str, frame: Pose) -> Statement:
     """The statement that `table` makes, carried into the outer frame in which `frame` is the pose of the file's own.
@@ -567,16 +564,24 @@ def read(table: Mapping[str, Any], source: str, frame: Pose) -> Statement:
         )
     point = None if about == "cog" else np.zeros(3) if about == "origin" else position(about, source, "inertia.about")
     form = _Form(about=point, first_moment=first_moment, sign=_sign(inertia, source))
-    values = tuple(stated for key in _used(form) for stated in _group(inertia, key, source))
+    listed: list[Stated | None] = []
+    for key in form.keys:
+        span, dimension = _GROUPS[key]
+        length = span.stop - span.start
+        entries = _entries(inertia.get(key, [None] * length if length > 1 else None), length, source, f"inertia.{key}")
+        listed += [stated(entry, dimension, source, f"inertia.{key}") for entry in entries]
     # The values with the tolerance of whichever table is there, their squares when they are correlated, and a note
     given = [key for key in ("tolerance", "interval95", "covariance") if key in table]
     if len(given) > 1:
         raise BadInput(source=source, problem=f"states {' and '.join(given)}", remedy="Keep one of them")
+    spread: Array | None = None
     if not given:
-        values, spread, note = values, None, "as stated with each value; without one, half a unit of the last digit given"
+        values, note = tuple(listed), "as stated with each value; without one, half a unit of the last digit given"
+    elif given == ["covariance"]:
+        values, spread = _covariance(listed, table["covariance"], source)
+        note = "1.96 standard deviations of the stated covariance"
     else:
-        read = {"tolerance": _half_widths, "interval95": _intervals, "covariance": _covariance}[given[0]]
-        values, spread, note = read(values, table, form, source)
+        values, note = _toleranced(listed, given[0], table, form, source)
     mass = values[MASS]
     if form.first_moment and (mass is None or mass.value == 0):
         raise BadInput(
@@ -584,7 +589,7 @@ def read(table: Mapping[str, Any], source: str, frame: Pose) -> Statement:
         )
     return Statement(
         name=str(table.get("name", "result")),
-        values=through(_into(frame, form), values, spread),
+        values=through(lambda ten: form.about_cog(ten, frame), values, spread),
         source=str(table.get("source", source)),
         tolerance_note=note,
     )
@@ -605,17 +610,6 @@ def _sign(inertia: Mapping[str, Any], source: str) -> float:
     return 1.0 if word == MATRIX_ENTRY else -1.0
 
 
-def _used(form: _Form) -> tuple[str, ...]:
-    return ("mass", "first_moment" if form.first_moment else "cog", "moments", "products")
-
-
-def _group(table: Mapping[str, Any], key: str, source: str) -> list[Stated | None]:
-    span, dimension = _GROUPS[key]
-    length = span.stop - span.start
-    entries = _entries(table.get(key, [None] * length if length > 1 else None), length, source, f"inertia.{key}")
-    return [stated(entry, dimension, source, f"inertia.{key}") for entry in entries]
-
-
 def _entries(value: Any, length: int, source: str, field: str) -> list[Any]:
     entries = [value] if length == 1 else value
     if not isinstance(entries, list) or len(entries) != length:
@@ -628,50 +622,44 @@ def _entries(value: Any, length: int, source: str, field: str) -> list[Any]:
     return entries
 
 
-_Toleranced = tuple[tuple[Stated | None, ...], Array | None, str]
-
-
-def _half_widths(values: tuple[Stated | None, ...], table: Mapping[str, Any], form: _Form, source: str) -> _Toleranced:
-    widths = toml_file.require_table(table["tolerance"], source=source, where="tolerance")
-    toml_file.require_known(widths, (*_used(form), "note"), source=source, where="tolerance")
+def _toleranced(
+    values: Sequence[Stated | None], kind: str, table: Mapping[str, Any], form: _Form, source: str
+) -> tuple[tuple[Stated | None, ...], str]:
+    """`values` with half-widths or intervals, by the `kind` of table, and what is noted of them."""
+    widths = kind == "tolerance"
+    said = toml_file.require_table(table[kind], source=source, where=kind)
+    toml_file.require_known(said, (*form.keys, "note") if widths else form.keys, source=source, where=kind)
     result = list(values)
-    for key in filter(widths.__contains__, _used(form)):
+    for key in filter(said.__contains__, form.keys):
         span, dimension = _GROUPS[key]
-        length = span.stop - span.start
-        several = isinstance(widths[key], list) and length > 1
-        entries = _entries(widths[key], length, source, f"tolerance.{key}") if several else [widths[key]] * length
-        for k, each in zip(range(span.start, span.stop), entries, strict=True):
-            stated = result[k]
-            if stated is not None:
-                width = tolerance(each, dimension, stated.value, source, f"tolerance.{key}")
-                result[k] = replace(stated, tolerance=width)
-    return tuple(result), None, str(widths.get("note", "as stated"))
+        length, field = span.stop - span.start, f"{kind}.{key}"
+        alone = length == 1 or (widths and not isinstance(said[key], list))
+        entries = [said[key]] * length if alone else _entries(said[key], length, source, field)
+        for k, typed in zip(range(span.start, span.stop), entries, strict=True):
+            value = result[k]
+            if not widths:
+                low, high = (stated(end, dimension, source, field) for end in _entries(typed, 2, source, field))
+                if value is not None and low is not None and high is not None:
+                    result[k] = with_interval(value, low.value, high.value, source, field)
+            elif value is not None:
+                # A half-width [SI] from "0.15 kg", or from "3 %" of the value
+                relative = isinstance(typed, str) and typed.rstrip().endswith("%")
+                width = _si(typed, "ratio" if relative else dimension, source, field)
+                if width <= 0:
+                    remedy = f"Give a half-width in {SI_UNITS[dimension]} or per cent"
+                    problem = f"a tolerance must be positive, found {typed!r}"
+                    raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
+                result[k] = replace(value, tolerance=width * abs(value.value) if relative else width)
+    return tuple(result), str(said.get("note", "as stated")) if widths else "95 % intervals"
 
 
-def _intervals(values: tuple[Stated | None, ...], table: Mapping[str, Any], form: _Form, source: str) -> _Toleranced:
-    intervals = toml_file.require_table(table["interval95"], source=source, where="interval95")
-    toml_file.require_known(intervals, _used(form), source=source, where="interval95")
-    result = list(values)
-    for key in filter(intervals.__contains__, _used(form)):
-        span, dimension = _GROUPS[key]
-        field = f"interval95.{key}"
-        ends = [intervals[key]] if key == "mass" else _entries(intervals[key], 3, source, field)
-        for k, pair in zip(range(span.start, span.stop), ends, strict=True):
-            low, high = (stated(end, dimension, source, field) for end in _entries(pair, 2, source, field))
-            if result[k] is not None and low is not None and high is not None:
-                result[k] = with_interval(result[k], low.value, high.value, source, field)
-    return tuple(result), None, "95 % intervals"
-
-
-def with_interval(stated: Stated | None, low: float, high: float, source: str, field: str) -> Stated | None:
+def with_interval(stated: Stated, low: float, high: float, source: str, field: str) -> Stated:
     """`stated` with the distance to the farther end of its interval [SI] as tolerance.
 
     Raises
     ------
     BadInput : the value lies outside its interval.
     """
-    if stated is None:
-        return None
     if not low <= stated.value <= high:
         raise BadInput(
             source=source,
@@ -682,11 +670,12 @@ def with_interval(stated: Stated | None, low: float, high: float, source: str, f
     return replace(stated, tolerance=max(high - stated.value, stated.value - low))
 
 
-def _covariance(values: tuple[Stated | None, ...], table: Mapping[str, Any], form: _Form, source: str) -> _Toleranced:
+def _covariance(values: Sequence[Stated | None], matrix: Any, source: str) -> tuple[tuple[Stated | None, ...], Array]:
+    """`values` with their half-widths, and the square of the tolerances with what they share."""
     if None in values:
         raise BadInput(source=source, field="covariance", problem="needs all ten values", remedy="State them, or use [tolerance]")
     try:
-        C = frozen(table["covariance"], (10, 10), "covariance")
+        C = frozen(matrix, (10, 10), "covariance")
     except (ValueError, TypeError) as error:
         raise BadInput(
             source=source, field="covariance", problem=str(error), remedy="Write ten lists of ten numbers, SI"
@@ -697,19 +686,4 @@ def _covariance(values: tuple[Stated | None, ...], table: Mapping[str, Any], for
         problem = "must be symmetric and positive, found a matrix that is no covariance"
         raise BadInput(source=source, field="covariance", problem=problem, remedy="Check its order and units (SI)")
     toleranced = tuple(v and replace(v, tolerance=float(NORMAL_95 * s)) for v, s in zip(values, scale, strict=True))
-    return toleranced, NORMAL_95**2 * C, "1.96 standard deviations of the stated covariance"
-
-
-def _into(frame: Pose, form: _Form) -> Callable[[Array], Array]:
-    """From the ten values as they stand to those about the CoG in the outer frame."""
-
-    def change(values: Array) -> Array:
-        sign = form.sign
-        mass, vector, six = values[MASS], values[COG], values[TENSOR] * np.array([1.0, 1.0, 1.0, sign, sign, sign])
-        about = form.about if form.about is not None else vector
-        lever = vector / mass if form.first_moment else vector - about
-        tensor = tensor_from_six(six) - parallel_axis(mass, lever)
-        R = frame.rotation
-        return np.concatenate([values[:1], frame.apply(about + lever), six_from_tensor(R @ tensor @ R.T)])
-
-    return change
+    return toleranced, NORMAL_95**2 * C

@@ -1,18 +1,26 @@
-"""The page of `massline check`: channels, runs, levels, what can be told, and what is wrong."""
+"""The answers of `massline check` and `massline correct`: what a campaign holds, what is wrong with it, and a corrected copy."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
 
+import click
+import numpy as np
+
+from geometry.atomic import write_folder
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
-from geometry.inertia import Observability
-from geometry.sensors import SI, Channel, Place
-from identification.campaign import Campaign, Levels, Recording, Run
+from geometry.frames import Array
+from geometry.sensors import SI
+from identification import campaign_file
+from identification.campaign import Campaign
+from validation.correct import AppliedCorrection, asked, in_turn
 from validation.identify.check import Summary
+from validation.output import percent, print_json, require_folder, shown, to_json
 from validation.reference.statement import NONE
-from validation.report.document import Grid
+from validation.report.document import Column, Document, Grid, Table
+from validation.virtual_test import simulate
 
 AXES = ("x", "y", "z", "α", "β", "γ")
 LEVEL_UNITS = ("m/s²", "m/s²", "m/s²", "rad/s²", "rad/s²", "rad/s²")
@@ -25,129 +33,11 @@ def title(summary: Summary) -> str:
 
 def grids(summary: Summary) -> list[Grid]:
     """All tables, in the order in which they are read."""
-    if summary.campaign is None:
-        return []
-    return [
-        _channels(summary.campaign, summary),
-        _runs(summary.campaign, summary),
-        *([_levels(summary.campaign, summary)] if summary.levels else []),
-        _verdicts(summary),
-    ]
-
-
-def notes(summary: Summary) -> list[str]:
-    """What must be known to read the tables, then what is odd, then what is wrong."""
     campaign = summary.campaign
-    about = [] if campaign is None else list(_about(campaign, summary))
-    warnings = [f"warning: {text}." for text in summary.warnings]
-    return [
-        *about,
-        *warnings,
-        *(f"problem {k}: {problem}" for k, problem in enumerate(summary.problems, start=1)),
-        verdict(summary),
-    ]
-
-
-def verdict(summary: Summary) -> str:
-    """The end of the page in a sentence."""
-    if not summary.usable:
-        many = "1 problem" if len(summary.problems) == 1 else f"{len(summary.problems)} problems"
-        return f"{summary.folder} cannot be used as it is: {many}."
-    if summary.warnings:
-        return f"{summary.folder} can be used; read the warnings first."
-    return f"{summary.folder} can be used: nothing is wrong with it."
-
-
-def _channels(campaign: Campaign, summary: Summary) -> Grid:
-    noise = [None] * len(campaign.table) if summary.noise is None else summary.noise.tolist()
-    lines = [
-        (
-            channel.name,
-            channel.group,
-            channel.unit,
-            _places(channel, campaign),
-            _direction(channel.places[0]),
-            f"{_figure(channel.noise_rms)} {SI[channel.quantity]}" if channel.noise_rms is not None else NONE,
-            f"{_figure(floor)} {SI[channel.quantity]}" if floor is not None else NONE,
-            ", ".join(_remarks(channel)) or NONE,
-        )
-        for channel, floor in zip(campaign.table.channels, noise, strict=True)
-    ]
-    header = ("channel", "group", "in files", "at, from F [mm]", "along", "noise stated", "noise found", "remarks")
-    return Grid(header=header, lines=tuple(lines), words=True)
-
-
-def _places(channel: Channel, campaign: Campaign) -> str:
-    return " + ".join(_point(place, campaign) for place in channel.places)
-
-
-def _point(place: Place, campaign: Campaign) -> str:
-    return "(" + ", ".join(f"{1e3 * value + 0.0:.5g}" for value in place.position - campaign.table.origin) + ")"
-
-
-def _direction(place: Place) -> str:
-    """``+x`` along an axis, else the components."""
-    largest = max(range(3), key=lambda k: abs(place.direction[k]))
-    if abs(place.direction[largest]) > 1 - 1e-9:
-        return f"{'+' if place.direction[largest] > 0 else '-'}{'xyz'[largest]}"
-    return "(" + ", ".join(f"{value + 0.0:.4g}" for value in place.direction) + ")"
-
-
-def _remarks(channel: Channel) -> Iterable[str]:
-    if channel.quantity == "moment":
-        yield "moment"
-    if channel.is_sum:
-        yield f"sum of {len(channel.places)}"
-    if channel.reference:
-        yield "reference"
-    if channel.quantity == "acceleration" and not channel.senses_gravity:
-        yield "kinematic"
-
-
-def _runs(campaign: Campaign, summary: Summary) -> Grid:
-    lines = [
-        (run.name, run.file, run.axis or "several", *_axis(campaign.recordings.get(run.name)), driven, _excitation(run))
-        for run in campaign.runs
-        for driven in [f"{summary.levels[run.name].driven:.1f} s" if run.name in summary.levels else NONE]
-    ]
-    header = ("run", "file", "axis", "rate or lines", "length", "driven for", "excitation")
-    return Grid(header=header, lines=tuple(lines), words=True)
-
-
-def _excitation(run: Run) -> str:
-    if run.excitation is None:
-        return NONE
-    start, stop, rate, level = (run.excitation.figure(key) for key in ("start_hz", "stop_hz", "octaves_per_minute", "level"))
-    band = f" {start:g}-{stop:g} Hz" if start is not None and stop is not None else ""
-    return f"{run.excitation.kind}{band}{_if(rate, ', {:g} oct/min')}{_if(level, ', level {:g}')}"
-
-
-def _if(value: float | None, text: str) -> str:
-    return "" if value is None else text.format(value)
-
-
-def _axis(recorded: Recording | None) -> tuple[str, str]:
-    if recorded is None:
-        return "not read", NONE
-    if recorded.frequency is not None:
-        return f"{recorded.frequency[0]:g}-{recorded.frequency[-1]:g} Hz", f"{len(recorded)} lines"
-    return f"{recorded.sampling_rate:g} Hz", f"{recorded.duration:.1f} s"
-
-
-def _levels(campaign: Campaign, summary: Summary) -> Grid:
-    lines = []
-    for run in campaign.runs:
-        found = summary.levels.get(run.name)
-        if found is not None:
-            figures = (f"{value:.3f} ({100 * share:.1f} %)" for value, share in zip(found.amplitude, found.share, strict=True))
-            asked = run.excitation.figure("level") if run.excitation else None
-            lines.append((run.name, NONE if asked is None else f"{asked:g}", *figures))
-    units = (f"{axis} [{unit}]" for axis, unit in zip(AXES, LEVEL_UNITS, strict=True))
-    return Grid(header=("level realised", "asked", *units), lines=tuple(lines))
-
-
-def _verdicts(summary: Summary) -> Grid:
-    lines = [
+    if campaign is None:
+        return []
+    told = ("can be told", "channels", "rank", "condition", "scaled by", "missing")
+    verdicts = tuple(
         (
             what,
             str(len(one.channels)),
@@ -157,13 +47,91 @@ def _verdicts(summary: Summary) -> Grid:
             ", ".join(one.missing) or "nothing",
         )
         for what, one in summary.verdicts.items()
+    )
+    return [
+        _channels(campaign, summary),
+        *_runs(campaign, summary),
+        Grid(header=told, lines=verdicts, words=True),
     ]
-    return Grid(header=("can be told", "channels", "rank", "condition", "scaled by", "missing"), lines=tuple(lines), words=True)
+
+
+def _channels(campaign: Campaign, summary: Summary) -> Grid:
+    header = ("channel", "group", "in files", "at, from F [mm]", "along", "noise stated", "noise found", "remarks")
+    found = [None] * len(campaign.table) if summary.noise is None else summary.noise.tolist()
+    lines = []
+    for channel, floor in zip(campaign.table.channels, found, strict=True):
+        places = (_point(1e3 * (place.position - campaign.table.origin), ".5g") for place in channel.places)
+        # ``+x`` along an axis, else the components
+        direction = channel.places[0].direction
+        k = int(np.argmax(np.abs(direction)))
+        straight = abs(direction[k]) > 1 - 1e-9
+        along = f"{'+' if direction[k] > 0 else '-'}{'xyz'[k]}" if straight else _point(direction, ".4g")
+        noise = (NONE if one is None else f"{one:.3g} {SI[channel.quantity]}" for one in (channel.noise_rms, floor))
+        remarks = {
+            "moment": channel.quantity == "moment",
+            f"sum of {len(channel.places)}": channel.is_sum,
+            "reference": channel.reference,
+            "kinematic": channel.quantity == "acceleration" and not channel.senses_gravity,
+        }
+        remarked = ", ".join(words for words, true in remarks.items() if true) or NONE
+        lines.append((channel.name, channel.group, channel.unit, " + ".join(places), along, *noise, remarked))
+    return Grid(header=header, lines=tuple(lines), words=True)
+
+
+def _point(values: Array, form: str) -> str:
+    return "(" + ", ".join(f"{value + 0.0:{form}}" for value in values) + ")"
+
+
+def _runs(campaign: Campaign, summary: Summary) -> Iterator[Grid]:
+    """What was recorded and driven, and what the table did where it drove."""
+    runs, levels = [], []
+    for run in campaign.runs:
+        recorded, level, asked = campaign.recordings.get(run.name), summary.levels.get(run.name), run.excitation
+        axis = ("not read", NONE)
+        if recorded is not None and recorded.frequency is not None:
+            axis = f"{recorded.frequency[0]:g}-{recorded.frequency[-1]:g} Hz", f"{len(recorded)} lines"
+        elif recorded is not None:
+            axis = f"{recorded.sampling_rate:g} Hz", f"{recorded.duration:.1f} s"
+        excitation, factor = NONE, None
+        if asked is not None:
+            start, stop, rate, factor = (asked.figure(key) for key in ("start_hz", "stop_hz", "octaves_per_minute", "level"))
+            band = f" {start:g}-{stop:g} Hz" if start is not None and stop is not None else ""
+            swept = "" if rate is None else f", {rate:g} oct/min"
+            excitation = f"{asked.kind}{band}{swept}{'' if factor is None else f', level {factor:g}'}"
+        driven = NONE if level is None else f"{level.driven:.1f} s"
+        runs.append((run.name, run.file, run.axis or "several", *axis, driven, excitation))
+        if level is not None:
+            figures = (f"{value:.3f} ({100 * share:.1f} %)" for value, share in zip(level.amplitude, level.share, strict=True))
+            levels.append((run.name, NONE if factor is None else f"{factor:g}", *figures))
+    header = ("run", "file", "axis", "rate or lines", "length", "driven for", "excitation")
+    yield Grid(header=header, lines=tuple(runs), words=True)
+    if summary.levels:
+        units = (f"{axis} [{unit}]" for axis, unit in zip(AXES, LEVEL_UNITS, strict=True))
+        yield Grid(header=("level realised", "asked", *units), lines=tuple(levels))
+
+
+def notes(summary: Summary) -> list[str]:
+    """What must be known to read the tables, then what is odd, then what is wrong, and the verdict."""
+    if summary.usable:
+        words = "can be used; read the warnings first." if summary.warnings else "can be used: nothing is wrong with it."
+    else:
+        many = "1 problem" if len(summary.problems) == 1 else f"{len(summary.problems)} problems"
+        words = f"cannot be used as it is: {many}."
+    return [
+        *(() if summary.campaign is None else _about(summary.campaign, summary)),
+        *(f"warning: {text}." for text in summary.warnings),
+        *(f"problem {k}: {problem}" for k, problem in enumerate(summary.problems, start=1)),
+        f"{summary.folder} {words}",
+    ]
 
 
 def _about(campaign: Campaign, summary: Summary) -> Iterable[str]:
     yield f"Hardware: {campaign.hardware or 'not stated, so no other campaign can be combined with this one unseen'}."
-    yield f"Gravity {campaign.gravity:g} m/s². {_mounting(campaign)}"
+    if campaign.mounting is None:
+        mounting = "No mounting pose is stated: a CoG can be given from F only."
+    else:
+        mounting = f"The top article's origin sits at {_point(1e3 * campaign.mounting.position, '.5g')} mm."
+    yield f"Gravity {campaign.gravity:g} m/s². {mounting}"
     if campaign.processing is not None:
         of = campaign.processing
         blocks = f", blocks of {of.block_size}, overlap {of.overlap:g}" if of.method == "peak-reference-hold" else ""
@@ -179,90 +147,75 @@ def _about(campaign: Campaign, summary: Summary) -> Iterable[str]:
     yield "Condition: rotations and moments divided by the mean distance of the places from F, which stands beside it."
 
 
-def _mounting(campaign: Campaign) -> str:
-    if campaign.mounting is None:
-        return "No mounting pose is stated: a CoG can be given from F only."
-    x, y, z = (f"{1e3 * value + 0.0:.5g}" for value in campaign.mounting.position)
-    return f"The top article's origin sits at ({x}, {y}, {z}) mm."
+# `massline correct`: a corrected copy of a campaign, and what was changed in it.
 
 
-def _figure(value: float | None) -> str:
-    return NONE if value is None else f"{value:.3g}"
+def correct(folder: str, effects: Sequence[str], out: Path, *, force: bool, as_json: bool) -> None:
+    """Write the campaign in `folder` to the new folder `out`, without what `effects` say is wrong with it.
+
+    Raises
+    ------
+    BadInput : a campaign that cannot be read, an effect that it cannot have or that no record can be rid of, an `out` that would
+        destroy something.
+    OSError : a file cannot be read or written.
+    """
+    source = Path(folder)
+    simulate.require_folder(out)
+    there, read = out.resolve(), source.resolve()
+    if there == read or there.is_relative_to(read) or read.is_relative_to(there):
+        problem = f"it would change {source}, which is only read"
+        raise BadInput(source=str(out), field="--out", problem=problem, remedy="Name a folder beside it")
+    if out.exists() and any(out.iterdir()):
+        if not force:
+            problem, remedy = "it is there already and not empty", "Name a new folder, or replace this one with --force"
+            raise BadInput(source=str(out), field="--out", problem=problem, remedy=remedy)
+        if not (out / campaign_file.NAME).is_file():
+            problem = f"it holds no {campaign_file.NAME}, so it is no campaign to be replaced"
+            raise BadInput(source=str(out), field="--out", problem=problem, remedy="Name a new folder")
+    require_folder(out, "--out")
+    described = campaign_file.read_description(folder)
+    faults = [asked(text, described) for text in effects]
+    with percent(f"reading {folder}", quiet=as_json) as progress:
+        campaign = campaign_file.read(folder, progress=progress)
+    with shown(f"correcting {folder}", quiet=as_json):
+        made, steps = in_turn(campaign, faults)
+    with shown(f"writing {out}", quiet=as_json):
+        write_folder(out, lambda new: campaign_file.write(new, made, ending=None))
+    if as_json:
+        print_json({"campaign": folder, "out": str(out), "article": made.article, "corrected": to_json(steps)})
+        return
+    click.echo(_corrected(campaign, made, steps).text(), nl=False)
+    click.echo(f"massline: wrote {out}.", err=True)
 
 
-# What `massline check --json` prints. Keys end in their unit; positions are in the campaign's own frame.
+def _corrected(campaign: Campaign, made: Campaign, steps: Sequence[AppliedCorrection]) -> Document:
+    """What was done to which channel of `campaign`."""
+
+    changed = {one.name: one for step in steps for one in step.channels}
+    did = {name: "; ".join(step.did for step in steps if name in [one.name for one in step.channels]) for name in changed}
+    at = {name: made.table.channels[made.table.names.index(name)].places[0] for name in changed}
+    columns = (
+        Column("channel", lambda one: one.name, words=True),
+        Column("rms before [SI]", lambda one: one.rms_before, ".5g"),
+        Column("after", lambda one: one.rms_after, ".5g"),
+        Column(
+            "place [mm] and direction",
+            lambda one: f"{_vector(1e3 * at[one.name].position)} {_vector(at[one.name].direction)}",
+            aligned=False,
+        ),
+        Column("what was done", lambda one: did[one.name], words=True),
+    )
+    taken = ", ".join(str(one.named) for one in steps)
+    others = f"Other campaigns of {campaign.hardware} " if campaign.hardware else "Other campaigns of this hardware "
+    return Document(
+        title=f"{made.title}: {made.article}",
+        blocks=(Table(columns=columns, rows=list(changed.values())),),
+        notes=(
+            f"{campaign.source} is as it was; the copy is without {taken}, and its notes say so.",
+            f"{others}may have the same fault: correct them too before they are taken together.",
+        ),
+    )
 
 
-UNIT_KEYS = {"acceleration": "noise_m_s2", "force": "noise_n", "moment": "noise_n_m"}
-"""Key of a noise floor, by quantity."""
-
-
-def as_json(summary: Summary) -> dict[str, Any]:
-    """The summary as one object."""
-    campaign = summary.campaign
-    found: dict[str, Any] = {"campaign": summary.folder, "usable": summary.usable}
-    if campaign is not None:
-        found |= _description(campaign) | {
-            "channels": [_channel(c, k, summary) for k, c in enumerate(campaign.table.channels)],
-            "runs": [_run(run, campaign.recordings.get(run.name), summary.levels.get(run.name)) for run in campaign.runs],
-            "observability": {what: _verdict(one) for what, one in summary.verdicts.items()},
-        }
-    return found | {"problems": [_problem(one) for one in summary.problems], "warnings": list(summary.warnings)}
-
-
-def _description(campaign: Campaign) -> dict[str, Any]:
-    return {
-        "title": campaign.title,
-        "article": campaign.article,
-        "hardware": campaign.hardware,
-        "gravity_m_s2": campaign.gravity,
-        "origin_m": campaign.table.origin.tolist(),
-        "mounting_origin_m": None if campaign.mounting is None else campaign.mounting.position.tolist(),
-    }
-
-
-def _channel(channel: Channel, k: int, summary: Summary) -> dict[str, Any]:
-    key = UNIT_KEYS[channel.quantity]
-    return {
-        "name": channel.name,
-        "quantity": channel.quantity,
-        "group": channel.group,
-        "unit_in_files": channel.unit,
-        "position_m": [place.position.tolist() for place in channel.places],
-        "direction": [place.direction.tolist() for place in channel.places],
-        "reference": channel.reference,
-        "senses_gravity": channel.senses_gravity,
-        f"{key}_stated": channel.noise_rms,
-        f"{key}_found": None if summary.noise is None else float(summary.noise[k]),
-    }
-
-
-def _run(run: Run, recorded: Recording | None, level: Levels | None) -> dict[str, Any]:
-    return {
-        "name": run.name,
-        "file": run.file,
-        "axis": run.axis or None,
-        "excitation": None if run.excitation is None else {"kind": run.excitation.kind, **run.excitation.figures},
-        "read": recorded is not None,
-        "sampling_rate_hz": None if recorded is None else recorded.sampling_rate,
-        "samples": None if recorded is None else len(recorded),
-        "duration_s": None if recorded is None or recorded.is_spectrum else recorded.duration,
-        "level_m_s2_rad_s2": None if level is None else level.amplitude.tolist(),
-        "level_share": None if level is None else level.share.tolist(),
-        "driven_s": None if level is None else level.driven,
-    }
-
-
-def _verdict(one: Observability) -> dict[str, Any]:
-    return {
-        "channels": list(one.channels),
-        "rank": one.rank,
-        "condition": one.condition if one.complete else None,
-        "lever_m": one.lever,
-        "missing": list(one.missing),
-        "text": one.text,
-    }
-
-
-def _problem(one: BadInput) -> dict[str, str]:
-    return {"file": one.source, "field": one.field, "problem": one.problem, "remedy": one.remedy}
+def _vector(values: Array) -> str:
+    return "(" + " ".join(f"{value:.4g}" for value in values + 0.0) + ")"

@@ -12,7 +12,7 @@ from typing import Any
 from geometry.atomic import write_text
 from geometry.errors import BadInput
 from geometry.toml_file import nearest
-from validation.effects.catalogue import FAMILIES, SOURCES
+from validation.effects.catalogue import FAMILIES, SOURCES, parse
 from validation.effects.effect import (
     BODY_STAGE,
     CHANNEL_STAGE,
@@ -25,7 +25,7 @@ from validation.effects.effect import (
     SizeSpec,
 )
 from validation.reference.statement import NONE
-from validation.report.document import Grid, markdown_escaped, pipes
+from validation.report.document import Grid, markdown_escaped, page, pipes
 
 DOES: Mapping[str, str] = MappingProxyType(
     {
@@ -99,7 +99,12 @@ def unit(family: Family) -> str:
 
 def plausible(family: Family) -> str:
     """Standard deviation of a fault, of every size that is fitted; × 7.4 is a factor either way."""
-    return ", ".join(dict.fromkeys(_plausible(one) for one in sizes(family) if one.plausible > 0)) or NONE
+    said: dict[str, None] = {}
+    for one in sizes(family):
+        spread = f"× {_plain(exp(one.plausible))}" if one.logarithmic else _measured(one.plausible, one.unit)
+        if one.plausible > 0:
+            said["on or off" if one.whole else f"{one.key} {spread}".strip()] = None
+    return ", ".join(said) or NONE
 
 
 def tolerance(family: Family) -> str:
@@ -155,11 +160,6 @@ def _of(size: SizeSpec, said: str) -> str:
     return f"{size.key}: {said}" if size.key else said
 
 
-def _plausible(size: SizeSpec) -> str:
-    said = f"× {_plain(exp(size.plausible))}" if size.logarithmic else _measured(size.plausible, size.unit)
-    return "on or off" if size.whole else f"{size.key} {said}".strip()
-
-
 def _measured(value: float, unit: str) -> str:
     """``0.3 %``, ``20 µs``, ``0.5 mm``: as people write it."""
     if unit == "1":
@@ -186,8 +186,6 @@ def chosen(names: Sequence[str]) -> tuple[tuple[Family, str], ...]:
     ------
     BadInput : no such family, with the nearest; a target that it does not have.
     """
-    from validation.effects.catalogue import parse
-
     if not names:
         return tuple((family, "") for family in FAMILIES.values())
     found = []
@@ -206,16 +204,18 @@ def chosen(names: Sequence[str]) -> tuple[tuple[Family, str], ...]:
 
 def table() -> str:
     """All families as text, side by side of the laboratory."""
-    from validation.report.document import page
-
-    sides = [side for side in SIDES if any(family.side == side for family in FAMILIES.values())]
-    return "\n".join(page(side.capitalize(), (_grid(side),), (NOTE,) if side == sides[-1] else ()) for side in sides)
+    pages = []
+    for side in SIDES:
+        families = [family for family in FAMILIES.values() if family.side == side]
+        lines = tuple((identifier(family), tolerance(family), plausible(family), family.what) for family in families)
+        if lines:
+            pages.append((side, Grid(header=("effect", "tolerance", "plausible", "what"), lines=lines, words=True)))
+    last = len(pages) - 1
+    return "\n".join(page(side.capitalize(), (grid,), (NOTE,) if k == last else ()) for k, (side, grid) in enumerate(pages))
 
 
 def whole(family: Family, target: str = "") -> str:
     """One family as text, at `target` where one is named."""
-    from validation.report.document import page
-
     lines = (
         ("means", sentence(family, target)),
         ("acts on", targets(family)),
@@ -233,20 +233,6 @@ def whole(family: Family, target: str = "") -> str:
     )
     grid = Grid(header=("", family.what), lines=lines, words=True)
     return page(identifier(family), (grid,))
-
-
-def _grid(side: str) -> Grid:
-    lines = tuple(
-        (
-            identifier(family),
-            tolerance(family),
-            plausible(family),
-            family.what,
-        )
-        for family in FAMILIES.values()
-        if family.side == side
-    )
-    return Grid(header=("effect", "tolerance", "plausible", "what"), lines=lines, words=True)
 
 
 # docs/effects.md, made of the catalogue: ``python -m validation.report.effects`` in the root of the repository writes it.
@@ -314,27 +300,22 @@ massline effects --effects-from examples/nowhere    # exit 2
 def text(root: Path) -> str:
     """The page; `root` holds the example of an effect of one's own."""
     own = (root / OWN).read_text(encoding="utf-8")
-    sides = "\n".join(_side(side) for side in SIDES)
-    return HEAD + sides + "\n" + TAIL.format(own=OWN, code=own)
-
-
-def _side(side: str) -> str:
-    families = [family for name, family in FAMILIES.items() if family.side == side and name not in SOURCES]
-    return f"## {side.capitalize()}\n\n{pipes(_page_grid(families))}\n\n" + "\n".join(map(_entry, families))
-
-
-def _page_grid(families: list[Family]) -> Grid:
-    lines = tuple(
-        (
-            f"`{identifier(one)}`",
-            markdown_escaped(unit(one)),
-            tolerance(one),
-            plausible(one),
-            markdown_escaped(one.what),
+    parts = []
+    for side in SIDES:
+        families = [family for name, family in FAMILIES.items() if family.side == side and name not in SOURCES]
+        lines = tuple(
+            (
+                f"`{identifier(one)}`",
+                markdown_escaped(unit(one)),
+                tolerance(one),
+                plausible(one),
+                markdown_escaped(one.what),
+            )
+            for one in families
         )
-        for one in families
-    )
-    return Grid(header=("effect", "unit", "tolerance", "plausible", "what"), lines=lines, words=True)
+        grid = Grid(header=("effect", "unit", "tolerance", "plausible", "what"), lines=lines, words=True)
+        parts.append(f"## {side.capitalize()}\n\n{pipes(grid)}\n\n" + "\n".join(map(_entry, families)))
+    return HEAD + "\n".join(parts) + "\n" + TAIL.format(own=OWN, code=own)
 
 
 def _entry(family: Family) -> str:
@@ -363,24 +344,14 @@ NOTES = (
 
 
 def page_of_effects() -> str:
-    """All of it as text."""
-    from validation.report.document import page
-
-    return page("Effects that a virtual test can plant", (grid(),), NOTES)
-
-
-def grid() -> Grid:
-    """One line a family."""
+    """All of it as text, one line a family."""
     lines = tuple(
-        (examples(family)[0], targets(family), _limits(family), family.what)
+        (examples(family)[0], targets(family), "\n".join(map(limits, sizes(family))) or NONE, family.what)
         for family in FAMILIES.values()
         if family.plant is not None
     )
-    return Grid(header=("for example", "acts on", "from to", "what"), lines=lines, words=True)
-
-
-def _limits(family: Family) -> str:
-    return "\n".join(map(limits, sizes(family))) or NONE
+    grid = Grid(header=("for example", "acts on", "from to", "what"), lines=lines, words=True)
+    return page("Effects that a virtual test can plant", (grid,), NOTES)
 
 
 if __name__ == "__main__":

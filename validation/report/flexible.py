@@ -606,23 +606,21 @@ def markdown(results: Sequence[CheckResult]) -> str:
 
 
 def _by_family(results: Sequence[CheckResult]) -> Iterator[tuple[str, list[CheckResult]]]:
-    for family, rows in groupby(results, key=lambda result: result.check.family):
+    for family, rows in groupby(results, key=lambda result: result.family):
         yield family, list(rows)
 
 
 def cells(result: CheckResult) -> tuple[str, ...]:
     """A row as text: check, reference, value, error, bar, pass, source."""
-    check = result.check
-    what = f"{check.what} [{check.unit}]" if check.unit else check.what
-    relative = check.error is Error.RELATIVE and result.found.reference != 0
+    relative = result.error_is is Error.RELATIVE and result.reference != 0
     return (
-        what,
-        number(result.found.reference),
-        number(result.found.value),
+        f"{result.what} [{result.unit}]" if result.unit else result.what,
+        number(result.reference),
+        number(result.value),
         small(result.error, relative),
-        small(check.bar, relative),
+        small(result.bar, relative),
         "yes" if result.passed else "NO",
-        check.source,
+        result.source,
     )
 
 
@@ -642,7 +640,7 @@ def small(error: float, relative: bool) -> str:
 
 def summary(results: Sequence[CheckResult]) -> str:
     """How many checks passed, and the names of those that did not."""
-    failed = [result.check.what for result in results if not result.passed]
+    failed = [result.what for result in results if not result.passed]
     if not failed:
         return f"All {len(results)} checks pass."
     return f"{len(failed)} of {len(results)} checks fail: {'; '.join(failed)}."

@@ -3,36 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+import numpy as np
 
 from geometry.atomic import write_text
 from geometry.errors import BadInput
-from geometry.frames import Array
 from identification.quality import NORMAL_90
 from validation.history import history
-from validation.history.history import (
-    SHOWN,
-    Body,
-    Errors,
-    HistoryPosition,
-    Version,
-    VersionSize,
-    conditions,
-    gone_to,
-    history_position,
-    is_worth_adding,
-    percent,
-    undone,
-    unit,
-)
+from validation.history.history import SHOWN, Body, HistoryPosition, Version, VersionSize
+from validation.history.verdict import is_worth_adding, percent, unit
 from validation.model import model_file
-from validation.model.model_file import draft
 from validation.output import json_text, require_ending, require_file, shown, stages, to_json
 from validation.reference.statement import NONE, QUANTITIES, rounded
-from validation.report.document import Column, Figures, Grid, Safe, Table, aligned, joined, page, tag
+from validation.report import document
+from validation.report.charts import history as charts
+from validation.report.document import PAGE, TERMINAL, Block, Column, Document, Drawn, Figures, Grid, Safe, Table, aligned
 from validation.report.parts import Report, error_figures, error_lines, paragraphs, section
 from validation.report.parts import notes as parts_notes
 
@@ -75,13 +64,18 @@ def of_rung(one: Version) -> dict[str, Any]:
 
 def of_step(at: HistoryPosition, before: Version, after: Version, said: Sequence[str]) -> dict[str, Any]:
     """What adding an effect did; `said` is what was warned of."""
+    both = {
+        f"{name.replace('_', '')}_{when}_percent": None if errors is None else getattr(errors, name)
+        for name in ("plain", "held_out")
+        for when, errors in (("before", before.errors), ("after", after.errors))
+    }
     return {
         "model": str(at.path),
         "ladder": str(history.path_beside(at.path)),
         "rung": after.number,
         "parent": before.number,
         "effect": effect(after, after.effect),
-        "errors": _both(before.errors, after.errors),
+        "errors": both,
         "evidence_gain_nats": to_json(after.gain),
         "verdict": list(after.verdict),
         "worth_a_parameter": is_worth_adding(after),
@@ -113,15 +107,6 @@ def _interval(size: VersionSize) -> list[float] | None:
     return [size.value - half, size.value + half]
 
 
-def _both(before: Errors | None, after: Errors | None) -> dict[str, Any]:
-    return {
-        "plain_before_percent": None if before is None else before.plain,
-        "plain_after_percent": None if after is None else after.plain,
-        "heldout_before_percent": None if before is None else before.held_out,
-        "heldout_after_percent": None if after is None else after.held_out,
-    }
-
-
 def _body(body: Body) -> dict[str, Any]:
     return {
         "article": body.article,
@@ -134,54 +119,48 @@ def _body(body: Body) -> dict[str, Any]:
     }
 
 
-# The pages of `massline add`, `massline ladder` and `massline undo`.
+# The pages of `massline add`, `massline ladder` and `massline undo`, and the ladder in a report.
 
 
 HERE, NOT_HERE = "→ ", "  "
 """Before the rung on which the model stands, and before the others."""
 
+PRICE = "{tolerance_z2:.3g} of {due_z2:.0f}"
+"""Of the tolerances, on a terminal."""
+
 UNKEPT = "plain error, a configuration never seen"
 """An error that versions do not keep."""
 
+NONE_YET = "The model has no ladder yet: `massline add MODEL EFFECT DATA ...` adds an effect, fits it and keeps both versions."
 
-def ladder_of_step(before: Version, after: Version) -> list[Grid]:
+
+def of_added(before: Version, after: Version) -> list[Grid]:
     """The four errors before and after, the sizes of all effects, and how far each article is from its reference."""
-    return [_errors(before, after), *_sizes(after), *(_distance(before, after, body) for body in after.bodies)]
-
-
-def _errors(before: Version, after: Version) -> Grid:
     lines = [one for one in error_lines(before.errors, after.errors) if one[0] != UNKEPT]
-    gain = ("evidence gained", "", NONE if after.gain is None else f"{after.gain:+.1f} nats")
-    columns = [aligned(tuple(column)) for column in zip(*(cells for _, cells in lines), gain[1:], strict=True)]
-    names = (*(name for name, _ in lines), gain[0])
-    return Grid(header=("", f"rung {before.number}", f"rung {after.number}"), lines=tuple(zip(names, *columns, strict=True)))
-
-
-def _sizes(rung: Version) -> list[Grid]:
-    lines = tuple(line for name, sizes in rung.effects.items() for line in _lines(name, sizes))
-    cells = aligned(tuple(cell for _, cell in lines))
-    named = tuple((name, cell) for (name, _), cell in zip(lines, cells, strict=True))
-    return [Grid(header=("effects of the model", "size ± one standard deviation"), lines=named)] if named else []
-
-
-def _lines(name: str, sizes: Sequence[VersionSize]) -> list[tuple[str, str]]:
-    """A line a size; one that says that there is none, of an effect that is there or not."""
-    return [(_label(name, size), _size(size)) for size in sizes] or [(name, NONE)]
-
-
-def _label(name: str, size: VersionSize) -> str:
-    return f"{name} {size.key}".rstrip()
+    gain = ("", NONE if after.gain is None else f"{after.gain:+.1f} nats")
+    columns = [aligned(tuple(column)) for column in zip(*(cells for _, cells in lines), gain, strict=True)]
+    names = (*(name for name, _ in lines), "evidence gained")
+    header = ("", f"rung {before.number}", f"rung {after.number}")
+    found = [Grid(header=header, lines=tuple(zip(names, *columns, strict=True)))]
+    # A line a size; one that says that there is none, of an effect that is there or not
+    sizes = [
+        line
+        for name, every in after.effects.items()
+        for line in [(f"{name} {size.key}".rstrip(), _size(size)) for size in every] or [(name, NONE)]
+    ]
+    if sizes:
+        cells = aligned(tuple(cell for _, cell in sizes))
+        named = tuple((name, cell) for (name, _), cell in zip(sizes, cells, strict=True))
+        found.append(Grid(header=("effects of the model", "size ± one standard deviation"), lines=named))
+    for body in after.bodies:
+        earlier = [(before.number, one) for one in before.bodies if one.article == body.article][:1]
+        found.append(distances(body.article, [*earlier, (after.number, body)]))
+    return found
 
 
 def _size(size: VersionSize) -> str:
     spread = "" if size.deviation is None else f" ± {size.deviation:.2g}"
     return f"{size.value:.5g}{spread}{unit(size.unit)}"
-
-
-def _distance(before: Version, after: Version, body: Body) -> Grid:
-    earlier = next((one for one in before.bodies if one.article == body.article), None)
-    rungs = [(before, earlier), (after, body)] if earlier is not None else [(after, body)]
-    return distances(body.article, [(one.number, of) for one, of in rungs if of is not None])
 
 
 def distances(article: str, bodies: Sequence[tuple[int, Body]]) -> Grid:
@@ -195,73 +174,91 @@ def distances(article: str, bodies: Sequence[tuple[int, Body]]) -> Grid:
     return Grid(header=tuple(header), lines=tuple(zip(*columns, strict=True)))
 
 
-def values(article: str, bodies: Sequence[tuple[int, Body]]) -> Grid:
+def _values(article: str, bodies: Sequence[tuple[int, Body]]) -> Grid:
     """The identified inertia of `article` rung by rung with its 95 % intervals, and the model's own on the last."""
+    per_si = np.array([quantity.per_si for quantity in QUANTITIES])
     header = ["identified ± 95 %"]
     columns: list[tuple[str, ...]] = [tuple(f"{quantity.label} [{quantity.unit}]" for quantity in QUANTITIES)]
     for rung, body in bodies:
         header.append(f"{article}, rung {rung}")
-        columns.append(aligned(tuple(_value(body, k) for k in range(len(QUANTITIES)))))
-    header.append("reference")
+        both = zip((body.values * per_si).tolist(), (body.half_width * per_si).tolist(), strict=True)
+        columns.append(aligned(tuple(f"{rounded(value, half)} ± {rounded(half, half)}" for value, half in both)))
     last = bodies[-1][1]
-    columns.append(aligned(tuple(rounded(*_printed(last.reference, last.half_width, k)) for k in range(len(QUANTITIES)))))
-    return Grid(header=tuple(header), lines=tuple(zip(*columns, strict=True)))
+    both = zip((last.reference * per_si).tolist(), (last.half_width * per_si).tolist(), strict=True)
+    columns.append(aligned(tuple(rounded(value, half) for value, half in both)))
+    return Grid(header=(*header, "reference"), lines=tuple(zip(*columns, strict=True)))
 
 
-def _value(body: Body, k: int) -> str:
-    value, half = _printed(body.values, body.half_width, k)
-    return f"{rounded(value, half)} ± {rounded(half, half)}"
+def _sizes(one: Version) -> str:
+    """Of the effect that it added."""
+    every = one.effects.get(one.effect, ())
+    return _size(every[0]) if len(every) == 1 else ", ".join(f"{each.key} {each.value:.4g}" for each in every) or NONE
 
 
-def _printed(values: Array, half_width: Array, k: int) -> tuple[float, float]:
-    """One of the ten and half of its interval in the unit in which both are printed."""
-    return float(values[k]) * QUANTITIES[k].per_si, float(half_width[k]) * QUANTITIES[k].per_si
-
-
-def ladder_of_ladder(at: HistoryPosition) -> list[Grid]:
-    """All rungs as a tree, and of every article what was identified and its way to the reference along the rungs to here."""
-    return [_tree(at), *_way(at)]
-
-
-def _tree(at: HistoryPosition) -> Grid:
+def rungs(at: HistoryPosition) -> Table:
+    """All rungs: on a page in their order, on a terminal as a tree."""
     here = None if at.rung is None else at.rung.number
-    rows = [(_place(one, branch, here), *_figures(one)) for branch, one in at.ladder.tree()]
-    columns = list(zip(*rows, strict=True))
-    header = ("  rung", "size", "nominal", "plain", "held out", "chi²/dof", "sum z²", "evidence")
-    shown = [columns[0], *(aligned(column) for column in columns[1:])]
-    return Grid(header=header, lines=tuple(zip(*shown, strict=True)))
+
+    return Table(
+        caption="Rungs",
+        rows=[("", one, error_figures(one.errors)) for one in at.ladder.rungs],
+        shown=[(branch, one, error_figures(one.errors)) for branch, one in at.ladder.tree()],
+        columns=(
+            Column("rung", lambda row: f"{row[1].number}{' (here)' if row[1].number == here else ''}", words=True, on=PAGE),
+            Column(
+                "  rung",
+                lambda row: f"{HERE if row[1].number == here else NOT_HERE}{row[0]}{row[1].number} {row[1].title}",
+                words=True,
+                on=TERMINAL,
+            ),
+            Column("from", lambda row: "" if row[1].parent is None else f"{row[1].parent}", words=True, on=PAGE),
+            Column("what changed", lambda row: row[1].title, words=True, on=PAGE),
+            Column("size", lambda row: _sizes(row[1]), on=TERMINAL),
+            Column("nominal", lambda row: row[2]["nominal"], unit="%", said=("nominal", percent)),
+            Column("plain", lambda row: row[2]["plain"], unit="%", said=("plain", percent)),
+            Column("held out", lambda row: row[2]["held_out"], unit="%", said=("held out", percent)),
+            Column("χ² per dof", lambda row: row[2]["chi2_per_dof"], said=("chi²/dof", ".3g")),
+            Column("sum z²", lambda row: row[2]["tolerance_z2"], on=PAGE),
+            Column("sum z²", lambda row: NONE if row[2]["due_z2"] is None else PRICE.format(**row[2]), on=TERMINAL),
+            Column("due", lambda row: row[2]["due_z2"], on=PAGE),
+            Column("evidence", lambda row: row[1].gain, "+.1f", unit="nats"),
+            Column("when", lambda row: row[1].when.replace("T", " ")[:16], words=True, on=PAGE),
+        ),
+    )
 
 
-def _place(one: Version, branch: str, here: int | None) -> str:
-    return f"{HERE if one.number == here else NOT_HERE}{branch}{one.number} {one.title}"
+def ladder_document(at: HistoryPosition) -> Document:
+    """The rungs, and of every article what was identified and its way to the reference along the rungs to here."""
+    many = f"{len(at.ladder.rungs)} rung{'s' if len(at.ladder.rungs) > 1 else ''}"
+    where = "edited by hand since" if at.rung is None else f"it stands on rung {at.rung.number}"
+    strong = "Strong: the way to the rung on which the model stands. Open circles: branches."
+    blocks: list[Block] = [Drawn(partial(charts.falling_errors, at), strong), rungs(at)]
+    way = charts.way_to(at)
+    for article in dict.fromkeys(body.article for one in way for body in one.bodies):
+        bodies = [(one, body) for one in way for body in one.bodies if body.article == article]
+        numbered = [(one.number, body) for one, body in bodies]
+        moved = {f"{one.number} {one.title}": body for one, body in bodies}
+        title = f"{article}: identified less the model of each rung, 95 % intervals"
+        drawn = Drawn(partial(charts.identified_inertia, moved, title))
+        blocks += [_values(article, numbered), distances(article, numbered), drawn]
+    for one in at.ladder.rungs:
+        if one.verdict:
+            blocks.append(document.tag("p", document.tag("strong", f"Rung {one.number}, {one.title}: "), " ".join(one.verdict)))
+    return Document(title=f"{at.path.name}: {many}, {where}", blocks=blocks, notes=list(notes(at)))
 
 
-def _figures(one: Version) -> tuple[str, ...]:
-    sizes = one.effects.get(one.effect, ())
-    size = _size(sizes[0]) if len(sizes) == 1 else ", ".join(f"{each.key} {each.value:.4g}" for each in sizes) or NONE
-    return (size, *_told(one.errors), NONE if one.gain is None else f"{one.gain:+.1f}")
+def text(at: HistoryPosition) -> str:
+    """The page of a ladder."""
+    return ladder_document(at).text()
 
 
-def _told(errors: Errors | None) -> tuple[str, ...]:
-    if errors is None:
-        return (NONE,) * 5
-    percents = [percent(value) for value in (errors.nominal, errors.plain, errors.held_out)]
-    return (*percents, f"{errors.chi2_per_dof:.3g}", _price(errors))
-
-
-def _price(errors: Errors) -> str:
-    return f"{errors.tolerance_z2:.3g} of {errors.due_z2:.0f}"
-
-
-def _way(at: HistoryPosition) -> list[Grid]:
-    below = at.below
-    path = () if below is None else at.ladder.path(below.number)
-    articles = dict.fromkeys(body.article for one in path for body in one.bodies)
-    found = []
-    for article in articles:
-        bodies = [(one.number, body) for one in path for body in one.bodies if body.article == article]
-        found += [values(article, bodies), distances(article, bodies)]
-    return found
+def html(report: Report, figures: Figures) -> Safe:
+    """The section of a report."""
+    at = report.standing
+    if at is None or not any(one.errors for one in at.ladder.rungs):
+        return section("ladder", "The ladder", paragraphs([NONE_YET]))
+    said = ladder_document(at)
+    return section("ladder", "The ladder", *said.html(figures), parts_notes(said.notes))
 
 
 def notes(at: HistoryPosition) -> Iterator[str]:
@@ -270,7 +267,7 @@ def notes(at: HistoryPosition) -> Iterator[str]:
     yield "Sum z²: of the tolerances, all fitted, and what is due where nothing is wrong."
     yield "Identified: CoG from the article's own origin, moments and products about it. Reference: the model with its effects."
     yield "Less reference: mass, moments in per cent, products in per cent of √(Θii Θjj), CoG in mm; σ: one standard deviation."
-    yield from conditions(at)
+    yield from history.conditions(at)
 
 
 def add(asked: Options, effect: AddedEffectOptions, *, as_json: bool) -> None:
@@ -282,7 +279,7 @@ def add(asked: Options, effect: AddedEffectOptions, *, as_json: bool) -> None:
     CheckFailed : a fit of the model as it was does not converge.
     """
     from validation.history.add import added, opened
-    from validation.history.history import sentence
+    from validation.history.verdict import sentence
 
     with stages(f"adding {effect.effect}", quiet=as_json) as told:
         study, known = opened(asked, effect, told)
@@ -292,7 +289,7 @@ def add(asked: Options, effect: AddedEffectOptions, *, as_json: bool) -> None:
         click.echo(json_text(of_step(step.at, step.before, step.after, said)))
         return
     title = f"{asked.path.name}: {step.after.effect} added, rung {step.after.number} on rung {step.before.number}"
-    click.echo(page(title, ladder_of_step(step.before, step.after), (*step.after.verdict, *map(sentence, said))), nl=False)
+    click.echo(document.page(title, of_added(step.before, step.after), (*step.after.verdict, *map(sentence, said))), nl=False)
 
 
 def ladder(path: Path, *, go: int | None, as_json: bool, folder: Path | None) -> None:
@@ -303,12 +300,15 @@ def ladder(path: Path, *, go: int | None, as_json: bool, folder: Path | None) ->
     BadInput : there is no ladder, or none that can be read; no such rung.
     OSError : a file cannot be written.
     """
-    at = history_position(path)
+    at = history.history_position(path)
     if go is not None:
-        at = gone_to(at, go)
+        at = history.gone_to(at, go)
     _show(at, as_json=as_json)
     if folder is not None:
-        _draw(at, folder, quiet=as_json)
+        with shown(f"pictures of {at.path.name}", quiet=as_json):
+            paths = charts.draw(at, folder)
+        for made in paths:
+            click.echo(f"massline: wrote {made}.", err=True)
 
 
 def undo(path: Path, *, as_json: bool) -> None:
@@ -319,7 +319,7 @@ def undo(path: Path, *, as_json: bool) -> None:
     BadInput : there is no ladder, or nothing below.
     OSError : a file cannot be written.
     """
-    _show(undone(history_position(path)), as_json=as_json)
+    _show(history.undone(history.history_position(path)), as_json=as_json)
 
 
 def _show(at: HistoryPosition, *, as_json: bool) -> None:
@@ -327,22 +327,6 @@ def _show(at: HistoryPosition, *, as_json: bool) -> None:
         problem = f"it has no ladder: there is no {history.path_beside(at.path).name} beside it"
         raise BadInput(source=str(at.path), problem=problem, remedy="`massline add MODEL EFFECT DATA ...` makes one")
     click.echo(json_text(of_ladder(at)) if as_json else text(at), nl=as_json)
-
-
-def text(at: HistoryPosition) -> str:
-    """The page of a ladder."""
-    rungs = f"{len(at.ladder.rungs)} rung{'s' if len(at.ladder.rungs) > 1 else ''}"
-    where = "edited by hand since" if at.rung is None else f"it stands on rung {at.rung.number}"
-    return page(f"{at.path.name}: {rungs}, {where}", ladder_of_ladder(at), notes(at))
-
-
-def _draw(at: HistoryPosition, folder: Path, *, quiet: bool) -> None:
-    from validation.report.charts.history import draw
-
-    with shown(f"pictures of {at.path.name}", quiet=quiet):
-        paths = draw(at, folder)
-    for path in paths:
-        click.echo(f"massline: wrote {path}.", err=True)
 
 
 # The run of `massline model`.
@@ -357,79 +341,17 @@ def model(article: str, out: Path | None, *, force: bool) -> None:
     OSError : a file cannot be read or written.
     """
     if out is not None:
-        _require_free(out, force=force)
-    text = model_file.text(draft(article, out))
+        require_ending(out, (".toml",), "a model file", "model.toml")
+        if out.exists() and not force:
+            problem = "it is there already, perhaps with changes of your own"
+            raise BadInput(
+                source=str(out), field="--out", problem=problem, remedy="Name another file, or replace it with --force"
+            )
+        require_file(out, "--out")
+    text = model_file.text(model_file.draft(article, out))
     model_file.of_text(text, str(out or "model.toml"))
     if out is None:
         click.echo(text, nl=False)
         return
     write_text(out, text)
     click.echo(f"massline: wrote {out}.", err=True)
-
-
-def _require_free(out: Path, *, force: bool) -> None:
-    require_ending(out, (".toml",), "a model file", "model.toml")
-    if out.exists() and not force:
-        problem = "it is there already, perhaps with changes of your own"
-        raise BadInput(source=str(out), field="--out", problem=problem, remedy="Name another file, or replace it with --force")
-    require_file(out, "--out")
-
-
-# The ladder: every version of the model, how its errors fell, and how identified inertia moved.
-
-
-NONE_YET = "The model has no ladder yet: `massline add MODEL EFFECT DATA ...` adds an effect, fits it and keeps both versions."
-
-
-def html(report: Report, figures: Figures) -> Safe:
-    """The section."""
-    at = report.standing
-    if at is None or not any(one.errors for one in at.ladder.rungs):
-        return section("ladder", "The ladder", paragraphs([NONE_YET]))
-    from validation.report.charts.history import falling_errors
-
-    return section(
-        "ladder",
-        "The ladder",
-        figures.placed(falling_errors(at), "Strong: the way to the rung on which the model stands. Open circles: branches."),
-        _rungs(at),
-        *_inertia(at, figures),
-        *(_verdict(one) for one in at.ladder.rungs if one.verdict),
-        parts_notes(notes(at)),
-    )
-
-
-def _rungs(at: HistoryPosition) -> Safe:
-    here = None if at.rung is None else at.rung.number
-    columns = (
-        Column("rung", lambda row: f"{row[0].number} (here)" if row[0].number == here else f"{row[0].number}", words=True),
-        Column("from", lambda row: "" if row[0].parent is None else f"{row[0].parent}", words=True),
-        Column("what changed", lambda row: row[0].title, words=True),
-        Column("nominal", lambda row: row[1]["nominal"], unit="%"),
-        Column("plain", lambda row: row[1]["plain"], unit="%"),
-        Column("held out", lambda row: row[1]["held_out"], unit="%"),
-        Column("χ² per dof", lambda row: row[1]["chi2_per_dof"]),
-        Column("sum z²", lambda row: row[1]["tolerance_z2"]),
-        Column("due", lambda row: row[1]["due_z2"]),
-        Column("evidence", lambda row: row[0].gain, "+.1f", unit="nats"),
-        Column("when", lambda row: row[0].when.replace("T", " ")[:16], words=True),
-    )
-    return Table(caption="Rungs", columns=columns, rows=[(one, error_figures(one.errors)) for one in at.ladder.rungs]).html()
-
-
-def _inertia(at: HistoryPosition, figures: Figures) -> list[Safe]:
-    """How identified inertia moved along the way, article by article."""
-    from validation.report.charts.history import identified_inertia, way_to
-
-    found = []
-    way = way_to(at)
-    for article in dict.fromkeys(body.article for one in way for body in one.bodies):
-        bodies = {f"{one.number} {one.title}": body for one in way for body in one.bodies if body.article == article}
-        found.append(
-            figures.placed(identified_inertia(bodies, f"{article}: identified less the model of each rung, 95 % intervals"))
-        )
-    return found
-
-
-def _verdict(one: Version) -> Safe:
-    return joined(tag("p", tag("strong", f"Rung {one.number}, {one.title}: "), " ".join(one.verdict)))

@@ -1,45 +1,38 @@
-"""A reference table as JSON: the output contract of `massline reference`."""
+"""Articles and their known values: picture, reference table, and what weighings and pendulums say beside what is published."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from fem.user_model.reading import is_model
-from geometry import cache
+from geometry.articles import built_in, changes_of
 from geometry.errors import BadInput, CheckFailed
 from geometry.inertia import Inertia
-from geometry.routes import DEFAULT_CHORD, ROUTES
-from validation.classical.files import Reduction, reference
+from geometry.routes import ROUTES
+from validation.classical import files
+from validation.classical.files import Item, Reduction
 from validation.compare.compare import Comparison
-from validation.flexible.model import FlexibleOptions as Flexible
-from validation.flexible.model import flexible
+from validation.flexible.model import FlexibleOptions, flexible
 from validation.model.model import RIGID, Model
 from validation.model.setups import above_fmd, is_file, is_stack
-from validation.output import print_json, print_pages
-from validation.reference.reference import (
-    IDENTIFIED,
-    MEASURED,
-    PUBLISHED,
-    ArticleOptions,
-    ReferenceTable,
-    _occ,
-    changes_note,
-    farthest,
-    file_name,
-    reference_table,
-    rows,
-    verdict,
-)
-from validation.reference.reference import _article as article_reference__article
-from validation.reference.statement import QUANTITIES, Row, Stated, Statement, rows_json
-from validation.report.document import NOTHING, Cell, Column, Figures, Number, Safe, number, table, tag, toleranced, values
-from validation.report.document import notes as table_notes
+from validation.output import print_json, print_pages, to_json
+from validation.reference import reference
+from validation.reference.reference import ArticleOptions, ReferenceTable
+from validation.reference.statement import MIN_WORDS, QUANTITIES, Stated, Statement, headline, rounded, rows_table
+from validation.report import document
+from validation.report.document import NOTHING, Cell, Column, Figures, Number, Safe, number, tag, toleranced
 from validation.report.flexible import ON_THE_SHEET, draw_sheet
 from validation.report.parts import ArticlePart, Picture, Report, notes, picture, section
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+    from rich.table import Table
+
+    from validation.report.scenes.scene import DrawnBody
 
 
 def draw(name: str, asked: ArticleOptions, folder: Path = Path("out")) -> Path:
@@ -53,97 +46,45 @@ def draw(name: str, asked: ArticleOptions, folder: Path = Path("out")) -> Path:
     from validation.report.scenes.scene import picture
 
     title, bodies, inertia, note = drawing(name, asked)
-    path = folder / f"{file_name(title)}.png"
+    path = folder / f"{reference.file_name(title)}.png"
     picture(title, bodies, inertia, path, note)
     return path
 
 
-if TYPE_CHECKING:
-    from validation.report.scenes.scene import DrawnBody
-
-_Drawing = tuple[str, "tuple[DrawnBody, ...]", Inertia, str]
-"""Title, bodies, inertia and note of a picture."""
-
-
-def drawing(name: str, asked: ArticleOptions) -> _Drawing:
+def drawing(name: str, asked: ArticleOptions) -> tuple[str, tuple[DrawnBody, ...], Inertia, str]:
     """Title, bodies, inertia and note of a picture of the article `name`, in the article's own frame.
 
     Raises
     ------
     BadInput : no such article.
     """
-    return _users_drawing(name, asked) if is_file(name) else _drawing(name, asked)
+    from geometry import cad, user_article
+    from validation.report.scenes.scene import DrawnBody, drawn_bodies
 
-
-def _drawing(name: str, asked: ArticleOptions) -> _Drawing:
-    from validation.report.scenes.scene import drawn_bodies
-
-    article = article_reference__article(name, asked)
-    note = f"{changes_note(name, asked)} {article.note}".strip()
-    return name, drawn_bodies(article), _occ(article, DEFAULT_CHORD), note
-
-
-def _users_drawing(name: str, asked: ArticleOptions) -> _Drawing:
-    from geometry import user_article
-    from validation.report.scenes.scene import DrawnBody
-
-    article = user_article.load(name, unit=asked.unit, material=asked.material, chord=asked.chord)
+    if not is_file(name):
+        article = built_in(name, changes_of(name, asked.changes))
+        note = f"{reference.changes_note(name, asked)} {article.note}".strip()
+        return name, drawn_bodies(article), cad.inertia(article), note
+    own = user_article.load(name, unit=asked.unit, material=asked.material, chord=asked.chord)
     bodies = tuple(
         DrawnBody(name=part.name, material=part.material.name, vertices=part.mesh.vertices, faces=part.mesh.faces)
-        for part in article.parts
+        for part in own.parts
     )
-    return article.name, bodies, next(iter(user_article.inertias(article).values())), article.note
+    return own.name, bodies, next(iter(user_article.inertias(own).values())), own.note
 
 
-def render(table: ReferenceTable) -> dict[str, Any]:
-    """One article of the contract; published, measured and identified are null where nothing is stated."""
-    return {
-        "routes": {route: statement_json(table.columns[route]) for route in ROUTES if route in table.columns},
-        **{c: statement_json(table.columns[c]) if c in table.columns else None for c in (PUBLISHED, MEASURED, IDENTIFIED)},
-        "agree": table.agree,
-        "agreement": table.agreement,
-        "chord_m": table.chord,
-        "changes": dict(table.changes),
-        "rows": [
-            {**line, "column": column, "reference_column": table.reference_columns[k]}
-            for k in range(len(QUANTITIES))
-            for column, one in rows(table, k)
-            for line in rows_json([one])
-        ],
-        "verdict": {q.key: verdict(table, k) for k, q in enumerate(QUANTITIES)},
-        "note": table.note,
-        "warnings": list(table.warnings),
-        "footnotes": list(table.footnotes),
-    }
+# How `massline reference` answers: all articles in one of the formats of its tables.
 
 
-def statement_json(said: Statement) -> dict[str, Any]:
-    """INERTIA of the contract with null for what is not stated, and the tolerances in the same shape."""
-    return {
-        **_shaped([_value(s) for s in said.values]),
-        "about": "cog",
-        "name": said.name,
-        "source": said.source,
-        "tolerance": {**_shaped([_tolerance(s) for s in said.values]), "note": said.tolerance_note},
-    }
-
-
-def _value(stated: Stated | None) -> float | None:
-    return None if stated is None else stated.value
-
-
-def _tolerance(stated: Stated | None) -> float | None:
-    return None if stated is None else stated.tolerance
-
-
-def _shaped(ten: list[float | None]) -> dict[str, Any]:
-    shown = [None if v is None else _unrounded(v * q.per_si) for v, q in zip(ten, QUANTITIES, strict=True)]
-    return {"mass_kg": shown[0], "cog_mm": shown[1:4], "moi_cog_kgm2": shown[4:7], "poi_cog_kgm2": shown[7:]}
-
-
-def _unrounded(value: float) -> float:
-    """Fifteen digits: what a printed 603.3 mm is, after its way through metres."""
-    return float(f"{value:.15g}")
+def tables_text(tables: Sequence[ReferenceTable], form: str, *, to_file: bool) -> str:
+    """`tables` as text, markdown, csv or latex; a file does not depend on the terminal that it was written from."""
+    if form == "csv":
+        return document.render(tables)
+    if form == "latex":
+        return document.document([document.latex_render(table) for table in tables])
+    if form == "markdown":
+        return "\n".join(document.markdown_render(table) for table in tables)
+    return "\n".join(document.text_render(table, document.WIDTH if to_file else None) for table in tables)
 
 
 # How `weigh`, `cog` and `pendulum` answer: a table with its budgets, or the JSON object of the output contract.
@@ -157,13 +98,44 @@ def show(reduction: Reduction, against: str | None, as_json: bool) -> None:
     BadInput : nothing is published about `against`.
     CheckFailed : no body has these moments; raised when everything is printed.
     """
-    published = reference(against) if against else None
+    found = replace(reduction, reference=files.reference(against)) if against else reduction
     if as_json:
-        print_json(reduction.json(published))
+        print_json(to_json(found))
     else:
-        print_pages(reduction.pages(published))
-    if reduction.impossible:
-        raise CheckFailed(reduction.impossible)
+        print_pages(reduction_pages(found))
+    if found.impossible:
+        raise CheckFailed(found.impossible)
+
+
+def reduction_pages(found: Reduction) -> Iterator[RenderableType]:
+    """What a person reads: the rows, the budgets, the corrections, the notes."""
+    assumed = "; tolerances ASSUMED" if found.assumed else ""
+    yield rows_table(found.rows, f"{found.title}\n{found.origin}{assumed}")
+    for key, value in found.results.items():
+        words, unit, factor = files.QUANTITIES[key]
+        if (items := files.itemised(value)) and not found.assumed:
+            yield budget_table(items, f"Tolerance of {words}", unit, factor)
+    for name, parts in found.corrections_percent.items():
+        shown = ", ".join(f"{correction} {percent:+.3f} %" for correction, percent in parts.items())
+        yield f"Corrections in {name}: {shown or 'none'}"
+    yield "Tolerances: one level for all inputs, independent, combined in quadrature to first order."
+    yield from found.all_notes
+
+
+def budget_table(items: Sequence[Item], title: str, unit: str, factor: float) -> Table:
+    """`items` as a table to print; contributions in `unit`, which is SI times `factor`."""
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title=headline(title), title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    table.add_column("input", min_width=MIN_WORDS)
+    for heading in ("value (SI)", "tolerance (SI)", f"contributes\n[{unit}]", "share of variance"):
+        table.add_column(Text(heading), justify="right")
+    for item in items:
+        shown = (rounded(item.value, item.tolerance), f"{item.tolerance:.3g}", f"{factor * item.contribution:.2g}")
+        table.add_row(Text(item.name), *shown, f"{100 * item.share:.1f} %")
+    return table
 
 
 # What is known of an article by itself: its drawing by three routes, print, weighing and pendulum; picture and mode shapes.
@@ -185,14 +157,19 @@ def article_part(name: str, model: Model, comparison: Comparison, classical: Seq
     if not source:
         words = f"{name} is known by an FE model of your own, which has no drawing: no picture and no routes"
         return ArticlePart(name=name, missing=(words,))
-    asked = ArticleOptions(changes=model.changes if is_stack(source) else {})
-    table = _tried(
-        lambda: _table(_kept(lambda: reference_table(source, asked), source, asked, "table"), name, classical), missing
-    )
+    changes = model.changes if is_stack(source) else {}
+    asked = ArticleOptions(changes=changes)
+    table = _tried(lambda: _table(source, asked, name, classical), missing)
     said = f"{name}, with centre of gravity, principal axes and equivalent inertia ellipsoid, in the article's own frame"
-    picture = _tried(lambda: _kept(lambda: drawn(lambda folder: draw(source, asked, folder), said), source, asked, said), missing)
-    bends = _bends(name, model, comparison)
-    shapes = _tried(lambda: _kept(lambda: _shapes(source, model), source, asked, "shapes"), missing) if bends else None
+    picture = _tried(lambda: drawn(lambda folder: draw(source, asked, folder), said), missing)
+    shapes = None
+    # Shapes are worth a picture where a mode is near the band
+    pairs = zip(comparison.maps, comparison.modes, strict=True)
+    own = [(of, modes) for of, modes in pairs if above_fmd(of.configuration) == name]
+    near = any(one.frequency <= SOFT * of.frequency[-1] for of, modes in own for one in modes)
+    if model.kind != RIGID and near:
+        kind = "beam" if is_stack(source) else "solid"
+        shapes = _tried(lambda: _shapes(source, kind, FlexibleOptions(count=ON_THE_SHEET, changes=changes)), missing)
     return ArticlePart(name=name, table=table, picture=picture, shapes=shapes, missing=tuple(missing))
 
 
@@ -210,42 +187,24 @@ def drawn(draw_into: Callable[[Path], Path], said: str) -> Picture:
         return Picture(png=draw_into(Path(folder)).read_bytes(), said=said)
 
 
-def _kept(make: Callable[[], Made], source: str, asked: ArticleOptions, what: str) -> Made:
-    """What `make` makes of the drawing `source`, of a built-in article once for all reports; a file may lean on others."""
-    return cache.answer(make, what, source, asked) if is_stack(source) else make()
-
-
-def _table(table: ReferenceTable, name: str, classical: Sequence[Reduction]) -> ReferenceTable:
-    """The reference `table` with a column for each measurement that is about the article `name`."""
+def _table(source: str, asked: ArticleOptions, name: str, classical: Sequence[Reduction]) -> ReferenceTable:
+    """The reference table with a column for each measurement that is about the article `name`."""
+    table = reference.reference_table(source, asked)
     own = [one for one in classical if one.article == name and any(key in KEYS for key in one.results)]
-    columns = {f"classical {k}": _statement(one) for k, one in enumerate(own, start=1)}
+    columns = dict(table.columns)
+    for k, one in enumerate(own, start=1):
+        values = [one.results.get(key) for key in KEYS]
+        stated = tuple(
+            None if value is None else Stated(value=float(value.nominal_value), tolerance=float(value.std_dev) or None)
+            for value in values
+        )
+        note = "assumed" if one.assumed else "as its readings state them"
+        columns[f"classical {k}"] = Statement(name=one.title, values=stated, source=one.origin, tolerance_note=note)
     notes = tuple(f"Tolerances of {one.title} are ASSUMED." for one in own if one.assumed)
-    return replace(table, article=name, columns={**table.columns, **columns}, footnotes=(*table.footnotes, *notes))
+    return replace(table, article=name, columns=columns, footnotes=(*table.footnotes, *notes))
 
 
-def _statement(one: Reduction) -> Statement:
-    values = [one.results.get(key) for key in KEYS]
-    stated = tuple(
-        None if value is None else Stated(value=float(value.nominal_value), tolerance=float(value.std_dev) or None)
-        for value in values
-    )
-    note = "assumed" if one.assumed else "as its readings state them"
-    return Statement(name=one.title, values=stated, source=one.origin, tolerance_note=note)
-
-
-def _bends(name: str, model: Model, comparison: Comparison) -> bool:
-    """Whether it has a mode near the band, so that shapes are worth a picture."""
-    if model.kind == RIGID:
-        return False
-    own = [
-        (of, modes) for of, modes in zip(comparison.maps, comparison.modes, strict=True) if above_fmd(of.configuration) == name
-    ]
-    return any(one.frequency <= SOFT * of.frequency[-1] for of, modes in own for one in modes)
-
-
-def _shapes(source: str, model: Model) -> Picture:
-    asked = Flexible(count=ON_THE_SHEET, changes=model.changes if is_stack(source) else {})
-    kind = "beam" if is_stack(source) else "solid"
+def _shapes(source: str, kind: str, asked: FlexibleOptions) -> Picture:
     found = flexible(source, kind, asked)
     said = f"Mode shapes of {found.article} as drawn, base held, by the {kind} model; effects of the model are not in it"
     return drawn(lambda folder: draw_sheet(found, folder), said)
@@ -265,35 +224,33 @@ def _tried(make: Callable[[], Made], missing: list[str]) -> Made | None:
 
 def html(report: Report, figures: Figures) -> Safe:
     """The section; empty where no article is known by itself."""
-    if not report.articles:
-        return Safe("")
-    return section("articles", "Articles and their reference", *(_article(one) for one in report.articles))
-
-
-def _article(one: ArticlePart) -> Safe:
-    tables = (_values(one.table), _deviations(one.table), notes(table_notes(one.table))) if one.table is not None else ()
-    return tag("div", tag("h3", one.name), picture(one.picture), *tables, notes(one.missing), class_="part")
+    parts = []
+    for one in report.articles:
+        of = one.table
+        tables = () if of is None else (_values(of), _deviations(of), notes(document.notes(of)))
+        parts.append(tag("div", tag("h3", one.name), picture(one.picture), *tables, notes(one.missing), class_="part"))
+    return section("articles", "Articles and their reference", *parts) if parts else Safe("")
 
 
 def _values(of: ReferenceTable) -> Safe:
     """What every column says, each with its tolerance in a column of its own where it states one."""
-    printed = values(of)
-    texts = {name: [line[k].strip() for line in printed.lines] for k, name in enumerate(of.columns, start=1)}
-    stated = {name: [_stated(of, name, k, texts[name][k]) for k in range(len(QUANTITIES))] for name in of.columns}
-    wide = {name for name, cells in stated.items() if any(tolerance is not NOTHING for _, tolerance in cells)}
+    printed = document.values(of)
     columns = [Column(head="quantity", words=True), Column(head="unit", words=True)]
-    for name, said in of.columns.items():
-        columns += [Column(head=_head(name, said)), *([Column(head=f"± {_head(name, said)}")] if name in wide else [])]
-    rows = [
-        [quantity.label, quantity.unit, *(cell for name in of.columns for cell in stated[name][k][: 1 + (name in wide)])]
-        for k, quantity in enumerate(QUANTITIES)
-    ]
-    return table(f"{of.article}: mass, CoG and inertia", columns, rows)
+    rows: list[list[Cell]] = [[quantity.label, quantity.unit] for quantity in QUANTITIES]
+    for place, name in enumerate(of.columns, start=1):
+        stated = [_stated(of, name, k, line[place].strip()) for k, line in enumerate(printed.lines)]
+        wide = 1 + any(tolerance is not NOTHING for _, tolerance in stated)
+        head = _head(of, name)
+        columns += [Column(head=head), Column(head=f"± {head}")][:wide]
+        for row, cells in zip(rows, stated, strict=True):
+            row += cells[:wide]
+    return document.table(f"{of.article}: mass, CoG and inertia", columns, rows)
 
 
-def _head(column: str, said: Statement) -> str:
+def _head(of: ReferenceTable, column: str) -> str:
     """Of a column; what somebody printed as identified is not what was identified here."""
-    return f"{said.name}, in print" if column == IDENTIFIED else said.name
+    name = of.columns[column].name
+    return f"{name}, in print" if column == reference.IDENTIFIED else name
 
 
 def _stated(of: ReferenceTable, name: str, k: int, text: str) -> tuple[Cell, Cell]:
@@ -312,39 +269,28 @@ def _stated(of: ReferenceTable, name: str, k: int, text: str) -> tuple[Cell, Cel
 
 def _deviations(of: ReferenceTable) -> Safe:
     """How far the columns lie from the reference: per cent, of the CoG and where the reference is zero in its own unit."""
-    every = range(len(QUANTITIES))
     groups = {"routes": [name for name in of.columns if name in ROUTES]}
-    groups |= {_head(name, said): [name] for name, said in of.columns.items() if name not in ROUTES}
-    compared = {name: [farthest(of, own, k) for k in every] for name, own in groups.items()}
+    groups |= {_head(of, name): [name] for name in of.columns if name not in ROUTES}
+    compared = {name: [reference.farthest(of, own, k) for k in range(len(QUANTITIES))] for name, own in groups.items()}
     compared = {name: found for name, found in compared.items() if any(found)}
+    if not compared:
+        return Safe("")
     columns = [Column(head="deviation", words=True), Column(head="unit", words=True)]
     columns += [column for name in compared for column in (Column(head=name), Column(head="in tol."))]
-    rows = [
-        [
-            QUANTITIES[k].label,
-            _unit(of, k),
-            *(cell for found in compared.values() for cell in _deviation(found[k])),
-            verdict(of, k),
-        ]
-        for k in every
-    ]
+    rows = []
+    for k, quantity in enumerate(QUANTITIES):
+        against = of.reference_columns[k]
+        known = None if against is None else of.stated(against, k)
+        own_unit = 1 <= k <= 3 or known is None or known.value == 0
+        cells: list[Cell] = []
+        for found in compared.values():
+            one = found[k]
+            if one is None:
+                cells += [NOTHING, NOTHING]
+                continue
+            own = one.unit == "mm" or one.deviation_percent is None
+            size = number(one.deviation if own else one.deviation_percent, "+.3g")
+            cells += [size, number(one.deviation_in_tolerances, "+.2f")]
+        rows.append([quantity.label, quantity.unit if own_unit else "%", *cells, reference.verdict(of, k)])
     head = f"{of.article}: deviation from the reference and verdict"
-    return table(head, [*columns, Column(head="verdict", words=True)], rows) if compared else Safe("")
-
-
-def _in_own_unit(of: ReferenceTable, k: int) -> bool:
-    against = of.reference_columns[k]
-    known = None if against is None else of.stated(against, k)
-    return 1 <= k <= 3 or known is None or known.value == 0
-
-
-def _unit(of: ReferenceTable, k: int) -> str:
-    return QUANTITIES[k].unit if _in_own_unit(of, k) else "%"
-
-
-def _deviation(one: Row | None) -> tuple[Cell, Cell]:
-    if one is None:
-        return NOTHING, NOTHING
-    own = one.unit == "mm" or one.deviation_percent is None
-    shown = number(one.deviation if own else one.deviation_percent, "+.3g")
-    return shown, number(one.deviation_in_tolerances, "+.2f")
+    return document.table(head, [*columns, Column(head="verdict", words=True)], rows)

@@ -6,11 +6,12 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum
-from functools import cache, wraps
+from functools import cache, partial, wraps
 from importlib import import_module
-from typing import Any, NamedTuple, ParamSpec, TypeVar
+from operator import attrgetter
+from typing import NamedTuple, ParamSpec, TypeVar
 
-from validation.output import counted, plain_unit
+from validation.output import counted, derived, entry, plain_unit
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -39,6 +40,9 @@ class Found(NamedTuple):
     value: float
 
 
+Find = TypeVar("Find", bound=Callable[..., Found])
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Check:
     """One row, as it stands before anything is computed.
@@ -65,39 +69,56 @@ class Check:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CheckResult:
-    """A check with what it found."""
+    """A check with what it found; see `Check`."""
 
-    check: Check
-    found: Found
+    family: str
+    what: str
+    reference: float
+    source: str
+    value: float
+    unit: str = entry(write=plain_unit)
+    error_is: Error = entry(write=attrgetter("value"), read=Error)
+    bar: float
 
     @property
+    @derived("error", before="error_is")
     def error(self) -> float:
         """Size of the error, relative or absolute as the check asks; infinite where the value is no number."""
-        reference, value = self.found
-        size = float(abs(value - reference))
-        relative = self.check.error is Error.RELATIVE
-        return size / abs(reference) if relative and reference else size if math.isfinite(size) else math.inf
+        size = float(abs(self.value - self.reference))
+        relative = self.error_is is Error.RELATIVE
+        return size / abs(self.reference) if relative and self.reference else size if math.isfinite(size) else math.inf
 
     @property
+    @derived("pass")
     def passed(self) -> bool:
         """Whether the error stays at or below the bar; what is no number never does."""
-        return bool(self.error <= self.check.bar)
+        return bool(self.error <= self.bar)
 
-    def json(self) -> dict[str, Any]:
-        """The row as the output contract has it; a value that is no number is null."""
-        reference, value = (number if math.isfinite(number) else None for number in self.found)
-        return {
-            "family": self.check.family,
-            "what": self.check.what,
-            "reference": reference,
-            "source": self.check.source,
-            "value": value,
-            "unit": plain_unit(self.check.unit),
-            "error": self.error if math.isfinite(self.error) else None,
-            "error_is": self.check.error.value,
-            "bar": self.check.bar,
-            "pass": self.passed,
-        }
+
+class Rows:
+    """The rows of a family in their order, each of which stands above the function that finds its value."""
+
+    def __init__(self, family: str) -> None:
+        self.family = family
+        self.checks: list[Check] = []
+
+    def relative(self, what: str, source: str, unit: str, bar: float, *given: object) -> Callable[[Find], Find]:
+        """A row whose error is a share of the reference; the function has `given` before the mesh."""
+        return self._row(what, source, unit, bar, Error.RELATIVE, given)
+
+    def absolute(self, what: str, source: str, bar: float, *given: object, unit: str = "") -> Callable[[Find], Find]:
+        """A row whose reference is zero, or whose error is to be seen in its own unit."""
+        return self._row(what, source, unit, bar, Error.ABSOLUTE, given)
+
+    def _row(
+        self, what: str, source: str, unit: str, bar: float, error: Error, given: tuple[object, ...]
+    ) -> Callable[[Find], Find]:
+        def put(find: Find) -> Find:
+            found = partial(find, *given)
+            self.checks.append(Check(family=self.family, what=what, source=source, unit=unit, bar=bar, find=found, error=error))
+            return find
+
+        return put
 
 
 def run(checks: Iterable[Check], mesh: Mesh = Mesh.FAST, *, quiet: bool = True) -> list[CheckResult]:
@@ -106,9 +127,23 @@ def run(checks: Iterable[Check], mesh: Mesh = Mesh.FAST, *, quiet: bool = True) 
     announced = counted([check.what for check in listed], "checking", quiet=quiet)
     forget()
     try:
-        return [CheckResult(check=check, found=check.find(mesh)) for check, _ in zip(listed, announced, strict=True)]
+        return [result(check, check.find(mesh)) for check, _ in zip(listed, announced, strict=True)]
     finally:
         forget()
+
+
+def result(check: Check, found: Found) -> CheckResult:
+    """`check` with what it `found`."""
+    return CheckResult(
+        family=check.family,
+        what=check.what,
+        reference=found.reference,
+        source=check.source,
+        value=found.value,
+        unit=check.unit,
+        error_is=check.error,
+        bar=check.bar,
+    )
 
 
 def once(function: Callable[P, T]) -> Callable[P, T]:
@@ -151,27 +186,24 @@ FAMILIES = {
 """Families by the name that the command takes, in the order of the table."""
 
 _ROWS = {
-    "essentials": "solids.ESSENTIALS_CHECKS",
-    "beams": "beams.CHECKS",
-    "sandwich": "beams.SANDWICH_CHECKS",
-    "exudyn": "beams.EXUDYN_BEAMS_CHECKS",
-    "solids": "solids.CHECKS",
-    "plates": "solids.PLATES_CHECKS",
-    "rods": "solids.RODS_CHECKS",
-    "dynamic-mass": "dynamics.CHECKS",
-    "time": "dynamics.DRIVEN_BASE_CHECKS",
-    "pendulum": "dynamics.ROPE_PENDULUM_CHECKS",
+    "essentials": "solids.ESSENTIALS",
+    "beams": "beams.BARS",
+    "sandwich": "beams.SANDWICH",
+    "exudyn": "beams.EXUDYN_BEAMS",
+    "solids": "solids.SOLIDS",
+    "plates": "solids.PLATES",
+    "rods": "solids.RODS",
+    "dynamic-mass": "dynamics.DYNAMIC_MASS",
+    "time": "dynamics.DRIVEN_BASE",
+    "pendulum": "dynamics.ROPE_PENDULUM",
 }
 """Module of this package and name of its rows, by family."""
 
 
 def checks(*families: str) -> tuple[Check, ...]:
     """The rows of `families`, of all when none is named."""
-    chosen = families or tuple(FAMILIES)
-    return tuple(check for family in chosen for check in _rows(family))
-
-
-def _rows(family: str) -> tuple[Check, ...]:
-    module, _, name = _ROWS[family].partition(".")
-    rows: tuple[Check, ...] = getattr(import_module(f"validation.verification.{module}"), name)
-    return rows
+    found: list[Check] = []
+    for family in families or tuple(FAMILIES):
+        module, _, name = _ROWS[family].partition(".")
+        found += getattr(import_module(f"validation.verification.{module}"), name).checks
+    return tuple(found)

@@ -7,8 +7,7 @@ weigh the same.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Mapping
 from types import ModuleType
 from typing import Any
 
@@ -37,13 +36,10 @@ from geometry.inertia import Inertia
 from geometry.routes import inertia
 from validation.classical.pendulum import from_signal, rope_amplitude_factor, rope_pendulum
 from validation.reference.reconstruction import deviation, identified
-from validation.verification import beams, closed_forms
-from validation.verification.check import Check, Error, Found, Mesh, once, order
-from validation.verification.closed_forms import PART as GRIDS_PART
-from validation.verification.closed_forms import block
-from validation.verification.solids import steel
+from validation.verification import beams, solids
+from validation.verification.check import Found, Mesh, Rows, once, order
 
-FAMILY = "Dynamic mass"
+DYNAMIC_MASS = Rows("Dynamic mass")
 
 CUBE = 0.1
 LOW = 4.0
@@ -66,54 +62,69 @@ FEW = 4
 GROWTH = np.array([6.0, 12.0, 24.0])
 """Modes kept of the bar and frequencies [Hz] well below all others, to see how the error of truncation grows."""
 
-# --- rigid ----------------------------------------------------------------------------------------------------------------
+
+def largest(difference: ComplexArray, whole: npt.NDArray[Any]) -> float:
+    """Largest entry of `difference` (n, k, k) in units of what `whole` reaches on the diagonals of its row and column."""
+    reach = np.sqrt(np.max(np.abs(np.diagonal(whole, axis1=1, axis2=2)), axis=0))
+    return float(np.max(np.abs(difference) / np.outer(reach, reach)))
 
 
 @once
 def _cube() -> tuple[ComplexArray, Array]:
     """H of the steel cube at `LOW` (6, 6), about a corner of its foot, and its rigid mass in closed form."""
-    grid = block((CUBE, CUBE, CUBE), (2, 2, 2))
-    modes = fixed_base(of_mesh(grid, {GRIDS_PART: steel(0.3)}, cached=False), 20)
-    mass = steel(0.3).density * CUBE**3
+    grid = solids.block((CUBE, CUBE, CUBE), (2, 2, 2))
+    modes = fixed_base(of_mesh(grid, {solids.PART: solids.steel(0.3)}, cached=False), 20)
+    mass = solids.steel(0.3).density * CUBE**3
     tensor = mass * CUBE**2 / 6 * np.eye(3)
     return modal(modes, [LOW]).matrix[0], Inertia.from_cog(mass, np.full(3, CUBE / 2), tensor).mass_matrix
 
 
+@DYNAMIC_MASS.relative(f"Steel cube at {LOW:g} Hz: force over acceleration along z", "f = +M a: rho a³", "kg", 1e-6)
 def _cube_sign(mesh: Mesh) -> Found:
     H, M = _cube()
     return Found(float(M[2, 2]), float(H[2, 2].real))
 
 
+@DYNAMIC_MASS.absolute(f"Steel cube at {LOW:g} Hz: all 36 entries", "H = +M: cube about its corner, closed form", 1e-6)
 def _cube_whole(mesh: Mesh) -> Found:
     H, M = _cube()
     return Found(0.0, largest(H[None] - M, M[None]))
 
 
-# --- cantilever on a moving clamp -----------------------------------------------------------------------------------------
+@DYNAMIC_MASS.absolute("Bar at 0 Hz", "H = +M: rod, closed form", 1e-9)
+def _static_bar(mesh: Mesh) -> Found:
+    bar = beams.structure(beams.ROD, LENGTH, ELEMENTS[mesh], loss_factor=LOSS_FACTOR)
+    M = beams.rod_inertia(beams.ROD, LENGTH)
+    return Found(0.0, largest(modal(fixed_base(bar, FEW), [0.0]).matrix - M, M[None]))
 
 
 def _driven(section: Section, motion: str, lines: Array, mesh: Mesh) -> ComplexArray:
-    """Blocked dynamic mass (n, k, k) of the bar in one kind of motion, by direct solution."""
+    """Blocked dynamic mass (n, k, k) of the bar on a moving clamp in one kind of motion, by direct solution."""
     bar = beams.structure(section, LENGTH, ELEMENTS[mesh], loss_factor=LOSS_FACTOR)
-    B = beams.unit_motions(motion)
+    B = beams.UNIT_MOTIONS[motion]
     return np.asarray(B.T @ direct(bar, lines).matrix @ B)
 
 
+@DYNAMIC_MASS.absolute(
+    "Cantilever driven across and about, loss factor 2 %, to 160 Hz", "closed form of the driven Euler-Bernoulli beam", 1e-3
+)
 def _driven_bending(mesh: Mesh) -> Found:
     section = beams.EULER
-    beam = closed_forms.Beam(length=LENGTH, bending=section.bending_y * (1 + 1j * LOSS_FACTOR), mass=section.mass)
-    expected = closed_forms.base_driven(beam, BENDING_LINES)
+    beam = beams.Beam(length=LENGTH, bending=section.bending_y * (1 + 1j * LOSS_FACTOR), mass=section.mass)
+    expected = beam.base_driven(BENDING_LINES)
     return Found(0.0, largest(_driven(section, beams.BENDING, BENDING_LINES, mesh) - expected, expected))
 
 
 def _driven_rod(motion: str, mesh: Mesh) -> Found:
     stiffness, inertia = beams.rod_constants(beams.ROD, motion)
     speed = np.sqrt(stiffness * (1 + 1j * LOSS_FACTOR) / inertia)
-    expected = closed_forms.rod_dynamic_mass(inertia * LENGTH, speed, LENGTH, ROD_LINES)[:, None, None]
+    expected = beams.rod_dynamic_mass(inertia * LENGTH, speed, LENGTH, ROD_LINES)[:, None, None]
     return Found(0.0, largest(_driven(beams.ROD, motion, ROD_LINES, mesh) - expected, expected))
 
 
-# --- from modes -----------------------------------------------------------------------------------------------------------
+for _words, _how in (("Rod driven along", beams.TENSION), ("Round rod driven about its axis", beams.TORSION)):
+    _what = f"{_words}, loss factor 2 %, to 1600 Hz"
+    DYNAMIC_MASS.absolute(_what, "m tan(k L) / (k L), k complex", 1e-2, _how)(_driven_rod)
 
 
 @once
@@ -128,28 +139,27 @@ def _article_direct() -> ComplexArray:
     return direct(article, ARTICLE_LINES, RATIO, modes=modes).matrix
 
 
+@DYNAMIC_MASS.absolute(f"{ARTICLE}, beam model, at 0 Hz", "H = +M: the drawing by Pinocchio", 1e-3)
 def _static(mesh: Mesh) -> Found:
-    """Zero, and how far H(0) lies from the article's rigid mass matrix as drawn."""
     M = inertia(built_in(ARTICLE)).mass_matrix
     return Found(0.0, largest(modal(_article()[1], [0.0]).matrix - M, M[None]))
 
 
-def _static_bar(mesh: Mesh) -> Found:
-    """Zero, and how far H(0) of the bar lies from that of a rod in closed form."""
-    bar = beams.structure(beams.ROD, LENGTH, ELEMENTS[mesh], loss_factor=LOSS_FACTOR)
-    M = beams.rod_inertia(beams.ROD, LENGTH)
-    return Found(0.0, largest(modal(fixed_base(bar, FEW), [0.0]).matrix - M, M[None]))
+@DYNAMIC_MASS.absolute(f"{ARTICLE}, 4 to 32 Hz: H against its transpose", "reciprocity: H is symmetric", 1e-9)
+def _asymmetry(mesh: Mesh) -> Found:
+    H = _article_direct()
+    return Found(0.0, largest(H - np.swapaxes(H, 1, 2), H))
 
 
+@DYNAMIC_MASS.absolute(
+    f"{ARTICLE}, {MODES} modes with residual, 4 to 32 Hz",
+    "direct solution of K + i omega C - omega² M; of the rigid mass",
+    1e-4,
+)
 def _modal_against_direct(mesh: Mesh) -> Found:
     """Zero, and the largest difference over all lines in units of the rigid mass, which resonances do not make small."""
     _, modes = _article()
     return Found(0.0, largest(modal(modes, ARTICLE_LINES).matrix - _article_direct(), modes.rigid_mass[None]))
-
-
-def _asymmetry(mesh: Mesh) -> Found:
-    H = _article_direct()
-    return Found(0.0, largest(H - np.swapaxes(H, 1, 2), H))
 
 
 def _growth(residual: bool, mesh: Mesh) -> Found:
@@ -160,53 +170,13 @@ def _growth(residual: bool, mesh: Mesh) -> Found:
     return Found(4.0 if residual else 2.0, order(GROWTH, np.linalg.norm(difference, axis=(1, 2))))
 
 
-def largest(difference: ComplexArray, whole: npt.NDArray[Any]) -> float:
-    """Largest entry of `difference` (n, k, k) in units of what `whole` reaches on the diagonals of its row and column."""
-    reach = np.sqrt(np.max(np.abs(np.diagonal(whole, axis1=1, axis2=2)), axis=0))
-    return float(np.max(np.abs(difference) / np.outer(reach, reach)))
-
-
-def _zero(what: str, source: str, bar: float, find: Callable[[Mesh], Found]) -> Check:
-    return Check(family=FAMILY, what=what, source=source, unit="", bar=bar, find=find, error=Error.ABSOLUTE)
-
-
-def _exponent(residual: bool) -> Check:
-    return _zero(
-        f"{FEW} modes of a bar {'with' if residual else 'without'} residual: exponent of the error over frequency",
-        f"omega^{4 if residual else 2}: the {'next' if residual else 'first'} term of the series in omega² / omega_h²",
+for _with, _power, _term, _residual in (("without", 2, "first", False), ("with", 4, "next", True)):
+    DYNAMIC_MASS.absolute(
+        f"{FEW} modes of a bar {_with} residual: exponent of the error over frequency",
+        f"omega^{_power}: the {_term} term of the series in omega² / omega_h²",
         0.1,
-        partial(_growth, residual),
-    )
-
-
-EULER_DRIVEN = "closed form of the driven Euler-Bernoulli beam"
-ROD_DRIVEN = "m tan(k L) / (k L), k complex"
-
-CHECKS: tuple[Check, ...] = (
-    Check(
-        family=FAMILY,
-        what=f"Steel cube at {LOW:g} Hz: force over acceleration along z",
-        source="f = +M a: rho a³",
-        unit="kg",
-        bar=1e-6,
-        find=_cube_sign,
-    ),
-    _zero(f"Steel cube at {LOW:g} Hz: all 36 entries", "H = +M: cube about its corner, closed form", 1e-6, _cube_whole),
-    _zero("Bar at 0 Hz", "H = +M: rod, closed form", 1e-9, _static_bar),
-    _zero("Cantilever driven across and about, loss factor 2 %, to 160 Hz", EULER_DRIVEN, 1e-3, _driven_bending),
-    _zero("Rod driven along, loss factor 2 %, to 1600 Hz", ROD_DRIVEN, 1e-2, partial(_driven_rod, beams.TENSION)),
-    _zero("Round rod driven about its axis, loss factor 2 %, to 1600 Hz", ROD_DRIVEN, 1e-2, partial(_driven_rod, beams.TORSION)),
-    _zero(f"{ARTICLE}, beam model, at 0 Hz", "H = +M: the drawing by Pinocchio", 1e-3, _static),
-    _zero(f"{ARTICLE}, 4 to 32 Hz: H against its transpose", "reciprocity: H is symmetric", 1e-9, _asymmetry),
-    _zero(
-        f"{ARTICLE}, {MODES} modes with residual, 4 to 32 Hz",
-        "direct solution of K + i omega C - omega² M; of the rigid mass",
-        1e-4,
-        _modal_against_direct,
-    ),
-    _exponent(residual=False),
-    _exponent(residual=True),
-)
+        _residual,
+    )(_growth)
 
 
 # Rows about base excitation in time: sign, one mode in closed form, the way back to the dynamic mass, and exudyn beside it.
@@ -215,7 +185,7 @@ CHECKS: tuple[Check, ...] = (
 # without them, and against each other.
 
 
-DRIVEN_BASE = "Base excitation in time"
+DRIVEN_BASE = Rows("Base excitation in time")
 
 RATE = {Mesh.FAST: 8192.0, Mesh.FINE: 16384.0}
 """Steps a second."""
@@ -240,49 +210,51 @@ SLIP, LOOSE, PRELOAD = 2.0, 2.0, 30.0
 """Slip force [N] of a loose part, its mass [kg], preload of every cell [N]."""
 
 
-# --- rigid ----------------------------------------------------------------------------------------------------------------
+def _motion(axis: str, mesh: Mesh, *, ring_down: float = 0.0, level: float = 1.0) -> BaseMotion:
+    """A quick sweep along one axis."""
+    return Sweep(axis=axis, rate=QUICK, level=level).motion(RATE[mesh], ring_down=ring_down)
+
+
+def _apart(found: Array, expected: Array) -> float:
+    """Largest difference as a share of the largest load, forces and moments apart."""
+    halves = (slice(0, 3), slice(3, 6))
+    return max(float(np.abs(found[:, k] - expected[:, k]).max() / np.abs(expected[:, k]).max()) for k in halves)
 
 
 def _block(route: str, axis: str, mesh: Mesh) -> Found:
-    """Zero, and the largest difference between load and M a as a share of the largest load, forces and moments apart."""
-    motion = Sweep(axis=axis, rate=QUICK).motion(RATE[mesh], ring_down=0.0)
+    """Zero, and how far the load is from M a."""
+    motion = _motion(axis, mesh)
     run = ROUTES[route].respond(Rig(article=base_excitation_rig.rigid("block", BLOCK)), motion)
-    expected = motion.acceleration @ BLOCK.mass_matrix
-    return Found(0.0, max(float(np.abs(run.load[:, k] - expected[:, k]).max() / np.abs(expected[:, k]).max()) for k in _HALVES))
+    return Found(0.0, _apart(run.load, motion.acceleration @ BLOCK.mass_matrix))
 
 
-_HALVES = (slice(0, 3), slice(3, 6))
+for _route, _bar in (("recursion", 1e-12), ("exudyn", 1e-3)):
+    for _axis in ("x", "z", "beta", "gamma"):
+        _what = f"Rigid block, {_route}, driven along {_axis}: load against M a"
+        DRIVEN_BASE.absolute(_what, "Eq. 1, force of the table on the body", _bar, _route, _axis)(_block)
 
 
-# --- one mode -------------------------------------------------------------------------------------------------------------
-
-
-def _one_mode() -> Rig:
-    """A mass on a spring along x, as modal data."""
-    L = np.zeros((6, 1))
-    L[0] = np.sqrt(PART)
-    nothing = np.zeros((6, 6))
-    omega = 2 * np.pi * MODE
-    modes = Modes(
-        frequency=np.array([MODE]),
-        damping_ratio=np.array([DRIVEN_BASE_DAMPING]),
-        participation=L,
-        rigid_mass=np.diag([PART + 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]),
-        residual=nothing,
-        reference_point=np.zeros(3),
-        shapes=np.zeros((0, 1)),
-        viscous=np.array([[2 * DRIVEN_BASE_DAMPING * omega]]),
-    )
-    return Rig(article=base_excitation_rig.of_modal_data("one mode", modes))
-
-
+@DRIVEN_BASE.relative("One mode driven at resonance from rest, peak load", "closed form of the oscillator", "N", 1e-7)
 def _at_resonance(mesh: Mesh) -> Found:
     """Peak of the load of one mode driven at its own frequency from rest for ten periods, and what the recursion finds.
 
     q'' + 2 zeta omega q' + omega² q = -L sin(omega t) has q = L / (2 zeta omega²) (cos(omega t) - exp(-zeta omega t)
     (cos(omega_d t) + zeta omega / omega_d sin(omega_d t))), and the load is (M - L²) a - L (omega² q + 2 zeta omega q').
     """
-    omega = 2 * np.pi * MODE
+    zeta, omega = DRIVEN_BASE_DAMPING, 2 * np.pi * MODE
+    # A mass on a spring along x, as modal data
+    L = np.zeros((6, 1))
+    L[0] = np.sqrt(PART)
+    modes = Modes(
+        frequency=np.array([MODE]),
+        damping_ratio=np.array([zeta]),
+        participation=L,
+        rigid_mass=np.diag([PART + 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]),
+        residual=np.zeros((6, 6)),
+        reference_point=np.zeros(3),
+        shapes=np.zeros((0, 1)),
+        viscous=np.array([[2 * zeta * omega]]),
+    )
     time = np.arange(round(10 / MODE * RATE[mesh])) / RATE[mesh]
     acceleration = np.zeros((len(time), 6))
     acceleration[:, 0] = np.sin(omega * time)
@@ -290,17 +262,14 @@ def _at_resonance(mesh: Mesh) -> Found:
     motion = BaseMotion(
         sampling_rate=RATE[mesh], displacement=still, velocity=still, acceleration=acceleration, driven=float(time[-1])
     )
-    found = response.respond(_one_mode(), motion).load[:, 0]
-    # Load [N] of `_one_mode` on the table
-    damped, decay = omega * np.sqrt(1 - DRIVEN_BASE_DAMPING**2), np.exp(-DRIVEN_BASE_DAMPING * omega * time)
+    found = response.respond(Rig(article=base_excitation_rig.of_modal_data("one mode", modes)), motion).load[:, 0]
+    # Load [N] on the table in closed form
+    damped, decay = omega * np.sqrt(1 - zeta**2), np.exp(-zeta * omega * time)
     c, s = np.cos(damped * time), np.sin(damped * time)
-    q = np.cos(omega * time) - decay * (c + DRIVEN_BASE_DAMPING * omega / damped * s)
+    q = np.cos(omega * time) - decay * (c + zeta * omega / damped * s)
     rate = -omega * np.sin(omega * time) + decay * omega**2 / damped * s
-    spring = PART / (2 * DRIVEN_BASE_DAMPING * omega**2) * (omega**2 * q + 2 * DRIVEN_BASE_DAMPING * omega * rate)
+    spring = PART / (2 * zeta * omega**2) * (omega**2 * q + 2 * zeta * omega * rate)
     return Found(float(np.abs(np.asarray(np.sin(omega * time) - spring)).max()), float(np.abs(found).max()))
-
-
-# --- an article -----------------------------------------------------------------------------------------------------------
 
 
 @once
@@ -339,14 +308,22 @@ def _closure(where: int, mesh: Mesh) -> Found:
 
 
 def _against_recursion(axis: str, mesh: Mesh) -> Found:
-    """Zero, and the largest difference of exudyn's load from that of the recursion, over the largest load."""
-    motion = Sweep(axis=axis, rate=QUICK).motion(RATE[mesh], ring_down=1.0)
-    ours, theirs = response.respond(_on_cells(), motion).load, driven_run.respond(_on_cells(), motion).load
-    return Found(0.0, max(float(np.abs(ours[:, k] - theirs[:, k]).max() / np.abs(ours[:, k]).max()) for k in _HALVES))
+    """Zero, and how far exudyn's load is from that of the recursion."""
+    motion = _motion(axis, mesh, ring_down=1.0)
+    return Found(0.0, _apart(driven_run.respond(_on_cells(), motion).load, response.respond(_on_cells(), motion).load))
 
 
+for _k, (_where, _bar) in enumerate((("off", 1e-4), ("at", 5e-4))):
+    _source = "the model's own dynamic mass in the frequency domain"
+    DRIVEN_BASE.absolute(f"Six sweeps, Eqs. 10 and 11, {_where} resonance", _source, _bar, _k)(_closure)
+for _axis in ("x", "beta"):
+    _what = f"Exudyn's load against the recursion's, {_axis}"
+    DRIVEN_BASE.absolute(_what, "two integrations", 1e-3, _axis)(_against_recursion)
+
+
+@DRIVEN_BASE.absolute("Flange that gives", "H' = (I - omega² H C)^-1 H", 1e-9)
 def _flange(mesh: Mesh) -> Found:
-    """Zero, and how far H of an article on a flange that gives lies from H' = (I - omega² H C)^-1 H of the rigid one."""
+    """Zero, and how far H of an article on a flange that gives lies from that which follows from H of the rigid one."""
     article, C = _driven_article()[0], np.diag([1e-7, 1e-7, 0.0, 2e-6, 2e-6, 1e-6])
     rigid = dynamic_mass(Rig(article=article), LINES).matrix
     soft = dynamic_mass(Rig(article=article, flange=Flange(compliance=np.diag(C))), LINES).matrix
@@ -356,88 +333,50 @@ def _flange(mesh: Mesh) -> Found:
     return Found(0.0, float(np.abs((soft - expected) / scale).max()))
 
 
-# --- joints ---------------------------------------------------------------------------------------------------------------
-
-
-def _slipping(mesh: Mesh) -> Found:
-    """Slip force, and the largest force by which the load exceeds that of the block alone while a loose part slips on it."""
-    block = base_excitation_rig.rigid("block", BLOCK)
-    motion = Sweep(axis="x", rate=QUICK).motion(RATE[mesh], ring_down=0.0)
-    rig = Rig(article=block, frictions=(Friction(axis="x", slip_force=SLIP, mass=LOOSE),))
-    run = driven_run.respond(rig, motion)
-    alone = run.table @ BLOCK.mass_matrix
-    return Found(SLIP, float(np.abs(run.load[:, 0] - alone[:, 0]).max()))
-
-
-def _lifted(mesh: Mesh) -> Found:
-    """Minus the preload, and the lowest force that a cell measures under a block that rocks off it."""
-    rig = _on_cells()
-    cells = tuple(LoadCell(position=c.position, stiffness=c.stiffness, damping=c.damping, preload=PRELOAD) for c in rig.cells)
-    block = Rig(article=base_excitation_rig.rigid("block", BLOCK), cover=BLOCK, cells=cells)
-    run = driven_run.respond(block, Sweep(axis="x", rate=QUICK, level=4.0).motion(RATE[mesh], ring_down=0.0))
-    return Found(-PRELOAD, float(run.cells[:, :, 2].min()))
-
-
 def _cable(route: str, mesh: Mesh) -> Found:
     """Force of a cable to the ground that a block's slow stroke along x meets, and what the load has beside M a."""
     block = base_excitation_rig.rigid("block", BLOCK, places={"top": [0.0, 0.0, 0.3]})
     stiffness = 1e5
     cable = Strut(place="top", to="ground", stiffness=np.array([stiffness, 0.0, 0.0]))
-    motion = Sweep(axis="x", rate=QUICK).motion(RATE[mesh], ring_down=0.0)
+    motion = _motion("x", mesh)
     run = ROUTES[route].respond(Rig(article=block, struts=(cable,)), motion)
     beside = run.load[:, 0] - (motion.acceleration @ BLOCK.mass_matrix)[:, 0]
     return Found(stiffness * float(np.abs(motion.displacement[:, 0]).max()), float(np.abs(beside).max()))
 
 
-def _row(
-    what: str, source: str, find: Callable[[Mesh], Found], bar: float, unit: str = "", error: Error = Error.ABSOLUTE
-) -> Check:
-    return Check(family=DRIVEN_BASE, what=what, source=source, unit=unit, bar=bar, error=error, find=find)
+for _route, _bar in (("recursion", 1e-9), ("exudyn", 1e-3)):
+    DRIVEN_BASE.relative(f"Cable to the ground, {_route}", "k u", "N", _bar, _route)(_cable)
 
 
-_EQ1 = "Eq. 1, force of the table on the body"
-_MODEL = "the model's own dynamic mass in the frequency domain"
+@DRIVEN_BASE.relative("Loose part that slips on the flange, exudyn", "Coulomb", "N", 1e-2)
+def _slipping(mesh: Mesh) -> Found:
+    """Slip force, and the largest force by which the load exceeds that of the block alone while a loose part slips on it."""
+    block = base_excitation_rig.rigid("block", BLOCK)
+    rig = Rig(article=block, frictions=(Friction(axis="x", slip_force=SLIP, mass=LOOSE),))
+    run = driven_run.respond(rig, _motion("x", mesh))
+    alone = run.table @ BLOCK.mass_matrix
+    return Found(SLIP, float(np.abs(run.load[:, 0] - alone[:, 0]).max()))
 
-DRIVEN_BASE_CHECKS: tuple[Check, ...] = (
-    *(
-        _row(f"Rigid block, {route}, driven along {axis}: load against M a", _EQ1, partial(_block, route, axis), bar)
-        for route, bar in (("recursion", 1e-12), ("exudyn", 1e-3))
-        for axis in ("x", "z", "beta", "gamma")
-    ),
-    _row(
-        "One mode driven at resonance from rest, peak load",
-        "closed form of the oscillator",
-        _at_resonance,
-        1e-7,
-        "N",
-        Error.RELATIVE,
-    ),
-    _row("Six sweeps, Eqs. 10 and 11, off resonance", _MODEL, partial(_closure, 0), 1e-4),
-    _row("Six sweeps, Eqs. 10 and 11, at resonance", _MODEL, partial(_closure, 1), 5e-4),
-    *(
-        _row(f"Exudyn's load against the recursion's, {axis}", "two integrations", partial(_against_recursion, axis), 1e-3)
-        for axis in ("x", "beta")
-    ),
-    _row("Flange that gives", "H' = (I - omega² H C)^-1 H", _flange, 1e-9),
-    *(
-        _row(f"Cable to the ground, {route}", "k u", partial(_cable, route), bar, "N", Error.RELATIVE)
-        for route, bar in (("recursion", 1e-9), ("exudyn", 1e-3))
-    ),
-    _row("Loose part that slips on the flange, exudyn", "Coulomb", _slipping, 1e-2, "N", Error.RELATIVE),
-    _row("Load cell that lifts off, exudyn", "no tension beyond the preload", _lifted, 1e-2, "N", Error.RELATIVE),
-)
+
+@DRIVEN_BASE.relative("Load cell that lifts off, exudyn", "no tension beyond the preload", "N", 1e-2)
+def _lifted(mesh: Mesh) -> Found:
+    """Minus the preload, and the lowest force that a cell measures under a block that rocks off it."""
+    rig = _on_cells()
+    cells = tuple(LoadCell(position=c.position, stiffness=c.stiffness, damping=c.damping, preload=PRELOAD) for c in rig.cells)
+    block = Rig(article=base_excitation_rig.rigid("block", BLOCK), cover=BLOCK, cells=cells)
+    return Found(-PRELOAD, float(driven_run.respond(block, _motion("x", mesh, level=4.0)).cells[:, :, 2].min()))
 
 
 # Rows about the rope pendulum: exudyn's body on ropes, its record reduced as a measured one, held against closed forms.
 
 
-ROPE_PENDULUM_FAMILY = "Rope pendulum"
+ROPE_PENDULUM = Rows("Rope pendulum")
 
 BODY = Inertia.from_cog(47.23, np.zeros(3), np.diag([20.144, 20.410, 2.289]))
 MASS, ABOUT_Z = 47.23, 2.289
 """[kg] and [kg m²] of `BODY`: Clumod with four blades, as printed in the paper's Table 1."""
 
-ROPE_PENDULUM_LENGTH, RADIUS, S1, S2 = 2.0, 0.3, 0.2, 0.45
+ROPE_LENGTH, RADIUS, S1, S2 = 2.0, 0.3, 0.2, 0.45
 """Of ropes, of the circle of three, and to either side of the CoG of two [m]."""
 
 SMALL = 1e-3
@@ -451,7 +390,7 @@ ROPES = 0.3
 
 def period(s1: float, s2: float) -> float:
     """T [s] of small swings by Eq. 5."""
-    unit = rope_pendulum(mass=MASS, gravity=STANDARD_GRAVITY, s1=s1, s2=s2, length=ROPE_PENDULUM_LENGTH, period=1.0)
+    unit = rope_pendulum(mass=MASS, gravity=STANDARD_GRAVITY, s1=s1, s2=s2, length=ROPE_LENGTH, period=1.0)
     return float(np.sqrt(ABOUT_Z / unit))
 
 
@@ -462,10 +401,9 @@ def recorded(hangs: Suspension, s1: float = RADIUS, s2: float = RADIUS) -> float
     return float(from_signal(run.time, run.yaw, "verification").period.nominal_value)
 
 
-def _small(ropes: int, mesh: Mesh) -> Found:
-    if ropes == 2:
-        return Found(period(S1, S2), recorded(on_two_ropes(S1, S2, length=ROPE_PENDULUM_LENGTH, amplitude=SMALL), S1, S2))
-    return Found(period(RADIUS, RADIUS), recorded(on_three_ropes(RADIUS, length=ROPE_PENDULUM_LENGTH, amplitude=SMALL)))
+def _hung(**more: Any) -> Suspension:
+    """On three ropes; a small twist where nothing else is said."""
+    return on_three_ropes(RADIUS, length=ROPE_LENGTH, **{"amplitude": SMALL, **more})
 
 
 def _shift(expected: float, hangs: Suspension) -> Found:
@@ -473,61 +411,38 @@ def _shift(expected: float, hangs: Suspension) -> Found:
     return Found(100 * expected, 100 * (recorded(hangs) / period(RADIUS, RADIUS) - 1))
 
 
+_EQ5 = "Eq. 5, T = 2 pi sqrt(I l / (m g s1 s2))"
+
+
+@ROPE_PENDULUM.relative("Period on two ropes, s1 and s2 unequal", _EQ5, "s", 1e-5)
+def _two_ropes(mesh: Mesh) -> Found:
+    return Found(period(S1, S2), recorded(on_two_ropes(S1, S2, length=ROPE_LENGTH, amplitude=SMALL), S1, S2))
+
+
+@ROPE_PENDULUM.relative("Period on three ropes", _EQ5, "s", 1e-5)
+def _three_ropes(mesh: Mesh) -> Found:
+    return Found(period(RADIUS, RADIUS), recorded(_hung()))
+
+
 def _amplitude(angle: float, mesh: Mesh) -> Found:
-    factor = rope_amplitude_factor(angle, (RADIUS / ROPE_PENDULUM_LENGTH) ** 2, MASS * RADIUS**2 / ABOUT_Z)
-    return _shift(factor - 1, on_three_ropes(RADIUS, length=ROPE_PENDULUM_LENGTH, amplitude=angle))
+    factor = rope_amplitude_factor(angle, (RADIUS / ROPE_LENGTH) ** 2, MASS * RADIUS**2 / ABOUT_Z)
+    return _shift(factor - 1, _hung(amplitude=angle))
 
 
-def _damping(ratio: float, mesh: Mesh) -> Found:
-    return _shift(
-        1 / np.sqrt(1 - ratio**2) - 1, on_three_ropes(RADIUS, length=ROPE_PENDULUM_LENGTH, amplitude=SMALL, damping_ratio=ratio)
-    )
+for _angle in (0.1, 0.2):
+    _what = f"Amplitude {_angle:g} rad: period longer by"
+    ROPE_PENDULUM.absolute(_what, "energy integral over a quarter swing", 2e-3, _angle, unit="%")(_amplitude)
 
 
+@ROPE_PENDULUM.absolute("Damping 5 %: period longer by", "1 / sqrt(1 - zeta²)", 2e-3, unit="%")
+def _damping(mesh: Mesh) -> Found:
+    return _shift(1 / np.sqrt(1 - 0.05**2) - 1, _hung(damping_ratio=0.05))
+
+
+@ROPE_PENDULUM.absolute(
+    "Ropes of 0.3 kg in all: period longer by", "uniform straight ropes: M s²/3 more inertia, M/2 more weight", 3e-3, unit="%"
+)
 def _rope_mass(mesh: Mesh) -> Found:
     """Uniform ropes: a third of their mass swings with the feet, half of it presses them down."""
     expected = np.sqrt((1 + ROPES * RADIUS**2 / (3 * ABOUT_Z)) / (1 + ROPES / (2 * MASS))) - 1
-    hangs = on_three_ropes(RADIUS, length=ROPE_PENDULUM_LENGTH, amplitude=SMALL, rope_mass=ROPES, links=LINKS[mesh])
-    return _shift(float(expected), hangs)
-
-
-_EQ5 = "Eq. 5, T = 2 pi sqrt(I l / (m g s1 s2))"
-
-ROPE_PENDULUM_CHECKS: tuple[Check, ...] = (
-    *(
-        Check(
-            family=ROPE_PENDULUM_FAMILY, what=f"Period on {words}", source=_EQ5, unit="s", bar=1e-5, find=partial(_small, ropes)
-        )
-        for ropes, words in ((2, "two ropes, s1 and s2 unequal"), (3, "three ropes"))
-    ),
-    *(
-        Check(
-            family=ROPE_PENDULUM_FAMILY,
-            what=f"Amplitude {angle:g} rad: period longer by",
-            source="energy integral over a quarter swing",
-            unit="%",
-            bar=2e-3,
-            error=Error.ABSOLUTE,
-            find=partial(_amplitude, angle),
-        )
-        for angle in (0.1, 0.2)
-    ),
-    Check(
-        family=ROPE_PENDULUM_FAMILY,
-        what="Damping 5 %: period longer by",
-        source="1 / sqrt(1 - zeta²)",
-        unit="%",
-        bar=2e-3,
-        error=Error.ABSOLUTE,
-        find=partial(_damping, 0.05),
-    ),
-    Check(
-        family=ROPE_PENDULUM_FAMILY,
-        what="Ropes of 0.3 kg in all: period longer by",
-        source="uniform straight ropes: M s²/3 more inertia, M/2 more weight",
-        unit="%",
-        bar=3e-3,
-        error=Error.ABSOLUTE,
-        find=_rope_mass,
-    ),
-)
+    return _shift(float(expected), _hung(rope_mass=ROPES, links=LINKS[mesh]))

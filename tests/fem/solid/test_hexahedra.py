@@ -20,7 +20,7 @@ from geometry.article import Article, Box, Cylinder, Material, Part, Shape, plac
 from geometry.articles import built_in
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Pose, rotation_about
-from validation.verification.closed_forms import Beam, timoshenko_cantilever
+from validation.verification.beams import Beam
 
 SIZES = (0.05, 0.02)
 
@@ -259,7 +259,7 @@ def frequencies(part: Part, size: float, count: int) -> np.ndarray:
 def timoshenko(length: float, area: float, second: float, shear: float, count: int) -> np.ndarray:
     E, rho = 207e9, 7850.0
     beam = Beam(length=length, bending=E * second, shear=shear * E / 2 * area, mass=rho * area, rotary=rho * second)
-    return np.asarray(timoshenko_cantilever(beam, count))
+    return beam.timoshenko(count, clamped=True)
 
 
 def test_a_plate_bends_like_a_timoshenko_beam() -> None:

@@ -12,7 +12,6 @@ import pytest
 from geometry.errors import BadInput
 from geometry.sensors import Channel, ChannelTable, Place, motion_rows
 from identification.campaign import Campaign, Recording
-from identification.chain import factors
 from identification.spectra.line_spectra import full_record
 from validation.correct import CORRECTIONS, advanced, corrected, through
 from validation.effects.catalogue import FAMILIES, Named, parse
@@ -119,31 +118,6 @@ def test_a_stated_noise_floor_goes_with_its_channel(tested: Tested) -> None:
     noisy = replace(tested(), table=replace(table, channels=tuple(replace(c, noise_rms=0.1) for c in table.channels)))
     made = corrected(noisy, parse("force-gain:fmd-z2=0.25")).campaign.table
     assert {c.name: c.noise_rms for c in made.channels if c.noise_rms != 0.1} == {"fmd-z2": pytest.approx(0.08, rel=1e-15)}
-
-
-def as_spectra(campaign: Campaign) -> Campaign:
-    lined = {
-        name: Recording(
-            names=one.names, values=full_record(one.values, one.sampling_rate or 0.0, LINES), frequency=LINES, source=one.source
-        )
-        for name, one in campaign.recordings.items()
-    }
-    return replace(campaign, recordings=lined)
-
-
-@pytest.mark.parametrize("effect", ["force-delay:fmd-z2=200e-6", "board-delay:table=1e-3", "force-gain:fmd-z2=0.08"])
-def test_spectra_are_corrected_line_by_line(tested: Tested, effect: str) -> None:
-    made = corrected(as_spectra(tested(effect)), parse(effect)).campaign
-    assert largest_difference(as_spectra(tested()), made) < TRANSFORMED
-
-
-@pytest.mark.parametrize("effect", ["force-highpass:fmd-z2=2.5", "force-delay:fmd-z2=1e-3", "force-gain:fmd-z2=0.3"])
-def test_the_correction_is_the_inverse_of_the_chain(tested: Tested, effect: str) -> None:
-    """The sign and the size of a fault are those of `identification.chain`."""
-    clean, named = as_spectra(tested()), parse(effect)
-    read = factors(clean.table.names, "force", "force", {named.id: named.value}, LINES)
-    faulty = replace(clean, recordings={name: replace(r, values=r.values * read) for name, r in clean.recordings.items()})
-    assert largest_difference(clean, corrected(faulty, named).campaign) < ROUNDING
 
 
 def test_spectra_at_rest_keep_what_a_high_pass_left_nothing_of() -> None:

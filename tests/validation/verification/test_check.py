@@ -6,22 +6,19 @@ import math
 import pytest
 from rich.console import Console
 
+from validation.output import to_json
 from validation.report.flexible import markdown, pages, summary
 from validation.verification import check
-from validation.verification.check import Check, CheckResult, Error, Found, Mesh, order, run
+from validation.verification.check import CheckResult, Error, Found, Mesh, Rows, order, run
 
 
 def row(reference: float, value: float, bar: float, error: Error = Error.RELATIVE, unit: str = "Hz") -> CheckResult:
-    check = Check(
-        family="Bars",
-        what="Cantilever, mode 1",
-        source="closed form",
-        unit=unit,
-        bar=bar,
-        find=lambda mesh: Found(reference, value),
-        error=error,
-    )
-    return run([check])[0]
+    rows = Rows("Bars")
+    if error is Error.RELATIVE:
+        rows.relative("Cantilever, mode 1", "closed form", unit, bar)(lambda mesh: Found(reference, value))
+    else:
+        rows.absolute("Cantilever, mode 1", "closed form", bar, unit=unit)(lambda mesh: Found(reference, value))
+    return run(rows.checks)[0]
 
 
 @pytest.mark.parametrize(
@@ -42,7 +39,7 @@ def row(reference: float, value: float, bar: float, error: Error = Error.RELATIV
 )
 def test_a_row_passes_up_to_its_bar_and_never_without_a_number(result: CheckResult, passed: bool) -> None:
     assert result.passed is passed
-    json.dumps(result.json(), allow_nan=False)
+    json.dumps(to_json(result), allow_nan=False)
 
 
 def test_what_rows_share_is_computed_once_a_run_and_anew_in_the_next() -> None:
@@ -53,10 +50,12 @@ def test_what_rows_share_is_computed_once_a_run_and_anew_in_the_next() -> None:
         calls.append(number)
         return float(number)
 
-    checks = [Check(family="", what="", source="", unit="", bar=0.0, find=lambda mesh: Found(1.0, shared(1))) for _ in range(3)]
-    run(checks)
+    rows = Rows("")
+    for _ in range(3):
+        rows.relative("", "", "", 0.0)(lambda mesh: Found(1.0, shared(1)))
+    run(rows.checks)
     assert calls == [1]
-    run(checks, Mesh.FINE)
+    run(rows.checks, Mesh.FINE)
     assert calls == [1, 1]
 
 

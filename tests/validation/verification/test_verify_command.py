@@ -11,9 +11,9 @@ import pytest
 
 import fem.solid.assembly
 from validation.cli import main
-from validation.output import plain_unit
+from validation.output import from_json, plain_unit
 from validation.report.flexible import cells
-from validation.verification.check import FAMILIES, Check, CheckResult, Error, Found
+from validation.verification.check import FAMILIES, CheckResult
 
 
 @pytest.fixture(scope="module")
@@ -39,32 +39,18 @@ def test_every_row_says_where_its_reference_comes_from(whole: dict[str, Any]) ->
 
 
 def test_the_page_shows_the_table_of_today(root: Path, whole: dict[str, Any]) -> None:
-    """To the letter but for the last digits of what was computed, and for the size of mere rounding."""
+    # to the letter but for the last digits of what was computed, and for the size of mere rounding
     page = (root / "docs" / "verification.md").read_text(encoding="utf-8")
     shown = re.findall(r"^\|(?! (?:check|:--))(.*)\|$", page, re.MULTILINE)
     assert len(shown) == len(whole["rows"])
     for line, row in zip(shown, whole["rows"], strict=True):
         what, reference, value, _, bar, passed, source = (cell.strip().replace("\\", "") for cell in line.split("|"))
-        now = cells(_result(row))
+        now = cells(from_json(CheckResult, row))
         assert (plain_unit(what), bar, passed, source) == (now[0], now[4], now[5], now[6])
         for printed, known in ((reference, row["reference"]), (value, row["value"])):
             # an exponent is fitted to errors that are nearly rounding: another processor finds it off by some 1e-4 of one
             rounding = max(1e-9, 1e-2 * row["bar"]) if row["error_is"] == "absolute" else 0.0
             assert float(printed) == pytest.approx(known, rel=1e-4, abs=rounding)
-
-
-def _result(row: dict[str, Any]) -> CheckResult:
-    found = Found(row["reference"], row["value"])
-    check = Check(
-        family=row["family"],
-        what=row["what"],
-        source=row["source"],
-        unit=row["unit"],
-        bar=row["bar"],
-        find=lambda mesh: found,
-        error=Error(row["error_is"]),
-    )
-    return CheckResult(check=check, found=found)
 
 
 def test_a_failed_check_ends_with_exit_code_1_and_its_name(
