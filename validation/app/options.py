@@ -79,7 +79,11 @@ def opened(
     BadInput : an example beside a model or one that nobody knows, a model without data, a path that is not there.
     """
     if example is not None:
-        _require_example(example)
+        from validation.app.opening import EXAMPLES
+
+        known = [one.name for one in EXAMPLES]
+        if example not in known:
+            raise BadInput(source="--example", problem=f"there is none called {example}", remedy=f"Known are {', '.join(known)}")
     if example is not None and model is not None:
         problem = f"an example brings its own model and data, found MODEL {model} beside it"
         raise BadInput(source="--example", problem=problem, remedy="Give one of the two")
@@ -106,14 +110,6 @@ def is_loopback(host: str) -> bool:
         return ip_address(host).is_loopback
     except ValueError:
         return False
-
-
-def _require_example(name: str) -> None:
-    from validation.app.examples import examples
-
-    known = [one.name for one in examples()]
-    if name not in known:
-        raise BadInput(source="--example", problem=f"there is none called {name}", remedy=f"Known are {', '.join(known)}")
 
 
 def _absolute(path: str) -> str:
@@ -174,7 +170,7 @@ def tied() -> None:
 
 
 def end_group() -> None:
-    """End this process and all that it started, at once; what the desk keeps is on disk already."""
+    """End this process and all that it started, at once; what the session keeps is on disk already."""
     os.killpg(os.getpgrp(), signal.SIGKILL)
 
 

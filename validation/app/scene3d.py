@@ -2,35 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from geometry.articles import NAMES, built_in, changes_of
+from geometry.articles import NAMES, changes_of
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput
-from geometry.frames import Array, Pose
+from geometry.frames import Array
 from geometry.toml_file import nearest as keys_nearest
 from identification import campaign_file
 from identification.campaign import Campaign
-from validation.app.session import Compared, Session, campaigns, made, model_of
-from validation.compare.maps import Map
+from validation.app.session import Compared, Session
 from validation.flexible.model import FlexibleOptions, flexible
 from validation.model.model import BEAM, Model
-from validation.model.setups import stated
 from validation.prediction import effects
-from validation.prediction.series import SeriesPrediction
 from validation.report.flexible import Moved, moved_bodies
 from validation.report.scenes.motion import MovingBody, scale_of
-from validation.report.scenes.scene import DrawnBody, drawn_bodies
-from validation.report.scenes.sensors import DrawnSensor
-
-CHORD = 1e-3
-"""[m] of drawn surfaces: a window is small, and turns."""
-
-ARROWS = "Arrows point along positive output; load cells report the force of the table on the article."
+from validation.report.scenes.scene import DrawnBody
+from validation.report.scenes.setups import DrawnSensor, bodies_of, sensors_of
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -60,8 +52,8 @@ def scene(of: Session, campaign: str) -> Scene:
     BadInput : no such campaign, or its description cannot be read.
     """
     described = the_campaign(of, campaign)
-    bodies, note = _bodies(described, model_of(of))
-    return Scene(campaign=campaign, title=described.title, bodies=bodies, sensors=_sensors(described), note=note)
+    bodies, note = bodies_of(described, of.read_model().changes)
+    return Scene(campaign=campaign, title=described.title, bodies=bodies, sensors=sensors_of(described), note=note)
 
 
 def the_campaign(of: Session, name: str) -> Campaign:
@@ -71,40 +63,11 @@ def the_campaign(of: Session, name: str) -> Campaign:
     ------
     BadInput : there is none, with the nearest.
     """
-    known = campaigns(of)
+    known = of.campaigns()
     if name not in known:
         remedy = f"{keys_nearest(name, known)}Known are {', '.join(known)}"
         raise BadInput(source="campaign", field=name, problem="no campaign is called so", remedy=remedy)
     return campaign_file.read_description(known[name])
-
-
-def _sensors(campaign: Campaign) -> tuple[DrawnSensor, ...]:
-    """Every place of every channel, seen from F; cells of a sum bear its name, each of them."""
-    origin = campaign.table.origin
-    return tuple(
-        DrawnSensor(name=channel.name, group=channel.group, position=place.position - origin, direction=place.direction)
-        for channel in campaign.table.channels
-        for place in channel.places
-    )
-
-
-def _bodies(campaign: Campaign, model: Model) -> tuple[tuple[DrawnBody, ...], str]:
-    """Seen from F, and what is to be known of them; none of an article that is not built in."""
-    article = campaign.article
-    try:
-        changes = tuple(sorted(changes_of(article, model.changes).items()))
-        drawn = _drawn(article, changes)
-    except (BadInput, KeyError):
-        return (), f"{ARROWS} {article} is no built-in article, so it is not drawn."
-    pose = Pose() if article.split("+")[0] == "fmd" else stated(campaign) or Pose()
-    placed = tuple(replace(one, vertices=pose.apply(one.vertices)) for one in drawn)
-    return placed, f"{ARROWS} {article} as built in, a reconstruction; the campaign's own parts may be of other sizes."
-
-
-@lru_cache(maxsize=8)
-def _drawn(article: str, changes: tuple[tuple[str, float], ...]) -> tuple[DrawnBody, ...]:
-    known: Mapping[str, float] = dict(changes)
-    return drawn_bodies(built_in(article, known), CHORD)
 
 
 # Where a click on the residual map leads on the 6 x 6 dynamic mass.
@@ -156,7 +119,12 @@ def entry_of(of: Compared, cell: MapCell) -> MapEntry:
     found = of.map(cell.campaign)
     run, row = _place(found.runs, cell.run), _place(found.rows, cell.row)
     line = _line(found.frequency, cell.frequency)
-    motion = _driven(found, run, line)
+    # The motion that a run drives: that of its axis, else the one that is largest there beside its nominal level
+    if found.axes[run] in MOTIONS:
+        motion = MOTIONS.index(found.axes[run])
+    else:
+        levels = np.array([LEVELS[axis] for axis in MOTIONS])
+        motion = int(np.argmax(np.abs(found.inputs[run, line, :6]) / levels[: found.inputs.shape[2]]))
     loads = [row - found.channels] if row >= found.channels else list(of.loads_of(cell.campaign, cell.row))
     sigma = np.zeros((6, 6)) if found.pairs is None else found.pairs.sigma[_line(found.pairs.frequency, cell.frequency)]
     most = max(loads, key=lambda load: float(sigma[load, motion]))
@@ -171,14 +139,6 @@ def _place(names: Sequence[str], name: str) -> int:
     if name not in names:
         raise KeyError(name)
     return names.index(name)
-
-
-def _driven(found: Map, run: int, line: int) -> int:
-    """The motion that a run drives: that of its axis, else the one that is largest there beside its nominal level."""
-    if found.axes[run] in MOTIONS:
-        return MOTIONS.index(found.axes[run])
-    levels = np.array([LEVELS[axis] for axis in MOTIONS])
-    return int(np.argmax(np.abs(found.inputs[run, line, :6]) / levels[: found.inputs.shape[2]]))
 
 
 # The mode nearest a frequency, as a shape that can be drawn and moved.
@@ -228,8 +188,8 @@ def shape(of: Session, found: Compared, campaign: str, number: int) -> Shape:
     BadInput : the article is rigid, of the user's own, or has no such mode.
     KeyError : there is no such campaign.
     """
-    modes, model = found.modes_of(campaign), model_of(of)
-    one = next(each for each in made(of, model) if each.measured.name == campaign)
+    modes, model = found.modes_of(campaign), of.read_model()
+    one = next(each for each in of.predictions(model) if each.measured.name == campaign)
     standing = one.tested.carried.standing
     if not 0 <= number < len(modes):
         problem = (
@@ -237,7 +197,18 @@ def shape(of: Session, found: Compared, campaign: str, number: int) -> Shape:
         )
         raise BadInput(source=campaign, field="mode", problem=problem, remedy="Choose one of them")
     bodies = _shapes_drawn(standing.article, model)
-    share = _shares(one, {**found.offsets}, number)[: bodies[0][2].shape[2]]
+    from scipy.linalg import eigh
+
+    # (k,) how much of each of the drawn modes is in the mode `number` of the structure as it stands, its base held
+    offsets = {**found.offsets}
+    nuisances = one.tested.carried.nuisances
+    if nuisances is None:
+        raise ValueError("`one` must have a structure")
+    matrices = effects.structure(nuisances.at(offsets, derivatives=False)[0], {}, effects.at(one.effects, offsets))[0]
+    own = slice(matrices.base, None)
+    shapes = eigh(matrices.stiffness[own, own], matrices.mass[own, own])[1]
+    shares = np.asarray(shapes[: one.tested.carried.standing.modes, number])
+    share = shares[: bodies[0][2].shape[2]]
     turn = standing.pose.rotation
     moving = tuple(
         MovingBody(
@@ -258,19 +229,6 @@ def shape(of: Session, found: Compared, campaign: str, number: int) -> Shape:
         bodies=moving,
         scale=scale_of(moving),
     )
-
-
-def _shares(one: SeriesPrediction, offsets: dict[str, float], number: int) -> Array:
-    """(k,) how much of each of the drawn modes is in the mode `number` of the structure as it stands, its base held."""
-    from scipy.linalg import eigh
-
-    nuisances = one.tested.carried.nuisances
-    if nuisances is None:
-        raise ValueError("`one` must have a structure")
-    matrices = effects.structure(nuisances.at(offsets, derivatives=False)[0], {}, effects.at(one.effects, offsets))[0]
-    own = slice(matrices.base, None)
-    shapes = eigh(matrices.stiffness[own, own], matrices.mass[own, own])[1]
-    return np.asarray(shapes[: one.tested.carried.standing.modes, number])
 
 
 def _shapes_drawn(article: str, model: Model) -> tuple[Moved, ...]:

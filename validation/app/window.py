@@ -22,14 +22,12 @@ from urllib.parse import unquote
 
 from geometry.errors import BadInput, CheckFailed
 from validation.app import options, panels, state, workers
+from validation.app.opening import EXAMPLES, LARGEST, MOST, Handed
 from validation.app.options import DOOR_SECRET, NEVER_KEPT, StartOptions
 from validation.app.server import same
-from validation.app.session import LARGEST, MOST, Handed
 from validation.app.state import WindowState, keep
-from validation.output import from_json
 from validation.report.charts.maps import LOADS, MOTIONS, SIGNS, entry
 from validation.report.charts.style import unit
-from validation.study import Options
 
 if TYPE_CHECKING:
     from aiohttp import BodyPartReader, web
@@ -90,22 +88,39 @@ def _found(pattern: str, text: str) -> str:
 
 def main(folder: Path, told: int) -> None:
     """Serve the window whose state lives in `folder`; the port goes out on the file descriptor `told`."""
-    said = json.loads(_first_line())
+    line = b""
+    while not line.endswith(b"\n"):
+        some = os.read(0, 65536)
+        if not some:
+            raise SystemExit("the door is gone")
+        line += some
+    said = json.loads(line)
     options.tied()
-    example, asked = said["opened"]["example"], said["opened"]["asked"]
-    opened = StartOptions(example=example, asked=None if asked is None else from_json(Options, asked))
-    _serve(folder, opened, said["secret"], told)
-
-
-def _serve(folder: Path, opened: StartOptions, secret: str, told: int) -> None:
+    begun = said["opened"]
+    band = begun["band"]
+    opened = StartOptions(
+        **begun
+        | {
+            "data": tuple(begun["data"]),
+            "hold_out": tuple(begun["hold_out"]),
+            "effects_from": tuple(begun["effects_from"]),
+            "band": None if band is None else (band[0], band[1]),
+        }
+    )
     from trame.app import get_server
 
+    secret = said["secret"]
     key = token_hex(32)  # nothing that begins with a dash: it becomes an argument
     sys.argv = [sys.argv[0], "--authKey", key]  # trame reads its options there; this process has no others
     server = get_server(client_type="vue3")
-    bench = build(server, folder, opened)
-    server.controller.on_server_bind.add(lambda bound: _guard(bound.app, secret, _session(folder.name, key)))
-    server.controller.on_server_bind.add(lambda bound: add(bound.app, bench))
+    window = build(server, folder, opened)
+    # What trame's client asks for before it opens its websocket; it writes all of the address in lower case
+    server.controller.on_server_bind.add(
+        lambda bound: _guard(
+            bound.app, secret, {"id": folder.name, "sessionURL": f"ws://use_host/w/{folder.name}/ws", "secret": key}
+        )
+    )
+    server.controller.on_server_bind.add(lambda bound: add(bound.app, window))
     server.controller.on_server_ready.add(lambda **_: _tell(told, server.port))
     server.start(
         port=0,
@@ -116,11 +131,6 @@ def _serve(folder: Path, opened: StartOptions, secret: str, told: int) -> None:
         disable_logging=True,
         timeout=0,
     )
-
-
-def _session(name: str, key: str) -> dict[str, str]:
-    """What trame's client asks for before it opens its websocket; it writes all of the address in lower case."""
-    return {"id": name, "sessionURL": f"ws://use_host/w/{name}/ws", "secret": key}
 
 
 def _guard(app: Any, secret: str, session: dict[str, str]) -> None:
@@ -147,16 +157,6 @@ def _guard(app: Any, secret: str, session: dict[str, str]) -> None:
 def _tell(told: int, port: int) -> None:
     os.write(told, f"{port}\n".encode())
     os.close(told)
-
-
-def _first_line() -> bytes:
-    line = b""
-    while not line.endswith(b"\n"):
-        some = os.read(0, 65536)
-        if not some:
-            raise SystemExit("the door is gone")
-        line += some
-    return line
 
 
 # The page of a window: its template, what it shows at first, and what each of its buttons does.
@@ -187,26 +187,22 @@ def build(server: Any, folder: Path, opened: StartOptions) -> WindowState:
     scripts = [f"{name}/{one}.js" for one in ("keys", "massline")]
     own = {"serve": files, "scripts": scripts, "styles": [f"{name}/massline.css"], "vue_use": ["massline"]}
     server.enable_module(own)
-    bench = WindowState(state=server.state, folder=folder, opened=opened)
+    window = WindowState(state=server.state, folder=folder, opened=opened)
     server.state.update(first_state())
     themes = {name: {"dark": name == "dark", "colors": colours} for name, colours in COLOURS.items()}
     with VAppLayout(server, vuetify_config={"theme": {"themes": themes}}) as layout:
         layout.root.clear()
-    server.state.trame__template_main = template()
+    # The whole page, of its parts
+    template_folder = WWW / "page"
+    text = (template_folder / "frame.html").read_text(encoding="utf-8")
+    for part in PARTS:
+        text = text.replace(part.upper(), (template_folder / f"{part}.html").read_text(encoding="utf-8"))
+    server.state.trame__template_main = text.replace("WIDE", WIDE)
     server.state.trame__template_error = ENDED
     for name, handler in HANDLERS.items():
-        server.controller.trigger(name)(_heard(bench, handler))
-    server.controller.on_server_ready.add(lambda **_: bench.begin(panels.first(bench)))
-    return bench
-
-
-def template() -> str:
-    """The whole page, of its parts."""
-    folder = WWW / "page"
-    text = (folder / "frame.html").read_text(encoding="utf-8")
-    for part in PARTS:
-        text = text.replace(part.upper(), (folder / f"{part}.html").read_text(encoding="utf-8"))
-    return text.replace("WIDE", WIDE)
+        server.controller.trigger(name)(_heard(window, handler))
+    server.controller.on_server_ready.add(lambda **_: window.begin(panels.first(window)))
+    return window
 
 
 ENDED = """<main class="begins" role="alert"><h1>The workbench has ended</h1><p>Its process was stopped, or the machine slept.
@@ -228,7 +224,7 @@ def first_state() -> dict[str, Any]:
         "failure": "",
         "ready": None,
         "unsaved": False,
-        "examples": panels.listed(),
+        "examples": [{"name": one.name, "title": one.title, "words": one.words} for one in EXAMPLES],
         "models": [],
         "model_path": "",
         "data_paths": "",
@@ -243,7 +239,7 @@ def first_state() -> dict[str, Any]:
         "campaigns": [],
         "campaign": "",
         "signs": list(SIGNS),
-        "entries": [[_entry(i, j) for j in range(6)] for i in range(6)],
+        "entries": [[f"{entry(i, j)}: {LOADS[i]} by {MOTIONS[j]}, in {unit(i, j)}" for j in range(6)] for i in range(6)],
         "peaks": [["" for _ in range(6)] for _ in range(6)],
         "tints": [[0 for _ in range(6)] for _ in range(6)],
         "load": 2,
@@ -276,48 +272,49 @@ def first_state() -> dict[str, Any]:
     }
 
 
-async def _dark(bench: WindowState, dark: bool) -> None:
-    if bench.state.dark != bool(dark):
-        bench.state.dark = bool(dark)
-        bench.state.flush()
-        if bench.compared is not None:
-            await panels.redrawn(bench)
+async def _dark(window: WindowState, dark: bool) -> None:
+    if window.state.dark != bool(dark):
+        window.state.dark = bool(dark)
+        window.state.flush()
+        if window.compared is not None:
+            await panels.redrawn(window)
 
 
-async def _scheme(bench: WindowState) -> None:
-    bench.state.scheme = SCHEMES[bench.state.scheme]
+async def _scheme(window: WindowState) -> None:
+    window.state.scheme = SCHEMES[window.state.scheme]
 
 
-async def _tab(bench: WindowState, name: str) -> None:
-    bench.state.tab = str(name)
+async def _tab(window: WindowState, name: str) -> None:
+    window.state.tab = str(name)
 
 
-async def _part(bench: WindowState, name: str) -> None:
-    bench.state.part = str(name)
+async def _part(window: WindowState, name: str) -> None:
+    window.state.part = str(name)
 
 
-async def _enlarge(bench: WindowState, name: str) -> None:
-    bench.state.big = "" if bench.state.big == name else str(name)
+async def _enlarge(window: WindowState, name: str) -> None:
+    window.state.big = "" if window.state.big == name else str(name)
 
 
-async def _seen(bench: WindowState) -> None:
-    bench.state.failure, bench.state.ready = "", None
+async def _seen(window: WindowState) -> None:
+    window.state.failure, window.state.ready = "", None
 
 
-async def _another(bench: WindowState) -> None:
-    panels.another(bench)
+async def _another(window: WindowState) -> None:
+    """Back to the page on which things are opened; the session in use stays as it is."""
+    window.state.screen = "open" if window.state.screen == "work" else "work"
 
 
-async def _compare(bench: WindowState) -> None:
+async def _compare(window: WindowState) -> None:
     from validation.app import panels
 
-    state.start(bench, workers.COMPARE, panels.stands)
+    state.start(window, workers.COMPARE, panels.stands)
 
 
-async def _diagnose(bench: WindowState) -> None:
+async def _diagnose(window: WindowState) -> None:
     from validation.app import panels
 
-    state.start(bench, workers.DIAGNOSE, panels.diagnosing_shown)
+    state.start(window, workers.DIAGNOSE, panels.diagnosing_shown)
 
 
 HANDLERS: Mapping[str, Handler] = {
@@ -353,17 +350,13 @@ HANDLERS: Mapping[str, Handler] = {
 """By the name under which the template triggers it."""
 
 
-def _heard(bench: WindowState, handler: Handler) -> Callable[..., Awaitable[None]]:
+def _heard(window: WindowState, handler: Handler) -> Callable[..., Awaitable[None]]:
     async def heard(*arguments: Any) -> None:
-        await bench.told(handler(bench, *arguments))
+        await window.told(handler(window, *arguments))
         if handler is not panels.drag:  # which keeps what it comes to at rest
-            keep(bench)
+            keep(window)
 
     return heard
-
-
-def _entry(load: int, motion: int) -> str:
-    return f"{entry(load, motion)}: {LOADS[load]} by {MOTIONS[motion]}, in {unit(load, motion)}"
 
 
 # What a window serves beside its page: pictures, downloads, and the way in for dropped files.
@@ -372,17 +365,28 @@ def _entry(load: int, motion: int) -> str:
 CHUNK = 2**20
 
 
-def add(app: Any, bench: WindowState) -> None:
+def add(app: Any, window: WindowState) -> None:
     """Put the routes into the window's server."""
 
     async def view(request: web.Request) -> web.Response:
-        return await _view(request, bench)
+        return await _view(request, window)
 
     async def saved(request: web.Request) -> web.Response:
-        return _saved(request, bench)
+        from aiohttp import web
+
+        name = request.match_info["name"]
+        try:
+            body, kind = panels.content(window, name)
+        except (LookupError, BadInput):
+            return web.Response(
+                status=404, text="massline: there is nothing to be saved under this name yet.", headers=NEVER_KEPT
+            )
+        # Always a download: a report has scripts of its own, which are not this page's.
+        headers = {**NEVER_KEPT, "Content-Disposition": f'attachment; filename="{panels.SAVING_BESIDE.get(name, name)}"'}
+        return web.Response(body=body, content_type=kind, headers=headers)
 
     async def files(request: web.Request) -> web.Response:
-        return await _files(request, bench)
+        return await _files(request, window)
 
     app.router.add_get("/plotly.js", _plotly)
     app.router.add_get("/view.jpg", view)
@@ -405,39 +409,26 @@ def _library() -> bytes:
     return library().encode()
 
 
-async def _view(request: web.Request, bench: WindowState) -> web.Response:
+async def _view(request: web.Request, window: WindowState) -> web.Response:
     from aiohttp import web
 
     try:
-        body = await bench.drawn(panels.picture, bench, dict(request.query))
+        body = await window.drawn(panels.picture, window, dict(request.query))
     except (ValueError, LookupError, CheckFailed) as error:
         return web.Response(status=404, text=f"massline: {error}", headers=NEVER_KEPT)
     return web.Response(body=body, content_type="image/jpeg", headers=NEVER_KEPT)
 
 
-def _saved(request: web.Request, bench: WindowState) -> web.Response:
+async def _files(request: web.Request, window: WindowState) -> web.Response:
+    """Files as the page sends them, each part named like its file, folders included; the session says what becomes of names."""
     from aiohttp import web
 
-    name = request.match_info["name"]
-    try:
-        body, kind = panels.content(bench, name)
-    except (LookupError, BadInput):
-        return web.Response(status=404, text="massline: there is nothing to be saved under this name yet.", headers=NEVER_KEPT)
-    # Always a download: a report has scripts of its own, which are not this page's.
-    headers = {**NEVER_KEPT, "Content-Disposition": f'attachment; filename="{panels.SAVING_BESIDE.get(name, name)}"'}
-    return web.Response(body=body, content_type=kind, headers=headers)
-
-
-async def _files(request: web.Request, bench: WindowState) -> web.Response:
-    """Files as the page sends them, each part named like its file, folders included; the desk says what becomes of names."""
-    from aiohttp import web
-
-    with tempfile.TemporaryDirectory(dir=bench.folder, prefix="arriving-") as folder:
+    with tempfile.TemporaryDirectory(dir=window.folder, prefix="arriving-") as folder:
         try:
             files = await _parts(request, Path(folder))
         except ValueError as error:
             return web.Response(status=413, text=f"massline: {error}")
-        await bench.told(panels.arrived(bench, files))
+        await window.told(panels.arrived(window, files))
     return web.Response(text="")
 
 

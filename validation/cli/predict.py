@@ -332,7 +332,7 @@ def swing_command(
     from validation.classical.swing import OPTIONS, Words, as_option, setup, simulated, write
     from validation.output import percent, print_json, require_folder, shown
     from validation.report import excite
-    from validation.report.scenes.pendulum import draw, in_the_way
+    from validation.report.scenes.setups import draw_swing, in_the_way
 
     options.require_articles([article])
     asked = options.reading(None, unit, material, settings)
@@ -356,7 +356,7 @@ def swing_command(
         click.echo(excite.text(found), nl=False)
     for folder in set(folders.values()):
         with shown("pictures of the swing", quiet=as_json):
-            written = draw(found, asked, folder, animate=animate)
+            written = draw_swing(found, asked, folder, animate=animate)
             said = in_the_way(record.setup, asked)
         for path in written:
             click.echo(f"massline: wrote {path}.", err=True)

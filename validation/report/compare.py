@@ -21,7 +21,7 @@ from validation.output import json_text, shown, stages, to_json
 from validation.reference.reference import file_name
 from validation.reference.statement import NONE
 from validation.report.charts import crosscheck, maps, spec
-from validation.report.charts.style import MEASURED, DynamicMassCurve, chosen
+from validation.report.charts.style import DynamicMassCurve, chosen
 from validation.report.document import (
     PAGE,
     PANEL,

@@ -508,7 +508,7 @@ class Written:
 
     def as_json(self) -> dict[str, Any]:
         """The same as one object; where it is sealed, nothing that was drawn or planted."""
-        found = {**campaign_page.as_json(of_campaign(self.folder, self.campaign)), "truth": str(self.truth)}
+        found = {**to_json(of_campaign(self.folder, self.campaign)), "truth": str(self.truth)}
         if self.sealed:
             return found
         effects = [

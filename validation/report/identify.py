@@ -29,8 +29,9 @@ from validation.model.setups import FMD, above_fmd, is_stack, stated, takes_fmd_
 from validation.output import json_text, shown, to_json
 from validation.reference.reference import ArticleOptions, file_name, reference
 from validation.reference.statement import NONE, QUANTITIES, Statement, rounded
-from validation.report.charts import identification
-from validation.report.charts.style import LEFT_OUT, MEASURED, DynamicMassCurve, diagonal, full
+from validation.report.charts import identification, spec
+from validation.report.charts.spec import LEFT_OUT, MEASURED, QUOTIENT
+from validation.report.charts.style import DynamicMassCurve, diagonal, full
 from validation.report.document import (
     Cell,
     Column,
@@ -47,7 +48,7 @@ from validation.report.document import (
 )
 from validation.report.parts import CampaignPart, Picture, Report, notes, paragraphs, section
 from validation.report.reference import drawing_of, drawn
-from validation.report.scenes.sensors import draw as draw_sensors
+from validation.report.scenes.setups import sensor_map as draw_sensors
 from validation.study import Study
 
 # What is said of an identification: both results side by side, what each parameter rests on, elastic terms, what was left out.
@@ -253,9 +254,6 @@ FINE = 1401
 SHARP = 0.05
 """Damping ratio above which a term is no resonance that could be pointed at, but bends the curve where the others leave it."""
 
-QUOTIENT = "#b9a5dd"
-"""Of the quotient, beneath what is measured with all runs."""
-
 POINT = "about F; loads of the table on the article"
 
 
@@ -307,7 +305,7 @@ class IdentificationPictures:
 
         if found.lines is not None:
             lines, spectra = found.lines, found.spectra
-            drawn_lines = identification.DrawnLines(
+            drawn_lines = spec.SpectralLines(
                 frequency=lines.frequency,
                 condition=lines.condition,
                 limit=lines.limit,

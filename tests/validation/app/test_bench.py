@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from validation.app import panels, session, state, whatif, workers
+from validation.app import panels, state, whatif, workers
+from validation.app.opening import Handed
 from validation.app.options import StartOptions
-from validation.app.session import Handed
 from validation.app.state import WindowState
 from validation.app.workers import CANCELLED, FAILED, RUNNING, Job
 
@@ -63,7 +63,7 @@ def test_another_entry_has_its_own_curve_with_the_effect(tmp_path: Path) -> None
     of = bench(tmp_path, campaign="a", load=2, motion=2)
     of.tried = tried(followed=True)
     of.state.load, of.state.motion = 1, 4
-    (matrix,) = panels.further(of).values()
+    (matrix,) = panels.with_effect(of).values()
     assert np.array_equal(matrix[:, 1, 4], np.full(3, 10.0))
 
 
@@ -165,7 +165,7 @@ def test_a_cancelled_add_is_told_as_the_desk_left_it(
 
     async def story() -> None:
         of = bench(tmp_path, effect={"id": "x"})
-        of.desk, of.effects = object(), {"x": SimpleNamespace(written=lambda _: "x=1")}  # type: ignore[assignment, dict-item]
+        of.session, of.effects = object(), {"x": SimpleNamespace(written=lambda _: "x=1")}  # type: ignore[assignment, dict-item]
         await panels.add(of)
         await state.cancel(of)
         await asyncio.gather(*of.tasks)
@@ -197,13 +197,12 @@ def test_a_mended_file_is_dropped_again_under_its_name(tmp_path: Path, monkeypat
     run(story)
 
 
-def test_clicks_do_not_wait_behind_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(session, "figures", lambda *_: time.sleep(0.5) or (tmp_path / "a.png",))
+def test_clicks_do_not_wait_behind_figures(tmp_path: Path) -> None:
     (tmp_path / "a.png").write_bytes(b"png")
 
     async def story() -> None:
         of = bench(tmp_path)
-        of.desk = SimpleNamespace(folder=tmp_path)  # type: ignore[assignment]
+        of.session = SimpleNamespace(folder=tmp_path, draw=lambda *_: time.sleep(0.5) or (tmp_path / "a.png",))  # type: ignore[assignment]
         drawing_them = asyncio.ensure_future(panels.figures(of))
         await asyncio.sleep(0.05)
         assert of.state.job["cancellable"] is False  # no button that does nothing
@@ -251,10 +250,10 @@ def test_what_nobody_saved_is_kept_where_the_terminal_says(
     state.leaving_kept(tmp_path / "home", said.append)
     assert said == []
     rungs["of"] = 2
-    assert state.unsaved(desk)
+    assert state.unsaved(desk.folder)
     state.leaving_kept(tmp_path / "home", said.append)
     kept = Path(said[0].splitlines()[-1].strip())
     assert kept.read_bytes() == desk.model.read_bytes()
     assert kept.is_relative_to(tmp_path / "cache")
     state.saved(desk)
-    assert not state.unsaved(desk)
+    assert not state.unsaved(desk.folder)

@@ -10,7 +10,6 @@ import io
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,8 +27,8 @@ from validation.report.charts.style import Label, arranged, colours
 from validation.report.flexible import moved_bodies
 from validation.report.scenes.motion import Frame, MovingBody, Passing, colour_map, largest
 from validation.report.scenes.motion import animate as draw
-from validation.report.scenes.scene import Arrow, DrawnBody, Image, Plotter, Projection, fitted, off_screen
-from validation.report.scenes.sensors import ARROW, DrawnSensor
+from validation.report.scenes.scene import Arrow, DrawnBody, Image, Plotter, Projection, fitted, light, off_screen, surface
+from validation.report.scenes.setups import ARROW, DrawnSensor
 
 if TYPE_CHECKING:
     from fem.base_excitation.patterns import Sweep
@@ -91,8 +90,18 @@ class Turntable:
 
     def __init__(self, bodies: Sequence[DrawnBody | MovingBody], sensors: Sequence[DrawnSensor] = (), scale: float = 0.0) -> None:
         self._bodies, self._sensors, self._scale = tuple(bodies), tuple(sensors), scale
-        self._length = ARROW * _extent(sensors, bodies)
-        self._points = _points(bodies, sensors, self._length, scale)
+        # Largest distance along an axis [m] of the sensors, or of the bodies where there are none
+        places = np.array([one.position for one in sensors]) if sensors else np.concatenate([one.vertices for one in bodies])
+        extent = float(np.ptp(places, axis=0).max()) or 1.0
+        self._length = ARROW * extent
+        # Everything that has to fit, at both ends of a swing
+        length = self._length
+        found = [one.vertices for one in bodies if isinstance(one, DrawnBody)]
+        found += [
+            one.vertices + sign * scale * one.displacement for one in bodies if isinstance(one, MovingBody) for sign in (-1, 1)
+        ]
+        found += [np.array([one.position, one.position + length * one.direction]) for one in sensors]
+        self._points = np.concatenate(found)
         self._near = np.mean([one.position for one in sensors], axis=0) if sensors else None
         self._stages: dict[bool, _Stage] = {}
 
@@ -103,14 +112,33 @@ class Turntable:
         ------
         CheckFailed : nothing can be rendered on this machine.
         """
-        turn = replace(turn, size=_within(turn.size))
+        width, height = (min(max(asked, 40), most) for asked, most in zip(turn.size, LARGEST, strict=True))
+        turn = replace(turn, size=(width, height))
         view = turned(fitted(self._points, turn.size, MARGIN), turn, self._points, self._near)
         with off_screen():
             stage = self._stages.get(turn.dark)
             if stage is None:
                 stage = self._stages[turn.dark] = _Stage(self._bodies, self._arrows(turn.dark), self._scale, turn.dark)
             image = stage.shot(view, turn.share)
-        return _labelled(image, self._labels(view, turn.dark), turn.dark)
+        from matplotlib import font_manager
+        from PIL import Image as Pictures
+        from PIL import ImageDraw, ImageFont
+
+        # The letters that come with matplotlib, which keeps where they are: no system has to have any
+        font = ImageFont.truetype(font_manager.findfont("DejaVu Sans"), 11)
+        labels = self._labels(view, turn.dark)
+        dark = turn.dark
+        picture = Pictures.fromarray(image)
+        pen = ImageDraw.Draw(picture)
+        for label, place in labels:
+            pen.line([tuple(label.anchor), tuple(place)], fill=label.colour, width=1)
+        for label, place in labels:
+            x, y = place - np.array(label.extent) / 2
+            pen.rectangle([x, y, x + label.extent[0], y + label.extent[1]], fill=PAPER[dark])
+            pen.text((x + 2, y), label.text, fill=label.colour, font=font)
+        kept = io.BytesIO()
+        picture.save(kept, "JPEG", quality=88)
+        return kept.getvalue()
 
     def close(self) -> None:
         """Let go of the windows."""
@@ -170,7 +198,7 @@ class _Stage:
             for plotter in (self._whole, self._above):
                 _arrows(plotter, arrows)
         for plotter in self._plotters:
-            _light(plotter)
+            light(plotter)
             plotter.show(auto_close=False)  # from here on it draws when it is told to
 
     @property
@@ -183,7 +211,13 @@ class _Stage:
             for mesh in meshes:
                 mesh.points = body.vertices + share * self._scale * body.displacement
         for plotter in self._plotters:
-            _look(plotter, view)
+            if tuple(plotter.window_size) != view.size:
+                plotter.window_size = list(view.size)
+            camera, distance = plotter.camera, 10 * view.scale * max(view.size) + 10
+            camera.enable_parallel_projection()
+            camera.focal_point, camera.position, camera.up = view.centre, view.centre + distance * view.towards, view.up
+            camera.parallel_scale = view.scale * view.size[1] / 2
+            camera.clipping_range = (distance * 0.2, distance * 1.8)
         whole = _shot(self._whole)[..., :3]
         if self._above is None:
             return whole
@@ -200,9 +234,32 @@ class _Stage:
         colour = colours(one.material for one in bodies if isinstance(one, DrawnBody))
         for body in bodies:
             if isinstance(body, MovingBody):
-                self._moving.append((body, _moving(self._whole, body, most, dark)))
+                self._moving.append((body, self._swing(body, most, dark)))
             else:
-                _still(self._whole, body, colour[body.material], dark)
+                mesh = surface(body.vertices, body.faces)
+                self._whole.add_mesh(mesh, color=colour[body.material], ambient=0.5, diffuse=0.55, specular=0.06)
+                edges = mesh.extract_feature_edges(30, boundary_edges=False, manifold_edges=False, non_manifold_edges=False)
+                if edges.n_cells:
+                    self._whole.add_mesh(edges, color=INK[dark], line_width=1.0, opacity=0.6, lighting=False)
+
+    def _swing(self, body: MovingBody, most: float, dark: bool) -> list[Any]:
+        """The meshes of one body that move, in the window; its edges at rest stay behind."""
+        import pyvista
+
+        plotter = self._whole
+        mesh = surface(body.vertices, body.faces)
+        mesh.point_data["displacement"] = body.size / most
+        look = {"ambient": 0.55, "diffuse": 0.55, "specular": 0.05, "show_scalar_bar": False}
+        plotter.add_mesh(mesh, scalars="displacement", cmap=colour_map(), clim=(0, 1), **look)
+        if not len(body.edges):
+            return [mesh]
+        lines = np.column_stack([np.full(len(body.edges), 2), body.edges]).ravel()
+        plotter.add_mesh(
+            pyvista.PolyData(np.array(body.vertices), lines=lines), color=AT_REST[dark], line_width=1.0, lighting=False
+        )
+        sharp = pyvista.PolyData(np.array(body.vertices), lines=lines)
+        plotter.add_mesh(sharp, color=INK[dark], line_width=1.0, lighting=False)
+        return [mesh, sharp]
 
 
 def _shot(plotter: Plotter, **how: Any) -> Image:
@@ -234,52 +291,6 @@ def turned(view: Projection, turn: Turn, points: Array, near: Array | None = Non
     )
 
 
-def _within(size: tuple[int, int]) -> tuple[int, int]:
-    width, height = (min(max(asked, 40), most) for asked, most in zip(size, LARGEST, strict=True))
-    return width, height
-
-
-def _extent(sensors: Sequence[DrawnSensor], bodies: Sequence[DrawnBody | MovingBody]) -> float:
-    """Largest distance along an axis [m] of the sensors, or of the bodies where there are none."""
-    places = np.array([one.position for one in sensors]) if sensors else np.concatenate([one.vertices for one in bodies])
-    return float(np.ptp(places, axis=0).max()) or 1.0
-
-
-def _points(bodies: Sequence[DrawnBody | MovingBody], sensors: Sequence[DrawnSensor], length: float, scale: float) -> Array:
-    """Everything that has to fit, at both ends of a swing."""
-    found = [one.vertices for one in bodies if isinstance(one, DrawnBody)]
-    found += [one.vertices + sign * scale * one.displacement for one in bodies if isinstance(one, MovingBody) for sign in (-1, 1)]
-    found += [np.array([one.position, one.position + length * one.direction]) for one in sensors]
-    return np.concatenate(found)
-
-
-def _still(plotter: Plotter, body: DrawnBody, colour: str, dark: bool) -> None:
-    import pyvista
-
-    mesh = pyvista.PolyData(np.array(body.vertices), np.column_stack([np.full(len(body.faces), 3), body.faces]).ravel())
-    plotter.add_mesh(mesh, color=colour, ambient=0.5, diffuse=0.55, specular=0.06)
-    edges = mesh.extract_feature_edges(30, boundary_edges=False, manifold_edges=False, non_manifold_edges=False)
-    if edges.n_cells:
-        plotter.add_mesh(edges, color=INK[dark], line_width=1.0, opacity=0.6, lighting=False)
-
-
-def _moving(plotter: Plotter, body: MovingBody, most: float, dark: bool) -> list[Any]:
-    """The meshes of one body that move, in the window; its edges at rest stay behind."""
-    import pyvista
-
-    mesh = pyvista.PolyData(np.array(body.vertices), np.column_stack([np.full(len(body.faces), 3), body.faces]).ravel())
-    mesh.point_data["displacement"] = body.size / most
-    look = {"ambient": 0.55, "diffuse": 0.55, "specular": 0.05, "show_scalar_bar": False}
-    plotter.add_mesh(mesh, scalars="displacement", cmap=colour_map(), clim=(0, 1), **look)
-    if not len(body.edges):
-        return [mesh]
-    lines = np.column_stack([np.full(len(body.edges), 2), body.edges]).ravel()
-    plotter.add_mesh(pyvista.PolyData(np.array(body.vertices), lines=lines), color=AT_REST[dark], line_width=1.0, lighting=False)
-    sharp = pyvista.PolyData(np.array(body.vertices), lines=lines)
-    plotter.add_mesh(sharp, color=INK[dark], line_width=1.0, lighting=False)
-    return [mesh, sharp]
-
-
 def _arrows(plotter: Plotter, arrows: Sequence[Arrow]) -> None:
     import pyvista
 
@@ -291,57 +302,12 @@ def _arrows(plotter: Plotter, arrows: Sequence[Arrow]) -> None:
         plotter.add_mesh(mesh, color=arrow.colour, ambient=0.5, diffuse=0.55)
 
 
-def _light(plotter: Plotter) -> None:
-    import pyvista
-
-    for position, intensity in (((-1.0, 1.2, 2.0), 0.62), ((2.0, 0.3, 1.2), 0.36), ((0.0, 1.0, -1.5), 0.15)):
-        light = pyvista.Light(light_type="camera light", intensity=intensity)
-        light.position = position
-        plotter.add_light(light)
-
-
-def _look(plotter: Plotter, view: Projection) -> None:
-    if tuple(plotter.window_size) != view.size:
-        plotter.window_size = list(view.size)
-    camera, distance = plotter.camera, 10 * view.scale * max(view.size) + 10
-    camera.enable_parallel_projection()
-    camera.focal_point, camera.position, camera.up = view.centre, view.centre + distance * view.towards, view.up
-    camera.parallel_scale = view.scale * view.size[1] / 2
-    camera.clipping_range = (distance * 0.2, distance * 1.8)
-
-
 def _colour(group: str, dark: bool) -> str:
     return SENSORS[dark].get(group, INK[dark])
 
 
 def _label(text: str, anchor: Array, wish: Array, colour: str) -> Label:
     return Label(text=text, anchor=anchor, wish=wish, extent=(LETTER * len(text) + 4, LINE), gap=5, colour=colour)
-
-
-def _labelled(image: Image, labels: Sequence[tuple[Label, Array]], dark: bool) -> bytes:
-    from PIL import Image as Pictures
-    from PIL import ImageDraw
-
-    picture = Pictures.fromarray(image)
-    pen = ImageDraw.Draw(picture)
-    for label, place in labels:
-        pen.line([tuple(label.anchor), tuple(place)], fill=label.colour, width=1)
-    for label, place in labels:
-        x, y = place - np.array(label.extent) / 2
-        pen.rectangle([x, y, x + label.extent[0], y + label.extent[1]], fill=PAPER[dark])
-        pen.text((x + 2, y), label.text, fill=label.colour, font=_font())
-    kept = io.BytesIO()
-    picture.save(kept, "JPEG", quality=88)
-    return kept.getvalue()
-
-
-@cache
-def _font() -> Any:
-    """The letters that come with matplotlib: no system has to have any."""
-    from matplotlib import font_manager
-    from PIL import ImageFont
-
-    return ImageFont.truetype(font_manager.findfont("DejaVu Sans"), 11)
 
 
 # The animation of `massline excite --animate`: the article as the sweep passes its largest resonance.
@@ -433,7 +399,7 @@ def _frames(made: PreparedRuns, one: Done, times: Array, frequency: Array) -> tu
     model, body = made.mounted.model, made.mounted.rig.article
     if model is None:
         return ()
-    coordinates = CubicSpline(one.response.time, _relative(made, one.motion, one.response), axis=0)(times)
+    coordinates = CubicSpline(one.response.time, relative_coordinates(made, one.motion, one.response), axis=0)(times)
     surfaces = moved_bodies(model, body.reduced.basis)
     return tuple(
         Frame(
@@ -448,7 +414,7 @@ def _frames(made: PreparedRuns, one: Done, times: Array, frequency: Array) -> tu
     )
 
 
-def _relative(made: PreparedRuns, motion: BaseMotion, response: Response) -> Array:
+def relative_coordinates(made: PreparedRuns, motion: BaseMotion, response: Response) -> Array:
     """(n, 6 + m) coordinates of the article's reduced body, its base relative to the table."""
     from fem.base_excitation.response import decimated
     from fem.base_excitation.rig import matrices
