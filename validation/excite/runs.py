@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
 from fem.base_excitation.base_motion import BaseMotion
+
 from fem.base_excitation.response import Response
 from geometry.atomic import write_with
 from geometry.dynamic_mass import MOTIONS
@@ -150,8 +150,9 @@ class PreparedRuns:
             yield one  # outside: the caller may show what it is doing with it
 
     def _driven(self, run: Run, cross: CrossMotion | None, progress: Progress, keep: bool) -> Done:
-        from fem.base_excitation import response as ring_down
         from fem.base_excitation.decimation import decimated, simulation_rate
+
+        from fem.base_excitation import response as ring_down
 
         rate, rig = self.question.rate, self.mounted.rig
         at_rest = run.motion(rate, ring_down=0.0, cross=cross)
@@ -284,6 +285,7 @@ class PreparedRuns:
 def _followed(question: ExciteOptions) -> float:
     """[Hz] of the modes that the step can follow, at a step a sample."""
     from fem.base_excitation.decimation import simulation_rate
+
     from fem.base_excitation.response import COARSEST
 
     return simulation_rate(question.rate) / COARSEST
@@ -297,6 +299,7 @@ def ready(question: ExciteOptions, *, quiet: bool = False) -> PreparedRuns:
     BadInput : something in `question` cannot be.
     """
     from fem.base_excitation.decimation import PASS, require_recorded
+
     from validation.flexible.model import chosen
 
     model = chosen(question.article, question.model)[0]

@@ -8,6 +8,7 @@ from math import isfinite
 from pathlib import Path
 
 import numpy as np
+from identification.resultants import resultants
 
 from fem.base_excitation.rig import dynamic_mass
 from fem.modes import Modes
@@ -26,7 +27,6 @@ from identification.chain import chain
 from identification.dynamic_mass import from_runs
 from identification.identify import expected
 from identification.request import QUANTITIES, Evidence, Known, Settings, TareSpectra
-from identification.resultants import resultants
 from identification.spectra import noise
 from identification.spectra.line_spectra import Spectra, full_record
 from validation.flexible.model import Flexible, FlexibleOptions, flexible, nearest_part

@@ -323,7 +323,7 @@ def draw(found: Comparison, folder: Path) -> tuple[Path, ...]:
                 modes=marks,
                 dots=dots,
             )
-            for matrix, name, dots in ((pairs.predicted, "predicted", ""), (pairs.measured, "measured", MEASURED))
+            for matrix, name, dots in ((pairs.predicted, "predicted", ""), (pairs.measured, "measured", spec.MEASURED))
         )
         heading = f"{pair.data_set}, {pair.sigma:.0f} σ at {pair.frequency:.1f} Hz"
         panels.append((heading, pair.load, pair.motion, curves))
