@@ -382,13 +382,13 @@ def _conditions(swing: RecordedSwing) -> dict[str, object]:
 
 
 POINTS = 401
-"""[count] of sizes in each look at one effect. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[count] of sizes in each look at one effect. Held by tests/validation/diagnosing/test_classical.py."""
 
 LOOKS = 4
-"""[count] of looks, each closer than the one before. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[count] of looks, each closer than the one before. Held by tests/validation/diagnosing/test_classical.py."""
 
 FAR = 30.0
-"""[nats] below the summit at which nothing is left. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[nats] below the summit at which nothing is left. Held by tests/validation/diagnosing/test_classical.py."""
 
 NEAR = 1e-4
 """[nats] below the summit within which the summit itself is looked for. Exercised by
@@ -500,8 +500,7 @@ def steps(sizes: Array) -> Array:
 
 
 PAIR_POINTS = 121
-"""[count] of sizes in each look at a pair of effects, along either. Exercised by
-tests/validation/diagnosing/test_classical.py."""
+"""[count] of sizes in each look at a pair of effects, along either. Held by tests/validation/diagnosing/test_classical.py."""
 
 PAIR_LOOKS = 5
 """[count] of looks at a pair, each closer than the one before. Exercised by tests/validation/diagnosing/test_classical.py."""

@@ -44,7 +44,7 @@ from validation.study import Study
 
 
 REACH = 1.5
-"""[factor] on the lowest line up to which lines are used. Exercised by tests/validation/diagnosing/test_mistakes.py."""
+"""[factor] on the lowest line up to which lines are used. Held by tests/validation/diagnosing/test_mistakes.py."""
 
 LINES = 4
 """[count] of those lines. Exercised by tests/validation/diagnosing/test_mistakes.py."""
@@ -59,11 +59,11 @@ CONDITION = 40.0
 tests/validation/diagnosing/test_mistakes.py."""
 
 DISTANT = 0.15
-"""[share] Distance of a reading from what it should be at which it stops to count much. Exercised by
+"""[share] Distance of a reading from what it should be at which it stops to count much. Held by
 tests/validation/diagnosing/test_mistakes.py."""
 
 NEAR = 0.25
-"""[share] Distance within which a channel takes part in the final estimate: a gain of two thirds. Exercised by
+"""[share] Distance within which a channel takes part in the final estimate: a gain of two thirds. Held by
 tests/validation/diagnosing/test_mistakes.py."""
 
 PORTION = 100
@@ -182,13 +182,13 @@ def _drawn(channels: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
 
 
 OFF = 0.15
-"""[share] by which readings may be off for other reasons. Exercised by tests/validation/diagnosing/test_mistakes.py."""
+"""[share] by which readings may be off for other reasons. Held by tests/validation/diagnosing/test_mistakes.py."""
 
 SIGN_PENALTY = 8.0
 """[nats] Prior penalty of a wrong sign. Exercised by tests/validation/diagnosing/test_mistakes.py."""
 
 UNIT_PENALTY = 10.0
-"""[nats] Prior penalty of a known unit. Exercised by tests/validation/diagnosing/test_mistakes.py."""
+"""[nats] Prior penalty of a known unit. Held by tests/validation/diagnosing/test_mistakes.py."""
 
 FACTOR_PENALTY = 16.0
 """[nats] Prior penalty of a factor that is no unit. Exercised by tests/validation/diagnosing/test_mistakes.py."""

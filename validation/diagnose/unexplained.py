@@ -25,7 +25,7 @@ STEPS = 17
 """[count] of frequencies there. Exercised by tests/validation/diagnosing/test_unexplained.py."""
 
 TIMES = (0.35, 0.6, 1.0, 1.7, 3.0)
-"""[factor] on its damping ratio, at each frequency. Exercised by tests/validation/diagnosing/test_unexplained.py."""
+"""[factor] on its damping ratio, at each frequency. Held by tests/validation/diagnosing/test_unexplained.py."""
 
 BEST = 4
 """[count] of explanations of one kind of place and one scope that are kept. Exercised by
