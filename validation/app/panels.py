@@ -22,8 +22,8 @@ from validation.app.scene3d import MapCell, MapEntry
 from validation.app.session import Session, begun, is_session, opened
 from validation.app.state import WindowState, keep, kept
 from validation.app.whatif import ReadyPredictions, Slider, TrialEffect, WhatIf
+from validation.compare.compare import run as run_in_words
 from validation.compare.maps import Pairs
-from validation.compare.spots import run as run_in_words
 from validation.diagnose.diagnosis import Cause, Diagnosis, sized
 from validation.diagnose.diagnosis import listed as diagnosis_listed
 from validation.effects import practical_units

@@ -38,8 +38,7 @@ from validation.diagnose.diagnosis import Diagnosis
 from validation.effects import catalogue
 from validation.estimation import evaluate
 from validation.estimation.fit import unfitted
-from validation.estimation.problem import FITTED, PLAIN, Measured, Parameter
-from validation.estimation.result import Evaluation, Fit, Share
+from validation.estimation.problem import FITTED, PLAIN, Evaluation, Fit, Measured, Parameter, Share
 from validation.history import add, history
 from validation.history.history import HistoryPosition, Ladder, Source, Version, history_position, read_text
 from validation.model import model_file

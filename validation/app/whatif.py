@@ -43,10 +43,9 @@ from validation.effects.effect import (
     Vocabulary,
 )
 from validation.estimation import evaluate
-from validation.estimation.cost import cost_of, left_of_run
 from validation.estimation.evaluate import Squares
 from validation.estimation.fit import BREAKDOWNS, FLOOR, PLAIN_FLOOR, nearby
-from validation.estimation.likelihood import observed
+from validation.estimation.likelihood import cost_of, left_of_run, observed
 from validation.estimation.problem import PLAIN, Lines, Measured, Offsets, Parameter, Predicted, Problem, Wanted, chosen
 from validation.history.add import FIRST_GUESS, completed
 from validation.model.model import Added, Model, vocabulary

@@ -14,8 +14,7 @@ from geometry.inertia import LOADS
 from validation.compare.maps import LENGTHS, Map, NamedMode, Rig, doubt, mapped, modes_of
 from validation.estimation import verdicts
 from validation.estimation.evaluate import residuals
-from validation.estimation.problem import Problem
-from validation.estimation.result import Evaluation, Fit, Share
+from validation.estimation.problem import Evaluation, Fit, Problem, Share
 from validation.estimation.verdicts import ExplainedError, StatedError, Tolerance, figure
 from validation.output import derived, entry, plain_unit, to_json, unwritten
 from validation.prediction.series import SeriesPrediction

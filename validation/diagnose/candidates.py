@@ -22,8 +22,8 @@ from validation.diagnose.classical import pendulum_candidates
 from validation.diagnose.diagnosis import Candidate, Detectable, Screened
 from validation.effects import effect
 from validation.effects.catalogue import FAMILIES, Named, There, acts
-from validation.estimation.cost import cost_of
 from validation.estimation.fit import FLOOR
+from validation.estimation.likelihood import cost_of
 from validation.estimation.problem import EFFECT, FITTED, Fact, Parameter, Prediction, Problem
 from validation.estimation.screening import ScoreTest, in_the_fit, screened
 from validation.history.add import names_of

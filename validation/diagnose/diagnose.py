@@ -27,8 +27,7 @@ from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS
 from validation.estimation.evaluate import evaluate
 from validation.estimation.fit import FLOOR, unfitted
-from validation.estimation.problem import EFFECT, FITTED, Offsets
-from validation.estimation.result import Evaluation
+from validation.estimation.problem import EFFECT, FITTED, Evaluation, Offsets
 from validation.history.add import completed
 from validation.model.model import Added, Model, require_target, vocabulary
 from validation.prediction.effects import name

@@ -31,8 +31,8 @@ from validation.diagnose.next_test_offers import (
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS
 from validation.estimation import likelihood
-from validation.estimation.cost import cost_of, root
 from validation.estimation.fit import BREAKDOWNS, FLOOR
+from validation.estimation.likelihood import cost_of, root
 from validation.estimation.problem import EFFECT, FITTED, Fact, Parameter
 from validation.model.model import Added
 from validation.prediction.effects import name

@@ -14,9 +14,9 @@ from math import pi
 from types import MappingProxyType
 
 import numpy as np
-from geometry.articles.dimensions import load
 
 from geometry.articles.locations import locations
+from geometry.articles.parts import load
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose, rotation_about
@@ -31,8 +31,8 @@ from validation.effects.catalogue import FAMILIES, acts
 from validation.effects.effect import AMPLITUDE
 from validation.effects.families.point_mass import change as heavier
 from validation.estimation import likelihood
-from validation.estimation.cost import root
 from validation.estimation.fit import FLOOR
+from validation.estimation.likelihood import root
 from validation.estimation.problem import AT_MOST, EFFECT, Fact, Lines, Measured, Parameter, chosen
 from validation.model.model import Added
 from validation.model.setups import FMD, above_fmd, mounted

@@ -22,8 +22,8 @@ from validation.diagnose.classical_tests import advised_measurements, period_per
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS
 from validation.effects.practical_units import said
-from validation.estimation.cost import cost_of
 from validation.estimation.fit import FLOOR
+from validation.estimation.likelihood import cost_of
 from validation.estimation.problem import Problem
 from validation.model.model import Added, Model
 from validation.prediction import classical_facts

@@ -23,11 +23,9 @@ from validation.diagnose.candidates import aliases, band, is_resonator, screen
 from validation.diagnose.diagnosis import Candidate, Screened
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, STRUCTURE, evidence_threshold
-from validation.estimation.cost import cost_of
 from validation.estimation.fit import BREAKDOWNS, FLOOR, child, nearby
-from validation.estimation.likelihood import observed
-from validation.estimation.problem import EFFECT, FITTED, Parameter, Problem
-from validation.estimation.result import Fit
+from validation.estimation.likelihood import cost_of, observed
+from validation.estimation.problem import EFFECT, FITTED, Fit, Parameter, Problem
 from validation.estimation.verdicts import expected_z2, largest_z, misfit
 from validation.history.add import sized_by
 from validation.model.model import Added

@@ -14,9 +14,8 @@ from geometry.frames import Array
 from identification.self_calibration.solve import eliminated
 from validation.diagnose.diagnosis import Candidate
 from validation.estimation import likelihood
-from validation.estimation.cost import cost_of, root
 from validation.estimation.fit import FLOOR
-from validation.estimation.likelihood import ObservedLines, observed
+from validation.estimation.likelihood import ObservedLines, cost_of, observed, root
 from validation.estimation.problem import Lines, Predicted, Prediction
 from validation.estimation.screening import Products
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from fem.base_excitation.base_motion import BaseMotion
 
+from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.rig import LoadCell, Rig
 from fem.damping import DEFAULT_RATIO
 from geometry.articles import built_in, changes_of
@@ -179,10 +179,9 @@ def _cells(asked: FlexibleOptions, attached: Attached, mass: float) -> tuple[Loa
     """
     if not attached.cells:
         return ()
-    from geometry.articles.dimensions import load
-
     from fem.beam.articles import load_cells
     from geometry.article import material, rectangle
+    from geometry.articles.parts import load
 
     d = load(FMD, changes_of(FMD, asked.changes))["load_cell"]
     loss = material(d["material"]).loss_factor

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from fem.base_excitation.base_motion import BaseMotion
 
+from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.response import Response
 from geometry.atomic import write_with
 from geometry.dynamic_mass import MOTIONS
@@ -150,9 +150,8 @@ class PreparedRuns:
             yield one  # outside: the caller may show what it is doing with it
 
     def _driven(self, run: Run, cross: CrossMotion | None, progress: Progress, keep: bool) -> Done:
-        from fem.base_excitation.decimation import decimated, simulation_rate
-
         from fem.base_excitation import response as ring_down
+        from fem.base_excitation.response import decimated, simulation_rate
 
         rate, rig = self.question.rate, self.mounted.rig
         at_rest = run.motion(rate, ring_down=0.0, cross=cross)
@@ -284,9 +283,7 @@ class PreparedRuns:
 
 def _followed(question: ExciteOptions) -> float:
     """[Hz] of the modes that the step can follow, at a step a sample."""
-    from fem.base_excitation.decimation import simulation_rate
-
-    from fem.base_excitation.response import COARSEST
+    from fem.base_excitation.response import COARSEST, simulation_rate
 
     return simulation_rate(question.rate) / COARSEST
 
@@ -298,8 +295,7 @@ def ready(question: ExciteOptions, *, quiet: bool = False) -> PreparedRuns:
     ------
     BadInput : something in `question` cannot be.
     """
-    from fem.base_excitation.decimation import PASS, require_recorded
-
+    from fem.base_excitation.response import PASS, require_recorded
     from validation.flexible.model import chosen
 
     model = chosen(question.article, question.model)[0]

@@ -17,23 +17,35 @@ from geometry.frames import Array
 from geometry.inertia import PARAMETERS
 from identification.campaign import Campaign
 from identification.request import jacobian, quantities
-from identification.self_calibration.problem import ten_matrices
+from identification.rigid_body import BASIS
 from identification.self_calibration.solve import inverse
 from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import MISTAKE, SizeSpec, Vocabulary
 from validation.estimation import evaluate, verdicts
-from validation.estimation.cost import cost_of
 from validation.estimation.fit import fit, floor_of, start
-from validation.estimation.problem import EFFECT, FITTED, IDENTIFIED, IDENTIFYING, PLAIN, Offsets, Parameter, Prediction, Problem
-from validation.estimation.result import Evaluation, Fit, Share
+from validation.estimation.likelihood import cost_of
+from validation.estimation.problem import (
+    EFFECT,
+    FITTED,
+    IDENTIFIED,
+    IDENTIFYING,
+    PLAIN,
+    Evaluation,
+    Fit,
+    Offsets,
+    Parameter,
+    Prediction,
+    Problem,
+    Share,
+)
 from validation.history import history
 from validation.history.history import Body, Conditions, Errors, HistoryPosition, Version, VersionSize
 from validation.model import model_file
 from validation.model.model import Added, Model
 from validation.prediction import effects
 from validation.prediction.classical_facts import require_bodies
-from validation.prediction.nuisances import full
+from validation.prediction.effects import full
 from validation.prediction.series import SeriesPrediction
 from validation.study import Options, Study, read_data, require_band
 
@@ -458,7 +470,7 @@ def inertia(prediction: SeriesPrediction, offsets: Offsets) -> tuple[Array, dict
 
 def _nearest(mass: Array) -> Array:
     """(10,) of the rigid body whose mass matrix is nearest to the base's share of `mass`."""
-    basis = ten_matrices().reshape(10, 36).T
+    basis = BASIS.reshape(10, 36).T
     return np.asarray(np.linalg.lstsq(basis, mass[:6, :6].ravel(), rcond=None)[0])
 
 

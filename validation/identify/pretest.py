@@ -8,7 +8,6 @@ from math import isfinite
 from pathlib import Path
 
 import numpy as np
-from identification.resultants import resultants
 
 from fem.base_excitation.rig import dynamic_mass
 from fem.modes import Modes
@@ -21,7 +20,7 @@ from geometry.frames import Array, Pose, rigid_transformation_6
 from geometry.inertia import of_motions, of_resultants
 from geometry.sensors import ChannelTable, Tolerances
 from identification import campaign_file
-from identification.base_motion import base_motion, groups_used
+from identification.base_motion import base_motion, groups_used, resultants
 from identification.campaign import Processing
 from identification.chain import chain
 from identification.dynamic_mass import from_runs

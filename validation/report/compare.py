@@ -13,9 +13,8 @@ import numpy as np
 from geometry.atomic import write_text
 from geometry.dynamic_mass import DynamicMass
 from geometry.frames import Array
-from validation.compare.compare import Comparison, compared, worst_pairs
+from validation.compare.compare import Comparison, compared, run, text, worst_pairs
 from validation.compare.maps import Map, NamedMode
-from validation.compare.spots import run, text
 from validation.estimation.verdicts import ABSURD, STANDS_OUT, StatedError, absurd, figure, misfit
 from validation.output import json_text, shown, stages, to_json
 from validation.reference.reference import file_name

@@ -15,9 +15,9 @@ from geometry.errors import BadInput
 from validation.compare.compare import mapped_all, modes_of
 from validation.diagnose import diagnose
 from validation.diagnose import diagnosis as results
-from validation.diagnose.classical import Needed, SwingAnswer
 from validation.diagnose.classical_tests import SURE
-from validation.diagnose.diagnose import of_levels, ready
+from validation.diagnose.diagnose import ready
+from validation.diagnose.diagnosis import Needed, SwingAnswer
 from validation.diagnose.nonlinear import require_levels
 from validation.diagnose.pendulum import only_classical
 from validation.effects import practical_units
@@ -29,8 +29,7 @@ from validation.estimation.evaluate import named, without
 from validation.estimation.verdicts import figure
 from validation.history import add
 from validation.history.add import at_offsets, kept_offsets
-from validation.history.history import HistoryPosition, Version, history_position, reminded, undone
-from validation.history.verdict import is_worth_adding
+from validation.history.history import HistoryPosition, Version, history_position, is_worth_adding, reminded, undone
 from validation.model import model_file
 from validation.model.model import Added, Model
 from validation.output import json_text, stages, to_json
@@ -460,7 +459,7 @@ def explained(one: results.Cause) -> Grid:
     lines = (
         ("means", one.text),
         *((("these data say", one.note),) if one.note else ()),
-        ("mistaken for", results.mistaken(one)),
+        ("mistaken for", ", ".join(one.mistaken_for) or NONE),
         ("confirm it by", one.confirmed_by or NONE),
     )
     return Grid(header=(one.id, one.named.what), lines=lines, words=True, caption=f"{one.id}: {one.named.what}")
@@ -536,7 +535,7 @@ class DiagnosisPage:
         def what(id: str) -> str:
             one = known.get(id)
             if one is None:
-                return f"does the same to these data, and was not fitted: {results.what(id)}"
+                return f"does the same to these data, and was not fitted: {FAMILIES[id.partition(':')[0]].what}"
             sizes = "; ".join(results.sized(one, size) for size in one.sizes)
             return f"{sizes}, {one.evidence:+.1f} nats: {one.named.what}"
 
@@ -778,7 +777,7 @@ def prepared(asked: Options, *, quiet: bool = True) -> Study:
     with stages("reading", quiet=quiet) as told:
         model, data = ready(asked, told)
         made = Study.of(model, data, asked, told)
-    for text in of_levels(asked):
+    for text in asked.candidates:
         require_levels(made, text)
     return made
 

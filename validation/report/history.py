@@ -14,8 +14,7 @@ from geometry.atomic import write_text
 from geometry.errors import BadInput
 from identification.quality import NORMAL_90
 from validation.history import history
-from validation.history.history import SHOWN, Body, HistoryPosition, Version, VersionSize
-from validation.history.verdict import is_worth_adding, percent, unit
+from validation.history.history import SHOWN, Body, HistoryPosition, Version, VersionSize, is_worth_adding, percent, unit
 from validation.model import model_file
 from validation.output import json_text, require_ending, require_file, shown, stages, to_json
 from validation.reference.statement import NONE, QUANTITIES, rounded
@@ -279,7 +278,7 @@ def add(asked: Options, effect: AddedEffectOptions, *, as_json: bool) -> None:
     CheckFailed : a fit of the model as it was does not converge.
     """
     from validation.history.add import added, opened
-    from validation.history.verdict import sentence
+    from validation.history.history import sentence
 
     with stages(f"adding {effect.effect}", quiet=as_json) as told:
         study, known = opened(asked, effect, told)

@@ -24,8 +24,7 @@ from geometry.errors import BadInput, CheckFailed
 from identification.campaign import METHODS
 from validation import study as validation_study
 from validation.classical.files import read
-from validation.compare.compare import Comparison, compared
-from validation.compare.spots import text
+from validation.compare.compare import Comparison, compared, text
 from validation.diagnose import diagnose, diagnosis
 from validation.diagnose.diagnose import require_runs
 from validation.diagnose.diagnosis import Diagnosis

@@ -12,12 +12,11 @@ from collections.abc import Callable, Sequence
 from itertools import permutations
 
 import numpy as np
-from fem.solid.mesh import LOCAL_HEX27, LOCAL_TET10, SolidMesh
 from numpy.polynomial import legendre
 
 from fem.beam.elements import cowper_rectangle, cowper_tube
 from fem.modes import Eigenpairs, Modes, fixed_base, floating_shift, lowest
-from fem.solid.assembly import Matrices, assemble, lame
+from fem.solid.assembly import LOCAL_HEX27, LOCAL_TET10, Matrices, SolidMesh, assemble, lame
 from fem.solid.model import of_mesh, structure
 from fem.structure import Sparse, Structure, rigid_motion
 from geometry.article import Article, Cylinder, Material, Part, Shape, upright

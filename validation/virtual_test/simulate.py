@@ -18,10 +18,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-from fem.base_excitation.base_motion import BaseMotion
-from fem.base_excitation.decimation import decimated_channels, joined, require_recorded, simulation_rate
 
-from fem.base_excitation.response import Channels, Piece, Response, accelerations, cell_forces, load, stacked, streamed
+from fem.base_excitation.patterns import BaseMotion
+from fem.base_excitation.response import (
+    Channels,
+    Piece,
+    Response,
+    accelerations,
+    cell_forces,
+    decimated_channels,
+    joined,
+    load,
+    require_recorded,
+    simulation_rate,
+    stacked,
+    streamed,
+)
 from fem.base_excitation.rig import Rig, RigStructure
 from fem.damping import Damping
 from geometry import atomic, toml_file

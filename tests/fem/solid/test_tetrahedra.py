@@ -18,7 +18,7 @@ from geometry.article import Article, Box, Cylinder, Material, Part, Shape, mate
 from geometry.articles import built_in
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Pose, rotation_about
-from validation.verification.closed_forms import block
+from validation.verification.solids import block
 
 SIDES = (1.0, 0.8, 0.6)
 FIRM = Material(name="firm", density=7850.0, youngs_modulus=207e9, poisson_ratio=0.3)

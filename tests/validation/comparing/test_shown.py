@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from validation.estimation.result import Share
 
 from validation.compare.compare import Comparison, Spot, text
+from validation.estimation.problem import Share
 from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, ExplainedError, absurd, expected_z2, told
 from validation.output import entry, json_text, to_json
 from validation.report import compare

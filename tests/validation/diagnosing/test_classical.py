@@ -12,7 +12,6 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad
 from scipy.special import log_ndtr
 from scipy.stats import norm
-from validation.estimation.result import Fit
 
 from geometry.errors import BadInput
 from validation.classical.pendulum import rope_amplitude_factor, rope_pendulum
@@ -36,6 +35,7 @@ from validation.diagnose.pendulum import advised, against, contradictions, only_
 from validation.diagnose.search import fit_with
 from validation.effects.catalogue import FAMILIES, parse, parse_all
 from validation.effects.stages import PendulumSwing as Stage
+from validation.estimation.problem import Fit
 from validation.model.model import Added, Model
 from validation.prediction.classical_facts import facts
 from validation.reference.reference import ArticleOptions

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from validation.estimation.cost import cost_of, root
 
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.frames import Pose, rotation_about
@@ -19,6 +18,7 @@ from validation.diagnose.next_test_offers import SURE, Knowledge, OfferedTest, O
 from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import INDISTINGUISHABLE_NATS
 from validation.estimation.fit import FLOOR, direct, fitted
+from validation.estimation.likelihood import cost_of, root
 from validation.estimation.problem import EFFECT, FITTED, Parameter, Problem
 from validation.model.model import RIGID, Added, Model
 from validation.prediction.series import SeriesPrediction, predictions

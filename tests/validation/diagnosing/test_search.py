@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from validation.estimation.result import Fit
 
 from geometry.errors import CheckFailed
 from validation.cli import main
@@ -48,7 +47,7 @@ from validation.diagnose.search import (
 from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, STRUCTURE, evidence_threshold
 from validation.estimation.fit import FLOOR
-from validation.estimation.problem import EFFECT, Parameter
+from validation.estimation.problem import EFFECT, Fit, Parameter
 from validation.estimation.screening import ScoreTest
 from validation.estimation.verdicts import expected_z2
 from validation.model import model_file

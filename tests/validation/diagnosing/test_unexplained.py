@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from validation.estimation.cost import cost_of
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import rigid_transformation_6
@@ -18,6 +17,7 @@ from validation.diagnose.unexplained import described, unexplained
 from validation.diagnose.unexplained_fit import swallowing
 from validation.effects.catalogue import parse
 from validation.estimation.fit import FLOOR, ended, fitted
+from validation.estimation.likelihood import cost_of
 from validation.estimation.problem import FITTED, Problem
 from validation.model.model import Added, Model
 from validation.prediction import dynamic_mass

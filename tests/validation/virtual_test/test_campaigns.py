@@ -13,8 +13,8 @@ from fem.damping import Damping
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput, CheckFailed
 from geometry.sensors import ChannelTable
-from identification.campaign import Campaign
-from identification.campaign_file import examine, levels, noise_floors, read, write
+from identification.campaign import Campaign, levels, noise_floors
+from identification.campaign_file import examine, read, write
 from validation.virtual_test.plan import Plan, PlantedEffect, exact
 from validation.virtual_test.simulate import VirtualTest, laboratory, record, recording, runs, simulate
 
