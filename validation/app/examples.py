@@ -124,52 +124,60 @@ def series(name: str, progress: Progress | None = None) -> Series:
     BadInput : no example is called so, with the nearest; there is no folder for a cache.
     OSError : the cache cannot be written.
     """
-    of = _named(name)
-    folder = _folder(of)
-    if not folder.exists():
-        _make(of, folder, progress or (lambda what, share: None))
-    campaigns = tuple(str(folder / one) for one in of.articles)
-    return Series(model=str(folder / MODEL), data=campaigns, hold_out=of.hold_out, band=of.band, title=of.title)
-
-
-def _named(name: str) -> Example:
-    found = next((one for one in EXAMPLES if one.name == name), None)
-    if found is None:
+    of = next((one for one in EXAMPLES if one.name == name), None)
+    if of is None:
         known = [one.name for one in EXAMPLES]
         remedy = f"{nearest(name, known)}Known are {', '.join(known)}"
         raise BadInput(source="example", field=name, problem="no example is called so", remedy=remedy)
-    return found
-
-
-def _folder(of: Example) -> Path:
     there = model.folder()
     if there is None:
-        remedy = "Name a folder in the environment variable MASSLINE_CACHE"
-        raise BadInput(source="example", field=of.name, problem="there is no folder in which it could be kept", remedy=remedy)
+        folder_remedy = "Name a folder in the environment variable MASSLINE_CACHE"
+        raise BadInput(
+            source="example", field=of.name, problem="there is no folder in which it could be kept", remedy=folder_remedy
+        )
     made_of = json_text({"version": version("massline"), **asdict(of)})
-    return there / "examples" / f"{of.name}-{sha256(made_of.encode()).hexdigest()[:12]}"
-
-
-def _make(of: Example, folder: Path, progress: Progress) -> None:
-    """All of it in a folder of its own, then in place; of two that make it at once the first one stays."""
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    temporary = Path(tempfile.mkdtemp(prefix=f".{of.name}-", dir=folder.parent))
-    try:
-        _fill(of, temporary, progress)
-        temporary.chmod(0o755)
-        temporary.rename(folder)
-    except OSError:
-        if not folder.exists():
-            raise
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
-
-
-def _fill(of: Example, folder: Path, progress: Progress) -> None:
-    asked = _question(of, folder)
-    for k, plan in enumerate(asked.plans):
-        _simulate(plan, asked, folder, k, progress)
-    write_text(folder / MODEL, model_file.text(draft(of.articles[-1], folder / MODEL)))
+    folder = there / "examples" / f"{of.name}-{sha256(made_of.encode()).hexdigest()[:12]}"
+    if not folder.exists():
+        # All of it in a folder of its own, then in place; of two that make it at once the first one stays
+        make_progress = progress or (lambda what, share: None)
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        temporary = Path(tempfile.mkdtemp(prefix=f".{of.name}-", dir=folder.parent))
+        try:
+            # As `massline simulate` would be asked
+            asked = question(
+                articles=of.articles,
+                out=temporary,
+                effects=of.effects,
+                seed=of.seed,
+                levels="1",
+                sealed=None,
+                pattern="sweep",
+                runs=None,
+                band=of.driven,
+                octaves_per_minute=of.octaves_per_minute,
+                cross=0.03,
+                tolerances=of.tolerances,
+                noise=of.noise,
+                mains="1",
+                model="beam",
+                damping_ratio=None,
+                rate=of.rate,
+                form="h5",
+                units=(),
+                settings=(),
+            )
+            for k, plan in enumerate(asked.plans):
+                _simulate(plan, asked, temporary, k, make_progress)
+            write_text(temporary / MODEL, model_file.text(draft(of.articles[-1], temporary / MODEL)))
+            temporary.chmod(0o755)
+            temporary.rename(folder)
+        except OSError:
+            if not folder.exists():
+                raise
+        finally:
+            shutil.rmtree(temporary, ignore_errors=True)
+    campaigns = tuple(str(folder / one) for one in of.articles)
+    return Series(model=str(folder / MODEL), data=campaigns, hold_out=of.hold_out, band=of.band, title=of.title)
 
 
 def _simulate(plan: Plan, asked: SimulateOptions, folder: Path, k: int, progress: Progress) -> None:
@@ -178,29 +186,3 @@ def _simulate(plan: Plan, asked: SimulateOptions, folder: Path, k: int, progress
     test = simulate(plan, lambda share: progress("simulating the example", (k + share) / len(asked.plans)))
     truth = folder / "truth" / f"{plan.article}.json"
     virtual_test_simulate.write(folder / plan.article, truth, test.truth, partial(campaign_file.write, campaign=test.campaign))
-
-
-def _question(of: Example, folder: Path) -> SimulateOptions:
-    """As `massline simulate` would be asked."""
-    return question(
-        articles=of.articles,
-        out=folder,
-        effects=of.effects,
-        seed=of.seed,
-        levels="1",
-        sealed=None,
-        pattern="sweep",
-        runs=None,
-        band=of.driven,
-        octaves_per_minute=of.octaves_per_minute,
-        cross=0.03,
-        tolerances=of.tolerances,
-        noise=of.noise,
-        mains="1",
-        model="beam",
-        damping_ratio=None,
-        rate=of.rate,
-        form="h5",
-        units=(),
-        settings=(),
-    )

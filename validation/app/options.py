@@ -80,7 +80,11 @@ def opened(
     BadInput : an example beside a model or one that nobody knows, a model without data, a path that is not there.
     """
     if example is not None:
-        _require_example(example)
+        from validation.app.examples import examples
+
+        known = [one.name for one in examples()]
+        if example not in known:
+            raise BadInput(source="--example", problem=f"there is none called {example}", remedy=f"Known are {', '.join(known)}")
     if example is not None and model is not None:
         problem = f"an example brings its own model and data, found MODEL {model} beside it"
         raise BadInput(source="--example", problem=problem, remedy="Give one of the two")
@@ -105,14 +109,6 @@ def is_loopback(host: str) -> bool:
         return ip_address(host).is_loopback
     except ValueError:
         return False
-
-
-def _require_example(name: str) -> None:
-    from validation.app.examples import examples
-
-    known = [one.name for one in examples()]
-    if name not in known:
-        raise BadInput(source="--example", problem=f"there is none called {name}", remedy=f"Known are {', '.join(known)}")
 
 
 def _absolute(path: str) -> str:

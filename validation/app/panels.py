@@ -23,7 +23,6 @@ from validation.app.scene3d import MapCell, MapEntry
 from validation.app.session import Fault, Handed, Session, faults, of_error
 from validation.app.state import WindowState, keep, kept
 from validation.app.whatif import EffectExplanation, ReadyPredictions, Slider, TrialEffect, WhatIf
-from validation.compare.maps import Map
 from validation.compare.spots import run as run_in_words
 from validation.diagnose.diagnosis import listed as diagnosis_listed
 from validation.effects import practical_units
@@ -145,11 +144,14 @@ async def rungs_shown(bench: WindowState) -> None:
     state.before = _before(at)
     state.unsaved = app_state.unsaved(bench.desk)
     state.undoable = at.below is not None and at.below.parent is not None
-    state.step = _step(at)
+    # What the last step did
+    state.step = "" if at.rung is None or not at.rung.verdict else " ".join(at.rung.verdict)
     dark = bool(state.dark)
     fallen = [one for one in at.ladder.rungs if one.errors is not None]
     state.fig_ladder = await bench.away(lambda: _fall(at, dark)) if fallen else None
-    bodies = _bodies(at)
+    # The first article's identified inertia on each rung of the way
+    found = {f"{one.number} {one.title}": one.bodies[0] for one in way_to(at) if one.bodies}
+    bodies = dict(list(found.items())[-BESIDE:])
     state.fig_inertia = await bench.away(lambda: _inertia(bodies, dark)) if bodies else None
 
 
@@ -205,19 +207,6 @@ def _before(at: HistoryPosition) -> dict[str, str]:
     return found if errors.held_out is None else found | {"held-out error": f"{errors.held_out:.3g} %"}
 
 
-def _step(at: HistoryPosition) -> str:
-    """What the last step did."""
-    if at.rung is None or not at.rung.verdict:
-        return ""
-    return " ".join(at.rung.verdict)
-
-
-def _bodies(at: HistoryPosition) -> dict[str, Body]:
-    """The first article's identified inertia on each rung of the way."""
-    found = {f"{one.number} {one.title}": one.bodies[0] for one in way_to(at) if one.bodies}
-    return dict(list(found.items())[-BESIDE:])
-
-
 # The structure in three dimensions: with its sensors, or swinging in the mode nearest the frequency that was clicked.
 
 
@@ -233,7 +222,12 @@ async def structure_shown(bench: WindowState) -> None:
     state, campaign = bench.state, bench.state.campaign
     if bench.desk is None or not campaign:
         return
-    state.modes = _modes(bench)
+    at_rest: list[dict[str, object]] = [{"title": "Structure and sensors", "value": AT_REST}]
+    if bench.compared is None or bench.state.campaign not in bench.compared.campaigns:
+        state.modes = at_rest
+    else:
+        found = bench.compared.modes_of(bench.state.campaign)
+        state.modes = at_rest + [{"title": f"{one.frequency:.2f} Hz, {one.name}", "value": k} for k, one in enumerate(found)]
     if state.mode not in [one["value"] for one in state.modes]:
         state.mode = AT_REST
     state.view_far = _far(bench)
@@ -333,14 +327,6 @@ async def _put(bench: WindowState, table: Turntable, label: str, note: str) -> N
     bench.state.update({"view": str(bench.views), "view_label": label, "view_note": note})
 
 
-def _modes(bench: WindowState) -> list[dict[str, object]]:
-    at_rest: list[dict[str, object]] = [{"title": "Structure and sensors", "value": AT_REST}]
-    if bench.compared is None or bench.state.campaign not in bench.compared.campaigns:
-        return at_rest
-    found = bench.compared.modes_of(bench.state.campaign)
-    return at_rest + [{"title": f"{one.frequency:.2f} Hz, {one.name}", "value": k} for k, one in enumerate(found)]
-
-
 # Measured beside predicted: the entry that is shown, the map of residuals, and where a click on it leads.
 
 
@@ -401,7 +387,12 @@ async def cell(bench: WindowState, picked: dict[str, Any]) -> None:
         if row not in labels:
             return
         number = labels.index(row)
-        run = bench.state.run if bench.state.run != WORST_OF_ALL else _worst_run(of, number, frequency)
+        if bench.state.run != WORST_OF_ALL:
+            run = bench.state.run
+        else:
+            line = int(np.argmin(np.abs(of.frequency - frequency)))
+            known = np.isfinite(of.expected[:, line, number]) & np.isfinite(of.sigma[:, line, number])
+            run = int(np.argmax(np.where(known, of.sigma[:, line, number], -np.inf)))
         found = MapCell(campaign=of.data_set, run=of.runs[run], row=of.rows[number], frequency=frequency)
         _go(bench, scene3d.entry_of(bench.compared, found))
     await _went(bench)
@@ -465,12 +456,6 @@ def _go(bench: WindowState, to: MapEntry) -> None:
         state.campaign = to.campaign
         _of_campaign(bench)
     state.load, state.motion, state.marked = to.load, to.motion, to.frequency
-
-
-def _worst_run(of: Map, row: int, frequency: float) -> int:
-    line = int(np.argmin(np.abs(of.frequency - frequency)))
-    known = np.isfinite(of.expected[:, line, row]) & np.isfinite(of.sigma[:, line, row])
-    return int(np.argmax(np.where(known, of.sigma[:, line, row], -np.inf)))
 
 
 def _short(sigma: float) -> str:
@@ -552,7 +537,9 @@ async def size(bench: WindowState, key: str, typed: str) -> None:
     except ValueError:
         bench.state.failure = f"{slider.label}: a number in {slider.shown_unit or 'one'} is expected, found {typed!r}."
         return
-    _show_sizes(bench)
+    effect = bench.state.effect
+    bench.state.effect = {**effect, "sliders": _sliders(bench, bench.effects.get(effect["id"]))}
+    bench.state.flush()
     await follow(bench)
     keep(bench)
 
@@ -682,12 +669,6 @@ def _slider(bench: WindowState, key: str) -> Slider | None:
     return None if effect is None else next((one for one in effect.sliders if one.key == key), None)
 
 
-def _show_sizes(bench: WindowState) -> None:
-    effect = bench.state.effect
-    bench.state.effect = {**effect, "sliders": _sliders(bench, bench.effects.get(effect["id"]))}
-    bench.state.flush()
-
-
 def _sliders(bench: WindowState, effect: TrialEffect | None) -> list[dict[str, Any]]:
     if effect is None:
         return []
@@ -750,13 +731,13 @@ async def diagnosing_shown(bench: WindowState) -> None:
         "text": found["text"],
         "next": found["next_measurement"] or "",
         "leftover": found["leftover"] or "",
-        "detectable": [{"id": one["id"], "size": _size(one)} for one in found["detectable"] if one["size"] is not None],
+        "detectable": [
+            {"id": one["id"], "size": practical_units.one(one["id"].partition(":")[0], "", one["unit"], one["size"])}
+            for one in found["detectable"]
+            if one["size"] is not None
+        ],
     }
-    state.ranking = _ranking(found)
-
-
-def _ranking(found: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """What was accepted, then what was ranked last, then what earlier steps had ranked; each once, with the step it is from."""
+    # What was accepted, then what was ranked last, then what earlier steps had ranked; each once, with the step it is from
     accepted = {one["id"] for one in found["accepted"]}
     first: dict[str, Mapping[str, Any]] = {}
     step_of: dict[str, int] = {}
@@ -771,13 +752,40 @@ def _ranking(found: Mapping[str, Any]) -> list[dict[str, Any]]:
     finite = signed_log(np.minimum(nats, 1e9))
     most = max(float(finite.max(initial=0.0)), 1e-9)
     causes = [_cause(one, found, accepted, 100 * max(at, 0.0) / most) for one, at in zip(order, finite, strict=True)]
-    return [one | {"step": step_of.get(one["id"])} for one in causes]
+    state.ranking = [one | {"step": step_of.get(one["id"])} for one in causes]
 
 
 def _cause(one: Mapping[str, Any], found: Mapping[str, Any], accepted: set[str], share: float) -> dict[str, Any]:
     family, nats = one["id"].partition(":")[0], one["evidence_nats"]
     sizes = [sized(family, each["key"], each["unit"], each["value"], *each["interval90"]) for each in one["values"]]
-    standing, tone = _standing(one, found, accepted)
+    alike = one["id"] in found["equivalence_class"] and len(found["equivalence_class"]) > 1
+    if one["id"] in accepted:
+        standing, tone = (
+            (ACCEPTED + (", as one of several that the data cannot tell apart" if alike else "")),
+            "doubt" if alike else "good",
+        )
+    else:
+        if alike:
+            standing, tone = ALIKE, "doubt"
+        else:
+            standing, tone = (LESS, "faint") if one["as_where_nothing_is_missing"] else (TOO_MUCH_LEFT, "bad")
+    # Where the 90 % interval of its first size lies on a line that holds no effect, too: in per cent, and in words
+    if not one["values"]:
+        interval: dict[str, Any] | None = None
+    else:
+        low, high = one["values"][0]["interval90"]
+        if low == high:
+            interval = None
+        else:
+            left, right = min(low, 0.0), max(high, 0.0)
+            room = 0.06 * (right - left)
+            left, width = left - room, right - left + 2 * room
+            interval = {
+                "left": round(100 * (low - left) / width, 2),
+                "width": round(100 * (high - low) / width, 2),
+                "zero": round(100 * (0.0 - left) / width, 2),
+                "words": "holds 0" if low <= 0.0 <= high else "clear of 0",
+            }
     return {
         "id": one["id"],
         "written": one["written"],
@@ -786,39 +794,8 @@ def _cause(one: Mapping[str, Any], found: Mapping[str, Any], accepted: set[str],
         "size": "; ".join(sizes),
         "nats": "more than can be counted" if nats is None else f"{nats:+.1f}",
         "share": round(share, 1),
-        "interval": _interval(one),
+        "interval": interval,
     }
-
-
-def _standing(one: Mapping[str, Any], found: Mapping[str, Any], accepted: set[str]) -> tuple[str, str]:
-    alike = one["id"] in found["equivalence_class"] and len(found["equivalence_class"]) > 1
-    if one["id"] in accepted:
-        return (ACCEPTED + (", as one of several that the data cannot tell apart" if alike else "")), "doubt" if alike else "good"
-    if alike:
-        return ALIKE, "doubt"
-    return (LESS, "faint") if one["as_where_nothing_is_missing"] else (TOO_MUCH_LEFT, "bad")
-
-
-def _interval(one: Mapping[str, Any]) -> dict[str, Any] | None:
-    """Where the 90 % interval of its first size lies on a line that holds no effect, too: in per cent, and in words."""
-    if not one["values"]:
-        return None
-    low, high = one["values"][0]["interval90"]
-    if low == high:
-        return None
-    left, right = min(low, 0.0), max(high, 0.0)
-    room = 0.06 * (right - left)
-    left, width = left - room, right - left + 2 * room
-    return {
-        "left": round(100 * (low - left) / width, 2),
-        "width": round(100 * (high - low) / width, 2),
-        "zero": round(100 * (0.0 - left) / width, 2),
-        "words": "holds 0" if low <= 0.0 <= high else "clear of 0",
-    }
-
-
-def _size(one: Mapping[str, Any]) -> str:
-    return practical_units.one(one["id"].partition(":")[0], "", one["unit"], one["size"])
 
 
 async def shown(bench: WindowState) -> None:
@@ -956,7 +933,17 @@ async def _opened(bench: WindowState, refused: Sequence[Fault]) -> None:
     model, data = str(state.model_path or "").strip(), _lines(state.data_paths)
     try:
         model, data = await bench.away(_looked_into, model, data)
-        band = _band(str(state.band or ""))
+        text = str(state.band or "")
+        words = text.replace(",", " ").replace("to", " ").replace("-", " ").split()
+        if not words:
+            band: tuple[float, float] | None = None
+        else:
+            try:
+                low, high = (float(word) for word in words)
+            except ValueError:
+                problem = f"two frequencies [Hz] are expected, found {text!r}"
+                raise BadInput(source="--band", problem=problem, remedy="Write for example 4 32") from None
+            band = low, high
         hold_out = tuple(name.strip() for name in str(state.hold_out or "").split(",") if name.strip())
     except BadInput as error:
         _tell(bench, [*refused, of_error(error)], model)
@@ -980,12 +967,17 @@ async def arrived(bench: WindowState, files: Sequence[Handed]) -> None:
     if _busy(bench):
         bench.state.failure = "Something is being read or computed. Hand the files over when that is done."
         return
-    before = _drops(bench)
+    # What was dropped since a desk was begun, each time into a folder of its own: a file that was mended has the same name
+    before = sorted(bench.folder.glob(f"drop-{_number(bench)}-*"))
     folder = bench.folder / f"drop-{_number(bench)}-{len(before)}"
     room = session.LARGEST - sum(path.stat().st_size for one in before for path in one.rglob("*") if path.is_file())
     received = await bench.away(session.received, folder, files, limit=max(room, 0))
     state = bench.state
-    models, data = list(received.models), _beside(bench, received.data)
+    # `received.data` with what was dropped before and is not replaced by it: campaigns may come one after the other
+    named = {Path(one).name for one in received.data}
+    ours = f"{bench.folder / f'drop-{_number(bench)}-'}"
+    earlier = [one for one in _lines(bench.state.data_paths) if one.startswith(ours) and Path(one).name not in named]
+    models, data = list(received.models), [*earlier, *received.data]
     if models:
         state.models, state.model_path = models, models[0]
     if data:
@@ -1003,19 +995,6 @@ def _busy(bench: WindowState) -> bool:
     return bool(bench.state.opening) or bench.worker is not None or bench.state.job is not None
 
 
-def _drops(bench: WindowState) -> list[Path]:
-    """What was dropped since a desk was begun, each time into a folder of its own: a file that was mended has the same name."""
-    return sorted(bench.folder.glob(f"drop-{_number(bench)}-*"))
-
-
-def _beside(bench: WindowState, data: Sequence[str]) -> list[str]:
-    """`data` with what was dropped before and is not replaced by it: campaigns may come one after the other."""
-    named = {Path(one).name for one in data}
-    ours = f"{bench.folder / f'drop-{_number(bench)}-'}"
-    earlier = [one for one in _lines(bench.state.data_paths) if one.startswith(ours) and Path(one).name not in named]
-    return [*earlier, *data]
-
-
 def another(bench: WindowState) -> None:
     """Back to the page on which things are opened; the desk in use stays as it is."""
     bench.state.screen = "open" if bench.state.screen == "work" else "work"
@@ -1031,19 +1010,14 @@ def _begin(
     effects_from: Sequence[str] = (),
     title: str = "",
 ) -> None:
-    folder = _new(bench)
+    # A folder for the next desk
+    folder = bench.folder / f"desk-{_number(bench)}"
+    folder.mkdir(exist_ok=True)
     bench.desk = session.begun(
         folder, model, data, hold_out=hold_out, band=band, method=method, effects_from=effects_from, title=title
     )
     app_state.saved(bench.desk)
     (bench.folder / CURRENT).write_text(folder.name, encoding="utf-8")
-
-
-def _new(bench: WindowState) -> Path:
-    """A folder for the next desk."""
-    folder = bench.folder / f"desk-{_number(bench)}"
-    folder.mkdir(exist_ok=True)
-    return folder
 
 
 def _number(bench: WindowState) -> int:
@@ -1078,18 +1052,6 @@ def _lacking(model: bool) -> Fault:
 
 def _lines(text: str | None) -> tuple[str, ...]:
     return tuple(line.strip() for line in (text or "").splitlines() if line.strip())
-
-
-def _band(text: str) -> tuple[float, float] | None:
-    words = text.replace(",", " ").replace("to", " ").replace("-", " ").split()
-    if not words:
-        return None
-    try:
-        low, high = (float(word) for word in words)
-    except ValueError:
-        problem = f"two frequencies [Hz] are expected, found {text!r}"
-        raise BadInput(source="--band", problem=problem, remedy="Write for example 4 32") from None
-    return low, high
 
 
 # What leaves the page: model, ladder, figures and report, as downloads.

@@ -16,12 +16,10 @@ from geometry.toml_file import nearest as keys_nearest
 from identification import campaign_file
 from identification.campaign import Campaign
 from validation.app.session import Compared, Session, campaigns, made, model_of
-from validation.compare.maps import Map
 from validation.flexible.model import FlexibleOptions, flexible
 from validation.model.model import BEAM, Model
 from validation.model.setups import stated
 from validation.prediction import effects
-from validation.prediction.series import SeriesPrediction
 from validation.report.flexible import Moved, moved_bodies
 from validation.report.scenes.motion import MovingBody, scale_of
 from validation.report.scenes.scene import DrawnBody, drawn_bodies
@@ -156,7 +154,12 @@ def entry_of(of: Compared, cell: MapCell) -> MapEntry:
     found = of.map(cell.campaign)
     run, row = _place(found.runs, cell.run), _place(found.rows, cell.row)
     line = _line(found.frequency, cell.frequency)
-    motion = _driven(found, run, line)
+    # The motion that a run drives: that of its axis, else the one that is largest there beside its nominal level
+    if found.axes[run] in MOTIONS:
+        motion = MOTIONS.index(found.axes[run])
+    else:
+        levels = np.array([LEVELS[axis] for axis in MOTIONS])
+        motion = int(np.argmax(np.abs(found.inputs[run, line, :6]) / levels[: found.inputs.shape[2]]))
     loads = [row - found.channels] if row >= found.channels else list(of.loads_of(cell.campaign, cell.row))
     sigma = np.zeros((6, 6)) if found.pairs is None else found.pairs.sigma[_line(found.pairs.frequency, cell.frequency)]
     most = max(loads, key=lambda load: float(sigma[load, motion]))
@@ -171,14 +174,6 @@ def _place(names: Sequence[str], name: str) -> int:
     if name not in names:
         raise KeyError(name)
     return names.index(name)
-
-
-def _driven(found: Map, run: int, line: int) -> int:
-    """The motion that a run drives: that of its axis, else the one that is largest there beside its nominal level."""
-    if found.axes[run] in MOTIONS:
-        return MOTIONS.index(found.axes[run])
-    levels = np.array([LEVELS[axis] for axis in MOTIONS])
-    return int(np.argmax(np.abs(found.inputs[run, line, :6]) / levels[: found.inputs.shape[2]]))
 
 
 # The mode nearest a frequency, as a shape that can be drawn and moved.
@@ -237,7 +232,18 @@ def shape(of: Session, found: Compared, campaign: str, number: int) -> Shape:
         )
         raise BadInput(source=campaign, field="mode", problem=problem, remedy="Choose one of them")
     bodies = _shapes_drawn(standing.article, model)
-    share = _shares(one, {**found.offsets}, number)[: bodies[0][2].shape[2]]
+    from scipy.linalg import eigh
+
+    # (k,) how much of each of the drawn modes is in the mode `number` of the structure as it stands, its base held
+    offsets = {**found.offsets}
+    nuisances = one.tested.carried.nuisances
+    if nuisances is None:
+        raise ValueError("`one` must have a structure")
+    matrices = effects.structure(nuisances.at(offsets, derivatives=False)[0], {}, effects.at(one.effects, offsets))[0]
+    own = slice(matrices.base, None)
+    shapes = eigh(matrices.stiffness[own, own], matrices.mass[own, own])[1]
+    shares = np.asarray(shapes[: one.tested.carried.standing.modes, number])
+    share = shares[: bodies[0][2].shape[2]]
     turn = standing.pose.rotation
     moving = tuple(
         MovingBody(
@@ -258,19 +264,6 @@ def shape(of: Session, found: Compared, campaign: str, number: int) -> Shape:
         bodies=moving,
         scale=scale_of(moving),
     )
-
-
-def _shares(one: SeriesPrediction, offsets: dict[str, float], number: int) -> Array:
-    """(k,) how much of each of the drawn modes is in the mode `number` of the structure as it stands, its base held."""
-    from scipy.linalg import eigh
-
-    nuisances = one.tested.carried.nuisances
-    if nuisances is None:
-        raise ValueError("`one` must have a structure")
-    matrices = effects.structure(nuisances.at(offsets, derivatives=False)[0], {}, effects.at(one.effects, offsets))[0]
-    own = slice(matrices.base, None)
-    shapes = eigh(matrices.stiffness[own, own], matrices.mass[own, own])[1]
-    return np.asarray(shapes[: one.tested.carried.standing.modes, number])
 
 
 def _shapes_drawn(article: str, model: Model) -> tuple[Moved, ...]:

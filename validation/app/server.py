@@ -390,6 +390,9 @@ async def _spawned(folder: Path, secret: str, opened: StartOptions) -> tuple[asy
     log = folder / "window.log"
     try:
         with log.open("ab") as heard:
+            # This environment without what would configure the server behind the door's back, and with one thread a window
+            kept = {key: value for key, value in os.environ.items() if not key.startswith(("TRAME_", "WSLINK_"))}
+            environment = {**kept, "WSLINK_WS_COMPRESS": "0", "PYTHONUNBUFFERED": "1"}
             process = await asyncio.create_subprocess_exec(
                 *(sys.executable, "-P", "-m", "validation.app.window", str(folder), str(write_end)),
                 stdin=asyncio.subprocess.PIPE,
@@ -397,7 +400,7 @@ async def _spawned(folder: Path, secret: str, opened: StartOptions) -> tuple[asy
                 stderr=heard,
                 pass_fds=(write_end,),
                 start_new_session=True,  # Ctrl-C is the door's to hear; and a group of its own is ended as one
-                env=_environment(),
+                env=environment,
             )
     finally:
         os.close(write_end)
@@ -423,19 +426,10 @@ async def _port(process: asyncio.subprocess.Process, read_end: int, log: Path) -
     finally:
         transport.close()
     if not said:
-        raise CheckFailed(f"the window's process did not start: {_last_line(log)}", log=log.read_text(errors="replace"))
+        lines = log.read_text(errors="replace").strip().splitlines()
+        last_line = lines[-1] if lines else "it said nothing"
+        raise CheckFailed(f"the window's process did not start: {last_line}", log=log.read_text(errors="replace"))
     return int(said)
-
-
-def _last_line(log: Path) -> str:
-    lines = log.read_text(errors="replace").strip().splitlines()
-    return lines[-1] if lines else "it said nothing"
-
-
-def _environment() -> dict[str, str]:
-    """This environment without what would configure the server behind the door's back, and with one thread a window."""
-    kept = {key: value for key, value in os.environ.items() if not key.startswith(("TRAME_", "WSLINK_"))}
-    return {**kept, "WSLINK_WS_COMPRESS": "0", "PYTHONUNBUFFERED": "1"}
 
 
 def _alive(task: asyncio.Task[Window]) -> bool:
@@ -519,7 +513,20 @@ async def _served(asked: WorkbenchOptions, bound: socket.socket, home: Path, say
         await runner.setup()
         await web.SockSite(runner, bound).start()
         windows.ready()
-        _announce(asked, door, say)
+        shown = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(asked.host, f"[{asked.host}]" if ":" in asked.host else asked.host)
+        address = f"http://{shown}:{door.place.port}/?token={door.entry.token}"
+        if not is_loopback(asked.host):
+            say(
+                f"Warning: --host {asked.host} lets other machines reach this page, unencrypted: whoever reads along can do what "
+                "you can with your files. Without --host only this machine can."
+            )
+        end = "Ctrl-C ends it." if asked.linger is None else "Ctrl-C ends it, and so does closing its last page."
+        say(f"The workbench is at\n  {address}\nThe address is good once. {end}")
+        if asked.browser:
+            import webbrowser
+
+            with suppress(webbrowser.Error):
+                webbrowser.open(leading(address, door.windows.home).as_uri())
         if asked.linger is not None:
             windows.emptied = _Linger(asked.linger, windows, ended).begin
         try:
@@ -544,23 +551,6 @@ class _Linger:
     def _over(self) -> None:
         if not self._windows.any_alive():
             self._ended.set()
-
-
-def _announce(asked: WorkbenchOptions, door: Door, say: Callable[[str], None]) -> None:
-    shown = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(asked.host, f"[{asked.host}]" if ":" in asked.host else asked.host)
-    address = f"http://{shown}:{door.place.port}/?token={door.entry.token}"
-    if not is_loopback(asked.host):
-        say(
-            f"Warning: --host {asked.host} lets other machines reach this page, unencrypted: whoever reads along can do what "
-            "you can with your files. Without --host only this machine can."
-        )
-    end = "Ctrl-C ends it." if asked.linger is None else "Ctrl-C ends it, and so does closing its last page."
-    say(f"The workbench is at\n  {address}\nThe address is good once. {end}")
-    if asked.browser:
-        import webbrowser
-
-        with suppress(webbrowser.Error):
-            webbrowser.open(leading(address, door.windows.home).as_uri())
 
 
 def leading(address: str, home: Path) -> Path:

@@ -241,11 +241,16 @@ def begun(
     if where.exists() and (not where.is_dir() or any(one.name != "given" for one in where.iterdir())):
         raise BadInput(source=str(folder), problem="it is there already and not empty", remedy="Name a new folder for the desk")
     require_band(band)
-    _require_method(method)
+    if method not in METHODS:
+        raise BadInput(source="method", problem=f"no method is called {method!r}", remedy=f"Known are {', '.join(METHODS)}")
+    # Whether `name` is a path of the `data`, not that of a run beside which some file of that name happens to lie
     asked = Options(
         model=str(Path(model).resolve()),
         data=tuple(_absolute(path) for path in data),
-        hold_out=tuple(_absolute(name) if _is_among(name, data) else name for name in hold_out),
+        hold_out=tuple(
+            _absolute(name) if Path(name).exists() and Path(name).resolve() in {Path(one).resolve() for one in data} else name
+            for name in hold_out
+        ),
         band=None if band is None else (float(band[0]), float(band[1])),
         method=method,
         effects_from=tuple(str(Path(one).resolve()) for one in effects_from),
@@ -270,7 +275,16 @@ def opened(folder: str | Path) -> Session:
     if state.get("kind") != "massline desk" or state.get("format") != FORMAT:
         raise _damaged(where, "its desk.json is none of this program's")
     try:
-        asked, title = _asked(state), str(state["title"])
+        band = state["band_hz"]
+        asked = Options(
+            model=str(state["model"]),
+            data=tuple(map(str, state["data"])),
+            hold_out=tuple(map(str, state["hold_out"])),
+            band=None if band is None else (float(band[0]), float(band[1])),
+            method=str(state["method"]),
+            effects_from=tuple(map(str, state["effects_from"])),
+        )
+        title = str(state["title"])
     except (KeyError, TypeError, ValueError) as error:
         raise _damaged(where, f"its desk.json lacks or misstates {error}") from None
     _load_effects(asked)
@@ -310,19 +324,9 @@ def _absolute(path: str | Path) -> str:
     return str(Path(path).resolve()) if Path(path).exists() else str(path)
 
 
-def _is_among(name: str, data: Sequence[str | Path]) -> bool:
-    """Whether `name` is a path of the `data`, not that of a run beside which some file of that name happens to lie."""
-    return Path(name).exists() and Path(name).resolve() in {Path(one).resolve() for one in data}
-
-
 def _load_effects(asked: Options) -> None:
     for folder in asked.effects_from:
         catalogue.load(folder)
-
-
-def _require_method(method: str) -> None:
-    if method not in METHODS:
-        raise BadInput(source="method", problem=f"no method is called {method!r}", remedy=f"Known are {', '.join(METHODS)}")
 
 
 def _as_json(of: Session) -> dict[str, Any]:
@@ -336,18 +340,6 @@ def _as_json(of: Session) -> dict[str, Any]:
         "effects_from": list(asked.effects_from),
         "title": of.title,
     }
-
-
-def _asked(state: dict[str, Any]) -> Options:
-    band = state["band_hz"]
-    return Options(
-        model=str(state["model"]),
-        data=tuple(map(str, state["data"])),
-        hold_out=tuple(map(str, state["hold_out"])),
-        band=None if band is None else (float(band[0]), float(band[1])),
-        method=str(state["method"]),
-        effects_from=tuple(map(str, state["effects_from"])),
-    )
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -423,7 +415,17 @@ def made(of: Session, model: Model, progress: Progress | None = None) -> tuple[S
     """
     tell = progress or (lambda what, share: None)
     with suppress(*DAMAGE):
-        return _kept(of, model)
+        # From the file; ValueError and the like where there is none that holds
+        with of.spectra.open("rb") as opened, np.load(opened, allow_pickle=False) as held:
+            head = json.loads(held["head"].tobytes())
+            if head["format"] != RECORDED_FORMAT or head["asked"] != _stamp(of):
+                raise ValueError("made from other data")
+            parts = [
+                {name: held[f"{k}.{name}"] for name in (*said["arrays"], *DRIVE, "per_rms")}
+                for k, said in enumerate(head["campaigns"])
+            ]
+        tested = [_tested(model, said, arrays) for said, arrays in zip(head["campaigns"], parts, strict=True)]
+        return tuple(SeriesPrediction(tested=one, effects=model.effects) for one in tested)
     data = data_of(of, model, tell)
     found = predictions(
         model,
@@ -442,20 +444,6 @@ def keep(of: Session, found: Sequence[SeriesPrediction]) -> None:
     arrays = {f"{k}.{name}": value for k, one in enumerate(found) for name, value in _arrays(one.tested).items()}
     arrays["head"] = np.frombuffer(json.dumps(head).encode(), dtype=np.uint8)
     write_with(of.spectra, lambda temporary: np.savez(temporary, allow_pickle=False, **arrays))
-
-
-def _kept(desk: Session, model: Model) -> tuple[SeriesPrediction, ...]:
-    """From the file; ValueError and the like where there is none that holds."""
-    with desk.spectra.open("rb") as opened, np.load(opened, allow_pickle=False) as held:
-        head = json.loads(held["head"].tobytes())
-        if head["format"] != RECORDED_FORMAT or head["asked"] != _stamp(desk):
-            raise ValueError("made from other data")
-        parts = [
-            {name: held[f"{k}.{name}"] for name in (*said["arrays"], *DRIVE, "per_rms")}
-            for k, said in enumerate(head["campaigns"])
-        ]
-    tested = [_tested(model, said, arrays) for said, arrays in zip(head["campaigns"], parts, strict=True)]
-    return tuple(SeriesPrediction(tested=one, effects=model.effects) for one in tested)
 
 
 def _tested(model: Model, said: dict[str, Any], arrays: dict[str, Any]) -> TestedCampaign:
@@ -568,16 +556,12 @@ def comparison(ready: Study, at: Version, progress: Progress) -> Comparison:
     """
     if at.errors is None:
         raise ValueError("`at` must have figures")
-    evaluation = _evaluation(ready, at, at.errors)
-    return of_evaluation(ready, ready.problem(), evaluation, lambda share: progress("maps", share))
-
-
-def _evaluation(ready: Study, at: Version, figures: Errors) -> Evaluation:
-    """The errors of a rung with the fits behind them, taken where they ended; shares of fitted data are told anew."""
+    # The errors of a rung with the fits behind them, taken where they ended; shares of fitted data are told anew
+    figures = at.errors
     known, start = ready.problem(), ready.whole().start
     plain, fitted = _fit(known, PLAIN, at.plain_offsets, figures), _fit(known, FITTED, at.fitted_offsets, figures)
     offsets = {**start, **plain.by_name}
-    return Evaluation(
+    evaluation = Evaluation(
         nominal=evaluate.share(_squares(known, start)),
         plain=evaluate.share(_squares(known, offsets)),
         held_out=_share(figures.held_out, figures),
@@ -588,6 +572,7 @@ def _evaluation(ready: Study, at: Version, figures: Errors) -> Evaluation:
         ),
         held_out_names=figures.held_out_names,
     )
+    return of_evaluation(ready, ready.problem(), evaluation, lambda share: progress("maps", share))
 
 
 def _fit(known: Problem, kinds: tuple[str, ...], offsets: Offsets, figures: Errors) -> Fit:
@@ -691,7 +676,21 @@ def compared(of: Session, progress: Progress | None = None) -> Compared:
     ready = study_of(of, tell)
     found = comparison(ready, rung(of, ready, tell), tell)
     folder = of.folder / "found" / digest(text)
-    _write(found, [_loads(one.tested.campaign) for one in ready.made], folder)
+    # Arrays first: where the summary is, all is
+    loads = [_loads(one.tested.campaign) for one in ready.made]
+    arrays = {f"{k}.{name}": getattr(one, name) for k, one in enumerate(found.maps) for name in ARRAYS}
+    for k, one in enumerate(found.maps):
+        arrays |= {} if one.pairs is None else {f"{k}.pairs.{name}": getattr(one.pairs, name) for name in OF_PAIRS}
+    words = {
+        "maps": [{name: getattr(one, name) for name in TEXTS} for one in found.maps],
+        "modes": [[vars(mode) for mode in of] for of in found.modes],
+        "offsets": found.evaluation.plain_fit.by_name,
+        "loads": loads,
+        "errors": compare.errors(found).panel(),
+    }
+    arrays["words"] = np.frombuffer(json.dumps(words).encode(), dtype=np.uint8)
+    write_with(folder / MAPS, lambda temporary: np.savez(temporary, allow_pickle=False, **arrays))
+    write_text(folder / SUMMARY, json_text(to_json(found)))
     return _comparing_read(folder)
 
 
@@ -709,23 +708,6 @@ def _loads(campaign: Campaign) -> dict[str, list[int]]:
     share = np.abs(resultants(told, campaign.table.origin))
     share /= np.maximum(share.max(axis=1, keepdims=True, initial=0.0), np.finfo(np.float64).tiny)
     return {one.name: np.flatnonzero(share[:, k] > ARM).tolist() for k, one in enumerate(told)}
-
-
-def _write(found: Comparison, loads: Sequence[Mapping[str, Sequence[int]]], folder: Path) -> None:
-    """Arrays first: where the summary is, all is."""
-    arrays = {f"{k}.{name}": getattr(one, name) for k, one in enumerate(found.maps) for name in ARRAYS}
-    for k, one in enumerate(found.maps):
-        arrays |= {} if one.pairs is None else {f"{k}.pairs.{name}": getattr(one.pairs, name) for name in OF_PAIRS}
-    words = {
-        "maps": [{name: getattr(one, name) for name in TEXTS} for one in found.maps],
-        "modes": [[vars(mode) for mode in of] for of in found.modes],
-        "offsets": found.evaluation.plain_fit.by_name,
-        "loads": loads,
-        "errors": compare.errors(found).panel(),
-    }
-    arrays["words"] = np.frombuffer(json.dumps(words).encode(), dtype=np.uint8)
-    write_with(folder / MAPS, lambda temporary: np.savez(temporary, allow_pickle=False, **arrays))
-    write_text(folder / SUMMARY, json_text(to_json(found)))
 
 
 def _comparing_read(folder: Path) -> Compared:
@@ -835,7 +817,10 @@ Known = Mapping[str, float | None]
 def tolerances(found: Diagnosis) -> dict[str, dict[str, float | None]]:
     """Before and after, by parameter what was known of it beforehand, None for nothing: what the JSON of fits lacks."""
     both = {"before": found.before, "after": found.after}
-    return {when: {one.name: _or_none(one.tolerance) for one in of.fitted.parameters} for when, of in both.items()}
+    return {
+        when: {one.name: None if one.tolerance == inf else one.tolerance for one in of.fitted.parameters}
+        for when, of in both.items()
+    }
 
 
 def diagnosis(said: Object, known: Mapping[str, Known]) -> Diagnosis:
@@ -897,10 +882,6 @@ def _retold_fit(one: Object, known: Known) -> Fit:
         log_evidence=_number(one["log_evidence_nats"]),
         converged=one["converged"],
     )
-
-
-def _or_none(value: float) -> float | None:
-    return None if value == inf else value
 
 
 def _number(value: float | None) -> float:
@@ -1012,7 +993,14 @@ def faults(
     for path in data:
         found += _of_campaign(path, tell) if Path(path).is_dir() else _of_file(path)
     if not any(one.grave for one in found) and known is not None:
-        found += _together(known, data)
+        # What contradicts what, of files that are sound by themselves; descriptions are enough to see it
+        together_found: list[Fault] = []
+        if any(Path(path).is_dir() for path in data):
+            _tried(together_found, lambda: read_data(data, known))
+        elif data:
+            problem = "there is no campaign among them, and weights and periods alone tell nothing of frequencies"
+            together_found.append(Fault(file="DATA", field="", problem=problem, remedy="Name a campaign folder, too"))
+        found += together_found
     unique = tuple(dict.fromkeys(found))
     return (*(one for one in unique if one.grave), *(one for one in unique if not one.grave))
 
@@ -1046,17 +1034,6 @@ def _reduced(path: str) -> Reduction:
         raise BadInput(source=path, problem="there is no such file or folder", remedy=remedy)
     file = files.read(path, tuple(REDUCED))
     return REDUCED[file.text("kind")](file)
-
-
-def _together(model: Model, data: Sequence[str]) -> list[Fault]:
-    """What contradicts what, of files that are sound by themselves; descriptions are enough to see it."""
-    found: list[Fault] = []
-    if any(Path(path).is_dir() for path in data):
-        _tried(found, lambda: read_data(data, model))
-    elif data:
-        problem = "there is no campaign among them, and weights and periods alone tell nothing of frequencies"
-        found.append(Fault(file="DATA", field="", problem=problem, remedy="Name a campaign folder, too"))
-    return found
 
 
 def _tried(found: list[Fault], attempt: Callable[[], object]) -> object:
@@ -1163,9 +1140,10 @@ def received(folder: str | Path, files: Sequence[Handed], *, limit: int = LARGES
     hidden: list[str] = []
     for number, one in enumerate(files):
         try:
-            _require_few(number, one)
+            if number >= MOST:
+                raise _refused(one.name, f"comes behind {MOST} other files")
             parts = _parts(one.name)
-            if any(_is_hidden(part) for part in parts):
+            if any(part.startswith(".") or part.casefold() in OF_SYSTEMS for part in parts):
                 hidden.append(one.name)
                 continue
             old = before.get(_folded(parts))
@@ -1247,21 +1225,13 @@ def _parts(name: str) -> tuple[str, ...]:
     if not parts or len(parts) > DEEPEST or len(name) > DEEPEST * LONGEST:
         raise _refused(name, f"lies in more than {DEEPEST - 1} folders, or in none")
     for part in parts:
-        _require_harmless(part, name)
+        if len(part.encode("utf-8", "surrogatepass")) > LONGEST:
+            raise _refused(name, f"is longer than {LONGEST} characters")
+        if FORBIDDEN.search(part) or any("\ud800" <= letter <= "\udfff" for letter in part):
+            raise _refused(name, "holds a character that no file name can have everywhere")
+        if part.endswith((".", " ")) or RESERVED.fullmatch(part):
+            raise _refused(name, "ends in a full stop, or is the name of a device")
     return parts
-
-
-def _require_harmless(part: str, name: str) -> None:
-    if len(part.encode("utf-8", "surrogatepass")) > LONGEST:
-        raise _refused(name, f"is longer than {LONGEST} characters")
-    if FORBIDDEN.search(part) or any("\ud800" <= letter <= "\udfff" for letter in part):
-        raise _refused(name, "holds a character that no file name can have everywhere")
-    if part.endswith((".", " ")) or RESERVED.fullmatch(part):
-        raise _refused(name, "ends in a full stop, or is the name of a device")
-
-
-def _is_hidden(part: str) -> bool:
-    return part.startswith(".") or part.casefold() in OF_SYSTEMS
 
 
 def _passed_over(names: Sequence[str]) -> Fault:
@@ -1270,11 +1240,6 @@ def _passed_over(names: Sequence[str]) -> Fault:
     problem = "hidden files and those of an operating system are passed over"
     remedy = "There is nothing to do; a file that is meant must not begin with a full stop"
     return Fault(file=SOURCE, field=f"{_shown(names[0])}{more}", problem=problem, remedy=remedy, grave=False)
-
-
-def _require_few(number: int, one: Handed) -> None:
-    if number >= MOST:
-        raise _refused(one.name, f"comes behind {MOST} other files")
 
 
 def _require_new(parts: tuple[str, ...], taken: set[tuple[str, ...]], one: Handed) -> None:

@@ -215,7 +215,12 @@ KEPT = ("campaign", "load", "motion", "marked", "map_kind", "run", "tab", "schem
 def keep(bench: WindowState) -> None:
     """Keep it in the desk."""
     if bench.desk is not None:
-        session.keep_view(bench.desk, {**{key: bench.state[key] for key in KEPT}, "effect": _chosen(bench)})
+        if bench.state.effect is None:
+            chosen: str | None = None
+        else:
+            known = bench.effects.get(bench.state.effect["id"])
+            chosen = bench.wanted if known is None else known.written(bench.sizes)
+        session.keep_view(bench.desk, {**{key: bench.state[key] for key in KEPT}, "effect": chosen})
 
 
 def kept(bench: WindowState) -> str | None:
@@ -226,13 +231,6 @@ def kept(bench: WindowState) -> str | None:
     bench.state.update({key: found[key] for key in KEPT if key in found})
     effect = found.get("effect")
     return effect if isinstance(effect, str) else None
-
-
-def _chosen(bench: WindowState) -> str | None:
-    if bench.state.effect is None:
-        return None
-    known = bench.effects.get(bench.state.effect["id"])
-    return bench.wanted if known is None else known.written(bench.sizes)
 
 
 # What is kept of a window's work when the workbench ends and nobody has saved it: models with the rungs added to them.

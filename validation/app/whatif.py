@@ -474,7 +474,20 @@ def what_if(of: ReadyPredictions, effect: str, load: int, motion: int, *, exact:
     campaigns = [one.prediction.tested.campaign for one in of.tested]
     require_bodies(replace(of.model, effects=_with(of.model, named, fixed=True)), campaigns)
     follows = follow and of.at == FITTED and (exact or not _by_run(named))
-    question = _released(of, named, follow=follows) if exact else _dragged(of, named, follow=follows)
+    if exact:
+        # Everything, and what follows settled; the effect is ready to be dragged afterwards, its first drag behind it
+        if named.id not in of.dragged:
+            _asked_all(of, _dragged(of, named, follow=follows and not _by_run(named)))
+        effects = _with(of.model, named, fixed=True)
+        predictions = tuple(one.prediction.with_effects(effects) for one in of.tested)
+        offsets = dict(of.offsets)
+        if follows:
+            facts = tuple(one.with_effects(effects) for one in of.facts)
+            problem = seen_by_fits(of.known, predictions, facts)
+            offsets |= several_steps(problem, of.offsets) if _by_run(named) else settled(problem, of.offsets)
+        question = _Question(named=named, predictions=predictions, offsets=offsets, moved={}, exact=True)
+    else:
+        question = _dragged(of, named, follow=follows)
     asked = _asked_all(of, question)
     before = [each for one in asked for each in one.before]
     after = [each for one in asked for each in one.after]
@@ -504,39 +517,26 @@ class _Question:
     exact: bool
 
 
-def _released(of: ReadyPredictions, named: Named, *, follow: bool) -> _Question:
-    """Everything, and what follows settled; the effect is ready to be dragged afterwards, its first drag behind it."""
-    if named.id not in of.dragged:
-        _asked_all(of, _dragged(of, named, follow=follow and not _by_run(named)))
-    effects = _with(of.model, named, fixed=True)
-    predictions = tuple(one.prediction.with_effects(effects) for one in of.tested)
-    offsets = dict(of.offsets)
-    if follow:
-        facts = tuple(one.with_effects(effects) for one in of.facts)
-        problem = seen_by_fits(of.known, predictions, facts)
-        offsets |= several_steps(problem, of.offsets) if _by_run(named) else settled(problem, of.offsets)
-    return _Question(named=named, predictions=predictions, offsets=offsets, moved={}, exact=True)
-
-
 def _dragged(of: ReadyPredictions, named: Named, *, follow: bool) -> _Question:
     """As much as can be had while somebody waits."""
-    kept = _ready(of, named)
-    moved = _moved(kept, named)
+    # The effect as it was dragged last, kept for a while
+    kept = of.dragged.get(named.id) or _free(of, named, fixed=False)
+    kept = of.dragged.setdefault(named.id, kept)  # another thread may have been sooner
+    for old in list(of.dragged)[:-KEPT]:
+        of.dragged.pop(old, None)
+    # Offsets that move the parameters of an effect to the sizes of `named`; None where one of them is no parameter
+    known: dict[str, Parameter] = kept.problem.by_name
+    wanted = {effects.name(named, key): value for key, value in named.values.items()}
+    if not wanted or not set(wanted) <= set(known):
+        moved = None
+    else:
+        moved = {name: known[name].offset(value) for name, value in wanted.items()}
     if moved is None:  # a size that no fit moves: its predictions are new ones
         kept, moved = _free(of, named, fixed=True), {}
     if follow:
         kept.follow(moved)
     offsets = {**(kept.offsets if follow else of.offsets), **moved}
     return _Question(named=named, predictions=kept.predictions, offsets=offsets, moved=moved, exact=False)
-
-
-def _ready(of: ReadyPredictions, named: Named) -> Dragged:
-    """The effect as it was dragged last, kept for a while."""
-    kept = of.dragged.get(named.id) or _free(of, named, fixed=False)
-    kept = of.dragged.setdefault(named.id, kept)  # another thread may have been sooner
-    for old in list(of.dragged)[:-KEPT]:
-        of.dragged.pop(old, None)
-    return kept
 
 
 def _free(of: ReadyPredictions, named: Named, *, fixed: bool) -> Dragged:
@@ -552,15 +552,6 @@ def _with(model: Model, named: Named, *, fixed: bool) -> tuple[Added, ...]:
     if any(one.named.id == named.id for one in others):
         return tuple(added if one.named.id == named.id else one for one in others)
     return (*others, added)
-
-
-def _moved(kept: Dragged, named: Named) -> dict[str, float] | None:
-    """Offsets that move the parameters of an effect to the sizes of `named`; None where one of them is no parameter."""
-    known: dict[str, Parameter] = kept.problem.by_name
-    wanted = {effects.name(named, key): value for key, value in named.values.items()}
-    if not wanted or not set(wanted) <= set(known):
-        return None
-    return {name: known[name].offset(value) for name, value in wanted.items()}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -617,7 +608,18 @@ def _trace(asked: _Asked, load: int, motion: int) -> Trace:
     if asked.rows is not None and one.operators is not None:
         some = Operators(motion=one.operators.motion[lines], load=one.operators.load[lines])
         matrix = entries(some, asked.rows, one.inputs[:, lines], frequency[lines])
-        matrix = matrix if len(lines) == len(frequency) else _between(frequency, lines, before, matrix)
+        if len(lines) == len(frequency):
+            matrix = matrix
+        else:
+            # (n, 6, 6) what is `matrix` (m, 6, 6) at `lines`; between them `before` times a factor that goes straight
+            at = before[lines]
+            factor = np.where(at == 0, 1.0, matrix / np.where(at == 0, 1.0, at))
+            right = np.clip(np.searchsorted(lines, np.arange(len(frequency))), 1, len(lines) - 1)
+            first, last = frequency[lines[right - 1]], frequency[lines[right]]
+            share = np.clip((frequency - first) / (last - first), 0.0, 1.0)[:, None, None]
+            found = before * ((1 - share) * factor[right - 1] + share * factor[right])
+            found[lines] = matrix
+            matrix = np.asarray(found)
     return Trace(
         campaign=one.name,
         frequency=frequency,
@@ -627,18 +629,6 @@ def _trace(asked: _Asked, load: int, motion: int) -> Trace:
         unit=unit(load, motion),
         reached=asked.reached,
     )
-
-
-def _between(frequency: Array, lines: Lines, before: ComplexArray, after: ComplexArray) -> ComplexArray:
-    """(n, 6, 6) what is `after` (m, 6, 6) at `lines`; between them `before` times a factor that goes straight."""
-    at = before[lines]
-    factor = np.where(at == 0, 1.0, after / np.where(at == 0, 1.0, at))
-    right = np.clip(np.searchsorted(lines, np.arange(len(frequency))), 1, len(lines) - 1)
-    first, last = frequency[lines[right - 1]], frequency[lines[right]]
-    share = np.clip((frequency - first) / (last - first), 0.0, 1.0)[:, None, None]
-    found = before * ((1 - share) * factor[right - 1] + share * factor[right])
-    found[lines] = after
-    return np.asarray(found)
 
 
 def _facts(of: ReadyPredictions, question: _Question) -> dict[str, tuple[float, float]]:
@@ -713,7 +703,12 @@ def explained(of: Session, effect: str) -> EffectExplanation:
     """
     named = parse(completed(effect)[0], Vocabulary(accelerometers=None, forces=None, places=None, parts=None), source="effect")
     family, found = FAMILIES[named.family], diagnosing_diagnosis(of) or {}
-    tried = _tried(found, named.id)
+    # What a diagnosis says of an effect: as it was accepted, else as it was ranked
+    id = named.id
+    every = (*found.get("accepted", ()), *found.get("ranking", ()))
+    nothing: Mapping[str, Any] = {}
+    tried = next((one for one in every if one["id"] == id), nothing)
+    # Whether a piece of advice tells `named.id` from others; one that names nobody is about all
     return EffectExplanation(
         id=named.id,
         written=str(tried.get("written", effect)),
@@ -726,16 +721,9 @@ def explained(of: Session, effect: str) -> EffectExplanation:
         aliases=_aliases(found, named),
         mistaken_for=family.mistaken_for,
         confirmed_by=family.confirmed_by,
-        separating=tuple(_advice(one) for one in found.get("advice", ()) if _is_about(one, named.id)),
+        separating=tuple(_advice(one) for one in found.get("advice", ()) if not one["separates"] or named.id in one["separates"]),
         note=str(tried.get("note") or ""),
     )
-
-
-def _tried(found: Mapping[str, Any], id: str) -> Mapping[str, Any]:
-    """What a diagnosis says of an effect: as it was accepted, else as it was ranked."""
-    every = (*found.get("accepted", ()), *found.get("ranking", ()))
-    nothing: Mapping[str, Any] = {}
-    return next((one for one in every if one["id"] == id), nothing)
 
 
 def _shown(family: str, one: Mapping[str, Any]) -> Shown:
@@ -748,11 +736,6 @@ def _shown(family: str, one: Mapping[str, Any]) -> Shown:
 def _aliases(found: Mapping[str, Any], named: Named) -> tuple[str, ...]:
     alike = found.get("equivalence_class", ())
     return tuple(id for id in alike if id != named.id) if named.id in alike else ()
-
-
-def _is_about(one: Mapping[str, Any], id: str) -> bool:
-    """Whether a piece of advice tells `id` from others; one that names nobody is about all."""
-    return not one["separates"] or id in one["separates"]
 
 
 def _advice(one: Mapping[str, Any]) -> str:
@@ -858,7 +841,17 @@ def _everywhere(of: ReadyPredictions, family: Family) -> Iterator[Named]:
         if not alike or targets == tuple(sorted(set(targets))):
             known = next((one.named for one in of.model.effects if one.named.id == ":".join((family.name, *targets))), None)
             typical = parse(examples(family)[0]).values
-            values = {size.key: _start(size, typical.get(size.key)) for size in family.sizes_at(targets)}
+            values = {}
+            for size in family.sizes_at(targets):
+                # No effect, where that is a size; else the least of the slider, or of a resonator one that is likely
+                start_typical = typical.get(size.key)
+                if size.low <= size.null <= size.high and not (size.logarithmic and size.null <= 0):
+                    values[size.key] = size.null if size.default is None or size.whole else size.default
+                else:
+                    if size.key or size.null > size.high:
+                        values[size.key] = _centre(size, start_typical)
+                    else:
+                        values[size.key] = ends(size, start_typical)[0]
             yield known or Named(family=family.name, targets=targets, values=values)
 
 
@@ -881,15 +874,6 @@ def _effect(of: ReadyPredictions, named: Named, there: tuple[str, ...]) -> Trial
         campaigns=there,
         in_model=any(one.named.id == named.id for one in of.model.effects),
     )
-
-
-def _start(size: SizeSpec, typical: float | None) -> float:
-    """No effect, where that is a size; else the least of the slider, or of a resonator one that is likely."""
-    if size.low <= size.null <= size.high and not (size.logarithmic and size.null <= 0):
-        return size.null if size.default is None or size.whole else size.default
-    if size.key or size.null > size.high:
-        return _centre(size, typical)
-    return ends(size, typical)[0]
 
 
 def _centre(size: SizeSpec, typical: float | None) -> float:

@@ -88,7 +88,13 @@ def _found(pattern: str, text: str) -> str:
 
 def main(folder: Path, told: int) -> None:
     """Serve the window whose state lives in `folder`; the port goes out on the file descriptor `told`."""
-    said = json.loads(_first_line())
+    line = b""
+    while not line.endswith(b"\n"):
+        some = os.read(0, 65536)
+        if not some:
+            raise SystemExit("the door is gone")
+        line += some
+    said = json.loads(line)
     options.tied()
     begun = said["opened"]
     band = begun["band"]
@@ -101,17 +107,19 @@ def main(folder: Path, told: int) -> None:
             "band": None if band is None else (band[0], band[1]),
         }
     )
-    _serve(folder, opened, said["secret"], told)
-
-
-def _serve(folder: Path, opened: StartOptions, secret: str, told: int) -> None:
     from trame.app import get_server
 
+    secret = said["secret"]
     key = token_hex(32)  # nothing that begins with a dash: it becomes an argument
     sys.argv = [sys.argv[0], "--authKey", key]  # trame reads its options there; this process has no others
     server = get_server(client_type="vue3")
     bench = build(server, folder, opened)
-    server.controller.on_server_bind.add(lambda bound: _guard(bound.app, secret, _session(folder.name, key)))
+    # What trame's client asks for before it opens its websocket; it writes all of the address in lower case
+    server.controller.on_server_bind.add(
+        lambda bound: _guard(
+            bound.app, secret, {"id": folder.name, "sessionURL": f"ws://use_host/w/{folder.name}/ws", "secret": key}
+        )
+    )
     server.controller.on_server_bind.add(lambda bound: add(bound.app, bench))
     server.controller.on_server_ready.add(lambda **_: _tell(told, server.port))
     server.start(
@@ -123,11 +131,6 @@ def _serve(folder: Path, opened: StartOptions, secret: str, told: int) -> None:
         disable_logging=True,
         timeout=0,
     )
-
-
-def _session(name: str, key: str) -> dict[str, str]:
-    """What trame's client asks for before it opens its websocket; it writes all of the address in lower case."""
-    return {"id": name, "sessionURL": f"ws://use_host/w/{name}/ws", "secret": key}
 
 
 def _guard(app: Any, secret: str, session: dict[str, str]) -> None:
@@ -154,16 +157,6 @@ def _guard(app: Any, secret: str, session: dict[str, str]) -> None:
 def _tell(told: int, port: int) -> None:
     os.write(told, f"{port}\n".encode())
     os.close(told)
-
-
-def _first_line() -> bytes:
-    line = b""
-    while not line.endswith(b"\n"):
-        some = os.read(0, 65536)
-        if not some:
-            raise SystemExit("the door is gone")
-        line += some
-    return line
 
 
 # The page of a window: its template, what it shows at first, and what each of its buttons does.
@@ -199,21 +192,17 @@ def build(server: Any, folder: Path, opened: StartOptions) -> WindowState:
     themes = {name: {"dark": name == "dark", "colors": colours} for name, colours in COLOURS.items()}
     with VAppLayout(server, vuetify_config={"theme": {"themes": themes}}) as layout:
         layout.root.clear()
-    server.state.trame__template_main = template()
+    # The whole page, of its parts
+    template_folder = WWW / "page"
+    text = (template_folder / "frame.html").read_text(encoding="utf-8")
+    for part in PARTS:
+        text = text.replace(part.upper(), (template_folder / f"{part}.html").read_text(encoding="utf-8"))
+    server.state.trame__template_main = text.replace("WIDE", WIDE)
     server.state.trame__template_error = ENDED
     for name, handler in HANDLERS.items():
         server.controller.trigger(name)(_heard(bench, handler))
     server.controller.on_server_ready.add(lambda **_: bench.begin(panels.first(bench)))
     return bench
-
-
-def template() -> str:
-    """The whole page, of its parts."""
-    folder = WWW / "page"
-    text = (folder / "frame.html").read_text(encoding="utf-8")
-    for part in PARTS:
-        text = text.replace(part.upper(), (folder / f"{part}.html").read_text(encoding="utf-8"))
-    return text.replace("WIDE", WIDE)
 
 
 ENDED = """<main class="begins" role="alert"><h1>The workbench has ended</h1><p>Its process was stopped, or the machine slept.
@@ -250,7 +239,7 @@ def first_state() -> dict[str, Any]:
         "campaigns": [],
         "campaign": "",
         "signs": list(SIGNS),
-        "entries": [[_entry(i, j) for j in range(6)] for i in range(6)],
+        "entries": [[f"{entry(i, j)}: {LOADS[i]} by {MOTIONS[j]}, in {unit(i, j)}" for j in range(6)] for i in range(6)],
         "peaks": [["" for _ in range(6)] for _ in range(6)],
         "tints": [[0 for _ in range(6)] for _ in range(6)],
         "load": 2,
@@ -369,10 +358,6 @@ def _heard(bench: WindowState, handler: Handler) -> Callable[..., Awaitable[None
     return heard
 
 
-def _entry(load: int, motion: int) -> str:
-    return f"{entry(load, motion)}: {LOADS[load]} by {MOTIONS[motion]}, in {unit(load, motion)}"
-
-
 # What a window serves beside its page: pictures, downloads, and the way in for dropped files.
 
 
@@ -386,7 +371,18 @@ def add(app: Any, bench: WindowState) -> None:
         return await _view(request, bench)
 
     async def saved(request: web.Request) -> web.Response:
-        return _saved(request, bench)
+        from aiohttp import web
+
+        name = request.match_info["name"]
+        try:
+            body, kind = panels.content(bench, name)
+        except (LookupError, BadInput):
+            return web.Response(
+                status=404, text="massline: there is nothing to be saved under this name yet.", headers=NEVER_KEPT
+            )
+        # Always a download: a report has scripts of its own, which are not this page's.
+        headers = {**NEVER_KEPT, "Content-Disposition": f'attachment; filename="{panels.SAVING_BESIDE.get(name, name)}"'}
+        return web.Response(body=body, content_type=kind, headers=headers)
 
     async def files(request: web.Request) -> web.Response:
         return await _files(request, bench)
@@ -420,19 +416,6 @@ async def _view(request: web.Request, bench: WindowState) -> web.Response:
     except (ValueError, LookupError, CheckFailed) as error:
         return web.Response(status=404, text=f"massline: {error}", headers=NEVER_KEPT)
     return web.Response(body=body, content_type="image/jpeg", headers=NEVER_KEPT)
-
-
-def _saved(request: web.Request, bench: WindowState) -> web.Response:
-    from aiohttp import web
-
-    name = request.match_info["name"]
-    try:
-        body, kind = panels.content(bench, name)
-    except (LookupError, BadInput):
-        return web.Response(status=404, text="massline: there is nothing to be saved under this name yet.", headers=NEVER_KEPT)
-    # Always a download: a report has scripts of its own, which are not this page's.
-    headers = {**NEVER_KEPT, "Content-Disposition": f'attachment; filename="{panels.SAVING_BESIDE.get(name, name)}"'}
-    return web.Response(body=body, content_type=kind, headers=headers)
 
 
 async def _files(request: web.Request, bench: WindowState) -> web.Response:

@@ -233,29 +233,26 @@ def work(folder: str, kind: str, asked: dict[str, Any], watch: Connection) -> No
     known = job(of)
     told = _Told(of, Job(kind=kind, asked=asked, before=known.before if known else ""))
     try:
-        _verb(kind)(opened(folder), asked, told.hear)
+        from validation.app import session
+
+        # By kind; modules are imported when they are needed
+        verb = {
+            COMPARE: lambda of, asked, told: session.compared(of, told),
+            DIAGNOSE: lambda of, asked, told: session.diagnosed(of, tuple(asked.get("candidates", ())), told),
+            ADD: lambda of, asked, told: session.added(of, asked["effect"], progress=told),
+            REPORT: lambda of, asked, told: session.reported(of, asked["to"], told),
+        }[kind]
+        verb(opened(folder), asked, told.hear)
         end = replace(told.job, state=DONE, share=1.0)
     except (BadInput, CheckFailed) as error:
         end = failed(of, told.job, str(error))
     except OSError as error:
         end = failed(of, told.job, f"{error.filename or 'a file'}: {error.strerror or error}")
     except Exception as error:
-        _logged(of)
+        Path(of.folder / LOG).write_text(traceback.format_exc(), encoding="utf-8")
         problem = f"the program failed where nobody foresaw it ({type(error).__name__}: {error})"
         end = failed(of, told.job, f"{problem}; nothing is lost. {of.folder / LOG} says where")
     tell(of, replace(end, seconds=time.monotonic() - began))
-
-
-def _verb(kind: str) -> Callable[[Session, dict[str, Any], Progress], object]:
-    """By kind; modules are imported when they are needed."""
-    from validation.app import session
-
-    return {
-        COMPARE: lambda of, asked, told: session.compared(of, told),
-        DIAGNOSE: lambda of, asked, told: session.diagnosed(of, tuple(asked.get("candidates", ())), told),
-        ADD: lambda of, asked, told: session.added(of, asked["effect"], progress=told),
-        REPORT: lambda of, asked, told: session.reported(of, asked["to"], told),
-    }[kind]
 
 
 class _Told:
@@ -287,7 +284,3 @@ def _end_with(watch: Connection) -> None:
         os.kill(os.getpid(), signal.SIGTERM)
         time.sleep(0.5)
         os._exit(1)
-
-
-def _logged(of: Session) -> None:
-    Path(of.folder / LOG).write_text(traceback.format_exc(), encoding="utf-8")

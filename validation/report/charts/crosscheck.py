@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -358,25 +358,22 @@ def draw_shares(title: str, panels: Sequence[ShareBars], path: Path, note: str =
     for k, (panel, left) in enumerate(zip(panels, np.linspace(0.0, 1.0, len(panels) + 1), strict=False)):
         whole = 1.0 / len(panels)
         axes = figure.add_axes((left + 0.5 * whole, 0.14, 0.44 * whole, 0.7))
-        _explanations_bars(axes, panel, CURVES[k % len(CURVES)])
+        colour = CURVES[k % len(CURVES)]
+        places, values = np.arange(len(panel.shares)), np.array(list(panel.shares.values()))
+        axes.barh(places, values, 0.7, color=colour)
+        for place, value in zip(places, values, strict=True):
+            axes.text(value, place, f" {value:.2g}", va="center", fontsize=8.5, color=INK)
+        most = float(values.max(initial=0.0))
+        if panel.limit is not None:
+            at, words = panel.limit
+            most = max(most, at)
+            axes.axvline(at, color=INK, linewidth=1.2, linestyle=(0, (5, 3)))
+            axes.text(at, -0.75, words, ha="right", va="center", fontsize=8.5, color=INK)
+        axes.set_xlim(0.0, 1.18 * most)
+        axes.set_ylim(len(values) - 0.4, -1.1 if panel.limit else -0.6)
+        axes.set_yticks(places, list(panel.shares), fontsize=9)
+        axes.set_title(panel.title, fontsize=11, loc="right", color=INK)
+        axes.set_xlabel(panel.unit, fontsize=9.5)
+        grid_lines(axes)
+        axes.grid(visible=False, axis="y")
     finish(figure, title, note, path, about)
-
-
-def _explanations_bars(axes: Any, panel: ShareBars, colour: str) -> None:
-    places, values = np.arange(len(panel.shares)), np.array(list(panel.shares.values()))
-    axes.barh(places, values, 0.7, color=colour)
-    for place, value in zip(places, values, strict=True):
-        axes.text(value, place, f" {value:.2g}", va="center", fontsize=8.5, color=INK)
-    most = float(values.max(initial=0.0))
-    if panel.limit is not None:
-        at, words = panel.limit
-        most = max(most, at)
-        axes.axvline(at, color=INK, linewidth=1.2, linestyle=(0, (5, 3)))
-        axes.text(at, -0.75, words, ha="right", va="center", fontsize=8.5, color=INK)
-    axes.set_xlim(0.0, 1.18 * most)
-    axes.set_ylim(len(values) - 0.4, -1.1 if panel.limit else -0.6)
-    axes.set_yticks(places, list(panel.shares), fontsize=9)
-    axes.set_title(panel.title, fontsize=11, loc="right", color=INK)
-    axes.set_xlabel(panel.unit, fontsize=9.5)
-    grid_lines(axes)
-    axes.grid(visible=False, axis="y")

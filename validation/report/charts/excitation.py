@@ -159,7 +159,19 @@ def draw_sheet(sheet: Sheet, path: Path, about: str = "") -> None:
         panels.append([figure.add_subplot(grid[k, c], sharex=panels[0][c] if panels else None) for c in (0, 1)])
     for row, (left, right) in zip(sheet.rows, panels, strict=False):
         _over_time(left, sheet, row)
-        _over_frequency(right, sheet, row)
+        alone = len(row.signals) == 1
+        for signal, colour, width in zip(row.signals, LINES, WIDTHS, strict=False):
+            right.plot(sheet.frequency, signal.amplitude, color=colour, linewidth=1.4 if alone else width, label=signal.name)
+        if row.rigid is not None:
+            right.plot(sheet.frequency, row.rigid[1], color=INK, linewidth=1.1, linestyle=REFERENCE, label="rigid body, M a")
+        right.set_xlim(sheet.frequency[0], sheet.frequency[-1])
+        if row.logarithmic:
+            _few_decades(right, np.concatenate([signal.amplitude for signal in row.signals]))
+        else:
+            right.set_ylim(0, 1.25 * max(float(signal.amplitude.max()) for signal in row.signals))
+        right.set_ylabel(f"[{row.unit_of_amplitude}]", fontsize=9.5)
+        if not alone or row.rigid is not None:
+            right.legend(fontsize=8.5, loc="best", framealpha=0.85, ncols=2 if len(row.signals) > 2 else 1)
         left.set_title(row.title, fontsize=11, loc="left", color=INK, pad=16 if left is panels[0][0] else 6)
     _last_row(panels[-1], sheet)
     for k, pair in enumerate(panels):
@@ -188,22 +200,6 @@ def _over_time(axes: Axes, sheet: Sheet, row: PanelRow) -> None:
     axes.axvline(sheet.driven, color=FAINT, linewidth=0.8, linestyle=(0, (1, 2)))
     axes.set_xlim(sheet.time[0], sheet.time[-1])
     axes.set_ylabel(f"[{row.unit}]", fontsize=9.5)
-
-
-def _over_frequency(axes: Axes, sheet: Sheet, row: PanelRow) -> None:
-    alone = len(row.signals) == 1
-    for signal, colour, width in zip(row.signals, LINES, WIDTHS, strict=False):
-        axes.plot(sheet.frequency, signal.amplitude, color=colour, linewidth=1.4 if alone else width, label=signal.name)
-    if row.rigid is not None:
-        axes.plot(sheet.frequency, row.rigid[1], color=INK, linewidth=1.1, linestyle=REFERENCE, label="rigid body, M a")
-    axes.set_xlim(sheet.frequency[0], sheet.frequency[-1])
-    if row.logarithmic:
-        _few_decades(axes, np.concatenate([signal.amplitude for signal in row.signals]))
-    else:
-        axes.set_ylim(0, 1.25 * max(float(signal.amplitude.max()) for signal in row.signals))
-    axes.set_ylabel(f"[{row.unit_of_amplitude}]", fontsize=9.5)
-    if not alone or row.rigid is not None:
-        axes.legend(fontsize=8.5, loc="best", framealpha=0.85, ncols=2 if len(row.signals) > 2 else 1)
 
 
 def _last_row(pair: Sequence[Axes], sheet: Sheet) -> None:

@@ -105,7 +105,12 @@ def draw_fall(title: str, rungs: Sequence[DrawnRung], path: Path, note: str = ""
     lower.tick_params(axis="x", labelsize=9.5)
     lower.set_xlim(-0.4, max(deepest, 1) + 0.8)
     for axes, shown in ((upper, PERCENT), (lower, FITTED)):
-        _labels(axes, rungs, shown)
+        # Figures of the way beside their points, names of branches to the right of theirs, none upon another
+        for depth in sorted({one.depth for one in rungs}):
+            there = [one for one in rungs if one.depth == depth]
+            found = [label for name, role in shown.items() for label in _of_one(axes, there, name, COLOURS[role][0], shown)]
+            for align, beside in (("left", 7.0), ("right", -6.0)):
+                _write(axes, depth, [one for one in found if one.align == align], beside)
     finish(figure, title, note, path, about)
 
 
@@ -121,15 +126,6 @@ def _way(axes: Axes, rungs: Sequence[DrawnRung], name: str, colour: str) -> None
     way = [one for one in rungs if one.here and np.isfinite(one.errors[name])]
     look: dict[str, Any] = {"color": colour, "marker": "o", "markersize": 7, "linewidth": 2.2, "markeredgecolor": PAPER}
     axes.plot([one.depth for one in way], [one.errors[name] for one in way], label=name, zorder=4, **look)
-
-
-def _labels(axes: Axes, rungs: Sequence[DrawnRung], shown: Mapping[str, str]) -> None:
-    """Figures of the way beside their points, names of branches to the right of theirs, none upon another."""
-    for depth in sorted({one.depth for one in rungs}):
-        there = [one for one in rungs if one.depth == depth]
-        found = [label for name, role in shown.items() for label in _of_one(axes, there, name, COLOURS[role][0], shown)]
-        for align, beside in (("left", 7.0), ("right", -6.0)):
-            _write(axes, depth, [one for one in found if one.align == align], beside)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -76,12 +76,18 @@ def draw_lines(title: str, drawn: DrawnLines, path: Path, note: str = "") -> Non
     lower = figure.add_subplot(grid[1], sharex=upper)
     f = drawn.frequency
     for axes in (upper, lower):
-        _spans(axes, f, drawn.left_out)
+        # Shade every stretch of lines that were left out, half a line to either side
+        half = 0.5 * float(np.median(np.diff(f))) if len(f) > 1 else 0.5
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], drawn.left_out.astype(int), [0]])))
+        for first, last in zip(edges[::2], edges[1::2], strict=True):
+            axes.axvspan(f[first] - half, f[last - 1] + half, color=LEFT_OUT, linewidth=0, zorder=0)
     upper.semilogy(f, drawn.condition, color=RUNS[2], linewidth=1.4, label="condition number")
     upper.axhline(drawn.limit, color=LIMIT, linewidth=1.2, linestyle=(0, (5, 3)), label=f"limit {drawn.limit:g}")
     upper.set_ylabel("condition of the scaled base motions", fontsize=10)
     upper.set_ylim(min(1.0, float(drawn.condition.min())), 2 * max(float(drawn.condition.max()), drawn.limit))
-    for name, colour, share in zip(drawn.runs, _turns(len(drawn.runs)), drawn.unexplained, strict=True):
+    for name, colour, share in zip(
+        drawn.runs, [RUNS[k % len(RUNS)] for k in range(len(drawn.runs))], drawn.unexplained, strict=True
+    ):
         lower.semilogy(f, np.maximum(share, 1e-8), color=colour, linewidth=1.1, label=f"run {name}")
     lower.set_ylabel("share that rigid motion\nand resultants leave unexplained", fontsize=10)
     lower.set_xlabel("frequency [Hz]", fontsize=10)
@@ -90,29 +96,14 @@ def draw_lines(title: str, drawn: DrawnLines, path: Path, note: str = "") -> Non
     for axes in (upper, lower):
         grid_lines(axes)
         axes.grid(visible=True, which="minor", axis="y", color="#f0f2f5", linewidth=0.5)
-        _legend(axes, bool(np.any(drawn.left_out)))
+        from matplotlib.patches import Patch
+
+        with_spans = bool(np.any(drawn.left_out))
+        handles, labels = axes.get_legend_handles_labels()
+        if with_spans:
+            handles, labels = [*handles, Patch(color=LEFT_OUT)], [*labels, "left out"]
+        axes.legend(handles, labels, fontsize=9, loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False)
     finish(figure, title, note, path)
-
-
-def _spans(axes: Axes, f: Array, out: np.ndarray) -> None:
-    """Shade every stretch of lines that were left out, half a line to either side."""
-    half = 0.5 * float(np.median(np.diff(f))) if len(f) > 1 else 0.5
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], out.astype(int), [0]])))
-    for first, last in zip(edges[::2], edges[1::2], strict=True):
-        axes.axvspan(f[first] - half, f[last - 1] + half, color=LEFT_OUT, linewidth=0, zorder=0)
-
-
-def _legend(axes: Axes, with_spans: bool) -> None:
-    from matplotlib.patches import Patch
-
-    handles, labels = axes.get_legend_handles_labels()
-    if with_spans:
-        handles, labels = [*handles, Patch(color=LEFT_OUT)], [*labels, "left out"]
-    axes.legend(handles, labels, fontsize=9, loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False)
-
-
-def _turns(count: int) -> list[str]:
-    return [RUNS[k % len(RUNS)] for k in range(count)]
 
 
 def draw_residuals(title: str, drawn: DrawnResiduals, path: Path, note: str = "") -> None:
@@ -187,11 +178,30 @@ def draw_shares(title: str, drawn: Sequence[UncertaintyShares], path: Path, note
     colour = colours(_important([one.shares for one in drawn]))
     for k, one in enumerate(drawn):
         axes = figure.add_subplot(grid[k])
-        _bars(axes, one, colour)
+        places = np.arange(len(one.parameters))
+        left = np.zeros(len(places))
+        for name, hue in colour.items():
+            share = one.shares.get(name)
+            if share is not None:
+                axes.barh(places, share, left=left, color=hue, height=0.72, edgecolor=PAPER, linewidth=0.6)
+                left = left + share
+        total = np.sum(list(one.shares.values()), axis=0) if one.shares else np.zeros(len(places))
+        axes.barh(places, np.maximum(total - left, 0), left=left, color=OTHERS, height=0.72, edgecolor=PAPER, linewidth=0.6)
+        axes.set_yticks(places, one.parameters)
+        axes.invert_yaxis()
+        axes.set_xlim(0, 1)
+        axes.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0", "25", "50", "75", "100 %"])
+        axes.set_xlabel("share of the variance", fontsize=10)
+        for place, text in zip(places, one.intervals, strict=True):
+            axes.text(1.015, place, text, transform=axes.get_yaxis_transform(), va="center", fontsize=9.5, color=INK)
+        axes.tick_params(labelsize=10, colors=INK, length=2)
         axes.tick_params(labelleft=k == 0)
         axes.set_title(one.way, fontsize=12, loc="left", color=INK, weight="bold")
         axes.text(1.015, 1.02, "± 95 %", transform=axes.transAxes, fontsize=9.5, color=FAINT)
-    _bar_legend(figure, colour)
+    from matplotlib.patches import Patch
+
+    handles = [Patch(color=hue, label=name) for name, hue in colour.items()] + [Patch(color=OTHERS, label="all others")]
+    figure.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 0.055), ncols=5, fontsize=9.5, frameon=False)
     finish(figure, title, note, path)
 
 
@@ -203,33 +213,6 @@ def _important(shares: Sequence[Mapping[str, Array]]) -> list[str]:
             largest[name] = max(largest.get(name, 0.0), float(share.max(initial=0.0)))
     ordered = sorted(largest, key=lambda name: -largest[name])
     return [name for name in ordered if largest[name] >= SMALL][:MOST_INPUTS]
-
-
-def _bars(axes: Axes, one: UncertaintyShares, colour: Mapping[str, str]) -> None:
-    places = np.arange(len(one.parameters))
-    left = np.zeros(len(places))
-    for name, hue in colour.items():
-        share = one.shares.get(name)
-        if share is not None:
-            axes.barh(places, share, left=left, color=hue, height=0.72, edgecolor=PAPER, linewidth=0.6)
-            left = left + share
-    total = np.sum(list(one.shares.values()), axis=0) if one.shares else np.zeros(len(places))
-    axes.barh(places, np.maximum(total - left, 0), left=left, color=OTHERS, height=0.72, edgecolor=PAPER, linewidth=0.6)
-    axes.set_yticks(places, one.parameters)
-    axes.invert_yaxis()
-    axes.set_xlim(0, 1)
-    axes.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0", "25", "50", "75", "100 %"])
-    axes.set_xlabel("share of the variance", fontsize=10)
-    for place, text in zip(places, one.intervals, strict=True):
-        axes.text(1.015, place, text, transform=axes.get_yaxis_transform(), va="center", fontsize=9.5, color=INK)
-    axes.tick_params(labelsize=10, colors=INK, length=2)
-
-
-def _bar_legend(figure: Any, colour: Mapping[str, str]) -> None:
-    from matplotlib.patches import Patch
-
-    handles = [Patch(color=hue, label=name) for name, hue in colour.items()] + [Patch(color=OTHERS, label="all others")]
-    figure.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 0.055), ncols=5, fontsize=9.5, frameon=False)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -271,7 +254,29 @@ def draw_stability(
     grid = figure.add_gridspec(2, 5, hspace=0.3, wspace=0.42, left=0.045, right=0.965, top=0.865, bottom=0.115)
     for k, one in enumerate(maps):
         axes = figure.add_subplot(grid[k // 5, k % 5])
-        _map(axes, one, start, stop)
+        from matplotlib.colors import LinearSegmentedColormap
+
+        colours = LinearSegmentedColormap.from_list("deviation", ("#14296b", "#6f93dc", PAPER, "#ea8a78", "#7d1220"))
+        axes.set_facecolor(EMPTY)
+        known = np.abs(one.deviation[np.isfinite(one.deviation)])
+        largest = float(np.quantile(known, 0.9)) if known.size else 0.0
+        reach = max(min(largest, one.most), float(np.nanmin(one.half_width, initial=one.most)), np.finfo(np.float64).tiny)
+        mesh = axes.pcolormesh(
+            np.arange(len(start)),
+            np.arange(len(stop)),
+            np.ma.masked_invalid(one.deviation.T),
+            cmap=colours,
+            vmin=-reach,
+            vmax=reach,
+        )
+        size = np.nan_to_num(np.abs(one.deviation))
+        for i, j in np.argwhere(size > one.half_width):
+            axes.plot(i, j, marker="x", markersize=3.2, color=PAPER if size[i, j] > 0.7 * reach else INK, markeredgewidth=0.7)
+        axes.set_xticks(np.arange(len(start)), [f"{f:.3g}" for f in start], rotation=90 if len(start) > 7 else 0)
+        axes.set_yticks(np.arange(len(stop)), [f"{f:.3g}" for f in stop])
+        axes.tick_params(labelsize=8, colors=INK, length=2)
+        bar = axes.figure.colorbar(mesh, ax=axes, fraction=0.05, pad=0.03, extend="both")
+        bar.ax.tick_params(labelsize=8, colors=INK, length=2)
         _choice(axes, start, stop, chosen)
         axes.set_title(f"{one.label} [{one.unit}]", fontsize=11, loc="left", color=INK)
         if k % 5 == 0:
@@ -279,27 +284,6 @@ def draw_stability(
         if k >= len(maps) - 5:
             axes.set_xlabel("start [Hz]", fontsize=10)
     finish(figure, title, note, path)
-
-
-def _map(axes: Axes, one: BandMap, start: Array, stop: Array) -> None:
-    from matplotlib.colors import LinearSegmentedColormap
-
-    colours = LinearSegmentedColormap.from_list("deviation", ("#14296b", "#6f93dc", PAPER, "#ea8a78", "#7d1220"))
-    axes.set_facecolor(EMPTY)
-    known = np.abs(one.deviation[np.isfinite(one.deviation)])
-    largest = float(np.quantile(known, 0.9)) if known.size else 0.0
-    reach = max(min(largest, one.most), float(np.nanmin(one.half_width, initial=one.most)), np.finfo(np.float64).tiny)
-    mesh = axes.pcolormesh(
-        np.arange(len(start)), np.arange(len(stop)), np.ma.masked_invalid(one.deviation.T), cmap=colours, vmin=-reach, vmax=reach
-    )
-    size = np.nan_to_num(np.abs(one.deviation))
-    for i, j in np.argwhere(size > one.half_width):
-        axes.plot(i, j, marker="x", markersize=3.2, color=PAPER if size[i, j] > 0.7 * reach else INK, markeredgewidth=0.7)
-    axes.set_xticks(np.arange(len(start)), [f"{f:.3g}" for f in start], rotation=90 if len(start) > 7 else 0)
-    axes.set_yticks(np.arange(len(stop)), [f"{f:.3g}" for f in stop])
-    axes.tick_params(labelsize=8, colors=INK, length=2)
-    bar = axes.figure.colorbar(mesh, ax=axes, fraction=0.05, pad=0.03, extend="both")
-    bar.ax.tick_params(labelsize=8, colors=INK, length=2)
 
 
 def _choice(axes: Axes, start: Array, stop: Array, chosen: tuple[float, float]) -> None:
@@ -349,17 +333,7 @@ def draw_pretest(title: str, drawn: DrawnPretest, path: Path, note: str = "") ->
     figure = new_figure(15.0 if lost else 9.0, 10.4)
     room = _ROOM if lost else {**_ROOM, "left": 0.13}
     grid = figure.add_gridspec(2, 2 if lost else 1, hspace=0.2, wspace=0.2, height_ratios=(1, 1.7), **room)
-    _condition(figure.add_subplot(grid[0, 0]), drawn)
-    _intervals(figure, grid[1, 0], drawn)
-    if lost:
-        _growth(figure, figure.add_subplot(grid[:, 1]), drawn)
-    finish(figure, title, note, path)
-
-
-_ROOM = {"left": 0.085, "right": 0.975, "top": 0.9, "bottom": 0.09}
-
-
-def _condition(axes: Axes, drawn: DrawnPretest) -> None:
+    axes = figure.add_subplot(grid[0, 0])
     axes.semilogy(drawn.frequency, drawn.condition, color=CURVES[0], linewidth=1.4, label="condition number")
     axes.axhline(drawn.limit, color=LIMIT, linewidth=1.2, linestyle=(0, (5, 3)), label=f"limit {drawn.limit:g}")
     axes.set_ylim(1.0, 2 * max(float(drawn.condition.max()), drawn.limit))
@@ -368,20 +342,26 @@ def _condition(axes: Axes, drawn: DrawnPretest) -> None:
     axes.set_xlabel("frequency [Hz]", fontsize=9.5)
     axes.legend(fontsize=9, loc="center right")
     grid_lines(axes)
-
-
-def _intervals(figure: Any, place: Any, drawn: DrawnPretest) -> None:
-    """A panel for each unit, so that every bar has an axis that measures it."""
+    # A panel for each unit, so that every bar has an axis that measures it
+    place = grid[1, 0]
     units = [name.rpartition("[")[2].rstrip("]") for name in drawn.quantities]
     kinds = list(dict.fromkeys(units))
-    grid = place.subgridspec(len(kinds), 1, hspace=0.45, height_ratios=[1 + units.count(unit) for unit in kinds])
+    intervals_grid = place.subgridspec(len(kinds), 1, hspace=0.45, height_ratios=[1 + units.count(unit) for unit in kinds])
     for k, unit in enumerate(kinds):
-        axes = figure.add_subplot(grid[k])
-        _pretest_bars(axes, drawn, [i for i, own in enumerate(units) if own == unit])
-        axes.set_xlabel(f"[{unit}]", fontsize=9, labelpad=1)
+        intervals_axes = figure.add_subplot(intervals_grid[k])
+        _pretest_bars(intervals_axes, drawn, [i for i, own in enumerate(units) if own == unit])
+        intervals_axes.set_xlabel(f"[{unit}]", fontsize=9, labelpad=1)
         if not k:
-            axes.set_title("expected ± 95 %", fontsize=11, loc="left", color=INK)
-            axes.legend(fontsize=8.5, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, borderaxespad=0.2)
+            intervals_axes.set_title("expected ± 95 %", fontsize=11, loc="left", color=INK)
+            intervals_axes.legend(
+                fontsize=8.5, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, borderaxespad=0.2
+            )
+    if lost:
+        _growth(figure, figure.add_subplot(grid[:, 1]), drawn)
+    finish(figure, title, note, path)
+
+
+_ROOM = {"left": 0.085, "right": 0.975, "top": 0.9, "bottom": 0.09}
 
 
 def _pretest_bars(axes: Axes, drawn: DrawnPretest, chosen: list[int]) -> None:
@@ -451,7 +431,17 @@ def draw_rigid(title: str, tiles: Mapping[str, Sequence[MovingBody]], limit: flo
         left = k * TILE[0]
         canvas.imshow(shot, extent=(left, left + TILE[0], HEAD + TILE[1], HEAD), interpolation="none")
         write(canvas, left + 24, HEAD - 14, caption, 15, FAINT, va="center")
-    _bar(figure, limit, width, height)
+    from matplotlib.colorbar import ColorbarBase
+
+    # What the colours mean
+    axes = figure.add_axes((60 / width, 50 / height, 380 / width, 12 / height))
+    steps = np.linspace(0, 1, int(DECADES) + 1)
+    bar = ColorbarBase(axes, cmap=colour_map(), orientation="horizontal", ticks=list(steps))
+    words = [f"{100 * limit * 10 ** (DECADES * step):g} %" for step in steps]
+    bar.set_ticklabels([f"≤ {words[0]}", *words[1:-1], f"≥ {words[-1]}"])
+    bar.ax.tick_params(labelsize=8.5, colors=FAINT, length=2, pad=2)
+    bar.outline.set_visible(False)
+    axes.set_title("elastic motion over that of a rigid article", fontsize=9, color=FAINT, pad=4, loc="left")
     write(canvas, 24, height - 16, note, 12, FAINT, va="center")
     save(path, lambda temporary: figure.savefig(temporary, dpi=DPI))
 
@@ -463,20 +453,6 @@ def _coloured(bodies: Sequence[MovingBody], limit: float) -> list[MovingBody]:
 def _scaled(share: Array, limit: float) -> Array:
     """0 up to `limit`, then by its logarithm up to 1 at `DECADES` above."""
     return np.asarray(np.clip(np.log10(np.maximum(share, limit) / limit) / DECADES, 0.0, 1.0))
-
-
-def _bar(figure, limit: float, width: int, height: int) -> None:  # type: ignore[no-untyped-def]  # a matplotlib `Figure`
-    """What the colours mean."""
-    from matplotlib.colorbar import ColorbarBase
-
-    axes = figure.add_axes((60 / width, 50 / height, 380 / width, 12 / height))
-    steps = np.linspace(0, 1, int(DECADES) + 1)
-    bar = ColorbarBase(axes, cmap=colour_map(), orientation="horizontal", ticks=list(steps))
-    words = [f"{100 * limit * 10 ** (DECADES * step):g} %" for step in steps]
-    bar.set_ticklabels([f"≤ {words[0]}", *words[1:-1], f"≥ {words[-1]}"])
-    bar.ax.tick_params(labelsize=8.5, colors=FAINT, length=2, pad=2)
-    bar.outline.set_visible(False)
-    axes.set_title("elastic motion over that of a rigid article", fontsize=9, color=FAINT, pad=4, loc="left")
 
 
 # The bias of peak-reference-hold near a lightly damped mode: the response function as it is and as spectra tell it.

@@ -76,15 +76,12 @@ def template(dark: bool) -> Template:
             "modebar": {"bgcolor": "rgba(0,0,0,0)", "color": axis, "activecolor": ink},
         }
     )
-    made.data.heatmap = [go.Heatmap(colorscale=_sigmas(dark), colorbar={"outlinecolor": axis, "tickcolor": axis})]
-    return made
-
-
-def _sigmas(dark: bool) -> list[list[Any]]:
-    """Steps of equal width, one a level."""
+    # Steps of equal width, one a level
     colours = (*PALE[dark], *STRONG[dark])
     count = len(colours)
-    return [[edge / count, colour] for k, colour in enumerate(colours) for edge in (k, k + 1)]
+    sigmas = [[edge / count, colour] for k, colour in enumerate(colours) for edge in (k, k + 1)]
+    made.data.heatmap = [go.Heatmap(colorscale=sigmas, colorbar={"outlinecolor": axis, "tickcolor": axis})]
+    return made
 
 
 def dressed(figure: Figure, title: str, height: int, dark: bool, **layout: Any) -> Figure:

@@ -114,20 +114,16 @@ def diagonal(
     figure = make_subplots(rows=6, cols=2, horizontal_spacing=0.11)
     for k in range(6):
         _entry(figure, pairs, (k, k), 1 + 2 * (k % 3), 1 + k // 3, modes, further, legend=k == 0, last=k % 3 == 2)
-        _lay_out(figure, k)
+        # Put magnitude and phase of the entry k close together, below their title and apart from the pair below
+        row, column = 1 + 2 * (k % 3), 1 + k // 3
+        top = 1 - (k % 3) / 3
+        for below, (high, low) in enumerate(HEIGHTS):
+            figure.update_yaxes(domain=[top - low / 3, top - high / 3], row=row + below, col=column)
+        side = 0.0 if column == 1 else 0.555
+        name = {"text": _words(k), "x": side, "y": top - HEIGHTS[0][0] / 3, "xref": "paper", "yref": "paper"}
+        figure.add_annotation(**name, xanchor="left", yanchor="bottom", showarrow=False, font={"size": 12})
     title = f"{pairs.campaign}: the diagonal of the dynamic mass"
     return dressed(figure, title, 1010, dark, legend=legend_above(), margin={"t": TITLE_ROOM + LEGEND_ROOM, "b": 24})
-
-
-def _lay_out(figure: Figure, k: int) -> None:
-    """Put magnitude and phase of the entry k close together, below their title and apart from the pair below."""
-    row, column = 1 + 2 * (k % 3), 1 + k // 3
-    top = 1 - (k % 3) / 3
-    for below, (high, low) in enumerate(HEIGHTS):
-        figure.update_yaxes(domain=[top - low / 3, top - high / 3], row=row + below, col=column)
-    side = 0.0 if column == 1 else 0.555
-    name = {"text": _words(k), "x": side, "y": top - HEIGHTS[0][0] / 3, "xref": "paper", "yref": "paper"}
-    figure.add_annotation(**name, xanchor="left", yanchor="bottom", showarrow=False, font={"size": 12})
 
 
 def _words(k: int) -> str:
@@ -274,7 +270,12 @@ def draw_accelerances(
     panels = figure.subplots(2, len(measured.runs), sharex=True, sharey="row", squeeze=False, gridspec_kw=room)
     for k, name in enumerate(measured.runs):
         upper, lower = panels[:, k]
-        _readings(upper, measured, models, k)
+        f, values = measured.frequency, measured.values[k]
+        channel = int(np.argmax(np.abs(values[-len(f) // 10 :]).mean(axis=0)))
+        upper.loglog(f, np.abs(values[:, channel]), color=INK, linewidth=4, alpha=0.25, label="measured")
+        for model, colour in zip(models, MODELS, strict=False):
+            upper.loglog(f, np.abs(model.rows[k][:, channel]), color=colour, linewidth=1.2, label=model.name)
+        _dress(upper, f)
         _errors(lower, measured, models, k)
         upper.set_title(name, fontsize=12, loc="left", color=INK)
         lower.set_xlabel("frequency [Hz]", fontsize=10)
@@ -285,27 +286,15 @@ def draw_accelerances(
     finish(figure, title, note, path, about)
 
 
-def _readings(axes: Axes, measured: Measured, models: Sequence[DrawnModel], run: int) -> None:
-    f, values = measured.frequency, measured.values[run]
-    channel = int(np.argmax(np.abs(values[-len(f) // 10 :]).mean(axis=0)))
-    axes.loglog(f, np.abs(values[:, channel]), color=INK, linewidth=4, alpha=0.25, label="measured")
-    for model, colour in zip(models, MODELS, strict=False):
-        axes.loglog(f, np.abs(model.rows[run][:, channel]), color=colour, linewidth=1.2, label=model.name)
-    _dress(axes, f)
-
-
 def _errors(axes: Axes, measured: Measured, models: Sequence[DrawnModel], run: int) -> None:
     f, values = measured.frequency, measured.values[run]
     for model, colour in zip(models, MODELS, strict=False):
         error = np.sum(np.abs(values - model.rows[run]) ** 2, axis=1) / np.sum(np.abs(values) ** 2, axis=1)
-        axes.loglog(f, 100 * np.sqrt(_smoothed(f, error)), color=colour, linewidth=1.2)
+        width = max(1, round(2 * SMOOTHED / float(f[1] - f[0])))
+        around = np.convolve(error, np.ones(width), mode="same")
+        smoothed = np.asarray(around / np.convolve(np.ones_like(error), np.ones(width), mode="same"))
+        axes.loglog(f, 100 * np.sqrt(smoothed), color=colour, linewidth=1.2)
     _dress(axes, f)
-
-
-def _smoothed(f: Array, values: Array) -> Array:
-    width = max(1, round(2 * SMOOTHED / float(f[1] - f[0])))
-    around = np.convolve(values, np.ones(width), mode="same")
-    return np.asarray(around / np.convolve(np.ones_like(values), np.ones(width), mode="same"))
 
 
 def _dress(axes: Axes, f: Array) -> None:

@@ -272,7 +272,16 @@ def _entry(upper: Axes, lower: Axes, curves: Sequence[DynamicMassCurve], i: int,
     lines, measured = iter(zip(CURVES, DASHES, strict=False)), any(curve.dots for curve in curves)
     for curve in curves:
         if curve.dots:
-            _dots(upper, lower, curve, i, j)
+            f, H = curve.mass.frequency, curve.mass.matrix[:, i, j]
+            look: dict[str, Any] = {
+                "color": curve.dots,
+                "linestyle": "none",
+                "marker": "o",
+                "markersize": 4.2,
+                "markeredgewidth": 0,
+            }
+            upper.semilogy(f, np.abs(H), label=curve.name, **look)
+            lower.plot(f, np.degrees(np.angle(H)), **look)
         else:
             colour, dash = next(lines)
             _line(upper, lower, curve, i, j, colour, dash, curve.name, above=measured)
@@ -319,22 +328,11 @@ def _line(
     if above:
         look["path_effects"] = [withStroke(linewidth=width + 1.0, foreground=INK), Normal()]
     upper.semilogy(f, np.abs(H), label=label, **look)
-    lower.plot(f, _phase(H), **look)
-
-
-def _dots(upper: Axes, lower: Axes, curve: DynamicMassCurve, i: int, j: int) -> None:
-    f, H = curve.mass.frequency, curve.mass.matrix[:, i, j]
-    look: dict[str, Any] = {"color": curve.dots, "linestyle": "none", "marker": "o", "markersize": 4.2, "markeredgewidth": 0}
-    upper.semilogy(f, np.abs(H), label=curve.name, **look)
-    lower.plot(f, np.degrees(np.angle(H)), **look)
-
-
-def _phase(H: ComplexArray) -> Array:
-    """Phase [°], -180 to 180, broken where it jumps from one end to the other: a line there would be no phase."""
+    # Phase [°], -180 to 180, broken where it jumps from one end to the other: a line there would be no phase
     phase = np.degrees(np.angle(H))
     jumps = np.flatnonzero(np.abs(np.diff(phase)) > 270)
     phase[jumps] = np.nan
-    return np.asarray(phase)
+    lower.plot(f, np.asarray(phase), **look)
 
 
 def _dress(upper: Axes, lower: Axes, f: Array) -> None:
@@ -416,17 +414,20 @@ def arranged(labels: Sequence[Label], taken: Iterable[Box] = (), room: Box | Non
     boxes = list(taken)
     places = []
     for label in labels:
-        place = _first_free(label, boxes, room)
+        # The first candidate that covers nothing: within `room`, or else outside of it, where there is always one
+        within = () if room is None else _candidates(label, range(1, 2 + int(sum(room[1]) / (FARTHER * label.gap))))
+        candidates = chain(
+            (
+                place
+                for place in within
+                if room and bool(np.all(np.abs(place - room[0]) <= (np.array(room[1]) - np.array(label.extent)) / 2))
+            ),
+            _candidates(label, count(1)),
+        )
+        place = next(place for place in candidates if not any(_cover(place, label.extent, *box) for box in boxes))
         boxes.append((place, label.extent))
         places.append(place)
     return places
-
-
-def _first_free(label: Label, boxes: list[Box], room: Box | None) -> Array:
-    """The first candidate that covers nothing: within `room`, or else outside of it, where there is always one."""
-    within = () if room is None else _candidates(label, range(1, 2 + int(sum(room[1]) / (FARTHER * label.gap))))
-    candidates = chain((place for place in within if room and _lies_in(place, label.extent, room)), _candidates(label, count(1)))
-    return next(place for place in candidates if not any(_cover(place, label.extent, *box) for box in boxes))
 
 
 def _candidates(label: Label, rounds: Iterable[int]) -> Iterator[Array]:
@@ -446,7 +447,3 @@ def _candidate(label: Label, step: float, turn: float) -> Array:
 
 def _cover(a: Array, size_a: tuple[float, float], b: Array, size_b: tuple[float, float]) -> bool:
     return bool(np.all(np.abs(a - b) < (np.array(size_a) + np.array(size_b)) / 2))
-
-
-def _lies_in(place: Array, extent: tuple[float, float], room: Box) -> bool:
-    return bool(np.all(np.abs(place - room[0]) <= (np.array(room[1]) - np.array(extent)) / 2))

@@ -129,12 +129,6 @@ def colour_map() -> Any:
     return LinearSegmentedColormap.from_list("motion", [STILL, *(turbo(x) for x in np.linspace(0.12, 0.95, 12))], N=256)
 
 
-def colours_of(bodies: Sequence[MovingBody]) -> list[npt.NDArray[np.uint8]]:
-    """Red, green and blue (n, 3) of every vertex of `bodies`."""
-    most = largest(bodies) or 1.0
-    return [np.round(255 * colour_map()(body.size / most)[:, :3]).astype(np.uint8) for body in bodies]
-
-
 def view_of(modes: Sequence[Sequence[MovingBody]], size: tuple[int, int], margin: float) -> Projection:
     """The view in which every one of `modes` fits, at both ends of its swing."""
     swings = []
@@ -158,17 +152,14 @@ def displaced(view: Projection, bodies: Sequence[MovingBody], factor: float, mos
 def _all(plotter: Plotter, bodies: Sequence[MovingBody], factor: float, most: float) -> None:
     for body in bodies:
         _lines(plotter, body, body.vertices, AT_REST)
-        _body(plotter, body, body.vertices + factor * body.displacement, most)
+        import pyvista
 
-
-def _body(plotter: Plotter, body: MovingBody, points: Array, most: float) -> None:
-    import pyvista
-
-    mesh = pyvista.PolyData(points, np.column_stack([np.full(len(body.faces), 3), body.faces]).ravel())
-    mesh.point_data["displacement"] = body.size / most if most > 0 else body.size
-    look = {"ambient": 0.55, "diffuse": 0.55, "specular": 0.05, "show_scalar_bar": False}
-    plotter.add_mesh(mesh, scalars="displacement", cmap=colour_map(), clim=(0, 1), **look)
-    _lines(plotter, body, points, INK)
+        points = body.vertices + factor * body.displacement
+        mesh = pyvista.PolyData(points, np.column_stack([np.full(len(body.faces), 3), body.faces]).ravel())
+        mesh.point_data["displacement"] = body.size / most if most > 0 else body.size
+        look = {"ambient": 0.55, "diffuse": 0.55, "specular": 0.05, "show_scalar_bar": False}
+        plotter.add_mesh(mesh, scalars="displacement", cmap=colour_map(), clim=(0, 1), **look)
+        _lines(plotter, body, points, INK)
 
 
 def _lines(plotter: Plotter, body: MovingBody, points: Array, colour: str) -> None:
@@ -243,7 +234,12 @@ def mode_sheet(title: str, modes: Sequence[DrawnMode], path: Path, note: str = "
     figure, canvas = blank(width, height)
     write(canvas, 24, 40, title, 26, weight="bold", va="center")
     for k, (mode, tile) in enumerate(zip(modes, tiles, strict=True)):
-        _tile(canvas, mode, tile, k % columns * TILE[0], HEAD + k // columns * (TILE[1] + CAPTION))
+        x = k % columns * TILE[0]
+        y = HEAD + k // columns * (TILE[1] + CAPTION)
+        canvas.imshow(tile, extent=(x, x + TILE[0], y + CAPTION + TILE[1], y + CAPTION), interpolation="none")
+        write(canvas, x + 24, y + 16, mode.caption, 19, weight="bold", va="center")
+        for j, tile_line in enumerate(textwrap.wrap(mode.text, 50, max_lines=2, placeholder=" …")):
+            write(canvas, x + 24, y + 38 + 16 * j, tile_line, 13, FAINT, va="center")
     _bar(figure, width, height)
     for i, line in enumerate(textwrap.wrap(note, (width - 420) // 8, max_lines=2, placeholder=" …")):
         write(canvas, 24, height - FOOT + 26 + 20 * i, line, 14, FAINT, va="center")
@@ -258,7 +254,11 @@ def animation(title: str, mode: DrawnMode, path: Path) -> None:
     ------
     CheckFailed : nothing can be rendered on this machine.
     """
-    head = _head(title, mode)
+    # The strip above the moving picture
+    figure, canvas = blank(MOVING_TILE[0], 84)
+    write(canvas, 18, 28, f"{title}, mode {mode.caption}", 20, weight="bold", va="center")
+    write(canvas, 18, 60, textwrap.shorten(mode.text, 84, placeholder=" …"), 14, FAINT, va="center")
+    head = pixels(figure)
     with off_screen():
         view = view_of([mode.bodies], MOVING_TILE, MARGIN)
         shares = np.sin(2 * np.pi * np.arange(FRAMES) / FRAMES)
@@ -279,25 +279,10 @@ def write_gif(path: Path, frames: Sequence[Image], duration: int, colourful: int
     write_with(path, lambda temporary: small[0].save(temporary, format="GIF", **how))
 
 
-def _head(title: str, mode: DrawnMode) -> Image:
-    """The strip above the moving picture."""
-    figure, canvas = blank(MOVING_TILE[0], 84)
-    write(canvas, 18, 28, f"{title}, mode {mode.caption}", 20, weight="bold", va="center")
-    write(canvas, 18, 60, textwrap.shorten(mode.text, 84, placeholder=" …"), 14, FAINT, va="center")
-    return pixels(figure)
-
-
 def pixels(figure: Any) -> Image:
     """What `figure` shows, as an image."""
     figure.canvas.draw()
     return np.asarray(figure.canvas.buffer_rgba())[..., :3].copy()
-
-
-def _tile(canvas: Any, mode: DrawnMode, tile: Image, x: float, y: float) -> None:
-    canvas.imshow(tile, extent=(x, x + TILE[0], y + CAPTION + TILE[1], y + CAPTION), interpolation="none")
-    write(canvas, x + 24, y + 16, mode.caption, 19, weight="bold", va="center")
-    for i, line in enumerate(textwrap.wrap(mode.text, 50, max_lines=2, placeholder=" …")):
-        write(canvas, x + 24, y + 38 + 16 * i, line, 13, FAINT, va="center")
 
 
 def _bar(figure: Any, width: float, height: float) -> None:
@@ -362,7 +347,9 @@ def glb(title: str, mode: DrawnMode) -> bytes:
     """`mode` as the bytes of a ``.glb`` file."""
     buffer = _Buffer()
     scale = scale_of(mode.bodies)
-    colours = colours_of(mode.bodies)
+    # Red, green and blue (n, 3) of every vertex of `mode.bodies`
+    most = largest(mode.bodies) or 1.0
+    colours = [np.round(255 * colour_map()(body.size / most)[:, :3]).astype(np.uint8) for body in mode.bodies]
     meshes = [mesh for body, colour in zip(mode.bodies, colours, strict=True) for mesh in _meshes(buffer, body, colour, scale)]
     children = list(range(1, 1 + len(meshes)))
     time = np.linspace(0, CYCLE, KEYFRAMES)
@@ -394,7 +381,14 @@ def glb(title: str, mode: DrawnMode) -> bytes:
         ],
         **buffer.tables,
     }
-    return _container(tree, bytes(buffer.content))
+    binary = bytes(buffer.content)
+    text = json.dumps(tree, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
+    text += b" " * (-len(text) % 4)
+    chunks: Sequence[bytes] = (
+        struct.pack("<II", len(text), JSON_CHUNK) + text,
+        struct.pack("<II", len(binary), BINARY_CHUNK) + binary,
+    )
+    return struct.pack("<III", GLB, 2, 12 + sum(map(len, chunks))) + b"".join(chunks)
 
 
 _MATERIALS = [
@@ -442,7 +436,11 @@ def _meshes(buffer: _Buffer, body: MovingBody, colour: npt.NDArray[np.uint8], sc
     """Surface and sharp edges of `body`, on the same vertices."""
     position = buffer.add(body.vertices, "VEC3", target=ARRAY_BUFFER, bounds=True)
     moved = buffer.add(scale * body.displacement, "VEC3", target=ARRAY_BUFFER, bounds=True)
-    shade = buffer.add(_linear(colour), "VEC4", target=ARRAY_BUFFER, of=UNSIGNED_BYTE)
+    # Colours (n, 3) as screens show them, in the linear light that glTF wants, opaque: (n, 4)
+    screen = colour / 255.0
+    light = np.where(screen <= 0.04045, screen / 12.92, ((screen + 0.055) / 1.055) ** 2.4)
+    opaque = np.full((len(colour), 1), 255)
+    shade = buffer.add(np.hstack([np.round(255 * light), opaque]).astype(np.uint8), "VEC4", target=ARRAY_BUFFER, of=UNSIGNED_BYTE)
 
     def drawn(name: str, indices: npt.NDArray[np.int64], mode: int, material: int, **more: int) -> dict[str, Any]:
         primitive = {
@@ -456,24 +454,6 @@ def _meshes(buffer: _Buffer, body: MovingBody, colour: npt.NDArray[np.uint8], sc
 
     surface = drawn(body.name, body.faces, TRIANGLES, 0, COLOR_0=shade)
     return [surface, drawn(f"{body.name}, edges", body.edges, LINES, 1)] if len(body.edges) else [surface]
-
-
-def _linear(colour: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
-    """Colours (n, 3) as screens show them, in the linear light that glTF wants, opaque: (n, 4)."""
-    screen = colour / 255.0
-    light = np.where(screen <= 0.04045, screen / 12.92, ((screen + 0.055) / 1.055) ** 2.4)
-    opaque = np.full((len(colour), 1), 255)
-    return np.hstack([np.round(255 * light), opaque]).astype(np.uint8)
-
-
-def _container(tree: dict[str, Any], binary: bytes) -> bytes:
-    text = json.dumps(tree, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
-    text += b" " * (-len(text) % 4)
-    chunks: Sequence[bytes] = (
-        struct.pack("<II", len(text), JSON_CHUNK) + text,
-        struct.pack("<II", len(binary), BINARY_CHUNK) + binary,
-    )
-    return struct.pack("<III", GLB, 2, 12 + sum(map(len, chunks))) + b"".join(chunks)
 
 
 # A sweep that passes a resonance, moving: the article as it bends, and below it the load with the moment that is shown.
@@ -538,26 +518,18 @@ def animate(passing: Passing, path: Path) -> None:
     most = max(largest(frame.bodies) for frame in passing.frames)
     rest = np.concatenate([body.vertices for body in passing.frames[0].bodies])
     factor = REACH * float(np.linalg.norm(np.ptp(rest, axis=0))) / most if most > 0 else 0.0
-    head = _passing_head(passing, factor)
+    figure, canvas = blank(MOVING_TILE[0], PASSING_HEAD)
+    write(canvas, 18, 28, passing.title, 20, weight="bold", va="center")
+    write(canvas, 18, 60, f"{passing.text}, displacement drawn {factor:.0f} times as large", 14, FAINT, va="center")
+    head = pixels(figure)
     with off_screen():
         swung = np.concatenate([b.vertices + factor * b.displacement for frame in passing.frames for b in frame.bodies])
         view = fitted(np.concatenate([rest, swung]), MOVING_TILE, MARGIN)
         images = [
             np.vstack([head, displaced(view, frame.bodies, factor, most), _strip(passing, frame)]) for frame in passing.frames
         ]
-    write_gif(path, images, PACE, _liveliest(passing.frames))
-
-
-def _liveliest(frames: Sequence[Frame]) -> int:
-    """The frame with the largest displacement, which has all the colours."""
-    return int(np.argmax([largest(frame.bodies) for frame in frames]))
-
-
-def _passing_head(passing: Passing, factor: float) -> Image:
-    figure, canvas = blank(MOVING_TILE[0], PASSING_HEAD)
-    write(canvas, 18, 28, passing.title, 20, weight="bold", va="center")
-    write(canvas, 18, 60, f"{passing.text}, displacement drawn {factor:.0f} times as large", 14, FAINT, va="center")
-    return pixels(figure)
+    # The frame with the largest displacement, which has all the colours
+    write_gif(path, images, PACE, int(np.argmax([largest(frame.bodies) for frame in passing.frames])))
 
 
 def _strip(passing: Passing, frame: Frame) -> Image:

@@ -13,7 +13,7 @@ from fem.exudyn.rope_pendulum import Swing
 from fem.exudyn.rope_statics import turned
 from geometry.atomic import write_with
 from geometry.frames import Array, frozen
-from validation.classical.swing import Record, Setup, Simulated
+from validation.classical.swing import Setup, Simulated
 from validation.reference.reference import ArticleOptions, file_name
 from validation.report.charts.spec import FAINT, INK, PAPER
 from validation.report.charts.static import ABOUT, require_format, save
@@ -77,16 +77,6 @@ class PendulumScene:
     view: Projection
 
 
-def pendulum_scene(
-    bodies: Sequence[DrawnBody], rest: Instant, instants: Sequence[Instant], size: tuple[int, int], margin: float
-) -> PendulumScene:
-    """The scene of `bodies` in an image of `size` [pixel] into which every one of `instants` fits."""
-    vertices = np.concatenate([body.vertices for body in bodies])
-    seen = [np.vstack([vertices @ one.rotation.T + one.place, one.chains.reshape(-1, 3)]) for one in (rest, *instants)]
-    view = fitted(np.concatenate([_box(rest.chains[:, 0]).points, *seen]), size, margin)
-    return PendulumScene(bodies=tuple(bodies), edges=tuple(map(sharp_edges, bodies)), rest=rest, view=view)
-
-
 def rendered(scene: PendulumScene, instant: Instant) -> Image:
     """The pendulum at `instant`. To be called inside of `off_screen`."""
     image = shot(scene.view, lambda plotter: _all(plotter, scene, instant), peels=0)
@@ -99,22 +89,25 @@ def _all(plotter: Plotter, scene: PendulumScene, instant: Instant) -> None:
     for body, edges in zip(scene.bodies, scene.edges, strict=True):
         points = _placed(body, instant)
         _lines(plotter, edges, _placed(body, scene.rest), AT_REST)
-        _body(plotter, body, points, colour[body.material])
+        import pyvista
+
+        mesh = pyvista.PolyData(points, np.column_stack([np.full(len(body.faces), 3), body.faces]).ravel())
+        plotter.add_mesh(mesh, color=colour[body.material], ambient=0.55, diffuse=0.55, specular=0.05)
         _lines(plotter, edges, points, INK)
     for chain in instant.chains:
         _polyline(plotter, chain, ROPE, 3.0)
-    _spreader(plotter, instant)
+    # The light frame that the ropes are tied to: from foot to foot, and from every foot to the axis through the CoG
+    feet = instant.chains[:, -1]
+    up = instant.rotation[:, 2]
+    hub = instant.place + up * float(np.mean((feet - instant.place) @ up))
+    _polyline(plotter, np.vstack([feet, feet[:1]]), SPREADER, 3.0)
+    for foot in feet:
+        _polyline(plotter, np.vstack([foot, hub]), SPREADER, 3.0)
+    _polyline(plotter, np.vstack([hub, instant.place]), SPREADER, 3.0)
 
 
 def _placed(body: DrawnBody, instant: Instant) -> Array:
     return np.asarray(body.vertices @ instant.rotation.T + instant.place)
-
-
-def _body(plotter: Plotter, body: DrawnBody, points: Array, colour: str) -> None:
-    import pyvista
-
-    mesh = pyvista.PolyData(points, np.column_stack([np.full(len(body.faces), 3), body.faces]).ravel())
-    plotter.add_mesh(mesh, color=colour, ambient=0.55, diffuse=0.55, specular=0.05)
 
 
 def _lines(plotter: Plotter, edges: Integers, points: Array, colour: str) -> None:
@@ -132,17 +125,6 @@ def _box(anchors: Array):  # type: ignore[no-untyped-def]  # a `pyvista.PolyData
     (x0, y0, z), (x1, y1, _) = anchors.min(axis=0) - OVERHANG, anchors.max(axis=0) + OVERHANG
     z += OVERHANG
     return pyvista.Box(bounds=(x0, x1, y0, y1, z, z + OVERHANG / 4))
-
-
-def _spreader(plotter: Plotter, instant: Instant) -> None:
-    """The light frame that the ropes are tied to: from foot to foot, and from every foot to the axis through the CoG."""
-    feet = instant.chains[:, -1]
-    up = instant.rotation[:, 2]
-    hub = instant.place + up * float(np.mean((feet - instant.place) @ up))
-    _polyline(plotter, np.vstack([feet, feet[:1]]), SPREADER, 3.0)
-    for foot in feet:
-        _polyline(plotter, np.vstack([foot, hub]), SPREADER, 3.0)
-    _polyline(plotter, np.vstack([hub, instant.place]), SPREADER, 3.0)
 
 
 def _polyline(plotter: Plotter, points: Array, colour: str, width: float) -> None:
@@ -232,22 +214,24 @@ def pendulum_animation(swing: DrawnSwing, path: Path) -> None:
 
 def _frames(swing: DrawnSwing, instants: Sequence[Instant]) -> list[Image]:
     """Heading, pendulum and signal of every instant, one above the other."""
-    head = _head(swing)
-    strips = _Strip(swing)
-    with off_screen():
-        scene = pendulum_scene(swing.bodies, swing.rest, swing.instants, TILE, MARGIN)
-        return [
-            np.vstack([head, rendered(scene, one), strips.at(float(moment))])
-            for one, moment in zip(instants, swing.moments, strict=False)
-        ]
-
-
-def _head(swing: DrawnSwing) -> Image:
     figure = _figure(HEAD)
     font = {"family": "DejaVu Sans", "parse_math": False, "va": "center"}
     figure.text(18 / TILE[0], 1 - 28 / HEAD, swing.title, fontsize=14.4, weight="bold", color=INK, **font)
     figure.text(18 / TILE[0], 1 - 60 / HEAD, swing.text, fontsize=10, color=FAINT, **font)
-    return _drawn(figure)
+    head = _drawn(figure)
+    strips = _Strip(swing)
+    with off_screen():
+        # The scene of `bodies` in an image of `TILE` [pixel] into which every one of `swing.instants` fits
+        bodies = swing.bodies
+        rest = swing.rest
+        vertices = np.concatenate([body.vertices for body in bodies])
+        seen = [np.vstack([vertices @ one.rotation.T + one.place, one.chains.reshape(-1, 3)]) for one in (rest, *swing.instants)]
+        view = fitted(np.concatenate([_box(rest.chains[:, 0]).points, *seen]), TILE, MARGIN)
+        scene = PendulumScene(bodies=tuple(bodies), edges=tuple(map(sharp_edges, bodies)), rest=rest, view=view)
+        return [
+            np.vstack([head, rendered(scene, one), strips.at(float(moment))])
+            for one, moment in zip(instants, swing.moments, strict=False)
+        ]
 
 
 class _Strip:
@@ -256,7 +240,7 @@ class _Strip:
     def __init__(self, swing: DrawnSwing) -> None:
         self.figure = _figure(STRIP)
         axes: Axes = self.figure.add_axes((0.115, 0.24, 0.86, 0.6))
-        unit, factor = _unit(swing.signal)
+        unit, factor = ("°", 180 / np.pi) if np.abs(swing.signal).max() > 0.02 else ("mrad", 1e3)
         axes.plot(swing.time, factor * swing.signal, ".", color=SIGNAL, markersize=2.6, label="recorded")
         axes.plot(swing.time, factor * swing.fit, color=FIT, linewidth=1.0, label="decaying sinusoid fitted to it")
         axes.set_xlim(swing.time[0], swing.time[-1])
@@ -271,10 +255,6 @@ class _Strip:
     def at(self, moment: float) -> Image:
         self.mark.set_xdata([moment, moment])
         return _drawn(self.figure)
-
-
-def _unit(signal: Array) -> tuple[str, float]:
-    return ("°", 180 / np.pi) if np.abs(signal).max() > 0.02 else ("mrad", 1e3)
 
 
 def _figure(height: int) -> Any:
@@ -327,13 +307,18 @@ def drawn(found: Simulated, asked: ArticleOptions) -> DrawnSwing:
     record, setup = found.record, found.record.setup
     _, bodies, inertia, _ = drawing(setup.article, asked)
     hanging = turned(setup.axis, setup.along)
-    frames = _drawing_frames(record)
+    # Samples of the frames: whole cycles from the start, in equal steps
+    time = record.swing.time
+    end = min(CYCLES * record.period, float(time[-1]))
+    moments = np.arange(0.0, end, 1 / FRAMES_A_SECOND)
+    frames = sorted(set(np.searchsorted(time, moments).tolist()))
     return DrawnSwing(
         title=f"{setup.article} on {setup.suspension.ropes} ropes",
         text=f"T = {record.period:.4f} s ({100 * record.shift:+.3f} % from Eq. 5); inertia by Eq. 5 {100 * found.plain:+.3f} %, "
         f"corrected {100 * found.corrected:+.3f} %",
         bodies=tuple(_hung(body, hanging, inertia.cog) for body in bodies),
-        rest=_at_rest(record.swing),
+        # The sample nearest to no twist
+        rest=_instant(record.swing, int(np.argmin(np.abs(record.swing.yaw)))),
         instants=tuple(_instant(record.swing, k) for k in frames),
         moments=record.swing.time[frames],
         time=record.swing.time,
@@ -368,18 +353,5 @@ def _hung(body: DrawnBody, hanging: Array, cog: Array) -> DrawnBody:
     return replace(body, vertices=(body.vertices - cog) @ hanging.T)
 
 
-def _drawing_frames(record: Record) -> list[int]:
-    """Samples of the frames: whole cycles from the start, in equal steps."""
-    time = record.swing.time
-    end = min(CYCLES * record.period, float(time[-1]))
-    moments = np.arange(0.0, end, 1 / FRAMES_A_SECOND)
-    return sorted(set(np.searchsorted(time, moments).tolist()))
-
-
 def _instant(swing: Swing, k: int) -> Instant:
     return Instant(place=swing.place[k], rotation=swing.rotation[k], chains=swing.chains[k])
-
-
-def _at_rest(swing: Swing) -> Instant:
-    """The sample nearest to no twist."""
-    return _instant(swing, int(np.argmin(np.abs(swing.yaw))))

@@ -115,27 +115,26 @@ def equivalent_ellipsoid(inertia: Inertia) -> Ellipsoid:
     """
     moments, axes = inertia.principal()
     squares = 5 * (moments.sum() - 2 * moments) / (2 * inertia.mass)
+    # The axes with their freedom used up: those of equal moments along the frame, all as far as can be its positive way
+    first, second = np.diff(moments) <= EQUAL * moments[2]
+    # `axis` or its opposite, whichever has its largest component positive
+    one, two, three = (np.asarray(axis * np.sign(axis[np.argmax(np.abs(axis))])) for axis in axes.T)
+    if first and second:
+        settled = np.eye(3)
+    else:
+        if first:
+            one = _nearest_in_plane(three)
+            two = np.cross(three, one)
+        elif second:
+            two = _nearest_in_plane(one)
+            three = np.cross(one, two)
+        settled = _right_handed(np.column_stack([one, two, three]))
     return Ellipsoid(
         centre=frozen(inertia.cog, (3,), "centre"),
-        axes=frozen(_settled(moments, axes), (3, 3), "axes"),
+        axes=frozen(settled, (3, 3), "axes"),
         moments=frozen(moments, (3,), "moments"),
         semi_axes=frozen(np.sqrt(np.maximum(squares, 0)), (3,), "semi_axes"),
     )
-
-
-def _settled(moments: Array, axes: Array) -> Array:
-    """The axes with their freedom used up: those of equal moments along the frame, all as far as can be its positive way."""
-    first, second = np.diff(moments) <= EQUAL * moments[2]
-    one, two, three = (_forward(axis) for axis in axes.T)
-    if first and second:
-        return np.eye(3)
-    if first:
-        one = _nearest_in_plane(three)
-        two = np.cross(three, one)
-    elif second:
-        two = _nearest_in_plane(one)
-        three = np.cross(one, two)
-    return _right_handed(np.column_stack([one, two, three]))
 
 
 def _right_handed(axes: Array) -> Array:
@@ -144,11 +143,6 @@ def _right_handed(axes: Array) -> Array:
         back = np.argmax(np.abs(axes[1]))
         axes[:, back] = -axes[:, back]
     return axes
-
-
-def _forward(axis: Array) -> Array:
-    """`axis` or its opposite, whichever has its largest component positive."""
-    return np.asarray(axis * np.sign(axis[np.argmax(np.abs(axis))]))
 
 
 def _nearest_in_plane(normal: Array) -> Array:
@@ -184,11 +178,36 @@ class Block:
 
 def blocks(bodies: Sequence[DrawnBody], inertia: Inertia, ellipsoid: Ellipsoid) -> tuple[Block, ...]:
     """All figures of a picture, from top to bottom."""
+    zero = NOTHING * float(inertia.moments_cog.max())
+    named = zip(("xx", "yy", "zz", "xy", "xz", "yz"), (*inertia.moments_cog, *inertia.products_cog), strict=True)
+    rows = tuple(
+        LegendRow(name=rf"$\Theta_{{{axes}}}$", value=significant(0.0 if abs(value) < zero else value, 5), unit="kg m²")
+        for axes, value in named
+    )
+    tensor = Block(heading="Inertia about the CoG", small="frame axes; products as matrix entries", rows=rows)
+    principal_rows = tuple(
+        LegendRow(
+            name=rf"$I_{i + 1}$ {direction(ellipsoid.axes[:, i])}",
+            value=significant(moment, 5),
+            unit="kg m²",
+            colour=AXES[i],
+        )
+        for i, moment in enumerate(ellipsoid.moments)
+    )
+    if len(ellipsoid.equal) == 2:
+        freedom: str = "all equal: every axis is a principal axis"
+    else:
+        if ellipsoid.equal:
+            i, j = ellipsoid.equal[0]
+            freedom = f"{i + 1} and {j + 1} equal: any axes in their plane"
+        else:
+            freedom = ""
+    principal = Block(heading="Principal moments", small=freedom, rows=principal_rows)
     return (
         Block(heading="Mass", rows=(LegendRow(name="$m$", value=f"{significant(inertia.mass, 5)}", unit="kg"),)),
         _cog(inertia),
-        _tensor(inertia),
-        _principal(ellipsoid),
+        tensor,
+        principal,
         _ellipsoid(ellipsoid),
         _size(bodies),
     )
@@ -215,38 +234,6 @@ def _cog(inertia: Inertia) -> Block:
         LegendRow(name=f"${axis}$", value=millimetres(value), unit="mm") for axis, value in zip("xyz", inertia.cog, strict=True)
     )
     return Block(heading="Centre of gravity", small="from the origin of the frame", rows=rows)
-
-
-def _tensor(inertia: Inertia) -> Block:
-    zero = NOTHING * float(inertia.moments_cog.max())
-    named = zip(("xx", "yy", "zz", "xy", "xz", "yz"), (*inertia.moments_cog, *inertia.products_cog), strict=True)
-    rows = tuple(
-        LegendRow(name=rf"$\Theta_{{{axes}}}$", value=significant(0.0 if abs(value) < zero else value, 5), unit="kg m²")
-        for axes, value in named
-    )
-    return Block(heading="Inertia about the CoG", small="frame axes; products as matrix entries", rows=rows)
-
-
-def _principal(ellipsoid: Ellipsoid) -> Block:
-    rows = tuple(
-        LegendRow(
-            name=rf"$I_{i + 1}$ {direction(ellipsoid.axes[:, i])}",
-            value=significant(moment, 5),
-            unit="kg m²",
-            colour=AXES[i],
-        )
-        for i, moment in enumerate(ellipsoid.moments)
-    )
-    return Block(heading="Principal moments", small=_freedom(ellipsoid), rows=rows)
-
-
-def _freedom(ellipsoid: Ellipsoid) -> str:
-    if len(ellipsoid.equal) == 2:
-        return "all equal: every axis is a principal axis"
-    if ellipsoid.equal:
-        i, j = ellipsoid.equal[0]
-        return f"{i + 1} and {j + 1} equal: any axes in their plane"
-    return ""
 
 
 def direction(axis: Array) -> str:
@@ -366,7 +353,12 @@ def fitted(points: Array, size: tuple[int, int], margin: float) -> Projection:
 
     A flat article is looked at from higher up, so that its upper face shows.
     """
-    towards = _direction(_elevation(points))
+    # Camera height above the horizon [rad]: 18° for what is at least as tall as wide, 34° for a plate
+    extent = np.ptp(points, axis=0)
+    slender = min(extent[2] / max(extent[0], extent[1], 1e-12), 1.0)
+    elevation = float(np.radians(34.0 - 16.0 * slender))
+    c, s = np.cos(elevation), np.sin(elevation)
+    towards = np.array([c * np.cos(AZIMUTH), c * np.sin(AZIMUTH), s])
     right = np.cross([0.0, 0.0, 1.0], towards)
     right /= np.linalg.norm(right)
     up = np.cross(towards, right)
@@ -381,18 +373,6 @@ def fitted(points: Array, size: tuple[int, int], margin: float) -> Projection:
         scale=float(((upper - lower)[:2] / room).max()),
         size=size,
     )
-
-
-def _direction(elevation: float) -> Array:
-    c, s = np.cos(elevation), np.sin(elevation)
-    return np.array([c * np.cos(AZIMUTH), c * np.sin(AZIMUTH), s])
-
-
-def _elevation(points: Array) -> float:
-    """Camera height above the horizon [rad]: 18° for what is at least as tall as wide, 34° for a plate."""
-    extent = np.ptp(points, axis=0)
-    slender = min(extent[2] / max(extent[0], extent[1], 1e-12), 1.0)
-    return float(np.radians(34.0 - 16.0 * slender))
 
 
 # An OpenGL window that nobody sees: where VTK gets it from, and what is said when there is none.
@@ -432,7 +412,10 @@ def off_screen() -> Iterator[None]:
         yield
     finally:
         for name, value in before.items():
-            _restore(name, value)
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
 
 
 @cache
@@ -459,13 +442,6 @@ def _no_renderer(what: str, said: str) -> CheckFailed:
 
 def _environment() -> dict[str, str]:
     return OFF_SCREEN if sys.platform == "linux" else {}
-
-
-def _restore(name: str, value: str | None) -> None:
-    if value is None:
-        os.environ.pop(name, None)
-    else:
-        os.environ[name] = value
 
 
 # The three-dimensional part of a picture, rendered by pyvista: bodies one can look into, ellipsoid, axes and frame.
@@ -528,21 +504,17 @@ def shot(view: Projection, draw: Any, transparent: bool = False, peels: int = PE
         plotter.set_background(PAPER)
         _light(plotter)
         draw(plotter)
-        _look(plotter, view)
+        camera = plotter.camera
+        camera.enable_parallel_projection()
+        distance = 10 * view.scale * max(view.size)
+        camera.focal_point, camera.position, camera.up = view.centre, view.centre + distance * view.towards, view.up
+        camera.parallel_scale = view.scale * view.size[1] / 2
+        camera.clipping_range = (distance * 0.5, distance * 1.5)
         if peels and not transparent:
             plotter.enable_depth_peeling(peels, 0.0)
         return np.asarray(plotter.screenshot(return_img=True, transparent_background=transparent))
     finally:
         plotter.close()
-
-
-def _look(plotter: Plotter, view: Projection) -> None:
-    camera = plotter.camera
-    camera.enable_parallel_projection()
-    distance = 10 * view.scale * max(view.size)
-    camera.focal_point, camera.position, camera.up = view.centre, view.centre + distance * view.towards, view.up
-    camera.parallel_scale = view.scale * view.size[1] / 2
-    camera.clipping_range = (distance * 0.5, distance * 1.5)
 
 
 def _light(plotter: Plotter) -> None:
@@ -558,24 +530,20 @@ def _light(plotter: Plotter) -> None:
 def _all(plotter: Plotter, bodies: Sequence[DrawnBody], ellipsoid: Ellipsoid | None, arrows: Sequence[Arrow]) -> None:
     colour = palette_colours(body.material for body in bodies)
     for body in bodies:
-        _body(plotter, body, colour[body.material])
+        import pyvista
+
+        shown, opacity, line = (colour[body.material], 0.55, 1.6) if body.counted else (UNCOUNTED, 0.10, 1.0)
+        faces = np.column_stack([np.full(len(body.faces), 3), body.faces])
+        mesh = pyvista.PolyData(body.vertices, faces.ravel())
+        plotter.add_mesh(mesh, color=shown, opacity=opacity, ambient=0.62, diffuse=0.5, specular=0.08)
+        edges = mesh.extract_feature_edges(30, boundary_edges=False, manifold_edges=False, non_manifold_edges=False)
+        if edges.n_cells:
+            edge_colour = pyvista.Color(shown).float_rgb
+            darker = tuple(0.55 * c for c in edge_colour) if body.counted else edge_colour
+            plotter.add_mesh(edges, color=darker, line_width=line * SUPERSAMPLING / 2, lighting=False)
     if ellipsoid is not None:
         _scene_ellipsoid(plotter, ellipsoid)
     _arrows(plotter, arrows)
-
-
-def _body(plotter: Plotter, body: DrawnBody, colour: str) -> None:
-    import pyvista
-
-    shown, opacity, line = (colour, 0.55, 1.6) if body.counted else (UNCOUNTED, 0.10, 1.0)
-    faces = np.column_stack([np.full(len(body.faces), 3), body.faces])
-    mesh = pyvista.PolyData(body.vertices, faces.ravel())
-    plotter.add_mesh(mesh, color=shown, opacity=opacity, ambient=0.62, diffuse=0.5, specular=0.08)
-    edges = mesh.extract_feature_edges(30, boundary_edges=False, manifold_edges=False, non_manifold_edges=False)
-    if edges.n_cells:
-        edge_colour = pyvista.Color(shown).float_rgb
-        darker = tuple(0.55 * c for c in edge_colour) if body.counted else edge_colour
-        plotter.add_mesh(edges, color=darker, line_width=line * SUPERSAMPLING / 2, lighting=False)
 
 
 def _scene_ellipsoid(plotter: Plotter, ellipsoid: Ellipsoid) -> None:
@@ -673,11 +641,34 @@ def picture(title: str, bodies: Sequence[DrawnBody], inertia: Inertia, path: Pat
     ellipsoid = equivalent_ellipsoid(require_physical(inertia, f"picture of {title}"))
     view = view_of(bodies, ellipsoid)
     image = rendered(view, bodies, ellipsoid, [*_frame(view), *_page_principal(view, ellipsoid)])
-    figure, canvas = _blank()
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    # A white figure and axes that cover it, one unit a pixel, y downwards
+    figure = Figure(figsize=(SIZE[0] / DPI, SIZE[1] / DPI), dpi=DPI, facecolor=PAPER)
+    FigureCanvasAgg(figure)
+    canvas = figure.add_axes((0, 0, 1, 1))
+    canvas.set_axis_off()
+    canvas.set_autoscale_on(False)
+    canvas.set(xlim=(0, SIZE[0]), ylim=(SIZE[1], 0))
     x, y = SCENE_CORNER
     canvas.imshow(image, extent=(x, x + SCENE[0], y + SCENE[1], y), interpolation="none", zorder=0)
-    _title(canvas, title)
-    _marks(canvas, view, ellipsoid)
+    _write(canvas, 48, 64, shortened(title, 64), 34, va="center", weight="bold")
+    # The CoG symbol and the labels of CoG, principal axes and frame
+    cog = _on_page(view, ellipsoid.centre)
+    _cog_symbol(canvas, cog)
+    frame_labels = [_tip_label(view, name, arrow.start, arrow.end, INK) for name, arrow in zip("xyz", _frame(view), strict=True)]
+    labels = [
+        *_axis_labels(view, ellipsoid),
+        Label(text="CoG", anchor=cog, wish=np.array([-1.0, -0.35]), extent=(62, 30), gap=COG_RADIUS + 16, colour=INK),
+        *frame_labels,
+    ]
+    taken = [(cog, (2 * COG_RADIUS, 2 * COG_RADIUS)), *_shafts(view, [*_frame(view), *_page_principal(view, ellipsoid)])]
+    for label, place in zip(labels, arranged(labels, taken, SCENE_BOX), strict=True):
+        canvas.plot(*np.column_stack([label.anchor, place]), color=label.colour, linewidth=0.8, zorder=4)
+        box = {"boxstyle": "round,pad=0.22", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.82}
+        how = {"ha": "center", "va": "center", "weight": "bold", "bbox": box, "zorder": 6}
+        _write(canvas, place[0], place[1], label.text, 19, label.colour, **how)
     _scale_bar(canvas, view)
     bottom = _panel(canvas, blocks(bodies, inertia, ellipsoid))
     _legend(canvas, bodies, bottom)
@@ -708,34 +699,20 @@ def _page_principal(view: Projection, ellipsoid: Ellipsoid) -> list[Arrow]:
 
 
 def _frame(view: Projection) -> list[Arrow]:
-    length, radius, foot = FRAME_LENGTH * view.scale, FRAME_RADIUS * view.scale, _frame_foot(view)
-    return [Arrow(start=foot, end=foot + length * axis, radius=radius, colour=INK) for axis in np.eye(3)]
-
-
-def _frame_foot(view: Projection) -> Array:
-    """Where the frame is drawn (3,) [m]: at its origin, or in the lower left corner when that lies outside the picture."""
+    # Where the frame is drawn (3,) [m]: at its origin, or in the lower left corner when that lies outside the picture
     if _origin_shown(view):
-        return np.zeros(3)
-    width, height = SCENE
-    return np.asarray(view.centre + view.scale * ((CORNER[0] - width / 2) * view.right + (CORNER[1] - height / 2) * view.up))
+        frame_foot = np.zeros(3)
+    else:
+        width, height = SCENE
+        frame_foot = np.asarray(
+            view.centre + view.scale * ((CORNER[0] - width / 2) * view.right + (CORNER[1] - height / 2) * view.up)
+        )
+    length, radius, foot = FRAME_LENGTH * view.scale, FRAME_RADIUS * view.scale, frame_foot
+    return [Arrow(start=foot, end=foot + length * axis, radius=radius, colour=INK) for axis in np.eye(3)]
 
 
 def _origin_shown(view: Projection) -> bool:
     return bool(np.all((view.pixel(np.zeros(3)) >= 0) & (view.pixel(np.zeros(3)) <= SCENE)))
-
-
-def _blank() -> tuple[Any, Canvas]:
-    """A white figure and axes that cover it, one unit a pixel, y downwards."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(SIZE[0] / DPI, SIZE[1] / DPI), dpi=DPI, facecolor=PAPER)
-    FigureCanvasAgg(figure)
-    canvas = figure.add_axes((0, 0, 1, 1))
-    canvas.set_axis_off()
-    canvas.set_autoscale_on(False)
-    canvas.set(xlim=(0, SIZE[0]), ylim=(SIZE[1], 0))
-    return figure, canvas
 
 
 def _write(canvas: Canvas, x: float, y: float, text: str, size: float, colour: str = INK, **how: Any) -> Any:
@@ -743,27 +720,10 @@ def _write(canvas: Canvas, x: float, y: float, text: str, size: float, colour: s
     return canvas.text(x, y, text, fontsize=size * 72 / DPI, color=colour, family="DejaVu Sans", **{"parse_math": False} | how)
 
 
-def _title(canvas: Canvas, title: str) -> None:
-    _write(canvas, 48, 64, shortened(title, 64), 34, va="center", weight="bold")
-
-
 def shortened(text: str, longest: int) -> str:
     """`text` with its middle left out when it is longer than `longest` characters: both ends of a path tell something."""
     half = (longest - 1) // 2
     return text if len(text) <= longest else f"{text[:half]}…{text[-half:]}"
-
-
-def _marks(canvas: Canvas, view: Projection, ellipsoid: Ellipsoid) -> None:
-    """The CoG symbol and the labels of CoG, principal axes and frame."""
-    cog = _on_page(view, ellipsoid.centre)
-    _cog_symbol(canvas, cog)
-    labels = [*_axis_labels(view, ellipsoid), _cog_label(cog), *_frame_labels(view)]
-    taken = [(cog, (2 * COG_RADIUS, 2 * COG_RADIUS)), *_shafts(view, [*_frame(view), *_page_principal(view, ellipsoid)])]
-    for label, place in zip(labels, arranged(labels, taken, SCENE_BOX), strict=True):
-        canvas.plot(*np.column_stack([label.anchor, place]), color=label.colour, linewidth=0.8, zorder=4)
-        box = {"boxstyle": "round,pad=0.22", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.82}
-        how = {"ha": "center", "va": "center", "weight": "bold", "bbox": box, "zorder": 6}
-        _write(canvas, place[0], place[1], label.text, 19, label.colour, **how)
 
 
 def _shafts(view: Projection, arrows: Sequence[Arrow]) -> list[tuple[Array, tuple[float, float]]]:
@@ -778,17 +738,9 @@ def _axis_labels(view: Projection, ellipsoid: Ellipsoid) -> list[Label]:
     return [_tip_label(view, str(i), arrow.start, arrow.end, arrow.colour) for i, arrow in arrows]
 
 
-def _frame_labels(view: Projection) -> list[Label]:
-    return [_tip_label(view, name, arrow.start, arrow.end, INK) for name, arrow in zip("xyz", _frame(view), strict=True)]
-
-
 def _tip_label(view: Projection, text: str, start: Array, tip: Array, colour: str) -> Label:
     anchor = _on_page(view, tip)
     return Label(text=text, anchor=anchor, wish=anchor - _on_page(view, start), extent=(26, 30), gap=8, colour=colour)
-
-
-def _cog_label(cog: Array) -> Label:
-    return Label(text="CoG", anchor=cog, wish=np.array([-1.0, -0.35]), extent=(62, 30), gap=COG_RADIUS + 16, colour=INK)
 
 
 def _cog_symbol(canvas: Canvas, place: Array, radius: float = COG_RADIUS) -> None:

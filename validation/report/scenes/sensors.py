@@ -68,7 +68,9 @@ def sensor_page(title: str, sensors: Sequence[DrawnSensor], bodies: Sequence[Dra
     CheckFailed : nothing can be rendered on this machine.
     """
     require_format(path)
-    length = ARROW * _extent(sensors)
+    # Largest distance of the sensors along an axis [m]; 1 of a single one
+    extent = float(np.ptp([sensor.position for sensor in sensors], axis=0).max()) or 1.0
+    length = ARROW * extent
     arrows = [*(_arrow(sensor, length) for sensor in sensors), *_axes(length)]
     ghosts = [replace(body, counted=False) for body in bodies]
     figure, canvas = blank(*SIZE)
@@ -80,7 +82,12 @@ def sensor_page(title: str, sensors: Sequence[DrawnSensor], bodies: Sequence[Dra
         write(canvas, left + 30, TOP - 8, words, 16, FAINT, va="center")
         if k:
             _labels(canvas, view, sensors, length, left)
-    _legend(canvas, {sensor.group for sensor in sensors})
+    groups = {sensor.group for sensor in sensors}
+    x = 40.0
+    for group in (name for name in COLOURS if name in groups):
+        canvas.plot([x, x + 34], [SIZE[1] - 88] * 2, color=COLOURS[group], linewidth=4)
+        write(canvas, x + 44, SIZE[1] - 88, group, 17, INK, va="center")
+        x += 150
     for i, line in enumerate(textwrap.wrap(note, 200, max_lines=2, placeholder=" …")):
         write(canvas, 40, SIZE[1] - 52 + 22 * i, line, 15, FAINT, va="center")
     save(path, lambda temporary: figure.savefig(temporary, dpi=DPI))
@@ -90,11 +97,6 @@ def _points(sensors: Sequence[DrawnSensor], bodies: Sequence[DrawnBody], length:
     ends = [np.zeros(3)]
     ends += [point for one in sensors for point in (one.position, one.position + length * one.direction)]
     return np.vstack([np.asarray(ends), *(body.vertices for body in bodies)])
-
-
-def _extent(sensors: Sequence[DrawnSensor]) -> float:
-    """Largest distance of the sensors along an axis [m]; 1 of a single one."""
-    return float(np.ptp([sensor.position for sensor in sensors], axis=0).max()) or 1.0
 
 
 def _views(
@@ -157,14 +159,6 @@ def _labels(canvas: Any, view: Projection, sensors: Sequence[DrawnSensor], lengt
         write(canvas, place[0], place[1], label.text, 14.5, label.colour, ha="center", va="center", bbox=box, zorder=6)
 
 
-def _legend(canvas: Any, groups: set[str]) -> None:
-    x = 40.0
-    for group in (name for name in COLOURS if name in groups):
-        canvas.plot([x, x + 34], [SIZE[1] - 88] * 2, color=COLOURS[group], linewidth=4)
-        write(canvas, x + 44, SIZE[1] - 88, group, 17, INK, va="center")
-        x += 150
-
-
 # The sensor map of `massline check --view`: every pick-up and load cell over the article, when that is a built-in one.
 
 
@@ -198,7 +192,11 @@ def _bodies(campaign: Campaign) -> tuple[list[DrawnBody], str]:
         article = built_in(campaign.article)
     except BadInput:
         return [], f"{arrows} {campaign.article} is no built-in article, so it is not drawn."
-    pose = _pose(campaign)
+    # Where the built-in stack stands, seen from F: on the FMD its frame begins at F, else the mounting says it
+    if campaign.article.split("+")[0] == "fmd" or campaign.mounting is None:
+        pose = Pose()
+    else:
+        pose = Pose(position=campaign.mounting.position - campaign.table.origin, rotation=campaign.mounting.rotation)
     drawn = [
         DrawnBody(
             name=body.name, material=body.material, vertices=pose.apply(body.vertices), faces=body.faces, counted=body.counted
@@ -206,10 +204,3 @@ def _bodies(campaign: Campaign) -> tuple[list[DrawnBody], str]:
         for body in drawn_bodies(article, 1e-3)
     ]
     return drawn, f"{arrows} {campaign.article} as built in, a reconstruction; the campaign's own parts may be of other sizes."
-
-
-def _pose(campaign: Campaign) -> Pose:
-    """Where the built-in stack stands, seen from F: on the FMD its frame begins at F, else the mounting says it."""
-    if campaign.article.split("+")[0] == "fmd" or campaign.mounting is None:
-        return Pose()
-    return Pose(position=campaign.mounting.position - campaign.table.origin, rotation=campaign.mounting.rotation)

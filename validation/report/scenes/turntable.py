@@ -91,8 +91,18 @@ class Turntable:
 
     def __init__(self, bodies: Sequence[DrawnBody | MovingBody], sensors: Sequence[DrawnSensor] = (), scale: float = 0.0) -> None:
         self._bodies, self._sensors, self._scale = tuple(bodies), tuple(sensors), scale
-        self._length = ARROW * _extent(sensors, bodies)
-        self._points = _points(bodies, sensors, self._length, scale)
+        # Largest distance along an axis [m] of the sensors, or of the bodies where there are none
+        places = np.array([one.position for one in sensors]) if sensors else np.concatenate([one.vertices for one in bodies])
+        extent = float(np.ptp(places, axis=0).max()) or 1.0
+        self._length = ARROW * extent
+        # Everything that has to fit, at both ends of a swing
+        length = self._length
+        found = [one.vertices for one in bodies if isinstance(one, DrawnBody)]
+        found += [
+            one.vertices + sign * scale * one.displacement for one in bodies if isinstance(one, MovingBody) for sign in (-1, 1)
+        ]
+        found += [np.array([one.position, one.position + length * one.direction]) for one in sensors]
+        self._points = np.concatenate(found)
         self._near = np.mean([one.position for one in sensors], axis=0) if sensors else None
         self._stages: dict[bool, _Stage] = {}
 
@@ -103,14 +113,30 @@ class Turntable:
         ------
         CheckFailed : nothing can be rendered on this machine.
         """
-        turn = replace(turn, size=_within(turn.size))
+        width, height = (min(max(asked, 40), most) for asked, most in zip(turn.size, LARGEST, strict=True))
+        turn = replace(turn, size=(width, height))
         view = turned(fitted(self._points, turn.size, MARGIN), turn, self._points, self._near)
         with off_screen():
             stage = self._stages.get(turn.dark)
             if stage is None:
                 stage = self._stages[turn.dark] = _Stage(self._bodies, self._arrows(turn.dark), self._scale, turn.dark)
             image = stage.shot(view, turn.share)
-        return _labelled(image, self._labels(view, turn.dark), turn.dark)
+        from PIL import Image as Pictures
+        from PIL import ImageDraw
+
+        labels = self._labels(view, turn.dark)
+        dark = turn.dark
+        picture = Pictures.fromarray(image)
+        pen = ImageDraw.Draw(picture)
+        for label, place in labels:
+            pen.line([tuple(label.anchor), tuple(place)], fill=label.colour, width=1)
+        for label, place in labels:
+            x, y = place - np.array(label.extent) / 2
+            pen.rectangle([x, y, x + label.extent[0], y + label.extent[1]], fill=PAPER[dark])
+            pen.text((x + 2, y), label.text, fill=label.colour, font=_font())
+        kept = io.BytesIO()
+        picture.save(kept, "JPEG", quality=88)
+        return kept.getvalue()
 
     def close(self) -> None:
         """Let go of the windows."""
@@ -183,7 +209,13 @@ class _Stage:
             for mesh in meshes:
                 mesh.points = body.vertices + share * self._scale * body.displacement
         for plotter in self._plotters:
-            _look(plotter, view)
+            if tuple(plotter.window_size) != view.size:
+                plotter.window_size = list(view.size)
+            camera, distance = plotter.camera, 10 * view.scale * max(view.size) + 10
+            camera.enable_parallel_projection()
+            camera.focal_point, camera.position, camera.up = view.centre, view.centre + distance * view.towards, view.up
+            camera.parallel_scale = view.scale * view.size[1] / 2
+            camera.clipping_range = (distance * 0.2, distance * 1.8)
         whole = _shot(self._whole)[..., :3]
         if self._above is None:
             return whole
@@ -202,7 +234,15 @@ class _Stage:
             if isinstance(body, MovingBody):
                 self._moving.append((body, _moving(self._whole, body, most, dark)))
             else:
-                _still(self._whole, body, colour[body.material], dark)
+                import pyvista
+
+                mesh = pyvista.PolyData(
+                    np.array(body.vertices), np.column_stack([np.full(len(body.faces), 3), body.faces]).ravel()
+                )
+                self._whole.add_mesh(mesh, color=colour[body.material], ambient=0.5, diffuse=0.55, specular=0.06)
+                edges = mesh.extract_feature_edges(30, boundary_edges=False, manifold_edges=False, non_manifold_edges=False)
+                if edges.n_cells:
+                    self._whole.add_mesh(edges, color=INK[dark], line_width=1.0, opacity=0.6, lighting=False)
 
 
 def _shot(plotter: Plotter, **how: Any) -> Image:
@@ -232,35 +272,6 @@ def turned(view: Projection, turn: Turn, points: Array, near: Array | None = Non
         scale=view.scale / turn.zoom,
         size=turn.size,
     )
-
-
-def _within(size: tuple[int, int]) -> tuple[int, int]:
-    width, height = (min(max(asked, 40), most) for asked, most in zip(size, LARGEST, strict=True))
-    return width, height
-
-
-def _extent(sensors: Sequence[DrawnSensor], bodies: Sequence[DrawnBody | MovingBody]) -> float:
-    """Largest distance along an axis [m] of the sensors, or of the bodies where there are none."""
-    places = np.array([one.position for one in sensors]) if sensors else np.concatenate([one.vertices for one in bodies])
-    return float(np.ptp(places, axis=0).max()) or 1.0
-
-
-def _points(bodies: Sequence[DrawnBody | MovingBody], sensors: Sequence[DrawnSensor], length: float, scale: float) -> Array:
-    """Everything that has to fit, at both ends of a swing."""
-    found = [one.vertices for one in bodies if isinstance(one, DrawnBody)]
-    found += [one.vertices + sign * scale * one.displacement for one in bodies if isinstance(one, MovingBody) for sign in (-1, 1)]
-    found += [np.array([one.position, one.position + length * one.direction]) for one in sensors]
-    return np.concatenate(found)
-
-
-def _still(plotter: Plotter, body: DrawnBody, colour: str, dark: bool) -> None:
-    import pyvista
-
-    mesh = pyvista.PolyData(np.array(body.vertices), np.column_stack([np.full(len(body.faces), 3), body.faces]).ravel())
-    plotter.add_mesh(mesh, color=colour, ambient=0.5, diffuse=0.55, specular=0.06)
-    edges = mesh.extract_feature_edges(30, boundary_edges=False, manifold_edges=False, non_manifold_edges=False)
-    if edges.n_cells:
-        plotter.add_mesh(edges, color=INK[dark], line_width=1.0, opacity=0.6, lighting=False)
 
 
 def _moving(plotter: Plotter, body: MovingBody, most: float, dark: bool) -> list[Any]:
@@ -300,39 +311,12 @@ def _light(plotter: Plotter) -> None:
         plotter.add_light(light)
 
 
-def _look(plotter: Plotter, view: Projection) -> None:
-    if tuple(plotter.window_size) != view.size:
-        plotter.window_size = list(view.size)
-    camera, distance = plotter.camera, 10 * view.scale * max(view.size) + 10
-    camera.enable_parallel_projection()
-    camera.focal_point, camera.position, camera.up = view.centre, view.centre + distance * view.towards, view.up
-    camera.parallel_scale = view.scale * view.size[1] / 2
-    camera.clipping_range = (distance * 0.2, distance * 1.8)
-
-
 def _colour(group: str, dark: bool) -> str:
     return SENSORS[dark].get(group, INK[dark])
 
 
 def _label(text: str, anchor: Array, wish: Array, colour: str) -> Label:
     return Label(text=text, anchor=anchor, wish=wish, extent=(LETTER * len(text) + 4, LINE), gap=5, colour=colour)
-
-
-def _labelled(image: Image, labels: Sequence[tuple[Label, Array]], dark: bool) -> bytes:
-    from PIL import Image as Pictures
-    from PIL import ImageDraw
-
-    picture = Pictures.fromarray(image)
-    pen = ImageDraw.Draw(picture)
-    for label, place in labels:
-        pen.line([tuple(label.anchor), tuple(place)], fill=label.colour, width=1)
-    for label, place in labels:
-        x, y = place - np.array(label.extent) / 2
-        pen.rectangle([x, y, x + label.extent[0], y + label.extent[1]], fill=PAPER[dark])
-        pen.text((x + 2, y), label.text, fill=label.colour, font=_font())
-    kept = io.BytesIO()
-    picture.save(kept, "JPEG", quality=88)
-    return kept.getvalue()
 
 
 @cache
