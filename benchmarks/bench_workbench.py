@@ -20,7 +20,7 @@ import numpy as np
 
 from benchmarks.ratios import Timing, measure, show
 from geometry.errors import BadInput, CheckFailed
-from validation.app import examples, session, whatif
+from validation.app import opening, whatif
 from validation.app.session import Session, begun
 from validation.app.whatif import ReadyPredictions, Slider, TrialEffect, reaching, what_if
 
@@ -42,9 +42,9 @@ BASE = "one full prediction"
 
 def ready(folder: Path) -> Session:
     """The example, compared."""
-    series = examples.series(EXAMPLE)
+    series = opening.made(EXAMPLE)
     desk = begun(folder, series.model, series.data, hold_out=series.hold_out, band=series.band)
-    session.compared(desk)
+    desk.compare()
     return desk
 
 
@@ -87,7 +87,7 @@ def main() -> None:
     """Measure, and print ratios; on a terminal the milliseconds, too."""
     with tempfile.TemporaryDirectory() as folder:
         desk = ready(Path(folder) / "desk")
-        of, anew = whatif.table(desk), session.made(desk, session.model_of(desk))
+        of, anew = whatif.table(desk), desk.predictions(desk.read_model())
         base = measure({BASE: lambda: [one.at(of.offsets, derivatives=False) for one in anew]}, clock=perf_counter)
         families = dict(by_family(of))
     every = [one for taken in families.values() for one in taken]

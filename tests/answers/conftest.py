@@ -217,7 +217,7 @@ def workbench(folder: Path, model: str, data: list[str]) -> dict[str, Any]:
     for kind, asked in ((workers.COMPARE, {}), (workers.DIAGNOSE, {}), (workers.ADD, {"effect": "force-gain:fmd-z2"})):
         assert workers.start(bench.desk, kind, **asked).wait().error == ""
         steps[kind] = shown()
-    session.undone(bench.desk)
+    bench.desk.undo()
     return {**steps, "undo": shown()}
 
 

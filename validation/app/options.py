@@ -80,9 +80,9 @@ def opened(
     BadInput : an example beside a model or one that nobody knows, a model without data, a path that is not there.
     """
     if example is not None:
-        from validation.app.examples import examples
+        from validation.app.opening import EXAMPLES
 
-        known = [one.name for one in examples()]
+        known = [one.name for one in EXAMPLES]
         if example not in known:
             raise BadInput(source="--example", problem=f"there is none called {example}", remedy=f"Known are {', '.join(known)}")
     if example is not None and model is not None:

@@ -3,31 +3,31 @@
 from __future__ import annotations
 
 import asyncio
-import io
 import json
 import re
 import zipfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
-from functools import partial
-from math import log, log2
+from math import isfinite, log, log2
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from geometry.errors import BadInput, CheckFailed
-from validation.app import examples, scene3d, session, whatif, workers
+from validation.app import opening, scene3d, session, whatif, workers
 from validation.app import state as app_state
+from validation.app.opening import Fault, Handed, faults, of_error
 from validation.app.scene3d import MapCell, MapEntry
-from validation.app.session import Fault, Handed, Session, faults, of_error
+from validation.app.session import Session
 from validation.app.state import WindowState, keep, kept
-from validation.app.whatif import EffectExplanation, ReadyPredictions, Slider, TrialEffect, WhatIf
+from validation.app.whatif import ReadyPredictions, Slider, TrialEffect, WhatIf
+from validation.compare.maps import Pairs
 from validation.compare.spots import run as run_in_words
+from validation.diagnose.diagnosis import Cause, Diagnosis, sized
 from validation.diagnose.diagnosis import listed as diagnosis_listed
 from validation.effects import practical_units
 from validation.effects.catalogue import parse
-from validation.history.history import Body, HistoryPosition, Version
 from validation.report.charts import interactive, maps
 from validation.report.charts.history import falling_errors, identified_inertia, way_to
 from validation.report.charts.interactive import escaped
@@ -67,37 +67,33 @@ async def drawn(bench: WindowState) -> None:
     if bench.compared is None:
         return
     state, of = bench.state, bench.compared.map(bench.state.campaign)
-    modes, dark = bench.compared.modes_of(state.campaign), bool(state.dark)
-    if of.pairs is not None:
-        look = partial(maps.overlay, of.pairs, state.load, state.motion, modes=modes, marked=state.marked, dark=dark)
-        beside = further(bench)
-        state.fig_overlay = await bench.away(lambda: _entitled(look(further=beside), state.load, state.motion))
-    else:
-        state.fig_overlay = {}
-    if state.map_kind == "pairs" and (pairs := of.pairs) is not None:
-        state.fig_map = await bench.away(lambda: _low(maps.pair_map(pairs, modes=modes, dark=dark)))
-    else:
-        number = None if state.run == WORST_OF_ALL else state.run
-        state.fig_map = await bench.away(lambda: _low(maps.channel_map(of, number, modes=modes, dark=dark)))
+    modes, dark, further = bench.compared.modes_of(state.campaign), bool(state.dark), with_effect(bench)
+    load, motion, marked, number = state.load, state.motion, state.marked, state.run
+
+    def overlay(pairs: Pairs) -> dict[str, Any]:
+        """Named by its entry alone: the campaign is said beside it, and the button that enlarges it needs room, too."""
+        figure = maps.overlay(pairs, load, motion, modes=modes, further=further, marked=marked, dark=dark)
+        title = f"{maps.entry(load, motion)}: {maps.LOADS[load]} by {maps.MOTIONS[motion]}"
+        figure.update_layout(title_text=title, margin_t=figure.layout.margin.t - TITLE)
+        return as_state(figure)
+
+    def residuals(pairs: Pairs | None) -> dict[str, Any]:
+        """Without its title, which tabs and choices above it say; its height is the least, the page gives it what there is."""
+        if pairs is not None:
+            figure = maps.pair_map(pairs, modes=modes, dark=dark)
+        else:
+            figure = maps.channel_map(of, None if number == WORST_OF_ALL else number, modes=modes, dark=dark)
+        height = TOP + ROW * len(figure.data[0].y) + BOTTOM
+        figure.update_layout(title_text="", height=height, margin_t=TOP, margin_b=BOTTOM)
+        figure.update_xaxes(title_standoff=2, title_font_size=12, tickfont_size=11)
+        return as_state(figure)
+
+    state.fig_overlay = {} if of.pairs is None else await bench.away(overlay, of.pairs)
+    state.fig_map = await bench.away(residuals, of.pairs if state.map_kind == "pairs" else None)
     state.flush()
 
 
-def _entitled(figure: Any, load: int, motion: int) -> dict[str, Any]:
-    """The overlay named by its entry alone: the campaign is said beside it, and the button that enlarges it needs room, too."""
-    title = f"{maps.entry(load, motion)}: {maps.LOADS[load]} by {maps.MOTIONS[motion]}"
-    figure.update_layout(title_text=title, margin_t=figure.layout.margin.t - TITLE)
-    return as_state(figure)
-
-
-def _low(figure: Any) -> dict[str, Any]:
-    """A map without its title, which tabs and choices above it say; its height is the least, the page gives it what there is."""
-    rows = len(figure.data[0].y)
-    figure.update_layout(title_text="", height=TOP + ROW * rows + BOTTOM, margin_t=TOP, margin_b=BOTTOM)
-    figure.update_xaxes(title_standoff=2, title_font_size=12, tickfont_size=11)
-    return as_state(figure)
-
-
-def further(bench: WindowState) -> dict[str, ComplexArray]:
+def with_effect(bench: WindowState) -> dict[str, ComplexArray]:
     """What the overlay draws beside the prediction: by name, the 6 x 6 with the effect, whichever entry is shown."""
     tried, state = bench.tried, bench.state
     if tried is None:
@@ -139,37 +135,55 @@ async def rungs_shown(bench: WindowState) -> None:
     """Bring rungs, falling errors and identified inertia to the ladder."""
     if bench.desk is None:
         return
-    state, at = bench.state, await bench.away(session.ladder, bench.desk)
-    state.rungs = [_rung(one, at) for one in reversed(at.ladder.rungs)]
-    state.before = _before(at)
+    state, at = bench.state, await bench.away(bench.desk.ladder)
+    state.rungs = []
+    for one in reversed(at.ladder.rungs):
+        told = "no figures yet"
+        if (of := one.errors) is not None:
+            held = "" if of.held_out is None else f", held out {of.held_out:.3g} %"
+            told = f"plain {of.plain:.3g} %{held}, χ² {of.chi2_per_dof:.2f}, tolerances {of.tolerance_z2:.0f}"
+        rung = {
+            "number": one.number,
+            "title": one.title,
+            "errors": told,
+            "plain": None if of is None else of.plain,
+            "verdict": " ".join(one.verdict),
+            "here": at.rung is not None and at.rung.number == one.number,
+        }
+        state.rungs.append(rung)
+    # The errors of the rung below, by the names that a comparison gives them
+    state.before = {}
+    below = None if at.rung is None or at.rung.parent is None else at.ladder.rung(at.rung.parent).errors
+    if below is not None:
+        state.before = {
+            "nominal error": f"{below.nominal:.3g} %",
+            "plain error": f"{below.plain:.3g} %",
+            "fitted error": f"χ² {below.chi2_per_dof:.3g}, z² {below.tolerance_z2:.3g}",
+        } | ({} if below.held_out is None else {"held-out error": f"{below.held_out:.3g} %"})
     state.unsaved = app_state.unsaved(bench.desk)
     state.undoable = at.below is not None and at.below.parent is not None
-    # What the last step did
-    state.step = "" if at.rung is None or not at.rung.verdict else " ".join(at.rung.verdict)
+    state.step = "" if at.rung is None else " ".join(at.rung.verdict)  # what the last step did
     dark = bool(state.dark)
-    fallen = [one for one in at.ladder.rungs if one.errors is not None]
-    state.fig_ladder = await bench.away(lambda: _fall(at, dark)) if fallen else None
+
+    def fall() -> dict[str, Any]:
+        """With a legend in fewer words: a panel is narrower than a page."""
+        figure = falling_errors(at, dark=dark)
+        figure.for_each_trace(lambda one: one.update(name=SHORTER.get(one.name, one.name)))
+        figure.update_layout(margin={"b": 28, "l": 54})
+        figure.update_yaxes(title_font_size=11, tickfont_size=11)
+        return _untitled(figure, 60)
+
+    def inertia() -> dict[str, Any]:
+        """With its headings in two lines, likewise."""
+        figure = identified_inertia(dict(list(bodies.items())[-BESIDE:]), dark=dark)
+        for heading, lines in HEADINGS.items():
+            figure.update_annotations(text=lines, font_size=11, selector={"text": heading})
+        return _untitled(figure, 78)
+
     # The first article's identified inertia on each rung of the way
-    found = {f"{one.number} {one.title}": one.bodies[0] for one in way_to(at) if one.bodies}
-    bodies = dict(list(found.items())[-BESIDE:])
-    state.fig_inertia = await bench.away(lambda: _inertia(bodies, dark)) if bodies else None
-
-
-def _fall(at: HistoryPosition, dark: bool) -> dict[str, Any]:
-    """With a legend in fewer words: a panel is narrower than a page."""
-    figure = falling_errors(at, dark=dark)
-    figure.for_each_trace(lambda one: one.update(name=SHORTER.get(one.name, one.name)))
-    figure.update_layout(margin={"b": 28, "l": 54})
-    figure.update_yaxes(title_font_size=11, tickfont_size=11)
-    return _untitled(figure, 60)
-
-
-def _inertia(bodies: dict[str, Body], dark: bool) -> dict[str, Any]:
-    """With its headings in two lines: a panel is narrower than a page."""
-    figure = identified_inertia(bodies, dark=dark)
-    for heading, lines in HEADINGS.items():
-        figure.update_annotations(text=lines, font_size=11, selector={"text": heading})
-    return _untitled(figure, 78)
+    bodies = {f"{one.number} {one.title}": one.bodies[0] for one in way_to(at) if one.bodies}
+    state.fig_ladder = await bench.away(fall) if any(one.errors for one in at.ladder.rungs) else None
+    state.fig_inertia = await bench.away(inertia) if bodies else None
 
 
 def _untitled(figure: Any, top: int) -> dict[str, Any]:
@@ -177,34 +191,6 @@ def _untitled(figure: Any, top: int) -> dict[str, Any]:
     legend = {"yref": "container", "y": 1.0, "yanchor": "top", "font": {"size": 11}}
     figure.update_layout(title_text="", height=LOW, margin_t=top, legend=legend)
     return as_state(figure)
-
-
-def _rung(one: Version, at: HistoryPosition) -> dict[str, Any]:
-    errors = one.errors
-    told = "no figures yet"
-    if errors is not None:
-        held = "" if errors.held_out is None else f", held out {errors.held_out:.3g} %"
-        told = f"plain {errors.plain:.3g} %{held}, χ² {errors.chi2_per_dof:.2f}, tolerances {errors.tolerance_z2:.0f}"
-    return {
-        "number": one.number,
-        "title": one.title,
-        "errors": told,
-        "plain": None if errors is None else errors.plain,
-        "verdict": " ".join(one.verdict),
-        "here": at.rung is not None and at.rung.number == one.number,
-    }
-
-
-def _before(at: HistoryPosition) -> dict[str, str]:
-    """The errors of the rung below, by the names that a comparison gives them."""
-    if at.rung is None or at.rung.parent is None or (errors := at.ladder.rung(at.rung.parent).errors) is None:
-        return {}
-    found = {
-        "nominal error": f"{errors.nominal:.3g} %",
-        "plain error": f"{errors.plain:.3g} %",
-        "fitted error": f"χ² {errors.chi2_per_dof:.3g}, z² {errors.tolerance_z2:.3g}",
-    }
-    return found if errors.held_out is None else found | {"held-out error": f"{errors.held_out:.3g} %"}
 
 
 # The structure in three dimensions: with its sensors, or swinging in the mode nearest the frequency that was clicked.
@@ -219,24 +205,31 @@ AT_REST = -1
 
 async def structure_shown(bench: WindowState) -> None:
     """Show the campaign's structure as the choice above it says."""
-    state, campaign = bench.state, bench.state.campaign
+    state, campaign, compared = bench.state, bench.state.campaign, bench.compared
     if bench.desk is None or not campaign:
         return
-    at_rest: list[dict[str, object]] = [{"title": "Structure and sensors", "value": AT_REST}]
-    if bench.compared is None or bench.state.campaign not in bench.compared.campaigns:
-        state.modes = at_rest
-    else:
-        found = bench.compared.modes_of(bench.state.campaign)
-        state.modes = at_rest + [{"title": f"{one.frequency:.2f} Hz, {one.name}", "value": k} for k, one in enumerate(found)]
-    if state.mode not in [one["value"] for one in state.modes]:
+    known = () if compared is None or campaign not in compared.campaigns else compared.modes_of(campaign)
+    modes = [{"title": f"{one.frequency:.2f} Hz, {one.name}", "value": k} for k, one in enumerate(known)]
+    state.modes = [{"title": "Structure and sensors", "value": AT_REST}, *modes]
+    if state.mode not in range(AT_REST, len(known)):
         state.mode = AT_REST
     state.view_far = _far(bench)
     state.flush()
     try:
-        if state.mode == AT_REST:
-            await _at_rest(bench, campaign)
+        if state.mode == AT_REST or compared is None:
+            scene = await bench.away(scene3d.scene, bench.desk, campaign)
+            table, label = Turntable(scene.bodies, scene.sensors), f"{campaign}: structure and sensors"
+            note = f"{scene.title}. {scene.note}"
         else:
-            await _swinging(bench, campaign, state.mode)
+            shape = await bench.away(scene3d.shape, bench.desk, compared, campaign, state.mode)
+            table, label = Turntable(shape.bodies, scale=shape.scale), f"{campaign}: {shape.name} at {shape.frequency:.2f} Hz"
+            damping = f"damping ratio {shape.damping_ratio:.3g}"
+            note = f"{shape.name}, {shape.frequency:.2f} Hz, {damping}; base held, size of the swing as drawn."
+        before, bench.turntable = bench.turntable, table
+        if before is not None:
+            await bench.drawn(before.close)
+        bench.views += 1
+        state.update({"view": str(bench.views), "view_label": label, "view_note": note})
     except (BadInput, CheckFailed) as error:
         state.view, state.view_note = "", str(error)
     state.flush()
@@ -284,25 +277,6 @@ def picture(bench: WindowState, asked: Mapping[str, str]) -> bytes:
     )
 
 
-async def _at_rest(bench: WindowState, campaign: str) -> None:
-    assert bench.desk is not None
-    found = await bench.away(scene3d.scene, bench.desk, campaign)
-    await _put(
-        bench, Turntable(found.bodies, found.sensors), f"{campaign}: structure and sensors", f"{found.title}. {found.note}"
-    )
-
-
-async def _swinging(bench: WindowState, campaign: str, number: int) -> None:
-    assert bench.desk is not None
-    assert bench.compared is not None
-    found = await bench.away(scene3d.shape, bench.desk, bench.compared, campaign, number)
-    label = f"{campaign}: {found.name} at {found.frequency:.2f} Hz"
-    note = (
-        f"{found.name}, {found.frequency:.2f} Hz, damping ratio {found.damping_ratio:.3g}; base held, size of the swing as drawn."
-    )
-    await _put(bench, Turntable(found.bodies, scale=found.scale), label, note)
-
-
 def apart(marked: float, found: float) -> str:
     """What is said of a mode at the frequency `found` when another is marked; nothing where they are neighbours."""
     if found <= 0.0 or abs(log2(found / marked)) < NEAR:
@@ -317,14 +291,6 @@ def _far(bench: WindowState) -> str:
     if state.marked is None or not 0 <= state.mode < len(modes):
         return ""
     return apart(float(state.marked), modes[state.mode].frequency)
-
-
-async def _put(bench: WindowState, table: Turntable, label: str, note: str) -> None:
-    before, bench.turntable = bench.turntable, table
-    if before is not None:
-        await bench.drawn(before.close)
-    bench.views += 1
-    bench.state.update({"view": str(bench.views), "view_label": label, "view_note": note})
 
 
 # Measured beside predicted: the entry that is shown, the map of residuals, and where a click on it leads.
@@ -342,7 +308,11 @@ async def comparing_shown(bench: WindowState) -> None:
     if compared is None:
         state.errors, state.worst, state.remarks = [], [], []
         return
-    state.errors = [{**one, "tone": _tone(one["verdict"])} for one in compared.errors]
+    state.errors = []
+    for one in compared.errors:
+        verdict = (one["verdict"] or "").lower()
+        tone = next((tone for word, tone in TONES.items() if word in verdict), "")
+        state.errors.append({**one, "tone": tone})
     state.worst = [{"sigma": f"{one['sigma']:.1f}", "text": one["text"]} for one in compared.summary["worst"]]
     state.remarks = list(compared.summary["warnings"])
     state.campaigns = list(compared.campaigns)
@@ -395,13 +365,15 @@ async def cell(bench: WindowState, picked: dict[str, Any]) -> None:
             run = int(np.argmax(np.where(known, of.sigma[:, line, number], -np.inf)))
         found = MapCell(campaign=of.data_set, run=of.runs[run], row=of.rows[number], frequency=frequency)
         _go(bench, scene3d.entry_of(bench.compared, found))
-    await _went(bench)
+    await nearest(bench)
+    await drawn(bench)
 
 
 async def spot(bench: WindowState, number: int) -> None:
     """A worst spot of the list, the same way."""
     _go(bench, _entry_of_spot(bench, int(number)))
-    await _went(bench)
+    await nearest(bench)
+    await drawn(bench)
 
 
 async def campaign(bench: WindowState, name: str) -> None:
@@ -424,11 +396,6 @@ async def show_run(bench: WindowState, number: int) -> None:
     await drawn(bench)
 
 
-async def _went(bench: WindowState) -> None:
-    await nearest(bench)
-    await drawn(bench)
-
-
 def _of_campaign(bench: WindowState) -> None:
     """What the picker and the choice of runs say of the campaign that is shown."""
     state = bench.state
@@ -439,7 +406,9 @@ def _of_campaign(bench: WindowState) -> None:
     if state.run not in range(WORST_OF_ALL, len(of.runs)):
         state.run = WORST_OF_ALL
     peaks = np.full((6, 6), np.nan) if of.pairs is None else np.nanmax(of.pairs.sigma, axis=0)
-    state.peaks = [["–" if np.isnan(peak) else _short(float(peak)) for peak in row] for row in peaks]
+    state.peaks = [
+        ["–" if np.isnan(peak) else f"{peak:.1f}" if peak < 9.95 else f"{min(peak, 9999):.0f}" for peak in row] for row in peaks
+    ]
     state.tints = [[int(np.searchsorted(TINTS, 0 if np.isnan(peak) else peak, side="right")) for peak in row] for row in peaks]
 
 
@@ -456,14 +425,6 @@ def _go(bench: WindowState, to: MapEntry) -> None:
         state.campaign = to.campaign
         _of_campaign(bench)
     state.load, state.motion, state.marked = to.load, to.motion, to.frequency
-
-
-def _short(sigma: float) -> str:
-    return f"{sigma:.1f}" if sigma < 9.95 else f"{min(sigma, 9999):.0f}"
-
-
-def _tone(verdict: str | None) -> str:
-    return next((tone for word, tone in TONES.items() if verdict and word in verdict.lower()), "")
 
 
 # What if: an effect on the sliders, its curve beside the others at once, and what is known of it in words.
@@ -507,10 +468,26 @@ async def chosen(bench: WindowState, effect: str | None) -> None:
     state.part = "what-if"
     told = await bench.away(whatif.explained, bench.desk, effect)
     known = bench.effects.get(told.id)
-    found = {one.key: one.value for one in told.sizes}
+    found = told.sizes
     asked = dict(parse(effect).values) if "=" in effect else found
     bench.sizes = {} if known is None else {one.key: asked.get(one.key, one.start) for one in known.sliders}
-    state.effect = _words(told) | {"sliders": _sliders(bench, known), "inside": bool(known and known.in_model), "answer": ""}
+    state.effect = {
+        "id": told.id,
+        "what": told.what,
+        "text": told.text,
+        "equation": told.equation,
+        "found": told.found,
+        "evidence": "" if told.evidence is None else f"{told.evidence:+.1f}",
+        "aliases": list(told.aliases),
+        "mistaken": list(told.mistaken_for),
+        "separating": list(told.separating),
+        "confirmed": told.confirmed_by,
+        "note": told.note,
+        "reference": told.reference,
+        "sliders": _sliders(bench, known),
+        "inside": bool(known and known.in_model),
+        "answer": "",
+    }
     state.flush()
     await follow(bench)
     keep(bench)
@@ -591,18 +568,18 @@ def position(slider: Slider, size: float) -> int:
 
 async def _followed(bench: WindowState) -> None:
     """Follow the slider until it rests, whether it was let go (which a keyboard does not tell) or not; then every line."""
+
+    async def whole() -> None:
+        await follow(bench)
+        keep(bench)
+
     while not bench.exact:
         await _chased(bench)
         rests = dict(bench.sizes)
         await asyncio.sleep(RESTS)
         if rests == bench.sizes and not bench.exact:
             bench.exact = True
-            bench.begin(_rested(bench))  # beside this: whoever drags on need not wait for it
-
-
-async def _rested(bench: WindowState) -> None:
-    await follow(bench)
-    keep(bench)
+            bench.begin(whole())  # beside this: whoever drags on need not wait for it
 
 
 async def _chased(bench: WindowState) -> None:
@@ -647,16 +624,12 @@ def _said(found: WhatIf, at: str) -> str:
     """What it would do, and whether anything was fitted anew for that: the size itself never is."""
     how = "with what the plain fit frees fitted anew beside it" if found.followed else "with nothing fitted anew"
     goes = f"the plain error goes from {found.before_percent:.3g} to {found.plain_percent:.3g} %"
-    told = f"{_rounded(found.written)}: {goes}, {how}"
+    # Four digits of a size: a slider has no more
+    told = f"{LONG.sub(lambda size: f'{float(size[0]):.4g}', found.written)}: {goes}, {how}"
     if not any(one.reached for one in found.traces):
         told += "; no curve of the dynamic mass moves"
     facts = [f"{name} from {before:.1f} to {after:.1f} σ" for name, (before, after) in found.facts.items() if before != after]
     return told + (f"; {diagnosis_listed(facts)}" if facts else "") + f". Seen from {at}."
-
-
-def _rounded(written: str) -> str:
-    """An effect with its sizes in four digits: a slider has no more."""
-    return LONG.sub(lambda found: f"{float(found[0]):.4g}", written)
 
 
 def _answer(bench: WindowState, text: str) -> None:
@@ -685,33 +658,6 @@ def _sliders(bench: WindowState, effect: TrialEffect | None) -> list[dict[str, A
     ]
 
 
-def _words(told: EffectExplanation) -> dict[str, Any]:
-    """What is known of it, as the page shows it."""
-    family = told.id.partition(":")[0]
-    found = "; ".join(sized(family, one.key, one.unit, one.value, one.low, one.high) for one in told.sizes)
-    return {
-        "id": told.id,
-        "what": told.what,
-        "text": told.text,
-        "equation": told.equation,
-        "found": found,
-        "evidence": "" if told.evidence is None else f"{told.evidence:+.1f}",
-        "aliases": list(told.aliases),
-        "mistaken": list(told.mistaken_for),
-        "separating": list(told.separating),
-        "confirmed": told.confirmed_by,
-        "note": told.note,
-        "reference": told.reference,
-    }
-
-
-def sized(family: str, key: str, unit: str, value: float, low: float, high: float) -> str:
-    """ "+7.93 % (+7.69 to +8.17)"."""
-    (shown, least, most), scale = practical_units.written(family, key, unit, (value, low, high))
-    text = (f"{key} " if key else "") + practical_units.with_unit(shown, scale)
-    return text if low == high else f"{text} ({least} to {most})"
-
-
 # What is missing, as the page tells it: the verdict, and causes as bars of evidence with the intervals of their sizes.
 
 
@@ -721,79 +667,63 @@ SHOWN = 12
 
 async def diagnosing_shown(bench: WindowState) -> None:
     """Bring verdict and ranking to the diagnosis of the model as it stands, where it was made."""
-    found = None if bench.desk is None else await bench.away(session.diagnosing_diagnosis, bench.desk)
+    found = None if bench.desk is None else await bench.away(bench.desk.diagnosis)
     state = bench.state
     if found is None:
         state.verdict, state.ranking = None, []
         return
+    detectable = [(one.id, one.id.partition(":")[0], one) for one in found.detectable if isfinite(one.size)]
     state.verdict = {
-        "headline": found["headline"],
-        "text": found["text"],
-        "next": found["next_measurement"] or "",
-        "leftover": found["leftover"] or "",
-        "detectable": [
-            {"id": one["id"], "size": practical_units.one(one["id"].partition(":")[0], "", one["unit"], one["size"])}
-            for one in found["detectable"]
-            if one["size"] is not None
-        ],
+        **found.sentences,
+        "next": found.next_measurement,
+        "leftover": found.left or "",
+        "detectable": [{"id": id, "size": practical_units.one(family, "", one.unit, one.size)} for id, family, one in detectable],
     }
     # What was accepted, then what was ranked last, then what earlier steps had ranked; each once, with the step it is from
-    accepted = {one["id"] for one in found["accepted"]}
-    first: dict[str, Mapping[str, Any]] = {}
-    step_of: dict[str, int] = {}
-    for one in (*found["accepted"], *found["ranking"]):
-        first.setdefault(one["id"], one)
-    for number, step in enumerate(found["steps"], start=1):
-        for one in step["ranking"]:
-            if one["id"] not in first:
-                first[one["id"]], step_of[one["id"]] = one, number
+    first: dict[str, tuple[Cause, int | None]] = {}
+    for one in (*found.accepted, *found.ranking):
+        first.setdefault(one.id, (one, None))
+    for number, step in enumerate(found.steps, start=1):
+        for one in step.ranking:
+            first.setdefault(one.id, (one, number))
     order = list(first.values())[:SHOWN]
-    nats = np.array([one["evidence_nats"] if one["evidence_nats"] is not None else np.inf for one in order], dtype=float)
-    finite = signed_log(np.minimum(nats, 1e9))
-    most = max(float(finite.max(initial=0.0)), 1e-9)
-    causes = [_cause(one, found, accepted, 100 * max(at, 0.0) / most) for one, at in zip(order, finite, strict=True)]
-    state.ranking = [one | {"step": step_of.get(one["id"])} for one in causes]
+    lengths = signed_log(np.minimum([one.evidence if isfinite(one.evidence) else np.inf for one, _ in order], 1e9))
+    most = max(float(lengths.max(initial=0.0)), 1e-9)
+    state.ranking = [
+        {**_cause(one, found), "share": round(100 * max(length, 0.0) / most, 1), "step": number}
+        for (one, number), length in zip(order, lengths, strict=True)
+    ]
 
 
-def _cause(one: Mapping[str, Any], found: Mapping[str, Any], accepted: set[str], share: float) -> dict[str, Any]:
-    family, nats = one["id"].partition(":")[0], one["evidence_nats"]
-    sizes = [sized(family, each["key"], each["unit"], each["value"], *each["interval90"]) for each in one["values"]]
-    alike = one["id"] in found["equivalence_class"] and len(found["equivalence_class"]) > 1
-    if one["id"] in accepted:
-        standing, tone = (
-            (ACCEPTED + (", as one of several that the data cannot tell apart" if alike else "")),
-            "doubt" if alike else "good",
-        )
+def _cause(one: Cause, found: Diagnosis) -> dict[str, Any]:
+    alike = one.id in found.equivalence_class and len(found.equivalence_class) > 1
+    if one.id in {accepted.id for accepted in found.accepted}:
+        standing = ACCEPTED + (", as one of several that the data cannot tell apart" if alike else "")
+        tone = "doubt" if alike else "good"
+    elif alike:
+        standing, tone = ALIKE, "doubt"
     else:
-        if alike:
-            standing, tone = ALIKE, "doubt"
-        else:
-            standing, tone = (LESS, "faint") if one["as_where_nothing_is_missing"] else (TOO_MUCH_LEFT, "bad")
+        standing, tone = (LESS, "faint") if one.null else (TOO_MUCH_LEFT, "bad")
     # Where the 90 % interval of its first size lies on a line that holds no effect, too: in per cent, and in words
-    if not one["values"]:
-        interval: dict[str, Any] | None = None
-    else:
-        low, high = one["values"][0]["interval90"]
-        if low == high:
-            interval = None
-        else:
-            left, right = min(low, 0.0), max(high, 0.0)
-            room = 0.06 * (right - left)
-            left, width = left - room, right - left + 2 * room
-            interval = {
-                "left": round(100 * (low - left) / width, 2),
-                "width": round(100 * (high - low) / width, 2),
-                "zero": round(100 * (0.0 - left) / width, 2),
-                "words": "holds 0" if low <= 0.0 <= high else "clear of 0",
-            }
+    interval: dict[str, Any] | None = None
+    if one.sizes and one.sizes[0].low != one.sizes[0].high:
+        low, high = one.sizes[0].low, one.sizes[0].high
+        left, right = min(low, 0.0), max(high, 0.0)
+        room = 0.06 * (right - left)
+        left, width = left - room, right - left + 2 * room
+        interval = {
+            "left": round(100 * (low - left) / width, 2),
+            "width": round(100 * (high - low) / width, 2),
+            "zero": round(100 * (0.0 - left) / width, 2),
+            "words": "holds 0" if low <= 0.0 <= high else "clear of 0",
+        }
     return {
-        "id": one["id"],
-        "written": one["written"],
+        "id": one.id,
+        "written": str(one.named),
         "standing": standing,
         "tone": tone,
-        "size": "; ".join(sizes),
-        "nats": "more than can be counted" if nats is None else f"{nats:+.1f}",
-        "share": round(share, 1),
+        "size": "; ".join(sized(one, size) for size in one.sizes),
+        "nats": f"{one.evidence:+.1f}" if isfinite(one.evidence) else "more than can be counted",
         "interval": interval,
     }
 
@@ -805,7 +735,9 @@ async def shown(bench: WindowState) -> None:
         return
     workers.recovered(desk)
     bench.wanted = kept(bench)
-    state.title, state.screen, state.failure, state.ready = _title(bench), "work", "", None
+    data = ", ".join(path.rsplit("/", 1)[-1] for path in desk.asked.data)
+    state.title = f"{desk.title or desk.asked.model.rsplit('/', 1)[-1]}: {data}"
+    state.screen, state.failure, state.ready = "work", "", None
     state.faults = {"model": [], "data": [], "options": []}
     state.flush()
     await stands(bench)
@@ -817,7 +749,7 @@ async def stands(bench: WindowState) -> None:
     """Everything that follows from the model as it stands now."""
     if bench.desk is None:
         return
-    bench.compared = await bench.away(session.comparing_comparison, bench.desk)
+    bench.compared = await bench.away(bench.desk.comparison)
     bench.table, bench.effects, bench.tried = None, {}, None  # all of the model that stood there before
     bench.state.compared = bench.compared is not None
     await comparing_shown(bench)
@@ -829,38 +761,15 @@ async def stands(bench: WindowState) -> None:
         bench.begin(made_ready(bench))
 
 
-def _title(bench: WindowState) -> str:
-    desk: Any = bench.desk
-    asked = desk.asked
-    data = ", ".join(path.rsplit("/", 1)[-1] for path in asked.data)
-    return f"{desk.title or asked.model.rsplit('/', 1)[-1]}: {data}"
-
-
 # Up and down the ladder, from the page.
 
 
 async def add(bench: WindowState) -> None:
     """Add the chosen effect; its fit begins at the size of the sliders."""
-    effect = None if bench.state.effect is None else bench.effects.get(bench.state.effect["id"])
+    effect = _chosen(bench)
     if effect is None:
         return
     app_state.start(bench, workers.ADD, _added, stands, effect=effect.written(bench.sizes))
-
-
-async def undo(bench: WindowState) -> None:
-    """One rung down."""
-    if bench.desk is not None and bench.worker is None:
-        await bench.away(session.undone, bench.desk)
-        await stands(bench)
-
-
-async def go(bench: WindowState, number: int) -> None:
-    """To any rung."""
-    if bench.desk is not None and bench.worker is None:
-        await bench.away(session.gone_to, bench.desk, int(number))
-        await stands(bench)
-        if bench.compared is None:
-            app_state.start(bench, workers.COMPARE, stands)
 
 
 async def _added(bench: WindowState) -> None:
@@ -868,6 +777,22 @@ async def _added(bench: WindowState) -> None:
     bench.state.tab, bench.state.part = "ladder", "fails"
     await stands(bench)
     keep(bench)
+
+
+async def undo(bench: WindowState) -> None:
+    """One rung down."""
+    if bench.desk is not None and bench.worker is None:
+        await bench.away(bench.desk.undo)
+        await stands(bench)
+
+
+async def go(bench: WindowState, number: int) -> None:
+    """To any rung."""
+    if bench.desk is not None and bench.worker is None:
+        await bench.away(bench.desk.go_to, int(number))
+        await stands(bench)
+        if bench.compared is None:
+            app_state.start(bench, workers.COMPARE, stands)
 
 
 # Opening: an example, files that were dropped, or paths; and what is wrong with them, beside the field that has it.
@@ -880,14 +805,16 @@ CURRENT = "current"
 """The file that names the desk in use."""
 
 
-def listed() -> list[dict[str, str]]:
-    """The examples, as the page shows them."""
-    return [{"name": one.name, "title": one.title, "words": one.words} for one in examples.examples()]
-
-
 async def first(bench: WindowState) -> None:
     """What a window begins with: the desk that it had, or what the command line named."""
-    bench.begin(_warmed(bench))
+
+    async def warmed() -> None:
+        """Have the libraries of figures and pictures there before the first one is waited for; the page itself comes first."""
+        await asyncio.sleep(WARMS_AFTER)
+        await asyncio.to_thread(interactive.template, False)
+        await bench.drawn(turntable.ready)
+
+    bench.begin(warmed())
     current = bench.folder / CURRENT
     if current.is_file():
         bench.desk = await bench.away(session.opened, bench.folder / current.read_text(encoding="utf-8"))
@@ -900,13 +827,6 @@ async def first(bench: WindowState) -> None:
         await shown(bench)
 
 
-async def _warmed(bench: WindowState) -> None:
-    """Have the libraries of figures and pictures there before the first one is waited for; the page itself comes first."""
-    await asyncio.sleep(WARMS_AFTER)
-    await asyncio.to_thread(interactive.template, False)
-    await bench.drawn(turntable.ready)
-
-
 async def example(bench: WindowState, name: str) -> None:
     """Open the example `name`, simulated first where it was never used here."""
     if _busy(bench):
@@ -914,7 +834,7 @@ async def example(bench: WindowState, name: str) -> None:
     bench.state.opening = True
     tell = app_state.teller(bench, f"The example {name} is made ready")
     try:
-        series = await bench.aside(examples.series, name, tell)
+        series = await bench.aside(opening.made, name, tell)
     finally:
         bench.state.opening, bench.state.job = False, None
     _begin(bench, series.model, series.data, series.hold_out, series.band, title=series.title)
@@ -932,7 +852,10 @@ async def _opened(bench: WindowState, refused: Sequence[Fault]) -> None:
     state = bench.state
     model, data = str(state.model_path or "").strip(), _lines(state.data_paths)
     try:
-        model, data = await bench.away(_looked_into, model, data)
+        if model and Path(model).is_dir():
+            # A folder in the field of the model stands for the model and the data in it
+            inside = await bench.away(opening.sorted_out, model)
+            model, data = (inside.models[0] if inside.models else model), data or inside.data
         text = str(state.band or "")
         words = text.replace(",", " ").replace("to", " ").replace("-", " ").split()
         if not words:
@@ -970,8 +893,8 @@ async def arrived(bench: WindowState, files: Sequence[Handed]) -> None:
     # What was dropped since a desk was begun, each time into a folder of its own: a file that was mended has the same name
     before = sorted(bench.folder.glob(f"drop-{_number(bench)}-*"))
     folder = bench.folder / f"drop-{_number(bench)}-{len(before)}"
-    room = session.LARGEST - sum(path.stat().st_size for one in before for path in one.rglob("*") if path.is_file())
-    received = await bench.away(session.received, folder, files, limit=max(room, 0))
+    room = opening.LARGEST - sum(path.stat().st_size for one in before for path in one.rglob("*") if path.is_file())
+    received = await bench.away(opening.received, folder, files, limit=max(room, 0))
     state = bench.state
     # `received.data` with what was dropped before and is not replaced by it: campaigns may come one after the other
     named = {Path(one).name for one in received.data}
@@ -984,7 +907,12 @@ async def arrived(bench: WindowState, files: Sequence[Handed]) -> None:
         state.data_paths = "\n".join(data)
     grave = any(one.grave for one in received.faults)
     if grave or not (state.model_path and state.data_paths):
-        lacking = [] if grave else [_lacking(bool(state.model_path))]
+        lacking = []  # what was not among the files
+        if not grave and state.model_path:
+            lacking = [Fault(file="", problem="no campaign folder is among the files", remedy="Drop the campaign's folder, too")]
+        elif not grave:
+            remedy = "`massline model ARTICLE` writes one to start from; drop it, too"
+            lacking = [Fault(file="", problem="no model file is among the files", remedy=remedy)]
         _tell(bench, [*received.faults, *lacking], str(state.model_path or ""))
         return
     await _opened(bench, received.faults)
@@ -993,11 +921,6 @@ async def arrived(bench: WindowState, files: Sequence[Handed]) -> None:
 def _busy(bench: WindowState) -> bool:
     """Whether a desk could not be changed for another now."""
     return bool(bench.state.opening) or bench.worker is not None or bench.state.job is not None
-
-
-def another(bench: WindowState) -> None:
-    """Back to the page on which things are opened; the desk in use stays as it is."""
-    bench.state.screen = "open" if bench.state.screen == "work" else "work"
 
 
 def _begin(
@@ -1022,15 +945,7 @@ def _begin(
 
 def _number(bench: WindowState) -> int:
     """Of the next desk."""
-    return sum(1 for one in bench.folder.glob("desk-*") if session.is_desk(one))
-
-
-def _looked_into(model: str, data: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:
-    """A folder in the field of the model stands for the model and the data in it."""
-    if model and Path(model).is_dir():
-        found = session.sorted_out(model)
-        return (found.models[0] if found.models else model), data or found.data
-    return model, data
+    return sum(1 for one in bench.folder.glob("desk-*") if session.is_session(one))
 
 
 def _tell(bench: WindowState, found: Iterable[Fault], model: str) -> None:
@@ -1040,14 +955,6 @@ def _tell(bench: WindowState, found: Iterable[Fault], model: str) -> None:
         place = "options" if one.file.startswith("--") else "model" if one.file in (model, "model", "MODEL", "") else "data"
         beside[place].append(asdict(one))
     bench.state.faults = beside
-
-
-def _lacking(model: bool) -> Fault:
-    """What was not among the files."""
-    if model:
-        return Fault(file="", field="", problem="no campaign folder is among the files", remedy="Drop the campaign's folder, too")
-    problem = "no model file is among the files"
-    return Fault(file="", field="", problem=problem, remedy="`massline model ARTICLE` writes one to start from; drop it, too")
 
 
 def _lines(text: str | None) -> tuple[str, ...]:
@@ -1071,6 +978,10 @@ async def report(bench: WindowState) -> None:
         app_state.start(bench, workers.REPORT, _reported, to=str(_kept(bench.desk) / REPORT))
 
 
+async def _reported(bench: WindowState) -> None:
+    _ready(bench, "The report is ready:", REPORT)
+
+
 async def figures(bench: WindowState) -> None:
     """Draw the pictures of comparison and ladder."""
     desk = bench.desk
@@ -1080,8 +991,12 @@ async def figures(bench: WindowState) -> None:
     try:
         folder = _kept(desk) / "figures"
         folder.mkdir(parents=True, exist_ok=True)
-        paths = await bench.aside(session.figures, desk, folder, tell)
-        (_kept(desk) / FIGURES).write_bytes(await bench.aside(_zipped, paths))
+        paths = await bench.aside(desk.draw, folder, tell)
+        if not paths:
+            raise BadInput(source="figures", problem="there is nothing to draw yet", remedy="Compare first")
+        with zipfile.ZipFile(_kept(desk) / FIGURES, "w") as archive:
+            for path in paths:
+                archive.write(path, path.name)
     finally:
         bench.state.job = None
     _ready(bench, "The figures are ready:", FIGURES)
@@ -1100,21 +1015,17 @@ def content(bench: WindowState, name: str) -> tuple[bytes, str]:
         raise LookupError(name)
     kept = {REPORT: _kept(desk) / REPORT, FIGURES: _kept(desk) / FIGURES}
     if name == "model.toml":
-        body = session.model_text(desk).encode()
+        body = desk.model_text().encode()
         app_state.saved(desk)
         bench.state.unsaved = False
         bench.state.flush()
     elif name == "ladder.json":
-        body = session.ladder_text(desk).encode()
+        body = desk.ladder_text().encode()
     elif name in kept and kept[name].is_file():
         body = kept[name].read_bytes()
     else:
         raise LookupError(name)
     return body, TYPES[Path(name).suffix]
-
-
-async def _reported(bench: WindowState) -> None:
-    _ready(bench, "The report is ready:", REPORT)
 
 
 def _ready(bench: WindowState, text: str, name: str) -> None:
@@ -1125,13 +1036,3 @@ def _kept(desk: Session) -> Path:
     folder = desk.folder / "saved"
     folder.mkdir(exist_ok=True)
     return folder
-
-
-def _zipped(paths: tuple[Path, ...]) -> bytes:
-    if not paths:
-        raise BadInput(source="figures", problem="there is nothing to draw yet", remedy="Compare first")
-    kept = io.BytesIO()
-    with zipfile.ZipFile(kept, "w") as archive:
-        for path in paths:
-            archive.write(path, path.name)
-    return kept.getvalue()

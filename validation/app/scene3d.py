@@ -15,7 +15,7 @@ from geometry.frames import Array, Pose
 from geometry.toml_file import nearest as keys_nearest
 from identification import campaign_file
 from identification.campaign import Campaign
-from validation.app.session import Compared, Session, campaigns, made, model_of
+from validation.app.session import Compared, Session
 from validation.flexible.model import FlexibleOptions, flexible
 from validation.model.model import BEAM, Model
 from validation.model.setups import stated
@@ -58,7 +58,7 @@ def scene(of: Session, campaign: str) -> Scene:
     BadInput : no such campaign, or its description cannot be read.
     """
     described = the_campaign(of, campaign)
-    bodies, note = _bodies(described, model_of(of))
+    bodies, note = _bodies(described, of.read_model())
     return Scene(campaign=campaign, title=described.title, bodies=bodies, sensors=_sensors(described), note=note)
 
 
@@ -69,7 +69,7 @@ def the_campaign(of: Session, name: str) -> Campaign:
     ------
     BadInput : there is none, with the nearest.
     """
-    known = campaigns(of)
+    known = of.campaigns()
     if name not in known:
         remedy = f"{keys_nearest(name, known)}Known are {', '.join(known)}"
         raise BadInput(source="campaign", field=name, problem="no campaign is called so", remedy=remedy)
@@ -223,8 +223,8 @@ def shape(of: Session, found: Compared, campaign: str, number: int) -> Shape:
     BadInput : the article is rigid, of the user's own, or has no such mode.
     KeyError : there is no such campaign.
     """
-    modes, model = found.modes_of(campaign), model_of(of)
-    one = next(each for each in made(of, model) if each.measured.name == campaign)
+    modes, model = found.modes_of(campaign), of.read_model()
+    one = next(each for each in of.predictions(model) if each.measured.name == campaign)
     standing = one.tested.carried.standing
     if not 0 <= number < len(modes):
         problem = (

@@ -220,14 +220,14 @@ def keep(bench: WindowState) -> None:
         else:
             known = bench.effects.get(bench.state.effect["id"])
             chosen = bench.wanted if known is None else known.written(bench.sizes)
-        session.keep_view(bench.desk, {**{key: bench.state[key] for key in KEPT}, "effect": chosen})
+        bench.desk.keep_view({**{key: bench.state[key] for key in KEPT}, "effect": chosen})
 
 
 def kept(bench: WindowState) -> str | None:
     """Put back what was kept; the effect that was chosen, with its size, comes back to be chosen again."""
     if bench.desk is None:
         return None
-    found = session.view(bench.desk)
+    found = bench.desk.view()
     bench.state.update({key: found[key] for key in KEPT if key in found})
     effect = found.get("effect")
     return effect if isinstance(effect, str) else None
@@ -256,7 +256,7 @@ def unsaved(of: Session) -> bool:
 def leaving_kept(home: Path, say: Callable[[str], None]) -> None:
     """Copy what is unsaved in the windows below `home` to the user's cache, and `say` where it is."""
     for folder in sorted(home.glob("*/desk-*")):
-        if session.is_desk(folder) and _unsaved(folder):
+        if session.is_session(folder) and _unsaved(folder):
             try:
                 say(f"A model with effects added was not saved; it is kept in\n  {_copied(folder)}")
             except (BadInput, OSError) as error:

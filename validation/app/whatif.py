@@ -9,14 +9,15 @@ solved, and an effect that is dragged is a parameter of a prediction that stays.
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import product
-from math import inf
+from math import isfinite
 from threading import Lock
 from time import perf_counter
 from types import MappingProxyType
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 
@@ -24,9 +25,9 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from geometry.sensors import ChannelTable
-from validation.app.session import Session, comparing_comparison, diagnosing_diagnosis, study_of
+from validation.app.session import Session
 from validation.compare.maps import Operators, operators, through
-from validation.diagnose.diagnosis import Advice
+from validation.diagnose.diagnosis import sized
 from validation.effects import practical_units
 from validation.effects.catalogue import FAMILIES, Named, acts, parse
 from validation.effects.effect import (
@@ -46,7 +47,7 @@ from validation.estimation.cost import cost_of, left_of_run
 from validation.estimation.evaluate import Squares
 from validation.estimation.fit import BREAKDOWNS, FLOOR, PLAIN_FLOOR, nearby
 from validation.estimation.likelihood import observed
-from validation.estimation.problem import PLAIN, Fact, Lines, Measured, Offsets, Parameter, Predicted, Problem, Wanted, chosen
+from validation.estimation.problem import PLAIN, Lines, Measured, Offsets, Parameter, Predicted, Problem, Wanted, chosen
 from validation.history.add import FIRST_GUESS, completed
 from validation.model.model import Added, Model, vocabulary
 from validation.prediction import classical_facts, dynamic_mass, effects
@@ -123,14 +124,6 @@ class Dragged:
         self.offsets = {**self.offsets, **stepped(self.problem, self.offsets, moved)}
 
 
-def seen_by_fits(known: Problem, predictions: Sequence[SeriesPrediction], facts: Sequence[Fact]) -> Problem:
-    """`predictions` on the runs and lines of `known`, and its facts of those that are given by name."""
-    by_name = {one.measured.name: one for one in predictions}
-    some = tuple(by_name[one.measured.name].on(one.measured.runs) for one in known.predictions)
-    kept = {one.name for one in known.facts}
-    return Problem(some, tuple(one for one in facts if one.name in kept), lines=known.lines)
-
-
 def stepped(problem: Problem, offsets: Offsets, moved: Mapping[str, float]) -> dict[str, float]:
     """Offsets of what a plain fit frees one step further, within their bounds, the parameters `moved` standing where they are."""
     free = tuple(one for one in problem.free(PLAIN) if one.name not in moved)
@@ -144,24 +137,6 @@ def stepped(problem: Problem, offsets: Offsets, moved: Mapping[str, float]) -> d
     except BREAKDOWNS:
         return {}
     return dict(zip(cost.names, map(float, there), strict=True))
-
-
-def settled(problem: Problem, offsets: Offsets) -> dict[str, float]:
-    """Offsets of the plain fit of `problem`, from nearby.
-
-    Raises
-    ------
-    CheckFailed : the model breaks down where it begins.
-    """
-    return nearby(problem, PLAIN, offsets).by_name
-
-
-def several_steps(problem: Problem, offsets: Offsets) -> dict[str, float]:
-    """The same by a few steps on some of the lines."""
-    sparse, there = problem.sparser(STEP), dict(offsets)
-    for _ in range(STEPS):
-        there |= stepped(sparse, there, {})
-    return there
 
 
 # What the load cells carry, remembered: an effect on a channel need not have the structure solved again.
@@ -213,11 +188,6 @@ class Remembering:
         return (sizes, driven, tuple(offsets.get(name, 0.0) for name in self._names), frequency.tobytes())
 
 
-def remembering(of: SeriesPrediction) -> SeriesPrediction:
-    """`of` with what its cells carry remembered, for it and for whatever is made of it."""
-    return replace(of, tested=replace(of.tested, carried=cast(SupportedDynamicMass, Remembering(of.tested.carried))))
-
-
 # Predictions that stand ready for a question: made once a model, in a second or few, and asked many times.
 
 
@@ -248,10 +218,38 @@ class ReadyCampaign:
     judged: tuple[str, ...]
     squares: tuple[Squares, ...]
 
+    @classmethod
+    def of(cls, one: SeriesPrediction, offsets: Offsets, judged: tuple[str, ...]) -> ReadyCampaign:
+        """`one` made ready at `offsets`, with what its cells carry remembered for whatever is made of it."""
+        carried = cast(SupportedDynamicMass, Remembering(one.tested.carried))
+        one = replace(one, tested=replace(one.tested, carried=carried))
+        measured, read, campaign = one.measured, predicted(one, offsets, None), one.tested.campaign
+        seen = observed(measured, np.arange(len(measured.frequency), dtype=np.int64))
+        weight = seen.weight(FLOOR, read.noise)
+        every = (read.rows if read.rows.ndim == 3 else read.rows[run] for run in range(len(measured.runs)))
+        inputs = np.stack([left_of_run(seen, rows, weight[run], run).inputs for run, rows in enumerate(every)])
+        by_name = {channel.name: channel for channel in campaign.table.channels}
+        channels = ChannelTable(channels=tuple(by_name[name] for name in measured.channels), origin=campaign.table.origin)
+        found: Operators | None = None
+        matrices = np.zeros((0, 6, 6), dtype=np.complex128)
+        with suppress(BadInput):  # the map of this campaign has no pairs either, and says why
+            told = operators(channels, measured.frequency, np.sqrt(np.mean(measured.noise**2, axis=0)), campaign.gravity)
+            through(told, measured.values, measured.frequency)
+            found = told
+        if found is not None:
+            matrices = entries(found, read.rows, inputs, measured.frequency)
+        squares = tuple(evaluate.squares(one.on(judged), offsets)) if judged else ()
+        return cls(prediction=one, operators=found, inputs=inputs, entries=matrices, judged=judged, squares=squares)
+
     @property
     def name(self) -> str:
         """Of the campaign."""
         return self.prediction.measured.name
+
+    def feels(self, named: Named) -> bool:
+        """Whether the effect acts on this campaign at all."""
+        there = self.prediction.tested.carried.standing.there
+        return acts(named, replace(there, channels=self.prediction.measured.channels))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -286,69 +284,69 @@ class ReadyPredictions:
         """Names."""
         return tuple(one.name for one in self.tested)
 
+    def with_effect(self, named: Named, *, fixed: bool) -> tuple[Added, ...]:
+        """The effects of the model and `named`, in its place where it is among them."""
+        added, others = Added(named=named, fixed=fixed), self.model.effects
+        if any(one.named.id == named.id for one in others):
+            return tuple(added if one.named.id == named.id else one for one in others)
+        return (*others, added)
 
-def desk_table(of: Session) -> ReadyPredictions:
-    """Predictions of the data by the model as it stands, at the plain fit where there is a comparison.
+    def predictions(self, named: Named, *, fixed: bool) -> tuple[tuple[SeriesPrediction, ...], Problem]:
+        """With the effect, and what fits see of them; facts only those that the fits know already."""
+        effects = self.with_effect(named, fixed=fixed)
+        predictions = tuple(one.prediction.with_effects(effects) for one in self.tested)
+        by_name = {one.measured.name: one for one in predictions}
+        some = tuple(by_name[one.measured.name].on(one.measured.runs) for one in self.known.predictions)
+        kept = {one.name for one in self.known.facts}
+        facts = tuple(one.with_effects(effects) for one in self.facts if one.name in kept)
+        return predictions, Problem(some, facts, lines=self.known.lines)
 
-    Raises
-    ------
-    BadInput : model or data that cannot be used.
-    CheckFailed : the model breaks down as it stands.
-    """
-    ready, known = study_of(of), comparing_comparison(of)
-    made, whole = ready.predictions, ready.problem()
-    offsets = {**ready.whole().start, **({} if known is None else known.offsets)}
-    fitted = {one.measured.name: one.measured.runs for one in whole.predictions}
-    campaigns = tuple(one.tested.campaign for one in made)
-    tested = tuple(_desk_ready(remembering(one), offsets, fitted.get(one.measured.name, ())) for one in made)
-    return ReadyPredictions(
-        model=ready.model,
-        tested=tested,
-        facts=tuple(one.with_effects(ready.model.effects) for one in ready.said),
-        offsets=offsets,
-        at=DRAWN if known is None else FITTED,
-        pace=_pace(made, offsets),
-        words=vocabulary(ready.model, campaigns),
-        known=whole,
-    )
+    def drag(self, named: Named, *, follow: bool) -> _Question:
+        """What is asked while somebody waits: as much as can be had."""
 
+        def ready(*, fixed: bool) -> Dragged:
+            return Dragged(*self.predictions(named, fixed=fixed), self.offsets)
 
-def _pace(made: Sequence[SeriesPrediction], offsets: Offsets) -> float:
-    """[s] a line, of all campaigns, solved anew, when nothing else is in the way."""
-    taken = []
-    for _ in range(TRIES):
-        began = perf_counter()
-        for one in made:
-            predicted(one, offsets, None)
-        taken.append(perf_counter() - began)
-    return min(taken) / max(sum(len(one.measured.frequency) for one in made), 1)
+        # The effect as it was dragged last, kept for a while
+        kept = self.dragged.get(named.id) or ready(fixed=False)
+        kept = self.dragged.setdefault(named.id, kept)  # another thread may have been sooner
+        for old in list(self.dragged)[:-KEPT]:
+            self.dragged.pop(old, None)
+        # Offsets that move the parameters of the effect to its sizes
+        known: dict[str, Parameter] = kept.problem.by_name
+        wanted = {effects.name(named, key): value for key, value in named.values.items()}
+        if wanted and set(wanted) <= set(known):
+            moved = {name: known[name].offset(value) for name, value in wanted.items()}
+        else:  # a size that no fit moves: its predictions are new ones
+            kept, moved = ready(fixed=True), {}
+        if follow:
+            kept.follow(moved)
+        offsets = {**(kept.offsets if follow else self.offsets), **moved}
+        return _Question(named=named, predictions=kept.predictions, offsets=offsets, moved=moved, exact=False)
 
-
-def _desk_ready(one: SeriesPrediction, offsets: Offsets, judged: tuple[str, ...]) -> ReadyCampaign:
-    measured, read = one.measured, predicted(one, offsets, None)
-    seen = observed(measured, np.arange(len(measured.frequency), dtype=np.int64))
-    weight = seen.weight(FLOOR, read.noise)
-    every = (read.rows if read.rows.ndim == 3 else read.rows[run] for run in range(len(measured.runs)))
-    inputs = np.stack([left_of_run(seen, rows, weight[run], run).inputs for run, rows in enumerate(every)])
-    of = _operators(one)
-    found = np.zeros((0, 6, 6), dtype=np.complex128)
-    if of is not None:
-        found = entries(of, read.rows, inputs, measured.frequency)
-    squares = tuple(evaluate.squares(one.on(judged), offsets)) if judged else ()
-    return ReadyCampaign(prediction=one, operators=of, inputs=inputs, entries=found, judged=judged, squares=squares)
-
-
-def _operators(one: SeriesPrediction) -> Operators | None:
-    measured, campaign = one.measured, one.tested.campaign
-    by_name = {channel.name: channel for channel in campaign.table.channels}
-    channels = ChannelTable(channels=tuple(by_name[name] for name in measured.channels), origin=campaign.table.origin)
-    weight = np.sqrt(np.mean(measured.noise**2, axis=0))
-    try:
-        found = operators(channels, measured.frequency, weight, campaign.gravity)
-        through(found, measured.values, measured.frequency)
-    except BadInput:  # the map of this campaign has no pairs either, and says why
-        return None
-    return found
+    def asked(self, question: _Question) -> list[_Asked]:
+        """The answers of all campaigns."""
+        found = []
+        for one, prediction in zip(self.tested, question.predictions, strict=True):
+            measured = one.prediction.measured
+            every = np.arange(len(measured.frequency), dtype=np.int64)
+            judged = lines = every
+            if not question.exact:
+                # As many lines as can be afforded, where most happens
+                runs = len(measured.runs) if _by_run(question.named) else 1
+                afforded = int(BUDGET / (self.pace * len(self.tested) * runs))
+                judged = every[::EVERY]
+                lines = np.union1d(judged, chosen(measured, at_most=max(afforded, FEWEST)))
+            before = [replace(each, values=each.values[judged]) for each in one.squares]
+            reached = one.feels(question.named)
+            if not reached and all(question.offsets.get(name) == value for name, value in self.offsets.items()):
+                found.append(_Asked(tested=one, lines=lines, rows=None, before=before, after=before, reached=False))
+                continue
+            said = predicted(prediction, question.offsets, lines)
+            answered = SampledPrediction(measured=measured, parameters=prediction.parameters, lines=lines, said=said)
+            after = evaluate.squares(answered.on(one.judged), question.offsets, judged) if one.judged else []
+            found.append(_Asked(tested=one, lines=lines, rows=said.rows, before=before, after=after, reached=reached))
+        return found
 
 
 def entries(of: Operators, rows: ComplexArray, inputs: ComplexArray, frequency: Array) -> ComplexArray:
@@ -446,11 +444,31 @@ def table(of: Session) -> ReadyPredictions:
     BadInput : model or data that cannot be used.
     CheckFailed : the model breaks down as it stands.
     """
-    found = desk_table(of)
+    study, known = of.study(), of.comparison()
+    made, whole = study.predictions, study.problem()
+    offsets = {**study.whole().start, **({} if known is None else known.offsets)}
+    # What a line costs, of all campaigns, solved anew, when nothing else is in the way
+    taken = []
+    for _ in range(TRIES):
+        began = perf_counter()
+        for one in made:
+            predicted(one, offsets, None)
+        taken.append(perf_counter() - began)
+    fitted = {one.measured.name: one.measured.runs for one in whole.predictions}
+    found = ReadyPredictions(
+        model=study.model,
+        tested=tuple(ReadyCampaign.of(one, offsets, fitted.get(one.measured.name, ())) for one in made),
+        facts=tuple(one.with_effects(study.model.effects) for one in study.said),
+        offsets=offsets,
+        at=DRAWN if known is None else FITTED,
+        pace=min(taken) / max(sum(len(one.measured.frequency) for one in made), 1),
+        words=vocabulary(study.model, tuple(one.tested.campaign for one in made)),
+        known=whole,
+    )
     for family in FAMILIES.values():
         named = Named(family=family.name, values={})
         if family.side == PROCESSING and not family.targets and not family.sizes and _by_run(named):
-            _asked_all(found, _dragged(found, named, follow=False))
+            found.asked(found.drag(named, follow=False))
     return found
 
 
@@ -471,32 +489,33 @@ def what_if(of: ReadyPredictions, effect: str, load: int, motion: int, *, exact:
     CheckFailed : the model breaks down at that size.
     """
     named = parse(effect, of.words, source="what if")
-    campaigns = [one.prediction.tested.campaign for one in of.tested]
-    require_bodies(replace(of.model, effects=_with(of.model, named, fixed=True)), campaigns)
+    effects = of.with_effect(named, fixed=True)
+    require_bodies(replace(of.model, effects=effects), [one.prediction.tested.campaign for one in of.tested])
     follows = follow and of.at == FITTED and (exact or not _by_run(named))
     if exact:
         # Everything, and what follows settled; the effect is ready to be dragged afterwards, its first drag behind it
         if named.id not in of.dragged:
-            _asked_all(of, _dragged(of, named, follow=follows and not _by_run(named)))
-        effects = _with(of.model, named, fixed=True)
-        predictions = tuple(one.prediction.with_effects(effects) for one in of.tested)
+            of.asked(of.drag(named, follow=follows and not _by_run(named)))
+        predictions, problem = of.predictions(named, fixed=True)
         offsets = dict(of.offsets)
-        if follows:
-            facts = tuple(one.with_effects(effects) for one in of.facts)
-            problem = seen_by_fits(of.known, predictions, facts)
-            offsets |= several_steps(problem, of.offsets) if _by_run(named) else settled(problem, of.offsets)
+        if follows and _by_run(named):
+            sparse = problem.sparser(STEP)
+            for _ in range(STEPS):
+                offsets |= stepped(sparse, offsets, {})
+        elif follows:
+            offsets |= nearby(problem, PLAIN, offsets).by_name
         question = _Question(named=named, predictions=predictions, offsets=offsets, moved={}, exact=True)
     else:
-        question = _dragged(of, named, follow=follows)
-    asked = _asked_all(of, question)
-    before = [each for one in asked for each in one.before]
-    after = [each for one in asked for each in one.after]
+        question = of.drag(named, follow=follows)
+    asked = of.asked(question)
     return WhatIf(
         written=str(named),
-        traces=tuple(_trace(one, load, motion) for one in asked if one.tested.operators is not None),
-        plain_percent=evaluate.share(after).percent,
-        before_percent=evaluate.share(before).percent,
-        facts=_facts(of, question),
+        traces=tuple(one.trace(load, motion) for one in asked if one.tested.operators is not None),
+        plain_percent=evaluate.share([each for one in asked for each in one.after]).percent,
+        before_percent=evaluate.share([each for one in asked for each in one.before]).percent,
+        facts={
+            one.name: (one.residual(of.offsets)[0], one.with_effects(effects).residual(question.offsets)[0]) for one in of.facts
+        },
         exact=all(len(one.lines) == len(one.tested.prediction.measured.frequency) for one in asked),
         followed=follows,
         offsets={name: value for name, value in question.offsets.items() if name not in question.moved},
@@ -517,46 +536,12 @@ class _Question:
     exact: bool
 
 
-def _dragged(of: ReadyPredictions, named: Named, *, follow: bool) -> _Question:
-    """As much as can be had while somebody waits."""
-    # The effect as it was dragged last, kept for a while
-    kept = of.dragged.get(named.id) or _free(of, named, fixed=False)
-    kept = of.dragged.setdefault(named.id, kept)  # another thread may have been sooner
-    for old in list(of.dragged)[:-KEPT]:
-        of.dragged.pop(old, None)
-    # Offsets that move the parameters of an effect to the sizes of `named`; None where one of them is no parameter
-    known: dict[str, Parameter] = kept.problem.by_name
-    wanted = {effects.name(named, key): value for key, value in named.values.items()}
-    if not wanted or not set(wanted) <= set(known):
-        moved = None
-    else:
-        moved = {name: known[name].offset(value) for name, value in wanted.items()}
-    if moved is None:  # a size that no fit moves: its predictions are new ones
-        kept, moved = _free(of, named, fixed=True), {}
-    if follow:
-        kept.follow(moved)
-    offsets = {**(kept.offsets if follow else of.offsets), **moved}
-    return _Question(named=named, predictions=kept.predictions, offsets=offsets, moved=moved, exact=False)
-
-
-def _free(of: ReadyPredictions, named: Named, *, fixed: bool) -> Dragged:
-    effects = _with(of.model, named, fixed=fixed)
-    predictions = tuple(one.prediction.with_effects(effects) for one in of.tested)
-    facts = tuple(one.with_effects(effects) for one in of.facts)
-    return Dragged(predictions, seen_by_fits(of.known, predictions, facts), of.offsets)
-
-
-def _with(model: Model, named: Named, *, fixed: bool) -> tuple[Added, ...]:
-    """The effects of `model` and `named`, in its place where it is among them."""
-    added, others = Added(named=named, fixed=fixed), model.effects
-    if any(one.named.id == named.id for one in others):
-        return tuple(added if one.named.id == named.id else one for one in others)
-    return (*others, added)
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Asked:
-    """One campaign of one question: at which lines, what is read there with the effect, and what that leaves of the data."""
+    """One campaign of one question: at which lines, what is read there with the effect, and what that leaves of the data.
+
+    `rows` is None where nothing changes here.
+    """
 
     tested: ReadyCampaign
     lines: Lines
@@ -565,34 +550,33 @@ class _Asked:
     after: list[Squares]
     reached: bool
 
-
-def _asked_all(of: ReadyPredictions, question: _Question) -> list[_Asked]:
-    return [_asked(of, k, question) for k in range(len(of.tested))]
-
-
-def _asked(of: ReadyPredictions, number: int, question: _Question) -> _Asked:
-    """`rows` is None where nothing changes here."""
-    one = of.tested[number]
-    measured, there = one.prediction.measured, one.prediction.tested.carried.standing.there
-    every = np.arange(len(measured.frequency), dtype=np.int64)
-    judged = every if question.exact else every[::EVERY]
-    lines = every if question.exact else np.union1d(judged, _lines(of, one, question.named))
-    before = [replace(each, values=each.values[judged]) for each in one.squares]
-    reached = acts(question.named, replace(there, channels=measured.channels))
-    if not reached and all(question.offsets.get(name) == value for name, value in of.offsets.items()):
-        return _Asked(tested=one, lines=lines, rows=None, before=before, after=before, reached=False)
-    prediction = question.predictions[number]
-    said = predicted(prediction, question.offsets, lines)
-    answered = SampledPrediction(measured=measured, parameters=prediction.parameters, lines=lines, said=said)
-    after = evaluate.squares(answered.on(one.judged), question.offsets, judged) if one.judged else []
-    return _Asked(tested=one, lines=lines, rows=said.rows, before=before, after=after, reached=reached)
-
-
-def _lines(of: ReadyPredictions, one: ReadyCampaign, named: Named) -> Lines:
-    """As many as can be afforded, where most happens."""
-    runs = len(one.prediction.measured.runs) if _by_run(named) else 1
-    afforded = int(BUDGET / (of.pace * len(of.tested) * runs))
-    return chosen(one.prediction.measured, at_most=max(afforded, FEWEST))
+    def trace(self, load: int, motion: int) -> Trace:
+        """Its curve of an entry."""
+        one, lines = self.tested, self.lines
+        before = matrix = one.entries
+        frequency = one.prediction.measured.frequency
+        if self.rows is not None and one.operators is not None:
+            some = Operators(motion=one.operators.motion[lines], load=one.operators.load[lines])
+            matrix = entries(some, self.rows, one.inputs[:, lines], frequency[lines])
+            if len(lines) < len(frequency):
+                # Between the lines that were asked for it is `before` times a factor that goes straight
+                at = before[lines]
+                factor = np.where(at == 0, 1.0, matrix / np.where(at == 0, 1.0, at))
+                right = np.clip(np.searchsorted(lines, np.arange(len(frequency))), 1, len(lines) - 1)
+                first, last = frequency[lines[right - 1]], frequency[lines[right]]
+                share = np.clip((frequency - first) / (last - first), 0.0, 1.0)[:, None, None]
+                between = before * ((1 - share) * factor[right - 1] + share * factor[right])
+                between[lines] = matrix
+                matrix = np.asarray(between)
+        return Trace(
+            campaign=one.name,
+            frequency=frequency,
+            before=before[:, load, motion],
+            after=matrix[:, load, motion],
+            matrix=matrix,
+            unit=unit(load, motion),
+            reached=self.reached,
+        )
 
 
 def _by_run(named: Named) -> bool:
@@ -601,62 +585,7 @@ def _by_run(named: Named) -> bool:
     return family.side in (AMPLITUDE, PROCESSING) and family.stage in (BODY_STAGE, CHANNEL_STAGE)
 
 
-def _trace(asked: _Asked, load: int, motion: int) -> Trace:
-    one, lines = asked.tested, asked.lines
-    before = matrix = one.entries
-    frequency = one.prediction.measured.frequency
-    if asked.rows is not None and one.operators is not None:
-        some = Operators(motion=one.operators.motion[lines], load=one.operators.load[lines])
-        matrix = entries(some, asked.rows, one.inputs[:, lines], frequency[lines])
-        if len(lines) == len(frequency):
-            matrix = matrix
-        else:
-            # (n, 6, 6) what is `matrix` (m, 6, 6) at `lines`; between them `before` times a factor that goes straight
-            at = before[lines]
-            factor = np.where(at == 0, 1.0, matrix / np.where(at == 0, 1.0, at))
-            right = np.clip(np.searchsorted(lines, np.arange(len(frequency))), 1, len(lines) - 1)
-            first, last = frequency[lines[right - 1]], frequency[lines[right]]
-            share = np.clip((frequency - first) / (last - first), 0.0, 1.0)[:, None, None]
-            found = before * ((1 - share) * factor[right - 1] + share * factor[right])
-            found[lines] = matrix
-            matrix = np.asarray(found)
-    return Trace(
-        campaign=one.name,
-        frequency=frequency,
-        before=before[:, load, motion],
-        after=matrix[:, load, motion],
-        matrix=matrix,
-        unit=unit(load, motion),
-        reached=asked.reached,
-    )
-
-
-def _facts(of: ReadyPredictions, question: _Question) -> dict[str, tuple[float, float]]:
-    effects = _with(of.model, question.named, fixed=True)
-    return {one.name: (one.residual(of.offsets)[0], one.with_effects(effects).residual(question.offsets)[0]) for one in of.facts}
-
-
 # One effect explained to a person: what it means, how large it is, what it is mistaken for, and what would tell.
-
-
-@dataclass(frozen=True, kw_only=True)
-class Shown:
-    """One size of an effect.
-
-    Attributes
-    ----------
-    key : empty for the one that stands alone
-    value, low, high : SI; the last two a 90 % interval, equal to the value where it was not fitted
-    unit : SI; "1" for a ratio
-    text : value and interval as a laboratory says them: "+7.93 % (+7.69 to +8.17)"
-    """
-
-    key: str
-    value: float
-    low: float
-    high: float
-    unit: str
-    text: str
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -670,7 +599,8 @@ class EffectExplanation:
     what : in a few words
     text : what it means here
     equation, reference : of the catalogue
-    sizes : as the diagnosis found them; none of one that it did not try
+    sizes : SI, by key, as the diagnosis found them; none of one that it did not try
+    found : these in words
     evidence : [nats]; None where it was not tried, or beyond all numbers
     aliases : ids that these data cannot tell from it
     mistaken_for : ids or families that look like it
@@ -685,7 +615,8 @@ class EffectExplanation:
     text: str
     equation: str
     reference: str
-    sizes: tuple[Shown, ...]
+    sizes: Mapping[str, float]
+    found: str
     evidence: float | None
     aliases: tuple[str, ...]
     mistaken_for: tuple[str, ...]
@@ -702,47 +633,28 @@ def explained(of: Session, effect: str) -> EffectExplanation:
     BadInput : no such effect, with the nearest.
     """
     named = parse(completed(effect)[0], Vocabulary(accelerometers=None, forces=None, places=None, parts=None), source="effect")
-    family, found = FAMILIES[named.family], diagnosing_diagnosis(of) or {}
-    # What a diagnosis says of an effect: as it was accepted, else as it was ranked
-    id = named.id
-    every = (*found.get("accepted", ()), *found.get("ranking", ()))
-    nothing: Mapping[str, Any] = {}
-    tried = next((one for one in every if one["id"] == id), nothing)
-    # Whether a piece of advice tells `named.id` from others; one that names nobody is about all
+    family, found = FAMILIES[named.family], of.diagnosis()
+    # As it was accepted, else as it was ranked
+    every = () if found is None else (*found.accepted, *found.ranking)
+    tried = next((one for one in every if one.id == named.id), None)
+    alike = () if found is None else found.equivalence_class
+    advice = () if found is None else found.advice
     return EffectExplanation(
         id=named.id,
-        written=str(tried.get("written", effect)),
+        written=effect if tried is None else str(tried.named),
         what=family.what,
         text=family.sentence.format(target=named.target, targets=" and ".join(named.targets)),
         equation=family.equation,
         reference=family.reference,
-        sizes=tuple(_shown(named.family, one) for one in tried.get("values", ())),
-        evidence=tried.get("evidence_nats"),
-        aliases=_aliases(found, named),
+        sizes={} if tried is None else {size.key: size.value for size in tried.sizes},
+        found="" if tried is None else "; ".join(sized(tried, size) for size in tried.sizes),
+        evidence=None if tried is None or not isfinite(tried.evidence) else tried.evidence,
+        aliases=tuple(id for id in alike if id != named.id) if named.id in alike else (),
         mistaken_for=family.mistaken_for,
         confirmed_by=family.confirmed_by,
-        separating=tuple(_advice(one) for one in found.get("advice", ()) if not one["separates"] or named.id in one["separates"]),
-        note=str(tried.get("note") or ""),
+        separating=tuple(one.text for one in advice if not one.separates or named.id in one.separates),
+        note="" if tried is None else tried.note,
     )
-
-
-def _shown(family: str, one: Mapping[str, Any]) -> Shown:
-    key, value, unit, (low, high) = one["key"], one["value"], one["unit"], one["interval90"]
-    (middle, least, most), shown = practical_units.written(family, key, unit, (value, low, high))
-    text = practical_units.with_unit(middle, shown) + (f" ({least} to {most})" if low < high else "")
-    return Shown(key=key, value=value, low=low, high=high, unit=unit, text=text)
-
-
-def _aliases(found: Mapping[str, Any], named: Named) -> tuple[str, ...]:
-    alike = found.get("equivalence_class", ())
-    return tuple(id for id in alike if id != named.id) if named.id in alike else ()
-
-
-def _advice(one: Mapping[str, Any]) -> str:
-    gain, hours = one["expected_evidence_nats"], one["hours"]
-    return Advice(
-        test=one["test"], gain=inf if gain is None else gain, separates=tuple(one["separates"]), hours=hours or 0.0
-    ).text
 
 
 # Every effect of the catalogue that reaches these data, and the sliders that move it.
@@ -828,52 +740,47 @@ def reaching(of: ReadyPredictions) -> tuple[TrialEffect, ...]:
     opened = [{each.name for each in one.prediction.with_effects(asked).parameters} for one in of.tested]
     found = []
     for named in every:
-        there = tuple(one.name for one, names in zip(of.tested, opened, strict=True) if _reaches(named, one, names))
-        if there or any(fact.swing is not None and classical_facts.acts(named, fact.swing) for fact in of.facts):
-            found.append(_effect(of, named, there))
+        family = FAMILIES[named.family]
+        there = tuple(
+            one.name
+            for one, names in zip(of.tested, opened, strict=True)
+            if family.stage != PERIOD_STAGE and (family.stage != OPENED or named.id in names) and one.feels(named)
+        )
+        if not there and not any(fact.swing is not None and classical_facts.acts(named, fact.swing) for fact in of.facts):
+            continue
+        typical = parse(examples(family)[0]).values
+        one = TrialEffect(
+            id=named.id,
+            family=family.name,
+            side=family.side,
+            what=family.what,
+            sliders=tuple(_slider(family, size, named.values[size.key], typical.get(size.key)) for size in named.sizes),
+            campaigns=there,
+            in_model=any(one.named.id == named.id for one in of.model.effects),
+        )
+        found.append(one)
     return tuple(found)
 
 
 def _everywhere(of: ReadyPredictions, family: Family) -> Iterator[Named]:
     """The family at each of its targets here, at its start; a pair of channels once."""
-    for targets in product(*(of.words.legal(kind) or () for kind in family.targets)):
-        alike = len(set(family.targets)) < len(family.targets)
-        if not alike or targets == tuple(sorted(set(targets))):
-            known = next((one.named for one in of.model.effects if one.named.id == ":".join((family.name, *targets))), None)
-            typical = parse(examples(family)[0]).values
-            values = {}
-            for size in family.sizes_at(targets):
-                # No effect, where that is a size; else the least of the slider, or of a resonator one that is likely
-                start_typical = typical.get(size.key)
-                if size.low <= size.null <= size.high and not (size.logarithmic and size.null <= 0):
-                    values[size.key] = size.null if size.default is None or size.whole else size.default
-                else:
-                    if size.key or size.null > size.high:
-                        values[size.key] = _centre(size, start_typical)
-                    else:
-                        values[size.key] = ends(size, start_typical)[0]
-            yield known or Named(family=family.name, targets=targets, values=values)
-
-
-def _reaches(named: Named, one: ReadyCampaign, opened: Collection[str]) -> bool:
-    family, there = FAMILIES[named.family], one.prediction.tested.carried.standing.there
-    if family.stage == PERIOD_STAGE or (family.stage == OPENED and named.id not in opened):
-        return False
-    return acts(named, replace(there, channels=one.prediction.measured.channels))
-
-
-def _effect(of: ReadyPredictions, named: Named, there: tuple[str, ...]) -> TrialEffect:
-    family = FAMILIES[named.family]
+    alike = len(set(family.targets)) < len(family.targets)
     typical = parse(examples(family)[0]).values
-    return TrialEffect(
-        id=named.id,
-        family=family.name,
-        side=family.side,
-        what=family.what,
-        sliders=tuple(_slider(family, size, named.values[size.key], typical.get(size.key)) for size in named.sizes),
-        campaigns=there,
-        in_model=any(one.named.id == named.id for one in of.model.effects),
-    )
+    for targets in product(*(of.words.legal(kind) or () for kind in family.targets)):
+        if alike and targets != tuple(sorted(set(targets))):
+            continue
+        known = next((one.named for one in of.model.effects if one.named.id == ":".join((family.name, *targets))), None)
+        values = {}
+        for size in family.sizes_at(targets):
+            # No effect, where that is a size; else the least of the slider, or of a resonator one that is likely
+            likely = typical.get(size.key)
+            if size.low <= size.null <= size.high and not (size.logarithmic and size.null <= 0):
+                values[size.key] = size.null if size.default is None or size.whole else size.default
+            elif size.key or size.null > size.high:
+                values[size.key] = _centre(size, likely)
+            else:
+                values[size.key] = ends(size, likely)[0]
+        yield known or Named(family=family.name, targets=targets, values=values)
 
 
 def _centre(size: SizeSpec, typical: float | None) -> float:

@@ -22,9 +22,9 @@ from urllib.parse import unquote
 
 from geometry.errors import BadInput, CheckFailed
 from validation.app import options, panels, state, workers
+from validation.app.opening import EXAMPLES, LARGEST, MOST, Handed
 from validation.app.options import DOOR_SECRET, NEVER_KEPT, StartOptions
 from validation.app.server import same
-from validation.app.session import LARGEST, MOST, Handed
 from validation.app.state import WindowState, keep
 from validation.report.charts.maps import LOADS, MOTIONS, SIGNS, entry
 from validation.report.charts.style import unit
@@ -224,7 +224,7 @@ def first_state() -> dict[str, Any]:
         "failure": "",
         "ready": None,
         "unsaved": False,
-        "examples": panels.listed(),
+        "examples": [{"name": one.name, "title": one.title, "words": one.words} for one in EXAMPLES],
         "models": [],
         "model_path": "",
         "data_paths": "",
@@ -301,7 +301,8 @@ async def _seen(bench: WindowState) -> None:
 
 
 async def _another(bench: WindowState) -> None:
-    panels.another(bench)
+    """Back to the page on which things are opened; the desk in use stays as it is."""
+    bench.state.screen = "open" if bench.state.screen == "work" else "work"
 
 
 async def _compare(bench: WindowState) -> None:

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 RUNNING, DONE, FAILED, CANCELLED = STATES = ("running", "done", "failed", "cancelled")
 
 COMPARE, DIAGNOSE, ADD, REPORT = KINDS = ("compare", "diagnose", "add", "report")
-"""What a worker can do: `compared`, `diagnosed`, `added` and `reported` of `validation.app.session`."""
+"""What a worker can do: the verbs of a `validation.app.session.Session`."""
 
 GRACE = 0.5
 """Seconds that a worker has to put down what it holds before it is killed."""
@@ -188,12 +188,11 @@ def _cancelled(of: Session, found: Job) -> Job:
 
 def _put_back(of: Session, found: Job) -> str:
     """Leave a rung that the work wrote before it ended; what is to be said of that."""
-    from validation.app import session
 
     if found.kind != ADD or not found.before:
         return ""
     try:
-        return session.put_back(of, found.before)
+        return of.put_back(found.before)
     except (BadInput, OSError) as error:
         return f"the model could not be put back to where it was: {error}"
 
@@ -233,16 +232,15 @@ def work(folder: str, kind: str, asked: dict[str, Any], watch: Connection) -> No
     known = job(of)
     told = _Told(of, Job(kind=kind, asked=asked, before=known.before if known else ""))
     try:
-        from validation.app import session
-
-        # By kind; modules are imported when they are needed
-        verb = {
-            COMPARE: lambda of, asked, told: session.compared(of, told),
-            DIAGNOSE: lambda of, asked, told: session.diagnosed(of, tuple(asked.get("candidates", ())), told),
-            ADD: lambda of, asked, told: session.added(of, asked["effect"], progress=told),
-            REPORT: lambda of, asked, told: session.reported(of, asked["to"], told),
-        }[kind]
-        verb(opened(folder), asked, told.hear)
+        session = opened(folder)
+        if kind == COMPARE:
+            session.compare(told.hear)
+        elif kind == DIAGNOSE:
+            session.diagnose(tuple(asked.get("candidates", ())), told.hear)
+        elif kind == ADD:
+            session.add(asked["effect"], told.hear)
+        else:
+            session.report(asked["to"], told.hear)
         end = replace(told.job, state=DONE, share=1.0)
     except (BadInput, CheckFailed) as error:
         end = failed(of, told.job, str(error))

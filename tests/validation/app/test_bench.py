@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from validation.app import panels, session, state, whatif, workers
+from validation.app import panels, state, whatif, workers
+from validation.app.opening import Handed
 from validation.app.options import StartOptions
-from validation.app.session import Handed
 from validation.app.state import WindowState
 from validation.app.workers import CANCELLED, FAILED, RUNNING, Job
 
@@ -63,7 +63,7 @@ def test_another_entry_has_its_own_curve_with_the_effect(tmp_path: Path) -> None
     of = bench(tmp_path, campaign="a", load=2, motion=2)
     of.tried = tried(followed=True)
     of.state.load, of.state.motion = 1, 4
-    (matrix,) = panels.further(of).values()
+    (matrix,) = panels.with_effect(of).values()
     assert np.array_equal(matrix[:, 1, 4], np.full(3, 10.0))
 
 
@@ -197,13 +197,12 @@ def test_a_mended_file_is_dropped_again_under_its_name(tmp_path: Path, monkeypat
     run(story)
 
 
-def test_clicks_do_not_wait_behind_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(session, "figures", lambda *_: time.sleep(0.5) or (tmp_path / "a.png",))
+def test_clicks_do_not_wait_behind_figures(tmp_path: Path) -> None:
     (tmp_path / "a.png").write_bytes(b"png")
 
     async def story() -> None:
         of = bench(tmp_path)
-        of.desk = SimpleNamespace(folder=tmp_path)  # type: ignore[assignment]
+        of.desk = SimpleNamespace(folder=tmp_path, draw=lambda *_: time.sleep(0.5) or (tmp_path / "a.png",))  # type: ignore[assignment]
         drawing_them = asyncio.ensure_future(panels.figures(of))
         await asyncio.sleep(0.05)
         assert of.state.job["cancellable"] is False  # no button that does nothing

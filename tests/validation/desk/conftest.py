@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from validation.app import examples, session, workers
-from validation.app.examples import Example, Series
+from validation.app import opening, workers
+from validation.app.opening import Example, Series
 from validation.app.session import Compared, Session, begun, opened
 from validation.app.workers import Job
 
@@ -28,8 +28,8 @@ QUICK = Example(
 
 def made(example: Example) -> Series:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(examples, "EXAMPLES", (example,))
-        return examples.series(example.name)
+        patch.setattr(opening, "EXAMPLES", (example,))
+        return opening.made(example.name)
 
 
 @pytest.fixture(scope="session")
@@ -59,7 +59,7 @@ def worked(block: Series, tmp_path_factory: pytest.TempPathFactory) -> Worked:
     """Not to be changed: `fresh` gives copies of it."""
     desk = begun(tmp_path_factory.mktemp("desks") / "one", block.model, block.data, title="one")
     heard: list[str] = []
-    found = session.compared(desk, lambda what, share: heard.append(what))
+    found = desk.compare(lambda what, share: heard.append(what))
     return Worked(desk=desk, compared=found, heard=heard, job=workers.start(desk, workers.DIAGNOSE).wait())
 
 

@@ -35,11 +35,11 @@ def test_the_figures_are_those_of_the_command(worked: Any, found: Any) -> None:
 
 def test_a_fit_that_did_not_converge_is_said(worked: Any) -> None:
     """In the words of the command, of both fits."""
-    ready = session.study_of(worked.desk)
-    at = session.rung(worked.desk, ready, lambda what, share: None)
+    ready = worked.desk.study()
+    at = worked.desk.rung(ready, lambda what, share: None)
     assert at.errors is not None
     lost = replace(at, errors=replace(at.errors, converged=False))
-    said = session.comparison(ready, lost, lambda what, share: None).remarks
+    said = session.comparison_on(ready, lost, lambda what, share: None).remarks
     assert [text.partition(" fit did not converge")[0] for text in said if "did not converge" in text] == [
         "the plain",
         "the fitted",
@@ -56,20 +56,20 @@ def test_maps_and_curves_are_those_of_the_command(worked: Any, found: Any) -> No
 
 def test_a_comparison_is_there_after_a_reload_and_not_for_another_model(fresh: Callable[[str], Session]) -> None:
     desk = fresh("reloaded")
-    assert session.comparing_comparison(desk) is not None
+    assert desk.comparison() is not None
     desk.model.write_text(desk.model.read_text() + "\n# by hand\n")
-    assert session.comparing_comparison(desk) is None
+    assert desk.comparison() is None
 
 
 def test_a_comparison_that_is_damaged_is_none(fresh: Callable[[str], Session]) -> None:
     desk = fresh("damaged")
     (desk.found / "maps.npz").write_bytes((desk.found / "maps.npz").read_bytes()[:5000])
-    assert session.comparing_comparison(desk) is None
+    assert desk.comparison() is None
 
 
 def test_a_comparison_makes_the_first_rung_and_a_second_one_fits_nothing(worked: Any) -> None:
     heard: list[str] = []
-    again = session.compared(worked.desk, lambda what, share: heard.append(what))
+    again = worked.desk.compare(lambda what, share: heard.append(what))
     assert "fitting" not in heard
     assert again.summary["plain_error_percent"] == worked.compared.summary["plain_error_percent"]
 
@@ -99,10 +99,10 @@ def test_a_cell_that_is_none_leads_nowhere(worked: Any) -> None:
 
 
 def test_spectra_that_were_kept_are_those_that_were_made_whatever_they_hold(bare: Session) -> None:
-    model = session.model_of(bare)
-    (fresh,) = session.made(bare, model)
+    model = bare.read_model()
+    (fresh,) = bare.predictions(model)
     assert bare.spectra.exists()
-    (kept,) = session.made(bare, model)
+    (kept,) = bare.predictions(model)
     for of, other in ((fresh.measured, kept.measured), *zip(fresh.tested.drives, kept.tested.drives, strict=True)):
         for one in fields(of):
             assert np.array_equal(getattr(of, one.name), getattr(other, one.name)), one.name
@@ -113,9 +113,9 @@ def test_spectra_that_were_kept_are_those_that_were_made_whatever_they_hold(bare
 
 
 def test_spectra_of_data_that_changed_are_made_again(bare: Session) -> None:
-    model = session.model_of(bare)
-    session.made(bare, model)
+    model = bare.read_model()
+    bare.predictions(model)
     bare.spectra.write_bytes(bare.spectra.read_bytes()[:1000])
     heard: list[str] = []
-    session.made(bare, model, lambda what, share: heard.append(what))
+    bare.predictions(model, lambda what, share: heard.append(what))
     assert "spectra" in heard

@@ -7,7 +7,7 @@ import pytest
 
 from geometry.errors import BadInput
 from validation.app import session
-from validation.app.examples import Series
+from validation.app.opening import Series
 from validation.app.session import Session, begun, moved, opened
 from validation.model import model_file
 
@@ -39,14 +39,14 @@ def test_a_run_that_is_held_out_is_no_file_that_happens_to_have_its_name(
 
 
 def test_what_a_page_keeps_is_there_after_a_reload(bare: Session) -> None:
-    assert session.view(bare) == {}
-    session.keep_view(bare, {"entry": [2, 4], "campaign": "é"})
-    assert session.view(opened(bare.folder)) == {"entry": [2, 4], "campaign": "é"}
+    assert bare.view() == {}
+    bare.keep_view({"entry": [2, 4], "campaign": "é"})
+    assert opened(bare.folder).view() == {"entry": [2, 4], "campaign": "é"}
 
 
 def test_a_view_that_is_damaged_is_none(bare: Session) -> None:
     (bare.folder / "view.json").write_text("{")
-    assert session.view(bare) == {}
+    assert bare.view() == {}
 
 
 def test_a_folder_that_holds_something_is_no_new_desk(bare: Session, block: Series) -> None:
@@ -64,7 +64,7 @@ def test_a_damaged_desk_says_so(bare: Session, text: str) -> None:
 def test_where_no_desk_is_none_is_opened(tmp_path: Path) -> None:
     with pytest.raises(BadInput, match="no desk here"):
         opened(tmp_path)
-    assert not session.is_desk(tmp_path)
+    assert not session.is_session(tmp_path)
 
 
 def test_two_desks_of_one_model_do_not_disturb_each_other(block: Series, tmp_path: Path) -> None:
@@ -79,7 +79,7 @@ def test_a_model_that_is_none_begins_no_desk(block: Series, tmp_path: Path) -> N
     (tmp_path / "model.toml").write_text("[model")
     with pytest.raises(BadInput, match="TOML"):
         begun(tmp_path / "d", tmp_path / "model.toml", block.data)
-    assert not session.is_desk(tmp_path / "d")
+    assert not session.is_session(tmp_path / "d")
 
 
 def test_the_users_own_models_are_found_from_the_working_copy(block: Series, tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from validation.app import session, whatif
+from validation.app import whatif
 
 MOVES = 5
 GENEROUS = 12.0
@@ -17,7 +17,7 @@ GENEROUS = 12.0
 def test_a_drag_costs_a_few_full_predictions(worked: Any, effect: str) -> None:
     """By the clock of this process: other work on the machine slows both."""
     table = whatif.table(worked.desk)
-    anew = session.made(worked.desk, session.model_of(worked.desk))
+    anew = worked.desk.predictions(worked.desk.read_model())
     whatif.what_if(table, effect.format(1), 2, 2, exact=False)  # which makes ready
     drag, full = [], []
     for k in range(2, 2 + MOVES):

@@ -4,8 +4,7 @@ import shutil
 from pathlib import Path
 
 from geometry.errors import BadInput
-from validation.app.examples import Series
-from validation.app.session import Fault, faults, of_error
+from validation.app.opening import Fault, Series, faults, of_error
 
 
 def test_a_sound_series_has_no_grave_fault(block: Series) -> None:

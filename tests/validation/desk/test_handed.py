@@ -7,8 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from geometry.errors import BadInput
-from validation.app.examples import Series
-from validation.app.session import Handed, faults, received, sorted_out
+from validation.app.opening import Handed, Series, faults, received, sorted_out
 
 MALICIOUS = (
     "../evil.toml",

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from geometry.errors import BadInput
-from validation.app import session, workers
+from validation.app import workers
 from validation.app.session import Session, opened
 from validation.app.workers import ADD, CANCELLED, COMPARE, DIAGNOSE, DONE, FAILED, RUNNING, Job, Worker
 
@@ -67,7 +67,7 @@ def test_cancel_ends_the_process_within_a_second_and_leaves_nothing(bare: Sessio
     assert found.state == CANCELLED
     assert workers.job(bare) == found
     assert hidden(bare) == []
-    assert session.comparing_comparison(bare) is None
+    assert bare.comparison() is None
     assert worker.cancel() == found
 
 

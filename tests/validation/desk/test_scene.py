@@ -8,9 +8,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
-from validation.app import examples, scene3d, session
-from validation.app.examples import EXAMPLES, Series
-from validation.app.session import Compared, Session, begun, faults
+from validation.app import opening, scene3d, session
+from validation.app.opening import EXAMPLES, Series, faults
+from validation.app.session import Compared, Session, begun
 from validation.compare.compare import modes_of
 
 MAST = "fmd+clumod-1"
@@ -24,7 +24,7 @@ def desk(mast: Series, tmp_path_factory: pytest.TempPathFactory) -> Session:
 @pytest.fixture(scope="module")
 def found(desk: Session) -> Compared:
     """As much of a comparison as shapes ask for, of the model as drawn."""
-    ready = session.study_of(desk)
+    ready = desk.study()
     start = ready.whole().start
     modes = tuple(modes_of(one, start) for one in ready.predictions)
     loads = ({},) * len(modes)
@@ -99,11 +99,11 @@ def test_every_example_opens(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, na
     """Swept sixteen times as fast, which its story does not survive, but its files do."""
     slow = next(one for one in EXAMPLES if one.name == name)
     quick = replace(slow, octaves_per_minute=240.0, driven=(8.0, 16.0), rate=256.0)
-    monkeypatch.setattr(examples, "EXAMPLES", (quick,))
+    monkeypatch.setattr(opening, "EXAMPLES", (quick,))
     heard: list[float] = []
-    made = examples.series(name, lambda what, share: heard.append(share))
+    made = opening.made(name, lambda what, share: heard.append(share))
     assert heard[-1] == 1.0
-    assert examples.series(name, lambda what, share: heard.append(-1)) == made
+    assert opening.made(name, lambda what, share: heard.append(-1)) == made
     assert heard[-1] == 1.0  # nothing was simulated again
     assert not any(one.grave for one in faults(made.model, made.data))
     desk = begun(tmp_path / "d", made.model, made.data, hold_out=made.hold_out, band=made.band, title=made.title)
@@ -113,7 +113,7 @@ def test_every_example_opens(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, na
 
 def test_an_example_that_is_none_is_refused_with_the_nearest() -> None:
     with pytest.raises(BadInput, match="block"):
-        examples.series("blok")
+        opening.made("blok")
 
 
 def test_examples_do_not_say_what_is_hidden() -> None:

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from validation.app import whatif
-from validation.app.examples import Series
+from validation.app.opening import Series
 from validation.app.session import Session, begun
 from validation.app.whatif import ReadyPredictions, Trace, WhatIf, what_if
 from validation.effects.catalogue import FAMILIES, parse
