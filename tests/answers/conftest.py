@@ -204,7 +204,7 @@ def workbench(folder: Path, model: str, data: list[str]) -> dict[str, Any]:
             return getattr(self, name)
 
     bench = WindowState(
-        state=State(**first_state()), folder=folder.parent, opened=StartOptions(), desk=session.begun(folder, model, data)
+        state=State(**first_state()), folder=folder.parent, opened=StartOptions(), session=session.begun(folder, model, data)
     )
     object.__setattr__(bench, "begin", lambda work: work.close())  # pictures of the structure and what-if are left out
 
@@ -215,9 +215,9 @@ def workbench(folder: Path, model: str, data: list[str]) -> dict[str, Any]:
 
     steps = {}
     for kind, asked in ((workers.COMPARE, {}), (workers.DIAGNOSE, {}), (workers.ADD, {"effect": "force-gain:fmd-z2"})):
-        assert workers.start(bench.desk, kind, **asked).wait().error == ""
+        assert workers.start(bench.session, kind, **asked).wait().error == ""
         steps[kind] = shown()
-    bench.desk.undo()
+    bench.session.undo()
     return {**steps, "undo": shown()}
 
 

@@ -169,7 +169,7 @@ def tied() -> None:
 
 
 def end_group() -> None:
-    """End this process and all that it started, at once; what the desk keeps is on disk already."""
+    """End this process and all that it started, at once; what the session keeps is on disk already."""
     os.killpg(os.getpgrp(), signal.SIGKILL)
 
 

@@ -1,4 +1,4 @@
-"""The page on which one works: brought to what the desk holds, after opening, after a reload, and after every step."""
+"""The page on which one works: brought to what the session holds, after opening, after a reload, and after every step."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geometry.errors import BadInput, CheckFailed
-from validation.app import opening, scene3d, session, whatif, workers
+from validation.app import opening, scene3d, whatif, workers
 from validation.app import state as app_state
 from validation.app.opening import Fault, Handed, faults, of_error
 from validation.app.scene3d import MapCell, MapEntry
-from validation.app.session import Session
+from validation.app.session import Session, begun, is_session, opened
 from validation.app.state import WindowState, keep, kept
 from validation.app.whatif import ReadyPredictions, Slider, TrialEffect, WhatIf
 from validation.compare.maps import Pairs
@@ -62,12 +62,12 @@ WORST_OF_ALL = -1
 """In place of a run: the worst of all."""
 
 
-async def drawn(bench: WindowState) -> None:
+async def drawn(window: WindowState) -> None:
     """Draw overlay and map anew."""
-    if bench.compared is None:
+    if window.compared is None:
         return
-    state, of = bench.state, bench.compared.map(bench.state.campaign)
-    modes, dark, further = bench.compared.modes_of(state.campaign), bool(state.dark), with_effect(bench)
+    state, of = window.state, window.compared.map(window.state.campaign)
+    modes, dark, further = window.compared.modes_of(state.campaign), bool(state.dark), with_effect(window)
     load, motion, marked, number = state.load, state.motion, state.marked, state.run
 
     def overlay(pairs: Pairs) -> dict[str, Any]:
@@ -88,14 +88,14 @@ async def drawn(bench: WindowState) -> None:
         figure.update_xaxes(title_standoff=2, title_font_size=12, tickfont_size=11)
         return as_state(figure)
 
-    state.fig_overlay = {} if of.pairs is None else await bench.away(overlay, of.pairs)
-    state.fig_map = await bench.away(residuals, of.pairs if state.map_kind == "pairs" else None)
+    state.fig_overlay = {} if of.pairs is None else await window.away(overlay, of.pairs)
+    state.fig_map = await window.away(residuals, of.pairs if state.map_kind == "pairs" else None)
     state.flush()
 
 
-def with_effect(bench: WindowState) -> dict[str, ComplexArray]:
+def with_effect(window: WindowState) -> dict[str, ComplexArray]:
     """What the overlay draws beside the prediction: by name, the 6 x 6 with the effect, whichever entry is shown."""
-    tried, state = bench.tried, bench.state
+    tried, state = window.tried, window.state
     if tried is None:
         return {}
     trace = next((one for one in tried.traces if one.campaign == state.campaign), None)
@@ -131,11 +131,11 @@ BESIDE = 4
 """Rungs whose inertia is drawn, the last ones."""
 
 
-async def rungs_shown(bench: WindowState) -> None:
+async def rungs_shown(window: WindowState) -> None:
     """Bring rungs, falling errors and identified inertia to the ladder."""
-    if bench.desk is None:
+    if window.session is None:
         return
-    state, at = bench.state, await bench.away(bench.desk.ladder)
+    state, at = window.state, await window.away(window.session.ladder)
     state.rungs = []
     for one in reversed(at.ladder.rungs):
         told = "no figures yet"
@@ -160,7 +160,7 @@ async def rungs_shown(bench: WindowState) -> None:
             "plain error": f"{below.plain:.3g} %",
             "fitted error": f"χ² {below.chi2_per_dof:.3g}, z² {below.tolerance_z2:.3g}",
         } | ({} if below.held_out is None else {"held-out error": f"{below.held_out:.3g} %"})
-    state.unsaved = app_state.unsaved(bench.desk)
+    state.unsaved = app_state.unsaved(window.session)
     state.undoable = at.below is not None and at.below.parent is not None
     state.step = "" if at.rung is None else " ".join(at.rung.verdict)  # what the last step did
     dark = bool(state.dark)
@@ -182,8 +182,8 @@ async def rungs_shown(bench: WindowState) -> None:
 
     # The first article's identified inertia on each rung of the way
     bodies = {f"{one.number} {one.title}": one.bodies[0] for one in way_to(at) if one.bodies}
-    state.fig_ladder = await bench.away(fall) if any(one.errors for one in at.ladder.rungs) else None
-    state.fig_inertia = await bench.away(inertia) if bodies else None
+    state.fig_ladder = await window.away(fall) if any(one.errors for one in at.ladder.rungs) else None
+    state.fig_inertia = await window.away(inertia) if bodies else None
 
 
 def _untitled(figure: Any, top: int) -> dict[str, Any]:
@@ -203,57 +203,57 @@ AT_REST = -1
 """In place of a mode: bodies with their sensors."""
 
 
-async def structure_shown(bench: WindowState) -> None:
+async def structure_shown(window: WindowState) -> None:
     """Show the campaign's structure as the choice above it says."""
-    state, campaign, compared = bench.state, bench.state.campaign, bench.compared
-    if bench.desk is None or not campaign:
+    state, campaign, compared = window.state, window.state.campaign, window.compared
+    if window.session is None or not campaign:
         return
     known = () if compared is None or campaign not in compared.campaigns else compared.modes_of(campaign)
     modes = [{"title": f"{one.frequency:.2f} Hz, {one.name}", "value": k} for k, one in enumerate(known)]
     state.modes = [{"title": "Structure and sensors", "value": AT_REST}, *modes]
     if state.mode not in range(AT_REST, len(known)):
         state.mode = AT_REST
-    state.view_far = _far(bench)
+    state.view_far = _far(window)
     state.flush()
     try:
         if state.mode == AT_REST or compared is None:
-            scene = await bench.away(scene3d.scene, bench.desk, campaign)
+            scene = await window.away(scene3d.scene, window.session, campaign)
             table, label = Turntable(scene.bodies, scene.sensors), f"{campaign}: structure and sensors"
             note = f"{scene.title}. {scene.note}"
         else:
-            shape = await bench.away(scene3d.shape, bench.desk, compared, campaign, state.mode)
+            shape = await window.away(scene3d.shape, window.session, compared, campaign, state.mode)
             table, label = Turntable(shape.bodies, scale=shape.scale), f"{campaign}: {shape.name} at {shape.frequency:.2f} Hz"
             damping = f"damping ratio {shape.damping_ratio:.3g}"
             note = f"{shape.name}, {shape.frequency:.2f} Hz, {damping}; base held, size of the swing as drawn."
-        before, bench.turntable = bench.turntable, table
+        before, window.turntable = window.turntable, table
         if before is not None:
-            await bench.drawn(before.close)
-        bench.views += 1
-        state.update({"view": str(bench.views), "view_label": label, "view_note": note})
+            await window.drawn(before.close)
+        window.views += 1
+        state.update({"view": str(window.views), "view_label": label, "view_note": note})
     except (BadInput, CheckFailed) as error:
         state.view, state.view_note = "", str(error)
     state.flush()
 
 
-async def mode(bench: WindowState, number: int) -> None:
+async def mode(window: WindowState, number: int) -> None:
     """Show a mode, or the structure at rest."""
-    bench.state.mode = int(number)
-    await structure_shown(bench)
+    window.state.mode = int(number)
+    await structure_shown(window)
 
 
-async def nearest(bench: WindowState) -> None:
+async def nearest(window: WindowState) -> None:
     """Show the mode nearest the frequency that is marked, where there is one; how far it is stands below it."""
-    state = bench.state
-    if bench.compared is None or state.marked is None:
+    state = window.state
+    if window.compared is None or state.marked is None:
         return
-    number = scene3d.nearest(bench.compared, state.campaign, state.marked)
+    number = scene3d.nearest(window.compared, state.campaign, state.marked)
     if number is not None and number != state.mode:
         state.mode = number
-        bench.begin(structure_shown(bench))
-    state.view_far = _far(bench)
+        window.begin(structure_shown(window))
+    state.view_far = _far(window)
 
 
-def picture(bench: WindowState, asked: Mapping[str, str]) -> bytes:
+def picture(window: WindowState, asked: Mapping[str, str]) -> bytes:
     """The picture that the page asks for; to be called in the thread that draws.
 
     Raises
@@ -261,11 +261,11 @@ def picture(bench: WindowState, asked: Mapping[str, str]) -> bytes:
     ValueError : a number that is none.
     LookupError : nothing is shown.
     """
-    if bench.turntable is None:
+    if window.turntable is None:
         raise LookupError("nothing is shown")
     frames = 8
     share = -1.0 + 2.0 * min(max(int(asked.get("frame", "0")), 0), frames) / frames
-    return bench.turntable.jpeg(
+    return window.turntable.jpeg(
         Turn(
             azimuth=float(asked.get("az", "0")),
             elevation=float(asked.get("el", "0")),
@@ -284,10 +284,10 @@ def apart(marked: float, found: float) -> str:
     return f"No mode is near {marked:.4g} Hz: this one is at {found:.4g} Hz, and what is seen there is no resonance of the model."
 
 
-def _far(bench: WindowState) -> str:
+def _far(window: WindowState) -> str:
     """What is said of the mode that is shown, and of the frequency that is marked."""
-    state = bench.state
-    modes = () if bench.compared is None else bench.compared.modes_of(state.campaign)
+    state = window.state
+    modes = () if window.compared is None else window.compared.modes_of(state.campaign)
     if state.marked is None or not 0 <= state.mode < len(modes):
         return ""
     return apart(float(state.marked), modes[state.mode].frequency)
@@ -302,9 +302,9 @@ TINTS = (4.0, 6.0, 20.0)
 TONES = {"good": "good", "doubtful": "doubt", "failed": "bad"}
 
 
-async def comparing_shown(bench: WindowState) -> None:
+async def comparing_shown(window: WindowState) -> None:
     """Bring errors, worst spots, picker, overlay and map to the comparison."""
-    state, compared = bench.state, bench.compared
+    state, compared = window.state, window.compared
     if compared is None:
         state.errors, state.worst, state.remarks = [], [], []
         return
@@ -319,87 +319,87 @@ async def comparing_shown(bench: WindowState) -> None:
     fresh = state.campaign not in compared.campaigns
     if fresh:
         state.campaign = compared.campaigns[0]
-    _of_campaign(bench)
+    _of_campaign(window)
     if fresh and compared.summary["worst"]:
-        _go(bench, _entry_of_spot(bench, 0))
-    await drawn(bench)
+        _go(window, _entry_of_spot(window, 0))
+    await drawn(window)
 
 
-async def redrawn(bench: WindowState) -> None:
+async def redrawn(window: WindowState) -> None:
     """Draw every figure anew, in other colours."""
-    await drawn(bench)
-    await rungs_shown(bench)
+    await drawn(window)
+    await rungs_shown(window)
 
 
-async def entry(bench: WindowState, load: int, motion: int) -> None:
+async def entry(window: WindowState, load: int, motion: int) -> None:
     """Show another entry, where it was looked at."""
-    bench.state.load, bench.state.motion = int(load), int(motion)
-    await drawn(bench)
+    window.state.load, window.state.motion = int(load), int(motion)
+    await drawn(window)
 
 
-async def marked(bench: WindowState, frequency: float) -> None:
+async def marked(window: WindowState, frequency: float) -> None:
     """A click on the overlay: that frequency, and the mode nearest it."""
-    bench.state.marked = float(frequency)
-    await nearest(bench)
-    await drawn(bench)
+    window.state.marked = float(frequency)
+    await nearest(window)
+    await drawn(window)
 
 
-async def cell(bench: WindowState, picked: dict[str, Any]) -> None:
+async def cell(window: WindowState, picked: dict[str, Any]) -> None:
     """A click on the map: the overlay jumps there, to the worst of the lines that share the cell."""
-    if bench.compared is None or len(picked["custom"]) != 2:  # the triangle of a mode
+    if window.compared is None or len(picked["custom"]) != 2:  # the triangle of a mode
         return
-    of, row, frequency = bench.compared.map(bench.state.campaign), str(picked["y"]), float(picked["custom"][1])
-    if row in maps.PAIRS and bench.state.map_kind == "pairs":
+    of, row, frequency = window.compared.map(window.state.campaign), str(picked["y"]), float(picked["custom"][1])
+    if row in maps.PAIRS and window.state.map_kind == "pairs":
         load, motion = divmod(maps.PAIRS.index(row), 6)
-        _go(bench, MapEntry(campaign=of.data_set, load=load, motion=motion, frequency=frequency))
+        _go(window, MapEntry(campaign=of.data_set, load=load, motion=motion, frequency=frequency))
     else:
         labels = [escaped(name) for name in maps.labels(of)]
         if row not in labels:
             return
         number = labels.index(row)
-        if bench.state.run != WORST_OF_ALL:
-            run = bench.state.run
+        if window.state.run != WORST_OF_ALL:
+            run = window.state.run
         else:
             line = int(np.argmin(np.abs(of.frequency - frequency)))
             known = np.isfinite(of.expected[:, line, number]) & np.isfinite(of.sigma[:, line, number])
             run = int(np.argmax(np.where(known, of.sigma[:, line, number], -np.inf)))
         found = MapCell(campaign=of.data_set, run=of.runs[run], row=of.rows[number], frequency=frequency)
-        _go(bench, scene3d.entry_of(bench.compared, found))
-    await nearest(bench)
-    await drawn(bench)
+        _go(window, scene3d.entry_of(window.compared, found))
+    await nearest(window)
+    await drawn(window)
 
 
-async def spot(bench: WindowState, number: int) -> None:
+async def spot(window: WindowState, number: int) -> None:
     """A worst spot of the list, the same way."""
-    _go(bench, _entry_of_spot(bench, int(number)))
-    await nearest(bench)
-    await drawn(bench)
+    _go(window, _entry_of_spot(window, int(number)))
+    await nearest(window)
+    await drawn(window)
 
 
-async def campaign(bench: WindowState, name: str) -> None:
+async def campaign(window: WindowState, name: str) -> None:
     """Show another campaign."""
-    bench.state.campaign = name
-    _of_campaign(bench)
-    await drawn(bench)
-    await structure_shown(bench)
+    window.state.campaign = name
+    _of_campaign(window)
+    await drawn(window)
+    await structure_shown(window)
 
 
-async def show_map(bench: WindowState, kind: str) -> None:
+async def show_map(window: WindowState, kind: str) -> None:
     """Channels and loads, or pairs of axes."""
-    bench.state.map_kind = kind
-    await drawn(bench)
+    window.state.map_kind = kind
+    await drawn(window)
 
 
-async def show_run(bench: WindowState, number: int) -> None:
+async def show_run(window: WindowState, number: int) -> None:
     """One run on the map, or the worst of all."""
-    bench.state.run = int(number)
-    await drawn(bench)
+    window.state.run = int(number)
+    await drawn(window)
 
 
-def _of_campaign(bench: WindowState) -> None:
+def _of_campaign(window: WindowState) -> None:
     """What the picker and the choice of runs say of the campaign that is shown."""
-    state = bench.state
-    of = bench.compared.map(state.campaign)  # type: ignore[union-attr]
+    state = window.state
+    of = window.compared.map(state.campaign)  # type: ignore[union-attr]
     state.runs = [{"title": "the worst of all runs", "value": WORST_OF_ALL}] + [
         {"title": run_in_words(name, axis), "value": k} for k, (name, axis) in enumerate(zip(of.runs, of.axes, strict=True))
     ]
@@ -412,18 +412,18 @@ def _of_campaign(bench: WindowState) -> None:
     state.tints = [[int(np.searchsorted(TINTS, 0 if np.isnan(peak) else peak, side="right")) for peak in row] for row in peaks]
 
 
-def _entry_of_spot(bench: WindowState, number: int) -> MapEntry:
-    compared = bench.compared
+def _entry_of_spot(window: WindowState, number: int) -> MapEntry:
+    compared = window.compared
     one = compared.summary["worst"][number]  # type: ignore[union-attr]
     found = MapCell(campaign=one["campaign"], run=one["run"], row=one["channel"], frequency=float(one["frequency_hz"]))
     return scene3d.entry_of(compared, found)  # type: ignore[arg-type]
 
 
-def _go(bench: WindowState, to: MapEntry) -> None:
-    state = bench.state
+def _go(window: WindowState, to: MapEntry) -> None:
+    state = window.state
     if state.campaign != to.campaign:
         state.campaign = to.campaign
-        _of_campaign(bench)
+        _of_campaign(window)
     state.load, state.motion, state.marked = to.load, to.motion, to.frequency
 
 
@@ -440,37 +440,37 @@ RESTS = 0.4
 """Seconds without a move after which a slider rests."""
 
 
-async def made_ready(bench: WindowState) -> None:
+async def made_ready(window: WindowState) -> None:
     """Predictions and effects for the model as it stands, beside the page."""
-    desk, compared = bench.desk, bench.compared
-    if desk is None:
+    session, compared = window.session, window.compared
+    if session is None:
         return
-    table = await bench.away(whatif.table, desk)
-    effects = await bench.away(whatif.reaching, table)
-    if bench.compared is not compared:  # another model meanwhile
+    table = await window.away(whatif.table, session)
+    effects = await window.away(whatif.reaching, table)
+    if window.compared is not compared:  # another model meanwhile
         return
-    bench.table, bench.effects = table, {one.id: one for one in effects}
-    bench.state.effects = [{"title": f"{one.id}: {one.what}", "value": one.id} for one in effects]
-    bench.state.flush()
-    if bench.wanted is not None:
-        await chosen(bench, bench.wanted)
+    window.table, window.effects = table, {one.id: one for one in effects}
+    window.state.effects = [{"title": f"{one.id}: {one.what}", "value": one.id} for one in effects]
+    window.state.flush()
+    if window.wanted is not None:
+        await chosen(window, window.wanted)
 
 
-async def chosen(bench: WindowState, effect: str | None) -> None:
+async def chosen(window: WindowState, effect: str | None) -> None:
     """Explain `effect` (an id, or with its size) and draw what it would do; None puts it aside."""
-    state = bench.state
-    bench.wanted, bench.tried, bench.exact = effect, None, True  # whatever was dragged is at rest now
-    if effect is None or bench.desk is None:
-        state.effect, bench.sizes = None, {}
-        await drawn(bench)
-        keep(bench)
+    state = window.state
+    window.wanted, window.tried, window.exact = effect, None, True  # whatever was dragged is at rest now
+    if effect is None or window.session is None:
+        state.effect, window.sizes = None, {}
+        await drawn(window)
+        keep(window)
         return
     state.part = "what-if"
-    told = await bench.away(whatif.explained, bench.desk, effect)
-    known = bench.effects.get(told.id)
+    told = await window.away(whatif.explained, window.session, effect)
+    known = window.effects.get(told.id)
     found = told.sizes
     asked = dict(parse(effect).values) if "=" in effect else found
-    bench.sizes = {} if known is None else {one.key: asked.get(one.key, one.start) for one in known.sliders}
+    window.sizes = {} if known is None else {one.key: asked.get(one.key, one.start) for one in known.sliders}
     state.effect = {
         "id": told.id,
         "what": told.what,
@@ -484,65 +484,65 @@ async def chosen(bench: WindowState, effect: str | None) -> None:
         "confirmed": told.confirmed_by,
         "note": told.note,
         "reference": told.reference,
-        "sliders": _sliders(bench, known),
+        "sliders": _sliders(window, known),
         "inside": bool(known and known.in_model),
         "answer": "",
     }
     state.flush()
-    await follow(bench)
-    keep(bench)
+    await follow(window)
+    keep(window)
 
 
-async def drag(bench: WindowState, key: str, at: float) -> None:
+async def drag(window: WindowState, key: str, at: float) -> None:
     """A slider moves: the curve follows to where it is, and what lies between is left out; at rest every line is computed."""
-    slider = _slider(bench, key)
+    slider = _slider(window, key)
     if slider is None:
         return
-    bench.sizes[key] = value(slider, at)
-    bench.exact = False
-    if bench.dragging is None or bench.dragging.done():
-        bench.dragging = bench.begin(_followed(bench))
+    window.sizes[key] = value(slider, at)
+    window.exact = False
+    if window.dragging is None or window.dragging.done():
+        window.dragging = window.begin(_followed(window))
 
 
-async def size(bench: WindowState, key: str, typed: str) -> None:
+async def size(window: WindowState, key: str, typed: str) -> None:
     """A number in the field beside the slider, in the unit that is shown there."""
-    slider = _slider(bench, key)
+    slider = _slider(window, key)
     if slider is None:
         return
     try:
-        bench.sizes[key] = float(typed) / slider.per_si
+        window.sizes[key] = float(typed) / slider.per_si
     except ValueError:
-        bench.state.failure = f"{slider.label}: a number in {slider.shown_unit or 'one'} is expected, found {typed!r}."
+        window.state.failure = f"{slider.label}: a number in {slider.shown_unit or 'one'} is expected, found {typed!r}."
         return
-    effect = bench.state.effect
-    bench.state.effect = {**effect, "sliders": _sliders(bench, bench.effects.get(effect["id"]))}
-    bench.state.flush()
-    await follow(bench)
-    keep(bench)
+    effect = window.state.effect
+    window.state.effect = {**effect, "sliders": _sliders(window, window.effects.get(effect["id"]))}
+    window.state.flush()
+    await follow(window)
+    keep(window)
 
 
-async def follow(bench: WindowState) -> None:
+async def follow(window: WindowState) -> None:
     """Compute the chosen effect at its size, at every line, and draw everything with it."""
-    effect, table = _chosen(bench), bench.table
+    effect, table = _chosen(window), window.table
     if effect is None or table is None:
-        if bench.state.effect is not None:
-            _answer(bench, "" if table is None else "It acts on nothing that was tested here, so no curve would move.")
-            await drawn(bench)  # without the curve of what was tried before
+        if window.state.effect is not None:
+            _answer(window, "" if table is None else "It acts on nothing that was tested here, so no curve would move.")
+            await drawn(window)  # without the curve of what was tried before
         return
-    sizes = dict(bench.sizes)
+    sizes = dict(window.sizes)
 
     def computed() -> WhatIf | None:
         """None where the slider moved on while something else was computed."""
         asked = effect.written(sizes)
-        return whatif.what_if(table, asked, bench.state.load, bench.state.motion) if bench.sizes == sizes else None
+        return whatif.what_if(table, asked, window.state.load, window.state.motion) if window.sizes == sizes else None
 
-    found = await bench.at_rest(computed)
-    if found is None or bench.sizes != sizes or _stale(bench, effect, table):
+    found = await window.at_rest(computed)
+    if found is None or window.sizes != sizes or _stale(window, effect, table):
         return
-    bench.tried = found
-    if bench.exact:
-        _answer(bench, _said(found, table.at))
-    await drawn(bench)
+    window.tried = found
+    if window.exact:
+        _answer(window, _said(found, table.at))
+    await drawn(window)
 
 
 def value(slider: Slider, at: float) -> float:
@@ -566,58 +566,58 @@ def position(slider: Slider, size: float) -> int:
     return round(STEPS * min(max(share, 0.0), 1.0))
 
 
-async def _followed(bench: WindowState) -> None:
+async def _followed(window: WindowState) -> None:
     """Follow the slider until it rests, whether it was let go (which a keyboard does not tell) or not; then every line."""
 
     async def whole() -> None:
-        await follow(bench)
-        keep(bench)
+        await follow(window)
+        keep(window)
 
-    while not bench.exact:
-        await _chased(bench)
-        rests = dict(bench.sizes)
+    while not window.exact:
+        await _chased(window)
+        rests = dict(window.sizes)
         await asyncio.sleep(RESTS)
-        if rests == bench.sizes and not bench.exact:
-            bench.exact = True
-            bench.begin(whole())  # beside this: whoever drags on need not wait for it
+        if rests == window.sizes and not window.exact:
+            window.exact = True
+            window.begin(whole())  # beside this: whoever drags on need not wait for it
 
 
-async def _chased(bench: WindowState) -> None:
+async def _chased(window: WindowState) -> None:
     """Curves for where the slider is, as fast as they come, until it is where the last one was."""
     done: dict[str, float] | None = None
-    state = bench.state
-    while not bench.exact and done != bench.sizes and bench.table is not None:
-        effect, table = _chosen(bench), bench.table
+    state = window.state
+    while not window.exact and done != window.sizes and window.table is not None:
+        effect, table = _chosen(window), window.table
         if effect is None:  # put aside meanwhile
             return
-        done = dict(bench.sizes)
-        found = await bench.away(whatif.what_if, table, effect.written(done), state.load, state.motion, exact=False)
-        if _stale(bench, effect, table):
+        done = dict(window.sizes)
+        found = await window.away(whatif.what_if, table, effect.written(done), state.load, state.motion, exact=False)
+        if _stale(window, effect, table):
             return
         trace = next((one for one in found.traces if one.campaign == state.campaign), None)
-        bench.drags += 1
-        if trace is not None and bench.tried is not None:
+        window.drags += 1
+        if trace is not None and window.tried is not None:
             after = trace.matrix[:, state.load, state.motion]  # of the entry that is shown now, whichever was then
             curves = [np.abs(after), phase(after)]
             state.live = {
-                "group": name_of(bench.tried),
+                "group": name_of(window.tried),
                 "x": trace.frequency.tolist(),
                 "y": [np.float32(one).astype(float).tolist() for one in curves],
-                "number": bench.drags,
+                "number": window.drags,
             }
-        sizes = _sliders(bench, effect)
+        sizes = _sliders(window, effect)
         state.effect = {**state.effect, "sliders": sizes, "answer": _said(found, table.at)}
         state.flush()  # all at once: each word to the page has it laid out anew
 
 
-def _chosen(bench: WindowState) -> TrialEffect | None:
+def _chosen(window: WindowState) -> TrialEffect | None:
     """The effect on the sliders; None where there is none, or where it acts on nothing."""
-    return None if bench.state.effect is None else bench.effects.get(bench.state.effect["id"])
+    return None if window.state.effect is None else window.effects.get(window.state.effect["id"])
 
 
-def _stale(bench: WindowState, effect: TrialEffect, table: ReadyPredictions) -> bool:
+def _stale(window: WindowState, effect: TrialEffect, table: ReadyPredictions) -> bool:
     """Whether an answer came too late: another effect is chosen meanwhile, or the model is another."""
-    return _chosen(bench) is not effect or bench.table is not table
+    return _chosen(window) is not effect or window.table is not table
 
 
 def _said(found: WhatIf, at: str) -> str:
@@ -632,17 +632,17 @@ def _said(found: WhatIf, at: str) -> str:
     return told + (f"; {diagnosis_listed(facts)}" if facts else "") + f". Seen from {at}."
 
 
-def _answer(bench: WindowState, text: str) -> None:
-    bench.state.effect = {**bench.state.effect, "answer": text}
-    bench.state.flush()
+def _answer(window: WindowState, text: str) -> None:
+    window.state.effect = {**window.state.effect, "answer": text}
+    window.state.flush()
 
 
-def _slider(bench: WindowState, key: str) -> Slider | None:
-    effect = _chosen(bench)
+def _slider(window: WindowState, key: str) -> Slider | None:
+    effect = _chosen(window)
     return None if effect is None else next((one for one in effect.sliders if one.key == key), None)
 
 
-def _sliders(bench: WindowState, effect: TrialEffect | None) -> list[dict[str, Any]]:
+def _sliders(window: WindowState, effect: TrialEffect | None) -> list[dict[str, Any]]:
     if effect is None:
         return []
     return [
@@ -651,8 +651,8 @@ def _sliders(bench: WindowState, effect: TrialEffect | None) -> list[dict[str, A
             "name": one.key or "alone",
             "label": one.label,
             "unit": one.shown_unit or "1",
-            "value": float(f"{bench.sizes[one.key] * one.per_si:.4g}"),
-            "at": position(one, bench.sizes[one.key]),
+            "value": float(f"{window.sizes[one.key] * one.per_si:.4g}"),
+            "at": position(one, window.sizes[one.key]),
         }
         for one in effect.sliders
     ]
@@ -665,10 +665,10 @@ SHOWN = 12
 """Causes in the list."""
 
 
-async def diagnosing_shown(bench: WindowState) -> None:
+async def diagnosing_shown(window: WindowState) -> None:
     """Bring verdict and ranking to the diagnosis of the model as it stands, where it was made."""
-    found = None if bench.desk is None else await bench.away(bench.desk.diagnosis)
-    state = bench.state
+    found = None if window.session is None else await window.away(window.session.diagnosis)
+    state = window.state
     if found is None:
         state.verdict, state.ranking = None, []
         return
@@ -728,71 +728,71 @@ def _cause(one: Cause, found: Diagnosis) -> dict[str, Any]:
     }
 
 
-async def shown(bench: WindowState) -> None:
-    """Show the desk as it is; a comparison that was never made begins."""
-    state, desk = bench.state, bench.desk
-    if desk is None:
+async def shown(window: WindowState) -> None:
+    """Show the session as it is; a comparison that was never made begins."""
+    state, session = window.state, window.session
+    if session is None:
         return
-    workers.recovered(desk)
-    bench.wanted = kept(bench)
-    data = ", ".join(path.rsplit("/", 1)[-1] for path in desk.asked.data)
-    state.title = f"{desk.title or desk.asked.model.rsplit('/', 1)[-1]}: {data}"
+    workers.recovered(session)
+    window.wanted = kept(window)
+    data = ", ".join(path.rsplit("/", 1)[-1] for path in session.asked.data)
+    state.title = f"{session.title or session.asked.model.rsplit('/', 1)[-1]}: {data}"
     state.screen, state.failure, state.ready = "work", "", None
     state.faults = {"model": [], "data": [], "options": []}
     state.flush()
-    await stands(bench)
-    if bench.compared is None:
-        app_state.start(bench, workers.COMPARE, stands)
+    await stands(window)
+    if window.compared is None:
+        app_state.start(window, workers.COMPARE, stands)
 
 
-async def stands(bench: WindowState) -> None:
+async def stands(window: WindowState) -> None:
     """Everything that follows from the model as it stands now."""
-    if bench.desk is None:
+    if window.session is None:
         return
-    bench.compared = await bench.away(bench.desk.comparison)
-    bench.table, bench.effects, bench.tried = None, {}, None  # all of the model that stood there before
-    bench.state.compared = bench.compared is not None
-    await comparing_shown(bench)
-    await rungs_shown(bench)
-    await diagnosing_shown(bench)
-    bench.state.flush()
-    bench.begin(structure_shown(bench))
-    if bench.compared is not None:
-        bench.begin(made_ready(bench))
+    window.compared = await window.away(window.session.comparison)
+    window.table, window.effects, window.tried = None, {}, None  # all of the model that stood there before
+    window.state.compared = window.compared is not None
+    await comparing_shown(window)
+    await rungs_shown(window)
+    await diagnosing_shown(window)
+    window.state.flush()
+    window.begin(structure_shown(window))
+    if window.compared is not None:
+        window.begin(made_ready(window))
 
 
 # Up and down the ladder, from the page.
 
 
-async def add(bench: WindowState) -> None:
+async def add(window: WindowState) -> None:
     """Add the chosen effect; its fit begins at the size of the sliders."""
-    effect = _chosen(bench)
+    effect = _chosen(window)
     if effect is None:
         return
-    app_state.start(bench, workers.ADD, _added, stands, effect=effect.written(bench.sizes))
+    app_state.start(window, workers.ADD, _added, stands, effect=effect.written(window.sizes))
 
 
-async def _added(bench: WindowState) -> None:
-    bench.wanted, bench.tried, bench.state.effect = None, None, None
-    bench.state.tab, bench.state.part = "ladder", "fails"
-    await stands(bench)
-    keep(bench)
+async def _added(window: WindowState) -> None:
+    window.wanted, window.tried, window.state.effect = None, None, None
+    window.state.tab, window.state.part = "ladder", "fails"
+    await stands(window)
+    keep(window)
 
 
-async def undo(bench: WindowState) -> None:
+async def undo(window: WindowState) -> None:
     """One rung down."""
-    if bench.desk is not None and bench.worker is None:
-        await bench.away(bench.desk.undo)
-        await stands(bench)
+    if window.session is not None and window.worker is None:
+        await window.away(window.session.undo)
+        await stands(window)
 
 
-async def go(bench: WindowState, number: int) -> None:
+async def go(window: WindowState, number: int) -> None:
     """To any rung."""
-    if bench.desk is not None and bench.worker is None:
-        await bench.away(bench.desk.go_to, int(number))
-        await stands(bench)
-        if bench.compared is None:
-            app_state.start(bench, workers.COMPARE, stands)
+    if window.session is not None and window.worker is None:
+        await window.away(window.session.go_to, int(number))
+        await stands(window)
+        if window.compared is None:
+            app_state.start(window, workers.COMPARE, stands)
 
 
 # Opening: an example, files that were dropped, or paths; and what is wrong with them, beside the field that has it.
@@ -802,59 +802,59 @@ WARMS_AFTER = 3.0
 """Seconds in which a page is there and nobody has asked for a figure yet."""
 
 CURRENT = "current"
-"""The file that names the desk in use."""
+"""The file that names the session in use."""
 
 
-async def first(bench: WindowState) -> None:
-    """What a window begins with: the desk that it had, or what the command line named."""
+async def first(window: WindowState) -> None:
+    """What a window begins with: the session that it had, or what the command line named."""
 
     async def warmed() -> None:
         """Have the libraries of figures and pictures there before the first one is waited for; the page itself comes first."""
         await asyncio.sleep(WARMS_AFTER)
         await asyncio.to_thread(interactive.template, False)
-        await bench.drawn(turntable.ready)
+        await window.drawn(turntable.ready)
 
-    bench.begin(warmed())
-    current = bench.folder / CURRENT
+    window.begin(warmed())
+    current = window.folder / CURRENT
     if current.is_file():
-        bench.desk = await bench.away(session.opened, bench.folder / current.read_text(encoding="utf-8"))
-        await shown(bench)
-    elif bench.opened.example is not None:
-        await example(bench, bench.opened.example)
-    elif bench.opened.model is not None:
-        one = bench.opened
-        _begin(bench, one.model or "", one.data, one.hold_out, one.band, one.method, one.effects_from)
-        await shown(bench)
+        window.session = await window.away(opened, window.folder / current.read_text(encoding="utf-8"))
+        await shown(window)
+    elif window.opened.example is not None:
+        await example(window, window.opened.example)
+    elif window.opened.model is not None:
+        one = window.opened
+        _begin(window, one.model or "", one.data, one.hold_out, one.band, one.method, one.effects_from)
+        await shown(window)
 
 
-async def example(bench: WindowState, name: str) -> None:
+async def example(window: WindowState, name: str) -> None:
     """Open the example `name`, simulated first where it was never used here."""
-    if _busy(bench):
+    if _busy(window):
         return
-    bench.state.opening = True
-    tell = app_state.teller(bench, f"The example {name} is made ready")
+    window.state.opening = True
+    tell = app_state.teller(window, f"The example {name} is made ready")
     try:
-        series = await bench.aside(opening.made, name, tell)
+        series = await window.aside(opening.made, name, tell)
     finally:
-        bench.state.opening, bench.state.job = False, None
-    _begin(bench, series.model, series.data, series.hold_out, series.band, title=series.title)
-    await shown(bench)
+        window.state.opening, window.state.job = False, None
+    _begin(window, series.model, series.data, series.hold_out, series.band, title=series.title)
+    await shown(window)
 
 
-async def paths(bench: WindowState) -> None:
+async def paths(window: WindowState) -> None:
     """Open what the fields name; faults stay beside them, and nothing is opened where one is grave."""
-    if not _busy(bench):
-        await _opened(bench, ())
+    if not _busy(window):
+        await _opened(window, ())
 
 
-async def _opened(bench: WindowState, refused: Sequence[Fault]) -> None:
+async def _opened(window: WindowState, refused: Sequence[Fault]) -> None:
     """The same, with what was refused on the way, and leaves the rest usable."""
-    state = bench.state
+    state = window.state
     model, data = str(state.model_path or "").strip(), _lines(state.data_paths)
     try:
         if model and Path(model).is_dir():
             # A folder in the field of the model stands for the model and the data in it
-            inside = await bench.away(opening.sorted_out, model)
+            inside = await window.away(opening.sorted_out, model)
             model, data = (inside.models[0] if inside.models else model), data or inside.data
         text = str(state.band or "")
         words = text.replace(",", " ").replace("to", " ").replace("-", " ").split()
@@ -869,37 +869,37 @@ async def _opened(bench: WindowState, refused: Sequence[Fault]) -> None:
             band = low, high
         hold_out = tuple(name.strip() for name in str(state.hold_out or "").split(",") if name.strip())
     except BadInput as error:
-        _tell(bench, [*refused, of_error(error)], model)
+        _tell(window, [*refused, of_error(error)], model)
         return
     state.model_path, state.data_paths = model, "\n".join(data)
     state.opening = True
     state.flush()
     try:
-        found = await bench.away(faults, model, data, effects_from=bench.opened.effects_from)
+        found = await window.away(faults, model, data, effects_from=window.opened.effects_from)
     finally:
         state.opening = False
-    _tell(bench, [*refused, *found], model)
+    _tell(window, [*refused, *found], model)
     if any(one.grave for one in found):
         return
-    _begin(bench, model, data, hold_out, band, effects_from=bench.opened.effects_from)
-    await shown(bench)
+    _begin(window, model, data, hold_out, band, effects_from=window.opened.effects_from)
+    await shown(window)
 
 
-async def arrived(bench: WindowState, files: Sequence[Handed]) -> None:
+async def arrived(window: WindowState, files: Sequence[Handed]) -> None:
     """Take over what a browser handed in, name it in the fields, and open it if nothing is wrong with it."""
-    if _busy(bench):
-        bench.state.failure = "Something is being read or computed. Hand the files over when that is done."
+    if _busy(window):
+        window.state.failure = "Something is being read or computed. Hand the files over when that is done."
         return
-    # What was dropped since a desk was begun, each time into a folder of its own: a file that was mended has the same name
-    before = sorted(bench.folder.glob(f"drop-{_number(bench)}-*"))
-    folder = bench.folder / f"drop-{_number(bench)}-{len(before)}"
+    # What was dropped since a session was begun, each time into a folder of its own: a file that was mended has the same name
+    before = sorted(window.folder.glob(f"drop-{_number(window)}-*"))
+    folder = window.folder / f"drop-{_number(window)}-{len(before)}"
     room = opening.LARGEST - sum(path.stat().st_size for one in before for path in one.rglob("*") if path.is_file())
-    received = await bench.away(opening.received, folder, files, limit=max(room, 0))
-    state = bench.state
+    received = await window.away(opening.received, folder, files, limit=max(room, 0))
+    state = window.state
     # `received.data` with what was dropped before and is not replaced by it: campaigns may come one after the other
     named = {Path(one).name for one in received.data}
-    ours = f"{bench.folder / f'drop-{_number(bench)}-'}"
-    earlier = [one for one in _lines(bench.state.data_paths) if one.startswith(ours) and Path(one).name not in named]
+    ours = f"{window.folder / f'drop-{_number(window)}-'}"
+    earlier = [one for one in _lines(window.state.data_paths) if one.startswith(ours) and Path(one).name not in named]
     models, data = list(received.models), [*earlier, *received.data]
     if models:
         state.models, state.model_path = models, models[0]
@@ -913,18 +913,18 @@ async def arrived(bench: WindowState, files: Sequence[Handed]) -> None:
         elif not grave:
             remedy = "`massline model ARTICLE` writes one to start from; drop it, too"
             lacking = [Fault(file="", problem="no model file is among the files", remedy=remedy)]
-        _tell(bench, [*received.faults, *lacking], str(state.model_path or ""))
+        _tell(window, [*received.faults, *lacking], str(state.model_path or ""))
         return
-    await _opened(bench, received.faults)
+    await _opened(window, received.faults)
 
 
-def _busy(bench: WindowState) -> bool:
-    """Whether a desk could not be changed for another now."""
-    return bool(bench.state.opening) or bench.worker is not None or bench.state.job is not None
+def _busy(window: WindowState) -> bool:
+    """Whether a session could not be changed for another now."""
+    return bool(window.state.opening) or window.worker is not None or window.state.job is not None
 
 
 def _begin(
-    bench: WindowState,
+    window: WindowState,
     model: str,
     data: Sequence[str],
     hold_out: Sequence[str] = (),
@@ -933,28 +933,28 @@ def _begin(
     effects_from: Sequence[str] = (),
     title: str = "",
 ) -> None:
-    # A folder for the next desk
-    folder = bench.folder / f"desk-{_number(bench)}"
+    # A folder for the next session
+    folder = window.folder / f"desk-{_number(window)}"
     folder.mkdir(exist_ok=True)
-    bench.desk = session.begun(
+    window.session = begun(
         folder, model, data, hold_out=hold_out, band=band, method=method, effects_from=effects_from, title=title
     )
-    app_state.saved(bench.desk)
-    (bench.folder / CURRENT).write_text(folder.name, encoding="utf-8")
+    app_state.saved(window.session)
+    (window.folder / CURRENT).write_text(folder.name, encoding="utf-8")
 
 
-def _number(bench: WindowState) -> int:
-    """Of the next desk."""
-    return sum(1 for one in bench.folder.glob("desk-*") if session.is_session(one))
+def _number(window: WindowState) -> int:
+    """Of the next session."""
+    return sum(1 for one in window.folder.glob("desk-*") if is_session(one))
 
 
-def _tell(bench: WindowState, found: Iterable[Fault], model: str) -> None:
+def _tell(window: WindowState, found: Iterable[Fault], model: str) -> None:
     """Faults beside the fields that have them."""
     beside: dict[str, list[dict[str, Any]]] = {"model": [], "data": [], "options": []}
     for one in found:
         place = "options" if one.file.startswith("--") else "model" if one.file in (model, "model", "MODEL", "") else "data"
         beside[place].append(asdict(one))
-    bench.state.faults = beside
+    window.state.faults = beside
 
 
 def _lines(text: str | None) -> tuple[str, ...]:
@@ -972,37 +972,37 @@ SAVING_BESIDE = {"ladder.json": "model.ladder.json"}
 TYPES = {".toml": "application/toml", ".json": "application/json", ".html": "text/html", ".zip": "application/zip"}
 
 
-async def report(bench: WindowState) -> None:
+async def report(window: WindowState) -> None:
     """Let a worker write the report."""
-    if bench.desk is not None:
-        app_state.start(bench, workers.REPORT, _reported, to=str(_kept(bench.desk) / REPORT))
+    if window.session is not None:
+        app_state.start(window, workers.REPORT, _reported, to=str(_kept(window.session) / REPORT))
 
 
-async def _reported(bench: WindowState) -> None:
-    _ready(bench, "The report is ready:", REPORT)
+async def _reported(window: WindowState) -> None:
+    _ready(window, "The report is ready:", REPORT)
 
 
-async def figures(bench: WindowState) -> None:
+async def figures(window: WindowState) -> None:
     """Draw the pictures of comparison and ladder."""
-    desk = bench.desk
-    if desk is None:
+    session = window.session
+    if session is None:
         return
-    tell = app_state.teller(bench, "Drawing the figures")
+    tell = app_state.teller(window, "Drawing the figures")
     try:
-        folder = _kept(desk) / "figures"
+        folder = _kept(session) / "figures"
         folder.mkdir(parents=True, exist_ok=True)
-        paths = await bench.aside(desk.draw, folder, tell)
+        paths = await window.aside(session.draw, folder, tell)
         if not paths:
             raise BadInput(source="figures", problem="there is nothing to draw yet", remedy="Compare first")
-        with zipfile.ZipFile(_kept(desk) / FIGURES, "w") as archive:
+        with zipfile.ZipFile(_kept(session) / FIGURES, "w") as archive:
             for path in paths:
                 archive.write(path, path.name)
     finally:
-        bench.state.job = None
-    _ready(bench, "The figures are ready:", FIGURES)
+        window.state.job = None
+    _ready(window, "The figures are ready:", FIGURES)
 
 
-def content(bench: WindowState, name: str) -> tuple[bytes, str]:
+def content(window: WindowState, name: str) -> tuple[bytes, str]:
     """What is downloaded under `name`, and its type.
 
     Raises
@@ -1010,17 +1010,17 @@ def content(bench: WindowState, name: str) -> tuple[bytes, str]:
     LookupError : there is nothing of that name.
     BadInput : there is no ladder yet.
     """
-    desk = bench.desk
-    if desk is None:
+    session = window.session
+    if session is None:
         raise LookupError(name)
-    kept = {REPORT: _kept(desk) / REPORT, FIGURES: _kept(desk) / FIGURES}
+    kept = {REPORT: _kept(session) / REPORT, FIGURES: _kept(session) / FIGURES}
     if name == "model.toml":
-        body = desk.model_text().encode()
-        app_state.saved(desk)
-        bench.state.unsaved = False
-        bench.state.flush()
+        body = session.model_text().encode()
+        app_state.saved(session)
+        window.state.unsaved = False
+        window.state.flush()
     elif name == "ladder.json":
-        body = desk.ladder_text().encode()
+        body = session.ladder_text().encode()
     elif name in kept and kept[name].is_file():
         body = kept[name].read_bytes()
     else:
@@ -1028,11 +1028,11 @@ def content(bench: WindowState, name: str) -> tuple[bytes, str]:
     return body, TYPES[Path(name).suffix]
 
 
-def _ready(bench: WindowState, text: str, name: str) -> None:
-    bench.state.ready = {"text": text, "links": [{"href": f"save/{name}", "name": name}]}
+def _ready(window: WindowState, text: str, name: str) -> None:
+    window.state.ready = {"text": text, "links": [{"href": f"save/{name}", "name": name}]}
 
 
-def _kept(desk: Session) -> Path:
-    folder = desk.folder / "saved"
+def _kept(session: Session) -> Path:
+    folder = session.folder / "saved"
     folder.mkdir(exist_ok=True)
     return folder

@@ -453,7 +453,7 @@ NAME = re.compile(r"[a-z0-9]{8,64}")
 """What a window may be called: nothing that could be a path, and no capitals, because trame's client drops them."""
 
 LARGEST_UPLOAD = 2 * 2**30
-"""Bytes of one request: a series of campaigns dropped on the page. The desk has a limit of its own."""
+"""Bytes of one request: a series of campaigns dropped on the page. The session has a limit of its own."""
 
 
 REFRESH = """<!doctype html><html lang="en"><meta charset="utf-8"><meta name="referrer" content="no-referrer">

@@ -1,6 +1,6 @@
-"""What one window holds while it is open: the desk, what was computed for it, and the threads in which anything slow happens.
+"""What one window holds while it is open: the session, what was computed for it, and the threads in which anything slow happens.
 
-Everything of worth lies in the desk's folder; a window that was closed and is opened again by its address takes it up from
+Everything of worth lies in the session's folder; a window that was closed and is opened again by its address takes it up from
 there.
 """
 
@@ -20,9 +20,9 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 from fem.solid import model
 from geometry.errors import BadInput, CheckFailed
-from validation.app import session, workers
+from validation.app import workers
 from validation.app.options import StartOptions
-from validation.app.session import Session
+from validation.app.session import Session, copied, is_session
 from validation.app.workers import CANCELLED, DONE, FAILED, Job
 from validation.history import history
 
@@ -44,9 +44,9 @@ class WindowState:
     Attributes
     ----------
     state : what the page shows, trame's
-    folder : of this window; desks lie in it
+    folder : of this window; sessions lie in it
     opened : what the command line asked to begin with
-    desk : what is worked on, None before something is open
+    session : what is worked on, None before something is open
     compared : the comparison of the model as it stands
     table : predictions that stand ready for what-if
     effects : that can be tried, by id
@@ -63,7 +63,7 @@ class WindowState:
     state: Any
     folder: Path
     opened: StartOptions
-    desk: Session | None = None
+    session: Session | None = None
     compared: Compared | None = None
     table: ReadyPredictions | None = None
     effects: dict[str, TrialEffect] = field(default_factory=dict)
@@ -78,7 +78,7 @@ class WindowState:
     views: int = 0
     dragging: asyncio.Task[None] | None = None
     tasks: set[asyncio.Task[None]] = field(default_factory=set)
-    # One thread each: a desk computes one thing at a time, and OpenGL wants to be spoken to by one thread only.
+    # One thread each: a session computes one thing at a time, and OpenGL wants to be spoken to by one thread only.
     _computing: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "desk"))
     # A slider that moves on does not wait for what was computed where it rested.
     _resting: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, "rest"))
@@ -142,62 +142,62 @@ WORDS = {
 Following = Callable[[WindowState], Awaitable[None]]
 
 
-async def unchanged(bench: WindowState) -> None:
+async def unchanged(window: WindowState) -> None:
     """What a job that only adds to what is found leaves to be done when it is ended early."""
 
 
-def start(bench: WindowState, kind: str, then: Following, left: Following = unchanged, **asked: Any) -> None:
+def start(window: WindowState, kind: str, then: Following, left: Following = unchanged, **asked: Any) -> None:
     """Let a worker begin; `then` follows when it is done. While one works no other begins.
 
     `left` follows when it was cancelled or failed, and brings the page to what is there.
     """
-    if bench.desk is None or bench.worker is not None:
+    if window.session is None or window.worker is not None:
         return
-    bench.state.failure, bench.state.ready = "", None
-    bench.worker = workers.start(bench.desk, kind, **asked)
-    _tell(bench, bench.worker.job())
-    bench.begin(_watched(bench, then, left))
+    window.state.failure, window.state.ready = "", None
+    window.worker = workers.start(window.session, kind, **asked)
+    _tell(window, window.worker.job())
+    window.begin(_watched(window, then, left))
 
 
-async def cancel(bench: WindowState) -> None:
+async def cancel(window: WindowState) -> None:
     """End the worker now. Nobody looks at it while it dies: that would be told as a failure."""
-    if bench.worker is not None and bench.ending is None:
-        bench.ending = asyncio.ensure_future(asyncio.to_thread(bench.worker.cancel))
+    if window.worker is not None and window.ending is None:
+        window.ending = asyncio.ensure_future(asyncio.to_thread(window.worker.cancel))
 
 
-def teller(bench: WindowState, words: str) -> Callable[[str, float], None]:
+def teller(window: WindowState, words: str) -> Callable[[str, float], None]:
     """What work in a thread calls to say how far it is; a thread cannot be cancelled."""
     loop, began = asyncio.get_running_loop(), time.monotonic()
 
     def show(what: str, share: float) -> None:
-        bench.state.job = _line(f"{words}: {what}", share, time.monotonic() - began, cancellable=False)
-        bench.state.flush()
+        window.state.job = _line(f"{words}: {what}", share, time.monotonic() - began, cancellable=False)
+        window.state.flush()
 
     show("...", 0.0)
     return lambda what, share: None if loop.is_closed() else (loop.call_soon_threadsafe(show, what, share), None)[1]
 
 
-async def _watched(bench: WindowState, then: Following, left: Following) -> None:
-    worker = bench.worker
+async def _watched(window: WindowState, then: Following, left: Following) -> None:
+    worker = window.worker
     if worker is None:
         return
     job = worker.job()
     while not job.ended:
         await asyncio.sleep(PACE)
-        job = worker.job() if bench.ending is None else await bench.ending
-        _tell(bench, job)
-    bench.worker, bench.ending, bench.state.job = None, None, None
-    await (then if job.state == DONE else left)(bench)
+        job = worker.job() if window.ending is None else await window.ending
+        _tell(window, job)
+    window.worker, window.ending, window.state.job = None, None, None
+    await (then if job.state == DONE else left)(window)
     if job.state == FAILED:
-        bench.state.failure = f"{WORDS[job.kind]} failed: {job.error}"
+        window.state.failure = f"{WORDS[job.kind]} failed: {job.error}"
     if job.state == CANCELLED:
-        bench.state.ready = {"text": f"{WORDS[job.kind]} was cancelled; {job.said or 'nothing has changed'}.", "links": []}
-    bench.state.flush()
+        window.state.ready = {"text": f"{WORDS[job.kind]} was cancelled; {job.said or 'nothing has changed'}.", "links": []}
+    window.state.flush()
 
 
-def _tell(bench: WindowState, job: Job) -> None:
-    bench.state.job = None if job.ended else _line(f"{WORDS[job.kind]}: {job.what}", job.share, job.seconds, cancellable=True)
-    bench.state.flush()
+def _tell(window: WindowState, job: Job) -> None:
+    window.state.job = None if job.ended else _line(f"{WORDS[job.kind]}: {job.what}", job.share, job.seconds, cancellable=True)
+    window.state.flush()
 
 
 def _line(text: str, share: float, seconds: float, *, cancellable: bool) -> dict[str, Any]:
@@ -212,23 +212,23 @@ KEPT = ("campaign", "load", "motion", "marked", "map_kind", "run", "tab", "schem
 """State of the page, by name."""
 
 
-def keep(bench: WindowState) -> None:
-    """Keep it in the desk."""
-    if bench.desk is not None:
-        if bench.state.effect is None:
+def keep(window: WindowState) -> None:
+    """Keep it in the session."""
+    if window.session is not None:
+        if window.state.effect is None:
             chosen: str | None = None
         else:
-            known = bench.effects.get(bench.state.effect["id"])
-            chosen = bench.wanted if known is None else known.written(bench.sizes)
-        bench.desk.keep_view({**{key: bench.state[key] for key in KEPT}, "effect": chosen})
+            known = window.effects.get(window.state.effect["id"])
+            chosen = window.wanted if known is None else known.written(window.sizes)
+        window.session.keep_view({**{key: window.state[key] for key in KEPT}, "effect": chosen})
 
 
-def kept(bench: WindowState) -> str | None:
+def kept(window: WindowState) -> str | None:
     """Put back what was kept; the effect that was chosen, with its size, comes back to be chosen again."""
-    if bench.desk is None:
+    if window.session is None:
         return None
-    found = bench.desk.view()
-    bench.state.update({key: found[key] for key in KEPT if key in found})
+    found = window.session.view()
+    window.state.update({key: found[key] for key in KEPT if key in found})
     effect = found.get("effect")
     return effect if isinstance(effect, str) else None
 
@@ -237,7 +237,7 @@ def kept(bench: WindowState) -> str | None:
 
 
 SAVED = "rungs.saved"
-"""The file of a desk that says how many rungs were there when its model was opened, or downloaded last."""
+"""The file of a session that says how many rungs were there when its model was opened, or downloaded last."""
 
 PLACE = "workbench"
 """Folder of the cache."""
@@ -256,7 +256,7 @@ def unsaved(of: Session) -> bool:
 def leaving_kept(home: Path, say: Callable[[str], None]) -> None:
     """Copy what is unsaved in the windows below `home` to the user's cache, and `say` where it is."""
     for folder in sorted(home.glob("*/desk-*")):
-        if session.is_session(folder) and _unsaved(folder):
+        if is_session(folder) and _unsaved(folder):
             try:
                 say(f"A model with effects added was not saved; it is kept in\n  {_copied(folder)}")
             except (BadInput, OSError) as error:
@@ -292,7 +292,7 @@ def _copied(folder: Path) -> Path:
     to = place / PLACE / next(_names(folder, place / PLACE))
     for one in _beside(folder):
         shutil.copytree(one, to / one.name, dirs_exist_ok=True)
-    session.copied(folder / "work" / "model.toml", to / "model.toml")
+    copied(folder / "work" / "model.toml", to / "model.toml")
     return to / "model.toml"
 
 

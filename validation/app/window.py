@@ -113,14 +113,14 @@ def main(folder: Path, told: int) -> None:
     key = token_hex(32)  # nothing that begins with a dash: it becomes an argument
     sys.argv = [sys.argv[0], "--authKey", key]  # trame reads its options there; this process has no others
     server = get_server(client_type="vue3")
-    bench = build(server, folder, opened)
+    window = build(server, folder, opened)
     # What trame's client asks for before it opens its websocket; it writes all of the address in lower case
     server.controller.on_server_bind.add(
         lambda bound: _guard(
             bound.app, secret, {"id": folder.name, "sessionURL": f"ws://use_host/w/{folder.name}/ws", "secret": key}
         )
     )
-    server.controller.on_server_bind.add(lambda bound: add(bound.app, bench))
+    server.controller.on_server_bind.add(lambda bound: add(bound.app, window))
     server.controller.on_server_ready.add(lambda **_: _tell(told, server.port))
     server.start(
         port=0,
@@ -187,7 +187,7 @@ def build(server: Any, folder: Path, opened: StartOptions) -> WindowState:
     scripts = [f"{name}/{one}.js" for one in ("keys", "massline")]
     own = {"serve": files, "scripts": scripts, "styles": [f"{name}/massline.css"], "vue_use": ["massline"]}
     server.enable_module(own)
-    bench = WindowState(state=server.state, folder=folder, opened=opened)
+    window = WindowState(state=server.state, folder=folder, opened=opened)
     server.state.update(first_state())
     themes = {name: {"dark": name == "dark", "colors": colours} for name, colours in COLOURS.items()}
     with VAppLayout(server, vuetify_config={"theme": {"themes": themes}}) as layout:
@@ -200,9 +200,9 @@ def build(server: Any, folder: Path, opened: StartOptions) -> WindowState:
     server.state.trame__template_main = text.replace("WIDE", WIDE)
     server.state.trame__template_error = ENDED
     for name, handler in HANDLERS.items():
-        server.controller.trigger(name)(_heard(bench, handler))
-    server.controller.on_server_ready.add(lambda **_: bench.begin(panels.first(bench)))
-    return bench
+        server.controller.trigger(name)(_heard(window, handler))
+    server.controller.on_server_ready.add(lambda **_: window.begin(panels.first(window)))
+    return window
 
 
 ENDED = """<main class="begins" role="alert"><h1>The workbench has ended</h1><p>Its process was stopped, or the machine slept.
@@ -272,49 +272,49 @@ def first_state() -> dict[str, Any]:
     }
 
 
-async def _dark(bench: WindowState, dark: bool) -> None:
-    if bench.state.dark != bool(dark):
-        bench.state.dark = bool(dark)
-        bench.state.flush()
-        if bench.compared is not None:
-            await panels.redrawn(bench)
+async def _dark(window: WindowState, dark: bool) -> None:
+    if window.state.dark != bool(dark):
+        window.state.dark = bool(dark)
+        window.state.flush()
+        if window.compared is not None:
+            await panels.redrawn(window)
 
 
-async def _scheme(bench: WindowState) -> None:
-    bench.state.scheme = SCHEMES[bench.state.scheme]
+async def _scheme(window: WindowState) -> None:
+    window.state.scheme = SCHEMES[window.state.scheme]
 
 
-async def _tab(bench: WindowState, name: str) -> None:
-    bench.state.tab = str(name)
+async def _tab(window: WindowState, name: str) -> None:
+    window.state.tab = str(name)
 
 
-async def _part(bench: WindowState, name: str) -> None:
-    bench.state.part = str(name)
+async def _part(window: WindowState, name: str) -> None:
+    window.state.part = str(name)
 
 
-async def _enlarge(bench: WindowState, name: str) -> None:
-    bench.state.big = "" if bench.state.big == name else str(name)
+async def _enlarge(window: WindowState, name: str) -> None:
+    window.state.big = "" if window.state.big == name else str(name)
 
 
-async def _seen(bench: WindowState) -> None:
-    bench.state.failure, bench.state.ready = "", None
+async def _seen(window: WindowState) -> None:
+    window.state.failure, window.state.ready = "", None
 
 
-async def _another(bench: WindowState) -> None:
-    """Back to the page on which things are opened; the desk in use stays as it is."""
-    bench.state.screen = "open" if bench.state.screen == "work" else "work"
+async def _another(window: WindowState) -> None:
+    """Back to the page on which things are opened; the session in use stays as it is."""
+    window.state.screen = "open" if window.state.screen == "work" else "work"
 
 
-async def _compare(bench: WindowState) -> None:
+async def _compare(window: WindowState) -> None:
     from validation.app import panels
 
-    state.start(bench, workers.COMPARE, panels.stands)
+    state.start(window, workers.COMPARE, panels.stands)
 
 
-async def _diagnose(bench: WindowState) -> None:
+async def _diagnose(window: WindowState) -> None:
     from validation.app import panels
 
-    state.start(bench, workers.DIAGNOSE, panels.diagnosing_shown)
+    state.start(window, workers.DIAGNOSE, panels.diagnosing_shown)
 
 
 HANDLERS: Mapping[str, Handler] = {
@@ -350,11 +350,11 @@ HANDLERS: Mapping[str, Handler] = {
 """By the name under which the template triggers it."""
 
 
-def _heard(bench: WindowState, handler: Handler) -> Callable[..., Awaitable[None]]:
+def _heard(window: WindowState, handler: Handler) -> Callable[..., Awaitable[None]]:
     async def heard(*arguments: Any) -> None:
-        await bench.told(handler(bench, *arguments))
+        await window.told(handler(window, *arguments))
         if handler is not panels.drag:  # which keeps what it comes to at rest
-            keep(bench)
+            keep(window)
 
     return heard
 
@@ -365,18 +365,18 @@ def _heard(bench: WindowState, handler: Handler) -> Callable[..., Awaitable[None
 CHUNK = 2**20
 
 
-def add(app: Any, bench: WindowState) -> None:
+def add(app: Any, window: WindowState) -> None:
     """Put the routes into the window's server."""
 
     async def view(request: web.Request) -> web.Response:
-        return await _view(request, bench)
+        return await _view(request, window)
 
     async def saved(request: web.Request) -> web.Response:
         from aiohttp import web
 
         name = request.match_info["name"]
         try:
-            body, kind = panels.content(bench, name)
+            body, kind = panels.content(window, name)
         except (LookupError, BadInput):
             return web.Response(
                 status=404, text="massline: there is nothing to be saved under this name yet.", headers=NEVER_KEPT
@@ -386,7 +386,7 @@ def add(app: Any, bench: WindowState) -> None:
         return web.Response(body=body, content_type=kind, headers=headers)
 
     async def files(request: web.Request) -> web.Response:
-        return await _files(request, bench)
+        return await _files(request, window)
 
     app.router.add_get("/plotly.js", _plotly)
     app.router.add_get("/view.jpg", view)
@@ -409,26 +409,26 @@ def _library() -> bytes:
     return library().encode()
 
 
-async def _view(request: web.Request, bench: WindowState) -> web.Response:
+async def _view(request: web.Request, window: WindowState) -> web.Response:
     from aiohttp import web
 
     try:
-        body = await bench.drawn(panels.picture, bench, dict(request.query))
+        body = await window.drawn(panels.picture, window, dict(request.query))
     except (ValueError, LookupError, CheckFailed) as error:
         return web.Response(status=404, text=f"massline: {error}", headers=NEVER_KEPT)
     return web.Response(body=body, content_type="image/jpeg", headers=NEVER_KEPT)
 
 
-async def _files(request: web.Request, bench: WindowState) -> web.Response:
-    """Files as the page sends them, each part named like its file, folders included; the desk says what becomes of names."""
+async def _files(request: web.Request, window: WindowState) -> web.Response:
+    """Files as the page sends them, each part named like its file, folders included; the session says what becomes of names."""
     from aiohttp import web
 
-    with tempfile.TemporaryDirectory(dir=bench.folder, prefix="arriving-") as folder:
+    with tempfile.TemporaryDirectory(dir=window.folder, prefix="arriving-") as folder:
         try:
             files = await _parts(request, Path(folder))
         except ValueError as error:
             return web.Response(status=413, text=f"massline: {error}")
-        await bench.told(panels.arrived(bench, files))
+        await window.told(panels.arrived(window, files))
     return web.Response(text="")
 
 

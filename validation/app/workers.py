@@ -1,8 +1,8 @@
-"""Long work in a process of its own: what it does, how far it is, and its end, in one small file of the desk.
+"""Long work in a process of its own: what it does, how far it is, and its end, in one small file of the session.
 
-A worker is started by `start`, writes ``job.json`` as it goes and its results into the desk, and ends with the process that
+A worker is started by `start`, writes ``job.json`` as it goes and its results into the session, and ends with the process that
 started it, whatever happens to that (a pipe between both closes). `Worker.cancel` ends it within a second and takes away what it
-left half-done. A rung that was written by work which did not come to its end is left again. One job a desk at a time.
+left half-done. A rung that was written by work which did not come to its end is left again. One job a session at a time.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ GRACE = 0.5
 """Seconds that a worker has to put down what it holds before it is killed."""
 
 _at_work: dict[Path, Worker] = {}
-"""By folder of a desk, the worker that was started last."""
+"""By folder of a session, the worker that was started last."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,10 +79,10 @@ class Job:
 
 
 class Worker:
-    """A process at work for a desk. Its desk, its process, and the pipe whose end is its end."""
+    """A process at work for a session. Its session, its process, and the pipe whose end is its end."""
 
     def __init__(self, of: Session, kind: str, process: SpawnProcess, watch: Connection) -> None:
-        self.desk, self.kind, self._process, self._watch = of, kind, process, watch
+        self.session, self.kind, self._process, self._watch = of, kind, process, watch
         self._cancelling = False
 
     @property
@@ -93,10 +93,10 @@ class Worker:
     def job(self) -> Job:
         """How it stands; a process that died without a word is told as failed."""
         alive = self._process.is_alive()
-        found = job(self.desk) or Job(kind=self.kind, asked={})
+        found = job(self.session) or Job(kind=self.kind, asked={})
         if alive or found.ended or self._cancelling:
             return found
-        return _kept(self.desk, failed(self.desk, found, _died(self._process.exitcode)))
+        return _kept(self.session, failed(self.session, found, _died(self._process.exitcode)))
 
     def wait(self, seconds: float | None = None) -> Job:
         """Until it ended, or `seconds` are over."""
@@ -113,17 +113,17 @@ class Worker:
             self._process.kill()
             self._process.join()
         self._watch.close()
-        found = job(self.desk) or Job(kind=self.kind, asked={})
-        swept(self.desk)
-        return found if found.ended else _kept(self.desk, _cancelled(self.desk, found))
+        found = job(self.session) or Job(kind=self.kind, asked={})
+        swept(self.session)
+        return found if found.ended else _kept(self.session, _cancelled(self.session, found))
 
 
 def start(of: Session, kind: str, **asked: Any) -> Worker:
-    """Begin to work for the desk `of`; `asked` are the arguments of the verb, JSON values.
+    """Begin to work for the session `of`; `asked` are the arguments of the verb, JSON values.
 
     Raises
     ------
-    BadInput : a job of this desk runs already.
+    BadInput : a job of this session runs already.
     ValueError : there is no such kind.
     """
     if kind not in KINDS:
@@ -159,7 +159,7 @@ def tell(of: Session, said: Job) -> None:
 
 
 def recovered(of: Session) -> Job | None:
-    """The last job of a desk that is opened anew: one that ran when its window ended was cancelled by that."""
+    """The last job of a session that is opened anew: one that ran when its window ended was cancelled by that."""
     found = job(of)
     if found is None or found.ended:
         return found
@@ -210,7 +210,7 @@ def _died(code: int | None) -> str:
     return f"the worker ended by itself (exit code {code}) without saying why; nothing is lost, try again"
 
 
-# What runs in the worker of a desk: one verb, its progress written down, its end said in words.
+# What runs in the worker of a session: one verb, its progress written down, its end said in words.
 
 
 Progress = Callable[[str, float], None]
@@ -257,7 +257,7 @@ class _Told:
     """Progress, written down now and then."""
 
     def __init__(self, of: Session, job: Job) -> None:
-        self.desk, self.job, self._began, self._last = of, job, time.monotonic(), 0.0
+        self.session, self.job, self._began, self._last = of, job, time.monotonic(), 0.0
 
     def hear(self, what: str, share: float) -> None:
         """Take note that `share` of `what` is done."""
@@ -266,7 +266,7 @@ class _Told:
         self.job = replace(self.job, what=what, share=min(max(share, 0.0), 1.0), seconds=moment - self._began)
         if another or moment - self._last >= OFTEN:
             self._last = moment
-            tell(self.desk, self.job)
+            tell(self.session, self.job)
 
 
 def _ended(number: int, frame: FrameType | None) -> None:

@@ -165,7 +165,7 @@ def test_a_cancelled_add_is_told_as_the_desk_left_it(
 
     async def story() -> None:
         of = bench(tmp_path, effect={"id": "x"})
-        of.desk, of.effects = object(), {"x": SimpleNamespace(written=lambda _: "x=1")}  # type: ignore[assignment, dict-item]
+        of.session, of.effects = object(), {"x": SimpleNamespace(written=lambda _: "x=1")}  # type: ignore[assignment, dict-item]
         await panels.add(of)
         await state.cancel(of)
         await asyncio.gather(*of.tasks)
@@ -202,7 +202,7 @@ def test_clicks_do_not_wait_behind_figures(tmp_path: Path) -> None:
 
     async def story() -> None:
         of = bench(tmp_path)
-        of.desk = SimpleNamespace(folder=tmp_path, draw=lambda *_: time.sleep(0.5) or (tmp_path / "a.png",))  # type: ignore[assignment]
+        of.session = SimpleNamespace(folder=tmp_path, draw=lambda *_: time.sleep(0.5) or (tmp_path / "a.png",))  # type: ignore[assignment]
         drawing_them = asyncio.ensure_future(panels.figures(of))
         await asyncio.sleep(0.05)
         assert of.state.job["cancellable"] is False  # no button that does nothing
