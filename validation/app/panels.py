@@ -30,8 +30,7 @@ from validation.effects import practical_units
 from validation.effects.catalogue import parse
 from validation.report.charts import interactive, maps
 from validation.report.charts.history import falling_errors, identified_inertia, way_to
-from validation.report.charts.interactive import escaped
-from validation.report.charts.maps import phase
+from validation.report.charts.interactive import escaped, phase
 from validation.report.charts.spec import ACCEPTED, ALIKE, LESS, TOO_MUCH_LEFT, signed_log
 from validation.report.scenes import turntable
 from validation.report.scenes.turntable import Turn, Turntable

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 from geometry.errors import BadInput, CheckFailed
 from validation.app import state
 from validation.app.options import DOOR_SECRET, NEVER_KEPT, SECURITY, WorkbenchOptions, is_loopback
-from validation.report.addresses import without_addresses
+from validation.report.charts.interactive import without_addresses
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Coroutine, Mapping

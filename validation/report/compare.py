@@ -23,7 +23,7 @@ from validation.output import json_text, shown, stages, to_json
 from validation.reference.reference import file_name
 from validation.reference.statement import NONE
 from validation.report.charts import crosscheck, maps, spec
-from validation.report.charts.style import MEASURED, DynamicMassCurve, chosen
+from validation.report.charts.style import DynamicMassCurve, chosen
 from validation.report.document import (
     PAGE,
     PANEL,
@@ -345,7 +345,7 @@ def _dynamic_mass(found: Comparison, path: Path) -> None:
 
 def _entry(pair: WorstPair, of: Pairs, modes: Sequence[NamedMode]) -> tuple[str, int, int, tuple[DynamicMassCurve, ...]]:
     marks = _Marks(frequency=np.array(_frequencies(modes)), effective_mass=np.full((len(modes), 6), np.inf))
-    both = ((of.predicted, "predicted", ""), (of.measured, "measured", MEASURED))
+    both = ((of.predicted, "predicted", ""), (of.measured, "measured", spec.MEASURED))
     curves = tuple(
         DynamicMassCurve(
             name=name, mass=DynamicMass(frequency=of.frequency, matrix=matrix), rigid=np.zeros((6, 6)), modes=marks, dots=dots

@@ -41,9 +41,10 @@ from validation.output import inertia_json, json_text, percent, require_folder, 
 from validation.reference.published import published
 from validation.reference.reference import ArticleOptions, file_name, reference, route_statement
 from validation.reference.statement import NONE, QUANTITIES, Stated, Statement, rounded
-from validation.report.charts import identification
+from validation.report.charts import identification, spec
 from validation.report.charts.identification import DrawnPretest, UncertaintyShares, draw_pretest, draw_rigid, draw_shares
-from validation.report.charts.style import LEFT_OUT, MEASURED, DynamicMassCurve, diagonal, full
+from validation.report.charts.spec import LEFT_OUT, MEASURED
+from validation.report.charts.style import DynamicMassCurve, diagonal, full
 from validation.report.document import NOTHING as TABLES_NOTHING
 from validation.report.document import (
     Cell,
@@ -116,7 +117,7 @@ def draw(found: IdentificationFindings, folder: Path) -> tuple[Path, ...]:
 
 def _lines(found: IdentificationFindings, lines: UsedLines, path: Path) -> None:
     spectra = found.spectra
-    drawn = identification.DrawnLines(
+    drawn = spec.SpectralLines(
         frequency=lines.frequency,
         condition=lines.condition,
         limit=lines.limit,

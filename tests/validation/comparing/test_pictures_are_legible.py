@@ -11,8 +11,8 @@ import pytest
 
 from geometry.dynamic_mass import DynamicMass
 from validation.report.charts import crosscheck, history, static, style
-from validation.report.charts.spec import BarChart, BarPanel, Bars
-from validation.report.charts.style import MEASURED, DynamicMassCurve
+from validation.report.charts.spec import MEASURED, BarChart, BarPanel, Bars
+from validation.report.charts.style import DynamicMassCurve
 
 
 @pytest.fixture

@@ -144,7 +144,7 @@ def test_an_overlay_shows_magnitude_and_phase_of_its_entry() -> None:
 
 def test_a_negative_entry_with_a_little_noise_has_a_phase_that_stays_where_it_is() -> None:
     noise = np.random.default_rng(0).normal(scale=0.02, size=100)
-    shown = maps.phase(-1.0 + 1j * noise)
+    shown = interactive.phase(-1.0 + 1j * noise)
     assert np.ptp(shown) < 10
     assert_allclose(shown, 180, atol=8)
 

@@ -14,9 +14,10 @@ from geometry.frames import Array
 from identification.quality import sizes
 from validation.history.history import Body, HistoryPosition, Version
 from validation.reference.statement import COG, QUANTITIES, inertia_of
+from validation.report.charts import interactive, static
 from validation.report.charts.interactive import LEGEND_ROOM, TITLE_ROOM, decades, dressed, escaped, legend_above
-from validation.report.charts.spec import ASIDE, COLOURS, FAINT, FURTHER, INK, MEASURED, PAPER, PREDICTED
-from validation.report.charts.static import DPI, Axes, finish, grid_lines, new_figure, require_format
+from validation.report.charts.spec import ASIDE, COLOURS, FAINT, FURTHER, INK, PAPER, PREDICTED, IntervalChart, Intervals
+from validation.report.charts.static import DPI, Axes, cut, finish, grid_lines, new_figure, require_format
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
@@ -25,8 +26,8 @@ if TYPE_CHECKING:
 BRANCH = "#c9ced6"
 """Of what branched off, in print."""
 
-LARGEST, LONGEST = 30, 28
-"""Letters of a name below the axis, before it is cut: in a file and on a page."""
+LONGEST = 28
+"""Letters of a name below the axis of a page, before it is cut."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,7 +101,7 @@ def draw_fall(title: str, rungs: Sequence[DrawnRung], path: Path, note: str = ""
             above: dict[str, Any] = {"transform": upper.get_xaxis_transform(), "ha": "center", "fontsize": 9, "color": INK}
             upper.text(one.depth - 0.5, 1.015, f"{one.gain:+.0f} nats", **above)
     way = [one for one in rungs if one.here]
-    names = [f"{one.number}  {_cut(one.title)}" for one in way]
+    names = [f"{one.number}  {cut(one.title)}" for one in way]
     lower.set_xticks([one.depth for one in way], names, rotation=18, ha="right", rotation_mode="anchor")
     lower.tick_params(axis="x", labelsize=9.5)
     lower.set_xlim(-0.4, max(deepest, 1) + 0.8)
@@ -164,7 +165,7 @@ def _of_one(axes: Axes, rungs: Sequence[DrawnRung], name: str, colour: str, show
         upon = any(abs(height - way) < LINE / 1.5 for way in on_way)
         if name in NAMED or (name in FITTED and not upon):
             place = {"align": "right", "apart": -2 * LINE - height + on_way[0]} if upon else {"align": "left", "apart": 0.0}
-            yield _Label(text=f"{one.number}  {_cut(one.title)}", value=value, height=height, colour=FAINT, **place)
+            yield _Label(text=f"{one.number}  {cut(one.title)}", value=value, height=height, colour=FAINT, **place)
 
 
 def _write(axes: Axes, depth: int, labels: Sequence[_Label], beside: float) -> None:
@@ -210,8 +211,37 @@ def _dress(axes: Axes) -> None:
     axes.legend(fontsize=9.5, loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False)
 
 
-def _cut(text: str, most: int = LARGEST, end: str = " …") -> str:
-    return text if len(text) <= most else text[: most - len(end)] + end
+def intervals_of(bodies: Mapping[str, Body], title: str, note: str = "") -> IntervalChart:
+    """Ten identified values of `bodies` with their 95 % intervals, each beside its own reference.
+
+    Parameters
+    ----------
+    bodies : by name - plain and self-calibrated, or rungs of a ladder
+    """
+    per_si = np.array([one.per_si for one in QUANTITIES])
+    found = []
+    for name, body in bodies.items():
+        size = sizes(inertia_of(body.reference))
+        size[COG] = 0.1
+        one = Intervals(
+            name=name,
+            values=per_si * body.values,
+            half_width=per_si * body.half_width,
+            reference=per_si * body.reference,
+            deviation=body.shown,
+            reach=100 * body.half_width / size,  # in the units in which `Body.shown` tells distances
+        )
+        found.append(one)
+    quantities = tuple((one.label, one.unit) for one in QUANTITIES)
+    return IntervalChart(title=title, note=note, quantities=quantities, groups=PANELS, bodies=tuple(found))
+
+
+PANELS = {
+    "mass and moments about the CoG [%]": (0, 4, 5, 6),
+    "CoG [mm]": (1, 2, 3),
+    "products about the CoG [% of √(Θii Θjj)]": (7, 8, 9),
+}
+"""What shares a unit, by number in `QUANTITIES`."""
 
 
 def draw_inertia(title: str, bodies: Mapping[str, Body], path: Path, note: str = "") -> None:
@@ -221,32 +251,13 @@ def draw_inertia(title: str, bodies: Mapping[str, Body], path: Path, note: str =
     ------
     BadInput : the ending of `path` is unknown.
     """
-    require_format(path)
-    figure = new_figure(16.0, 8.6)
-    grid = figure.add_gridspec(2, 5, hspace=0.24, wspace=0.36, left=0.055, right=0.985, top=0.85, bottom=0.19)
-    found = list(bodies.values())
-    values, half, reference = (np.array([getattr(one, name) for one in found]) for name in ("values", "half_width", "reference"))
-    at, blue, red = np.arange(len(found)), COLOURS[PREDICTED][0], COLOURS["limit"][0]
-    look: dict[str, Any] = {"color": blue, "marker": "o", "markersize": 6, "capsize": 4, "linewidth": 1.4, "elinewidth": 1.4}
-    dash: dict[str, Any] = {"color": red, "linewidth": 1.6, "marker": "_", "markersize": 16}
-    for k, one in enumerate(QUANTITIES):
-        axes = figure.add_subplot(grid[k // 5, k % 5])
-        axes.plot(at, one.per_si * reference[:, k], label="reference: the model", zorder=2, **dash)
-        axes.errorbar(at, one.per_si * values[:, k], one.per_si * half[:, k], label="identified, 95 % interval", zorder=3, **look)
-        axes.set_xlim(-0.4, len(at) - 0.6)
-        axes.ticklabel_format(axis="y", useOffset=False)
-        grid_lines(axes)
-        axes.set_title(f"{one.label} [{one.unit}]", fontsize=11, loc="left", color=INK)
-        last = k >= len(QUANTITIES) - 5
-        axes.set_xticks(at, [_cut(name) for name in bodies] if last else [""] * len(at))
-        if last:
-            axes.tick_params(axis="x", rotation=28, labelsize=8.5)
-            for label in axes.get_xticklabels():
-                label.set(ha="right", rotation_mode="anchor")
-        if k == 0:
-            place: dict[str, Any] = {"loc": "upper right", "bbox_to_anchor": (0.985, 1.0 - 0.25 / 8.6), "ncols": 2}
-            figure.legend(*axes.get_legend_handles_labels(), fontsize=10, frameon=False, **place)
-    finish(figure, title, note, path)
+    static.draw_intervals(intervals_of(bodies, title, note), path)
+
+
+def identified_inertia(bodies: Mapping[str, Body], title: str = "", *, dark: bool = False) -> Figure:
+    """Distance of ten identified values from their reference, with 95 % intervals."""
+    chart = intervals_of(bodies, title or "Identified inertia beside its reference, 95 % intervals")
+    return interactive.intervals(chart, dark)
 
 
 def way_to(at: HistoryPosition) -> tuple[Version, ...]:
@@ -291,72 +302,6 @@ def _rungs(at: HistoryPosition) -> list[DrawnRung]:
     return found
 
 
-# Ten identified values with their 95 % intervals, each beside its reference.
-
-
-PANELS = (
-    ("mass and moments about the CoG [%]", (0, 4, 5, 6)),
-    ("CoG [mm]", (1, 2, 3)),
-    ("products about the CoG [% of √(Θii Θjj)]", (7, 8, 9)),
-)
-"""What shares a unit, by index in `QUANTITIES`."""
-
-BODIES = tuple(COLOURS[role][1] for role in (MEASURED, PREDICTED, FURTHER, "prior penalty", ASIDE))
-
-
-def identified_inertia(bodies: Mapping[str, Body], title: str = "", *, dark: bool = False) -> Figure:
-    """Distance of ten identified values from their reference, with 95 % intervals.
-
-    Parameters
-    ----------
-    bodies : by name - plain and self-calibrated, or rungs of a ladder; each beside its own reference
-    """
-    from plotly import graph_objects as go
-    from plotly.subplots import make_subplots
-
-    widths, names = [len(own) for _, own in PANELS], [name for name, _ in PANELS]
-    figure = make_subplots(rows=1, cols=3, column_widths=widths, horizontal_spacing=0.07, subplot_titles=names)
-    for number, (name, body) in enumerate(bodies.items()):
-        shift = 0.0 if len(bodies) == 1 else 0.5 * (number / (len(bodies) - 1) - 0.5)
-        for column, (_, own) in enumerate(PANELS, start=1):
-            figure.add_trace(_points(go, name, body, own, shift, number, legend=column == 1), 1, column)
-    for column, (_, own) in enumerate(PANELS, start=1):
-        ticks = [QUANTITIES[k].label.split(" ", 1)[1] for k in own]
-        figure.update_xaxes(
-            tickvals=list(range(len(own))), ticktext=ticks, range=[-0.6, len(own) - 0.4], showgrid=False, row=1, col=column
-        )
-    figure.update_yaxes(zeroline=True, zerolinewidth=1.6, nticks=7)
-    figure.update_yaxes(title_text="identified less reference", row=1, col=1)
-    figure.update_annotations(font={"size": 12})
-    said = title or "Identified inertia beside its reference, 95 % intervals"
-    return dressed(figure, said, 390, dark, legend=legend_above(0.09), margin={"t": TITLE_ROOM + LEGEND_ROOM + 26, "b": 36})
-
-
-def _points(go: Any, name: str, body: Body, own: tuple[int, ...], shift: float, number: int, *, legend: bool) -> Any:
-    size = sizes(inertia_of(body.reference))
-    size[COG] = 0.1
-    half = 100 * body.half_width / size  # in the units in which `Body.shown` tells distances
-    chosen = list(own)
-    told = [
-        f"{QUANTITIES[k].label}: {body.values[k] * QUANTITIES[k].per_si:.6g} ± {body.half_width[k] * QUANTITIES[k].per_si:.2g} "
-        f"{QUANTITIES[k].unit}, reference {body.reference[k] * QUANTITIES[k].per_si:.6g}"
-        for k in chosen
-    ]
-    colour = BODIES[number % len(BODIES)]
-    return go.Scatter(
-        x=[at + shift for at in range(len(chosen))],
-        y=body.shown[chosen],
-        error_y={"type": "data", "array": half[chosen], "thickness": 1.8, "width": 5, "color": colour},
-        mode="markers",
-        marker={"color": colour, "size": 9, "symbol": ("circle", "diamond", "square", "triangle-up", "x")[number % 5]},
-        name=escaped(name),
-        legendgroup=escaped(name),
-        showlegend=legend,
-        text=told,
-        hovertemplate="%{text}<extra></extra>",
-    )
-
-
 # The errors of a model falling from rung to rung, on a page.
 
 
@@ -378,7 +323,7 @@ def falling_errors(at: HistoryPosition, *, dark: bool = False) -> Figure:
         low, high = log10(min(known)), log10(max(known))
         room = 0.22 * max(high - low, 0.4)  # for figures above and below
         figure.update_yaxes(title_text=title, **decades(low - room, high + room), row=row, col=1)
-    names = [f"{one.number}  {escaped(_cut(one.title, LONGEST, '…'))}" for one in way]
+    names = [f"{one.number}  {escaped(cut(one.title, LONGEST, '…'))}" for one in way]
     deepest = max((one.depth for one in rungs), default=0)
     figure.update_xaxes(tickvals=list(range(len(names))), ticktext=names, range=[-0.35, max(deepest, 1) + 0.35])
     figure.add_hline(1.0, line={"dash": "dash", "width": 1}, row=2, col=1)

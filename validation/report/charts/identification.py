@@ -12,9 +12,19 @@ import numpy as np
 from geometry.frames import Array
 from identification.spectra.peak_hold import SweepBias
 from validation.identify.identify import DrawnResiduals, UsedLines
-from validation.report.charts.interactive import decades, dressed
-from validation.report.charts.spec import ASIDE, COLOURS, CURVES, FAINT, INK, PAPER, PREDICTED
-from validation.report.charts.static import Axes, finish, grid_lines, new_figure, require_format, save
+from validation.report.charts import interactive
+from validation.report.charts.spec import CURVES, FAINT, INK, PAPER, SpectralLines
+from validation.report.charts.static import (
+    SHADE,
+    Axes,
+    draw_condition,
+    finish,
+    grid_lines,
+    new_figure,
+    require_format,
+    save,
+    shade_left_out,
+)
 from validation.report.scenes.motion import DPI, MovingBody, blank, colour_map, displaced, write
 from validation.report.scenes.scene import colours, fitted, off_screen
 
@@ -25,8 +35,6 @@ if TYPE_CHECKING:
 RUNS = ("#c8283c", "#1f8a4c", "#2456c4", "#d9541e", "#8e6fc0", "#c9a227", "#33373d", "#5f9ea0", "#b5838d")
 """Of runs in turn."""
 
-LIMIT = COLOURS["limit"][0]
-LEFT_OUT = "#f6d9dc"
 EMPTY = "#e9ebef"
 """Of a band that is too short to say anything."""
 
@@ -40,29 +48,7 @@ FLOOR, CEILING = 1e-4, 1e-1
 """Shares from which a residual is white, and from which it is darkest."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class DrawnLines:
-    """The lines of the spectra.
-
-    Attributes
-    ----------
-    frequency : (n,) [Hz]
-    condition : (n,) scaled condition number
-    limit : above which a line is left out
-    left_out : (n,) bool
-    runs : names
-    unexplained : (r, n) share of what the channels read that no rigid base motion and no resultant load explains
-    """
-
-    frequency: Array
-    condition: Array
-    limit: float
-    left_out: np.ndarray
-    runs: tuple[str, ...]
-    unexplained: Array
-
-
-def draw_lines(title: str, drawn: DrawnLines, path: Path, note: str = "") -> None:
+def draw_lines(title: str, drawn: SpectralLines, path: Path, note: str = "") -> None:
     """Write condition number and quality over frequency.
 
     Raises
@@ -76,32 +62,22 @@ def draw_lines(title: str, drawn: DrawnLines, path: Path, note: str = "") -> Non
     lower = figure.add_subplot(grid[1], sharex=upper)
     f = drawn.frequency
     for axes in (upper, lower):
-        # Shade every stretch of lines that were left out, half a line to either side
-        half = 0.5 * float(np.median(np.diff(f))) if len(f) > 1 else 0.5
-        edges = np.flatnonzero(np.diff(np.concatenate([[0], drawn.left_out.astype(int), [0]])))
-        for first, last in zip(edges[::2], edges[1::2], strict=True):
-            axes.axvspan(f[first] - half, f[last - 1] + half, color=LEFT_OUT, linewidth=0, zorder=0)
-    upper.semilogy(f, drawn.condition, color=RUNS[2], linewidth=1.4, label="condition number")
-    upper.axhline(drawn.limit, color=LIMIT, linewidth=1.2, linestyle=(0, (5, 3)), label=f"limit {drawn.limit:g}")
+        shade_left_out(axes, drawn)
+    draw_condition(upper, drawn)
     upper.set_ylabel("condition of the scaled base motions", fontsize=10)
-    upper.set_ylim(min(1.0, float(drawn.condition.min())), 2 * max(float(drawn.condition.max()), drawn.limit))
-    for name, colour, share in zip(
-        drawn.runs, [RUNS[k % len(RUNS)] for k in range(len(drawn.runs))], drawn.unexplained, strict=True
-    ):
-        lower.semilogy(f, np.maximum(share, 1e-8), color=colour, linewidth=1.1, label=f"run {name}")
+    for k, (name, share) in enumerate(zip(drawn.runs, drawn.unexplained, strict=True)):
+        lower.semilogy(f, np.maximum(share, 1e-8), color=RUNS[k % len(RUNS)], linewidth=1.1, label=f"run {name}")
     lower.set_ylabel("share that rigid motion\nand resultants leave unexplained", fontsize=10)
     lower.set_xlabel("frequency [Hz]", fontsize=10)
-    upper.set_xlim(f[0], f[-1])
     upper.tick_params(labelbottom=False)
     for axes in (upper, lower):
         grid_lines(axes)
         axes.grid(visible=True, which="minor", axis="y", color="#f0f2f5", linewidth=0.5)
         from matplotlib.patches import Patch
 
-        with_spans = bool(np.any(drawn.left_out))
         handles, labels = axes.get_legend_handles_labels()
-        if with_spans:
-            handles, labels = [*handles, Patch(color=LEFT_OUT)], [*labels, "left out"]
+        if np.any(drawn.left_out):
+            handles, labels = [*handles, Patch(color=SHADE)], [*labels, "left out"]
         axes.legend(handles, labels, fontsize=9, loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False)
     finish(figure, title, note, path)
 
@@ -334,10 +310,9 @@ def draw_pretest(title: str, drawn: DrawnPretest, path: Path, note: str = "") ->
     room = _ROOM if lost else {**_ROOM, "left": 0.13}
     grid = figure.add_gridspec(2, 2 if lost else 1, hspace=0.2, wspace=0.2, height_ratios=(1, 1.7), **room)
     axes = figure.add_subplot(grid[0, 0])
-    axes.semilogy(drawn.frequency, drawn.condition, color=CURVES[0], linewidth=1.4, label="condition number")
-    axes.axhline(drawn.limit, color=LIMIT, linewidth=1.2, linestyle=(0, (5, 3)), label=f"limit {drawn.limit:g}")
-    axes.set_ylim(1.0, 2 * max(float(drawn.condition.max()), drawn.limit))
-    axes.set_xlim(drawn.frequency[0], drawn.frequency[-1])
+    none = np.zeros(len(drawn.frequency), dtype=bool)
+    lines = SpectralLines(frequency=drawn.frequency, condition=drawn.condition, limit=drawn.limit, left_out=none)
+    draw_condition(axes, lines)
     axes.set_title("condition number of the base motions", fontsize=11, loc="left", color=INK)
     axes.set_xlabel("frequency [Hz]", fontsize=9.5)
     axes.legend(fontsize=9, loc="center right")
@@ -513,24 +488,7 @@ def condition(lines: UsedLines, name: str = "", *, dark: bool = False) -> Figure
     ----------
     name : of the campaign
     """
-    from plotly import graph_objects as go
-
-    kept = np.asarray(lines.kept) > 0
-    said = f"condition number{' of ' + name if name else ''}"
-    look = {"line": {"color": COLOURS[PREDICTED][1], "width": 1.8}, "hovertemplate": "%{x:.2f} Hz: %{y:.3g}<extra></extra>"}
-    figure = go.Figure(go.Scatter(x=lines.frequency, y=lines.condition, mode="lines", name="condition number", **look))
-    if not kept.all():
-        out = {"mode": "markers", "marker": {"color": COLOURS[ASIDE][1], "size": 5}, "name": "left out"}
-        figure.add_trace(go.Scatter(x=lines.frequency[~kept], y=lines.condition[~kept], **out))
-    figure.add_hline(lines.limit, line={"dash": "dash", "color": COLOURS["limit"][1]})
-    note = {
-        "text": f"limit {lines.limit:g}: worse lines are left out",
-        "xanchor": "right",
-        "yanchor": "bottom",
-        "showarrow": False,
-    }
-    figure.add_annotation(x=1, xref="paper", y=float(np.log10(lines.limit)), **note)
-    top = float(np.log10(3 * max(float(lines.condition.max()), lines.limit)))
-    figure.update_yaxes(title_text="condition number [1]", **decades(0.0, top))
-    figure.update_xaxes(title_text="frequency [Hz]")
-    return dressed(figure, f"Eqs. 9 to 11: {said}", 310, dark, showlegend=False)
+    left_out = np.asarray(lines.kept) <= 0
+    said = SpectralLines(frequency=lines.frequency, condition=lines.condition, limit=lines.limit, left_out=left_out)
+    title = f"Eqs. 9 to 11: condition number{' of ' + name if name else ''}"
+    return interactive.condition(said, title, dark)

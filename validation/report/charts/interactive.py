@@ -6,6 +6,7 @@ Whatever differs between the two stands in the template alone: a page that switc
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from itertools import pairwise
 from math import ceil, floor, log10
@@ -13,20 +14,25 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
-from validation.report.addresses import without_addresses
 from validation.report.charts.spec import (
     ASIDE,
     BOUNDS,
     COLOURS,
+    FURTHER,
     INK,
     LINEAR_NATS,
     MEASURED,
     PALE,
+    PREDICTED,
     STRONG,
     BarChart,
     Bars,
+    EntryPanel,
     HeatMap,
+    IntervalChart,
+    SpectralLines,
     signed_log,
 )
 
@@ -122,6 +128,166 @@ def escaped(text: str) -> str:
     return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
 
 
+# One entry of a matrix over frequency, and curves likewise.
+
+
+DEEPEST = 1e5
+"""Of the largest magnitude: what is smaller is off the page."""
+
+NOTHING = 1e-4
+"""Of the largest magnitude: a curve that is smaller throughout is next to nothing."""
+
+LEAST = -170.0
+"""[°] at which a phase begins; the page shows 20 more on either side of it."""
+
+WIDE = 2.0
+"""Standard deviations (those of the maps) by which the band is wider than the prediction on both sides.
+
+They are those of a complex difference, so that no single share of magnitudes is due in the band: of noise that is alike in all
+directions 98 % of the differences are smaller, and more of the magnitudes.
+"""
+
+
+def add_entry(figure: Figure, panel: EntryPanel, row: int, column: int, *, legend: bool = True, last: bool = True) -> None:
+    """Add magnitude in the panel at `row` and `column`, phase in that below; `last` names the frequency axis."""
+    from plotly import graph_objects as go
+
+    f, values = panel.curves[0].frequency, [one.values for one in panel.curves]
+    bands = [np.abs(one.values) + WIDE * one.expected for one in panel.curves if one.expected is not None]
+    low, high = magnitude_range([values[0], *bands, *values[1:]])
+    for one in panel.curves:
+        if one.expected is None:
+            continue
+        # Where noise and tolerances that were not fitted let expect what is measured
+        size, edge = np.abs(one.values), {"mode": "lines", "line": {"width": 0}, "hoverinfo": "skip", **_lines(f)}
+        fill = {"fill": "tonexty", "fillcolor": "rgba(59,125,221,0.18)", "name": f"expected, ± {WIDE:g} σ"}
+        bottom = _short(np.maximum(size - WIDE * one.expected, 10**low))
+        band = [
+            go.Scatter(y=bottom, showlegend=False, legendgroup="expected", **edge),
+            go.Scatter(y=_short(size + WIDE * one.expected), showlegend=legend, legendgroup="expected", **fill, **edge),
+        ]
+        figure.add_traces(band, rows=row, cols=column)
+    others = 0
+    for one in panel.curves:
+        look: dict[str, Any] = {"mode": "lines", "line": {"color": COLOURS[one.role][1], "width": 2}}
+        if one.dots:
+            look = {"mode": "markers", "marker": {"color": COLOURS[one.role][1], "size": 4.5}}
+        elif one.expected is None:
+            look["line"]["dash"] = ("dash", "dot")[others // 2 % 2]
+            others += 1
+        said = {"name": escaped(one.name), "legendgroup": escaped(one.name), **look, **_lines(f)}
+        above = {"y": _short(np.abs(one.values)), "hovertemplate": f"%{{y:.4g}} {panel.unit}", "showlegend": legend}
+        # None where the magnitude is below the page, since the angle of next to nothing means nothing
+        angle = _short(np.where(np.abs(one.values) >= 10**low, phase(one.values), np.nan))
+        below = {"y": angle, "hovertemplate": "%{y:.1f}°", "showlegend": False}
+        figure.add_traces([go.Scatter(**above, **said), go.Scatter(**below, **said)], rows=[row, row + 1], cols=column)
+    if panel.modes:
+        of_modes: dict[str, Any] = {"name": "modes of the model", "legendgroup": "modes", "showlegend": legend}
+        figure.add_trace(modes(panel.modes, 10 ** (high - 0.04 * (high - low)), 10, **of_modes), row, column)
+    ends = [float(f[0]), float(f[-1])]
+    figure.update_xaxes(range=ends, showticklabels=False, row=row, col=column)
+    figure.update_xaxes(range=ends, title_text="frequency [Hz]" if last else None, row=row + 1, col=column)
+    figure.update_yaxes(title_text=f"|H| [{panel.unit}]", **decades(low, high), row=row, col=column)
+    phases = {"range": [-190, 190], "tickvals": [-180, -90, 0, 90, 180]}
+    figure.update_yaxes(title_text="phase [°]", **phases, row=row + 1, col=column)
+
+
+def magnitude_range(curves: Sequence[ComplexArray | Array]) -> tuple[float, float]:
+    """Powers of ten between which the magnitudes of `curves` are shown.
+
+    A curve that symmetry makes next to nothing does not count, and what falls below `DEEPEST` of the largest is off the page.
+    """
+    largest = max((float(np.nanmax(np.abs(one))) for one in curves), default=0.0)
+    sizes = np.abs(np.concatenate([one for one in curves if np.nanmax(np.abs(one)) >= NOTHING * largest]))
+    sizes = sizes[np.isfinite(sizes) & (sizes > 0)]
+    if not sizes.size:
+        return -1.0, 1.0
+    top = float(sizes.max())
+    bottom = max(float(sizes.min()), top / DEEPEST)
+    return float(np.log10(bottom)) - 0.08, float(np.log10(top)) + 0.12
+
+
+def phase(H: ComplexArray) -> Array:
+    """[°] from -170 to 190: what is negative, give or take its noise, does not jump from one end of the page to the other."""
+    angle = np.degrees(np.angle(H))
+    return np.asarray(np.where(angle < LEAST, angle + 360.0, angle))
+
+
+def _lines(f: Array) -> dict[str, Any]:
+    """Frequencies as a first one and a step where they are even, which is shorter."""
+    steps = np.diff(f)
+    if len(f) > 2 and np.allclose(steps, steps[0], rtol=1e-6):
+        return {"x0": float(f[0]), "dx": float((f[-1] - f[0]) / (len(f) - 1))}
+    return {"x": f}
+
+
+def _short(values: Array) -> Any:
+    """Single precision: six digits are more than a figure shows."""
+    return np.asarray(values, dtype=np.float32)
+
+
+def condition(lines: SpectralLines, title: str, dark: bool) -> Figure:
+    """Scaled condition number of the base motions of all runs over frequency, its limit, and the lines that were left out."""
+    from plotly import graph_objects as go
+
+    look = {"line": {"color": COLOURS[PREDICTED][1], "width": 1.8}, "hovertemplate": "%{x:.2f} Hz: %{y:.3g}<extra></extra>"}
+    figure = go.Figure(go.Scatter(x=lines.frequency, y=lines.condition, mode="lines", name="condition number", **look))
+    if lines.left_out.any():
+        out = {"mode": "markers", "marker": {"color": COLOURS[ASIDE][1], "size": 5}, "name": "left out"}
+        figure.add_trace(go.Scatter(x=lines.frequency[lines.left_out], y=lines.condition[lines.left_out], **out))
+    figure.add_hline(lines.limit, line={"dash": "dash", "color": COLOURS["limit"][1]})
+    place: dict[str, Any] = {"x": 1, "xref": "paper", "xanchor": "right", "yanchor": "bottom", "showarrow": False}
+    figure.add_annotation(y=float(np.log10(lines.limit)), text=f"limit {lines.limit:g}: worse lines are left out", **place)
+    top = float(np.log10(3 * max(float(lines.condition.max()), lines.limit)))
+    figure.update_yaxes(title_text="condition number [1]", **decades(0.0, top))
+    figure.update_xaxes(title_text="frequency [Hz]")
+    return dressed(figure, title, 310, dark, showlegend=False)
+
+
+BODIES = tuple(COLOURS[role][1] for role in (MEASURED, PREDICTED, FURTHER, "prior penalty", ASIDE))
+SYMBOLS = ("circle", "diamond", "square", "triangle-up", "x")
+"""Of bodies in turn."""
+
+
+def intervals(chart: IntervalChart, dark: bool) -> Figure:
+    """Distances from the reference with their intervals, a panel for what shares a unit."""
+    from plotly import graph_objects as go
+    from plotly.subplots import make_subplots
+
+    widths = [len(own) for own in chart.groups.values()]
+    titles: dict[str, Any] = {"column_widths": widths, "horizontal_spacing": 0.07, "subplot_titles": list(chart.groups)}
+    figure = make_subplots(rows=1, cols=len(widths), **titles)
+    for number, one in enumerate(chart.bodies):
+        shift = 0.0 if len(chart.bodies) == 1 else 0.5 * (number / (len(chart.bodies) - 1) - 0.5)
+        colour = BODIES[number % len(BODIES)]
+        for column, own in enumerate(map(list, chart.groups.values()), start=1):
+            points = go.Scatter(
+                x=[at + shift for at in range(len(own))],
+                y=one.deviation[own],
+                error_y={"type": "data", "array": one.reach[own], "thickness": 1.8, "width": 5, "color": colour},
+                mode="markers",
+                marker={"color": colour, "size": 9, "symbol": SYMBOLS[number % len(SYMBOLS)]},
+                name=escaped(one.name),
+                legendgroup=escaped(one.name),
+                showlegend=column == 1,
+                text=[
+                    f"{chart.quantities[k][0]}: {one.values[k]:.6g} ± {one.half_width[k]:.2g} {chart.quantities[k][1]}, "
+                    f"reference {one.reference[k]:.6g}"
+                    for k in own
+                ],
+                hovertemplate="%{text}<extra></extra>",
+            )
+            figure.add_trace(points, 1, column)
+    for column, own in enumerate(map(list, chart.groups.values()), start=1):
+        ticks = {"tickvals": list(range(len(own))), "ticktext": [chart.quantities[k][0].split(" ", 1)[1] for k in own]}
+        figure.update_xaxes(**ticks, range=[-0.6, len(own) - 0.4], showgrid=False, row=1, col=column)
+    figure.update_yaxes(zeroline=True, zerolinewidth=1.6, nticks=7)
+    figure.update_yaxes(title_text="identified less reference", row=1, col=1)
+    figure.update_annotations(font={"size": 12})
+    margin = {"t": TITLE_ROOM + LEGEND_ROOM + 26, "b": 36}
+    return dressed(figure, chart.title, 390, dark, legend=legend_above(0.09), margin=margin)
+
+
 # What a page needs to show figures by itself: the library, the figures, and the two templates between which it switches.
 
 
@@ -137,6 +303,26 @@ CONFIG: dict[str, Any] = {
     "topojsonURL": "about:blank#",  # where it would look for maps of the world; it takes no empty one
 }
 """What every figure of report and workbench is drawn with; a page adds its own sizes, and none of these."""
+
+
+# Scripts of others without the addresses that they hold. A policy of content stops what a page loads, posts or connects to. It
+# does not stop a window that a click opens, and plotly.js has offered one that took the figure, with its data, to its makers. So
+# no script is shipped with an address that could be gone to.
+
+
+NAMESPACES = "www.w3.org/"
+"""Of XML: names that look like addresses, by which a browser knows SVG from HTML; nothing goes there."""
+
+ADDRESS = re.compile(rf"(?:https?|wss?|ftp)://(?!{re.escape(NAMESPACES)})(?=[\w$\[{{])")
+"""Where an address begins, a host behind it, be it written out, put together (``${host}``) or a pattern (``{s}.tile``)."""
+
+NOWHERE = "about:blank#"
+"""A valid address, as scripts expect one, of an empty page."""
+
+
+def without_addresses(script: str) -> str:
+    """`script` with every foreign address leading to an empty page; what it said stays legible, as in a notice of copyright."""
+    return ADDRESS.sub(NOWHERE, script)
 
 
 def library() -> str:

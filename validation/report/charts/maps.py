@@ -16,9 +16,21 @@ from validation.compare.maps import Map, NamedMode, Pairs
 from validation.compare.spots import SENSED, run
 from validation.estimation.problem import Measured
 from validation.report.charts import interactive
-from validation.report.charts.interactive import LEGEND_ROOM, TITLE_ROOM, decades, dressed, escaped, legend_above
-from validation.report.charts.interactive import modes as marked_modes
-from validation.report.charts.spec import ASIDE, BOUNDS, COLOURS, CURVES, FURTHER, INK, MEASURED, PAPER, PREDICTED, HeatMap
+from validation.report.charts.interactive import LEGEND_ROOM, TITLE_ROOM, add_entry, dressed, escaped, legend_above
+from validation.report.charts.spec import (
+    ASIDE,
+    BOUNDS,
+    COLOURS,
+    CURVES,
+    FURTHER,
+    INK,
+    MEASURED,
+    PAPER,
+    PREDICTED,
+    Curve,
+    EntryPanel,
+    HeatMap,
+)
 from validation.report.charts.static import (
     Axes,
     colour_bar,
@@ -41,21 +53,8 @@ SIGNS = LABELS
 LOADS = ("force along x", "force along y", "force along z", "moment about x", "moment about y", "moment about z")
 MOTIONS = tuple(f"{kind} {axis}" for kind in ("acceleration along", "angular acceleration about") for axis in "xyz")
 
-DEEPEST, NOTHING = 1e5, 1e-4
-"""Of the largest magnitude: what is smaller is off the page; a curve that is smaller throughout is next to nothing."""
-
 HEIGHTS = ((0.09, 0.60), (0.64, 0.86))
 """Where magnitude and phase begin and end in a third of the page, from its top."""
-
-LEAST = -170.0
-"""[°] at which a phase begins; the page shows 20 more on either side of it."""
-
-WIDE = 2.0
-"""Standard deviations (those of the maps) by which the band is wider than the prediction on both sides.
-
-They are those of a complex difference, so that no single share of magnitudes is due in the band: of noise that is alike in all
-directions 98 % of the differences are smaller, and more of the magnitudes.
-"""
 
 NONE: Mapping[str, ComplexArray] = MappingProxyType({})
 
@@ -63,6 +62,20 @@ NONE: Mapping[str, ComplexArray] = MappingProxyType({})
 def entry(load: int, motion: int) -> str:
     """ "H xβ": the name of an entry."""
     return f"H {SIGNS[load]}{SIGNS[motion]}"
+
+
+def entry_of(pairs: Pairs, load: int, motion: int, modes: Sequence[NamedMode], further: Mapping[str, ComplexArray]) -> EntryPanel:
+    """Measured beside predicted, and what else is predicted by name."""
+    f = pairs.frequency
+
+    def curve(name: str, matrix: ComplexArray, role: str, **more: Any) -> Curve:
+        return Curve(name=name, frequency=f, values=matrix[:, load, motion], role=role, **more)
+
+    named = [(one.name, one.frequency) for one in modes if f[0] <= one.frequency <= f[-1]]
+    others = [curve(name, matrix, (FURTHER, ASIDE)[k % 2]) for k, (name, matrix) in enumerate(further.items())]
+    measured = curve("measured, Eqs. 9 to 11", pairs.measured, MEASURED, dots=True)
+    predicted = curve("predicted", pairs.predicted, PREDICTED, expected=pairs.expected[:, load, motion])
+    return EntryPanel(unit=unit(load, motion), curves=(measured, predicted, *others), modes=named)
 
 
 SECOND_ROW = 20
@@ -92,7 +105,7 @@ def overlay(
     from plotly.subplots import make_subplots
 
     figure = make_subplots(rows=2, cols=1, shared_xaxes=True, row_heights=[0.68, 0.32], vertical_spacing=0.04)
-    _entry(figure, pairs, (load, motion), 1, 1, modes, further)
+    add_entry(figure, entry_of(pairs, load, motion, modes, further), 1, 1)
     if marked is not None:
         figure.add_vline(marked, line={"color": COLOURS["limit"][1], "width": 1.5, "dash": "dash"})
     title = f"{entry(load, motion)} of {pairs.campaign}: {LOADS[load]} by {MOTIONS[motion]}"
@@ -113,124 +126,23 @@ def diagonal(
 
     figure = make_subplots(rows=6, cols=2, horizontal_spacing=0.11)
     for k in range(6):
-        _entry(figure, pairs, (k, k), 1 + 2 * (k % 3), 1 + k // 3, modes, further, legend=k == 0, last=k % 3 == 2)
-        # Put magnitude and phase of the entry k close together, below their title and apart from the pair below
         row, column = 1 + 2 * (k % 3), 1 + k // 3
+        add_entry(figure, entry_of(pairs, k, k, modes, further), row, column, legend=k == 0, last=k % 3 == 2)
+        # Put magnitude and phase of the entry k close together, below their title and apart from the pair below
         top = 1 - (k % 3) / 3
         for below, (high, low) in enumerate(HEIGHTS):
             figure.update_yaxes(domain=[top - low / 3, top - high / 3], row=row + below, col=column)
         side = 0.0 if column == 1 else 0.555
-        name = {"text": _words(k), "x": side, "y": top - HEIGHTS[0][0] / 3, "xref": "paper", "yref": "paper"}
+        name = {
+            "text": f"{entry(k, k)}: {LOADS[k]} by {MOTIONS[k]}",
+            "x": side,
+            "y": top - HEIGHTS[0][0] / 3,
+            "xref": "paper",
+            "yref": "paper",
+        }
         figure.add_annotation(**name, xanchor="left", yanchor="bottom", showarrow=False, font={"size": 12})
     title = f"{pairs.campaign}: the diagonal of the dynamic mass"
     return dressed(figure, title, 1010, dark, legend=legend_above(), margin={"t": TITLE_ROOM + LEGEND_ROOM, "b": 24})
-
-
-def _words(k: int) -> str:
-    return f"{entry(k, k)}: {LOADS[k]} by {MOTIONS[k]}"
-
-
-def _entry(
-    figure: Figure,
-    pairs: Pairs,
-    at: tuple[int, int],
-    row: int,
-    column: int,
-    modes: Sequence[NamedMode],
-    further: Mapping[str, ComplexArray],
-    *,
-    legend: bool = True,
-    last: bool = True,
-) -> None:
-    """Add the entry `at` (load, motion): magnitude in the panel at `row` and `column`, phase in that below."""
-    from plotly import graph_objects as go
-
-    load, motion = at
-    f, measured, predicted = pairs.frequency, pairs.measured[:, load, motion], pairs.predicted[:, load, motion]
-    others = {name: matrix[:, load, motion] for name, matrix in further.items()}
-    expected = pairs.expected[:, load, motion]
-    low, high = magnitude_range([measured, np.abs(predicted) + WIDE * expected, predicted, *others.values()])
-    band = _band(go, f, predicted, expected, 10**low, legend)
-    figure.add_traces(band, rows=row, cols=column)
-    named = [("measured, Eqs. 9 to 11", measured, {"mode": "markers", "marker": {"color": COLOURS[MEASURED][1], "size": 4.5}})]
-    named += [("predicted", predicted, {"mode": "lines", "line": {"color": COLOURS[PREDICTED][1], "width": 2}})]
-    named += [(name, H, _further(k)) for k, (name, H) in enumerate(others.items())]
-    for name, H, look in named:
-        said = {"name": escaped(name), "legendgroup": escaped(name), **look, **_lines(f)}
-        size = {"y": _short(np.abs(H)), "hovertemplate": f"%{{y:.4g}} {unit(load, motion)}", "showlegend": legend}
-        phase = {"y": _short(_phase(H, 10**low)), "hovertemplate": "%{y:.1f}°", "showlegend": False}
-        figure.add_traces([go.Scatter(**size, **said), go.Scatter(**phase, **said)], rows=[row, row + 1], cols=column)
-    if inside := [one for one in modes if f[0] <= one.frequency <= f[-1]]:
-        of_modes: dict[str, Any] = {"name": "modes of the model", "legendgroup": "modes", "showlegend": legend}
-        named_modes = [(one.name, one.frequency) for one in inside]
-        figure.add_trace(marked_modes(named_modes, 10 ** (high - 0.04 * (high - low)), 10, **of_modes), row, column)
-    figure.update_xaxes(range=[float(f[0]), float(f[-1])], showticklabels=False, row=row, col=column)
-    figure.update_xaxes(range=[float(f[0]), float(f[-1])], title_text="frequency [Hz]" if last else None, row=row + 1, col=column)
-    figure.update_yaxes(title_text=f"|H| [{unit(load, motion)}]", **decades(low, high), row=row, col=column)
-    phases = {"range": [-190, 190], "tickvals": [-180, -90, 0, 90, 180]}
-    figure.update_yaxes(title_text="phase [°]", **phases, row=row + 1, col=column)
-
-
-def magnitude_range(curves: Sequence[ComplexArray | Array]) -> tuple[float, float]:
-    """Powers of ten between which the magnitudes of `curves` are shown.
-
-    A curve that symmetry makes next to nothing does not count, and what falls below `DEEPEST` of the largest is off the page.
-    """
-    largest = max((float(np.nanmax(np.abs(one))) for one in curves), default=0.0)
-    sizes = np.abs(np.concatenate([one for one in curves if np.nanmax(np.abs(one)) >= NOTHING * largest]))
-    sizes = sizes[np.isfinite(sizes) & (sizes > 0)]
-    if not sizes.size:
-        return -1.0, 1.0
-    top = float(sizes.max())
-    bottom = max(float(sizes.min()), top / DEEPEST)
-    return float(np.log10(bottom)) - 0.08, float(np.log10(top)) + 0.12
-
-
-def _band(go: Any, f: Array, H: ComplexArray, expected: Array, bottom: float, legend: bool) -> list[Any]:
-    """Where noise and tolerances that were not fitted let expect what is measured."""
-    size = np.abs(H)
-    look = {"mode": "lines", "line": {"width": 0}, "hoverinfo": "skip", **_lines(f)}
-    low = go.Scatter(y=_short(np.maximum(size - WIDE * expected, bottom)), showlegend=False, legendgroup="expected", **look)
-    name = f"expected, ± {WIDE:g} σ"
-    fill = {
-        "fill": "tonexty",
-        "fillcolor": "rgba(59,125,221,0.18)",
-        "name": name,
-        "legendgroup": "expected",
-        "showlegend": legend,
-    }
-    return [low, go.Scatter(y=_short(size + WIDE * expected), **fill, **look)]
-
-
-def phase(H: ComplexArray) -> Array:
-    """[°] from -170 to 190: what is negative, give or take its noise, does not jump from one end of the page to the other."""
-    angle = np.degrees(np.angle(H))
-    return np.asarray(np.where(angle < LEAST, angle + 360.0, angle))
-
-
-def _phase(H: ComplexArray, bottom: float) -> Array:
-    """None where the magnitude is below the page, since the angle of next to nothing means nothing."""
-    return np.asarray(np.where(np.abs(H) >= bottom, phase(H), np.nan))
-
-
-def _further(k: int) -> dict[str, Any]:
-    return {
-        "mode": "lines",
-        "line": {"color": COLOURS[(FURTHER, ASIDE)[k % 2]][1], "width": 2, "dash": ("dash", "dot")[k // 2 % 2]},
-    }
-
-
-def _lines(f: Array) -> dict[str, Any]:
-    """Frequencies as a first one and a step where they are even, which is shorter."""
-    steps = np.diff(f)
-    if len(f) > 2 and np.allclose(steps, steps[0], rtol=1e-6):
-        return {"x0": float(f[0]), "dx": float((f[-1] - f[0]) / (len(f) - 1))}
-    return {"x": f}
-
-
-def _short(values: Array) -> Any:
-    """Single precision: six digits are more than a figure shows."""
-    return np.asarray(values, dtype=np.float32)
 
 
 # Accelerances of a test beside those of models: at every drive point the reading there, and the error of all readings.

@@ -11,12 +11,13 @@ from types import MappingProxyType
 
 import numpy as np
 
+from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
 
 INK, FAINT, PAPER = "#1d2330", "#6b7280", "#ffffff"
 """Of letters, of what stands back, and of the page."""
 
-MEASURED, PREDICTED, FURTHER, ASIDE = "measured", "predicted", "further", "aside"
+MEASURED, PREDICTED, FURTHER, ASIDE, LEFT_OUT = "measured", "predicted", "further", "aside", "left out"
 BEFORE, AFTER = "before", "with what was found"
 NOT_JUDGED = ""
 STANDINGS = ACCEPTED, ALIKE, LESS, TOO_MUCH_LEFT = "accepted", "cannot be told from it", "explains less", "leaves too much"
@@ -28,6 +29,7 @@ COLOURS: Mapping[str, tuple[str, str]] = MappingProxyType(
         PREDICTED: ("#2456c4", "#3b7ddd"),
         FURTHER: ("#1f8a4c", "#1f9d61"),
         ASIDE: ("#9aa0a6", "#8791a1"),
+        LEFT_OUT: ("#c3c8d0", "#8791a1"),
         "held out": ("#d9541e", "#d9661f"),
         "prior penalty": ("#8e6fc0", "#9a6fd0"),
         "limit": ("#c8283c", "#c2334d"),
@@ -168,3 +170,101 @@ def signed_log(nats: Array) -> Array:
     """Where `nats` stand on an axis of evidence: as they are to `LINEAR_NATS`, a decade as long as that beyond."""
     beyond = LINEAR_NATS * (1 + np.log10(np.maximum(np.abs(nats), LINEAR_NATS) / LINEAR_NATS))
     return np.asarray(np.where(np.abs(nats) <= LINEAR_NATS, nats, np.sign(nats) * beyond))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Curve:
+    """A complex quantity over frequency.
+
+    Attributes
+    ----------
+    name : in the legend
+    frequency : (n,) [Hz]
+    values : (n,)
+    role : of `COLOURS`; empty for one that takes its colour in turn
+    dots : whether it is drawn line by line, as what was measured is
+    expected : (n,) standard deviation of its magnitude, for a band on a page; None for none
+    """
+
+    name: str
+    frequency: Array
+    values: ComplexArray
+    role: str = ""
+    dots: bool = False
+    expected: Array | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EntryPanel:
+    """One entry of a matrix over frequency: magnitude above phase.
+
+    Attributes
+    ----------
+    unit : of the magnitude
+    curves : none of an entry that is nothing
+    rigid : magnitude of the rigid body; None where it is not drawn
+    modes : name and eigenfrequency [Hz] of those to be marked
+    """
+
+    unit: str
+    curves: tuple[Curve, ...]
+    rigid: float | None = None
+    modes: Sequence[tuple[str, float]] = ()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SpectralLines:
+    """The lines of the spectra, and how well their base motions tell the columns of a dynamic mass.
+
+    Attributes
+    ----------
+    frequency : (n,) [Hz]
+    condition : (n,) scaled condition number of the base motions
+    limit : above which a line is left out
+    left_out : (n,) bool
+    runs : names
+    unexplained : (r, n) share of what the channels read that no rigid base motion and no resultant load explains
+    """
+
+    frequency: Array
+    condition: Array
+    limit: float
+    left_out: np.ndarray
+    runs: tuple[str, ...] = ()
+    unexplained: Array = field(default_factory=lambda: np.zeros((0, 0)))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Intervals:
+    """Several quantities with their 95 % intervals, each beside its reference.
+
+    Attributes
+    ----------
+    name : of the body, or of the rung on which it was identified
+    values, half_width, reference : (q,) in the unit of each quantity
+    deviation, reach : (q,) values less reference, and half-widths, in the unit of their group
+    """
+
+    name: str
+    values: Array
+    half_width: Array
+    reference: Array
+    deviation: Array
+    reach: Array
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class IntervalChart:
+    """The same quantities of some bodies: a file shows values, a page their distances from the reference.
+
+    Attributes
+    ----------
+    quantities : label and unit of each
+    groups : what shares a unit on a page, by heading the numbers of quantities
+    """
+
+    title: str
+    quantities: tuple[tuple[str, str], ...]
+    groups: Mapping[str, tuple[int, ...]]
+    bodies: tuple[Intervals, ...]
+    note: str = ""

@@ -10,10 +10,12 @@ import numpy as np
 
 from geometry.atomic import write_with
 from geometry.errors import BadInput
+from geometry.frames import Array
 from validation.report.charts.spec import (
     BOUNDS,
     CHANCE,
     COLOURS,
+    CURVES,
     EVIDENCE,
     FAINT,
     INK,
@@ -22,10 +24,15 @@ from validation.report.charts.spec import (
     LOG,
     PALE,
     PAPER,
+    PREDICTED,
     STRONG,
     BarChart,
     BarPanel,
+    Curve,
+    EntryPanel,
     HeatMap,
+    IntervalChart,
+    SpectralLines,
 )
 
 DPI = 110
@@ -182,6 +189,138 @@ def _bars(axes: Axes, panel: BarPanel, thickness: float, further: float, letteri
         axes.xaxis.set_major_formatter("{x:g}")
     axes.set_ylim(len(names) - 0.4, -0.6) if panel.scale == EVIDENCE else axes.invert_yaxis()
     axes.grid(visible=False, axis="y")
+
+
+DASHES = ("-", "--", ":")
+"""Of curves in turn."""
+
+
+def draw_entry(upper: Axes, lower: Axes, panel: EntryPanel) -> None:
+    """Magnitude into `upper`, phase into `lower`; what is nothing is said to be."""
+    if not panel.curves:
+        for axes in (upper, lower):
+            axes.set(xticks=[], yticks=[])
+            for side in axes.spines.values():
+                side.set_color("#d9dde3")
+        upper.text(0.5, 0.4, "below 1e-6 of its block", transform=upper.transAxes, ha="center", color=FAINT, fontsize=9)
+        return
+    lines, measured = iter(zip(CURVES, DASHES, strict=False)), any(one.dots for one in panel.curves)
+    for one in panel.curves:
+        if not one.dots:
+            draw_curve(upper, lower, one, *next(lines), above=measured)
+            continue
+        look: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4.2, "markeredgewidth": 0}
+        upper.semilogy(one.frequency, np.abs(one.values), label=one.name, color=COLOURS[one.role][0], **look)
+        lower.plot(one.frequency, np.degrees(np.angle(one.values)), color=COLOURS[one.role][0], **look)
+    if panel.rigid is not None:
+        upper.axhline(panel.rigid, color=INK, linewidth=1.0, linestyle=DASHED, label="rigid body", zorder=1)
+    dress_entry(upper, lower, np.concatenate([one.frequency for one in panel.curves]))
+    at_least_a_decade(upper)
+
+
+def draw_curve(
+    upper: Axes, lower: Axes, one: Curve, colour: str, dash: str = DASHES[0], width: float = 1.3, *, above: bool = False
+) -> None:
+    """A curve; `above` dots it has a rim, so that both are seen where they agree."""
+    from matplotlib.patheffects import Normal, withStroke
+
+    look: dict[str, Any] = {"color": colour, "linestyle": dash, "linewidth": width, "zorder": 3 if above else 2}
+    if above:
+        look["path_effects"] = [withStroke(linewidth=width + 1.0, foreground=INK), Normal()]
+    upper.semilogy(one.frequency, np.abs(one.values), label=one.name, **look)
+    # Phase [°], -180 to 180, broken where it jumps from one end to the other: a line there would be no phase
+    phase = np.degrees(np.angle(one.values))
+    phase[np.flatnonzero(np.abs(np.diff(phase)) > 270)] = np.nan
+    lower.plot(one.frequency, phase, **look)
+
+
+def dress_entry(upper: Axes, lower: Axes, f: Array) -> None:
+    """Limits, ticks and grid of magnitude and phase over the lines `f`."""
+    from matplotlib.ticker import MaxNLocator
+
+    upper.set_xlim(f.min(), f.max())
+    lower.set_ylim(-195, 195)
+    lower.set_yticks([-180, -90, 0, 90, 180])
+    lower.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 4, 5, 10]))
+    upper.tick_params(labelbottom=False)
+    for axes in (upper, lower):
+        grid_lines(axes)
+    upper.grid(visible=True, which="minor", axis="y", color="#f0f2f5", linewidth=0.5)
+
+
+def at_least_a_decade(upper: Axes) -> None:
+    """What is flat is to look flat."""
+    low, high = upper.get_ylim()
+    if high < 10 * low:
+        middle = np.sqrt(low * high)
+        upper.set_ylim(middle / 10, middle * 10)
+
+
+SHADE = "#f6d9dc"
+"""Behind lines that were left out."""
+
+
+def draw_condition(axes: Axes, lines: SpectralLines) -> None:
+    """Condition number and its limit over frequency."""
+    axes.semilogy(lines.frequency, lines.condition, color=COLOURS[PREDICTED][0], linewidth=1.4, label="condition number")
+    limit: dict[str, Any] = {"color": COLOURS["limit"][0], "linewidth": 1.2, "linestyle": DASHED}
+    axes.axhline(lines.limit, label=f"limit {lines.limit:g}", **limit)
+    axes.set_ylim(min(1.0, float(lines.condition.min())), 2 * max(float(lines.condition.max()), lines.limit))
+    axes.set_xlim(lines.frequency[0], lines.frequency[-1])
+
+
+def shade_left_out(axes: Axes, lines: SpectralLines) -> None:
+    """Shade every stretch of lines that were left out, half a line to either side."""
+    f = lines.frequency
+    half = 0.5 * float(np.median(np.diff(f))) if len(f) > 1 else 0.5
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], lines.left_out.astype(int), [0]])))
+    for first, last in zip(edges[::2], edges[1::2], strict=True):
+        axes.axvspan(f[first] - half, f[last - 1] + half, color=SHADE, linewidth=0, zorder=0)
+
+
+def draw_intervals(chart: IntervalChart, path: Path) -> None:
+    """Write ten quantities, a panel each: what was identified on every rung with its interval, beside the reference.
+
+    Raises
+    ------
+    BadInput : the ending of `path` is unknown.
+    """
+    require_format(path)
+    figure = new_figure(16.0, 8.6)
+    grid = figure.add_gridspec(2, 5, hspace=0.24, wspace=0.36, left=0.055, right=0.985, top=0.85, bottom=0.19)
+    values, half, reference = (
+        np.array([getattr(one, name) for one in chart.bodies]) for name in ("values", "half_width", "reference")
+    )
+    at, blue, red = np.arange(len(chart.bodies)), COLOURS[PREDICTED][0], COLOURS["limit"][0]
+    look: dict[str, Any] = {"color": blue, "marker": "o", "markersize": 6, "capsize": 4, "linewidth": 1.4, "elinewidth": 1.4}
+    dash: dict[str, Any] = {"color": red, "linewidth": 1.6, "marker": "_", "markersize": 16}
+    for k, (label, unit) in enumerate(chart.quantities):
+        axes = figure.add_subplot(grid[k // 5, k % 5])
+        axes.plot(at, reference[:, k], label="reference: the model", zorder=2, **dash)
+        axes.errorbar(at, values[:, k], half[:, k], label="identified, 95 % interval", zorder=3, **look)
+        axes.set_xlim(-0.4, len(at) - 0.6)
+        axes.ticklabel_format(axis="y", useOffset=False)
+        grid_lines(axes)
+        axes.set_title(f"{label} [{unit}]", fontsize=11, loc="left", color=INK)
+        last = k >= len(chart.quantities) - 5
+        axes.set_xticks(at, [cut(one.name) for one in chart.bodies] if last else [""] * len(at))
+        if last:
+            axes.tick_params(axis="x", rotation=28, labelsize=8.5)
+            for words in axes.get_xticklabels():
+                words.set(ha="right", rotation_mode="anchor")
+        if k == 0:
+            place: dict[str, Any] = {"loc": "upper right", "bbox_to_anchor": (0.985, 1.0 - 0.25 / 8.6), "ncols": 2}
+            figure.legend(*axes.get_legend_handles_labels(), fontsize=10, frameon=False, **place)
+    finish(figure, chart.title, chart.note, path)
+
+
+LARGEST = 30
+"""Letters of a name below an axis."""
+
+
+def cut(text: str, most: int = LARGEST, end: str = " …") -> str:
+    """`text` in at most so many letters."""
+    return text if len(text) <= most else text[: most - len(end)] + end
 
 
 def heat_map(axes: Axes, one: HeatMap, scale: tuple[Any, Any]) -> Any:

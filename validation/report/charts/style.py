@@ -6,7 +6,7 @@ The rigid body's line is drawn in, since the way a curve leaves it is the whole 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain, count
 from pathlib import Path
 from typing import Any, Protocol
@@ -15,8 +15,19 @@ import numpy as np
 
 from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.frames import Array
-from validation.report.charts.spec import CURVES, FAINT, INK
-from validation.report.charts.static import Axes, Figure, finish, grid_lines, new_figure, require_format
+from validation.report.charts.spec import COLOURS, CURVES, FAINT, INK, Curve, EntryPanel
+from validation.report.charts.static import (
+    DASHES,
+    Axes,
+    Figure,
+    at_least_a_decade,
+    draw_curve,
+    draw_entry,
+    dress_entry,
+    finish,
+    new_figure,
+    require_format,
+)
 
 # Colours: one a material, the same in every picture; red, green and blue belong to the principal axes 1, 2 and 3.
 
@@ -48,9 +59,6 @@ LABELS = ("x", "y", "z", "α", "β", "γ")
 AXES = ("#c8283c", "#1f8a4c", "#2456c4")
 """Of x, y, z and of α, β, γ where they share a panel."""
 
-MEASURED, LEFT_OUT = "#f28a1c", "#c3c8d0"
-"""Of lines that were measured, and of those among them that are not used."""
-
 WIDTHS = (2.8, 1.9, 1.1)
 """Of these: where curves coincide, all of them are seen."""
 
@@ -71,8 +79,6 @@ FEW = 3
 
 DEEPEST = 1e5
 """Of the largest magnitude in a panel of a chosen entry; what is smaller is off the page."""
-
-DASHES = ("-", "--", ":")
 
 
 class Resonances(Protocol):
@@ -97,7 +103,7 @@ class DynamicMassCurve:
     mass : on the lines to be drawn
     rigid : (6, 6) mass matrix of the rigid body about the same point
     modes : eigenfrequencies, and how much each shows on an axis
-    dots : colour of a measured dynamic mass, drawn line by line; empty for a model
+    dots : role of a measured dynamic mass, drawn line by line; empty for a model
     """
 
     name: str
@@ -105,6 +111,21 @@ class DynamicMassCurve:
     rigid: Array
     modes: Resonances
     dots: str = ""
+
+    def entry(self, i: int, j: int) -> Curve:
+        """The curve of one entry."""
+        values = self.mass.matrix[:, i, j]
+        return Curve(name=self.name, frequency=self.mass.frequency, values=values, role=self.dots, dots=bool(self.dots))
+
+
+def entry_of(curves: Sequence[DynamicMassCurve], i: int, j: int) -> EntryPanel:
+    """One entry of H of every curve, with the rigid body's line of the first; none where all of them vanish."""
+    rigid = abs(curves[0].rigid[i, j])
+    return EntryPanel(
+        unit=unit(i, j),
+        curves=() if all(_vanishes(one.mass.matrix, i, j) for one in curves) else tuple(one.entry(i, j) for one in curves),
+        rigid=float(rigid) if rigid > NOTHING * np.abs(curves[0].rigid).max() else None,
+    )
 
 
 def diagonal(title: str, curves: Sequence[DynamicMassCurve], path: Path, note: str = "") -> None:
@@ -121,7 +142,7 @@ def diagonal(title: str, curves: Sequence[DynamicMassCurve], path: Path, note: s
         top, column = 3 * (i // 3), i % 3
         upper = figure.add_subplot(grid[top, column])
         lower = figure.add_subplot(grid[top + 1, column], sharex=upper)
-        _entry(upper, lower, curves, i, i)
+        draw_entry(upper, lower, entry_of(curves, i, i))
         upper.set_title(f"$H_{{{LABELS[i]}{LABELS[i]}}}$", fontsize=12, loc="left", pad=TITLE_ABOVE_FIGURES)
         _mark(upper, curves[0], (i,))
         upper.set_ylabel(f"|H| [{unit(i, i)}]", fontsize=9.5)
@@ -148,7 +169,7 @@ def full(title: str, curves: Sequence[DynamicMassCurve], path: Path, note: str =
             inner = outer[i, j].subgridspec(2, 1, height_ratios=(2.6, 1), hspace=0.07)
             upper = figure.add_subplot(inner[0])
             lower = figure.add_subplot(inner[1], sharex=upper)
-            _entry(upper, lower, curves, i, j)
+            draw_entry(upper, lower, entry_of(curves, i, j))
             label = f"$H_{{{LABELS[i]}{LABELS[j]}}}$ [{unit(i, j)}]"
             upper.set_title(label, fontsize=9.5, loc="left", pad=2.5)
             for axes in (upper, lower):
@@ -180,7 +201,7 @@ def chosen(title: str, panels: Sequence[tuple[str, int, int, Sequence[DynamicMas
         upper = figure.add_subplot(grid[top, k % 3])
         lower = figure.add_subplot(grid[top + 1, k % 3], sharex=upper)
         shown = [curve for curve in curves if not _vanishes(curve.mass.matrix, i, j)] or list(curves)
-        _entry(upper, lower, shown, i, j)
+        draw_entry(upper, lower, entry_of(shown, i, j))
         nothing = ", ".join(curve.name for curve in curves if curve not in shown)
         if nothing:
             upper.text(0.02, 0.04, f"{nothing}: nothing", transform=upper.transAxes, fontsize=9, color=FAINT)
@@ -204,7 +225,7 @@ def _names(figure: Figure, curves: Sequence[DynamicMassCurve]) -> None:
     lines = iter(zip(CURVES, DASHES, strict=False))
     for curve in curves:
         if curve.name not in handles:
-            colour, dash = (curve.dots, "none") if curve.dots else next(lines)
+            colour, dash = (COLOURS[curve.dots][0], "none") if curve.dots else next(lines)
             marker = "o" if curve.dots else None
             look: dict[str, Any] = {"color": colour, "linestyle": dash, "marker": marker}
             handles[curve.name] = Line2D([], [], **look, markersize=5, label=curve.name)
@@ -232,9 +253,9 @@ def side_by_side(title: str, articles: Sequence[DynamicMassCurve], path: Path, n
             lower = figure.add_subplot(grid[top + 1, column], sharex=upper)
             rows[top].append(upper)
             for colour, width, i in zip(AXES, WIDTHS, entries, strict=True):
-                _line(upper, lower, curve, i, i, colour, DASHES[0], LABELS[i], width)
+                draw_curve(upper, lower, replace(curve.entry(i, i), name=LABELS[i]), colour, width=width)
                 upper.axhline(curve.rigid[i, i], color=colour, linewidth=0.9, linestyle=(0, (5, 3)), alpha=0.6)
-            _dress(upper, lower, curve.mass.frequency)
+            dress_entry(upper, lower, curve.mass.frequency)
             upper.tick_params(labelleft=column == 0)
             lower.tick_params(labelleft=column == 0)
             _mark(upper, curve, entries)
@@ -247,7 +268,7 @@ def side_by_side(title: str, articles: Sequence[DynamicMassCurve], path: Path, n
             if top == 3:
                 lower.set_xlabel("frequency [Hz]", fontsize=10)
     for row in rows.values():
-        _at_least_a_decade(row[0])
+        at_least_a_decade(row[0])
     finish(figure, title, note, path, about)
 
 
@@ -257,38 +278,6 @@ def unit(row: int, column: int) -> str:
 
 
 _ROOM = {"left": 0.06, "right": 0.985, "top": 0.895, "bottom": 0.085}
-
-
-def _entry(upper: Axes, lower: Axes, curves: Sequence[DynamicMassCurve], i: int, j: int) -> None:
-    """One entry of H of every curve, with the rigid body's line of the first."""
-    rigid = abs(curves[0].rigid[i, j])
-    if all(_vanishes(curve.mass.matrix, i, j) for curve in curves):
-        for axes in (upper, lower):
-            axes.set(xticks=[], yticks=[])
-            for side in axes.spines.values():
-                side.set_color("#d9dde3")
-        upper.text(0.5, 0.4, "below 1e-6 of its block", transform=upper.transAxes, ha="center", color=FAINT, fontsize=9)
-        return
-    lines, measured = iter(zip(CURVES, DASHES, strict=False)), any(curve.dots for curve in curves)
-    for curve in curves:
-        if curve.dots:
-            f, H = curve.mass.frequency, curve.mass.matrix[:, i, j]
-            look: dict[str, Any] = {
-                "color": curve.dots,
-                "linestyle": "none",
-                "marker": "o",
-                "markersize": 4.2,
-                "markeredgewidth": 0,
-            }
-            upper.semilogy(f, np.abs(H), label=curve.name, **look)
-            lower.plot(f, np.degrees(np.angle(H)), **look)
-        else:
-            colour, dash = next(lines)
-            _line(upper, lower, curve, i, j, colour, dash, curve.name, above=measured)
-    if rigid > NOTHING * np.abs(curves[0].rigid).max():
-        upper.axhline(rigid, color=INK, linewidth=1.0, linestyle=(0, (5, 3)), label="rigid body", zorder=1)
-    _dress(upper, lower, np.concatenate([curve.mass.frequency for curve in curves]))
-    _at_least_a_decade(upper)
 
 
 def _legend(figure: Figure, upper: Axes, size: float) -> None:
@@ -305,55 +294,6 @@ def _legend(figure: Figure, upper: Axes, size: float) -> None:
 def _vanishes(H: ComplexArray, i: int, j: int) -> bool:
     rows, columns = (slice(0, 3) if k < 3 else slice(3, 6) for k in (i, j))
     return bool(np.abs(H[:, i, j]).max() <= NOTHING * np.abs(H[:, rows, columns]).max())
-
-
-def _line(
-    upper: Axes,
-    lower: Axes,
-    curve: DynamicMassCurve,
-    i: int,
-    j: int,
-    colour: str,
-    dash: str,
-    label: str,
-    width: float = 1.3,
-    *,
-    above: bool = False,
-) -> None:
-    """A curve; `above` dots it has a rim, so that both are seen where they agree."""
-    from matplotlib.patheffects import Normal, withStroke
-
-    f, H = curve.mass.frequency, curve.mass.matrix[:, i, j]
-    look: dict[str, Any] = {"color": colour, "linestyle": dash, "linewidth": width, "zorder": 3 if above else 2}
-    if above:
-        look["path_effects"] = [withStroke(linewidth=width + 1.0, foreground=INK), Normal()]
-    upper.semilogy(f, np.abs(H), label=label, **look)
-    # Phase [°], -180 to 180, broken where it jumps from one end to the other: a line there would be no phase
-    phase = np.degrees(np.angle(H))
-    jumps = np.flatnonzero(np.abs(np.diff(phase)) > 270)
-    phase[jumps] = np.nan
-    lower.plot(f, np.asarray(phase), **look)
-
-
-def _dress(upper: Axes, lower: Axes, f: Array) -> None:
-    from matplotlib.ticker import MaxNLocator
-
-    upper.set_xlim(f.min(), f.max())
-    lower.set_ylim(-195, 195)
-    lower.set_yticks([-180, -90, 0, 90, 180])
-    lower.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 4, 5, 10]))
-    upper.tick_params(labelbottom=False)
-    for axes in (upper, lower):
-        grid_lines(axes)
-    upper.grid(visible=True, which="minor", axis="y", color="#f0f2f5", linewidth=0.5)
-
-
-def _at_least_a_decade(upper: Axes) -> None:
-    """What is flat is to look flat."""
-    low, high = upper.get_ylim()
-    if high < 10 * low:
-        middle = np.sqrt(low * high)
-        upper.set_ylim(middle / 10, middle * 10)
 
 
 def _mark(upper: Axes, curve: DynamicMassCurve, entries: Sequence[int]) -> None:
