@@ -31,8 +31,8 @@ from validation.report.charts.excitation import draw_sheet as draw_driven
 from validation.report.charts.style import DynamicMassCurve, side_by_side
 from validation.report.excite import sheet as driven_sheet
 from validation.report.flexible import draw_sheet, note_on
-from validation.report.scenes.pendulum import drawn, pendulum_picture
 from validation.report.scenes.scene import contact_sheet, drawn_bodies, picture
+from validation.report.scenes.setups import drawn_swing, pendulum_picture
 
 SIDE_BY_SIDE = {"disc+cuboid": "Cuboid on its disc", "clumod-1": "Clumod, one blade", "clumod-4": "Clumod, four blades"}
 
@@ -88,7 +88,7 @@ def base_excitation(folder: Path) -> None:
 def pendulum(folder: Path) -> None:
     """Draw Clumod with four blades on three ropes, its recorded twist below, into `folder`."""
     found = simulated(swing_setup(), lambda words: nullcontext())
-    pendulum_picture(drawn(found, Unchanged()), folder / "swing.png", about=json.dumps(swung(found.record.setup)))
+    pendulum_picture(drawn_swing(found, Unchanged()), folder / "swing.png", about=json.dumps(swung(found.record.setup)))
 
 
 def swing_setup() -> Setup:

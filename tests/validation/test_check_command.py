@@ -17,7 +17,7 @@ from geometry.frames import Pose
 from identification import campaign_file
 from identification.campaign import Campaign
 from validation.cli import main
-from validation.report.scenes import sensors
+from validation.report.scenes import setups
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -183,10 +183,10 @@ def test_spectra_are_described_without_levels(run: Run, campaign: Campaign, tmp_
 def test_view_draws_a_map_under_out(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from PIL import Image
 
-    from validation.report.scenes import sensors
+    from validation.report.scenes import setups
 
-    monkeypatch.setattr(sensors, "HEIGHT", 300)  # a ninth of the pixels, and of the time
-    monkeypatch.setattr(sensors, "COLUMNS", ((10, 130), (150, 240), (400, 240)))
+    monkeypatch.setattr(setups, "HEIGHT", 300)  # a ninth of the pixels, and of the time
+    monkeypatch.setattr(setups, "COLUMNS", ((10, 130), (150, 240), (400, 240)))
     code, _, err = run("check", "own", "--view")
     assert (code, err) == (main.DONE, "massline: wrote out/sensors-own.png.\n")
     with Image.open(tmp_path / "out" / "sensors-own.png") as picture:
@@ -197,17 +197,17 @@ def test_view_draws_a_map_under_out(run: Run, tmp_path: Path, monkeypatch: pytes
 
 def test_an_article_without_fmd_is_drawn_where_it_is_mounted(campaign: Campaign) -> None:
     alone = replace(campaign, article="cuboid", mounting=Pose(position=np.array([0.0, 0.0, 0.25])))
-    bodies, note = sensors._bodies(alone)
+    bodies, note = setups.bodies_of(alone)
     lowest = min(body.vertices[:, 2].min() for body in bodies)
-    on_fmd, _ = sensors._bodies(replace(campaign, article="fmd"))
+    on_fmd, _ = setups.bodies_of(replace(campaign, article="fmd"))
     assert_allclose(lowest, 0.25, rtol=0, atol=1e-12)
     assert min(body.vertices[:, 2].min() for body in on_fmd) < 0
     assert "cuboid as built in" in note
 
 
 def test_an_article_of_somebody_else_is_not_drawn_and_said(campaign: Campaign) -> None:
-    bodies, note = sensors._bodies(replace(campaign, article="my-satellite.toml"))
-    assert bodies == []
+    bodies, note = setups.bodies_of(replace(campaign, article="my-satellite.toml"))
+    assert bodies == ()
     assert "my-satellite.toml is no built-in article" in note
 
 

@@ -326,7 +326,7 @@ def test_the_article_is_drawn_as_exudyn_moves_it_relative_to_the_table_too() -> 
         )
         made = ready(question, quiet=True)
         (one,) = done(made, keep_coordinates=True, quiet=True)
-        found.append(turntable._relative(made, one.motion, one.response))
+        found.append(turntable.relative_coordinates(made, one.motion, one.response))
     for part in (slice(0, 6), slice(6, None)):
         assert_allclose(found[1][:, part], found[0][:, part], atol=1e-2 * np.abs(found[0][:, part]).max())
 

@@ -11,7 +11,7 @@ from PIL import Image
 
 from validation.report.scenes.motion import MovingBody
 from validation.report.scenes.scene import DrawnBody, fitted
-from validation.report.scenes.sensors import ARROW, DrawnSensor
+from validation.report.scenes.setups import ARROW, DrawnSensor
 from validation.report.scenes.turntable import MARGIN, Turn, Turntable, turned
 
 CORNERS = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])

@@ -2,33 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from geometry.articles import NAMES, built_in, changes_of
+from geometry.articles import NAMES, changes_of
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput
-from geometry.frames import Array, Pose
+from geometry.frames import Array
 from geometry.toml_file import nearest as keys_nearest
 from identification import campaign_file
 from identification.campaign import Campaign
 from validation.app.session import Compared, Session
 from validation.flexible.model import FlexibleOptions, flexible
 from validation.model.model import BEAM, Model
-from validation.model.setups import stated
 from validation.prediction import effects
 from validation.report.flexible import Moved, moved_bodies
 from validation.report.scenes.motion import MovingBody, scale_of
-from validation.report.scenes.scene import DrawnBody, drawn_bodies
-from validation.report.scenes.sensors import DrawnSensor
-
-CHORD = 1e-3
-"""[m] of drawn surfaces: a window is small, and turns."""
-
-ARROWS = "Arrows point along positive output; load cells report the force of the table on the article."
+from validation.report.scenes.scene import DrawnBody
+from validation.report.scenes.setups import DrawnSensor, bodies_of, sensors_of
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -58,8 +52,8 @@ def scene(of: Session, campaign: str) -> Scene:
     BadInput : no such campaign, or its description cannot be read.
     """
     described = the_campaign(of, campaign)
-    bodies, note = _bodies(described, of.read_model())
-    return Scene(campaign=campaign, title=described.title, bodies=bodies, sensors=_sensors(described), note=note)
+    bodies, note = bodies_of(described, of.read_model().changes)
+    return Scene(campaign=campaign, title=described.title, bodies=bodies, sensors=sensors_of(described), note=note)
 
 
 def the_campaign(of: Session, name: str) -> Campaign:
@@ -74,35 +68,6 @@ def the_campaign(of: Session, name: str) -> Campaign:
         remedy = f"{keys_nearest(name, known)}Known are {', '.join(known)}"
         raise BadInput(source="campaign", field=name, problem="no campaign is called so", remedy=remedy)
     return campaign_file.read_description(known[name])
-
-
-def _sensors(campaign: Campaign) -> tuple[DrawnSensor, ...]:
-    """Every place of every channel, seen from F; cells of a sum bear its name, each of them."""
-    origin = campaign.table.origin
-    return tuple(
-        DrawnSensor(name=channel.name, group=channel.group, position=place.position - origin, direction=place.direction)
-        for channel in campaign.table.channels
-        for place in channel.places
-    )
-
-
-def _bodies(campaign: Campaign, model: Model) -> tuple[tuple[DrawnBody, ...], str]:
-    """Seen from F, and what is to be known of them; none of an article that is not built in."""
-    article = campaign.article
-    try:
-        changes = tuple(sorted(changes_of(article, model.changes).items()))
-        drawn = _drawn(article, changes)
-    except (BadInput, KeyError):
-        return (), f"{ARROWS} {article} is no built-in article, so it is not drawn."
-    pose = Pose() if article.split("+")[0] == "fmd" else stated(campaign) or Pose()
-    placed = tuple(replace(one, vertices=pose.apply(one.vertices)) for one in drawn)
-    return placed, f"{ARROWS} {article} as built in, a reconstruction; the campaign's own parts may be of other sizes."
-
-
-@lru_cache(maxsize=8)
-def _drawn(article: str, changes: tuple[tuple[str, float], ...]) -> tuple[DrawnBody, ...]:
-    known: Mapping[str, float] = dict(changes)
-    return drawn_bodies(built_in(article, known), CHORD)
 
 
 # Where a click on the residual map leads on the 6 x 6 dynamic mass.

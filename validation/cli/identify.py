@@ -150,10 +150,10 @@ def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool) 
     else:
         click.echo(page(summary_table.title(found), summary_table.grids(found), summary_table.notes(found)), nl=False)
     if view and found.campaign is not None:
-        from validation.report.scenes.sensors import draw
+        from validation.report.scenes.setups import sensor_map
 
         with shown(f"sensor map of {campaign}", quiet=as_json):
-            path = draw(found.campaign, Path("out"))
+            path = sensor_map(found.campaign, Path("out"))
         click.echo(f"massline: wrote {path}.", err=True)
     if not found.usable:
         ctx.exit(BAD_INPUT)

@@ -427,10 +427,10 @@ def _swing_print(found: Simulated, out: Path | None, as_json: bool) -> None:
 
 def _swing_draw(found: Simulated, asked: Any, folder: Path, *, animate: bool, quiet: bool) -> None:
     from validation.output import shown
-    from validation.report.scenes.pendulum import draw, in_the_way
+    from validation.report.scenes.setups import draw_swing, in_the_way
 
     with shown("pictures of the swing", quiet=quiet):
-        written = draw(found, asked, folder, animate=animate)
+        written = draw_swing(found, asked, folder, animate=animate)
         said = in_the_way(found.record.setup, asked)
     for path in written:
         click.echo(f"massline: wrote {path}.", err=True)

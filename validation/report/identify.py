@@ -43,7 +43,7 @@ from validation.reference.reference import ArticleOptions, file_name, reference,
 from validation.reference.statement import NONE, QUANTITIES, Stated, Statement, rounded
 from validation.report.charts import identification, spec
 from validation.report.charts.identification import DrawnPretest, UncertaintyShares, draw_pretest, draw_rigid, draw_shares
-from validation.report.charts.spec import LEFT_OUT, MEASURED
+from validation.report.charts.spec import LEFT_OUT, MEASURED, QUOTIENT
 from validation.report.charts.style import DynamicMassCurve, diagonal, full
 from validation.report.document import NOTHING as TABLES_NOTHING
 from validation.report.document import (
@@ -66,7 +66,7 @@ from validation.report.parts import CampaignPart, Picture, Report, paragraphs, s
 from validation.report.parts import notes as parts_notes
 from validation.report.reference import drawing_of, drawn
 from validation.report.scenes.motion import MovingBody
-from validation.report.scenes.sensors import draw as sensor_map_draw
+from validation.report.scenes.setups import sensor_map
 from validation.study import Study
 
 PRODUCT = 1e3
@@ -77,9 +77,6 @@ FINE = 1401
 
 SHARP = 0.05
 """Damping ratio above which a term is no resonance that could be pointed at, but bends the curve where the others leave it."""
-
-QUOTIENT = "#b9a5dd"
-"""Of the quotient, beneath what is measured with all runs."""
 
 POINT = "about F; loads of the table on the article"
 
@@ -1142,7 +1139,7 @@ def _findings(asked: IdentifyOptions, missing: list[str]) -> IdentificationFindi
 def _sensors(one: Campaign, missing: list[str]) -> Picture | None:
     said = f"Sensors of {Path(one.source).name}, seen from F: accelerometers of table, cover plate and article, and load cells"
     try:
-        return drawn(lambda folder: sensor_map_draw(one, folder), said)
+        return drawn(lambda folder: sensor_map(one, folder), said)
     except CheckFailed as error:
         missing.append(f"No map of the sensors: {error}")
         return None

@@ -25,8 +25,8 @@ from validation.report.charts.static import (
     save,
     shade_left_out,
 )
-from validation.report.scenes.motion import DPI, MovingBody, blank, colour_map, displaced, write
-from validation.report.scenes.scene import colours, fitted, off_screen
+from validation.report.scenes.motion import MovingBody, colour_map, displaced
+from validation.report.scenes.scene import DPI, blank, colours, fitted, off_screen, write
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure

@@ -18,6 +18,7 @@ INK, FAINT, PAPER = "#1d2330", "#6b7280", "#ffffff"
 """Of letters, of what stands back, and of the page."""
 
 MEASURED, PREDICTED, FURTHER, ASIDE, LEFT_OUT = "measured", "predicted", "further", "aside", "left out"
+QUOTIENT = "quotient of the driven axis"
 BEFORE, AFTER = "before", "with what was found"
 NOT_JUDGED = ""
 STANDINGS = ACCEPTED, ALIKE, LESS, TOO_MUCH_LEFT = "accepted", "cannot be told from it", "explains less", "leaves too much"
@@ -30,6 +31,7 @@ COLOURS: Mapping[str, tuple[str, str]] = MappingProxyType(
         FURTHER: ("#1f8a4c", "#1f9d61"),
         ASIDE: ("#9aa0a6", "#8791a1"),
         LEFT_OUT: ("#c3c8d0", "#8791a1"),
+        QUOTIENT: ("#b9a5dd", "#9a6fd0"),
         "held out": ("#d9541e", "#d9661f"),
         "prior penalty": ("#8e6fc0", "#9a6fd0"),
         "limit": ("#c8283c", "#c2334d"),

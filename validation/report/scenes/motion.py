@@ -16,18 +16,24 @@ import numpy.typing as npt
 from geometry.atomic import write_with
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen
-from validation.report.charts.spec import FAINT, INK, PAPER
+from validation.report.charts.spec import FAINT, INK
 from validation.report.charts.static import ABOUT, require_format, save
 from validation.report.scenes.scene import (
-    SUPERSAMPLING,
+    DPI,
     DrawnBody,
     Image,
     Plotter,
     Projection,
     averaged,
+    blank,
+    draw_edges,
     fitted,
     off_screen,
+    pixels,
     shot,
+    surface,
+    write,
+    write_gif,
 )
 
 CREASE = 30.0
@@ -71,7 +77,7 @@ class MovingBody:
 
 def bendable(body: DrawnBody, longest: float) -> DrawnBody:
     """`body` with its triangles halved until no side is longer than `longest` [m]; the surface stays the same and closed."""
-    mesh = _poly(body).subdivide_adaptive(max_edge_len=longest, max_tri_area=np.inf, max_n_passes=PASSES)
+    mesh = surface(body.vertices, body.faces).subdivide_adaptive(max_edge_len=longest, max_tri_area=np.inf, max_n_passes=PASSES)
     return DrawnBody(
         name=body.name,
         material=body.material,
@@ -83,7 +89,7 @@ def bendable(body: DrawnBody, longest: float) -> DrawnBody:
 
 def sharp_edges(body: DrawnBody) -> Integers:
     """The edges (e, 2) of `body` where its faces meet at an angle, as indices of its vertices."""
-    mesh = _poly(body)
+    mesh = surface(body.vertices, body.faces)
     mesh.point_data["number"] = np.arange(len(body.vertices))
     edges = mesh.extract_feature_edges(CREASE, boundary_edges=False, manifold_edges=False, non_manifold_edges=False)
     if not edges.n_cells:
@@ -94,12 +100,6 @@ def sharp_edges(body: DrawnBody) -> Integers:
 def largest(bodies: Sequence[MovingBody]) -> float:
     """Length of the largest displacement of all `bodies`."""
     return max((float(body.size.max(initial=0.0)) for body in bodies), default=0.0)
-
-
-def _poly(body: DrawnBody):  # type: ignore[no-untyped-def]  # a `pyvista.PolyData`; the library is imported inside
-    import pyvista
-
-    return pyvista.PolyData(np.array(body.vertices), np.column_stack([np.full(len(body.faces), 3), body.faces]).ravel())
 
 
 # A mode shape rendered: deformed and coloured by displacement, with the edges of the body at rest behind it.
@@ -145,35 +145,24 @@ def rendered(view: Projection, bodies: Sequence[MovingBody], share: float) -> Im
 
 def displaced(view: Projection, bodies: Sequence[MovingBody], factor: float, most: float) -> Image:
     """`bodies` with their displacement times `factor`, coloured from none to `most`. To be called inside of `off_screen`."""
-    pixels = shot(view, lambda plotter: _all(plotter, bodies, factor, most), peels=0)
-    return np.round(averaged(pixels.astype(np.float64))).astype(np.uint8)
+    image = shot(view, lambda plotter: _draw(plotter, bodies, factor, most), peels=0)
+    return np.round(averaged(image.astype(np.float64))).astype(np.uint8)
 
 
-def _all(plotter: Plotter, bodies: Sequence[MovingBody], factor: float, most: float) -> None:
+def _draw(plotter: Plotter, bodies: Sequence[MovingBody], factor: float, most: float) -> None:
     for body in bodies:
-        _lines(plotter, body, body.vertices, AT_REST)
-        import pyvista
-
+        draw_edges(plotter, body.edges, body.vertices, AT_REST)
         points = body.vertices + factor * body.displacement
-        mesh = pyvista.PolyData(points, np.column_stack([np.full(len(body.faces), 3), body.faces]).ravel())
+        mesh = surface(points, body.faces)
         mesh.point_data["displacement"] = body.size / most if most > 0 else body.size
         look = {"ambient": 0.55, "diffuse": 0.55, "specular": 0.05, "show_scalar_bar": False}
         plotter.add_mesh(mesh, scalars="displacement", cmap=colour_map(), clim=(0, 1), **look)
-        _lines(plotter, body, points, INK)
-
-
-def _lines(plotter: Plotter, body: MovingBody, points: Array, colour: str) -> None:
-    import pyvista
-
-    if len(body.edges):
-        lines = pyvista.PolyData(points, lines=np.column_stack([np.full(len(body.edges), 2), body.edges]).ravel())
-        plotter.add_mesh(lines, color=colour, line_width=0.8 * SUPERSAMPLING, lighting=False)
+        draw_edges(plotter, body.edges, points, INK)
 
 
 # Mode shapes on one sheet, each with its number, frequency and words; and one of them moving, as a GIF.
 
 
-DPI = 100
 COLUMNS = 4
 TILE = (400, 500)
 CAPTION = 62
@@ -222,6 +211,8 @@ def mode_sheet(title: str, modes: Sequence[DrawnMode], path: Path, note: str = "
     BadInput : there is no mode, or the ending of `path` is unknown.
     CheckFailed : nothing can be rendered on this machine.
     """
+    from matplotlib.colorbar import ColorbarBase
+
     require_format(path)
     if not modes:
         raise BadInput(source=title, problem="there is no mode to draw", remedy="A rigid article has none in this range")
@@ -240,7 +231,12 @@ def mode_sheet(title: str, modes: Sequence[DrawnMode], path: Path, note: str = "
         write(canvas, x + 24, y + 16, mode.caption, 19, weight="bold", va="center")
         for j, tile_line in enumerate(textwrap.wrap(mode.text, 50, max_lines=2, placeholder=" …")):
             write(canvas, x + 24, y + 38 + 16 * j, tile_line, 13, FAINT, va="center")
-    _bar(figure, width, height)
+    # What the colours mean
+    axes = figure.add_axes(((width - 330) / width, 34 / height, 290 / width, 12 / height))
+    bar = ColorbarBase(axes, cmap=colour_map(), orientation="horizontal", ticks=[0, 0.5, 1])
+    bar.ax.tick_params(labelsize=8.5, colors=FAINT, length=2, pad=2)
+    bar.outline.set_visible(False)
+    axes.set_title("displacement over its largest", fontsize=9, color=FAINT, pad=4)
     for i, line in enumerate(textwrap.wrap(note, (width - 420) // 8, max_lines=2, placeholder=" …")):
         write(canvas, 24, height - FOOT + 26 + 20 * i, line, 14, FAINT, va="center")
     more = {"metadata": {ABOUT: about}} if about else {}
@@ -264,55 +260,6 @@ def animation(title: str, mode: DrawnMode, path: Path) -> None:
         shares = np.sin(2 * np.pi * np.arange(FRAMES) / FRAMES)
         frames = [np.vstack([head, rendered(view, mode.bodies, share)]) for share in shares]
     write_gif(path, frames, PERIOD // FRAMES, FRAMES // 4)
-
-
-def write_gif(path: Path, frames: Sequence[Image], duration: int, colourful: int) -> None:
-    """Write `frames` as an endless GIF, `duration` [ms] each, in the colours of the frame with the number `colourful`."""
-    from PIL import Image as Pictures
-
-    from geometry.atomic import write_with
-
-    pictures = [Pictures.fromarray(frame) for frame in frames]
-    palette = pictures[colourful].quantize(255, method=Pictures.Quantize.MEDIANCUT, dither=Pictures.Dither.NONE)
-    small = [picture.quantize(palette=palette, dither=Pictures.Dither.NONE) for picture in pictures]
-    how: dict[str, Any] = {"save_all": True, "append_images": small[1:], "duration": duration, "loop": 0}
-    write_with(path, lambda temporary: small[0].save(temporary, format="GIF", **how))
-
-
-def pixels(figure: Any) -> Image:
-    """What `figure` shows, as an image."""
-    figure.canvas.draw()
-    return np.asarray(figure.canvas.buffer_rgba())[..., :3].copy()
-
-
-def _bar(figure: Any, width: float, height: float) -> None:
-    """What the colours mean."""
-    from matplotlib.colorbar import ColorbarBase
-
-    axes = figure.add_axes(((width - 330) / width, 34 / height, 290 / width, 12 / height))
-    bar = ColorbarBase(axes, cmap=colour_map(), orientation="horizontal", ticks=[0, 0.5, 1])
-    bar.ax.tick_params(labelsize=8.5, colors=FAINT, length=2, pad=2)
-    bar.outline.set_visible(False)
-    axes.set_title("displacement over its largest", fontsize=9, color=FAINT, pad=4)
-
-
-def blank(width: int, height: int) -> tuple[Any, Any]:
-    """A white figure and axes that cover it, one unit a pixel, y downwards."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI, facecolor=PAPER)
-    FigureCanvasAgg(figure)
-    canvas = figure.add_axes((0, 0, 1, 1))
-    canvas.set_axis_off()
-    canvas.set_autoscale_on(False)
-    canvas.set(xlim=(0, width), ylim=(height, 0))
-    return figure, canvas
-
-
-def write(canvas: Any, x: float, y: float, text: str, size: float, colour: str = INK, **how: Any) -> None:
-    """Put `text` of so many pixels onto the axes of `blank`."""
-    canvas.text(x, y, text, fontsize=size * 72 / DPI, color=colour, family="DejaVu Sans", parse_math=False, **how)
 
 
 # A moving mode as binary glTF 2.0: the surface at rest, one morph target (the mode), and an animation of its weight.

@@ -1,4 +1,4 @@
-"""The figures beside the picture, as lines of text: what each row says, before anybody decides how it looks."""
+"""An article as a picture: its bodies, centre of gravity, principal axes, equivalent ellipsoid, and figures beside them."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geometry.article import Article
+from geometry.atomic import write_with
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, frozen
 from geometry.inertia import Inertia, require_physical
@@ -128,21 +129,16 @@ def equivalent_ellipsoid(inertia: Inertia) -> Ellipsoid:
         elif second:
             two = _nearest_in_plane(one)
             three = np.cross(one, two)
-        settled = _right_handed(np.column_stack([one, two, three]))
+        settled = np.column_stack([one, two, three])
+        # When all forward axes are left-handed one has to point back: that along y, so that up stays up
+        if np.linalg.det(settled) < 0:
+            settled[:, np.argmax(np.abs(settled[1]))] *= -1
     return Ellipsoid(
         centre=frozen(inertia.cog, (3,), "centre"),
         axes=frozen(settled, (3, 3), "axes"),
         moments=frozen(moments, (3,), "moments"),
         semi_axes=frozen(np.sqrt(np.maximum(squares, 0)), (3,), "semi_axes"),
     )
-
-
-def _right_handed(axes: Array) -> Array:
-    """When all forward axes are left-handed one has to point back: that along y, so that up stays up."""
-    if np.linalg.det(axes) < 0:
-        back = np.argmax(np.abs(axes[1]))
-        axes[:, back] = -axes[:, back]
-    return axes
 
 
 def _nearest_in_plane(normal: Array) -> Array:
@@ -194,22 +190,27 @@ def blocks(bodies: Sequence[DrawnBody], inertia: Inertia, ellipsoid: Ellipsoid) 
         )
         for i, moment in enumerate(ellipsoid.moments)
     )
+    freedom = ""
     if len(ellipsoid.equal) == 2:
-        freedom: str = "all equal: every axis is a principal axis"
-    else:
-        if ellipsoid.equal:
-            i, j = ellipsoid.equal[0]
-            freedom = f"{i + 1} and {j + 1} equal: any axes in their plane"
-        else:
-            freedom = ""
-    principal = Block(heading="Principal moments", small=freedom, rows=principal_rows)
+        freedom = "all equal: every axis is a principal axis"
+    elif ellipsoid.equal:
+        freedom = "{} and {} equal: any axes in their plane".format(*(k + 1 for k in ellipsoid.equal[0]))
+    cog = tuple(
+        LegendRow(name=f"${axis}$", value=millimetres(value), unit="mm") for axis, value in zip("xyz", inertia.cog, strict=True)
+    )
+    semi_axes = " × ".join(millimetres(semi_axis, 1) for semi_axis in ellipsoid.semi_axes)
+    points = np.concatenate([body.vertices for body in bodies if body.counted])
+    box = " × ".join(millimetres(extent, 1) for extent in np.ptp(points, axis=0))
+    mass = LegendRow(name="$m$", value=significant(inertia.mass, 5), unit="kg")
+    semi_axes_row = LegendRow(name="semi-axes", value=semi_axes, unit="mm")
+    box_row = LegendRow(name="$x, y, z$", value=box, unit="mm")
     return (
-        Block(heading="Mass", rows=(LegendRow(name="$m$", value=f"{significant(inertia.mass, 5)}", unit="kg"),)),
-        _cog(inertia),
+        Block(heading="Mass", rows=(mass,)),
+        Block(heading="Centre of gravity", small="from the origin of the frame", rows=cog),
         tensor,
-        principal,
-        _ellipsoid(ellipsoid),
-        _size(bodies),
+        Block(heading="Principal moments", small=freedom, rows=principal_rows),
+        Block(heading="Equivalent ellipsoid", small="homogeneous, same mass and principal moments", rows=(semi_axes_row,)),
+        Block(heading="Bounding box", small="of the counted bodies", rows=(box_row,)),
     )
 
 
@@ -229,36 +230,12 @@ def millimetres(length: float, digits: int = 2) -> str:
     return text.replace("-", "−")
 
 
-def _cog(inertia: Inertia) -> Block:
-    rows = tuple(
-        LegendRow(name=f"${axis}$", value=millimetres(value), unit="mm") for axis, value in zip("xyz", inertia.cog, strict=True)
-    )
-    return Block(heading="Centre of gravity", small="from the origin of the frame", rows=rows)
-
-
 def direction(axis: Array) -> str:
     """A unit vector (3,) in words: ``along z`` when it is a frame axis, else its components."""
     k = int(np.argmax(np.abs(axis)))
     if abs(axis[k]) > 1 - 1e-9:
         return f"along {'−' if axis[k] < 0 else ''}${'xyz'[k]}$"
     return "(" + ", ".join(f"{round(c, 3) + 0.0:.3f}" for c in axis).replace("-", "−") + ")"
-
-
-def _ellipsoid(ellipsoid: Ellipsoid) -> Block:
-    value = " × ".join(millimetres(semi_axis, 1) for semi_axis in ellipsoid.semi_axes)
-    return Block(
-        heading="Equivalent ellipsoid",
-        small="homogeneous, same mass and principal moments",
-        rows=(LegendRow(name="semi-axes", value=value, unit="mm"),),
-    )
-
-
-def _size(bodies: Sequence[DrawnBody]) -> Block:
-    points = np.concatenate([body.vertices for body in bodies if body.counted])
-    value = " × ".join(millimetres(extent, 1) for extent in np.ptp(points, axis=0))
-    return Block(
-        heading="Bounding box", small="of the counted bodies", rows=(LegendRow(name="$x, y, z$", value=value, unit="mm"),)
-    )
 
 
 # Several pictures side by side on one sheet, small enough for a README.
@@ -280,6 +257,7 @@ def contact_sheet(paths: Sequence[Path], path: Path, about: str = "") -> None:
     BadInput : no picture, a file that is none, or an unknown ending of `path`.
     """
     from PIL import Image
+    from PIL.PngImagePlugin import PngInfo
 
     if not paths:
         raise BadInput(source=str(path), field="paths", problem="no picture was given", remedy="Give at least one")
@@ -287,31 +265,19 @@ def contact_sheet(paths: Sequence[Path], path: Path, about: str = "") -> None:
     sheet = Image.new("RGB", (COLUMNS * TILE[0], rows * TILE[1]), "white")
     for index, tile in enumerate(paths):
         row, column = divmod(index, COLUMNS)
-        sheet.paste(_tile(tile), (column * TILE[0], row * TILE[1]))
+        try:
+            with Image.open(tile) as image:
+                sheet.paste(image.convert("RGB").resize(TILE, Image.Resampling.LANCZOS), (column * TILE[0], row * TILE[1]))
+        except OSError as error:
+            problem = f"this is no picture that can be read ({error})"
+            raise BadInput(source=str(tile), problem=problem, remedy="Draw it again") from None
     octree, plain = Image.Quantize.FASTOCTREE, Image.Dither.NONE
     finished = sheet.quantize(COLOURS, method=octree, dither=plain) if path.suffix == ".png" else sheet
-    more = {"pnginfo": _noted(about)} if path.suffix == ".png" and about else {}
+    more: dict[str, Any] = {}
+    if path.suffix == ".png" and about:
+        more["pnginfo"] = PngInfo()
+        more["pnginfo"].add_text(ABOUT, about)
     save(path, lambda temporary: finished.save(temporary, optimize=True, **more))
-
-
-def _noted(about: str) -> Any:
-    from PIL.PngImagePlugin import PngInfo
-
-    info = PngInfo()
-    info.add_text(ABOUT, about)
-    return info
-
-
-def _tile(path: Path) -> Any:
-    from PIL import Image
-
-    try:
-        with Image.open(path) as image:
-            return image.convert("RGB").resize(TILE, Image.Resampling.LANCZOS)
-    except OSError as error:
-        raise BadInput(
-            source=str(path), problem=f"this is no picture that can be read ({error})", remedy="Draw it again"
-        ) from None
 
 
 # The camera: a parallel projection, so that a scale bar is true everywhere in the picture.
@@ -426,12 +392,12 @@ def _require_renderer() -> None:
         command = [sys.executable, "-P", "-c", TRIAL]
         trial = subprocess.run(command, env=environment, capture_output=True, timeout=PATIENCE, check=False)
     except subprocess.TimeoutExpired:
-        raise _no_renderer("it did not answer", "") from None
+        raise _no_renderer("it did not answer") from None
     if trial.returncode != 0:
         raise _no_renderer(f"a trial ended with code {trial.returncode}", trial.stderr.decode(errors="replace"))
 
 
-def _no_renderer(what: str, said: str) -> CheckFailed:
+def _no_renderer(what: str, said: str = "") -> CheckFailed:
     return CheckFailed(
         f"no picture can be rendered: OpenGL is not available without a screen ({what}). "
         "On Debian install the packages libegl1, libgl1 and libgl1-mesa-dri (software rendering, no graphics card needed), "
@@ -481,7 +447,7 @@ def rendered(view: Projection, bodies: Sequence[DrawnBody], ellipsoid: Ellipsoid
     CheckFailed : nothing can be rendered on this machine.
     """
     with off_screen():
-        whole = shot(view, lambda plotter: _all(plotter, bodies, ellipsoid, arrows))
+        whole = shot(view, lambda plotter: _draw_bodies(plotter, bodies, ellipsoid, arrows))
         on_top = shot(view, lambda plotter: _arrows(plotter, arrows), transparent=True)
     alpha = SEEN_THROUGH * on_top[..., 3:] / 255.0
     blended = whole * (1 - alpha) + on_top[..., :3] * alpha
@@ -502,7 +468,7 @@ def shot(view: Projection, draw: Any, transparent: bool = False, peels: int = PE
     try:
         plotter.disable_anti_aliasing()  # multisampling and depth peeling together lose the translucent bodies under Mesa
         plotter.set_background(PAPER)
-        _light(plotter)
+        light(plotter)
         draw(plotter)
         camera = plotter.camera
         camera.enable_parallel_projection()
@@ -517,24 +483,47 @@ def shot(view: Projection, draw: Any, transparent: bool = False, peels: int = PE
         plotter.close()
 
 
-def _light(plotter: Plotter) -> None:
+def light(plotter: Plotter) -> None:
     """Key light over the left shoulder, fill from the right, a little from behind; all move with the camera."""
     import pyvista
 
     for position, intensity in (((-1.0, 1.2, 2.0), 0.62), ((2.0, 0.3, 1.2), 0.36), ((0.0, 1.0, -1.5), 0.15)):
-        light = pyvista.Light(light_type="camera light", intensity=intensity)
-        light.position = position
-        plotter.add_light(light)
+        lamp = pyvista.Light(light_type="camera light", intensity=intensity)
+        lamp.position = position
+        plotter.add_light(lamp)
 
 
-def _all(plotter: Plotter, bodies: Sequence[DrawnBody], ellipsoid: Ellipsoid | None, arrows: Sequence[Arrow]) -> None:
+def surface(vertices: Array, faces: npt.NDArray[np.int64]) -> Any:
+    """Triangles as a `pyvista.PolyData`, whose points may be moved."""
+    import pyvista
+
+    return pyvista.PolyData(np.array(vertices), np.column_stack([np.full(len(faces), 3), faces]).ravel())
+
+
+def draw_edges(plotter: Plotter, edges: npt.NDArray[np.int64], points: Array, colour: str) -> None:
+    """Pieces of lines between `points`, by the numbers (e, 2) of their ends."""
+    import pyvista
+
+    if len(edges):
+        lines = pyvista.PolyData(points, lines=np.column_stack([np.full(len(edges), 2), edges]).ravel())
+        plotter.add_mesh(lines, color=colour, line_width=0.8 * SUPERSAMPLING, lighting=False)
+
+
+def draw_line(plotter: Plotter, points: Array, colour: str, width: float) -> None:
+    """A line along `points`, `width` pixels wide."""
+    import pyvista
+
+    plotter.add_mesh(pyvista.MultipleLines(points=points), color=colour, line_width=width * SUPERSAMPLING / 2, lighting=False)
+
+
+def _draw_bodies(plotter: Plotter, bodies: Sequence[DrawnBody], ellipsoid: Ellipsoid | None, arrows: Sequence[Arrow]) -> None:
+    """Bodies that one can look into, those that do not count as ghosts, the ellipsoid with its three rings, and arrows."""
+    import pyvista
+
     colour = palette_colours(body.material for body in bodies)
     for body in bodies:
-        import pyvista
-
         shown, opacity, line = (colour[body.material], 0.55, 1.6) if body.counted else (UNCOUNTED, 0.10, 1.0)
-        faces = np.column_stack([np.full(len(body.faces), 3), body.faces])
-        mesh = pyvista.PolyData(body.vertices, faces.ravel())
+        mesh = surface(body.vertices, body.faces)
         plotter.add_mesh(mesh, color=shown, opacity=opacity, ambient=0.62, diffuse=0.5, specular=0.08)
         edges = mesh.extract_feature_edges(30, boundary_edges=False, manifold_edges=False, non_manifold_edges=False)
         if edges.n_cells:
@@ -542,26 +531,21 @@ def _all(plotter: Plotter, bodies: Sequence[DrawnBody], ellipsoid: Ellipsoid | N
             darker = tuple(0.55 * c for c in edge_colour) if body.counted else edge_colour
             plotter.add_mesh(edges, color=darker, line_width=line * SUPERSAMPLING / 2, lighting=False)
     if ellipsoid is not None:
-        _scene_ellipsoid(plotter, ellipsoid)
+        _draw_ellipsoid(plotter, ellipsoid)
     _arrows(plotter, arrows)
 
 
-def _scene_ellipsoid(plotter: Plotter, ellipsoid: Ellipsoid) -> None:
+def _draw_ellipsoid(plotter: Plotter, ellipsoid: Ellipsoid) -> None:
     import pyvista
 
     ball = pyvista.Sphere(radius=1.0, theta_resolution=96, phi_resolution=96)
-    surface = pyvista.PolyData(ellipsoid.stretched(ball.points), ball.faces)
-    plotter.add_mesh(surface, color=ELLIPSOID, opacity=0.13, ambient=0.75, diffuse=0.35, smooth_shading=True)
+    look = {"ambient": 0.75, "diffuse": 0.35, "smooth_shading": True}
+    plotter.add_mesh(pyvista.PolyData(ellipsoid.stretched(ball.points), ball.faces), color=ELLIPSOID, opacity=0.13, **look)
     turn = np.linspace(0, 2 * np.pi, 181)
     for i in range(3):
         ring = np.zeros((len(turn), 3))
         ring[:, i - 2], ring[:, i - 1] = np.cos(turn), np.sin(turn)
-        plotter.add_mesh(
-            pyvista.MultipleLines(points=ellipsoid.stretched(ring)),
-            color=ELLIPSOID,
-            line_width=1.2 * SUPERSAMPLING / 2,
-            lighting=False,
-        )
+        draw_line(plotter, ellipsoid.stretched(ring), ELLIPSOID, 1.2)
 
 
 def _arrows(plotter: Plotter, arrows: Sequence[Arrow]) -> None:
@@ -639,108 +623,139 @@ def picture(title: str, bodies: Sequence[DrawnBody], inertia: Inertia, path: Pat
     if not any(body.counted for body in bodies):
         raise BadInput(source=f"picture of {title}", field="bodies", problem="no body counts", remedy="Give at least one")
     ellipsoid = equivalent_ellipsoid(require_physical(inertia, f"picture of {title}"))
-    view = view_of(bodies, ellipsoid)
-    image = rendered(view, bodies, ellipsoid, [*_frame(view), *_page_principal(view, ellipsoid)])
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    # A white figure and axes that cover it, one unit a pixel, y downwards
-    figure = Figure(figsize=(SIZE[0] / DPI, SIZE[1] / DPI), dpi=DPI, facecolor=PAPER)
-    FigureCanvasAgg(figure)
-    canvas = figure.add_axes((0, 0, 1, 1))
-    canvas.set_axis_off()
-    canvas.set_autoscale_on(False)
-    canvas.set(xlim=(0, SIZE[0]), ylim=(SIZE[1], 0))
+    page = _Page(view=view_of(bodies, ellipsoid), ellipsoid=ellipsoid)
+    image = rendered(page.view, bodies, ellipsoid, [*page.frame, *page.principal])
+    figure, canvas = blank(*SIZE)
     x, y = SCENE_CORNER
     canvas.imshow(image, extent=(x, x + SCENE[0], y + SCENE[1], y), interpolation="none", zorder=0)
-    _write(canvas, 48, 64, shortened(title, 64), 34, va="center", weight="bold")
-    # The CoG symbol and the labels of CoG, principal axes and frame
-    cog = _on_page(view, ellipsoid.centre)
+    write(canvas, 48, 64, shortened(title, 64), 34, va="center", weight="bold")
+    cog = page.place(ellipsoid.centre)
     _cog_symbol(canvas, cog)
-    frame_labels = [_tip_label(view, name, arrow.start, arrow.end, INK) for name, arrow in zip("xyz", _frame(view), strict=True)]
+    # Labels keep clear of the CoG, and of small squares strung along the arrows
+    steps = np.linspace(0, 1, 24)[:, None]
+    along = np.concatenate([one.start + steps * (one.end - one.start) for one in (*page.frame, *page.principal)])
+    taken = [(cog, (2 * COG_RADIUS, 2 * COG_RADIUS)), *((place, (8.0, 8.0)) for place in page.place(along))]
     labels = [
-        *_axis_labels(view, ellipsoid),
+        *page.labels("123", page.principal),
         Label(text="CoG", anchor=cog, wish=np.array([-1.0, -0.35]), extent=(62, 30), gap=COG_RADIUS + 16, colour=INK),
-        *frame_labels,
+        *page.labels("xyz", page.frame),
     ]
-    taken = [(cog, (2 * COG_RADIUS, 2 * COG_RADIUS)), *_shafts(view, [*_frame(view), *_page_principal(view, ellipsoid)])]
     for label, place in zip(labels, arranged(labels, taken, SCENE_BOX), strict=True):
         canvas.plot(*np.column_stack([label.anchor, place]), color=label.colour, linewidth=0.8, zorder=4)
         box = {"boxstyle": "round,pad=0.22", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.82}
         how = {"ha": "center", "va": "center", "weight": "bold", "bbox": box, "zorder": 6}
-        _write(canvas, place[0], place[1], label.text, 19, label.colour, **how)
-    _scale_bar(canvas, view)
-    bottom = _panel(canvas, blocks(bodies, inertia, ellipsoid))
-    _legend(canvas, bodies, bottom)
-    _note(canvas, note if _origin_shown(view) else f"The frame's origin lies outside the picture; its axes are shown. {note}")
+        write(canvas, place[0], place[1], label.text, 19, label.colour, **how)
+    # A bar true in every direction of the picture plane: the largest 1, 2 or 5 times a power of ten within 200 pixels
+    longest = 200 * page.view.scale
+    power = 10.0 ** np.floor(np.log10(longest))
+    length = float(power * max(step for step in (1, 2, 5) if step * power <= longest))
+    left, below, width = 48.0, SCENE_CORNER[1] + SCENE[1] - 6.0, length / page.view.scale
+    right = left + width
+    ends = ([left, left, left, right, right, right], [below - 7, below + 7, below, below, below - 7, below + 7])
+    canvas.plot(*ends, color=INK, linewidth=1.6)
+    text = f"{length * 1e3:g} mm" if length < 1 else f"{length:g} m"
+    write(canvas, left + width / 2, below - 12, text, 16, ha="center", va="bottom")
+    _write_figures(canvas, blocks(bodies, inertia, ellipsoid), bodies)
+    whole = note if page.origin_shown else f"The frame's origin lies outside the picture; its axes are shown. {note}"
+    for i, line in enumerate(textwrap.wrap(whole, 180, max_lines=3, placeholder=" …")):
+        write(canvas, 48, 1142 + 21 * i, line, 14.5, FAINT, va="baseline")
     save(path, lambda temporary: figure.savefig(temporary, dpi=DPI))
+
+
+def blank(width: int, height: int) -> tuple[Any, Canvas]:
+    """A white figure and axes that cover it, one unit a pixel, y downwards."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI, facecolor=PAPER)
+    FigureCanvasAgg(figure)
+    canvas = figure.add_axes((0, 0, 1, 1))
+    canvas.set_axis_off()
+    canvas.set_autoscale_on(False)
+    canvas.set(xlim=(0, width), ylim=(height, 0))
+    return figure, canvas
+
+
+def write(canvas: Canvas, x: float, y: float, text: str, size: float, colour: str = INK, **how: Any) -> None:
+    """Text at a place of `blank`, `size` in pixels; dollar signs are mathematics only where `parse_math` says so."""
+    canvas.text(x, y, text, fontsize=size * 72 / DPI, color=colour, family="DejaVu Sans", **{"parse_math": False} | how)
+
+
+def pixels(figure: Any) -> Image:
+    """What `figure` shows, as an image."""
+    figure.canvas.draw()
+    return np.asarray(figure.canvas.buffer_rgba())[..., :3].copy()
+
+
+def write_gif(path: Path, frames: Sequence[Image], duration: int, colourful: int = 0) -> None:
+    """Write `frames` as an endless GIF, `duration` [ms] each, in the colours of the frame with the number `colourful`."""
+    from PIL import Image as Pictures
+
+    pictures = [Pictures.fromarray(frame) for frame in frames]
+    palette = pictures[colourful].quantize(255, method=Pictures.Quantize.MEDIANCUT, dither=Pictures.Dither.NONE)
+    small = [picture.quantize(palette=palette, dither=Pictures.Dither.NONE) for picture in pictures]
+    how: dict[str, Any] = {"save_all": True, "append_images": small[1:], "duration": duration, "loop": 0}
+    write_with(path, lambda temporary: small[0].save(temporary, format="GIF", **how))
 
 
 def view_of(bodies: Sequence[DrawnBody], ellipsoid: Ellipsoid) -> Projection:
     """The view that shows all bodies, the whole ellipsoid, and the frame's origin unless that would make them small."""
-    points = np.concatenate([*(body.vertices for body in bodies), ellipsoid.stretched(_ball())])
+    # All over the unit ball, five degrees apart
+    turn, height = np.meshgrid(np.linspace(0, 2 * np.pi, 73), np.linspace(-np.pi / 2, np.pi / 2, 37))
+    ball = np.column_stack([f.ravel() for f in (np.cos(turn) * np.cos(height), np.sin(turn) * np.cos(height), np.sin(height))])
+    points = np.concatenate([*(body.vertices for body in bodies), ellipsoid.stretched(ball)])
     without = fitted(points, SCENE, MARGIN)
     whole = fitted(np.vstack([points, np.zeros(3)]), SCENE, MARGIN)
     return whole if whole.scale < FAR_ORIGIN * without.scale else without
 
 
-def _ball() -> Array:
-    """Points (n, 3) all over the unit ball, five degrees apart."""
-    turn, height = np.meshgrid(np.linspace(0, 2 * np.pi, 73), np.linspace(-np.pi / 2, np.pi / 2, 37))
-    return np.column_stack([f.ravel() for f in (np.cos(turn) * np.cos(height), np.sin(turn) * np.cos(height), np.sin(height))])
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Page:
+    """The scene on its page, with the arrows of the principal axes and of the frame."""
 
+    view: Projection
+    ellipsoid: Ellipsoid
 
-def _page_principal(view: Projection, ellipsoid: Ellipsoid) -> list[Arrow]:
-    length, radius = AXIS_LENGTH * view.scale, AXIS_RADIUS * view.scale
-    return [
-        Arrow(start=ellipsoid.centre, end=ellipsoid.centre + length * axis, radius=radius, colour=colour)
-        for axis, colour in zip(ellipsoid.axes.T, AXES, strict=True)
-    ]
+    @property
+    def principal(self) -> list[Arrow]:
+        """At the CoG."""
+        length, radius, foot = AXIS_LENGTH * self.view.scale, AXIS_RADIUS * self.view.scale, self.ellipsoid.centre
+        axes = zip(self.ellipsoid.axes.T, AXES, strict=True)
+        return [Arrow(start=foot, end=foot + length * axis, radius=radius, colour=colour) for axis, colour in axes]
 
+    @property
+    def frame(self) -> list[Arrow]:
+        """At the origin, or in the lower left corner when that lies outside the picture."""
+        view, foot = self.view, np.zeros(3)
+        if not self.origin_shown:
+            across, upwards = CORNER[0] - SCENE[0] / 2, CORNER[1] - SCENE[1] / 2
+            foot = np.asarray(view.centre + view.scale * (across * view.right + upwards * view.up))
+        length, radius = FRAME_LENGTH * view.scale, FRAME_RADIUS * view.scale
+        return [Arrow(start=foot, end=foot + length * axis, radius=radius, colour=INK) for axis in np.eye(3)]
 
-def _frame(view: Projection) -> list[Arrow]:
-    # Where the frame is drawn (3,) [m]: at its origin, or in the lower left corner when that lies outside the picture
-    if _origin_shown(view):
-        frame_foot = np.zeros(3)
-    else:
-        width, height = SCENE
-        frame_foot = np.asarray(
-            view.centre + view.scale * ((CORNER[0] - width / 2) * view.right + (CORNER[1] - height / 2) * view.up)
-        )
-    length, radius, foot = FRAME_LENGTH * view.scale, FRAME_RADIUS * view.scale, frame_foot
-    return [Arrow(start=foot, end=foot + length * axis, radius=radius, colour=INK) for axis in np.eye(3)]
+    @property
+    def origin_shown(self) -> bool:
+        """Whether the frame's origin lies within the picture."""
+        return bool(np.all((self.view.pixel(np.zeros(3)) >= 0) & (self.view.pixel(np.zeros(3)) <= SCENE)))
 
+    def place(self, points: Array) -> Array:
+        """Where `points` (..., 3) [m] stand [pixel]."""
+        return np.asarray(self.view.pixel(points) + SCENE_CORNER)
 
-def _origin_shown(view: Projection) -> bool:
-    return bool(np.all((view.pixel(np.zeros(3)) >= 0) & (view.pixel(np.zeros(3)) <= SCENE)))
-
-
-def _write(canvas: Canvas, x: float, y: float, text: str, size: float, colour: str = INK, **how: Any) -> Any:
-    """Text at a place [pixel], `size` in pixels; dollar signs are mathematics only where `parse_math` says so."""
-    return canvas.text(x, y, text, fontsize=size * 72 / DPI, color=colour, family="DejaVu Sans", **{"parse_math": False} | how)
+    def labels(self, names: Sequence[str], arrows: Sequence[Arrow]) -> list[Label]:
+        """At the tips of `arrows`, beyond them."""
+        found = []
+        for name, arrow in zip(names, arrows, strict=True):
+            tip = self.place(arrow.end)
+            wish = tip - self.place(arrow.start)
+            found.append(Label(text=name, anchor=tip, wish=wish, extent=(26, 30), gap=8, colour=arrow.colour))
+        return found
 
 
 def shortened(text: str, longest: int) -> str:
     """`text` with its middle left out when it is longer than `longest` characters: both ends of a path tell something."""
     half = (longest - 1) // 2
     return text if len(text) <= longest else f"{text[:half]}…{text[-half:]}"
-
-
-def _shafts(view: Projection, arrows: Sequence[Arrow]) -> list[tuple[Array, tuple[float, float]]]:
-    """Small squares strung along the arrows, which labels are to keep clear of."""
-    steps = np.linspace(0, 1, 24)[:, None]
-    points = np.concatenate([arrow.start + steps * (arrow.end - arrow.start) for arrow in arrows])
-    return [(place, (8.0, 8.0)) for place in _on_page(view, points)]
-
-
-def _axis_labels(view: Projection, ellipsoid: Ellipsoid) -> list[Label]:
-    arrows = enumerate(_page_principal(view, ellipsoid), start=1)
-    return [_tip_label(view, str(i), arrow.start, arrow.end, arrow.colour) for i, arrow in arrows]
-
-
-def _tip_label(view: Projection, text: str, start: Array, tip: Array, colour: str) -> Label:
-    anchor = _on_page(view, tip)
-    return Label(text=text, anchor=anchor, wish=anchor - _on_page(view, start), extent=(26, 30), gap=8, colour=colour)
 
 
 def _cog_symbol(canvas: Canvas, place: Array, radius: float = COG_RADIUS) -> None:
@@ -754,49 +769,24 @@ def _cog_symbol(canvas: Canvas, place: Array, radius: float = COG_RADIUS) -> Non
         canvas.add_patch(Wedge(centre, radius, start, start + 90, facecolor="black", edgecolor="none", zorder=5))
 
 
-def _on_page(view: Projection, point: Array) -> Array:
-    return np.asarray(view.pixel(point) + SCENE_CORNER)
+def _write_figures(canvas: Canvas, contents: Sequence[Block], bodies: Sequence[DrawnBody]) -> None:
+    """The blocks of figures from top to bottom, and below them materials, ghosts and the ellipsoid with their colours."""
+    from matplotlib.patches import Rectangle
 
-
-def _scale_bar(canvas: Canvas, view: Projection) -> None:
-    """A bar of a round length, true in every direction of the picture plane."""
-    length = _round_length(200 * view.scale)
-    x, y, width = 48.0, SCENE_CORNER[1] + SCENE[1] - 6.0, length / view.scale
-    canvas.plot([x, x, x, x + width, x + width, x + width], [y - 7, y + 7, y, y, y - 7, y + 7], color=INK, linewidth=1.6)
-    text = f"{length * 1e3:g} mm" if length < 1 else f"{length:g} m"
-    _write(canvas, x + width / 2, y - 12, text, 16, ha="center", va="bottom")
-
-
-def _round_length(length: float) -> float:
-    """The largest 1, 2 or 5 times a power of ten that is not longer than `length` [m]."""
-    power = 10.0 ** np.floor(np.log10(length))
-    return float(power * max(step for step in (1, 2, 5) if step * power <= length))
-
-
-def _panel(canvas: Canvas, contents: Sequence[Block]) -> float:
-    """The blocks of figures from top to bottom; returns where they end [pixel]."""
     left, right = PANEL
     y = 132.0
     for block in contents:
-        _write(canvas, left, y, block.heading, 18, weight="bold", va="baseline")
+        write(canvas, left, y, block.heading, 18, weight="bold", va="baseline")
         if block.small:
             y += 20
-            _write(canvas, left, y, block.small, 13.5, FAINT, va="baseline")
+            write(canvas, left, y, block.small, 13.5, FAINT, va="baseline")
         for row in block.rows:
             y += 26
-            _write(canvas, left + 8, y, row.name, 16.5, row.colour or INK, va="baseline", parse_math=True)
-            _write(canvas, right - 62, y, row.value, 16.5, ha="right", va="baseline")
-            _write(canvas, right - 52, y, row.unit, 16.5, FAINT, va="baseline")
+            write(canvas, left + 8, y, row.name, 16.5, row.colour or INK, va="baseline", parse_math=True)
+            write(canvas, right - 62, y, row.value, 16.5, ha="right", va="baseline")
+            write(canvas, right - 52, y, row.unit, 16.5, FAINT, va="baseline")
         y += 40
-    return y
-
-
-def _legend(canvas: Canvas, bodies: Sequence[DrawnBody], y: float) -> None:
-    """Materials, ghosts, ellipsoid and the CoG symbol with their colours."""
-    from matplotlib.patches import Rectangle
-
-    left, _ = PANEL
-    _write(canvas, left, y, "Legend", 18, weight="bold", va="baseline")
+    write(canvas, left, y, "Legend", 18, weight="bold", va="baseline")
     shown = palette_colours(body.material for body in bodies if body.counted)
     entries = [(colour, 0.75, name) for name, colour in shown.items()]
     entries += [(UNCOUNTED, 0.25, "not counted")] if any(not body.counted for body in bodies) else []
@@ -804,12 +794,7 @@ def _legend(canvas: Canvas, bodies: Sequence[DrawnBody], y: float) -> None:
     for i, (colour, opacity, text) in enumerate(entries[-LEGEND_ENTRIES:]):
         x, line = left + 8 + 200 * (i % 2), y + 30 + 28 * (i // 2)
         canvas.add_patch(Rectangle((x, line - 15), 26, 18, facecolor=colour, alpha=opacity, edgecolor=INK, linewidth=0.8))
-        _write(canvas, x + 36, line, shortened(text, 20), 15.5, va="baseline")
-
-
-def _note(canvas: Canvas, note: str) -> None:
-    for i, line in enumerate(textwrap.wrap(note, 180, max_lines=3, placeholder=" …")):
-        _write(canvas, 48, 1142 + 21 * i, line, 14.5, FAINT, va="baseline")
+        write(canvas, x + 36, line, shortened(text, 20), 15.5, va="baseline")
 
 
 # Colours of the inputs of an uncertainty: the same input has the same colour in every picture, expected and found.

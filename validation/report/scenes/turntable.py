@@ -10,7 +10,6 @@ import io
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,8 +27,8 @@ from validation.report.charts.style import Label, arranged, colours
 from validation.report.flexible import moved_bodies
 from validation.report.scenes.motion import Frame, MovingBody, Passing, colour_map, largest
 from validation.report.scenes.motion import animate as draw
-from validation.report.scenes.scene import Arrow, DrawnBody, Image, Plotter, Projection, fitted, off_screen
-from validation.report.scenes.sensors import ARROW, DrawnSensor
+from validation.report.scenes.scene import Arrow, DrawnBody, Image, Plotter, Projection, fitted, light, off_screen, surface
+from validation.report.scenes.setups import ARROW, DrawnSensor
 
 if TYPE_CHECKING:
     from fem.base_excitation.patterns import Sweep
@@ -121,9 +120,12 @@ class Turntable:
             if stage is None:
                 stage = self._stages[turn.dark] = _Stage(self._bodies, self._arrows(turn.dark), self._scale, turn.dark)
             image = stage.shot(view, turn.share)
+        from matplotlib import font_manager
         from PIL import Image as Pictures
-        from PIL import ImageDraw
+        from PIL import ImageDraw, ImageFont
 
+        # The letters that come with matplotlib, which keeps where they are: no system has to have any
+        font = ImageFont.truetype(font_manager.findfont("DejaVu Sans"), 11)
         labels = self._labels(view, turn.dark)
         dark = turn.dark
         picture = Pictures.fromarray(image)
@@ -133,7 +135,7 @@ class Turntable:
         for label, place in labels:
             x, y = place - np.array(label.extent) / 2
             pen.rectangle([x, y, x + label.extent[0], y + label.extent[1]], fill=PAPER[dark])
-            pen.text((x + 2, y), label.text, fill=label.colour, font=_font())
+            pen.text((x + 2, y), label.text, fill=label.colour, font=font)
         kept = io.BytesIO()
         picture.save(kept, "JPEG", quality=88)
         return kept.getvalue()
@@ -196,7 +198,7 @@ class _Stage:
             for plotter in (self._whole, self._above):
                 _arrows(plotter, arrows)
         for plotter in self._plotters:
-            _light(plotter)
+            light(plotter)
             plotter.show(auto_close=False)  # from here on it draws when it is told to
 
     @property
@@ -234,11 +236,7 @@ class _Stage:
             if isinstance(body, MovingBody):
                 self._moving.append((body, _moving(self._whole, body, most, dark)))
             else:
-                import pyvista
-
-                mesh = pyvista.PolyData(
-                    np.array(body.vertices), np.column_stack([np.full(len(body.faces), 3), body.faces]).ravel()
-                )
+                mesh = surface(body.vertices, body.faces)
                 self._whole.add_mesh(mesh, color=colour[body.material], ambient=0.5, diffuse=0.55, specular=0.06)
                 edges = mesh.extract_feature_edges(30, boundary_edges=False, manifold_edges=False, non_manifold_edges=False)
                 if edges.n_cells:
@@ -278,7 +276,7 @@ def _moving(plotter: Plotter, body: MovingBody, most: float, dark: bool) -> list
     """The meshes of one body that move, in the window; its edges at rest stay behind."""
     import pyvista
 
-    mesh = pyvista.PolyData(np.array(body.vertices), np.column_stack([np.full(len(body.faces), 3), body.faces]).ravel())
+    mesh = surface(body.vertices, body.faces)
     mesh.point_data["displacement"] = body.size / most
     look = {"ambient": 0.55, "diffuse": 0.55, "specular": 0.05, "show_scalar_bar": False}
     plotter.add_mesh(mesh, scalars="displacement", cmap=colour_map(), clim=(0, 1), **look)
@@ -302,30 +300,12 @@ def _arrows(plotter: Plotter, arrows: Sequence[Arrow]) -> None:
         plotter.add_mesh(mesh, color=arrow.colour, ambient=0.5, diffuse=0.55)
 
 
-def _light(plotter: Plotter) -> None:
-    import pyvista
-
-    for position, intensity in (((-1.0, 1.2, 2.0), 0.62), ((2.0, 0.3, 1.2), 0.36), ((0.0, 1.0, -1.5), 0.15)):
-        light = pyvista.Light(light_type="camera light", intensity=intensity)
-        light.position = position
-        plotter.add_light(light)
-
-
 def _colour(group: str, dark: bool) -> str:
     return SENSORS[dark].get(group, INK[dark])
 
 
 def _label(text: str, anchor: Array, wish: Array, colour: str) -> Label:
     return Label(text=text, anchor=anchor, wish=wish, extent=(LETTER * len(text) + 4, LINE), gap=5, colour=colour)
-
-
-@cache
-def _font() -> Any:
-    """The letters that come with matplotlib: no system has to have any."""
-    from matplotlib import font_manager
-    from PIL import ImageFont
-
-    return ImageFont.truetype(font_manager.findfont("DejaVu Sans"), 11)
 
 
 # The animation of `massline excite --animate`: the article as the sweep passes its largest resonance.
@@ -417,7 +397,7 @@ def _frames(made: PreparedRuns, one: Done, times: Array, frequency: Array) -> tu
     model, body = made.mounted.model, made.mounted.rig.article
     if model is None:
         return ()
-    coordinates = CubicSpline(one.response.time, _relative(made, one.motion, one.response), axis=0)(times)
+    coordinates = CubicSpline(one.response.time, relative_coordinates(made, one.motion, one.response), axis=0)(times)
     surfaces = moved_bodies(model, body.reduced.basis)
     return tuple(
         Frame(
@@ -432,7 +412,7 @@ def _frames(made: PreparedRuns, one: Done, times: Array, frequency: Array) -> tu
     )
 
 
-def _relative(made: PreparedRuns, motion: BaseMotion, response: Response) -> Array:
+def relative_coordinates(made: PreparedRuns, motion: BaseMotion, response: Response) -> Array:
     """(n, 6 + m) coordinates of the article's reduced body, its base relative to the table."""
     from fem.base_excitation.decimation import decimated
     from fem.base_excitation.rig import matrices
