@@ -159,7 +159,7 @@ async def rungs_shown(window: WindowState) -> None:
             "plain error": f"{below.plain:.3g} %",
             "fitted error": f"χ² {below.chi2_per_dof:.3g}, z² {below.tolerance_z2:.3g}",
         } | ({} if below.held_out is None else {"held-out error": f"{below.held_out:.3g} %"})
-    state.unsaved = app_state.unsaved(window.session)
+    state.unsaved = app_state.unsaved(window.session.folder)
     state.undoable = at.below is not None and at.below.parent is not None
     state.step = "" if at.rung is None else " ".join(at.rung.verdict)  # what the last step did
     dark = bool(state.dark)

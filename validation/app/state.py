@@ -11,10 +11,11 @@ import shutil
 import sys
 import time
 import traceback
-from collections.abc import Awaitable, Callable, Coroutine, Iterator
+from collections.abc import Awaitable, Callable, Coroutine
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
@@ -248,22 +249,18 @@ def saved(of: Session) -> None:
     (of.folder / SAVED).write_text(str(_rungs(of.folder)), encoding="utf-8")
 
 
-def unsaved(of: Session) -> bool:
-    """Whether effects were added since."""
-    return _unsaved(of.folder)
-
-
 def leaving_kept(home: Path, say: Callable[[str], None]) -> None:
     """Copy what is unsaved in the windows below `home` to the user's cache, and `say` where it is."""
     for folder in sorted(home.glob("*/desk-*")):
-        if is_session(folder) and _unsaved(folder):
+        if is_session(folder) and unsaved(folder):
             try:
                 say(f"A model with effects added was not saved; it is kept in\n  {_copied(folder)}")
             except (BadInput, OSError) as error:
                 say(f"A model with effects added was not saved, and cannot be kept: {error}")
 
 
-def _unsaved(folder: Path) -> bool:
+def unsaved(folder: Path) -> bool:
+    """Whether effects were added in the session of `folder` since."""
     try:
         known = int((folder / SAVED).read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -289,21 +286,12 @@ def _copied(folder: Path) -> Path:
     place = model.folder()
     if place is None:
         raise BadInput(source="workbench", problem="there is no folder for a cache", remedy="Set MASSLINE_CACHE")
-    to = place / PLACE / next(_names(folder, place / PLACE))
-    for one in _beside(folder):
-        shutil.copytree(one, to / one.name, dirs_exist_ok=True)
+    name = f"{folder.parent.name}-{folder.name}"
+    to = next(
+        one for one in (place / PLACE / f"{name}{end}" for end in chain([""], (f"-{k}" for k in count(1)))) if not one.exists()
+    )
+    for one in (*folder.parent.glob("drop-*"), folder / "saved"):
+        if one.is_dir():
+            shutil.copytree(one, to / one.name, dirs_exist_ok=True)
     copied(folder / "work" / "model.toml", to / "model.toml")
     return to / "model.toml"
-
-
-def _beside(folder: Path) -> list[Path]:
-    return [one for one in (*folder.parent.glob("drop-*"), folder / "saved") if one.is_dir()]
-
-
-def _names(folder: Path, place: Path) -> Iterator[str]:
-    number = 0
-    while True:
-        name = f"{folder.parent.name}-{folder.name}" + (f"-{number}" if number else "")
-        if not (place / name).exists():
-            yield name
-        number += 1

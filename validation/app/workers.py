@@ -96,7 +96,11 @@ class Worker:
         found = job(self.session) or Job(kind=self.kind, asked={})
         if alive or found.ended or self._cancelling:
             return found
-        return _kept(self.session, failed(self.session, found, _died(self._process.exitcode)))
+        code = self._process.exitcode
+        error = f"the worker ended by itself (exit code {code}) without saying why"
+        if code is not None and code < 0:
+            error = f"the worker was ended from outside (signal {-code}), most often because memory ran out"
+        return _kept(self.session, failed(self.session, found, f"{error}; nothing is lost, try again"))
 
     def wait(self, seconds: float | None = None) -> Job:
         """Until it ended, or `seconds` are over."""
@@ -200,14 +204,6 @@ def _put_back(of: Session, found: Job) -> str:
 def _kept(of: Session, said: Job) -> Job:
     tell(of, said)
     return said
-
-
-def _died(code: int | None) -> str:
-    if code is not None and code < 0:
-        return (
-            f"the worker was ended from outside (signal {-code}), most often because memory ran out; nothing is lost, try again"
-        )
-    return f"the worker ended by itself (exit code {code}) without saying why; nothing is lost, try again"
 
 
 # What runs in the worker of a session: one verb, its progress written down, its end said in words.

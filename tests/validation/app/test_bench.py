@@ -250,10 +250,10 @@ def test_what_nobody_saved_is_kept_where_the_terminal_says(
     state.leaving_kept(tmp_path / "home", said.append)
     assert said == []
     rungs["of"] = 2
-    assert state.unsaved(desk)
+    assert state.unsaved(desk.folder)
     state.leaving_kept(tmp_path / "home", said.append)
     kept = Path(said[0].splitlines()[-1].strip())
     assert kept.read_bytes() == desk.model.read_bytes()
     assert kept.is_relative_to(tmp_path / "cache")
     state.saved(desk)
-    assert not state.unsaved(desk)
+    assert not state.unsaved(desk.folder)

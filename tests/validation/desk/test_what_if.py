@@ -1,21 +1,25 @@
-"""What a slider shows is what the prediction says: exactly when it is released, for the eye while it is dragged."""
+"""What-if curves are those of the prediction, quick while a slider is dragged."""
 
 from collections.abc import Callable
 from dataclasses import replace
+from statistics import median
+from time import process_time
 from typing import Any
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from validation.app import whatif
 from validation.app.opening import Series
 from validation.app.session import Session, begun
-from validation.app.whatif import ReadyPredictions, Trace, WhatIf, what_if
+from validation.app.whatif import ReadyPredictions, SampledPrediction, Trace, WhatIf, what_if
 from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import PENDULUM, SIDES
+from validation.estimation import evaluate
+from validation.estimation.problem import Change, Lines, Measured, Offsets, Predicted, Wanted
 from validation.model.model import Added
 from validation.prediction.series import SeriesPrediction, predictions
 from validation.report.effects import examples
@@ -239,3 +243,96 @@ def test_what_if_says_which_campaigns_are_reached(table: ReadyPredictions) -> No
     found: WhatIf = what_if(table, "modulus:mast=0.1", 4, 4)
     assert [one.reached for one in found.traces] == [False, True]
     assert np.array_equal(found.traces[0].before, found.traces[0].after)
+
+
+MOVES = 5
+GENEROUS = 12.0
+"""Full predictions that a drag of a small series may cost. It is about three; what is computed at rest costs forty and more."""
+
+
+@pytest.mark.parametrize("effect", ["force-gain:fmd-z2=0.0{}", "rigid-inertia:m=1.{}"])
+def test_a_drag_costs_a_few_full_predictions(worked: Any, effect: str) -> None:
+    """By the clock of this process: other work on the machine slows both."""
+    table = whatif.table(worked.desk)
+    anew = worked.desk.predictions(worked.desk.read_model())
+    whatif.what_if(table, effect.format(1), 2, 2, exact=False)  # which makes ready
+    drag, full = [], []
+    for k in range(2, 2 + MOVES):
+        began = process_time()
+        whatif.what_if(table, effect.format(k), 2, 2, exact=False)
+        drag.append(process_time() - began)
+        began = process_time()
+        for one in anew:
+            one.at(table.offsets, derivatives=False)
+        full.append(process_time() - began)
+    assert median(drag) < GENEROUS * median(full)
+
+
+RUNS, LINES, CHANNELS, INPUTS = 3, 8, 6, 2
+
+
+class Asked:
+    """A prediction that says the same at whatever offsets."""
+
+    parameters = ()
+
+    def __init__(self, measured: Measured, rows: np.ndarray, noise: np.ndarray) -> None:
+        self.measured, self._rows, self._noise = measured, rows, noise
+
+    def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
+        at = np.arange(LINES) if lines is None else lines
+        rows = self._rows[at] if self._rows.ndim == 3 else self._rows[:, at]
+        return Predicted(rows=rows, changes={"x": Change(channels=(0,), rows=rows)}, noise=self._noise[:, at])
+
+
+@pytest.fixture(params=[False, True], ids=["shared rows", "rows by run"])
+def asked(request: pytest.FixtureRequest) -> Asked:
+    rng = np.random.default_rng(2)
+
+    def drawn(*shape: int) -> np.ndarray:
+        return np.asarray(rng.standard_normal(shape) + 1j * rng.standard_normal(shape))
+
+    measured = Measured(
+        name="a",
+        configuration="a",
+        runs=("x", "y", "z"),
+        channels=tuple(f"c{k}" for k in range(CHANNELS)),
+        judged=np.array([False, False, False, True, True, True]),
+        frequency=np.linspace(4.0, 30.0, LINES),
+        values=drawn(RUNS, LINES, CHANNELS),
+        noise=np.full((RUNS, LINES, CHANNELS), 1e-3),
+        inputs=None,
+    )
+    shape = (RUNS, LINES, CHANNELS, INPUTS) if request.param else (LINES, CHANNELS, INPUTS)
+    return Asked(measured, drawn(*shape), np.abs(drawn(RUNS, LINES, CHANNELS)))
+
+
+def answered(of: Asked, lines: Lines) -> SampledPrediction:
+    return SampledPrediction(measured=of.measured, parameters=(), lines=lines, said=of.at({}, lines, derivatives=False))
+
+
+def test_some_of_the_lines_are_those_of_the_prediction(asked: Asked) -> None:
+    there = answered(asked, np.array([0, 2, 3, 7])).at({}, np.array([2, 7]), derivatives=False)
+    wanted = asked.at({}, np.array([2, 7]))
+    assert_array_equal(there.rows, wanted.rows)
+    assert_array_equal(there.noise, wanted.noise)
+    assert not there.changes
+
+
+def test_errors_of_some_runs_are_those_of_the_prediction(asked: Asked) -> None:
+    every = np.arange(LINES)
+    (of_y,) = evaluate.squares(answered(asked, every).on(("y",)), {}, np.array([1, 4]))
+    whole = evaluate.squares(asked, {}, np.array([1, 4]))  # type: ignore[arg-type]
+    assert of_y.run == "y"
+    # how far silent channels are trusted is told by all runs together, so that a run alone errs a trifle otherwise
+    np.testing.assert_allclose(of_y.values, whole[1].values, rtol=0.02)
+
+
+def test_nothing_is_said_that_was_not_asked(asked: Asked) -> None:
+    some = answered(asked, np.array([0, 2]))
+    with pytest.raises(ValueError, match="asked"):
+        some.at({}, np.array([1]), derivatives=False)
+    with pytest.raises(ValueError, match="asked"):
+        some.at({}, np.array([0]))
+    with pytest.raises(ValueError, match="asked"):
+        some.at({}, derivatives=False)

@@ -344,6 +344,16 @@ class Label:
     gap: float
     colour: str
 
+    def candidates(self, rounds: Iterable[int]) -> Iterator[Array]:
+        """Places around the anchor, the nearest first; after `STEPS` come as many farther ones as `rounds` has."""
+        length = float(np.linalg.norm(self.wish))
+        wish = self.wish / length if length > 0 else np.array([1.0, 0.0])
+        for step in chain(STEPS, (STEPS[-1] + FARTHER * k for k in rounds)):
+            for c, s in zip(np.cos(TURNS), np.sin(TURNS), strict=True):
+                direction = np.array([c * wish[0] - s * wish[1], s * wish[0] + c * wish[1]])
+                reach = self.gap * step + np.abs(direction) @ np.array(self.extent) / 2
+                yield np.asarray(self.anchor + reach * direction)
+
 
 def arranged(labels: Sequence[Label], taken: Iterable[Box] = (), room: Box | None = None) -> list[Array]:
     """The middle (2,) [pixel] of every label.
@@ -355,35 +365,15 @@ def arranged(labels: Sequence[Label], taken: Iterable[Box] = (), room: Box | Non
     places = []
     for label in labels:
         # The first candidate that covers nothing: within `room`, or else outside of it, where there is always one
-        within = () if room is None else _candidates(label, range(1, 2 + int(sum(room[1]) / (FARTHER * label.gap))))
-        candidates = chain(
-            (
-                place
-                for place in within
-                if room and bool(np.all(np.abs(place - room[0]) <= (np.array(room[1]) - np.array(label.extent)) / 2))
-            ),
-            _candidates(label, count(1)),
+        extent, inside = np.array(label.extent), []
+        if room is not None:
+            nearby = label.candidates(range(1, 2 + int(sum(room[1]) / (FARTHER * label.gap))))
+            inside = [one for one in nearby if np.all(np.abs(one - room[0]) <= (np.array(room[1]) - extent) / 2)]
+        place = next(
+            one
+            for one in chain(inside, label.candidates(count(1)))
+            if not any(np.all(np.abs(one - middle) < (extent + np.array(size)) / 2) for middle, size in boxes)
         )
-        place = next(place for place in candidates if not any(_cover(place, label.extent, *box) for box in boxes))
         boxes.append((place, label.extent))
         places.append(place)
     return places
-
-
-def _candidates(label: Label, rounds: Iterable[int]) -> Iterator[Array]:
-    """Places around the anchor, the nearest first; after `STEPS` come as many farther ones as `rounds` has."""
-    steps = chain(STEPS, (STEPS[-1] + FARTHER * k for k in rounds))
-    return (_candidate(label, step, turn) for step in steps for turn in TURNS)
-
-
-def _candidate(label: Label, step: float, turn: float) -> Array:
-    c, s = np.cos(turn), np.sin(turn)
-    length = float(np.linalg.norm(label.wish))
-    wish = label.wish / length if length > 0 else np.array([1.0, 0.0])
-    direction = np.array([c * wish[0] - s * wish[1], s * wish[0] + c * wish[1]])
-    reach = label.gap * step + np.abs(direction) @ np.array(label.extent) / 2
-    return np.asarray(label.anchor + reach * direction)
-
-
-def _cover(a: Array, size_a: tuple[float, float], b: Array, size_b: tuple[float, float]) -> bool:
-    return bool(np.all(np.abs(a - b) < (np.array(size_a) + np.array(size_b)) / 2))

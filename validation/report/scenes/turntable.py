@@ -234,13 +234,32 @@ class _Stage:
         colour = colours(one.material for one in bodies if isinstance(one, DrawnBody))
         for body in bodies:
             if isinstance(body, MovingBody):
-                self._moving.append((body, _moving(self._whole, body, most, dark)))
+                self._moving.append((body, self._swing(body, most, dark)))
             else:
                 mesh = surface(body.vertices, body.faces)
                 self._whole.add_mesh(mesh, color=colour[body.material], ambient=0.5, diffuse=0.55, specular=0.06)
                 edges = mesh.extract_feature_edges(30, boundary_edges=False, manifold_edges=False, non_manifold_edges=False)
                 if edges.n_cells:
                     self._whole.add_mesh(edges, color=INK[dark], line_width=1.0, opacity=0.6, lighting=False)
+
+    def _swing(self, body: MovingBody, most: float, dark: bool) -> list[Any]:
+        """The meshes of one body that move, in the window; its edges at rest stay behind."""
+        import pyvista
+
+        plotter = self._whole
+        mesh = surface(body.vertices, body.faces)
+        mesh.point_data["displacement"] = body.size / most
+        look = {"ambient": 0.55, "diffuse": 0.55, "specular": 0.05, "show_scalar_bar": False}
+        plotter.add_mesh(mesh, scalars="displacement", cmap=colour_map(), clim=(0, 1), **look)
+        if not len(body.edges):
+            return [mesh]
+        lines = np.column_stack([np.full(len(body.edges), 2), body.edges]).ravel()
+        plotter.add_mesh(
+            pyvista.PolyData(np.array(body.vertices), lines=lines), color=AT_REST[dark], line_width=1.0, lighting=False
+        )
+        sharp = pyvista.PolyData(np.array(body.vertices), lines=lines)
+        plotter.add_mesh(sharp, color=INK[dark], line_width=1.0, lighting=False)
+        return [mesh, sharp]
 
 
 def _shot(plotter: Plotter, **how: Any) -> Image:
@@ -270,23 +289,6 @@ def turned(view: Projection, turn: Turn, points: Array, near: Array | None = Non
         scale=view.scale / turn.zoom,
         size=turn.size,
     )
-
-
-def _moving(plotter: Plotter, body: MovingBody, most: float, dark: bool) -> list[Any]:
-    """The meshes of one body that move, in the window; its edges at rest stay behind."""
-    import pyvista
-
-    mesh = surface(body.vertices, body.faces)
-    mesh.point_data["displacement"] = body.size / most
-    look = {"ambient": 0.55, "diffuse": 0.55, "specular": 0.05, "show_scalar_bar": False}
-    plotter.add_mesh(mesh, scalars="displacement", cmap=colour_map(), clim=(0, 1), **look)
-    if not len(body.edges):
-        return [mesh]
-    lines = np.column_stack([np.full(len(body.edges), 2), body.edges]).ravel()
-    plotter.add_mesh(pyvista.PolyData(np.array(body.vertices), lines=lines), color=AT_REST[dark], line_width=1.0, lighting=False)
-    sharp = pyvista.PolyData(np.array(body.vertices), lines=lines)
-    plotter.add_mesh(sharp, color=INK[dark], line_width=1.0, lighting=False)
-    return [mesh, sharp]
 
 
 def _arrows(plotter: Plotter, arrows: Sequence[Arrow]) -> None:
