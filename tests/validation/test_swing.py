@@ -34,8 +34,7 @@ from validation.classical.swing import (
 )
 from validation.reference.reference import ArticleOptions
 from validation.report.charts.static import said_about
-from validation.report.scenes import pendulum as drawn
-from validation.report.scenes import scene
+from validation.report.scenes import scene, setups
 
 # the article of physics.md: three ropes of 2 m at s = 0.3 m
 BODY = Inertia.from_cog(47.23, np.zeros(3), np.diag([5.0, 6.0, 2.289]))
@@ -193,7 +192,7 @@ def test_json_holds_what_the_page_does_in_units_that_keys_name(run: Run) -> None
 
 
 def test_what_it_writes_goes_through_massline_pendulum(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(drawn, "draw", lambda *_, **__: [])
+    monkeypatch.setattr(setups, "draw_swing", lambda *_, **__: [])
     code, out, err = run("swing", "cuboid", "--radius", "0.1 m", "--out", "there", "--json", "--noise", "1 mrad", *SHORT)
     assert code == 0
     assert "massline pendulum there/pendulum.toml" in err
@@ -316,7 +315,7 @@ def test_the_picture_and_the_animation_show_the_pendulum_moving(
     import numpy as np
     from PIL import Image
 
-    monkeypatch.setattr(drawn, "FRAMES_A_SECOND", 3)
+    monkeypatch.setattr(setups, "FRAMES_A_SECOND", 3)
     monkeypatch.setattr(scene, "SUPERSAMPLING", 1)  # a quarter of the pixels
     code, _, err = run("swing", "cuboid", "--radius", "0.1 m", "--amplitude", "30 deg", "--animate", "--out", "there", *SHORT)
     assert code == 0
@@ -349,7 +348,7 @@ def test_ropes_through_the_article_are_said_with_the_height_that_clears_it() -> 
         texts = {"length": "2 m", "amplitude": "0.1 rad", "height": height}
         recorder = {"off_centre": None, "links": None, "start": "twist", "cycles": 3.0, "rate": 25.0, "seed": 0}
         test = setup("clumod-4", Words(texts=texts, ropes=3, axis="z", along=None, **recorder), ArticleOptions())
-        return drawn.in_the_way(test, ArticleOptions())
+        return setups.in_the_way(test, ArticleOptions())
 
     sentence = said(height="100 mm")
     assert "ropes may pass through it" in sentence

@@ -13,8 +13,7 @@ from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 
-from fem.solid import model as model_cache
-from geometry import toml_file
+from geometry import cache, toml_file
 from geometry.atomic import write_text, write_with
 from geometry.errors import BadInput
 from identification import campaign_file
@@ -128,7 +127,7 @@ def made(name: str, progress: Progress | None = None) -> Series:
         known = [one.name for one in EXAMPLES]
         remedy = f"{toml_file.nearest(name, known)}Known are {', '.join(known)}"
         raise BadInput(source="example", field=name, problem="no example is called so", remedy=remedy)
-    there = model_cache.folder()
+    there = cache.folder()
     if there is None:
         problem, remedy = (
             "there is no folder in which it could be kept",

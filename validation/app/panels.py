@@ -820,9 +820,8 @@ async def first(window: WindowState) -> None:
         await shown(window)
     elif window.opened.example is not None:
         await example(window, window.opened.example)
-    elif window.opened.model is not None:
-        one = window.opened
-        _begin(window, one.model or "", one.data, one.hold_out, one.band, one.method, one.effects_from)
+    elif (one := window.opened.asked) is not None and one.model:
+        _begin(window, one.model, one.data, one.hold_out, one.band, one.spectra, one.effects_from)
         await shown(window)
 
 

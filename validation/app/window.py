@@ -26,8 +26,10 @@ from validation.app.opening import EXAMPLES, LARGEST, MOST, Handed
 from validation.app.options import DOOR_SECRET, NEVER_KEPT, StartOptions
 from validation.app.server import same
 from validation.app.state import WindowState, keep
+from validation.output import from_json
 from validation.report.charts.maps import LOADS, MOTIONS, SIGNS, entry
 from validation.report.charts.style import unit
+from validation.study import Options
 
 if TYPE_CHECKING:
     from aiohttp import BodyPartReader, web
@@ -96,17 +98,8 @@ def main(folder: Path, told: int) -> None:
         line += some
     said = json.loads(line)
     options.tied()
-    begun = said["opened"]
-    band = begun["band"]
-    opened = StartOptions(
-        **begun
-        | {
-            "data": tuple(begun["data"]),
-            "hold_out": tuple(begun["hold_out"]),
-            "effects_from": tuple(begun["effects_from"]),
-            "band": None if band is None else (band[0], band[1]),
-        }
-    )
+    example, asked = said["opened"]["example"], said["opened"]["asked"]
+    opened = StartOptions(example=example, asked=None if asked is None else from_json(Options, asked))
     from trame.app import get_server
 
     secret = said["secret"]

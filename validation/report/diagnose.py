@@ -12,7 +12,8 @@ import click
 
 from geometry.atomic import probe, write_text
 from geometry.errors import BadInput
-from validation.compare.compare import mapped_all, modes_of
+from validation.compare.compare import mapped_all
+from validation.compare.maps import modes_of
 from validation.diagnose import diagnose
 from validation.diagnose import diagnosis as results
 from validation.diagnose.classical_tests import SURE
