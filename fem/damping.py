@@ -7,8 +7,6 @@ In the modal equations -omega² + i (omega C + S) + Omega² the off-diagonal ent
 are as large as the distance of the modes (Craig & Kurdila, Fundamentals of Structural Dynamics; Nashif, Vibration Damping).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any

@@ -7,8 +7,6 @@ With acceleration of the base u_b'' as the only load, Eq. 8 in matrix form is
 Without R the modes that are left out cost an error that grows as omega²; with it, as omega⁴. The base's own mass is in M_rigid.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import numpy.typing as npt
 

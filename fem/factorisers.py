@@ -10,8 +10,6 @@
 The optional ones come with ``pip install massline[fast]`` and are picked up when they are there.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from contextlib import suppress

@@ -7,8 +7,6 @@ over them, which follows from one static solution with the base accelerated, wit
 Dynamics).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 

@@ -8,8 +8,6 @@
 (Craig & Bampton, AIAA Journal 6, 1968.)
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

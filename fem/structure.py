@@ -5,8 +5,6 @@ which it was. The base is six rigid motions of a reference point. It carries som
 rigid node, the underside of a solid, the interface of a user's model. All others are free (`HeldBase`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """`Part` and `Article`: what is mounted, bottom to top, each part with its shape, its material and its place."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache

@@ -9,8 +9,6 @@ The folder is ``MASSLINE_CACHE``, else ``massline`` in ``XDG_CACHE_HOME``, else 
 any time.
 """
 
-from __future__ import annotations
-
 import copyreg
 import functools
 import hashlib

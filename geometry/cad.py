@@ -1,7 +1,5 @@
 """STEP files: named bodies at their places, in millimetres whatever unit the file is written in."""
 
-from __future__ import annotations
-
 import faulthandler
 import hashlib
 import io

@@ -4,8 +4,6 @@
 Each carries its evidence as attributes, so that a program can act on it and a person can read it in one sentence.
 """
 
-from __future__ import annotations
-
 
 class BadInput(ValueError):
     """Input that cannot be used: where it stands, which field, what is wrong with it, and what to do.

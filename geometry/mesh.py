@@ -1,7 +1,5 @@
 """`TriangleMesh`: a surface of triangles as two arrays, and what can be read from the arrays alone."""
 
-from __future__ import annotations
-
 import io
 import re
 import warnings

@@ -12,8 +12,6 @@ OCC cuts the voids; Pinocchio subtracts them. They differ when a void leaves the
 operation fails, and when either is fed a wrong place: a disagreement is a failed check, not a matter of taste.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import reduce

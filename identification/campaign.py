@@ -4,8 +4,6 @@ The nouns behind ``campaign.toml`` (`identification.campaign_file` reads and wri
 (`geometry.sensors`), what each run drove (`Run`, `Excitation`), how spectra are wanted (`Processing`) and the samples themselves.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field

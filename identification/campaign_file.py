@@ -7,8 +7,6 @@
 The contract is the page "campaign format" of the project's shared documents; `docs/campaigns.md` tells it to a user.
 """
 
-from __future__ import annotations
-
 import json
 import os.path
 from collections.abc import Callable, Iterable, Mapping

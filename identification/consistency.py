@@ -7,8 +7,6 @@ is allowed for by the way H grows over the same lines. Redundant accelerometers 
 something does not hold, mistakes are tried one by one (`identification.consistency`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial, reduce

@@ -8,8 +8,6 @@ With more than six runs the same is solved by least squares, each run with its w
 condition of S_u (`identification.base_motion`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 

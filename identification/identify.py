@@ -5,8 +5,6 @@ of the measurement chain is estimated with them. What the data say about themsel
 kept with them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt

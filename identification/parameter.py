@@ -1,7 +1,5 @@
 """`Parameter`: one number that a fit may move, what an offset of it means, and what is known of it beforehand."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from math import exp, inf, isfinite, log

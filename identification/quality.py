@@ -5,8 +5,6 @@ JCGM 100:2008, 5.2.2), input by input. An interval is judged against the size of
 gyration for the CoG, moments of inertia for moments and products.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType

@@ -11,8 +11,6 @@ The answer is the stationary point of the likelihood (errors in variables; Fulle
 Gravity: with apparent accelerations, which is what accelerometers read, none of it is left (`identification.base_motion`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType

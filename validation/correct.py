@@ -5,8 +5,6 @@ corrected copy holds 1/1.08 of it. What is corrected is exactly what `validation
 that a record alone does not tell how to.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any

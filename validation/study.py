@@ -5,8 +5,6 @@ without any campaign. Spectra are made when a study is opened; the fit of all pa
 asks for them, and then they are kept, whoever asks next.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial

@@ -18,8 +18,6 @@ modes up there. `straightened` lifts the samples beforehand, p - (p(t + h) - 2 p
 instead of 4e-5 at 28 Hz and 8192 Hz.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise

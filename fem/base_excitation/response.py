@@ -1,7 +1,5 @@
 """`Response`: what table, cover plate, load cells and article did during one run, how it is found, and how it is recorded."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache

@@ -6,8 +6,6 @@ Without an FMD the article stands on the table and F is its origin. A rig is dat
 equations of it. Everything linear is understood by both; gaps and friction by exudyn alone.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace

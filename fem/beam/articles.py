@@ -5,8 +5,6 @@ node, rigidly. The base holds the lowest body: Clumod's flange, the foot of a co
 cells are springs, what is below them.
 """
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

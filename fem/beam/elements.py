@@ -8,8 +8,6 @@ is constant in an element: a frequency's error falls with the fourth power of th
 in what shear adds, which matters on stubby beams only.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

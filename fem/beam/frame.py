@@ -5,8 +5,6 @@ Eq. 3, put into every matrix before it is added, so a rigid link is exactly rigi
 there is; `assemble` makes the matrices; plans can be joined, which is how articles are stacked.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise

@@ -17,8 +17,6 @@ reach from both nodes to its middle: there the relative motion of the arms is th
 and nothing moves when the whole turns.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from dataclasses import dataclass, replace
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """From an article and a base motion, however large, to the response."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType

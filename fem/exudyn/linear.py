@@ -1,7 +1,5 @@
 """What exudyn says about small motions of an article: linearised matrices on a free base, eigen-solution on a held one."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

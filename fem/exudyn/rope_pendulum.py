@@ -11,8 +11,6 @@ It starts in the pose that the statics of the same ropes finds: at rest with the
 velocities of the small twist, so large that it swings as far. In both the velocities agree with the constraints.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise

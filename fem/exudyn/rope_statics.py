@@ -5,8 +5,6 @@ body is let down on it, so that ropes of one length hold a centred body level. W
 comes out of the statics.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal

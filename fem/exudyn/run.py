@@ -4,8 +4,6 @@ Exudyn says most of what is wrong by raising errors of its own, SciPy's function
 back as NaN without a word. All three leave here as `CheckFailed`, with what exudyn said and the version that said it.
 """
 
-from __future__ import annotations
-
 import signal
 import threading
 import warnings

@@ -13,8 +13,6 @@ other; the gradients of its scalar functions, contracted for many cells at once,
 holds the result against scikit-fem's own form.
 """
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager

@@ -7,8 +7,6 @@ nodes by construction. An article may be cut at heights where different plans me
 blades.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """The solid model of any article: mesh, matrices and base in one `Structure`, remembered from run to run; mesh convergence."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType

@@ -6,8 +6,6 @@ the true surfaces, since straight ones lose mass at every circle. What cannot be
 before it is refused.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

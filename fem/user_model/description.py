@@ -3,8 +3,6 @@
 It stands in a file of its own or, in HDF5 and npz, in the data file itself (attribute or array ``description``).
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path

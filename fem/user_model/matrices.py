@@ -7,8 +7,6 @@ Only what the base moves counts. With the interface held, K must be positive def
 carried along, M of base and free coordinates together must not be negative, and K must let the rigid motions pass.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from types import MappingProxyType

@@ -7,8 +7,6 @@ each, ascending. Punched DMIG name their rows. Displacement coordinate systems a
 INCLUDE statements are not followed. An OUTPUT4 file is read column by column as sparse, so that no declared size takes memory.
 """
 
-from __future__ import annotations
-
 import io
 import struct
 import warnings

@@ -1,7 +1,5 @@
 """From a path to `Structure` or `Modes`: the data, the text that describes them, and the checks of both."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 import zipfile

@@ -1,7 +1,5 @@
 """The built-in articles by name, and the stacks of them: ``cuboid``, ``fmd+disc+cuboid``, ``fmd+clumod-4`` ..."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import partial
 from itertools import pairwise

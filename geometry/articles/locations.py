@@ -7,8 +7,6 @@ mast or in the mid-plane of the blade. On the others: `cover` is the middle of t
 Cuboid's. Corners are numbered counter-clockwise from +x +y, like the load cells.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Literal

@@ -1,7 +1,5 @@
 """The built-in articles, from the dimension files beside them to their drawings: Clumod, Cuboid, disc and FMD."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any

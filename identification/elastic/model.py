@@ -10,8 +10,6 @@ rho_rs = C_rs / sqrt(C_rr C_ss), L mode by mode, and the 21 of R. Rotations are 
 the axes give, and R is multiplied by (2 pi 20 Hz)², so that all but the logarithms and rho are in kg or kg^0.5.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 

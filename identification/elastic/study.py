@@ -5,8 +5,6 @@ made of how elasticity is modelled. Every cell is a fit of its own, begun from t
 that leave their data unexplained are drawn but do not count, nor do those whose own noise hides what is asked for.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 

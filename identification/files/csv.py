@@ -3,8 +3,6 @@
 The first column is ``time`` [s] or ``frequency`` [Hz]; then comes a column a channel, of spectra ``<name>.re`` and ``<name>.im``.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import re

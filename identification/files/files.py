@@ -1,7 +1,5 @@
 """Signal files: the format is that of the ending. Readers believe nothing, writers leave whole files or none."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module

@@ -4,8 +4,6 @@ Time histories have the attribute ``sampling_rate`` [Hz] on the root, spectra th
 carry checksums of samples and structure: a byte that changes on the way is noticed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import pairwise

@@ -4,8 +4,6 @@ Version 5 (-v7) is read through scipy, version 7.3 is HDF5. Files are written in
 damage; `write_v73` writes the other.
 """
 
-from __future__ import annotations
-
 import struct
 import zlib
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ Function type 1 is a time history, 12 a spectrum. A dataset 164 states the units
 header, nodes, traces) are passed over. The numbers are measured and read here, the headers by pyuff.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field

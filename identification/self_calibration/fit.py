@@ -1,7 +1,5 @@
 """The joint fit: annealed, with as many poles as pay, and its covariance told apart by input."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 

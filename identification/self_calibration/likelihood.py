@@ -13,8 +13,6 @@ A = A0 + A1 H is affine in the dynamic mass, so that a structural parameter give
 Kaufman leaves out of dr is of second order in r.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

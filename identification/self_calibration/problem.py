@@ -1,7 +1,5 @@
 """The joint problem: campaigns that share blocks of one vector, and the classical facts."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 

@@ -9,8 +9,6 @@ sqrt(g^T N^-1 g) - how many standard deviations the step still is - falls below 
 is that of the quadratic model within them, so that what stops at a bound is made up for by the others at once.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from math import prod

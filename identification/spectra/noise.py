@@ -12,8 +12,6 @@ A tone is not stationary noise: a full record cut between two mains periods leak
 amplitude at 32 Hz - below the noise of 100 s unless the tone is some hundred times larger than the noise's density.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import comb
 

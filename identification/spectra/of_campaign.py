@@ -9,8 +9,6 @@ channels, so the sweep itself loses no more than a few parts in 1e5 of a line.
 lightly damped resonance lies more than a straight line.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace

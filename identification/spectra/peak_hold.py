@@ -11,8 +11,6 @@ is not the response function near it (`identification.spectra.peak_hold` measure
 in this form are compared with a model that went through the same operator: `applied`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a window opens: a built-in example, or files that a browser handed over; and everything that is wrong with them."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

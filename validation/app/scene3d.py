@@ -1,7 +1,5 @@
 """What stands on the shaker, to be drawn in 3-D: bodies and sensors of one campaign, seen from F."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """Commands that hold a model against measurements: compare, diagnose, add, undo, ladder, correct, report, app and their kin."""
 
-from __future__ import annotations
-
 import shlex
 import sys
 from pathlib import Path

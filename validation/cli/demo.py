@@ -4,8 +4,6 @@ A step is a title and a command line, of ``massline`` or of a script in ``exampl
 nothing here computes anything.
 """
 
-from __future__ import annotations
-
 import os
 import shlex
 import subprocess

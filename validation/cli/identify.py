@@ -1,7 +1,5 @@
 """Commands about campaigns: plan one, check it, identify mass, centre of gravity and inertia from it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

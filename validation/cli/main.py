@@ -1,7 +1,5 @@
 """The command line: parses, calls, prints. The module of a command is imported only when it is asked for."""
 
-from __future__ import annotations
-
 import _thread
 import io
 import signal

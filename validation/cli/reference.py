@@ -1,7 +1,5 @@
 """Commands about articles and classical measurements: reference, validate, weigh, cog, pendulum."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 from pathlib import Path

@@ -4,8 +4,6 @@ All of it is told at the plain fit - tolerances of the measurement not fitted - 
 floor and those tolerances let expect, and in per cent of the level there.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 

@@ -3,8 +3,6 @@
 A resonator has no such size in its logarithm: it stands at next to nothing, at a frequency that `dictionary` moves.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import product

@@ -1,7 +1,5 @@
 """What classical measurements - weights, centres of gravity, periods - say of effects of the pendulum and of the body."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial

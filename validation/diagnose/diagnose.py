@@ -4,8 +4,6 @@ Order of work ("What bit" of the catalogue): discrete mistakes, two levels, a co
 "unknown", and then what would settle it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from importlib.metadata import version

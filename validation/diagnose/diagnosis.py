@@ -1,7 +1,5 @@
 """`Diagnosis`: the answer to "what is my model missing", with everything that it rests on."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf

@@ -5,8 +5,6 @@ over what is plausible of it. One period is one number: all effects of a pendulu
 there, and the answer says so, with the size that each would need and the measurement that would decide.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial

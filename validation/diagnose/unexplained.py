@@ -1,7 +1,5 @@
 """Every explanation that can be put in words, with what it would explain of an unexplained residual, the best first."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType

@@ -3,8 +3,6 @@
 A file is a family when it holds a `FAMILY`. The catalogue of a process only grows: `load` adds what a user brings.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 import tokenize

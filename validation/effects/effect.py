@@ -14,8 +14,6 @@ The equation gets the stage, the targets and the values in SI by key, and return
 changes nothing. Equations of structure add, those of channels are linear in what they get, so that derivatives pass through.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache

@@ -3,8 +3,6 @@
 SI inside and in JSON; these are for pages and pictures.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import floor, isfinite, log10, pi

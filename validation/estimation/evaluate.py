@@ -1,7 +1,5 @@
 """The four errors of a model, on the data that it was fitted to and on data that it has not seen."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise

@@ -8,8 +8,6 @@ A fit that begins nowhere converges or is refused: an unconverged baseline makes
 begins at a parent's solution keeps that where it finds nothing better, and so never costs more. "What bit" of the catalogue.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace

@@ -19,8 +19,6 @@ A column that is a function of frequency times another, such as a resonator of a
 products of the other with the residual and with J are kept by line.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import log, sqrt

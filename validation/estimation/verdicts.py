@@ -7,8 +7,6 @@ prior to its posterior, so that the sum of z² is expected to be sum(1 - sd²/to
 data really tell.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

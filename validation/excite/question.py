@@ -1,7 +1,5 @@
 """What was asked of `massline excite`, checked at the door: axes, pattern, band, level, ring-down, route and rates."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 

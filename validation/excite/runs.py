@@ -18,18 +18,8 @@ from geometry.frames import Array
 from identification.files import files
 from identification.files.files import Signals
 from validation import output
+from validation.excite import results
 from validation.excite.question import BAND, EXUDYN, HIGHEST_RATE, LARGE, LINEAR, LONGEST, ExciteOptions
-from validation.excite.results import (
-    LOAD_UNITS,
-    LOADS,
-    Amplitudes,
-    AxisResponse,
-    CellLoad,
-    LoosePart,
-    Outcome,
-    RingDown,
-    cross_share,
-)
 from validation.excite.rig import ArticleOnTable, RigModes, Run, cross_motion, mounted, require_mountable, rig_modes, runs
 from validation.output import percent, shown
 
@@ -98,8 +88,8 @@ class Done:
     run: Run
     motion: BaseMotion
     response: Response
-    amplitudes: Amplitudes | None
-    outcome: Outcome
+    amplitudes: results.Amplitudes | None
+    outcome: results.Outcome
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -159,7 +149,7 @@ class PreparedRuns:
         motion = run.motion(simulation_rate(rate), ring_down=self._rest(length - at_rest.driven), cross=cross)
         simulated = self._response(motion, progress, keep)
         response = decimated(simulated, rate)
-        amplitudes = Amplitudes.of(response, run, self.modes.rigid_mass)
+        amplitudes = results.Amplitudes.of(response, run, self.modes.rigid_mass)
         needed, small = max(length - motion.driven, 0.0), ring_down.judge(motion)
         # What the route warned of, that the record is cut, and where the table turns too far, in the words of the command line
         warnings = [warning for warning in response.warnings if not warning.startswith(CUT)]
@@ -171,21 +161,21 @@ class PreparedRuns:
         size = np.abs(response.load)
         duration = (len(size) - 1) / response.sampling_rate
         step = response.settings.get("step_s")
-        outcome = Outcome(
+        outcome = results.Outcome(
             name=run.name,
             label=run.pattern.label,
             duration=duration,
             driven=motion.driven,
-            levels=tuple(AxisResponse.of(axis, run, response, motion.driven) for axis in run.axes),
-            cross=cross_share(run, response),
+            levels=tuple(results.AxisResponse.of(axis, run, response, motion.driven) for axis in run.axes),
+            cross=results.cross_share(run, response),
             small=small,
             peak_load=size.max(axis=0),
             peak_time=response.time[size.argmax(axis=0)],
             passed=() if amplitudes is None else amplitudes.passed(run, self.modes),
-            ring_down=RingDown(kept=max(duration - motion.driven, 0.0), needed=needed),
-            cells=tuple(CellLoad.of(k + 1, simulated.cells[:, k], cell) for k, cell in enumerate(rig.cells)),
+            ring_down=results.RingDown(kept=max(duration - motion.driven, 0.0), needed=needed),
+            cells=tuple(results.CellLoad.of(k + 1, simulated.cells[:, k], cell) for k, cell in enumerate(rig.cells)),
             loose=tuple(
-                LoosePart(axis=part.axis, mass=part.mass, slip_force=part.slip_force, share_slipping=share)
+                results.LoosePart(axis=part.axis, mass=part.mass, slip_force=part.slip_force, share_slipping=share)
                 for part, share in zip(rig.frictions, simulated.slipping, strict=True)
             ),
             step=step if isinstance(step, float) else 1 / motion.sampling_rate,
@@ -382,7 +372,7 @@ def channels(response: Response) -> tuple[Channel, ...]:
     groups = [
         ([f"table-{name}" for name in MOTIONS], MOTION_UNITS, response.table),
         ([f"cover-{name}" for name in MOTIONS], MOTION_UNITS, response.cover),
-        ([f"load-{name}" for name in LOADS], LOAD_UNITS, response.load),
+        ([f"load-{name}" for name in results.LOADS], results.LOAD_UNITS, response.load),
         *(([f"cell-{k + 1}{axis}" for axis in "xyz"], ("N",) * 3, response.cells[:, k]) for k in range(response.cells.shape[1])),
         *(([f"{place}-{axis}" for axis in "xyz"], ("m/s^2",) * 3, values) for place, values in response.places.items()),
     ]

@@ -4,8 +4,6 @@ Shares are those of the kinetic energy, u_i (M u)_i summed over a part's degrees
 is whose, the part that holds most of the strain energy is named too.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

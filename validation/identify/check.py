@@ -1,7 +1,5 @@
 """What `massline check` finds out about a campaign, before anybody decides how it is shown."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path

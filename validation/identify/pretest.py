@@ -1,7 +1,5 @@
 """What `massline pretest` was asked, checked at the door: from options to plans of the article's campaign and of the tare."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from math import isfinite

@@ -1,7 +1,5 @@
 """`Model`: what a model file says. One model serves a whole series: a campaign's `article` picks the set-up."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -3,8 +3,6 @@
 ``docs/model-file.md`` shows the file, `validation.model.model_file` writes it.
 """
 
-from __future__ import annotations
-
 import json
 import os.path
 from collections.abc import Callable, Iterable, Mapping, Sequence

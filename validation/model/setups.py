@@ -1,7 +1,5 @@
 """What stands on the FMD in a tare campaign: the inertia of a known article from its drawing, carried to where it is mounted."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from geometry import routes

@@ -9,8 +9,6 @@ because H is stationary in the answer (Fox & Kapoor, AIAA Journal 6, 1968, for e
 and none of the solution itself. Likewise an accelerance A = phi_r^T D^-1 phi_d, with dA = -(D^-1 phi_r)^T dD (D^-1 phi_d).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 

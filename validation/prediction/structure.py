@@ -4,8 +4,6 @@ The campaign's `article` picks it: nothing for an FMD alone, a built-in stack of
 is mounted is what the campaign states, else the seat of the built-in FMD.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """What is in print about the built-in articles: the paper's tables as data, every digit kept, with their own deviations."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field

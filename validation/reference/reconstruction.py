@@ -14,8 +14,6 @@ Run ``python -m validation.reference.reconstruction``; it writes ``geometry/arti
 details kept.
 """
 
-from __future__ import annotations
-
 import copy
 import json
 from collections.abc import Callable, Iterable

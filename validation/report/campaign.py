@@ -1,7 +1,5 @@
 """The answers of `massline check` and `massline correct`: what a campaign holds, what is wrong with it, and a corrected copy."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The pictures of `massline compare`: what each of them shows, from the comparison."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial

@@ -1,7 +1,5 @@
 """The pictures of `massline diagnose`: what each of them shows, from the diagnosis."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial

@@ -1,7 +1,5 @@
 """A family in words: its identifier, its sizes with their limits, its tolerance, and what is plausible of it."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Mapping, Sequence
 from math import exp, isfinite
@@ -12,29 +10,19 @@ from typing import Any
 from geometry.atomic import write_text
 from geometry.errors import BadInput
 from geometry.toml_file import nearest
+from validation.effects import effect
 from validation.effects.catalogue import FAMILIES, SOURCES, parse
-from validation.effects.effect import (
-    BODY_STAGE,
-    CHANNEL_STAGE,
-    NOISE_STAGE,
-    OPENED,
-    PERIOD_STAGE,
-    SIDES,
-    STRUCTURE_STAGE,
-    Family,
-    SizeSpec,
-)
 from validation.reference.statement import NONE
 from validation.report.document import Grid, markdown_escaped, page, pipes
 
 DOES: Mapping[str, str] = MappingProxyType(
     {
-        STRUCTURE_STAGE: "changes masses, springs and losses of the structure",
-        BODY_STAGE: "changes the dynamic mass of the article on its place",
-        CHANNEL_STAGE: "changes what channels read",
-        NOISE_STAGE: "changes how much noise is expected",
-        PERIOD_STAGE: "changes the period of a pendulum",
-        OPENED: "opens the tolerance of its name as wide as a fault may be",
+        effect.STRUCTURE_STAGE: "changes masses, springs and losses of the structure",
+        effect.BODY_STAGE: "changes the dynamic mass of the article on its place",
+        effect.CHANNEL_STAGE: "changes what channels read",
+        effect.NOISE_STAGE: "changes how much noise is expected",
+        effect.PERIOD_STAGE: "changes the period of a pendulum",
+        effect.OPENED: "opens the tolerance of its name as wide as a fault may be",
     }
 )
 """By stage, what an effect does to a prediction."""
@@ -60,19 +48,19 @@ PREFIXED = MappingProxyType({"s": (1e-6, "µs"), "m": (1e-3, "mm"), "rad": (1e-3
 """By unit of a size, the one in which its tolerance reads best, and its factor."""
 
 
-def examples(family: Family) -> tuple[str, ...]:
+def examples(family: effect.Family) -> tuple[str, ...]:
     """What can be typed."""
     return tuple(family.example.split(", or "))
 
 
-def identifier(family: Family) -> str:
+def identifier(family: effect.Family) -> str:
     """``accelerometer-position:CHANNEL:AXIS``"""
     words = [SHORT.get(one, one).upper() for one in family.targets]
     last = f"[:{words.pop()}]" if family.optional else ""
     return ":".join((family.name, *words)) + last
 
 
-def targets(family: Family) -> str:
+def targets(family: effect.Family) -> str:
     """What it acts on, in words."""
     words = [*family.targets]
     if family.optional:
@@ -80,24 +68,24 @@ def targets(family: Family) -> str:
     return ", ".join(words) or NONE
 
 
-def sizes(family: Family) -> tuple[SizeSpec, ...]:
+def sizes(family: effect.Family) -> tuple[effect.SizeSpec, ...]:
     """All sizes that its value may hold, whatever the target, each once."""
     return tuple(dict.fromkeys((*family.sizes, *(one for varying in family.varying.values() for one in varying))))
 
 
-def limits(size: SizeSpec) -> str:
+def limits(size: effect.SizeSpec) -> str:
     """``m: 1e-06 to 100 kg``"""
     unit = "" if size.unit == "1" else f" {size.unit}"
     said = f"{size.low:g} or {size.high:g}" if size.whole else f"{size.low:.3g} to {size.high:.3g}{unit}"
     return _of(size, said)
 
 
-def unit(family: Family) -> str:
+def unit(family: effect.Family) -> str:
     """Of every size."""
     return ", ".join(dict.fromkeys(_of(size, size.unit) for size in sizes(family))) or NONE
 
 
-def plausible(family: Family) -> str:
+def plausible(family: effect.Family) -> str:
     """Standard deviation of a fault, of every size that is fitted; × 7.4 is a factor either way."""
     said: dict[str, None] = {}
     for one in sizes(family):
@@ -107,20 +95,20 @@ def plausible(family: Family) -> str:
     return ", ".join(said) or NONE
 
 
-def tolerance(family: Family) -> str:
+def tolerance(family: effect.Family) -> str:
     """Standard deviation of what a careful laboratory admits."""
     first = next(iter(sizes(family)), None)
     return _measured(family.tolerance, first.unit) if family.tolerance and first else NONE
 
 
-def sentence(family: Family, named: str = "") -> str:
+def sentence(family: effect.Family, named: str = "") -> str:
     """What it means at the targets of `named`, ``one:two``, or at those of its example."""
     there = named or examples(family)[0].partition("=")[0].removeprefix(family.name).lstrip(":")
     words = there.split(":")
     return family.sentence.replace("{targets}", " and ".join(words)).replace("{target}", words[0])
 
 
-def as_json(family: Family) -> dict[str, Any]:
+def as_json(family: effect.Family) -> dict[str, Any]:
     """One entry of ``massline effects --json``."""
     return {
         "id": family.name,
@@ -142,7 +130,7 @@ def as_json(family: Family) -> dict[str, Any]:
     }
 
 
-def _size_json(size: SizeSpec) -> dict[str, Any]:
+def _size_json(size: effect.SizeSpec) -> dict[str, Any]:
     return {
         "key": size.key,
         "unit": size.unit,
@@ -156,7 +144,7 @@ def _size_json(size: SizeSpec) -> dict[str, Any]:
     }
 
 
-def _of(size: SizeSpec, said: str) -> str:
+def _of(size: effect.SizeSpec, said: str) -> str:
     return f"{size.key}: {said}" if size.key else said
 
 
@@ -179,7 +167,7 @@ def _plain(value: float) -> str:
 NOTE = "`massline effects ID` says more about one: what it means, its equation, what it is mistaken for, what would confirm it."
 
 
-def chosen(names: Sequence[str]) -> tuple[tuple[Family, str], ...]:
+def chosen(names: Sequence[str]) -> tuple[tuple[effect.Family, str], ...]:
     """The families that ``family`` or ``family:target`` name, each with its target; all of them where none is named.
 
     Raises
@@ -205,7 +193,7 @@ def chosen(names: Sequence[str]) -> tuple[tuple[Family, str], ...]:
 def table() -> str:
     """All families as text, side by side of the laboratory."""
     pages = []
-    for side in SIDES:
+    for side in effect.SIDES:
         families = [family for family in FAMILIES.values() if family.side == side]
         lines = tuple((identifier(family), tolerance(family), plausible(family), family.what) for family in families)
         if lines:
@@ -214,7 +202,7 @@ def table() -> str:
     return "\n".join(page(side.capitalize(), (grid,), (NOTE,) if k == last else ()) for k, (side, grid) in enumerate(pages))
 
 
-def whole(family: Family, target: str = "") -> str:
+def whole(family: effect.Family, target: str = "") -> str:
     """One family as text, at `target` where one is named."""
     lines = (
         ("means", sentence(family, target)),
@@ -301,7 +289,7 @@ def text(root: Path) -> str:
     """The page; `root` holds the example of an effect of one's own."""
     own = (root / OWN).read_text(encoding="utf-8")
     parts = []
-    for side in SIDES:
+    for side in effect.SIDES:
         families = [family for name, family in FAMILIES.items() if family.side == side and name not in SOURCES]
         lines = tuple(
             (
@@ -318,7 +306,7 @@ def text(root: Path) -> str:
     return HEAD + "\n".join(parts) + "\n" + TAIL.format(own=OWN, code=own)
 
 
-def _entry(family: Family) -> str:
+def _entry(family: effect.Family) -> str:
     looks = ", ".join(one if " " in one else f"`{one}`" for one in family.mistaken_for)
     written = ", ".join(f"`{one}`" for one in examples(family))
     return f"""\

@@ -1,7 +1,5 @@
 """The answer of `massline identify`: its document, its pictures, and what a report says of a campaign by itself."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from operator import itemgetter

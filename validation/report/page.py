@@ -1,7 +1,5 @@
 """The page: one file of HTML that needs nothing else, neither a network nor a folder beside it."""
 
-from __future__ import annotations
-
 import json
 import os
 import shlex

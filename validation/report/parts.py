@@ -1,7 +1,5 @@
 """`Report`: everything that a page says, found by the rooms; the page adds nothing to it."""
 
-from __future__ import annotations
-
 from base64 import b64encode
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field

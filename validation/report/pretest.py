@@ -1,7 +1,5 @@
 """The answer of `massline pretest`: expected intervals, what dominates them, the price of every channel, rigid places."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from operator import itemgetter

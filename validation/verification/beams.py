@@ -9,8 +9,6 @@ infinity and rho I to zero leaves Euler and Bernoulli's beam, whose roots come h
 The bar lies along no axis of the frame, so every row passes through the rotation of the elements as well.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

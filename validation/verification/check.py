@@ -1,7 +1,5 @@
 """`Check`: one row of the verification table - a reference with where it comes from, a way to find the value, and a bar."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass

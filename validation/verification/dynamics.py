@@ -5,8 +5,6 @@ by the largest size that the entries on its row's and its column's diagonals rea
 weigh the same.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from types import ModuleType
 from typing import Any

@@ -6,8 +6,6 @@ face, u = cos(pi x / a) sin(pi y / a), v = -sin(pi x / a) cos(pi y / a), changes
 its frequency is exact for any Poisson's ratio and thickness (Lamé, Leçons sur la théorie mathématique de l'élasticité, 1852).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from itertools import permutations
 

@@ -4,8 +4,6 @@ The article is a reduced body: six motions of its base about its own origin, the
 ``phi^T x`` with phi (6 + n,) for each axis, so that a mass or a spring there is one product; a resonator is one more coordinate.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any

@@ -16,26 +16,7 @@ from validation.diagnose.diagnosis import Cause, Diagnosis
 from validation.effects.effect import evidence_threshold
 from validation.estimation.problem import Evaluation, Share
 from validation.estimation.verdicts import MISFIT, absurd, expected_z2, misfit
-from validation.report.charts import interactive, static
-from validation.report.charts.spec import (
-    ACCEPTED,
-    AFTER,
-    ALIKE,
-    BEFORE,
-    CURVES,
-    EVIDENCE,
-    FAINT,
-    INK,
-    LESS,
-    LOG,
-    NOT_JUDGED,
-    STANDINGS,
-    TOO_MUCH_LEFT,
-    VERDICTS,
-    BarChart,
-    BarPanel,
-    Bars,
-)
+from validation.report.charts import interactive, spec, static
 from validation.report.charts.static import finish, grid_lines, new_figure, require_format
 
 if TYPE_CHECKING:
@@ -52,7 +33,7 @@ PER_CENT = "per cent of the measured forces"
 CHI2 = "chi² per degree of freedom"
 
 
-def errors_of(found: Comparison, *, never_seen: bool = False) -> BarChart:
+def errors_of(found: Comparison, *, never_seen: bool = False) -> spec.BarChart:
     """Nominal, plain and held-out error in per cent, with what is expected of them; chi² and z² over what is due.
 
     Parameters
@@ -63,16 +44,16 @@ def errors_of(found: Comparison, *, never_seen: bool = False) -> BarChart:
     names, sizes = _shares(found.evaluation)
     names = names if never_seen else names[:3]
     rows = tuple("held out, plain" if name == "plain, held out" else name for name in names)
-    percents = Bars(
+    percents = spec.Bars(
         name="errors",
         rows=rows,
         values=sizes[: len(rows)],
         words=tuple(f"{size:.3g} %" for size in sizes[: len(rows)]),
-        roles=tuple(verdicts.get(name, NOT_JUDGED) for name in names),
+        roles=tuple(verdicts.get(name, spec.NOT_JUDGED) for name in names),
     )
     fit = found.evaluation.fitted
     ratios = (misfit(fit), prior_penalty(found.evaluation))
-    prices = Bars(
+    prices = spec.Bars(
         name="fitted",
         rows=(CHI2, "z² of the tolerances"),
         values=ratios,
@@ -80,14 +61,14 @@ def errors_of(found: Comparison, *, never_seen: bool = False) -> BarChart:
         roles=tuple("failed" if wrong else "good" for wrong in (misfit(fit) > MISFIT, absurd(fit))),
     )
     due = "times what is expected where nothing is wrong"
-    return BarChart(
+    return spec.BarChart(
         title=f"{found.title}: the four errors",
         note=f"Fitted: {found.errors[2].text}.",
         panels=(
-            BarPanel(label=PER_CENT, rows=rows, bars=(percents,), limit=found.explained.measurement, least=1.0),
-            BarPanel(label=due, rows=prices.rows, bars=(prices,), limit=1.0, least=1.0),
+            spec.BarPanel(label=PER_CENT, rows=rows, bars=(percents,), limit=found.explained.measurement, least=1.0),
+            spec.BarPanel(label=due, rows=prices.rows, bars=(prices,), limit=1.0, least=1.0),
         ),
-        legend={verdict: verdict or "not judged" for verdict in VERDICTS},
+        legend={verdict: verdict or "not judged" for verdict in spec.VERDICTS},
         limit="expected, nothing wrong",
         on_page={"held out, plain": "plain, held out"},
     )
@@ -105,7 +86,7 @@ def prior_penalty(of: Evaluation) -> float:
     return of.fitted.tolerance_z2 / max(expected_z2(of.fitted), 1.0)
 
 
-def draw_errors(chart: BarChart, path: Path) -> None:
+def draw_errors(chart: spec.BarChart, path: Path) -> None:
     """Write the errors and, below them, chi² and z².
 
     Raises
@@ -132,33 +113,35 @@ def four_errors(found: Comparison, *, dark: bool = False) -> Figure:
     return interactive.dressed(figure, "The errors of the model", 130 + 42 * len(one.rows), dark, margin={"t": 66})
 
 
-def changes_of(before: Evaluation, after: Evaluation | None, title: str = "Errors before and after", note: str = "") -> BarChart:
+def changes_of(
+    before: Evaluation, after: Evaluation | None, title: str = "Errors before and after", note: str = ""
+) -> spec.BarChart:
     """The errors, and chi² and the prior penalty over what is due, before and after an effect is added."""
     percents, prices = [], []
-    for name, of in ((BEFORE, before), (AFTER, after)):
+    for name, of in ((spec.BEFORE, before), (spec.AFTER, after)):
         if of is None:
             continue
         names, sizes = _shares(of)
         words = tuple(f"{size:.3g} %" for size in sizes)
-        percents.append(Bars(name=name, rows=names, values=sizes, words=words, roles=name))
+        percents.append(spec.Bars(name=name, rows=names, values=sizes, words=words, roles=name))
         ratios = (misfit(of.fitted), prior_penalty(of))
         words = tuple(f"{ratio:.3g}" for ratio in ratios)
-        prices.append(Bars(name=name, rows=(CHI2, "sum z² of the tolerances"), values=ratios, words=words, roles=name))
+        prices.append(spec.Bars(name=name, rows=(CHI2, "sum z² of the tolerances"), values=ratios, words=words, roles=name))
     due = "times what is due where nothing is wrong, logarithmic"
-    return BarChart(
+    return spec.BarChart(
         title=title,
         note=note,
         panels=(
-            BarPanel(label=PER_CENT, rows=percents[0].rows, bars=tuple(percents)),
-            BarPanel(label=due, rows=prices[0].rows, bars=tuple(prices), scale=LOG, limit=1.0),
+            spec.BarPanel(label=PER_CENT, rows=percents[0].rows, bars=tuple(percents)),
+            spec.BarPanel(label=due, rows=prices[0].rows, bars=tuple(prices), scale=spec.LOG, limit=1.0),
         ),
-        legend={} if after is None else {BEFORE: BEFORE, AFTER: AFTER},
+        legend={} if after is None else {spec.BEFORE: spec.BEFORE, spec.AFTER: spec.AFTER},
         limit="due, nothing wrong",
         on_page={CHI2: "χ² per dof", "sum z² of the tolerances": "z² of tolerances", due: "over what is due, nothing wrong"},
     )
 
 
-def draw_before_after(chart: BarChart, path: Path) -> None:
+def draw_before_after(chart: spec.BarChart, path: Path) -> None:
     """Write pairs of bars: per cent of the measured forces above, ratios to what is due below.
 
     Raises
@@ -205,13 +188,13 @@ def tried(found: Diagnosis) -> tuple[Cause, ...]:
 def standing_of(found: Diagnosis, one: Cause) -> str:
     """Of `STANDINGS`."""
     if one.id in {cause.id for cause in found.accepted}:
-        return ACCEPTED
+        return spec.ACCEPTED
     if one.id in found.equivalence_class:
-        return ALIKE
-    return LESS if one.null else TOO_MUCH_LEFT
+        return spec.ALIKE
+    return spec.LESS if one.null else spec.TOO_MUCH_LEFT
 
 
-def causes_of(found: Diagnosis, title: str = "", note: str = "", threshold: float | None = None) -> BarChart:
+def causes_of(found: Diagnosis, title: str = "", note: str = "", threshold: float | None = None) -> spec.BarChart:
     """What was tried, the best on top: a bar a cause, by where it stands, its evidence and its size behind it.
 
     Parameters
@@ -219,9 +202,9 @@ def causes_of(found: Diagnosis, title: str = "", note: str = "", threshold: floa
     threshold : [nats] from which an effect is accepted; None where it is not known
     """
     causes = tried(found)
-    by_standing = {word: [one for one in causes if standing_of(found, one) == word] for word in STANDINGS}
+    by_standing = {word: [one for one in causes if standing_of(found, one) == word] for word in spec.STANDINGS}
     bars = [
-        Bars(
+        spec.Bars(
             name=standing,
             rows=tuple(one.id for one in own),
             values=tuple(one.evidence for one in own),
@@ -234,19 +217,19 @@ def causes_of(found: Diagnosis, title: str = "", note: str = "", threshold: floa
         for standing, own in by_standing.items()
         if own
     ]
-    panel = BarPanel(
+    panel = spec.BarPanel(
         label="evidence [nats], logarithmic beyond 10",
         rows=tuple(one.id for one in causes),
         bars=tuple(bars),
-        scale=EVIDENCE,
+        scale=spec.EVIDENCE,
         limit=threshold,
         asked=tuple(evidence_threshold(one.named.family) for one in causes),
     )
     legend = {one.name: one.name for one in bars}
-    return BarChart(title=title, note=note, panels=(panel,), legend=legend, limit="" if threshold is None else "asked for")
+    return spec.BarChart(title=title, note=note, panels=(panel,), legend=legend, limit="" if threshold is None else "asked for")
 
 
-def draw_evidence(chart: BarChart, path: Path) -> None:
+def draw_evidence(chart: spec.BarChart, path: Path) -> None:
     """Write one bar a cause.
 
     Raises
@@ -320,7 +303,7 @@ def draw_numbers(title: str, drawn: DrawnNumbers, path: Path, note: str = "", ab
     axes = figure.add_axes((0.06, 0.13, 0.92, 0.75))
     places, width = np.arange(len(drawn.labels)), WIDTH / (1 + len(drawn.explained))
     every = {"found": drawn.found, **drawn.explained}
-    for k, ((name, values), colour) in enumerate(zip(every.items(), (INK, FAINT, *CURVES), strict=False)):
+    for k, ((name, values), colour) in enumerate(zip(every.items(), (spec.INK, spec.FAINT, *spec.CURVES), strict=False)):
         at = places + (k - len(drawn.explained) / 2) * width
         axes.bar(at, values, 0.92 * width, color=colour, label="Table 2, ± 1 sd" if not k else name)
         reach = drawn.deviation if not k else np.zeros(len(values))
@@ -333,11 +316,11 @@ def draw_numbers(title: str, drawn: DrawnNumbers, path: Path, note: str = "", ab
                 ha="center",
                 va="top" if low else "bottom",
                 fontsize=6.8,
-                color=INK,
+                color=spec.INK,
             )
         if not k:
             axes.errorbar(at, values, drawn.deviation, fmt="none", ecolor="#f28a1c", elinewidth=1.6, capsize=3)
-    axes.axhline(0.0, color=INK, linewidth=0.8)
+    axes.axhline(0.0, color=spec.INK, linewidth=0.8)
     axes.set_xticks(places, drawn.labels, fontsize=10)
     axes.set_ylabel("deviation from the reference", fontsize=9.5)
     axes.legend(fontsize=9, loc="upper left", framealpha=0.9)
@@ -358,21 +341,21 @@ def draw_shares(title: str, panels: Sequence[ShareBars], path: Path, note: str =
     for k, (panel, left) in enumerate(zip(panels, np.linspace(0.0, 1.0, len(panels) + 1), strict=False)):
         whole = 1.0 / len(panels)
         axes = figure.add_axes((left + 0.5 * whole, 0.14, 0.44 * whole, 0.7))
-        colour = CURVES[k % len(CURVES)]
+        colour = spec.CURVES[k % len(spec.CURVES)]
         places, values = np.arange(len(panel.shares)), np.array(list(panel.shares.values()))
         axes.barh(places, values, 0.7, color=colour)
         for place, value in zip(places, values, strict=True):
-            axes.text(value, place, f" {value:.2g}", va="center", fontsize=8.5, color=INK)
+            axes.text(value, place, f" {value:.2g}", va="center", fontsize=8.5, color=spec.INK)
         most = float(values.max(initial=0.0))
         if panel.limit is not None:
             at, words = panel.limit
             most = max(most, at)
-            axes.axvline(at, color=INK, linewidth=1.2, linestyle=(0, (5, 3)))
-            axes.text(at, -0.75, words, ha="right", va="center", fontsize=8.5, color=INK)
+            axes.axvline(at, color=spec.INK, linewidth=1.2, linestyle=(0, (5, 3)))
+            axes.text(at, -0.75, words, ha="right", va="center", fontsize=8.5, color=spec.INK)
         axes.set_xlim(0.0, 1.18 * most)
         axes.set_ylim(len(values) - 0.4, -1.1 if panel.limit else -0.6)
         axes.set_yticks(places, list(panel.shares), fontsize=9)
-        axes.set_title(panel.title, fontsize=11, loc="right", color=INK)
+        axes.set_title(panel.title, fontsize=11, loc="right", color=spec.INK)
         axes.set_xlabel(panel.unit, fontsize=9.5)
         grid_lines(axes)
         axes.grid(visible=False, axis="y")

@@ -6,8 +6,6 @@ tells the two apart: in a spectrogram the drive is a line that rises and what ri
 over the acceleration is the dynamic mass that the run has to show.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path

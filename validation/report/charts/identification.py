@@ -12,19 +12,8 @@ import numpy as np
 from geometry.frames import Array
 from identification.spectra.peak_hold import SweepBias
 from validation.identify.identify import DrawnResiduals, UsedLines
-from validation.report.charts import interactive
+from validation.report.charts import interactive, static
 from validation.report.charts.spec import CURVES, FAINT, INK, PAPER, SpectralLines
-from validation.report.charts.static import (
-    SHADE,
-    Axes,
-    draw_condition,
-    finish,
-    grid_lines,
-    new_figure,
-    require_format,
-    save,
-    shade_left_out,
-)
 from validation.report.scenes.motion import MovingBody, colour_map, displaced
 from validation.report.scenes.scene import DPI, blank, colours, fitted, off_screen, write
 
@@ -55,15 +44,15 @@ def draw_lines(title: str, drawn: SpectralLines, path: Path, note: str = "") -> 
     ------
     BadInput : the ending of `path` is unknown.
     """
-    require_format(path)
-    figure = new_figure(13.0, 8.2)
+    static.require_format(path)
+    figure = static.new_figure(13.0, 8.2)
     grid = figure.add_gridspec(2, 1, hspace=0.12, left=0.075, right=0.84, top=0.895, bottom=0.1)
     upper = figure.add_subplot(grid[0])
     lower = figure.add_subplot(grid[1], sharex=upper)
     f = drawn.frequency
     for axes in (upper, lower):
-        shade_left_out(axes, drawn)
-    draw_condition(upper, drawn)
+        static.shade_left_out(axes, drawn)
+    static.draw_condition(upper, drawn)
     upper.set_ylabel("condition of the scaled base motions", fontsize=10)
     for k, (name, share) in enumerate(zip(drawn.runs, drawn.unexplained, strict=True)):
         lower.semilogy(f, np.maximum(share, 1e-8), color=RUNS[k % len(RUNS)], linewidth=1.1, label=f"run {name}")
@@ -71,15 +60,15 @@ def draw_lines(title: str, drawn: SpectralLines, path: Path, note: str = "") -> 
     lower.set_xlabel("frequency [Hz]", fontsize=10)
     upper.tick_params(labelbottom=False)
     for axes in (upper, lower):
-        grid_lines(axes)
+        static.grid_lines(axes)
         axes.grid(visible=True, which="minor", axis="y", color="#f0f2f5", linewidth=0.5)
         from matplotlib.patches import Patch
 
         handles, labels = axes.get_legend_handles_labels()
         if np.any(drawn.left_out):
-            handles, labels = [*handles, Patch(color=SHADE)], [*labels, "left out"]
+            handles, labels = [*handles, Patch(color=static.SHADE)], [*labels, "left out"]
         axes.legend(handles, labels, fontsize=9, loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False)
-    finish(figure, title, note, path)
+    static.finish(figure, title, note, path)
 
 
 def draw_residuals(title: str, drawn: DrawnResiduals, path: Path, note: str = "") -> None:
@@ -91,11 +80,11 @@ def draw_residuals(title: str, drawn: DrawnResiduals, path: Path, note: str = ""
     """
     from matplotlib.colors import LinearSegmentedColormap, LogNorm
 
-    require_format(path)
+    static.require_format(path)
     columns = 3 if len(drawn.runs) > 1 else 1
     rows = -(-len(drawn.runs) // columns)
     height = 1.7 + rows * (0.8 + 0.19 * len(drawn.channels))
-    figure = new_figure(15.5, height)
+    figure = static.new_figure(15.5, height)
     room = {"left": 0.075, "right": 0.915, "top": 1 - 1.0 / height, "bottom": 0.85 / height}
     grid = figure.add_gridspec(rows, columns, hspace=0.22, wspace=0.06, **room)
     colours = LinearSegmentedColormap.from_list("residual", (PAPER, "#dfe7f6", "#9db6e6", "#f2c14e", "#d9541e", "#7d1220"))
@@ -120,7 +109,7 @@ def draw_residuals(title: str, drawn: DrawnResiduals, path: Path, note: str = ""
         bar.set_yticks(ticks, [f"{100 * tick:g} %" for tick in ticks])
         bar.minorticks_off()
         bar.tick_params(labelsize=9, colors=INK)
-    finish(figure, title, note, path)
+    static.finish(figure, title, note, path)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -148,8 +137,8 @@ def draw_shares(title: str, drawn: Sequence[UncertaintyShares], path: Path, note
     ------
     BadInput : the ending of `path` is unknown.
     """
-    require_format(path)
-    figure = new_figure(15.0, 7.2)
+    static.require_format(path)
+    figure = static.new_figure(15.0, 7.2)
     grid = figure.add_gridspec(1, len(drawn), wspace=0.2, left=0.065, right=0.915, top=0.865, bottom=0.21)
     colour = colours(_important([one.shares for one in drawn]))
     for k, one in enumerate(drawn):
@@ -178,7 +167,7 @@ def draw_shares(title: str, drawn: Sequence[UncertaintyShares], path: Path, note
 
     handles = [Patch(color=hue, label=name) for name, hue in colour.items()] + [Patch(color=OTHERS, label="all others")]
     figure.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 0.055), ncols=5, fontsize=9.5, frameon=False)
-    finish(figure, title, note, path)
+    static.finish(figure, title, note, path)
 
 
 def _important(shares: Sequence[Mapping[str, Array]]) -> list[str]:
@@ -225,8 +214,8 @@ def draw_stability(
     ------
     BadInput : the ending of `path` is unknown.
     """
-    require_format(path)
-    figure = new_figure(17.5, 8.2)
+    static.require_format(path)
+    figure = static.new_figure(17.5, 8.2)
     grid = figure.add_gridspec(2, 5, hspace=0.3, wspace=0.42, left=0.045, right=0.965, top=0.865, bottom=0.115)
     for k, one in enumerate(maps):
         axes = figure.add_subplot(grid[k // 5, k % 5])
@@ -259,10 +248,10 @@ def draw_stability(
             axes.set_ylabel("stop [Hz]", fontsize=10)
         if k >= len(maps) - 5:
             axes.set_xlabel("start [Hz]", fontsize=10)
-    finish(figure, title, note, path)
+    static.finish(figure, title, note, path)
 
 
-def _choice(axes: Axes, start: Array, stop: Array, chosen: tuple[float, float]) -> None:
+def _choice(axes: static.Axes, start: Array, stop: Array, chosen: tuple[float, float]) -> None:
     from matplotlib.patches import Rectangle
 
     i, j = int(np.argmin(np.abs(start - chosen[0]))), int(np.argmin(np.abs(stop - chosen[1])))
@@ -304,19 +293,19 @@ def draw_pretest(title: str, drawn: DrawnPretest, path: Path, note: str = "") ->
     ------
     BadInput : the ending of `path` is unknown.
     """
-    require_format(path)
+    static.require_format(path)
     lost = bool(drawn.growth)
-    figure = new_figure(15.0 if lost else 9.0, 10.4)
+    figure = static.new_figure(15.0 if lost else 9.0, 10.4)
     room = _ROOM if lost else {**_ROOM, "left": 0.13}
     grid = figure.add_gridspec(2, 2 if lost else 1, hspace=0.2, wspace=0.2, height_ratios=(1, 1.7), **room)
     axes = figure.add_subplot(grid[0, 0])
     none = np.zeros(len(drawn.frequency), dtype=bool)
     lines = SpectralLines(frequency=drawn.frequency, condition=drawn.condition, limit=drawn.limit, left_out=none)
-    draw_condition(axes, lines)
+    static.draw_condition(axes, lines)
     axes.set_title("condition number of the base motions", fontsize=11, loc="left", color=INK)
     axes.set_xlabel("frequency [Hz]", fontsize=9.5)
     axes.legend(fontsize=9, loc="center right")
-    grid_lines(axes)
+    static.grid_lines(axes)
     # A panel for each unit, so that every bar has an axis that measures it
     place = grid[1, 0]
     units = [name.rpartition("[")[2].rstrip("]") for name in drawn.quantities]
@@ -333,13 +322,13 @@ def draw_pretest(title: str, drawn: DrawnPretest, path: Path, note: str = "") ->
             )
     if lost:
         _growth(figure, figure.add_subplot(grid[:, 1]), drawn)
-    finish(figure, title, note, path)
+    static.finish(figure, title, note, path)
 
 
 _ROOM = {"left": 0.085, "right": 0.975, "top": 0.9, "bottom": 0.09}
 
 
-def _pretest_bars(axes: Axes, drawn: DrawnPretest, chosen: list[int]) -> None:
+def _pretest_bars(axes: static.Axes, drawn: DrawnPretest, chosen: list[int]) -> None:
     count, places = len(drawn.intervals), np.arange(len(chosen))
     height = 0.8 / count
     for k, ((name, half), colour) in enumerate(zip(drawn.intervals.items(), CURVES, strict=False)):
@@ -352,11 +341,11 @@ def _pretest_bars(axes: Axes, drawn: DrawnPretest, chosen: list[int]) -> None:
     axes.invert_yaxis()
     low, high = axes.get_xlim()
     axes.set_xlim(low / 1.5, high * 1.6)
-    grid_lines(axes)
+    static.grid_lines(axes)
     axes.grid(visible=False, axis="y")
 
 
-def _growth(figure: Any, axes: Axes, drawn: DrawnPretest) -> None:
+def _growth(figure: Any, axes: static.Axes, drawn: DrawnPretest) -> None:
     from matplotlib.colors import LinearSegmentedColormap
 
     values = np.array(list(drawn.growth.values()))
@@ -394,7 +383,7 @@ def draw_rigid(title: str, tiles: Mapping[str, Sequence[MovingBody]], limit: flo
     BadInput : the ending of `path` is unknown.
     CheckFailed : nothing can be rendered on this machine.
     """
-    require_format(path)
+    static.require_format(path)
     first = next(iter(tiles.values()))
     with off_screen():
         view = fitted(np.concatenate([body.vertices for body in first]), TILE, MARGIN)
@@ -418,7 +407,7 @@ def draw_rigid(title: str, tiles: Mapping[str, Sequence[MovingBody]], limit: flo
     bar.outline.set_visible(False)
     axes.set_title("elastic motion over that of a rigid article", fontsize=9, color=FAINT, pad=4, loc="left")
     write(canvas, 24, height - 16, note, 12, FAINT, va="center")
-    save(path, lambda temporary: figure.savefig(temporary, dpi=DPI))
+    static.save(path, lambda temporary: figure.savefig(temporary, dpi=DPI))
 
 
 def _coloured(bodies: Sequence[MovingBody], limit: float) -> list[MovingBody]:
@@ -451,8 +440,8 @@ def draw_bias(found: SweepBias, title: str, path: Path, note: str = "", about: s
     """
     from matplotlib.ticker import NullFormatter, ScalarFormatter
 
-    require_format(path)
-    figure = new_figure(13.0, 5.6)
+    static.require_format(path)
+    figure = static.new_figure(13.0, 5.6)
     near, band = figure.subplots(1, 2, gridspec_kw={"left": 0.075, "right": 0.985, "top": 0.83, "bottom": 0.14, "wspace": 0.17})
     f = found.frequency
     at = f[int(np.argmax(np.abs(found.exact)))]
@@ -474,8 +463,8 @@ def draw_bias(found: SweepBias, title: str, path: Path, note: str = "", about: s
         axes.set_xlabel("frequency [Hz]", fontsize=10)
         axes.legend(fontsize=9, framealpha=0.9)
         axes.margins(x=0)
-        grid_lines(axes)
-    finish(figure, title, note, path, about)
+        static.grid_lines(axes)
+    static.finish(figure, title, note, path, about)
 
 
 # Condition number of Eqs. 9 to 11, line by line.

@@ -15,32 +15,8 @@ from geometry.frames import Array
 from validation.compare.compare import SENSED, run
 from validation.compare.maps import Map, NamedMode, Pairs
 from validation.estimation.problem import Measured
-from validation.report.charts import interactive
+from validation.report.charts import interactive, spec, static
 from validation.report.charts.interactive import LEGEND_ROOM, TITLE_ROOM, add_entry, dressed, escaped, legend_above
-from validation.report.charts.spec import (
-    ASIDE,
-    BOUNDS,
-    COLOURS,
-    CURVES,
-    FURTHER,
-    INK,
-    MEASURED,
-    PAPER,
-    PREDICTED,
-    Curve,
-    EntryPanel,
-    HeatMap,
-)
-from validation.report.charts.static import (
-    Axes,
-    colour_bar,
-    finish,
-    grid_lines,
-    heat_map,
-    new_figure,
-    require_format,
-    sigmas,
-)
 from validation.report.charts.style import LABELS, unit
 
 if TYPE_CHECKING:
@@ -64,18 +40,20 @@ def entry(load: int, motion: int) -> str:
     return f"H {SIGNS[load]}{SIGNS[motion]}"
 
 
-def entry_of(pairs: Pairs, load: int, motion: int, modes: Sequence[NamedMode], further: Mapping[str, ComplexArray]) -> EntryPanel:
+def entry_of(
+    pairs: Pairs, load: int, motion: int, modes: Sequence[NamedMode], further: Mapping[str, ComplexArray]
+) -> spec.EntryPanel:
     """Measured beside predicted, and what else is predicted by name."""
     f = pairs.frequency
 
-    def curve(name: str, matrix: ComplexArray, role: str, **more: Any) -> Curve:
-        return Curve(name=name, frequency=f, values=matrix[:, load, motion], role=role, **more)
+    def curve(name: str, matrix: ComplexArray, role: str, **more: Any) -> spec.Curve:
+        return spec.Curve(name=name, frequency=f, values=matrix[:, load, motion], role=role, **more)
 
     named = [(one.name, one.frequency) for one in modes if f[0] <= one.frequency <= f[-1]]
-    others = [curve(name, matrix, (FURTHER, ASIDE)[k % 2]) for k, (name, matrix) in enumerate(further.items())]
-    measured = curve("measured, Eqs. 9 to 11", pairs.measured, MEASURED, dots=True)
-    predicted = curve("predicted", pairs.predicted, PREDICTED, expected=pairs.expected[:, load, motion])
-    return EntryPanel(unit=unit(load, motion), curves=(measured, predicted, *others), modes=named)
+    others = [curve(name, matrix, (spec.FURTHER, spec.ASIDE)[k % 2]) for k, (name, matrix) in enumerate(further.items())]
+    measured = curve("measured, Eqs. 9 to 11", pairs.measured, spec.MEASURED, dots=True)
+    predicted = curve("predicted", pairs.predicted, spec.PREDICTED, expected=pairs.expected[:, load, motion])
+    return spec.EntryPanel(unit=unit(load, motion), curves=(measured, predicted, *others), modes=named)
 
 
 SECOND_ROW = 20
@@ -107,7 +85,7 @@ def overlay(
     figure = make_subplots(rows=2, cols=1, shared_xaxes=True, row_heights=[0.68, 0.32], vertical_spacing=0.04)
     add_entry(figure, entry_of(pairs, load, motion, modes, further), 1, 1)
     if marked is not None:
-        figure.add_vline(marked, line={"color": COLOURS["limit"][1], "width": 1.5, "dash": "dash"})
+        figure.add_vline(marked, line={"color": spec.COLOURS["limit"][1], "width": 1.5, "dash": "dash"})
     title = f"{entry(load, motion)} of {pairs.campaign}: {LOADS[load]} by {MOTIONS[motion]}"
     how: dict[str, Any] = {"hovermode": "x unified", "uirevision": escaped(f"{pairs.campaign} {load} {motion}")}
     room = LEGEND_ROOM + (SECOND_ROW if further else 0)
@@ -148,7 +126,7 @@ def diagonal(
 # Accelerances of a test beside those of models: at every drive point the reading there, and the error of all readings.
 
 
-MODELS = (COLOURS[ASIDE][0], CURVES[1], CURVES[2], CURVES[0], *CURVES[3:])
+MODELS = (spec.COLOURS[spec.ASIDE][0], spec.CURVES[1], spec.CURVES[2], spec.CURVES[0], *spec.CURVES[3:])
 SMOOTHED = 0.2
 """[Hz] to either side over which errors are averaged."""
 
@@ -176,29 +154,29 @@ def draw_accelerances(
     ------
     BadInput : the ending of `path` is unknown.
     """
-    require_format(path)
-    figure = new_figure(16.0, 9.2)
+    static.require_format(path)
+    figure = static.new_figure(16.0, 9.2)
     room = {"left": 0.055, "right": 0.985, "top": 0.86, "bottom": 0.1, "hspace": 0.09, "wspace": 0.09}
     panels = figure.subplots(2, len(measured.runs), sharex=True, sharey="row", squeeze=False, gridspec_kw=room)
     for k, name in enumerate(measured.runs):
         upper, lower = panels[:, k]
         f, values = measured.frequency, measured.values[k]
         channel = int(np.argmax(np.abs(values[-len(f) // 10 :]).mean(axis=0)))
-        upper.loglog(f, np.abs(values[:, channel]), color=INK, linewidth=4, alpha=0.25, label="measured")
+        upper.loglog(f, np.abs(values[:, channel]), color=spec.INK, linewidth=4, alpha=0.25, label="measured")
         for model, colour in zip(models, MODELS, strict=False):
             upper.loglog(f, np.abs(model.rows[k][:, channel]), color=colour, linewidth=1.2, label=model.name)
         _dress(upper, f)
         _errors(lower, measured, models, k)
-        upper.set_title(name, fontsize=12, loc="left", color=INK)
+        upper.set_title(name, fontsize=12, loc="left", color=spec.INK)
         lower.set_xlabel("frequency [Hz]", fontsize=10)
     panels[0, 0].set_ylabel("|acceleration / force| [1/kg]", fontsize=10)
     panels[1, 0].set_ylabel("error of all readings [%]", fontsize=10)
     handles, labels = panels[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, fontsize=10, frameon=False, loc="upper right", bbox_to_anchor=(0.985, 0.95), ncols=len(labels))
-    finish(figure, title, note, path, about)
+    static.finish(figure, title, note, path, about)
 
 
-def _errors(axes: Axes, measured: Measured, models: Sequence[DrawnModel], run: int) -> None:
+def _errors(axes: static.Axes, measured: Measured, models: Sequence[DrawnModel], run: int) -> None:
     f, values = measured.frequency, measured.values[run]
     for model, colour in zip(models, MODELS, strict=False):
         error = np.sum(np.abs(values - model.rows[run]) ** 2, axis=1) / np.sum(np.abs(values) ** 2, axis=1)
@@ -209,7 +187,7 @@ def _errors(axes: Axes, measured: Measured, models: Sequence[DrawnModel], run: i
     _dress(axes, f)
 
 
-def _dress(axes: Axes, f: Array) -> None:
+def _dress(axes: static.Axes, f: Array) -> None:
     from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
     axes.set_xlim(f[0], f[-1])
@@ -217,7 +195,7 @@ def _dress(axes: Axes, f: Array) -> None:
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    grid_lines(axes)
+    static.grid_lines(axes)
 
 
 # Maps of sigmas: channels and loads of a run, the 36 pairs of axes, and runs of campaigns.
@@ -235,11 +213,11 @@ def labels(of: Map) -> tuple[str, ...]:
     return tuple(SENSED.get(name, name) for name in of.rows)
 
 
-def channels_of(of: Map, modes: Sequence[NamedMode]) -> list[HeatMap]:
+def channels_of(of: Map, modes: Sequence[NamedMode]) -> list[spec.HeatMap]:
     """A map a run, and one of the worst of all runs; cells of a row that nothing checks stay empty."""
     sigma = np.where(np.isfinite(of.expected), of.sigma, np.nan)
     kinds = [name.partition("-")[0] for name in of.rows[: of.channels]]
-    worst = HeatMap(
+    worst = spec.HeatMap(
         title="the worst of all runs",
         frequency=of.frequency,
         rows=labels(of),
@@ -252,9 +230,9 @@ def channels_of(of: Map, modes: Sequence[NamedMode]) -> list[HeatMap]:
     return [*(replace(worst, title=run(name, axis), values=own) for name, axis, own in runs), worst]
 
 
-def pairs_of(pairs: Pairs, modes: Sequence[NamedMode]) -> HeatMap:
+def pairs_of(pairs: Pairs, modes: Sequence[NamedMode]) -> spec.HeatMap:
     """Predicted beside measured dynamic mass about F: load and base motion over frequency."""
-    return HeatMap(
+    return spec.HeatMap(
         title=f"{pairs.campaign}: dynamic mass, load and base motion",
         frequency=pairs.frequency,
         rows=PAIRS,
@@ -282,23 +260,23 @@ def draw_channels(of: Map, modes: Sequence[NamedMode], path: Path, note: str = "
     ------
     BadInput : the ending of `path` is unknown.
     """
-    require_format(path)
+    static.require_format(path)
     *maps, _ = channels_of(of, modes)
     columns = min(3, len(maps))
     lines, most = -(-len(maps) // columns), len(of.rows)
     height = 1.9 + lines * (0.75 + 0.155 * most)
-    figure = new_figure(15.5, height)
+    figure = static.new_figure(15.5, height)
     room = {"left": 0.085, "right": 0.925, "top": 1 - 1.05 / height, "bottom": 0.85 / height}
     grid = figure.add_gridspec(lines, columns, hspace=0.6 / (0.155 * most + 0.3), wspace=0.06, **room)
     mesh = None
     for k, one in enumerate(maps):
         axes = figure.add_subplot(grid[k // columns, k % columns])
-        mesh = heat_map(axes, one, sigmas())
+        mesh = static.heat_map(axes, one, static.sigmas())
         axes.set_yticks(np.arange(most), one.rows if k % columns == 0 else [""] * most, parse_math=False)
         if k >= len(maps) - columns:
             axes.set_xlabel("frequency [Hz]", fontsize=10)
-    colour_bar(figure, mesh, (0.94, room["bottom"], 0.012, min(room["top"] - room["bottom"], 5.0 / height)))
-    finish(figure, f"{of.data_set}: channels and loads", note, path)
+    static.colour_bar(figure, mesh, (0.94, room["bottom"], 0.012, min(room["top"] - room["bottom"], 5.0 / height)))
+    static.finish(figure, f"{of.data_set}: channels and loads", note, path)
 
 
 def draw_pairs(of: Pairs, modes: Sequence[NamedMode], path: Path, note: str = "") -> None:
@@ -310,23 +288,25 @@ def draw_pairs(of: Pairs, modes: Sequence[NamedMode], path: Path, note: str = ""
     """
     from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap
 
-    require_format(path)
-    figure, one = new_figure(15.5, 8.6), pairs_of(of, modes)
-    blues = LinearSegmentedColormap.from_list("per cent", (PAPER, "#d3e3f3", "#7fb2d8", "#2f72b0", "#0b2f63"), N=len(PERCENT))
+    static.require_format(path)
+    figure, one = static.new_figure(15.5, 8.6), pairs_of(of, modes)
+    blues = LinearSegmentedColormap.from_list(
+        "per cent", (spec.PAPER, "#d3e3f3", "#7fb2d8", "#2f72b0", "#0b2f63"), N=len(PERCENT)
+    )
     shares = (blues, BoundaryNorm(PERCENT, len(PERCENT), extend="max"))
     percent = replace(one, title="in per cent of the dynamic mass", values=of.percent.reshape(len(of.frequency), 36))
     sides = (
-        (0.06, replace(one, title="in sigmas"), sigmas(), BOUNDS, "sigma"),
+        (0.06, replace(one, title="in sigmas"), static.sigmas(), spec.BOUNDS, "sigma"),
         (0.55, percent, shares, PERCENT, "per cent"),
     )
     for left, shown, scale, bounds, name in sides:
         axes = figure.add_axes((left, 0.105, 0.37, 0.755))
-        mesh = heat_map(axes, shown, scale)
+        mesh = static.heat_map(axes, shown, scale)
         axes.set_yticks(np.arange(36), one.rows)
         axes.set_xlabel("frequency [Hz]", fontsize=10)
         axes.set_ylabel("load, base motion", fontsize=10)
-        colour_bar(figure, mesh, (left + 0.385, 0.105, 0.012, 0.6), bounds, name)
-    finish(figure, one.title, note, path)
+        static.colour_bar(figure, mesh, (left + 0.385, 0.105, 0.012, 0.6), bounds, name)
+    static.finish(figure, one.title, note, path)
 
 
 def draw_runs(
@@ -343,24 +323,26 @@ def draw_runs(
     ------
     BadInput : the ending of `path` is unknown.
     """
-    require_format(path)
+    static.require_format(path)
     height = 2.4 + 0.75 * len(rows)
-    figure = new_figure(max(9.0, 4.0 + 1.25 * len(columns)), height)
+    figure = static.new_figure(max(9.0, 4.0 + 1.25 * len(columns)), height)
     room = {"left": 0.2, "right": 0.87, "top": 1 - 1.25 / height, "bottom": 0.75 / height}
     axes = figure.add_subplot(figure.add_gridspec(1, 1, **room)[0])
-    colours, norm = sigmas()
+    colours, norm = static.sigmas()
     axes.set_facecolor("#e9ebef")
-    mesh = axes.pcolormesh(np.ma.masked_invalid(sigma), cmap=colours, norm=norm, edgecolors=PAPER, linewidth=2)
+    mesh = axes.pcolormesh(np.ma.masked_invalid(sigma), cmap=colours, norm=norm, edgecolors=spec.PAPER, linewidth=2)
     for (a, b), worst in np.ndenumerate(sigma):
         if np.isfinite(worst):
             words = f"{worst:.{1 if worst < 100 else 0}f} σ\n{percent[a, b]:.2g} %"
-            axes.text(b + 0.5, a + 0.5, words, ha="center", va="center", fontsize=9.5, color=PAPER if worst >= 10 else INK)
+            axes.text(
+                b + 0.5, a + 0.5, words, ha="center", va="center", fontsize=9.5, color=spec.PAPER if worst >= 10 else spec.INK
+            )
     axes.set_xticks(np.arange(len(columns)) + 0.5, columns, fontsize=9.5, parse_math=False)
     axes.set_yticks(np.arange(len(rows)) + 0.5, rows, fontsize=9.5, parse_math=False)
     axes.xaxis.tick_top()
     axes.invert_yaxis()
-    axes.tick_params(length=0, colors=INK)
+    axes.tick_params(length=0, colors=spec.INK)
     for side in axes.spines.values():
         side.set_visible(False)
-    colour_bar(figure, mesh, (0.9, room["bottom"], 0.015, room["top"] - room["bottom"]))
-    finish(figure, title, note, path)
+    static.colour_bar(figure, mesh, (0.9, room["bottom"], 0.015, room["top"] - room["bottom"]))
+    static.finish(figure, title, note, path)

@@ -3,8 +3,6 @@
 A specification holds data, words and roles. Sizes, fonts and the colour of a role are the renderers' own.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType

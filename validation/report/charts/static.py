@@ -1,7 +1,5 @@
 """Charts drawn into files with matplotlib: what `spec` says, on a page of its own, whole or not at all."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any

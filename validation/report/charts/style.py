@@ -3,8 +3,6 @@
 The rigid body's line is drawn in, since the way a curve leaves it is the whole story, and every resonance is marked.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, count

@@ -1,7 +1,5 @@
 """What a picture of a mode draws: bodies fine enough to bend, with the displacement of every vertex."""
 
-from __future__ import annotations
-
 import json
 import struct
 import textwrap

@@ -1,7 +1,5 @@
 """An article as a picture: its bodies, centre of gravity, principal axes, equivalent ellipsoid, and figures beside them."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Test set-ups as pictures: the sensors of a campaign on its article, and an article that swings on ropes."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
