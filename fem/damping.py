@@ -65,7 +65,25 @@ class Damping:
                 problem = f"a loss factor must be at least 0 and below 2, which is a damping ratio of 1, found {eta:g}"
                 raise _bad(f"loss_factors.{part}", problem, "Give it as a fraction: steel about 0.001, silicone about 0.2")
         if self.modal is not None:
-            _check_matrix(np.asarray(self.modal, dtype=np.float64), "modal")
+            matrix = np.asarray(self.modal, dtype=np.float64)
+            if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not np.all(np.isfinite(matrix)):
+                raise _bad(
+                    "modal", f"a square matrix of finite numbers is needed, found shape {matrix.shape}", "Give one row per mode"
+                )
+            scale = np.abs(matrix).max(initial=0.0)
+            if np.abs(matrix - matrix.T).max(initial=0.0) > ROUNDING * scale:
+                raise _bad(
+                    "modal",
+                    "it must be symmetric, found entries that differ from their mirror",
+                    "Symmetrise it, or leave gyroscopics out",
+                )
+            lowest = np.linalg.eigvalsh(matrix).min(initial=0.0)
+            if lowest < -ROUNDING * scale:
+                raise _bad(
+                    "modal",
+                    f"it must not feed energy in, found a negative eigenvalue {lowest:g} rad/s",
+                    "Check the signs of its entries",
+                )
         if self.viscous is not None:
             _check_sparse(self.viscous)
 
@@ -178,21 +196,6 @@ def _require_losses(matrix: Array, scale: Array, name: str) -> None:
 
 def _symmetric(matrix: Array) -> Array:
     return np.asarray((matrix + matrix.T) / 2)
-
-
-def _check_matrix(matrix: Array, name: str) -> None:
-    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not np.all(np.isfinite(matrix)):
-        raise _bad(name, f"a square matrix of finite numbers is needed, found shape {matrix.shape}", "Give one row per mode")
-    scale = np.abs(matrix).max(initial=0.0)
-    if np.abs(matrix - matrix.T).max(initial=0.0) > ROUNDING * scale:
-        raise _bad(
-            name, "it must be symmetric, found entries that differ from their mirror", "Symmetrise it, or leave gyroscopics out"
-        )
-    lowest = np.linalg.eigvalsh(matrix).min(initial=0.0)
-    if lowest < -ROUNDING * scale:
-        raise _bad(
-            name, f"it must not feed energy in, found a negative eigenvalue {lowest:g} rad/s", "Check the signs of its entries"
-        )
 
 
 def _check_sparse(matrix: Any) -> None:

@@ -208,16 +208,6 @@ class Structure:
         return chosen
 
 
-def rooted(block: str, mean: Array, covariance: Array) -> Body:
-    """A body known to be `mean` (10,) with `covariance` (10, 10): z is of unit variance, as long as the covariance has rank."""
-    scale = np.sqrt(np.diag(covariance))
-    safe = np.where(scale > 0, scale, 1.0)
-    values, vectors = np.linalg.eigh(covariance / np.outer(safe, safe))
-    kept = values > 1e-12 * max(float(values[-1]), 1e-300) if np.any(scale > 0) else np.zeros(10, dtype=bool)
-    root = safe[:, None] * vectors[:, kept] * np.sqrt(values[kept])
-    return Body(block=block if np.any(kept) else "", mean=mean, root=root)
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Part:
     """One campaign.
@@ -483,7 +473,14 @@ def assembled(evidence: Evidence, settings: Settings) -> Assembly:
 
 def _rooted(name: str, known: Known, blocks: list[Block]) -> Body:
     """What stood in a tare, or the FMD from before; what is not exact of it is added to `blocks`."""
-    body = rooted(name, known.inertia.parameters, known.covariance)
+    # A body known to be `known.inertia.parameters` (10,) with `known.covariance` (10, 10): z is of unit variance, as long as the
+    # covariance has rank
+    scale = np.sqrt(np.diag(known.covariance))
+    safe = np.where(scale > 0, scale, 1.0)
+    values, vectors = np.linalg.eigh(known.covariance / np.outer(safe, safe))
+    kept = values > 1e-12 * max(float(values[-1]), 1e-300) if np.any(scale > 0) else np.zeros(10, dtype=bool)
+    root = safe[:, None] * vectors[:, kept] * np.sqrt(values[kept])
+    body = Body(block=name if np.any(kept) else "", mean=known.inertia.parameters, root=root)
     if body.block:
         names = [f"{name}[{k}]" for k in range(body.root.shape[1])]
         blocks.append(block(name, names, np.zeros(len(names)), deviation=1.0, families="tare"))

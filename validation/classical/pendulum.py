@@ -105,7 +105,13 @@ def tensor_from_axes(
     ------
     BadInput : the axes cannot see all `components`; the message names those that are not observable.
     """
-    A = _weights(axes, components)
+    # What a moment about each of `axes` has of each of the `components`, (n, k)
+    rows = []
+    for axis in np.asarray(axes):
+        length = sum(component**2 for component in axis) ** 0.5
+        n = dict(zip("xyz", (component / length for component in axis), strict=True))
+        rows.append([n[two[0]] * n[two[1]] * (1 if two[0] == two[1] else 2) for two in components])
+    A = np.array(rows)
     A0, b, b0 = _nominal(A), np.array(moments, dtype=object), _nominal(moments)
     if unseen := _unseen(A0, components):
         raise BadInput(
@@ -151,16 +157,6 @@ def meeting_point(normals: npt.ArrayLike, offsets: Sequence[UFloat], source: str
         corners.append(((c * m[1] - d * n[1]) / determinant, (n[0] * d - m[0] * c) / determinant))
     x, z = (sum(corner[i] for corner in corners) / len(corners) for i in (0, 1))
     return x, z
-
-
-def _weights(axes: npt.ArrayLike, components: Sequence[str]) -> Any:
-    """What a moment about each of `axes` has of each of the `components`, (n, k)."""
-    rows = []
-    for axis in np.asarray(axes):
-        length = sum(component**2 for component in axis) ** 0.5
-        n = dict(zip("xyz", (component / length for component in axis), strict=True))
-        rows.append([n[two[0]] * n[two[1]] * (1 if two[0] == two[1] else 2) for two in components])
-    return np.array(rows)
 
 
 def _nominal(values: Any) -> Array:
@@ -705,7 +701,23 @@ def _period(entry: Fields) -> tuple[UFloat, Decay | None, tuple[str, ...]]:
         raise entry.refused("period", f"the period must be given in one way, found {', '.join(ways) or 'none'}", remedy)
     source = f"{entry.source}: {entry.place}"
     if ways == ["signal"]:
-        decay = from_signal(*_record(entry), source)
+        path = Path(entry.source).parent / entry.text("signal")
+        if not path.is_file():
+            raise entry.refused("signal", f"no file {path}", "The path is relative to the measurement file")
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # an empty file is refused below, in words
+                columns = np.genfromtxt(path, delimiter=",", comments="#", dtype=np.float64)
+        except (ValueError, UnicodeDecodeError) as error:
+            why = str(error).splitlines()[0]
+            raise entry.refused("signal", f"{path} is no table of numbers ({why})", "Two columns, comma between") from None
+        if columns.ndim == 2 and np.all(np.isnan(columns[0])):
+            columns = columns[1:]  # a line of headings
+        if columns.ndim != 2 or columns.shape[1] != 2:
+            raise entry.refused(
+                "signal", f"{path} has shape {columns.shape}", "Two columns, time in s and the signal, comma between"
+            )
+        decay = from_signal(columns[:, 0], columns[:, 1], source)
         return decay.period, decay, decay.notes
     if ways == ["period"]:
         return entry.positive("period", "time"), None, ()
@@ -717,24 +729,6 @@ def _period(entry: Fields) -> tuple[UFloat, Decay | None, tuple[str, ...]]:
         raise entry.refused("times", f"a list is expected, found {texts!r}", 'Write ["0.0 +/- 0.1 s", "3.1 +/- 0.1 s", ...]')
     times = [quantity(text, "time", source=entry.source, field=entry.path("times"), name="passage times") for text in texts]
     return from_times(times, source), None, ()
-
-
-def _record(entry: Fields) -> tuple[Any, Any]:
-    path = Path(entry.source).parent / entry.text("signal")
-    if not path.is_file():
-        raise entry.refused("signal", f"no file {path}", "The path is relative to the measurement file")
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # an empty file is refused below, in words
-            columns = np.genfromtxt(path, delimiter=",", comments="#", dtype=np.float64)
-    except (ValueError, UnicodeDecodeError) as error:
-        why = str(error).splitlines()[0]
-        raise entry.refused("signal", f"{path} is no table of numbers ({why})", "Two columns, comma between") from None
-    if columns.ndim == 2 and np.all(np.isnan(columns[0])):
-        columns = columns[1:]  # a line of headings
-    if columns.ndim != 2 or columns.shape[1] != 2:
-        raise entry.refused("signal", f"{path} has shape {columns.shape}", "Two columns, time in s and the signal, comma between")
-    return columns[:, 0], columns[:, 1]
 
 
 def _axis(entry: Fields) -> tuple[float, ...]:

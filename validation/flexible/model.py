@@ -181,7 +181,20 @@ def flexible(name: str, model: str, asked: FlexibleOptions) -> Flexible:
     BadInput : no such article or model, or one that this model cannot describe.
     """
     if require_model(name, model) == OWN:
-        return _own(model if is_model(model) else name, asked)
+        # The model in a user's own file
+        path = model if is_model(model) else name
+        own_found = load(path)
+        if isinstance(own_found.model, Modes):
+            own_modes = _damped(own_found.model, asked.damping)
+            return Flexible(article=own_found.name, model=OWN, modes=own_modes, notes=("Modal data as they were given.",))
+        try:
+            return _solved(own_found.name, OWN, own_found.model, None, replace(asked, damping=asked.damping or own_found.damping))
+        except BadInput as error:
+            if asked.damping is not None or error.source != "damping":
+                raise
+            raise BadInput(
+                source=path, field=error.field, problem=error.problem, remedy=error.remedy
+            ) from None  # it is the file's
     if model == "solid":
         from fem.solid import model as solid
         from geometry import user_article
@@ -223,20 +236,6 @@ def _damped(modes: Modes, damping: Damping | None) -> Modes:
     C = damping_per_mode(damping, omega)
     ratio = equivalent_ratio(C, np.zeros_like(C), omega)
     return replace(modes, viscous=C, structural=np.zeros_like(C), damping_ratio=ratio, condensed=None)
-
-
-def _own(path: str, asked: FlexibleOptions) -> Flexible:
-    """The model in a user's own file."""
-    found = load(path)
-    if isinstance(found.model, Modes):
-        modes = _damped(found.model, asked.damping)
-        return Flexible(article=found.name, model=OWN, modes=modes, notes=("Modal data as they were given.",))
-    try:
-        return _solved(found.name, OWN, found.model, None, replace(asked, damping=asked.damping or found.damping))
-    except BadInput as error:
-        if asked.damping is not None or error.source != "damping":
-            raise
-        raise BadInput(source=path, field=error.field, problem=error.problem, remedy=error.remedy) from None  # it is the file's
 
 
 def _solved(name: str, model: str, structure: Structure, drawn: Article | UserArticle | None, asked: FlexibleOptions) -> Flexible:

@@ -46,14 +46,6 @@ def grids(summary: Summary) -> list[Grid]:
         )
         for what, one in summary.verdicts.items()
     )
-    return [
-        _channels(campaign, summary),
-        *_runs(campaign, summary),
-        Grid(header=told, lines=verdicts, words=True),
-    ]
-
-
-def _channels(campaign: Campaign, summary: Summary) -> Grid:
     header = ("channel", "group", "in files", "at, from F [mm]", "along", "noise stated", "noise found", "remarks")
     found = [None] * len(campaign.table) if summary.noise is None else summary.noise.tolist()
     lines = []
@@ -73,7 +65,11 @@ def _channels(campaign: Campaign, summary: Summary) -> Grid:
         }
         remarked = ", ".join(words for words, true in remarks.items() if true) or NONE
         lines.append((channel.name, channel.group, channel.unit, " + ".join(places), along, *noise, remarked))
-    return Grid(header=header, lines=tuple(lines), words=True)
+    return [
+        Grid(header=header, lines=tuple(lines), words=True),
+        *_runs(campaign, summary),
+        Grid(header=told, lines=verdicts, words=True),
+    ]
 
 
 def _point(values: Array, form: str) -> str:

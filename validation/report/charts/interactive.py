@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
+from functools import cache
 from itertools import pairwise
 from math import ceil, floor, log10
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -53,6 +54,7 @@ TITLE_ROOM, LEGEND_ROOM = 46, 32
 """[pixels] above the panels, and what a legend there adds."""
 
 
+@cache
 def template(dark: bool) -> Template:
     """What makes a figure light or `dark`."""
     from plotly import graph_objects as go
@@ -334,12 +336,11 @@ def library() -> str:
 
 def figure_json(figure: Figure) -> str:
     """`figure` as JSON without its template, which a page has once for all of them."""
-    from plotly import graph_objects as go
-    from plotly.io import to_json
+    from plotly.io.json import to_json_plotly
 
-    bare = go.Figure(figure)
-    bare.layout.template = None
-    return str(to_json(bare, validate=False))
+    bare = figure.to_dict()
+    del bare["layout"]["template"]
+    return str(to_json_plotly(bare))
 
 
 def template_json(dark: bool) -> str:
