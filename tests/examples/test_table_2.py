@@ -105,6 +105,7 @@ def test_evidence_is_the_integral_over_the_size(program: dict[str, Any], one_sid
     assert_allclose(tried.log_evidence[0], expected, rtol=1e-6)  # of the quadrature
 
 
+@pytest.mark.proof
 def test_information_is_all_the_doubt_where_predictions_lie_apart_and_none_where_they_agree(
     program: dict[str, Any], story: Any
 ) -> None:

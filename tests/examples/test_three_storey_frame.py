@@ -158,6 +158,7 @@ def test_the_mass_line_finds_the_mass_of_a_model_without_error(program: dict[str
     assert np.all(line["alone"] < 0.97 * program["MASS"])
 
 
+@pytest.mark.proof
 def test_every_fit_that_is_compared_ends_by_itself_and_would_not_gain_a_nat_by_beginning_again(rungs: dict[str, Any]) -> None:
     for name, one in rungs.items():
         found = one.evaluation

@@ -357,6 +357,7 @@ def test_every_family_is_drawn_but_that_of_layers_which_four_blades_alone_have()
     assert sorted(family(one) for one in chosen() if one.kind == SINGLE) == PLANTED_FAMILIES
 
 
+@pytest.mark.proof
 def test_nothing_one_effect_a_pair_and_the_unknown_are_told_apart(tmp_path: Path) -> None:
     """All claims in one test: the cases are dear, and two processes that share the suite would each diagnose them."""
     first = {one.kind: one for one in reversed(chosen())}

@@ -491,6 +491,7 @@ def test_from_where_tolerances_have_paid_no_step_leads_there_and_from_home_one_d
     assert restarted.fit.cost < min(stuck.fit.cost, paid.fit.cost) - 1000
 
 
+@pytest.mark.proof
 def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(soft: Study, paid: Candidate) -> None:
     said: list[str] = []
     explained, rounds = stepwise_search(soft, paid, candidates(soft, only=[TORSION]), lambda what, share: said.append(what))
