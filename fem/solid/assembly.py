@@ -139,15 +139,25 @@ def assemble(mesh: SolidMesh, materials: Mapping[str, Material]) -> Matrices:
         for cells, mapping in _mappings(mesh, own):
             volume = np.abs(np.linalg.det(mapping)) * W  # (c, q) at the quadrature points
             gradients = np.einsum("cqji,jkq->cikq", np.linalg.inv(mapping), reference, optimize=True)
-            weighted = gradients * volume[:, None, None, :]
-            pairs = np.array([[a @ b.transpose(0, 2, 1) for b in gradients.swapaxes(0, 1)] for a in weighted.swapaxes(0, 1)])
-            stiffness = np.einsum("ijcab->caibj", lam * pairs) + np.einsum("jicab->caibj", mu * pairs)  # (c, k, 3, k, 3)
-            stiffness[:, :, range(3), :, range(3)] += mu * np.einsum("iicab->cab", pairs)
-            K += _scattered(mesh, cells, stiffness)
-            scalar = materials[name].density * np.einsum("aq,cq,bq->cab", values, volume, values, optimize=True)
-            M += _scattered(mesh, cells, np.einsum("cab,ij->caibj", scalar, np.eye(3)))
+            K += _scattered(mesh, cells, _stiffness(gradients, volume, lam, mu))
+            M += _scattered(mesh, cells, _mass(values, volume, materials[name].density))
         shares[name], mass = K, mass + M
     return Matrices(stiffness=sum(shares.values(), _zero(mesh)), mass=mass, part_stiffness=shares)
+
+
+def _stiffness(gradients: Array, volume: Array, lam: float, mu: float) -> Array:
+    """Isotropic elasticity: lam div u div v + 2 mu sym(grad u) : sym(grad v) over each cell, (c, k, 3, k, 3)."""
+    weighted = gradients * volume[:, None, None, :]
+    pairs = np.array([[a @ b.transpose(0, 2, 1) for b in gradients.swapaxes(0, 1)] for a in weighted.swapaxes(0, 1)])
+    blocks = np.einsum("ijcab->caibj", lam * pairs) + np.einsum("jicab->caibj", mu * pairs)
+    blocks[:, :, range(3), :, range(3)] += mu * np.einsum("iicab->cab", pairs)
+    return np.asarray(blocks)
+
+
+def _mass(values: Array, volume: Array, density: float) -> Array:
+    """Density times u . v over each cell, (c, k, 3, k, 3)."""
+    scalar = density * np.einsum("aq,cq,bq->cab", values, volume, values, optimize=True)
+    return np.asarray(np.einsum("cab,ij->caibj", scalar, np.eye(3)))
 
 
 def lame(material: Material, part: str = "part") -> tuple[float, float]:

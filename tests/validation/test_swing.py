@@ -289,7 +289,7 @@ def test_what_a_refusal_advises_passes_the_door(
     def passed(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(rope_pendulum, "build", passed)
+    monkeypatch.setattr(rope_pendulum._RopeBuilder, "build", passed)
     _, _, err = run("swing", "clumod-4", *words)
     advice = re.search(r"(?:[Uu]se an EA of|[Uu]se|[Rr]ecord(?: at)?|[Gg]ive(?: well below)?) (\d[\d.e+-]*)", err)
     assert advice is not None, err

@@ -673,7 +673,8 @@ async def diagnosing_shown(window: WindowState) -> None:
         return
     detectable = [(one.id, one.id.partition(":")[0], one) for one in found.detectable if isfinite(one.size)]
     state.verdict = {
-        **found.sentences,
+        "headline": found.sentences["headline"],
+        "text": found.sentences["text"],
         "next": found.next_measurement,
         "leftover": found.left or "",
         "detectable": [{"id": id, "size": practical_units.one(family, "", one.unit, one.size)} for id, family, one in detectable],
@@ -689,12 +690,12 @@ async def diagnosing_shown(window: WindowState) -> None:
     lengths = signed_log(np.minimum([one.evidence if isfinite(one.evidence) else np.inf for one, _ in order], 1e9))
     most = max(float(lengths.max(initial=0.0)), 1e-9)
     state.ranking = [
-        {**_cause(one, found), "share": round(100 * max(length, 0.0) / most, 1), "step": number}
+        _cause(one, found, round(100 * max(length, 0.0) / most, 1)) | {"step": number}
         for (one, number), length in zip(order, lengths, strict=True)
     ]
 
 
-def _cause(one: Cause, found: Diagnosis) -> dict[str, Any]:
+def _cause(one: Cause, found: Diagnosis, share: float) -> dict[str, Any]:
     alike = one.id in found.equivalence_class and len(found.equivalence_class) > 1
     if one.id in {accepted.id for accepted in found.accepted}:
         standing = ACCEPTED + (", as one of several that the data cannot tell apart" if alike else "")
@@ -723,6 +724,7 @@ def _cause(one: Cause, found: Diagnosis) -> dict[str, Any]:
         "tone": tone,
         "size": "; ".join(sized(one, size) for size in one.sizes),
         "nats": f"{one.evidence:+.1f}" if isfinite(one.evidence) else "more than can be counted",
+        "share": share,
         "interval": interval,
     }
 

@@ -25,12 +25,13 @@ class Curves:
 
     Attributes
     ----------
+    article : as it was asked for; in JSON by the name that its model has
     about : name of the reference point
     rigid : (6, 6) rigid mass matrix about it, of the first model
     apart : how far each further model is from the first
     """
 
-    article: str
+    article: str = unwritten()
     about: str = unwritten()
     models: tuple[Flexible, ...] = unwritten()
     masses: tuple[DynamicMass, ...] = unwritten()
@@ -50,6 +51,7 @@ class Curves:
         H = self.masses[0]
         compared = {"against": self.models[1].model, "apart": self.apart[0]} if self.apart else {}
         return {
+            "article": self.models[0].article,
             "model": self.models[0].model,
             "frequency_hz": H.frequency,
             "re": H.matrix.real,

@@ -505,7 +505,7 @@ def print_to(page: Path, path: Path, program: str) -> None:
 
 PROGRAMS = (
     *("massline", "numpy", "scipy", "plotly", "pyvista", "vtk", "matplotlib", "exudyn", "pin", "cadquery", "cadquery-ocp"),
-    *("trimesh", "gmsh", "scikit-fem", "h5py", "libigl", "networkx", "pillow", "pint", "pyuff", "pyyeti", "tomlkit"),
+    *("trimesh", "gmsh", "scikit-fem", "h5py", "joblib", "libigl", "networkx", "pillow", "pint", "pyuff", "pyyeti", "tomlkit"),
     "uncertainties",
 )
 """Whose versions stand in the report, beside Python's: every library that reads, computes or draws what is on it."""

@@ -25,7 +25,6 @@ from validation.report import diagnose
 from validation.report import diagnose as report_diagnose
 from validation.report.charts import static
 from validation.report.diagnose import grid, rows
-from validation.report.document import page
 from validation.study import Study
 
 # What an engineer reads: the page of every verdict, line by line.
@@ -38,8 +37,7 @@ Made = Callable[[str], Diagnosis]
 
 
 def printed(found: Diagnosis, width: int = WIDTH) -> str:
-    named = diagnose.diagnosis_title("model.toml", ("cuboid", "clumod-1"))
-    return page(named, diagnose.diagnosis_grids(found), diagnose.diagnosis_notes(found), width, diagnose.diagnosis_opening(found))
+    return replace(diagnose.document(found), title=diagnose.title("model.toml", ("cuboid", "clumod-1"))).text(width)
 
 
 @pytest.mark.parametrize("verdict", VERDICTS)
@@ -63,7 +61,7 @@ def test_no_line_is_longer_than_the_terminal(verdict: str, made: Made) -> None:
 def test_a_text_that_repeats_the_sentence_is_not_said_twice(made: Made) -> None:
     found = made("missing")
     once = replace(found, text=diagnosis.headline(found))
-    assert list(diagnose.diagnosis_opening(once)) == [diagnosis.headline(found)]
+    assert diagnose.document(once).opening == (diagnosis.headline(found),)
 
 
 def test_what_was_accepted_before_a_class_of_several_is_named_as_certain(made: Made) -> None:
@@ -178,7 +176,7 @@ def test_what_an_earlier_round_fitted_is_not_said_to_be_unfitted(made: Made) -> 
     (other, *_) = made("missing").accepted
     step = ReportedStep(added=other.id, ranking=(other,), misfit=1.0, price=1.0, text="")
     found = replace(several, ranking=(), equivalence_class=(other.id, "force-gain:fmd-z4"), steps=(step,))
-    fitted, unfitted = report_diagnose.alike(found).lines
+    fitted, unfitted = report_diagnose.DiagnosisPage(found=found).alike().lines
     assert "was not fitted" not in fitted[1]
     assert f"{other.evidence:+.1f} nats" in fitted[1]
     assert "was not fitted" in unfitted[1]
@@ -186,7 +184,8 @@ def test_what_an_earlier_round_fitted_is_not_said_to_be_unfitted(made: Made) -> 
 
 @pytest.mark.parametrize(("verdict", "told"), [("nonlinear", False), ("mistake", False), ("missing", True)])
 def test_evidence_gained_is_told_of_fits_only(verdict: str, told: bool, made: Made) -> None:
-    assert any(line[0].startswith("evidence gained") for line in report_diagnose.errors(made(verdict)).lines) == told
+    errors = report_diagnose.DiagnosisPage(found=made(verdict)).errors()
+    assert any(line[0].startswith("evidence gained") for line in errors.lines) == told
 
 
 def test_two_levels_and_a_mistake_are_told_together_and_before_is_the_model_as_it_was(
