@@ -220,7 +220,7 @@ def test_a_joint_on_ports_acts_in_exudyn_as_in_our_frame(member: str) -> None:
 
 
 def test_dynamic_mass_of_a_rigid_article_is_its_inertia() -> None:
-    H = modal(linear.modes("fmd"), [4.0, 32.0]).matrix
+    H = linear.dynamic_mass("fmd", [4.0, 32.0]).matrix
     assert_allclose(H, np.array(2 * [drawn_inertia(built_in("fmd")).mass_matrix]), rtol=0, atol=1e-12)
 
 
