@@ -122,11 +122,11 @@ def linearise(plan: Plan, count: int) -> Linearised:
 
 
 def linearise_body(system: MainSystem, count: int) -> Linearised:
-    """Let exudyn linearise a body without joints whose first six coordinates are its base, and find its lowest `count` modes.
+    """Let exudyn linearise a `system` without joints whose first six coordinates are its base, and find its lowest `count` modes.
 
     Raises
     ------
-    CheckFailed : exudyn failed, or a result is not finite.
+    CheckFailed : exudyn failed, a result is not finite, or a mode has no stiffness.
     """
     task = "linearise the flexible body"
     with running(task):
@@ -372,3 +372,44 @@ def modes_of_solid(structure: Structure, count: int = 30) -> Modes:
 def _require_some(count: int) -> None:
     if count < 1:
         raise BadInput(source="modes", field="count", problem=f"at least one mode is needed, found {count}", remedy="Ask for 30")
+
+
+# Plumbing: our reduced matrices put into exudyn as they are.
+#
+# Six rigid motions of the base come first, fixed-base modes after them, as Craig and Bampton order them. Exudyn adds nothing but
+# its own reading of them, so that agreement says that they arrived - not that they are right. It is how a reduced article gets
+# into a larger multibody system.
+
+
+def placed(stiffness: npt.ArrayLike, mass: npt.ArrayLike, damping: npt.ArrayLike | None = None) -> tuple[Any, MainSystem]:
+    """Exudyn's container and assembled system with one `ObjectGenericODE2` of these (6 + n, 6 + n) matrices, the base free.
+
+    Raises
+    ------
+    CheckFailed : exudyn refused them.
+    """
+    K, M = np.asarray(stiffness, dtype=np.float64), np.asarray(mass, dtype=np.float64)
+    C = np.zeros_like(K) if damping is None else np.asarray(damping, dtype=np.float64)
+    with running("take reduced matrices") as exudyn:
+        from exudyn import itemInterface
+
+        items: Any = itemInterface
+        container = exudyn.SystemContainer()
+        system = container.AddSystem()
+        rest = {name: [0.0] * len(M) for name in ("referenceCoordinates", "initialCoordinates", "initialCoordinates_t")}
+        node = system.AddNode(items.NodeGenericODE2(numberOfODE2Coordinates=len(M), **rest))
+        item = items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=M, stiffnessMatrix=K, dampingMatrix=C)
+        system.AddObject(item)
+        system.Assemble()
+    return container, system
+
+
+def linearised(stiffness: npt.ArrayLike, mass: npt.ArrayLike) -> Linearised:
+    """What exudyn makes of reduced matrices (6 + n, 6 + n): its linearised system, and all modes with the base held.
+
+    Raises
+    ------
+    CheckFailed : exudyn refused them, or they hold a mode without stiffness.
+    """
+    _container, system = placed(stiffness, mass)
+    return linearise_body(system, len(np.asarray(mass)) - BASE)
