@@ -13,10 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from fem.damping import Damping
 from fem.factorisers import factorise
-from fem.modes import Modes
-from fem.structure import Sparse
-from geometry.dynamic_mass import DynamicMass
+from fem.modes import Modes, fixed_base
+from fem.structure import Sparse, Structure
+from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.frames import Array, freeze
 
 
@@ -40,6 +41,23 @@ class Reduced:
         size = np.shape(self.mass)[0]
         square = (size, size)
         freeze(self, stiffness=square, mass=square, viscous=square, structural=square, basis=(np.shape(self.basis)[0], size))
+
+    def expand(self, coordinates: Array | ComplexArray) -> Array | ComplexArray:
+        """Displacement of all degrees of freedom (N, ...) from the reduced coordinates (6 + n, ...)."""
+        displacement: Array | ComplexArray = self.basis @ coordinates
+        return displacement
+
+
+def craig_bampton(
+    structure: Structure, count: int = 30, *, damping: Damping | None = None, factoriser: str | None = None
+) -> Reduced:
+    """`structure` on the six motions of its base and its `count` lowest fixed-base modes.
+
+    Raises
+    ------
+    BadInput, CheckFailed : as `fem.modes.fixed_base`.
+    """
+    return of_modes(fixed_base(structure, count, damping=damping, factoriser=factoriser), structure.rigid)
 
 
 def of_modes(modes: Modes, rigid: Array) -> Reduced:

@@ -279,6 +279,12 @@ def from_occ(shape: OccShape, density: float) -> Inertia:
     )
 
 
+def to_occ(inertia: Inertia) -> tuple[float, tuple[float, float, float], tuple[tuple[float, ...], ...]]:
+    """Mass [kg], CoG [mm] and tensor about the CoG [kg mm²] as nested tuples: what a CAD's mass-property sheet lists."""
+    x, y, z = (inertia.cog / MM).tolist()
+    return inertia.mass, (x, y, z), tuple(tuple(row) for row in (inertia.tensor_cog / MM**2).tolist())
+
+
 def overlaps(article: Article) -> dict[tuple[str, str], float]:
     """Pairs of parts that share volume, and how much [m³], by intersecting their B-reps.
 

@@ -449,6 +449,24 @@ def _unreadable(ending: str, why: str, source: str) -> BadInput:
 # is told.
 
 
+class MassProperties(NamedTuple):
+    """Mass properties as trimesh has them: `mass` [kg], `center_mass` (3,) [m], `inertia` (3, 3) [kg m²] about it."""
+
+    mass: float
+    center_mass: Array
+    inertia: Array
+
+
+def from_trimesh(mass: float, center_mass: npt.ArrayLike, inertia: npt.ArrayLike) -> Inertia:
+    """From trimesh's mass [kg], centre of mass (3,) [m] and tensor (3, 3) [kg m²] about it; the result is about the origin."""
+    return Inertia.from_cog(mass, center_mass, inertia)
+
+
+def to_trimesh(inertia: Inertia) -> MassProperties:
+    """Mass, centre of mass and the tensor about it, as trimesh has them; the mass must not be zero."""
+    return MassProperties(mass=inertia.mass, center_mass=inertia.cog, inertia=inertia.tensor_cog)
+
+
 def inertia(mesh: TriangleMesh, density: float, source: str, unit: LengthUnit = METRE) -> Inertia:
     """Inertia about the mesh's origin of the body within `mesh`, of `density` [kg/m³].
 
@@ -469,4 +487,4 @@ def inertia_unchecked(mesh: TriangleMesh, density: float) -> Inertia:
 
     middle = mesh.bounds.mean(axis=0)  # integrated about its middle, so that a body far from the origin loses no digits
     found: Any = mass_properties(mesh.triangles - middle, density=density)
-    return Inertia.from_cog(found.mass, found.center_mass, found.inertia).moved(middle)
+    return from_trimesh(found.mass, found.center_mass, found.inertia).moved(middle)

@@ -15,16 +15,17 @@ import numpy as np
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
+from geometry.inertia import Inertia
 from identification import dynamic_mass
 from identification.base_motion import BaseMotion, Exclusions, Resultants, base_motion, resultants
 from identification.campaign import Campaign, problems_of_runs
 from identification.consistency import Finding
 from identification.dynamic_mass import CrossMotion, Estimate, from_runs
-from identification.plain import plain
-from identification.request import Evidence, Identified, Known, Request, Settings, evidence_of, settings_of
+from identification.plain import covariance_of, of_tares, plain, tolerances_of
+from identification.request import Evidence, Identified, Known, Request, Settings, TareSpectra, evidence_of, settings_of
 from identification.self_calibration.fit import calibrated, fitted, identified
 from identification.self_calibration.likelihood import Rows, normal
-from identification.self_calibration.problem import Assembly, Part, assembled
+from identification.self_calibration.problem import Assembly, Part, assembled, of_fmd
 from identification.self_calibration.solve import inverse
 from identification.spectra.line_spectra import Spectra
 from identification.spectra.of_campaign import spectra
@@ -305,6 +306,39 @@ def _information(one: _At, blind: str | None = None) -> Array:
         weight[:, :, one.part.chain.names.index(blind)] = 0.0
         observed = replace(observed, weight=weight)
     return np.asarray(one.selection.T @ normal(observed, one.rows).matrix @ one.selection)
+
+
+# The FMD by itself, to be carried with its covariance into what is identified later (`Evidence.fmd`).
+
+_DEFAULT = Settings()
+
+
+def fmd(
+    tares: Sequence[TareSpectra],
+    settings: Settings = _DEFAULT,
+    *,
+    self_calibrated: bool = True,
+    progress: Callable[[float], None] | None = None,
+) -> Known:
+    """The FMD's ten parameters about F from `tares`, self-calibrated or by Eqs. 6 to 11, with their covariance.
+
+    Raises
+    ------
+    BadInput : no tare, or tares of different hardware.
+    """
+    if not tares:
+        raise BadInput(source="tare", field="tares", problem="the FMD needs a campaign on a known article", remedy="Add one")
+    stated = sorted({tare.hardware for tare in tares if tare.hardware})
+    if len(stated) > 1:
+        problem = f"one FMD is asked for, found campaigns of {', '.join(stated)}"
+        raise BadInput(source="tare", field="campaign.hardware", problem=problem, remedy="Give those of one hardware")
+    if self_calibrated:
+        joint = of_fmd(tares, settings)
+        found = identified(joint, fitted(joint, settings, progress=progress), settings)
+        return Known(inertia=found.inertia, covariance=found.covariance)
+    by_paper = of_tares(list(tares), settings)
+    tolerances = tolerances_of(tares[0].spectra, settings)
+    return Known(inertia=Inertia(parameters=by_paper.ten), covariance=covariance_of(by_paper, tolerances))
 
 
 # Whether the data bear the figures that came out of them: what contradicts itself is said before any interval.

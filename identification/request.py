@@ -237,7 +237,7 @@ class Evidence:
     ----------
     article : spectra of the article on the FMD
     tares : campaigns on known articles, none at all where the result is to include the FMD or `fmd` is given
-    fmd : what is known of the FMD from before (a model file); None where only the tares tell it
+    fmd : what is known of the FMD from before (`identification.identify.fmd`, a model file); None where only the tares tell it
     facts : classical results on the article
     hardware : id of FMD and sensors of the article's campaign
     """

@@ -11,11 +11,13 @@ from fem.beam import articles
 from fem.beam.articles import Joint
 from fem.beam.frame import Plan
 from fem.damping import DEFAULT_RATIO
+from fem.dynamic_mass import LINES, modal
 from fem.exudyn import frame
 from fem.exudyn.frame import lossy, refined
 from fem.exudyn.run import failed, finite, running
 from fem.modes import Condensed, Modes
-from fem.structure import rigid_motion
+from fem.structure import Structure, rigid_motion
+from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers, freeze
 
@@ -119,6 +121,30 @@ def linearise(plan: Plan, count: int) -> Linearised:
     return result
 
 
+def linearise_body(system: MainSystem, count: int) -> Linearised:
+    """Let exudyn linearise a `system` without joints whose first six coordinates are its base, and find its lowest `count` modes.
+
+    Raises
+    ------
+    CheckFailed : exudyn failed, a result is not finite, or a mode has no stiffness.
+    """
+    task = "linearise the flexible body"
+    with running(task):
+        mass, stiffness, _damping = system.ComputeLinearizedSystem()
+        # Without a number of modes exudyn returns no shapes at all; with absolute values it makes a frequency of an instability.
+        squares, shapes = system.ComputeODE2Eigenvalues(
+            constrainedCoordinates=list(range(BASE)), numberOfEigenvalues=count, useAbsoluteValues=False
+        )
+    return Linearised(
+        mass=finite(mass, task),
+        stiffness=finite(stiffness, task),
+        constraints=np.zeros((len(mass), 0)),
+        rigid=np.eye(len(mass), BASE),
+        frequency=_frequencies(squares, task),
+        shapes=finite(shapes, task),
+    )
+
+
 def stiffness_of(plan: Plan) -> Array:
     """The (n, n) stiffness of `plan` by exudyn.
 
@@ -159,20 +185,22 @@ WINDOW = 0.3
 """How far in frequency, relative, coarse modes may lie to be taken for a fine one."""
 
 
-def extrapolated(coarse: Linearised, fine: Linearised, lossy: Array, reference_point: Array, count: int) -> Modes:
+def extrapolated(coarse: Linearised | None, fine: Linearised, lossy: Array, reference_point: Array, count: int) -> Modes:
     """The lowest `count` modes that `coarse` and `fine` lead to; `lossy` (n, n) is the sum of eta_p K_p in those of `fine`.
 
-    The nodes of the plan of `coarse` come first in that of `fine`.
+    The nodes of the plan of `coarse` come first in that of `fine`. Without a `coarse` they are those of `fine` itself.
 
     Raises
     ------
     CheckFailed : the two meshes are too far apart to be extrapolated.
     """
-    known, turn = _turn(coarse, fine, count)
     own, L = np.diag(_squares(fine)[:count]), fine.participation[:, :count].copy()
-    A = own.copy()
-    A[np.ix_(known, known)] = _richardson(turn.T @ (_squares(coarse)[:, None] * turn), own[np.ix_(known, known)])
-    L[:, known] = _richardson(coarse.participation @ turn, L[:, known])
+    A, static = own.copy(), fine.compliance()
+    if coarse is not None:
+        known, turn = _turn(coarse, fine, count)
+        A[np.ix_(known, known)] = _richardson(turn.T @ (_squares(coarse)[:, None] * turn), own[np.ix_(known, known)])
+        L[:, known] = _richardson(coarse.participation @ turn, L[:, known])
+        static = _richardson(coarse.compliance(), static)
     squares, V = np.linalg.eigh(_symmetric(A))
     if squares.size and squares[0] <= 0:
         raise failed("solve on two meshes", "both lead to a negative squared frequency; the coarser one needs more elements")
@@ -180,7 +208,7 @@ def extrapolated(coarse: Linearised, fine: Linearised, lossy: Array, reference_p
     omega, shapes, L, own = np.sqrt(squares), fine.shapes[:, :count] @ V, L @ V, V.T @ own @ V
     moved = omega / np.sqrt(np.diag(own))
     S = np.outer(moved, moved) * (shapes.T @ lossy @ shapes)  # damping from the strain energy of the shapes
-    residual = _symmetric(_richardson(coarse.compliance(), fine.compliance()) - (L / squares) @ L.T)
+    residual = _symmetric(static - (L / squares) @ L.T)
     together = None
     if squares.size and lossy.any():
         # What the loss makes of stiffness, participation and residual, as `fem.modes` has it. The mesh's own couplings by loss
@@ -244,8 +272,11 @@ def _symmetric(matrix: Array) -> Array:
     return np.asarray((matrix + matrix.T) / 2)
 
 
-# Eigenfrequencies by exudyn's native beams, ``--model exudyn``: they take from `fem.beam.articles` where things are and what
-# their sections are, and nothing of its elements or eigen-solution.
+# Eigenfrequencies and dynamic mass by exudyn: from native beams for the built-in articles, from full matrices for any solid.
+#
+# The native beams, ``--model exudyn``, take from `fem.beam.articles` where things are and what their sections are, and nothing of
+# its elements or eigen-solution. `modes_of_solid` gives exudyn a solid's full sparse matrices: exudyn solves, the elements are
+# ours.
 
 ELEMENTS = 8
 """In a half-blade of the coarser of both meshes: the first 11 modes of Clumod are then known to 3e-5."""
@@ -280,6 +311,27 @@ def modes(
     return modes_of_plan(articles.article_plan(article_name, changes, elements=elements, cells=cells, joints=joints), count)
 
 
+def dynamic_mass(
+    article_name: str,
+    frequency: npt.ArrayLike = LINES,
+    changes: Mapping[str, float] = articles.NO_CHANGES,
+    *,
+    count: int = 30,
+    elements: int = ELEMENTS,
+    cells: npt.ArrayLike | None = None,
+    joints: Sequence[Joint] = (),
+) -> DynamicMass:
+    """Blocked dynamic mass at `frequency` (n,) [Hz] about the article's origin, from exudyn's linearised, base-driven system.
+
+    Its modes are those of `modes`, with the static share of all others.
+
+    Raises
+    ------
+    BadInput, CheckFailed : as `modes`.
+    """
+    return modal(modes(article_name, count, changes, elements=elements, cells=cells, joints=joints), frequency)
+
+
 def modes_of_plan(plan: Plan, count: int = 30) -> Modes:
     """The lowest `count` fixed-base modes of the frame `plan` about its origin, extrapolated from its mesh and one twice as fine.
 
@@ -288,11 +340,76 @@ def modes_of_plan(plan: Plan, count: int = 30) -> Modes:
     BadInput : no mode asked for.
     CheckFailed : exudyn failed.
     """
-    if count < 1:
-        raise BadInput(source="modes", field="count", problem=f"at least one mode is needed, found {count}", remedy="Ask for 30")
+    _require_some(count)
     finer = refined(plan, 2)
     coarse, fine = (linearise(mesh, count + EXTRA) for mesh in (plan, finer))
     found = min(count, coarse.frequency.size)
     # A structure without loss factors has one ratio for every mode
     losses = stiffness_of(lossy(finer)) if finer.loss_factors else 2 * DEFAULT_RATIO * fine.stiffness
     return extrapolated(coarse, fine, losses, np.zeros(3), found)
+
+
+def modes_of_solid(structure: Structure, count: int = 30) -> Modes:
+    """The lowest `count` fixed-base modes of a solid: exudyn solves its full K and M and linearises its flexible body.
+
+    Raises
+    ------
+    BadInput : a structure that is no solid, no mode asked for.
+    CheckFailed : exudyn failed.
+    """
+    _require_some(count)
+    body = frame.floating_frame(structure, count)
+    system = linearise_body(body.system, count)
+    losses = 2 * DEFAULT_RATIO * system.stiffness
+    if structure.loss_factors and structure.part_stiffness:
+        losses = np.zeros_like(system.stiffness)
+        for part, eta in structure.loss_factors.items():
+            K = frame.by_points(structure, structure.part_stiffness[part])
+            losses[BASE:, BASE:] += eta * (body.modes.T @ (K @ body.modes))
+    return extrapolated(None, system, losses, structure.reference_point, count)
+
+
+def _require_some(count: int) -> None:
+    if count < 1:
+        raise BadInput(source="modes", field="count", problem=f"at least one mode is needed, found {count}", remedy="Ask for 30")
+
+
+# Plumbing: our reduced matrices put into exudyn as they are.
+#
+# Six rigid motions of the base come first, fixed-base modes after them, as Craig and Bampton order them. Exudyn adds nothing but
+# its own reading of them, so that agreement says that they arrived - not that they are right. It is how a reduced article gets
+# into a larger multibody system.
+
+
+def placed(stiffness: npt.ArrayLike, mass: npt.ArrayLike, damping: npt.ArrayLike | None = None) -> tuple[Any, MainSystem]:
+    """Exudyn's container and assembled system with one `ObjectGenericODE2` of these (6 + n, 6 + n) matrices, the base free.
+
+    Raises
+    ------
+    CheckFailed : exudyn refused them.
+    """
+    K, M = np.asarray(stiffness, dtype=np.float64), np.asarray(mass, dtype=np.float64)
+    C = np.zeros_like(K) if damping is None else np.asarray(damping, dtype=np.float64)
+    with running("take reduced matrices") as exudyn:
+        from exudyn import itemInterface
+
+        items: Any = itemInterface
+        container = exudyn.SystemContainer()
+        system = container.AddSystem()
+        rest = {name: [0.0] * len(M) for name in ("referenceCoordinates", "initialCoordinates", "initialCoordinates_t")}
+        node = system.AddNode(items.NodeGenericODE2(numberOfODE2Coordinates=len(M), **rest))
+        item = items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=M, stiffnessMatrix=K, dampingMatrix=C)
+        system.AddObject(item)
+        system.Assemble()
+    return container, system
+
+
+def linearised(stiffness: npt.ArrayLike, mass: npt.ArrayLike) -> Linearised:
+    """What exudyn makes of reduced matrices (6 + n, 6 + n): its linearised system, and all modes with the base held.
+
+    Raises
+    ------
+    CheckFailed : exudyn refused them, or they hold a mode without stiffness.
+    """
+    _container, system = placed(stiffness, mass)
+    return linearise_body(system, len(np.asarray(mass)) - BASE)

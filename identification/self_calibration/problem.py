@@ -15,7 +15,7 @@ from identification.chain import Chain, chain
 from identification.elastic import model
 from identification.elastic.model import ElasticTerms
 from identification.plain import CHAIN_ERROR, Setup, drift, setup
-from identification.request import Evidence, Fact, Known, Settings
+from identification.request import Evidence, Fact, Known, Settings, TareSpectra
 from identification.rigid_body import BASIS
 from identification.self_calibration import likelihood
 from identification.self_calibration.likelihood import Observed, Rows, observed
@@ -461,14 +461,30 @@ def assembled(evidence: Evidence, settings: Settings) -> Assembly:
         *([] if own is not None else [request.WITHOUT_TARE]),
         *([HELD] if evidence.article.method == "peak-reference-hold" and settings.modes != 0 else []),
     )
-    chains = []  # one block for each hardware: every parameter that the chain of one of its campaigns has
+    moved = drift(whole.estimate.dynamic_mass, CHAIN_ERROR) if settings.modes == 0 else np.zeros(10)
+    layout = _layout(campaigns, blocks)
+    return Assembly(layout=layout, campaigns=tuple(campaigns), facts=evidence.facts, drift=moved, warnings=said)
+
+
+def of_fmd(tares: Sequence[TareSpectra], settings: Settings) -> Assembly:
+    """The joint problem of several `tares` of one hardware, in which the FMD is what is asked for: the block "article"."""
+    found = [setup(tare.spectra, replace(settings, modes=0)) for tare in tares]
+    left = [one.ten - tare.known.inertia.parameters for one, tare in zip(found, tares, strict=True)]
+    blocks, campaigns = [block("article", PARAMETERS, np.mean(left, axis=0))], []
+    for k, (tare, one) in enumerate(zip(tares, found, strict=True)):
+        standing = (Body(block="article"), _rooted(f"known:{k}", tare.known, blocks))
+        campaigns.append(_campaign(f"tare:{k}", tare.spectra, 0, standing, one, settings, blocks))
+    return Assembly(layout=_layout(campaigns, blocks), campaigns=tuple(campaigns))
+
+
+def _layout(campaigns: Sequence[CampaignProblem], blocks: Sequence[Block]) -> Layout:
+    """One block for each hardware, with every parameter that the chain of one of its campaigns has, and then `blocks`."""
+    chains = []
     for called in dict.fromkeys(one.chain_block for one in campaigns):
         known = {p.name: p for one in campaigns if one.chain_block == called for p in one.chain.parameters}
         deviation, families = [p.tolerance for p in known.values()], [p.family for p in known.values()]
         chains.append(block(called, list(known), np.zeros(len(known)), deviation=deviation, families=families))
-    layout = Layout(blocks=(*chains, *blocks))
-    moved = drift(whole.estimate.dynamic_mass, CHAIN_ERROR) if settings.modes == 0 else np.zeros(10)
-    return Assembly(layout=layout, campaigns=tuple(campaigns), facts=evidence.facts, drift=moved, warnings=said)
+    return Layout(blocks=(*chains, *blocks))
 
 
 def _rooted(name: str, known: Known, blocks: list[Block]) -> Body:

@@ -12,16 +12,18 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fem import reduction
 from fem.beam import articles
 from fem.beam.articles import Joint, Port
 from fem.beam.elements import Section, rectangle, sandwich
 from fem.beam.frame import Body, Member, Plan, Ports, assemble
-from fem.dynamic_mass import modal
+from fem.dynamic_mass import LINES, modal
 from fem.exudyn import frame, linear
 from fem.exudyn.frame import lossy, refined
 from fem.exudyn.linear import extrapolated, linearise, stiffness_of
-from fem.exudyn.run import exudyn_version, is_interruption, kept, quiet, running, to_exudyn
+from fem.exudyn.run import exudyn_version, failed, from_exudyn, is_interruption, kept, quiet, running, to_exudyn
 from fem.modes import Modes, fixed_base
+from fem.reduction import Reduced, craig_bampton
 from geometry.article import material
 from geometry.articles import built_in
 from geometry.articles.parts import load
@@ -220,7 +222,7 @@ def test_a_joint_on_ports_acts_in_exudyn_as_in_our_frame(member: str) -> None:
 
 
 def test_dynamic_mass_of_a_rigid_article_is_its_inertia() -> None:
-    H = modal(linear.modes("fmd"), [4.0, 32.0]).matrix
+    H = linear.dynamic_mass("fmd", [4.0, 32.0]).matrix
     assert_allclose(H, np.array(2 * [drawn_inertia(built_in("fmd")).mass_matrix]), rtol=0, atol=1e-12)
 
 
@@ -267,6 +269,34 @@ def test_an_unknown_article_is_refused_before_exudyn_starts() -> None:
         linear.modes("clumod-2")
 
 
+@pytest.fixture(scope="module", params=["clumod-1", "clumod-4"])
+def ours(request: pytest.FixtureRequest) -> Reduced:
+    return craig_bampton(articles.structure(request.param), COUNT)
+
+
+def test_reduced_matrices_in_exudyn_have_our_frequencies_and_dynamic_mass(ours: Reduced) -> None:
+    """Exudyn's modes summed up, against our modal coordinates condensed line by line."""
+    system = linear.linearised(ours.stiffness, ours.mass)
+    assert_allclose((2 * np.pi * system.frequency) ** 2, np.diag(ours.stiffness)[6:], rtol=1e-6)
+    exudyns = modal(extrapolated(None, system, ours.structural, np.zeros(3), COUNT), LINES).matrix
+    here = reduction.dynamic_mass(ours, LINES).matrix
+    assert_allclose(exudyns, here, rtol=0, atol=1e-6 * np.abs(here).max())
+
+
+def test_matrices_without_stiffness_are_no_frequencies() -> None:
+    with pytest.raises(CheckFailed, match="lowest squared frequency is"):
+        linear.linearised(np.zeros((8, 8)), np.eye(8))
+
+
+def test_matrices_of_different_size_are_refused_in_exudyns_words() -> None:
+    with pytest.raises(CheckFailed, match=r"exudyn .* failed when it should take reduced matrices: \S"):
+        linear.linearised(np.eye(7), np.eye(8))
+
+
+def test_a_failure_carries_what_exudyn_said() -> None:
+    assert failed("do it", "no").evidence == {"task": "do it", "said": "no"}
+
+
 def fixed_base_of(plan: Plan, count: int) -> Modes:
     """Modes of `plan` by our own elements and eigen-solution."""
     return fixed_base(articles._structure(assemble(plan)), count)
@@ -310,9 +340,15 @@ def test_exudyn_moves_and_turns_a_body_as_we_do() -> None:
     HT = np.eye(4)
     HT[:3, :3], HT[:3, 3] = TURN, [0.2, 0.5, -0.4]
     expected = BODY.rotated(TURN).moved(HT[:3, 3])
-    found = to_exudyn(BODY).Transformed(HT)
-    assert_allclose([found.Mass(), *found.COM()], [expected.mass, *expected.first_moment / expected.mass], rtol=0, atol=1e-14)
-    assert_allclose(found.Inertia(), expected.tensor, rtol=0, atol=1e-14)
+    assert_allclose(from_exudyn(to_exudyn(BODY).Transformed(HT)).parameters, expected.parameters, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("point", [(0.0, 0.0, 0.0), (0.3, -0.1, 0.6)])
+def test_to_exudyn_and_back_changes_nothing(point: tuple[float, float, float]) -> None:
+    there = BODY.about(point)
+    back = from_exudyn(to_exudyn(there), point)
+    assert_allclose(back.parameters, there.parameters, rtol=1e-14)
+    assert_allclose(back.reference_point, point, rtol=0)
 
 
 @pytest.mark.parametrize("point", [(0.0, 0.0, 0.0), (0.3, -0.1, 0.6)])

@@ -13,7 +13,19 @@ from numpy.testing import assert_allclose
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from geometry.inertia import Inertia
-from geometry.mesh import TriangleMesh, inertia, joined, merged, pieces, placed, require_closed_volume, scaled, selected
+from geometry.mesh import (
+    TriangleMesh,
+    from_trimesh,
+    inertia,
+    joined,
+    merged,
+    pieces,
+    placed,
+    require_closed_volume,
+    scaled,
+    selected,
+    to_trimesh,
+)
 from geometry.toml_file import MILLIMETRE
 
 DENSITY = 2700.0
@@ -112,13 +124,16 @@ def test_a_cavity_takes_its_mass_away_and_separate_pieces_add_up() -> None:
     assert_allclose(inertia(pair, DENSITY, "pair").parameters, total.parameters, rtol=1e-12, atol=1e-14)
 
 
-def test_it_is_what_trimesh_itself_finds() -> None:
+def test_conversion_to_trimesh_gives_what_trimesh_itself_finds_and_goes_back() -> None:
     mesh = lopsided()
     solid = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
     solid.density = DENSITY
-    found = inertia(mesh, DENSITY, "tet")
-    assert_allclose([found.mass, *found.cog], [solid.mass, *solid.center_mass], rtol=1e-12)
-    assert_allclose(found.tensor_cog, solid.moment_inertia, rtol=1e-10)
+    moved = [1.0, -2.0, 0.5]
+    body = inertia(mesh, DENSITY, "tet").moved(moved)
+    found = to_trimesh(body)
+    assert_allclose([found.mass, *found.center_mass], [solid.mass, *np.add(solid.center_mass, moved)], rtol=1e-12)
+    assert_allclose(found.inertia, solid.moment_inertia, rtol=1e-9)
+    assert_allclose(from_trimesh(*found).parameters, body.parameters, rtol=1e-12, atol=1e-10)
 
 
 def test_pieces_come_in_the_order_of_their_first_face_and_join_to_the_whole() -> None:

@@ -169,15 +169,11 @@ def test_uncounted_parts_have_no_inertia() -> None:
 coordinates = st.lists(st.floats(-1, 1), min_size=10, max_size=10)
 
 
-def in_pinocchio(inertia: Inertia) -> pinocchio.Inertia:
-    return pinocchio.Inertia(inertia.mass, inertia.cog.copy(), inertia.tensor_cog)
-
-
 @settings(max_examples=50, deadline=None)
 @given(coordinates)
 def test_any_body_goes_to_pinocchio_and_back(values: list[float]) -> None:
     inertia = routes.from_log_cholesky(np.array(values))
-    back = routes.from_pinocchio(in_pinocchio(inertia))
+    back = routes.from_pinocchio(routes.to_pinocchio(inertia))
     assert_allclose(back.parameters, inertia.parameters, rtol=1e-9, atol=1e-9 * np.abs(inertia.parameters).max())
 
 
@@ -191,7 +187,7 @@ def test_regressor_times_parameters_is_the_wrench() -> None:
     """The ten parameters in Pinocchio's order give the wrench of its recursive Newton-Euler equations: order and signs hold."""
     rng = np.random.default_rng(1)
     inertia = routes.from_log_cholesky(rng.normal(size=10) / 2)
-    body = in_pinocchio(inertia)
+    body = routes.to_pinocchio(inertia)
     velocity, acceleration = pinocchio.Motion(rng.normal(size=6)), pinocchio.Motion(rng.normal(size=6))
     regressor = pinocchio.bodyRegressor(velocity, acceleration)
     in_their_order = np.empty(10)
@@ -202,7 +198,22 @@ def test_regressor_times_parameters_is_the_wrench() -> None:
 
 def test_mass_matrix_of_eq_1_is_pinocchios() -> None:
     inertia = routes.inertia(built_in("fmd+clumod-1"))
-    assert_allclose(inertia.mass_matrix, in_pinocchio(inertia).matrix(), rtol=1e-12, atol=1e-12)
+    assert_allclose(inertia.mass_matrix, routes.to_pinocchio(inertia).matrix(), rtol=1e-12, atol=1e-12)
+
+
+def test_unphysical_inertia_is_refused_that_pinocchio_would_take() -> None:
+    impossible = Inertia.from_cog(1.0, [0, 0, 0], np.diag([1.0, 1.0, 3.0]))
+    pinocchio.Inertia(1.0, np.zeros(3), impossible.tensor_cog)  # no complaint
+    with pytest.raises(BadInput, match="triangle inequality"):
+        routes.to_pinocchio(impossible, "result.toml")
+
+
+def test_a_mass_property_sheet_goes_there_and_back() -> None:
+    inertia = cad.inertia(built_in("clumod-1"))
+    mass, centre, tensor = cad.to_occ(inertia)
+    back = Inertia.from_cog(mass, np.array(centre) * MM, np.array(tensor) * MM**2)
+    # the tensor passes through the CoG, where the parallel-axis terms cancel
+    assert_allclose(back.parameters, inertia.parameters, rtol=1e-12, atol=1e-13)
 
 
 def test_ideal_bodies_have_no_log_cholesky_coordinates() -> None:

@@ -9,7 +9,8 @@ from numpy.testing import assert_allclose
 from geometry.errors import BadInput
 from geometry.inertia import Inertia
 from geometry.sensors import Tolerances
-from identification.plain import covariance_of, of_tares, plain, tolerances_of
+from identification.identify import fmd
+from identification.plain import plain
 from identification.request import Evidence, Fact, Known, TareSpectra, quantities
 from identification.self_calibration.fit import calibrated
 
@@ -145,11 +146,24 @@ def test_other_hardware_is_refused_unless_asked_for_and_tells_nothing_then(ordin
     assert_allclose(allowed.inertia.parameters, alone.inertia.parameters, atol=0.05 * np.sqrt(alone.covariance[0, 0]))
 
 
+@pytest.mark.parametrize("self_calibrated", [True, False])
+def test_the_fmd_from_a_tare_is_that_of_the_tare(ordinary, lab, self_calibrated):
+    found = fmd(ordinary.evidence().tares, ordinary.settings(modes=0), self_calibrated=self_calibrated)
+    away = found.inertia.parameters - lab.FMD.parameters
+    assert np.all(np.abs(away) < 5 * np.sqrt(np.diag(found.covariance)))
+
+
+def test_the_fmd_needs_a_tare_of_one_hardware(ordinary):
+    with pytest.raises(BadInput, match="known article"):
+        fmd((), ordinary.settings())
+    one = ordinary.evidence().tares[0]
+    with pytest.raises(BadInput, match="one FMD"):
+        fmd((one, replace(one, hardware="b")), ordinary.settings())
+
+
 def test_a_plain_tare_carried_over_gives_the_plain_result(ordinary):
     evidence, settings = ordinary.evidence(), ordinary.settings(modes=0)
-    fmd = of_tares(list(evidence.tares), settings)
-    covariance = covariance_of(fmd, tolerances_of(evidence.tares[0].spectra, settings))
-    carried = replace(evidence, tares=(), fmd=Known(inertia=Inertia(parameters=fmd.ten), covariance=covariance))
+    carried = replace(evidence, tares=(), fmd=fmd(evidence.tares, settings, self_calibrated=False))
     at_once, later = plain(evidence, settings), plain(carried, settings)
     assert_allclose(later.inertia.parameters, at_once.inertia.parameters, rtol=1e-12)
     # carried with its covariance alone, errors of the chain no longer cancel between tare and article
