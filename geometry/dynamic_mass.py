@@ -5,8 +5,6 @@ acceleration of base motion j with the other five held at zero. The dynamic mass
 in the others is another one. Loads are those of the table *on* the article, so that a rigid body has H = +M at every frequency.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -57,7 +55,7 @@ class DynamicMass:
         if frequency.size and (frequency[0] < 0 or np.any(np.diff(frequency) <= 0)):
             raise ValueError("`frequency` must ascend and not be negative")
 
-    def about(self, point: npt.ArrayLike) -> DynamicMass:
+    def about(self, point: npt.ArrayLike) -> "DynamicMass":
         """The same dynamic mass about another reference point (3,) [m] of the same frame: ``T^T H T``, T from Eq. 3.
 
         T gives the six motions of the old reference point from those of the new one, which moves rigidly with it.

@@ -4,8 +4,6 @@ Frames are right-handed with z up. A `Pose` says where a body's own frame sits i
 ``p_outer = rotation @ p_body + position``.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -121,7 +119,7 @@ class Pose:
         freeze(self, position=(3,))
         object.__setattr__(self, "rotation", proper_rotation(self.rotation))
 
-    def __matmul__(self, inner: Pose) -> Pose:
+    def __matmul__(self, inner: "Pose") -> "Pose":
         """The pose of a body placed by `inner` in a frame that this pose places: first `inner`, then `self`."""
         return Pose(position=self.apply(inner.position), rotation=self.rotation @ inner.rotation)
 
@@ -130,6 +128,6 @@ class Pose:
         return np.asarray(points, dtype=np.float64) @ self.rotation.T + self.position
 
     @property
-    def inverse(self) -> Pose:
+    def inverse(self) -> "Pose":
         """The pose of the outer frame seen from the body."""
         return Pose(position=-self.rotation.T @ self.position, rotation=self.rotation.T)

@@ -10,8 +10,6 @@ additive: bodies that share a reference point add and subtract component by comp
 `geometry.inertia` judges, and every door to the outside asks it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
@@ -73,7 +71,7 @@ class Inertia:
     @staticmethod
     def from_cog(
         mass: float, cog: npt.ArrayLike, tensor: npt.ArrayLike, reference_point: npt.ArrayLike = (0.0, 0.0, 0.0)
-    ) -> Inertia:
+    ) -> "Inertia":
         """From mass [kg], CoG (3,) [m] in the body's frame and tensor (3, 3) [kg m²] *about the CoG*."""
         offset = np.asarray(cog, dtype=np.float64) - np.asarray(reference_point, dtype=np.float64)
         about_reference = np.asarray(tensor, dtype=np.float64) + parallel_axis(mass, offset)
@@ -81,7 +79,7 @@ class Inertia:
         return Inertia(parameters=parameters, reference_point=np.asarray(reference_point, dtype=np.float64))
 
     @staticmethod
-    def from_mass_matrix(matrix: npt.ArrayLike, reference_point: npt.ArrayLike = (0.0, 0.0, 0.0)) -> Inertia:
+    def from_mass_matrix(matrix: npt.ArrayLike, reference_point: npt.ArrayLike = (0.0, 0.0, 0.0)) -> "Inertia":
         """From the 6x6 mass matrix of Eq. 1 about `reference_point`.
 
         Raises
@@ -170,7 +168,7 @@ class Inertia:
 
     # --- what may be done to it --------------------------------------------------------------------------------------
 
-    def about(self, point: npt.ArrayLike) -> Inertia:
+    def about(self, point: npt.ArrayLike) -> "Inertia":
         """The same body about another reference point (3,) [m], in the same frame. Any mass, zero and negative included."""
         new = np.asarray(point, dtype=np.float64)
         d = self.reference_point - new
@@ -181,37 +179,37 @@ class Inertia:
         tensor = self.tensor + coupling + parallel_axis(self.mass, d)
         return Inertia(parameters=np.concatenate([[self.mass], first_moment, six_from_tensor(tensor)]), reference_point=new)
 
-    def moved(self, displacement: npt.ArrayLike) -> Inertia:
+    def moved(self, displacement: npt.ArrayLike) -> "Inertia":
         """The body carried by `displacement` (3,) [m]; reported about the same point of the frame as before."""
         carried = Inertia(
             parameters=self.parameters, reference_point=self.reference_point + np.asarray(displacement, dtype=np.float64)
         )
         return carried.about(self.reference_point)
 
-    def rotated(self, rotation: npt.ArrayLike) -> Inertia:
+    def rotated(self, rotation: npt.ArrayLike) -> "Inertia":
         """The body turned by `rotation` (3, 3) about the frame's origin; the reference point stays where it was."""
         R = proper_rotation(rotation)
         parameters = np.concatenate([[self.mass], R @ self.first_moment, six_from_tensor(R @ self.tensor @ R.T)])
         return Inertia(parameters=parameters, reference_point=R @ self.reference_point).about(self.reference_point)
 
-    def placed(self, pose: Pose) -> Inertia:
+    def placed(self, pose: Pose) -> "Inertia":
         """The body, given in its own frame, seen in the outer frame of `pose`; about the outer frame's origin."""
         return self.about(np.zeros(3)).rotated(pose.rotation).moved(pose.position)
 
-    def __add__(self, other: Inertia) -> Inertia:
+    def __add__(self, other: "Inertia") -> "Inertia":
         """Both bodies as one, about the reference point of the first."""
         other = other.about(self.reference_point)
         return Inertia(parameters=self.parameters + other.parameters, reference_point=self.reference_point)
 
-    def __sub__(self, other: Inertia) -> Inertia:
+    def __sub__(self, other: "Inertia") -> "Inertia":
         """What is left when `other` is taken off (tare), about the reference point of the first."""
         return self + -other
 
-    def __neg__(self) -> Inertia:
+    def __neg__(self) -> "Inertia":
         """The body with its sign changed: a hole."""
         return Inertia(parameters=-self.parameters, reference_point=self.reference_point)
 
-    def scaled(self, density_ratio: float) -> Inertia:
+    def scaled(self, density_ratio: float) -> "Inertia":
         """The same shape with its density multiplied by `density_ratio`."""
         return Inertia(parameters=self.parameters * density_ratio, reference_point=self.reference_point)
 

@@ -9,8 +9,6 @@ and a load cell at P along d that reads y gives the resultants ``[G]^T d y`` abo
 adds cells; what of their resultants survives the sum is said by `resultants`. Loads are those of the table on the structure.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from math import inf, radians
@@ -140,7 +138,7 @@ class ChannelTable:
             if (not groups or channel.group in groups) and (not quantities or channel.quantity in quantities)
         )
 
-    def subset(self, chosen: Sequence[int]) -> ChannelTable:
+    def subset(self, chosen: Sequence[int]) -> "ChannelTable":
         """The table of the channels at the indices `chosen`."""
         return ChannelTable(channels=tuple(self.channels[k] for k in chosen), origin=self.origin)
 
@@ -238,6 +236,6 @@ class Tolerances:
                 problem = f"a standard deviation must be finite and not negative, found {value}"
                 raise BadInput(source="tolerances", field=one.name, problem=problem, remedy="Give it in SI units; 0 is exact")
 
-    def scaled(self, factor: float) -> Tolerances:
+    def scaled(self, factor: float) -> "Tolerances":
         """All of them times `factor` [1]."""
         return Tolerances(**{one.name: factor * getattr(self, one.name) for one in fields(self)})

@@ -1,7 +1,5 @@
 """The one door for what a user writes down in TOML (or the same in JSON): from a name to a table, or a refusal in words."""
 
-from __future__ import annotations
-
 import difflib
 import json
 import math
@@ -317,7 +315,7 @@ _QUANTITY = re.compile(
 )
 
 
-def quantity(text: Any, dimension: str, *, source: str, field: str, name: str = "") -> UFloat:
+def quantity(text: Any, dimension: str, *, source: str, field: str, name: str = "") -> "UFloat":
     """Read `text` as a value of `dimension` (a key of `SI_UNITS`), in SI, tagged with `name` (`field` by default).
 
     ``"1.92 s"``, ``"1.9245 ± 0.0002 s"``, ``"(47.40 +/- 0.05) kg"`` and ``"47.40 kg +/- 50 g"`` are understood, and
@@ -353,14 +351,14 @@ def quantity(text: Any, dimension: str, *, source: str, field: str, name: str = 
     return tagged(_nothing_less(value), _nothing_less(width), name or field)
 
 
-def tagged(value: float, tolerance: float, name: str) -> UFloat:
+def tagged(value: float, tolerance: float, name: str) -> "UFloat":
     """`value` with `tolerance` (same unit, not negative), under `name` in every budget that it enters; zero makes it exact."""
     from uncertainties import ufloat
 
     return ufloat(value, tolerance, tag=name) if tolerance else exact(value)
 
 
-def exact(value: float) -> UFloat:
+def exact(value: float) -> "UFloat":
     """`value` without tolerance; it enters no budget."""
     from uncertainties.core import AffineScalarFunc, LinearCombination
 
@@ -377,7 +375,7 @@ def _nothing_less(size: float) -> float:
 
 
 @cache
-def _registry() -> UnitRegistry[float]:
+def _registry() -> "UnitRegistry[float]":
     from pint import UnitRegistry
 
     return UnitRegistry()

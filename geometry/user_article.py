@@ -1,7 +1,5 @@
 """``article.toml``: which body of which file is made of what, and where it sits; checked whole before any file is read."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import combinations
@@ -10,22 +8,12 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
+from geometry import mesh as meshes
 from geometry import toml_file
 from geometry.article import Material, material
 from geometry.errors import BadInput
 from geometry.frames import Pose, frozen, rotation_about
 from geometry.inertia import Inertia
-from geometry.mesh import (
-    MESH_ENDINGS,
-    SLIVER,
-    TriangleMesh,
-    bodies,
-    inertia_unchecked,
-    placed,
-    read_mesh,
-    require_closed_volume,
-    shared_volume,
-)
 from geometry.routes import Agreement, held_together, missing_mass, rounding
 from geometry.toml_file import MILLIMETRE, doubts, length_unit, quantity
 
@@ -275,7 +263,7 @@ class UserPart:
     name: str
     material: Material
     source: str
-    mesh: TriangleMesh
+    mesh: meshes.TriangleMesh
     chord: float = 0.0
     solid: Any = None
 
@@ -321,7 +309,7 @@ NOTHING = 1e-3
 def inertias(article: UserArticle) -> Mapping[str, Inertia]:
     """Inertia of `article` about its origin by route: "trimesh", and before it "occ" when every part is a solid."""
     nothing = Inertia(parameters=np.zeros(10))
-    by_mesh = sum((inertia_unchecked(part.mesh, part.material.density) for part in article.parts), nothing)
+    by_mesh = sum((meshes.inertia_unchecked(part.mesh, part.material.density) for part in article.parts), nothing)
     if not article.exact:
         return {"trimesh": by_mesh}
     from geometry.cad import from_occ
@@ -356,9 +344,9 @@ def overlap_warnings(article: str, parts: tuple[UserPart, ...]) -> Iterator[str]
         a, b = first.mesh, second.mesh
         if np.any(np.maximum(a.bounds[0], b.bounds[0]) >= np.minimum(a.bounds[1], b.bounds[1])):
             continue
-        share = shared_volume(a, b) / min(a.volume, b.volume)
+        share = meshes.shared_volume(a, b) / min(a.volume, b.volume)
         said = f"parts {first.name} and {second.name} overlap: {share:.2%} of the smaller one counts twice"
-        if share > SLIVER:
+        if share > meshes.SLIVER:
             raise BadInput(source=article, problem=said, remedy="Cut one by the other in the CAD, or correct its position")
         if share > NOTHING:
             yield said
@@ -370,7 +358,7 @@ RELATIVE_CHORD = 1e-4
 """Chord error of the mesh of a solid where none is asked for, relative to the diagonal of the box around it."""
 
 STEP_ENDINGS = (".step", ".stp")
-ENDINGS = (*STEP_ENDINGS, *MESH_ENDINGS, ".toml")
+ENDINGS = (*STEP_ENDINGS, *meshes.MESH_ENDINGS, ".toml")
 """Files that can be an article, upper or lower case; a folder stands for the ``article.toml`` in it."""
 
 
@@ -417,7 +405,7 @@ def require_file(path: str | Path) -> Path:
         there = path / DESCRIPTION
         if there.is_file():
             return there
-        parts = sorted(file for file in path.iterdir() if file.suffix.lower() in (*STEP_ENDINGS, *MESH_ENDINGS))
+        parts = sorted(file for file in path.iterdir() if file.suffix.lower() in (*STEP_ENDINGS, *meshes.MESH_ENDINGS))
         if not parts:
             problem = f"the folder holds neither {DESCRIPTION} nor a part ({', '.join(ENDINGS[:-1])})"
             raise BadInput(source=str(path), problem=problem, remedy="Check the path")
@@ -477,21 +465,21 @@ def _parts(entry: PartEntry, chord: float | None) -> tuple[tuple[UserPart, ...],
             solid = cad.moved(body.solid, entry.pose)
             fine = chord or RELATIVE_CHORD * cad.diagonal(solid)
             mesh = cad.tessellate_solid(solid, fine)
-            require_closed_volume(mesh, f"{entry.file}, mesh of {body.name}", MILLIMETRE)
+            meshes.require_closed_volume(mesh, f"{entry.file}, mesh of {body.name}", MILLIMETRE)
             name = body.name if not entry.named else entry.name if len(found) == 1 else f"{entry.name}/{body.name}"
             parts.append(UserPart(name=name, material=made, source=str(entry.file), mesh=mesh, chord=fine, solid=solid))
         corners = np.vstack([part.mesh.bounds for part in parts])
         return tuple(parts), doubts(float(np.ptp(corners, axis=0).max()), str(entry.file))
-    if ending in MESH_ENDINGS:
+    if ending in meshes.MESH_ENDINGS:
         return _from_mesh(entry)
     raise _unreadable(entry.file)
 
 
 def _from_mesh(entry: PartEntry) -> tuple[tuple[UserPart, ...], tuple[str, ...]]:
     source = str(entry.file)
-    mesh, unit, doubts = read_mesh(entry.file, entry.unit)
-    touching = require_closed_volume(mesh, source, unit)
-    found = bodies(mesh)
+    mesh, unit, doubts = meshes.read_mesh(entry.file, entry.unit)
+    touching = meshes.require_closed_volume(mesh, source, unit)
+    found = meshes.bodies(mesh)
     if entry.materials:
         raise BadInput(
             source=source,
@@ -523,7 +511,7 @@ def _from_mesh(entry: PartEntry) -> tuple[tuple[UserPart, ...], tuple[str, ...]]
             f"[[part]] with its own body = 1, 2 ... and material in an {DESCRIPTION}"
         )
         doubts = (*doubts, *touching, several)
-    part = UserPart(name=entry.name, material=entry.material, source=source, mesh=placed(mesh, entry.pose))
+    part = UserPart(name=entry.name, material=entry.material, source=source, mesh=meshes.placed(mesh, entry.pose))
     return (part,), doubts
 
 

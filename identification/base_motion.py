@@ -11,8 +11,6 @@ of six motions leave two combinations that must be zero.
 Pick-ups of the table and of the cover plate are never used together unless asked for: load cells give way between them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
@@ -266,7 +264,7 @@ class DrivenMotions:
         return np.asarray(1 / np.maximum(self.singular[:, -1] / largest, 1e-16))
 
     @staticmethod
-    def of_runs(scaled: ComplexArray, frequency: Array) -> DrivenMotions:
+    def of_runs(scaled: ComplexArray, frequency: Array) -> "DrivenMotions":
         """By base motions (r, n, 6) at `frequency` (n,) [Hz], every axis divided by its level."""
         directions, found, _ = np.linalg.svd(scaled.transpose(1, 2, 0))
         singular = np.zeros((len(frequency), 6))
@@ -290,7 +288,7 @@ class DrivenMotions:
                 remedy="Drive every one of the six axes in a run of its own",
             )
 
-    def excluded(self, limit: float) -> Exclusions:
+    def excluded(self, limit: float) -> "Exclusions":
         """Lines whose condition number exceeds `limit` are left out; the reason names the base motions that move together."""
         kept = self.condition <= limit
         out = [(k, names(self.weak(k, limit))) for k in np.flatnonzero(~kept).tolist()]

@@ -25,20 +25,8 @@ from geometry.errors import BadInput
 from geometry.frames import Array, Pose, rotation_about
 from geometry.sensors import GROUPS, SI, Channel, ChannelTable, Place
 from geometry.toml_file import doubts, length_unit, nearest
-from identification.campaign import (
-    METHODS,
-    SAME_UNIT,
-    Campaign,
-    Excitation,
-    Processing,
-    Recording,
-    Run,
-    factor,
-    is_same,
-    is_unit,
-    named,
-    observed,
-)
+from identification import campaign as campaigns
+from identification.campaign import named
 from identification.files import files
 from identification.files.files import Samples, Signals, StatedUnits, require_file, variable
 
@@ -46,10 +34,10 @@ WEAK = 100.0
 """Condition number from which a transformation multiplies errors of the sensors so much that it is said aloud."""
 
 
-def warnings_of_recordings(campaign: Campaign, recordings: Mapping[str, Recording]) -> tuple[str, ...]:
+def warnings_of_recordings(campaign: campaigns.Campaign, recordings: Mapping[str, campaigns.Recording]) -> tuple[str, ...]:
     """What is odd but leaves the data usable: weak geometry, runs of different rates, records shorter than their sweep."""
     source = campaign.source
-    verdicts = observed(campaign.table)
+    verdicts = campaigns.observed(campaign.table)
     cover = verdicts["base motion by cover"]
     found, of_runs = [], []
     if not cover.complete and verdicts["base motion by table and cover"].complete:
@@ -200,7 +188,7 @@ class Reader:
         size = None
         if words.get("quantity") in SI and "unit" in words:
             unit, quantity = words["unit"], words["quantity"]
-            size = self.problems.attempt(factor, unit, quantity, source=self.source, field=f"{where}.unit")
+            size = self.problems.attempt(campaigns.factor, unit, quantity, source=self.source, field=f"{where}.unit")
         places = self.places(known, where, metres)
         reference = self.flag(known, where, "reference", False)
         senses = self.flag(known, where, "senses_gravity", words.get("quantity") == "acceleration")
@@ -253,13 +241,13 @@ class Reader:
             self.refuse(f"{where}.direction", str(error).removeprefix("`direction` "), "Divide it by its length")
             return None
 
-    def processing(self, table: Mapping[str, Any]) -> Processing | None:
+    def processing(self, table: Mapping[str, Any]) -> campaigns.Processing | None:
         if "processing" not in table:
             return None
-        where, plain = "processing", Processing()
+        where, plain = "processing", campaigns.Processing()
         found = self.table(table, where, PROCESSING)
         method = found.get("method", plain.method)
-        self.problems.attempt(toml_file.one_of, method, METHODS, source=self.source, where=f"{where}.method")
+        self.problems.attempt(toml_file.one_of, method, campaigns.METHODS, source=self.source, where=f"{where}.method")
         size = found.get("block_size", plain.block_size)
         if not isinstance(size, int) or isinstance(size, bool) or not 2 <= size <= LARGEST_NUMBER:
             self.refuse(f"{where}.block_size", f"must be a whole number of samples, found {size!r}", "Write for example 8192")
@@ -269,13 +257,20 @@ class Reader:
             self.number({key: getattr(plain, key), **grid}, f"{where}.frequency", key, low=0.0)
             for key in ("start", "stop", "step")
         )
-        if start is None or stop is None or step is None or overlap is None or method not in METHODS or not isinstance(size, int):
+        if (
+            start is None
+            or stop is None
+            or step is None
+            or overlap is None
+            or method not in campaigns.METHODS
+            or not isinstance(size, int)
+        ):
             return None
         if not (stop > start and 0 < step <= stop - start and (stop - start) / step < 1e7):
             self.refuse(f"{where}.frequency", f"is no grid of lines: {start:g} to {stop:g} in steps of {step:g} Hz", "Correct it")
-        return Processing(method=method, block_size=size, overlap=overlap, start=start, stop=stop, step=step)
+        return campaigns.Processing(method=method, block_size=size, overlap=overlap, start=start, stop=stop, step=step)
 
-    def run(self, entry: dict[str, Any], where: str) -> Run | None:
+    def run(self, entry: dict[str, Any], where: str) -> campaigns.Run | None:
         before = len(self.problems.found)
         known = self.known(entry, where, RUN)
         words = self.strings(known, where, ("name", "file"), ("axis",))
@@ -284,9 +279,9 @@ class Reader:
         if "file" in words:
             self.problems.attempt(files.require_known, words["file"], self.source, f"{where}.file")
         excitation = self.excitation(known["excitation"], f"{where}.excitation") if "excitation" in known else None
-        return None if len(self.problems.found) > before else Run(**words, excitation=excitation)
+        return None if len(self.problems.found) > before else campaigns.Run(**words, excitation=excitation)
 
-    def excitation(self, value: Any, where: str) -> Excitation | None:
+    def excitation(self, value: Any, where: str) -> campaigns.Excitation | None:
         kind = value.get("kind") if isinstance(value, dict) else value
         if not isinstance(value, dict) or not isinstance(kind, str) or kind not in EXCITATIONS:
             self.refuse(f"{where}.kind", f"must be one of {', '.join(EXCITATIONS)}, found {kind!r}", "Correct it")
@@ -301,7 +296,7 @@ class Reader:
             elif key != "kind":
                 number = self.number(value, where, key, low=0.0)
                 figures |= {} if number is None else {key: number}
-        return Excitation(kind=kind, figures=figures)
+        return campaigns.Excitation(kind=kind, figures=figures)
 
 
 def is_number(value: Any) -> bool:
@@ -348,7 +343,7 @@ EXCITATIONS = {
 """Kinds of excitation, and the figures that each may state."""
 
 
-def parse(table: Mapping[str, Any], source: str, problems: Problems) -> Campaign | None:
+def parse(table: Mapping[str, Any], source: str, problems: Problems) -> campaigns.Campaign | None:
     """The campaign that `table`, a parsed ``campaign.toml``, describes; None where `problems` has got one more.
 
     `source` names the file in messages.
@@ -382,7 +377,7 @@ def parse(table: Mapping[str, Any], source: str, problems: Problems) -> Campaign
     if len(problems.found) > before or origin is None or gravity is None:
         return None
     extent = np.ptp([place.position for one in channels for place in one.places], axis=0).max()
-    return Campaign(
+    return campaigns.Campaign(
         title=about.get("title", ""),
         article=about.get("article", ""),
         hardware=about.get("hardware", ""),
@@ -403,7 +398,7 @@ ROUNDING = 1e-12
 """How far a mounting may be turned about another axis than z [1]: rounding of a rotation matrix."""
 
 
-def text(campaign: Campaign) -> str:
+def text(campaign: campaigns.Campaign) -> str:
     """The text of ``campaign.toml``; lengths in metres, noise floors in the unit of their channel.
 
     Raises
@@ -554,7 +549,7 @@ def _cut_off(values: Array) -> int:
 # From the contents of a signal file to a `Recording`: the channels of the table, each once, in SI.
 
 
-def recording(signals: Signals, table: ChannelTable, toml: str) -> tuple[Recording | None, list[BadInput]]:
+def recording(signals: Signals, table: ChannelTable, toml: str) -> tuple[campaigns.Recording | None, list[BadInput]]:
     """The recording in `signals` and what is wrong with it; None where a channel cannot be used.
 
     `toml` is what the channel table is called in messages.
@@ -590,7 +585,7 @@ def recording(signals: Signals, table: ChannelTable, toml: str) -> tuple[Recordi
     cut = {name: clipped(samples[name].real) for name in table.names}
     flat = "samples lie on a flat top; raise its range and repeat the run, or leave it out"
     warnings = (*signals.warnings, *(f"{signals.source}: {name} is clipped: {n} {flat}" for name, n in cut.items() if n))
-    made = Recording(
+    made = campaigns.Recording(
         names=table.names,
         values=np.column_stack(columns),
         sampling_rate=signals.sampling_rate,
@@ -602,7 +597,7 @@ def recording(signals: Signals, table: ChannelTable, toml: str) -> tuple[Recordi
 
 
 def _factor(channel: Channel) -> float:
-    return factor(channel.unit, channel.quantity, source="channel", field=channel.name)
+    return campaigns.factor(channel.unit, channel.quantity, source="channel", field=channel.name)
 
 
 def _problems(values: Samples, channel: Channel, signals: Signals, toml: str) -> list[BadInput]:
@@ -620,13 +615,13 @@ def _problems(values: Samples, channel: Channel, signals: Signals, toml: str) ->
     # What the signal file says about a unit beside what ``campaign.toml`` says: dataset 164, and the label of the ordinate
     ours, said = _factor(channel), []
     units, label = signals.units.get(channel.name), signals.labels.get(channel.name, "")
-    if units is not None and abs(units.size(channel.quantity) - ours) > SAME_UNIT * ours:
+    if units is not None and abs(units.size(channel.quantity) - ours) > campaigns.SAME_UNIT * ours:
         theirs = units.size(channel.quantity)
         size = f"1 {channel.unit} is {ours:.7g} {SI[channel.quantity]}, the file's unit {theirs:.7g}"
         said.append(
             f"dataset 164 ({units.words}) gives it in {named(theirs, channel.quantity)}, {toml} in {channel.unit}: {size}"
         )
-    if is_unit(label) and not is_same(label, channel.unit, channel.quantity):
+    if campaigns.is_unit(label) and not campaigns.is_same(label, channel.unit, channel.quantity):
         said.append(f"its axis is labelled {label}, {toml} gives it in {channel.unit}")
     remedy = "Correct the one that is wrong"
     contradictions = [BadInput(source=signals.source, field=channel.name, problem=problem, remedy=remedy) for problem in said]
@@ -652,11 +647,11 @@ class Examined:
     problems : each of them makes the folder unusable as it is
     """
 
-    campaign: Campaign | None
+    campaign: campaigns.Campaign | None
     problems: tuple[BadInput, ...]
 
 
-def read(folder: str | Path, *, progress: Progress | None = None) -> Campaign:
+def read(folder: str | Path, *, progress: Progress | None = None) -> campaigns.Campaign:
     """The campaign in `folder`, with all its recordings in SI.
 
     Raises
@@ -674,7 +669,7 @@ def read(folder: str | Path, *, progress: Progress | None = None) -> Campaign:
     raise BadInput(source=first.source, field=first.field, problem=first.problem, remedy=remedy)
 
 
-def read_description(folder: str | Path) -> Campaign:
+def read_description(folder: str | Path) -> campaigns.Campaign:
     """The campaign in `folder` as ``campaign.toml`` describes it, without recordings: quick.
 
     Raises
@@ -701,7 +696,7 @@ def examine(folder: str | Path, *, progress: Progress | None = None) -> Examined
         return Examined(campaign=None, problems=tuple(problems.found))
     # What cannot be told from the channels at all: a base motion by table and cover plate together, or a resultant
     source = f"{folder}/{NAME}"
-    verdicts = observed(campaign.table)
+    verdicts = campaigns.observed(campaign.table)
     found = []
     for key, what, remedy in (
         ("base motion by table and cover", "base motion", "Add an accelerometer that moves with it to [[channel]]"),
@@ -713,7 +708,7 @@ def examine(folder: str | Path, *, progress: Progress | None = None) -> Examined
             problem = f"the {what} {', '.join(verdict.missing)} cannot be told from its channels: {verdict.text}"
             found.append(BadInput(source=source, field="channel", problem=problem, remedy=remedy))
     problems.found += found
-    recordings: dict[str, Recording] = {}
+    recordings: dict[str, campaigns.Recording] = {}
     for k, run in enumerate(campaign.runs):
         one = problems.attempt(_recorded, Path(folder), run, campaign, problems)
         recordings |= {} if one is None else {run.name: one}
@@ -723,7 +718,9 @@ def examine(folder: str | Path, *, progress: Progress | None = None) -> Examined
     return Examined(campaign=replace(campaign, recordings=recordings, warnings=warnings), problems=tuple(problems.found))
 
 
-def write(folder: str | Path, campaign: Campaign, *, ending: str | None = ".h5", progress: Progress | None = None) -> None:
+def write(
+    folder: str | Path, campaign: campaigns.Campaign, *, ending: str | None = ".h5", progress: Progress | None = None
+) -> None:
     """Write `campaign` to the new `folder`, its runs as ``<name><ending>``, or with None as the files that they name.
 
     ``campaign.toml`` comes last: a folder whose writing was interrupted is none.
@@ -759,7 +756,7 @@ def write(folder: str | Path, campaign: Campaign, *, ending: str | None = ".h5",
     write_text(folder / NAME, text(replace(campaign, runs=tuple(runs))))
 
 
-def _described(folder: Path, problems: Problems) -> Campaign | None:
+def _described(folder: Path, problems: Problems) -> campaigns.Campaign | None:
     path = folder / NAME
     table = problems.attempt(_table, folder, path)
     if table is None:
@@ -780,7 +777,7 @@ def _table(folder: Path, path: Path) -> Mapping[str, object]:
     return toml_file.read(path)
 
 
-def _recorded(folder: Path, run: Run, campaign: Campaign, problems: Problems) -> Recording | None:
+def _recorded(folder: Path, run: campaigns.Run, campaign: campaigns.Campaign, problems: Problems) -> campaigns.Recording | None:
     path = inside(folder, run.file, f"{folder}/{NAME}", f"run.{run.name}.file")
     try:
         signals = files.read(path)
@@ -815,7 +812,7 @@ def inside(folder: Path, name: str, source: str, field: str) -> Path:
     return path
 
 
-def _signals(recorded: Recording, campaign: Campaign) -> Signals:
+def _signals(recorded: campaigns.Recording, campaign: campaigns.Campaign) -> Signals:
     """The samples in the units of the channel table."""
     if recorded.names != campaign.table.names:
         problem = f"has other channels than the table: {', '.join(recorded.names)}"

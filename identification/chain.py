@@ -9,8 +9,6 @@ Identification calibrates with the chain, validation predicts with it: there is 
 with their errors written out; "The likelihood" of the catalogue of effects.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import log
@@ -563,7 +561,7 @@ class PickUps(Placed):
                     change = np.mean([d @ rigid_transformation(arm) for d, arm in turned], axis=0)
                     yield key, k, np.asarray(change), np.asarray(np.mean([d[2] for d, _ in turned]))
 
-    def _sight(self, x: Offsets, frequency: Array) -> Sight:
+    def _sight(self, x: Offsets, frequency: Array) -> "Sight":
         table = self.group == "table"
         senses = np.array([channel.senses_gravity for channel in self.channels], dtype=np.float64)
         return Sight(
@@ -575,7 +573,7 @@ class PickUps(Placed):
             bending=0.0 if table else x.get(BENDING, 0.0),
         )
 
-    def _common_changes(self, x: Offsets, sight: Sight, geometry: Array, upward: Array) -> Iterator[tuple[str, Rows]]:
+    def _common_changes(self, x: Offsets, sight: "Sight", geometry: Array, upward: Array) -> Iterator[tuple[str, Rows]]:
         """Of what all channels of the group share: tilt, springs, a cover plate that bends."""
         f, square, more = sight.factors[:, :, None], sight.square[:, None, None], turned(geometry)
         none = np.zeros((*sight.factors.shape, 6), dtype=np.complex128)

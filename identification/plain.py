@@ -4,8 +4,6 @@ Its interval is honest, too: noise *and* every tolerance of the measurement chai
 error of the chain acts on article and tare alike; what it does to their difference is what is left of it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -258,7 +256,7 @@ class Difference:
     chain: dict[str, Array]
     parts: dict[str, Array]
 
-    def less(self, fmd: Difference) -> Difference:
+    def less(self, fmd: "Difference") -> "Difference":
         """What is left without `fmd`; what is common to both of an error of the chain goes with it."""
         chain, parts = (np.zeros(10), np.zeros((10, 10)))
         return Difference(

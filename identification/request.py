@@ -1,7 +1,5 @@
 """`Request`: what an identification is asked for - the campaign, its tares, further knowledge, and how to go about it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -189,12 +187,12 @@ class Known:
         object.__setattr__(self, "covariance", frozen(self.covariance, (10, 10), "covariance"))
 
     @staticmethod
-    def nothing() -> Known:
+    def nothing() -> "Known":
         """No body at all, exactly: what stands on a bare FMD."""
         return Known(inertia=Inertia(parameters=np.zeros(10)), covariance=np.zeros((10, 10)))
 
     @staticmethod
-    def within(inertia: Inertia, relative: float = KNOWN_RELATIVE) -> Known:
+    def within(inertia: Inertia, relative: float = KNOWN_RELATIVE) -> "Known":
         """`inertia` about its reference point F, every parameter known to `relative` of its scale, independently.
 
         The scale of a first moment is the mass times the largest radius of gyration about F; that of a tensor entry the geometric

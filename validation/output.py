@@ -1,7 +1,5 @@
 """What goes to standard output: one JSON object whose keys end in their unit, or pages for a reader, as wide as he can see."""
 
-from __future__ import annotations
-
 import json
 import os
 import sys
@@ -43,7 +41,7 @@ def page_width() -> int:
     return terminal.width if terminal.is_terminal else PIPED_WIDTH
 
 
-def print_pages(pages: Iterable[RenderableType]) -> None:
+def print_pages(pages: "Iterable[RenderableType]") -> None:
     """Print `pages` in `page_width` columns, a table that needs more in as many as it needs: its figures are never cut.
 
     Nothing that a user wrote is markup: [kg] and :name: are printed as they are. No line of a file or a pipe ends in spaces.

@@ -1,7 +1,5 @@
 """Patterns of excitation, and `BaseMotion`, which they become: sampled, with cross motion, and a rest at the end."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import ceil, isfinite
@@ -206,10 +204,10 @@ class Jet:
     first: Array
     second: Array
 
-    def __add__(self, other: Jet) -> Jet:
+    def __add__(self, other: "Jet") -> "Jet":
         return Jet(self.value + other.value, self.first + other.first, self.second + other.second)
 
-    def __mul__(self, other: Jet) -> Jet:
+    def __mul__(self, other: "Jet") -> "Jet":
         """The product of two functions: (a b)'' = a'' b + 2 a' b' + a b''."""
         return Jet(
             self.value * other.value,
@@ -217,7 +215,7 @@ class Jet:
             self.second * other.value + 2 * self.first * other.first + self.value * other.second,
         )
 
-    def __rmul__(self, factor: float) -> Jet:
+    def __rmul__(self, factor: float) -> "Jet":
         return Jet(factor * self.value, factor * self.first, factor * self.second)
 
 
@@ -483,7 +481,7 @@ def noisy(
     return {axis: shape * noise(clock, lines, phase[axis], duration, level) for axis, level in rms.items()}
 
 
-def _settle(pattern: Random | Burst, levels: str, cycles: float, source: str, *, line: bool = False) -> None:
+def _settle(pattern: "Random | Burst", levels: str, cycles: float, source: str, *, line: bool = False) -> None:
     """Refuse a pattern that cannot be; its field `levels` is then in the order of axes, and its seed a number.
 
     `cycles` of its lowest frequency are what it needs to start and stop softly; a `line`, one frequency alone, may be allowed.

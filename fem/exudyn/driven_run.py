@@ -1,7 +1,5 @@
 """From a rig and a base motion to the response, by exudyn: the rig as a system with sensors on all that is told, and its run."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
@@ -326,7 +324,7 @@ AT_LIMIT = 1 - 1e-9
 """Share of the slip force from which a part counts as slipping."""
 
 
-def lay(scene: Scene, friction: Friction, article: ReducedArticle, seat: Array) -> Bristles:
+def lay(scene: Scene, friction: Friction, article: ReducedArticle, seat: Array) -> "Bristles":
     """Put the loose part of `friction` on the base of `article`, which stands at `seat` (3,) [m]."""
     items, system = scene.items, scene.system
     part = node(scene, "loose part", items.NodePoint(referenceCoordinates=seat.tolist()))

@@ -6,21 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from geometry import toml_file
-from geometry.article import (
-    Article,
-    Box,
-    Cylinder,
-    Part,
-    Placed,
-    Shape,
-    bolt_circle,
-    drilled,
-    material,
-    rectangle,
-    seat_at,
-    upright,
-)
+from geometry import article, toml_file
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from geometry.toml_file import nearest
@@ -114,67 +100,73 @@ ONE_BLADE = ("lower-1",)
 FOUR_BLADES = ("lower-1", "lower-2", "upper-long", "upper-short")
 
 
-def build_clumod(blades: tuple[str, ...], dimensions: Dimensions | None = None) -> Article:
+def build_clumod(blades: tuple[str, ...], dimensions: Dimensions | None = None) -> article.Article:
     """Clumod with the `blades` named; origin on the mast axis at the flange's underside, z up [m]."""
     d = dimensions or load("clumod")
     flange, mast = d["flange"], d["mast"]
     height, pockets = flange["height"], flange["pockets"]
     bores = (
-        upright(Cylinder(diameter=flange["bore"]["diameter"], height=height), bottom=0.0),
+        article.upright(article.Cylinder(diameter=flange["bore"]["diameter"], height=height), bottom=0.0),
         *_holes(flange["bolts"], bottom=0.0, depth=height),
         *_holes(pockets, bottom=height - pockets["depth"], depth=pockets["depth"]),
     )
-    disc = upright(Cylinder(diameter=flange["diameter"], height=height), bottom=0.0)
-    outer, inner = (Cylinder(diameter=mast[k], height=mast["top"] - height) for k in ("outer_diameter", "inner_diameter"))
-    tube = Shape(solids=(upright(outer, bottom=height),), voids=(upright(inner, bottom=height),))
+    disc = article.upright(article.Cylinder(diameter=flange["diameter"], height=height), bottom=0.0)
+    outer, inner = (article.Cylinder(diameter=mast[k], height=mast["top"] - height) for k in ("outer_diameter", "inner_diameter"))
+    tube = article.Shape(solids=(article.upright(outer, bottom=height),), voids=(article.upright(inner, bottom=height),))
     parts = [
-        Part(name="flange", material=material(flange["material"]), shape=Shape(solids=(disc,), voids=bores)),
-        Part(name="mast", material=material(mast["material"]), shape=tube),
+        article.Part(
+            name="flange", material=article.material(flange["material"]), shape=article.Shape(solids=(disc,), voids=bores)
+        ),
+        article.Part(name="mast", material=article.material(mast["material"]), shape=tube),
     ]
     parts += [_hub(d, number, blade) for number, blade in enumerate(d["blade"], start=1)]
     for blade in d["blade"]:
         if blade["name"] in blades:
             parts += _blade(d, blade)
-    return Article(name=f"clumod-{len(blades)}", parts=tuple(parts), note=d["note"])
+    return article.Article(name=f"clumod-{len(blades)}", parts=tuple(parts), note=d["note"])
 
 
-def _hub(d: Dimensions, number: int, blade: Dimensions) -> Part:
+def _hub(d: Dimensions, number: int, blade: Dimensions) -> article.Part:
     """Two collars on the mast, one on each side of the blade's place."""
     hubs, half = d["hubs"], blade["hub_height"] / 2
-    collar = Cylinder(diameter=hubs["outer_diameter"], height=half)
-    bore = Cylinder(diameter=d["mast"]["outer_diameter"], height=half)
+    collar = article.Cylinder(diameter=hubs["outer_diameter"], height=half)
+    bore = article.Cylinder(diameter=d["mast"]["outer_diameter"], height=half)
     bottoms = (blade["z"] - blade["thickness"] / 2 - half, blade["z"] + blade["thickness"] / 2)
-    solids = tuple(upright(collar, bottom=bottom) for bottom in bottoms)
+    solids = tuple(article.upright(collar, bottom=bottom) for bottom in bottoms)
     voids = tuple(
-        void for bottom in bottoms for void in (upright(bore, bottom=bottom), *_holes(hubs["bolts"], bottom=bottom, depth=half))
+        void
+        for bottom in bottoms
+        for void in (article.upright(bore, bottom=bottom), *_holes(hubs["bolts"], bottom=bottom, depth=half))
     )
-    return Part(name=f"hub-{number}", material=material(hubs["material"]), shape=Shape(solids=solids, voids=voids))
+    return article.Part(
+        name=f"hub-{number}", material=article.material(hubs["material"]), shape=article.Shape(solids=solids, voids=voids)
+    )
 
 
-def _blade(d: Dimensions, blade: Dimensions) -> list[Part]:
+def _blade(d: Dimensions, blade: Dimensions) -> list[article.Part]:
     """The bodies of one blade, bottom to top: one, or face, layer and face."""
-    plate, name = material(d["blades"]["material"]), blade["name"]
+    plate, name = article.material(d["blades"]["material"]), blade["name"]
     if "layer" not in blade:
-        return [Part(name=name, material=plate, shape=_slab(d, blade, 0.0, blade["thickness"]), pose=_blade_pose(blade))]
+        return [article.Part(name=name, material=plate, shape=_slab(d, blade, 0.0, blade["thickness"]), pose=_blade_pose(blade))]
     layer = blade["layer"]["thickness"]
     face = (blade["thickness"] - layer) / 2
     bodies = (
         ("bottom", plate, -(face + layer) / 2, face),
-        ("silicone", material(blade["layer"]["material"]), 0.0, layer),
+        ("silicone", article.material(blade["layer"]["material"]), 0.0, layer),
         ("top", plate, (face + layer) / 2, face),
     )
     return [
-        Part(name=f"{name}-{body}", material=made_of, shape=_slab(d, blade, middle, height), pose=_blade_pose(blade))
+        article.Part(name=f"{name}-{body}", material=made_of, shape=_slab(d, blade, middle, height), pose=_blade_pose(blade))
         for body, made_of, middle, height in bodies
     ]
 
 
-def _slab(d: Dimensions, blade: Dimensions, middle: float, height: float) -> Shape:
+def _slab(d: Dimensions, blade: Dimensions, middle: float, height: float) -> article.Shape:
     """A rectangle along the blade's own x with the hole for the mast and those for the hub's bolts; z from its mid-plane."""
     bottom = middle - height / 2
-    through = upright(Cylinder(diameter=d["mast"]["outer_diameter"], height=height), bottom=bottom)
-    slab = upright(Box(size=np.array([blade["length"], blade["width"], height])), bottom=bottom)
-    return Shape(solids=(slab,), voids=(through, *_holes(d["hubs"]["bolts"], bottom=bottom, depth=height)))
+    through = article.upright(article.Cylinder(diameter=d["mast"]["outer_diameter"], height=height), bottom=bottom)
+    slab = article.upright(article.Box(size=np.array([blade["length"], blade["width"], height])), bottom=bottom)
+    return article.Shape(solids=(slab,), voids=(through, *_holes(d["hubs"]["bolts"], bottom=bottom, depth=height)))
 
 
 def _blade_pose(blade: Dimensions) -> Pose:
@@ -182,42 +174,44 @@ def _blade_pose(blade: Dimensions) -> Pose:
     return Pose(position=np.array([0.0, 0.0, blade["z"]]), rotation=rotation_about("z", turn))
 
 
-def _holes(d: Dimensions, *, bottom: float, depth: float) -> tuple[Placed, ...]:
-    circle = bolt_circle(d["count"], d["circle"], d["first_angle"])
-    return drilled(circle, diameter=d["diameter"], bottom=bottom, depth=depth)
+def _holes(d: Dimensions, *, bottom: float, depth: float) -> tuple[article.Placed, ...]:
+    circle = article.bolt_circle(d["count"], d["circle"], d["first_angle"])
+    return article.drilled(circle, diameter=d["diameter"], bottom=bottom, depth=depth)
 
 
 # The Cuboid: a homogeneous aluminium block with four threaded holes in its underside.
 
 
-def build_cuboid(dimensions: Dimensions | None = None) -> Article:
+def build_cuboid(dimensions: Dimensions | None = None) -> article.Article:
     """The Cuboid from `dimensions` (`cuboid.toml` by default); origin in the middle of the underside, z up [m]."""
     d = dimensions or load("cuboid")
     t = d["threads"]
     if t["depth"] > d["size"][2]:
         raise ValueError(f"`depth` of the threads must lie within the height, {d['size'][2]:g} m, found {t['depth']:g} m")
-    shape = Shape(
-        solids=(upright(Box(size=d["size"]), bottom=0.0),),
-        voids=drilled(rectangle(*t["pitch"]), diameter=t["diameter"], bottom=0.0, depth=t["depth"]),
+    shape = article.Shape(
+        solids=(article.upright(article.Box(size=d["size"]), bottom=0.0),),
+        voids=article.drilled(article.rectangle(*t["pitch"]), diameter=t["diameter"], bottom=0.0, depth=t["depth"]),
     )
-    return Article(name="cuboid", parts=(Part(name="block", material=material(d["material"]), shape=shape),), note=d["note"])
+    return article.Article(
+        name="cuboid", parts=(article.Part(name="block", material=article.material(d["material"]), shape=shape),), note=d["note"]
+    )
 
 
 # The disc between FMD and Cuboid, with the bolt holes that carry both.
 
 
-def build_disc(dimensions: Dimensions | None = None) -> Article:
+def build_disc(dimensions: Dimensions | None = None) -> article.Article:
     """The disc from `dimensions` (`disc.toml` by default); origin in the middle of the underside, z up [m]."""
     d = dimensions or load("disc")
     height, above, below = d["height"], d["cuboid_bolts"], d["fmd_bolts"]
-    circle = bolt_circle(below["count"], below["circle"], below["first_angle"])
-    shape = Shape(
-        solids=(upright(Cylinder(diameter=d["diameter"], height=height), bottom=0.0),),
-        voids=drilled(rectangle(*above["pitch"]), diameter=above["diameter"], bottom=0.0, depth=height)
-        + drilled(circle, diameter=below["diameter"], bottom=0.0, depth=height),
+    circle = article.bolt_circle(below["count"], below["circle"], below["first_angle"])
+    shape = article.Shape(
+        solids=(article.upright(article.Cylinder(diameter=d["diameter"], height=height), bottom=0.0),),
+        voids=article.drilled(article.rectangle(*above["pitch"]), diameter=above["diameter"], bottom=0.0, depth=height)
+        + article.drilled(circle, diameter=below["diameter"], bottom=0.0, depth=height),
     )
-    plate = Part(name="plate", material=material(d["material"]), shape=shape)
-    return Article(name="disc", parts=(plate,), seat=seat_at(height), note=d["note"])
+    plate = article.Part(name="plate", material=article.material(d["material"]), shape=shape)
+    return article.Article(name="disc", parts=(plate,), seat=article.seat_at(height), note=d["note"])
 
 
 # The Force Measurement Device: cover plate on four load cells, of which only the moving part counts.
@@ -226,28 +220,28 @@ def build_disc(dimensions: Dimensions | None = None) -> Article:
 # by the cells; what lies below, and the mounting plate, belongs to the table and is drawn but not counted (paper, section 3.1).
 
 
-def build_fmd(dimensions: Dimensions | None = None) -> Article:
+def build_fmd(dimensions: Dimensions | None = None) -> article.Article:
     """The FMD from `dimensions` (`fmd.toml` by default); origin F, the centre of the force-measuring plane, z up [m]."""
     d = dimensions or load("fmd")
     cover, cell, mounting = d["cover_plate"], d["load_cell"], d["mounting_plate"]
     underside, threads = cell["height"] / 2, cover["threads"]
     top = underside + cover["size"][2]
-    circle = bolt_circle(threads["count"], threads["circle"], threads["first_angle"])
-    drawn = Shape(
-        solids=(upright(Box(size=cover["size"]), bottom=underside),),
-        voids=drilled(circle, diameter=threads["diameter"], bottom=top - threads["depth"], depth=threads["depth"]),
+    circle = article.bolt_circle(threads["count"], threads["circle"], threads["first_angle"])
+    drawn = article.Shape(
+        solids=(article.upright(article.Box(size=cover["size"]), bottom=underside),),
+        voids=article.drilled(circle, diameter=threads["diameter"], bottom=top - threads["depth"], depth=threads["depth"]),
     )
-    parts = [Part(name="cover-plate", material=material(cover["material"]), shape=drawn)]
+    parts = [article.Part(name="cover-plate", material=article.material(cover["material"]), shape=drawn)]
     if not 0 <= cell["moving_fraction"] <= 1:
         raise ValueError(f"`moving_fraction` must lie between 0 and 1, found {cell['moving_fraction']:g}")
     split = cell["height"] * (0.5 - cell["moving_fraction"])
-    for number, (x, y) in enumerate(rectangle(cell["square"], cell["square"]), start=1):
+    for number, (x, y) in enumerate(article.rectangle(cell["square"], cell["square"]), start=1):
         for half, low, high, counted in (("moving", split, underside, True), ("fixed", -underside, split, False)):
             if high > low:
-                solid = upright(Cylinder(diameter=cell["diameter"], height=high - low), bottom=low, x=x, y=y)
-                name, made_of = f"cell-{number}-{half}", material(cell["material"])
-                parts.append(Part(name=name, material=made_of, shape=Shape(solids=(solid,)), counted=counted))
+                solid = article.upright(article.Cylinder(diameter=cell["diameter"], height=high - low), bottom=low, x=x, y=y)
+                name, made_of = f"cell-{number}-{half}", article.material(cell["material"])
+                parts.append(article.Part(name=name, material=made_of, shape=article.Shape(solids=(solid,)), counted=counted))
     size = mounting["size"]
-    plate = Shape(solids=(upright(Box(size=size), bottom=-underside - size[2]),))
-    parts.append(Part(name="mounting-plate", material=material(mounting["material"]), shape=plate, counted=False))
-    return Article(name="fmd", parts=tuple(parts), seat=seat_at(top), note=d["note"])
+    plate = article.Shape(solids=(article.upright(article.Box(size=size), bottom=-underside - size[2]),))
+    parts.append(article.Part(name="mounting-plate", material=article.material(mounting["material"]), shape=plate, counted=False))
+    return article.Article(name="fmd", parts=tuple(parts), seat=article.seat_at(top), note=d["note"])

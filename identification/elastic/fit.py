@@ -5,8 +5,6 @@ Poles are added one by one where they take most out of what is left (`next_poles
 (Schwarz, Ann. Statist. 6 (1978) 461, with the misfit of the best model as the unit of chi²). H(0) = M_F is the extrapolation.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -55,7 +53,7 @@ class Lines:
         """Real numbers in the data."""
         return 2 * self.values.size
 
-    def at(self, chosen: npt.ArrayLike) -> Lines:
+    def at(self, chosen: npt.ArrayLike) -> "Lines":
         """The lines that `chosen` (mask or indices) picks."""
         k = np.asarray(chosen)
         return Lines(frequency=self.frequency[k], values=self.values[k], deviation=self.deviation[k], asymmetry=self.asymmetry)

@@ -1,7 +1,5 @@
 """`Spectra`: complex lines of every channel in every run, and how far each can be trusted."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -55,7 +53,7 @@ class Spectra:
         values.setflags(write=False)
         object.__setattr__(self, "values", values)
 
-    def at(self, lines: npt.ArrayLike) -> Spectra:
+    def at(self, lines: npt.ArrayLike) -> "Spectra":
         """The same on some of the lines alone, (n,) bool or their indices."""
         chosen = np.asarray(lines)
         return replace(

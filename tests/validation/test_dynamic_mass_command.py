@@ -213,12 +213,12 @@ def test_figures_of_resonances_stand_clear_of_a_panels_title(monkeypatch: pytest
     from fem.beam import articles
     from fem.dynamic_mass import modal
     from fem.modes import fixed_base
-    from validation.report.charts import style
+    from validation.report.charts import static, style
 
     pages: list[Figure] = []
     modes = fixed_base(articles.structure("clumod-4"), 20)
     mass = modal(modes, np.linspace(4, 32, 57))
-    monkeypatch.setattr(style, "finish", lambda figure, *rest: pages.append(figure))
+    monkeypatch.setattr(static, "finish", lambda figure, *rest: pages.append(figure))
     style.diagonal("x", [DynamicMassCurve(name="beam", mass=mass, rigid=modes.rigid_mass, modes=modes)], tmp_path / "x.png")
     (figure,) = pages
     figure.canvas.draw()

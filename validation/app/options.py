@@ -1,7 +1,5 @@
 """What `massline app` was asked, checked at the door, and how it travels to the process of a window."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import signal
@@ -34,7 +32,7 @@ class StartOptions:
     """
 
     example: str | None = None
-    asked: Options | None = None
+    asked: "Options | None" = None
 
     @property
     def effects_from(self) -> tuple[str, ...]:

@@ -1,7 +1,5 @@
 """The page on which one works: brought to what the session holds, after opening, after a reload, and after every step."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import re
@@ -92,7 +90,7 @@ async def drawn(window: WindowState) -> None:
     state.flush()
 
 
-def with_effect(window: WindowState) -> dict[str, ComplexArray]:
+def with_effect(window: WindowState) -> "dict[str, ComplexArray]":
     """What the overlay draws beside the prediction: by name, the 6 x 6 with the effect, whichever entry is shown."""
     tried, state = window.tried, window.state
     if tried is None:

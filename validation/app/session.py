@@ -10,8 +10,6 @@
 The user's own files are read and never changed; `Session.report` and `Session.draw` write where the user says.
 """
 
-from __future__ import annotations
-
 import json
 import os.path
 import re
@@ -263,7 +261,7 @@ class Session:
             raise RuntimeError("a rung that was kept must be the one on which the model stands")
         return found
 
-    def compare(self, progress: Progress | None = None) -> Compared:
+    def compare(self, progress: Progress | None = None) -> "Compared":
         """The model held against its data, and kept; on a rung of the ladder without fitting anything anew.
 
         Takes from seconds to minutes: `validation.app.workers.start(session, "compare")` does it in a worker.
@@ -301,7 +299,7 @@ class Session:
         write_text(folder / SUMMARY, json_text(to_json(found)))
         return _read_comparison(folder)
 
-    def comparison(self) -> Compared | None:
+    def comparison(self) -> "Compared | None":
         """That of the model as it stands, if it was made; quick."""
         try:
             return _read_comparison(self.found)

@@ -4,8 +4,6 @@ Everything of worth lies in the session's folder; a window that was closed and i
 there.
 """
 
-from __future__ import annotations
-
 import asyncio
 import shutil
 import sys
@@ -65,15 +63,15 @@ class WindowState:
     folder: Path
     opened: StartOptions
     session: Session | None = None
-    compared: Compared | None = None
-    table: ReadyPredictions | None = None
-    effects: dict[str, TrialEffect] = field(default_factory=dict)
-    worker: Worker | None = None
+    compared: "Compared | None" = None
+    table: "ReadyPredictions | None" = None
+    effects: "dict[str, TrialEffect]" = field(default_factory=dict)
+    worker: "Worker | None" = None
     ending: asyncio.Future[Job] | None = None
-    turntable: Turntable | None = None
+    turntable: "Turntable | None" = None
     sizes: dict[str, float] = field(default_factory=dict)
     wanted: str | None = None
-    tried: WhatIf | None = None
+    tried: "WhatIf | None" = None
     exact: bool = True
     drags: int = 0
     views: int = 0

@@ -6,8 +6,6 @@ plain fit frees a step behind (`validation.app.whatif`). What makes that quick: 
 solved, and an effect that is dragged is a parameter of a prediction that stays. The size itself is never fitted here.
 """
 
-from __future__ import annotations
-
 from collections import OrderedDict
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -28,20 +26,9 @@ from geometry.sensors import ChannelTable
 from validation.app.session import Session
 from validation.compare.maps import Operators, operators, through
 from validation.diagnose.diagnosis import sized
+from validation.effects import effect as effect_types
 from validation.effects import practical_units
 from validation.effects.catalogue import FAMILIES, Named, acts, parse
-from validation.effects.effect import (
-    AMPLITUDE,
-    BODY_STAGE,
-    CHANNEL_STAGE,
-    OPENED,
-    PERIOD_STAGE,
-    PROCESSING,
-    STRUCTURE_STAGE,
-    Family,
-    SizeSpec,
-    Vocabulary,
-)
 from validation.estimation import evaluate
 from validation.estimation.evaluate import Squares
 from validation.estimation.fit import BREAKDOWNS, FLOOR, PLAIN_FLOOR, nearby
@@ -76,7 +63,7 @@ class SampledPrediction:
     lines: Lines
     said: Predicted
 
-    def on(self, runs: Sequence[str]) -> SampledPrediction:
+    def on(self, runs: Sequence[str]) -> "SampledPrediction":
         """Of the runs named alone."""
         kept = [k for k, run in enumerate(self.measured.runs) if run in runs]
         rows, noise = self.said.rows, self.said.noise
@@ -179,9 +166,13 @@ class Remembering:
 
     def _key(self, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: BaseDrive) -> Hashable:
         """All that the answer depends on."""
-        acting = [one.named for one in effects if FAMILIES[one.named.family].stage in (STRUCTURE_STAGE, BODY_STAGE)]
+        acting = [
+            one.named
+            for one in effects
+            if FAMILIES[one.named.family].stage in (effect_types.STRUCTURE_STAGE, effect_types.BODY_STAGE)
+        ]
         driven: Hashable = None
-        if any(FAMILIES[one.family].stage == BODY_STAGE for one in acting):
+        if any(FAMILIES[one.family].stage == effect_types.BODY_STAGE for one in acting):
             driven = (drive.amplitude.tobytes(), drive.sweep_rate, drive.block)
         sizes = tuple((one.id, tuple(one.values.items())) for one in acting)
         return (sizes, driven, tuple(offsets.get(name, 0.0) for name in self._names), frequency.tobytes())
@@ -218,7 +209,7 @@ class ReadyCampaign:
     squares: tuple[Squares, ...]
 
     @classmethod
-    def of(cls, one: SeriesPrediction, offsets: Offsets, judged: tuple[str, ...]) -> ReadyCampaign:
+    def of(cls, one: SeriesPrediction, offsets: Offsets, judged: tuple[str, ...]) -> "ReadyCampaign":
         """`one` made ready at `offsets`, with what its cells carry remembered for whatever is made of it."""
         carried = cast(SupportedDynamicMass, Remembering(one.tested.carried))
         one = replace(one, tested=replace(one.tested, carried=carried))
@@ -274,7 +265,7 @@ class ReadyPredictions:
     offsets: Offsets
     at: str
     pace: float
-    words: Vocabulary
+    words: effect_types.Vocabulary
     known: Problem
     dragged: dict[str, Dragged] = field(default_factory=dict)
 
@@ -300,7 +291,7 @@ class ReadyPredictions:
         facts = tuple(one.with_effects(effects) for one in self.facts if one.name in kept)
         return predictions, Problem(some, facts, lines=self.known.lines)
 
-    def drag(self, named: Named, *, follow: bool) -> _Question:
+    def drag(self, named: Named, *, follow: bool) -> "_Question":
         """What is asked while somebody waits: as much as can be had."""
 
         def ready(*, fixed: bool) -> Dragged:
@@ -323,7 +314,7 @@ class ReadyPredictions:
         offsets = {**(kept.offsets if follow else self.offsets), **moved}
         return _Question(named=named, predictions=kept.predictions, offsets=offsets, moved=moved, exact=False)
 
-    def asked(self, question: _Question) -> list[_Asked]:
+    def asked(self, question: "_Question") -> "list[_Asked]":
         """The answers of all campaigns."""
         found = []
         for one, prediction in zip(self.tested, question.predictions, strict=True):
@@ -466,7 +457,7 @@ def table(of: Session) -> ReadyPredictions:
     )
     for family in FAMILIES.values():
         named = Named(family=family.name, values={})
-        if family.side == PROCESSING and not family.targets and not family.sizes and _by_run(named):
+        if family.side == effect_types.PROCESSING and not family.targets and not family.sizes and _by_run(named):
             found.asked(found.drag(named, follow=False))
     return found
 
@@ -581,7 +572,10 @@ class _Asked:
 def _by_run(named: Named) -> bool:
     """Whether every run is predicted by itself, since the effect asks how it was driven."""
     family = FAMILIES[named.family]
-    return family.side in (AMPLITUDE, PROCESSING) and family.stage in (BODY_STAGE, CHANNEL_STAGE)
+    return family.side in (effect_types.AMPLITUDE, effect_types.PROCESSING) and family.stage in (
+        effect_types.BODY_STAGE,
+        effect_types.CHANNEL_STAGE,
+    )
 
 
 # One effect explained to a person: what it means, how large it is, what it is mistaken for, and what would tell.
@@ -631,7 +625,9 @@ def explained(of: Session, effect: str) -> EffectExplanation:
     ------
     BadInput : no such effect, with the nearest.
     """
-    named = parse(completed(effect)[0], Vocabulary(accelerometers=None, forces=None, places=None, parts=None), source="effect")
+    named = parse(
+        completed(effect)[0], effect_types.Vocabulary(accelerometers=None, forces=None, places=None, parts=None), source="effect"
+    )
     family, found = FAMILIES[named.family], of.diagnosis()
     # As it was accepted, else as it was ranked
     every = () if found is None else (*found.accepted, *found.ranking)
@@ -735,7 +731,7 @@ class TrialEffect:
 def reaching(of: ReadyPredictions) -> tuple[TrialEffect, ...]:
     """All that act on these data, in the order of the catalogue; those of the model are among them."""
     every = [named for family in FAMILIES.values() for named in _everywhere(of, family)]
-    asked = tuple(Added(named=one) for one in every if FAMILIES[one.family].stage == OPENED)
+    asked = tuple(Added(named=one) for one in every if FAMILIES[one.family].stage == effect_types.OPENED)
     opened = [{each.name for each in one.prediction.with_effects(asked).parameters} for one in of.tested]
     found = []
     for named in every:
@@ -743,7 +739,9 @@ def reaching(of: ReadyPredictions) -> tuple[TrialEffect, ...]:
         there = tuple(
             one.name
             for one, names in zip(of.tested, opened, strict=True)
-            if family.stage != PERIOD_STAGE and (family.stage != OPENED or named.id in names) and one.feels(named)
+            if family.stage != effect_types.PERIOD_STAGE
+            and (family.stage != effect_types.OPENED or named.id in names)
+            and one.feels(named)
         )
         if not there and not any(fact.swing is not None and classical_facts.acts(named, fact.swing) for fact in of.facts):
             continue
@@ -761,7 +759,7 @@ def reaching(of: ReadyPredictions) -> tuple[TrialEffect, ...]:
     return tuple(found)
 
 
-def _everywhere(of: ReadyPredictions, family: Family) -> Iterator[Named]:
+def _everywhere(of: ReadyPredictions, family: effect_types.Family) -> Iterator[Named]:
     """The family at each of its targets here, at its start; a pair of channels once."""
     alike = len(set(family.targets)) < len(family.targets)
     typical = parse(examples(family)[0]).values
@@ -782,11 +780,11 @@ def _everywhere(of: ReadyPredictions, family: Family) -> Iterator[Named]:
         yield known or Named(family=family.name, targets=targets, values=values)
 
 
-def _centre(size: SizeSpec, typical: float | None) -> float:
+def _centre(size: effect_types.SizeSpec, typical: float | None) -> float:
     return size.default or typical or FIRST_GUESS.get(size.key, 1.0)
 
 
-def _slider(family: Family, size: SizeSpec, start: float, typical: float | None) -> Slider:
+def _slider(family: effect_types.Family, size: effect_types.SizeSpec, start: float, typical: float | None) -> Slider:
     low, high, logarithmic = ends(size, typical)
     shown = practical_units.scale(size.unit, high / 20, ratio=practical_units.is_ratio(family.name, size.key))
     return Slider(
@@ -804,7 +802,7 @@ def _slider(family: Family, size: SizeSpec, start: float, typical: float | None)
     )
 
 
-def ends(size: SizeSpec, typical: float | None) -> tuple[float, float, bool]:
+def ends(size: effect_types.SizeSpec, typical: float | None) -> tuple[float, float, bool]:
     """Ends of a slider, SI, and whether it is one of factors; `typical` is a size that is likely, if one is known."""
     if size.whole:
         return size.low, size.high, False

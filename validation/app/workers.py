@@ -5,8 +5,6 @@ started it, whatever happens to that (a pipe between both closes). `Worker.cance
 left half-done. A rung that was written by work which did not come to its end is left again. One job a session at a time.
 """
 
-from __future__ import annotations
-
 import json
 import multiprocessing
 import os
@@ -41,7 +39,7 @@ COMPARE, DIAGNOSE, ADD, REPORT = KINDS = ("compare", "diagnose", "add", "report"
 GRACE = 0.5
 """Seconds that a worker has to put down what it holds before it is killed."""
 
-_at_work: dict[Path, Worker] = {}
+_at_work: "dict[Path, Worker]" = {}
 """By folder of a session, the worker that was started last."""
 
 
@@ -81,7 +79,7 @@ class Job:
 class Worker:
     """A process at work for a session. Its session, its process, and the pipe whose end is its end."""
 
-    def __init__(self, of: Session, kind: str, process: SpawnProcess, watch: Connection) -> None:
+    def __init__(self, of: Session, kind: str, process: "SpawnProcess", watch: Connection) -> None:
         self.session, self.kind, self._process, self._watch = of, kind, process, watch
         self._cancelling = False
 

@@ -9,8 +9,6 @@ What else a file holds depends on its kind; `validation.classical.weigh`, `valid
 A key that a kind does not know is refused by name, since a misspelt tolerance is a lost one.
 """
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections import defaultdict
@@ -51,7 +49,7 @@ class Fields:
     source: str
     place: str
     table: dict[str, Any]
-    inputs: dict[str, UFloat] = field(default_factory=dict, repr=False)
+    inputs: "dict[str, UFloat]" = field(default_factory=dict, repr=False)
 
     def path(self, key: str) -> str:
         """`key` with the path of its table."""
@@ -61,7 +59,7 @@ class Fields:
         """The complaint about `key`, ready to be raised."""
         return BadInput(source=self.source, field=self.path(key), problem=problem, remedy=remedy)
 
-    def only(self, allowed: Iterable[str]) -> Fields:
+    def only(self, allowed: Iterable[str]) -> "Fields":
         """Pass unchanged; BadInput when the table has a key besides those `allowed`, with the nearest of them."""
         known = sorted(allowed)
         for key in self.table:
@@ -69,7 +67,7 @@ class Fields:
                 raise self.refused(key, "no such key", f"{toml_file.nearest(key, known)}Known are {', '.join(known)}")
         return self
 
-    def quantity(self, key: str, dimension: str, name: str = "") -> UFloat:
+    def quantity(self, key: str, dimension: str, name: str = "") -> "UFloat":
         """The quantity under `key`, in SI, called `name` in budgets; BadInput when it is absent or unreadable."""
         if key not in self.table:
             raise self.refused(key, f"a {dimension} is missing here", "Add it, with its unit and tolerance")
@@ -79,15 +77,15 @@ class Fields:
             self.inputs[path] = quantity(self.table[key], dimension, source=self.source, field=path, name=label)
         return self.inputs[path]
 
-    def optional(self, key: str, dimension: str, name: str = "") -> UFloat | None:
+    def optional(self, key: str, dimension: str, name: str = "") -> "UFloat | None":
         """The same, or None where `key` is absent."""
         return self.quantity(key, dimension, name) if key in self.table else None
 
-    def quantity_or_zero(self, key: str, dimension: str) -> UFloat:
+    def quantity_or_zero(self, key: str, dimension: str) -> "UFloat":
         """The same, or an exact zero where `key` is absent."""
         return self.quantity(key, dimension) if key in self.table else exact(0.0)
 
-    def positive(self, key: str, dimension: str, name: str = "") -> UFloat:
+    def positive(self, key: str, dimension: str, name: str = "") -> "UFloat":
         """The quantity under `key`; BadInput when it is not positive."""
         value = self.quantity(key, dimension, name)
         if value.nominal_value <= 0:
@@ -124,14 +122,14 @@ class Fields:
             raise self.refused(key, f"true or false is expected, found {value!r}", "Write it without quotes")
         return value
 
-    def inner(self, key: str) -> Fields:
+    def inner(self, key: str) -> "Fields":
         """The table under `key`; empty where it is absent."""
         value = self.table.get(key, {})
         if not isinstance(value, dict):
             raise self.refused(key, f"a table is expected, found {value!r}", f"Start it with [{self.path(key)}]")
         return Fields(source=self.source, place=self.path(key), table=value, inputs=self.inputs)
 
-    def each(self, key: str) -> tuple[Fields, ...]:
+    def each(self, key: str) -> "tuple[Fields, ...]":
         """The tables under `key`, one or more; BadInput when there is none."""
         value = self.table.get(key, [])
         if not isinstance(value, list) or not value or not all(isinstance(entry, dict) for entry in value):
@@ -202,7 +200,7 @@ class Item:
     share: float
 
 
-def itemised(result: UFloat) -> tuple[Item, ...]:
+def itemised(result: "UFloat") -> tuple[Item, ...]:
     """The inputs that make the tolerance of `result`, the largest first; inputs of one name are taken together."""
     parts: dict[str, list[tuple[Any, float]]] = defaultdict(list)
     for variable, part in result.error_components().items():
@@ -217,7 +215,7 @@ def itemised(result: UFloat) -> tuple[Item, ...]:
     return tuple(sorted((item for item in items if item.contribution > 0), key=lambda item: -item.contribution))
 
 
-def dominating(result: UFloat) -> str:
+def dominating(result: "UFloat") -> str:
     """Name of the input with the largest share; empty when `result` is exact."""
     items = itemised(result)
     return items[0].name if items else ""
@@ -264,11 +262,11 @@ class Reduction:
     article: str
     origin: str
     title: str = unwritten()
-    results: Mapping[str, UFloat] = unwritten()
+    results: "Mapping[str, UFloat]" = unwritten()
     notes: tuple[str, ...] = unwritten(default=())
     terms: Mapping[str, Mapping[str, float]] = unwritten(default_factory=dict)
     assumed: bool = entry("tolerances", write=lambda assumed: "assumed" if assumed else "stated", default=False)
-    reference: Mapping[str, UFloat] = unwritten(default_factory=dict)
+    reference: "Mapping[str, UFloat]" = unwritten(default_factory=dict)
 
     @property
     @derived("rows", before="article")
@@ -378,7 +376,7 @@ def readings_or_results(name: str, kind: str, readings: Callable[[Fields], Reduc
     return readings(file) if file.text("kind") == kind else reduce(file, keys)
 
 
-def reference(name: str) -> dict[str, UFloat]:
+def reference(name: str) -> "dict[str, UFloat]":
     """What is published about the article (or stored in the results file) `name`: key of `QUANTITIES` -> value, SI.
 
     Of an article called ``clumod-4`` it is the shipped file ``clumod-4-reference``.

@@ -14,8 +14,6 @@ rotation and sway apart.
 Both hold for rope feet in one horizontal plane; its height does not matter. They fail when ropes are slanted or unequal.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
@@ -221,7 +219,7 @@ class Terms:
     damping: UFloat | None = None
     rope_mass: UFloat | None = None
 
-    def without(self, name: str) -> Terms:
+    def without(self, name: str) -> "Terms":
         """The same with the term `name` of `TERMS` left out."""
         return replace(self, **{name.replace("-", "_"): None})
 

@@ -1,7 +1,5 @@
 """`Setup`: an article, its ropes and its recorder as somebody asks for them, before anything is simulated."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
@@ -103,7 +101,7 @@ class Setup:
         there = (True, s.damping_ratio > 0, s.rope_mass > 0, s.stiffness is not None, any(self.off_centre), bool(s.extra.any()))
         return tuple(name for name, here in zip(EFFECTS, there, strict=True) if here)
 
-    def alone(self, effect: str | None) -> Setup:
+    def alone(self, effect: str | None) -> "Setup":
         """The same with `effect` alone, on ropes that are ideal otherwise; None leaves nothing but the ideal."""
         s = self.suspension
         fields: dict[str, dict[str, Any]] = {

@@ -16,8 +16,6 @@
 Buoyancy: the balance was adjusted in air with weights of density ρw, so ``m = W (1 - ρa/ρw) / (1 - ρa/ρ)``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -56,15 +54,15 @@ class Balance:
 
     resolution: float
     digit_error: int
-    gain: UFloat
+    gain: "UFloat"
 
-    def reading(self, shown: UFloat) -> UFloat:
+    def reading(self, shown: "UFloat") -> "UFloat":
         """A figure on the display [kg] with its own rounding and digit error, before the gain."""
         rounding = tagged(0.0, self.resolution / 2, "balance resolution")
         digits = tagged(0.0, self.digit_error * self.resolution, "balance digit error")
         return shown + rounding + digits
 
-    def mean(self, readings: Sequence[UFloat]) -> UFloat:
+    def mean(self, readings: "Sequence[UFloat]") -> "UFloat":
         """Mean [kg] of `readings`, with the scatter of the mean where there are several, and the gain."""
         average = sum(readings) / len(readings)
         if len(readings) < 2:
@@ -178,14 +176,14 @@ STANDARD_GRAVITY = 9.80665
 
 def cog_height(
     *,
-    mass: UFloat,
-    reading: UFloat,
-    rope: UFloat,
-    support: UFloat,
-    inclination: UFloat | float = 0.0,
-    rope_offset: UFloat | float = 0.0,
-    support_offset: UFloat | float = 0.0,
-) -> UFloat:
+    mass: "UFloat",
+    reading: "UFloat",
+    rope: "UFloat",
+    support: "UFloat",
+    inclination: "UFloat | float" = 0.0,
+    rope_offset: "UFloat | float" = 0.0,
+    support_offset: "UFloat | float" = 0.0,
+) -> "UFloat":
     """CoG z [m] by the lever equation of the module's head.
 
     Parameters

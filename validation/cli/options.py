@@ -1,7 +1,5 @@
 """Options that several commands share, so that they read the same everywhere."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -155,7 +153,7 @@ def flexible_asked(
     settings: Sequence[str],
     unit: str | None,
     material: str | None,
-) -> model.FlexibleOptions:
+) -> "model.FlexibleOptions":
     """The options of `flexible`, checked; `counted` is the option that `count` was given as.
 
     Raises

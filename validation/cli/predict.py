@@ -1,7 +1,5 @@
 """Commands that predict: modes, dynamic mass, base excitation, virtual tests, the rope pendulum, and their verification."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -60,7 +58,7 @@ def modes_command(
         _draw(found[0], shapes, moving, quiet=as_json)
 
 
-def _draw(model: Flexible, shapes: bool, moving: int | None, *, quiet: bool) -> None:
+def _draw(model: "Flexible", shapes: bool, moving: int | None, *, quiet: bool) -> None:
     from validation.output import shown
     from validation.report.flexible import draw_moving, draw_sheet
 

@@ -1,7 +1,5 @@
 """A model compared with data: the four errors, the maps, the worst spots, and classical measurements beside it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -33,7 +31,7 @@ Progress = Callable[[str, float], None]
 """Hears what is done now, and the share of it."""
 
 
-def compared(study: Study, progress: Progress | None = None) -> Comparison:
+def compared(study: Study, progress: Progress | None = None) -> "Comparison":
     """The model of a `study` beside its data.
 
     Raises
@@ -45,7 +43,7 @@ def compared(study: Study, progress: Progress | None = None) -> Comparison:
     return of_evaluation(study, study.known().thinned(), evaluation, lambda share: tell("maps", share))
 
 
-def of_evaluation(study: Study, fitted: Problem, evaluation: Evaluation, progress: Callable[[float], None]) -> Comparison:
+def of_evaluation(study: Study, fitted: Problem, evaluation: Evaluation, progress: Callable[[float], None]) -> "Comparison":
     """What an `evaluation` of a `study` says of its model; `fitted` is what its fits saw."""
     model, made, problem = study.model, study.predictions, study.whole()
     plain = {**problem.start, **evaluation.plain_fit.by_name}
@@ -194,7 +192,7 @@ class Comparison:
     absurd: tuple[Tolerance, ...] = entry("absurd_tolerances")
     maps: tuple[Map, ...] = unwritten()
     modes: tuple[tuple[NamedMode, ...], ...] = unwritten()
-    worst: tuple[Spot, ...] = unwritten()
+    worst: "tuple[Spot, ...]" = unwritten()
     facts: tuple[FactComparison, ...] = entry("classical", default=())
     remarks: tuple[str, ...] = entry("warnings", default=())
 
@@ -452,7 +450,7 @@ class Spot:
         """In words, of one configuration among several."""
         return text(self)
 
-    def is_same(self, other: Spot) -> bool:
+    def is_same(self, other: "Spot") -> bool:
         """Whether both are of one row - a channel is the same in all data sets, a load in its own alone - and of one cause.
 
         Their bands touch, or both follow the same over frequency: at a resonance a channel is calm, and its fault is the same

@@ -5,8 +5,6 @@ evidence of every explanation on these, without noise, is what is to be expected
 against the mean of the others, and the mean of that over the explanations, each as probable as it is now.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -259,7 +257,7 @@ class _Expected:
         others = [np.logaddexp.reduce(np.delete(row, k)) - np.log(len(row) - 1) for k, row in enumerate(told)]
         return np.asarray(np.clip(np.diag(told) - np.array(others), -SURE, SURE))
 
-    def with_test(self, of: classical.ObservedFacts, trial: PossibleMeasurement) -> _Expected | None:
+    def with_test(self, of: classical.ObservedFacts, trial: PossibleMeasurement) -> "_Expected | None":
         """With what each says of `trial` behind it; None where one of them has no answer to that."""
         more, points = classical.observed(trial.facts, of.own), chebyshev.chebpts1(classical.DEGREE + 1)
         curves = []

@@ -10,8 +10,6 @@ averaged over lines and added over runs, since what a nominal model has wrong do
 20 %, delays of milliseconds and pick-ups that sit 5 cm beside their place are no mistakes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
@@ -102,7 +100,7 @@ class LowFrequencyReadings:
     noise: Array
 
     @classmethod
-    def of(cls, one: SeriesPrediction) -> LowFrequencyReadings:
+    def of(cls, one: SeriesPrediction) -> "LowFrequencyReadings":
         """The lowest lines of `one`, by its model as it stands."""
         measured = one.measured
         low = np.flatnonzero(measured.frequency <= REACH * measured.frequency[0])

@@ -4,8 +4,6 @@ Every test of the menu is forecast by a straight line, which takes a tenth of a 
 would, until enough of them keep what they promise.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -14,20 +12,10 @@ import numpy as np
 
 from geometry.frames import Array
 from identification.self_calibration.solve import Normal, inverse, minimise, total
+from validation.diagnose import next_test_offers
 from validation.diagnose.candidates import candidates, is_resonator, with_candidates
 from validation.diagnose.diagnosis import Advice, Candidate
-from validation.diagnose.next_test_offers import (
-    SURE,
-    Knowledge,
-    OfferedTest,
-    PlannedTest,
-    Template,
-    effects_of,
-    knowledge,
-    lines_of,
-    menu,
-    reading,
-)
+from validation.diagnose.next_test_offers import knowledge, menu
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS
 from validation.estimation import likelihood
@@ -73,7 +61,9 @@ def nats(difference: Normal, spread: Array) -> float:
 # of that, latent inputs taken out, is their difference.
 
 
-def told(offer: OfferedTest, first: Knowledge, others: Sequence[Knowledge]) -> tuple[float, ...]:
+def told(
+    offer: next_test_offers.OfferedTest, first: next_test_offers.Knowledge, others: Sequence[next_test_offers.Knowledge]
+) -> tuple[float, ...]:
     """Nats that `offer` is expected to tell of `first` against each of `others`, as far as a straight line goes.
 
     Raises
@@ -94,7 +84,7 @@ def told(offer: OfferedTest, first: Knowledge, others: Sequence[Knowledge]) -> t
             says.append(numbers - left)
         differences = [Normal(cost=0.5 * float(away @ away), gradient=J.T @ away, matrix=J.T @ J) for away in says]
     else:
-        lines, worth = lines_of(test, reading(test, here, here.offsets))
+        lines, worth = next_test_offers.lines_of(test, next_test_offers.reading(test, here, here.offsets))
         mine = test.prediction.with_effects(here.effects)
         predicted = mine.at(here.offsets, lines)
         parameters = {one.name: one for one in mine.parameters if one.tolerance > 0}
@@ -107,7 +97,7 @@ def told(offer: OfferedTest, first: Knowledge, others: Sequence[Knowledge]) -> t
             parameters = {**own, **parameters}
         names, whole = tuple(changes), replace(predicted, changes=changes)
         for other in there:
-            seen = likelihood.observed(reading(test, other, other.offsets), lines)
+            seen = likelihood.observed(next_test_offers.reading(test, other, other.offsets), lines)
             differences.append(_weighted(total(likelihood.normals(seen, whole, names, FLOOR).values(), len(names)), worth))
     moving = tuple(parameters[name] for name in names)
     own_spread = first.spread(moving, offer.moved)
@@ -130,7 +120,7 @@ def either(probability: float, first: float, other: float) -> float:
     return float(max(first, least) ** probability * max(other, least) ** (1 - probability))
 
 
-def _said(facts: Sequence[Fact], by: Knowledge, names: Sequence[str]) -> tuple[Array, Array]:
+def _said(facts: Sequence[Fact], by: next_test_offers.Knowledge, names: Sequence[str]) -> tuple[Array, Array]:
     """(q,) residuals and (q, p) slopes."""
     said = [fact.residual(by.offsets) for fact in facts]
     rows = np.array([[slopes.get(name, 0.0) for name in names] for _, slopes in said])
@@ -158,7 +148,12 @@ ROUGHLY = 0.5
 tests/validation/diagnosing/test_next_test.py."""
 
 
-def following(test: PlannedTest, offer: OfferedTest, right: Knowledge, wrong: Knowledge) -> float:
+def following(
+    test: next_test_offers.PlannedTest,
+    offer: next_test_offers.OfferedTest,
+    right: next_test_offers.Knowledge,
+    wrong: next_test_offers.Knowledge,
+) -> float:
     """Nats that are left of the difference between `right` and `wrong` when the latter was fitted to what the former reads.
 
     Raises
@@ -166,8 +161,8 @@ def following(test: PlannedTest, offer: OfferedTest, right: Knowledge, wrong: Kn
     numpy.linalg.LinAlgError, ValueError, FloatingPointError : a model breaks down in this test.
     """
     here, there = offer.by(right), offer.by(wrong)
-    measured = reading(test, here, here.offsets)
-    lines, worth = lines_of(test, measured)
+    measured = next_test_offers.reading(test, here, here.offsets)
+    lines, worth = next_test_offers.lines_of(test, measured)
     seen = likelihood.observed(measured, lines)
     prediction = test.prediction.with_effects(there.effects)
     moving = tuple(one for one in prediction.parameters if one.tolerance > 0)
@@ -226,7 +221,7 @@ class Alternative:
     """
 
     id: str
-    known: Knowledge
+    known: next_test_offers.Knowledge
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -247,7 +242,7 @@ class _QuadraticCost:
     precision: Array
 
     @classmethod
-    def about(cls, study: Study, of: Candidate, menu: Sequence[Added]) -> _QuadraticCost:
+    def about(cls, study: Study, of: Candidate, menu: Sequence[Added]) -> "_QuadraticCost":
         """The fit of `of`, any of `menu` in place of its last effect."""
         admitted = {one.name: one.tolerance for one in study.problem(of.effects[:-1]).free(FITTED)}
         problem = with_candidates(of.problem, menu)
@@ -290,8 +285,8 @@ class _QuadraticCost:
         kept = [names[k] for k in free]
         offsets = {**of.problem.start, **of.fit.by_name, **dict(zip(kept, map(float, x[free]), strict=True))}
         gone = {names[k] for k in held}
-        without = tuple(one for one in effects_of(of) if one.named.id != effect.named.id)
-        known = Knowledge(
+        without = tuple(one for one in next_test_offers.effects_of(of) if one.named.id != effect.named.id)
+        known = next_test_offers.Knowledge(
             effects=without if other is None else (*without, other),
             offsets={one: size for one, size in offsets.items() if one not in gone},
             names=tuple(kept),
@@ -308,7 +303,9 @@ def imagined(data: Study, of: Candidate) -> tuple[Alternative, ...]:
         # Of an effect that is there or not: the same without it, which was not asked for because it is far worse
         known = knowledge(of)
         left = tuple(one for one in known.effects if one.named.id != effect.named.id)
-        return (Alternative(id=NOTHING, known=replace(known, effects=left, log_evidence=of.fit.log_evidence - SURE)),)
+        return (
+            Alternative(id=NOTHING, known=replace(known, effects=left, log_evidence=of.fit.log_evidence - next_test_offers.SURE)),
+        )
     # The effects for which the catalogue says that this one is mistaken; on the same targets, of the kinds that both have
     family = FAMILIES[effect.named.family]
     its, menu = dict(zip(family.targets, effect.named.targets, strict=False)), []
@@ -354,7 +351,7 @@ class Forecast:
     gains : by other explanation, nats between it and the first
     """
 
-    offer: OfferedTest
+    offer: next_test_offers.OfferedTest
     gains: tuple[float, ...]
 
     @property
@@ -402,7 +399,7 @@ def advised(data: Study, rivals: Sequence[Candidate], progress: Progress | None 
         own += [tuple(one for one in each.known.effects if one.named.id == each.id) for each in alternatives]
     effects = tuple({one.named.id: one for some in own for one in some}.values())
     tell, looked = progress or (lambda share: None), []
-    offers = tuple(menu([Template.of(one, first) for one in data.made], effects, data.facts(first.effects)))
+    offers = tuple(menu([next_test_offers.Template.of(one, first) for one in data.made], effects, data.facts(first.effects)))
     for k, offer in enumerate(offers):
         with suppress(*BREAKDOWNS):  # of a model in this test
             looked.append(Forecast(offer=offer, gains=told(offer, first, others)))
@@ -428,7 +425,12 @@ def advised(data: Study, rivals: Sequence[Candidate], progress: Progress | None 
     return found or (Advice(test=f"{text}{'. What would: ' + ways if ways else ''}", gain=0.0),)
 
 
-def _kept(ranked: Sequence[Forecast], first: Knowledge, others: Sequence[Knowledge], progress: Progress) -> list[Forecast]:
+def _kept(
+    ranked: Sequence[Forecast],
+    first: next_test_offers.Knowledge,
+    others: Sequence[next_test_offers.Knowledge],
+    progress: Progress,
+) -> list[Forecast]:
     """The best of each kind, gone through as a fit would; in the end the best of all first, though it tell nothing apart."""
     kept: dict[str, Forecast] = {}
     tried = 0

@@ -5,8 +5,6 @@ drive the test; a line says as much as one of these data says, its noise and the
 drove yet are driven like the nearest that was: constant acceleration, so that the spectrum of a sweep falls with 1 / sqrt(f).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -89,7 +87,7 @@ class Knowledge:
     root: Array
     log_evidence: float
 
-    def odds(self, other: Knowledge) -> float:
+    def odds(self, other: "Knowledge") -> float:
         """Probability of this one, if it or `other` is right."""
         return float(1 / (1 + np.exp(np.clip(other.log_evidence - self.log_evidence, -SURE, SURE))))
 
@@ -164,7 +162,7 @@ class Template:
     spacing: float
 
     @classmethod
-    def of(cls, campaign: SeriesPrediction, by: Knowledge) -> Template:
+    def of(cls, campaign: SeriesPrediction, by: Knowledge) -> "Template":
         """Of a `campaign` that was measured, its base motions as the candidate `by` tells them."""
         some = campaign.on(campaign.measured.runs[:RUNS]).with_effects(by.effects)
         frequency = some.measured.frequency

@@ -5,8 +5,6 @@ over all lines. An axis is named where some channel stands out both of noise and
 into this axis by the cross motion of a table that drives another one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -104,7 +102,7 @@ class RunsByLevel:
         """Indices of the strongest runs of their axes."""
         return tuple(int(k) for k in np.flatnonzero(self.share >= WEAKER))
 
-    def at(self, lines: Indices) -> RunsByLevel:
+    def at(self, lines: Indices) -> "RunsByLevel":
         """The lines with these indices alone."""
         of_runs = {name: getattr(self, name)[:, lines] for name in ("values", "noise", "level")}
         return replace(self, frequency=self.frequency[lines], rows=self.rows[lines], **of_runs)

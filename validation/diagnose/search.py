@@ -7,8 +7,6 @@ accepted effect the earlier ones are tested again beside it (`backward_eliminati
 goes when what is really missing is there, and a name may be right only beside the others.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -364,7 +362,7 @@ RIVAL_SHARE = 0.25
 
 
 def backward_elimination(
-    data: Study, at: Candidate, rounds: Sequence[SearchStep], progress: Progress
+    data: Study, at: Candidate, rounds: Sequence[SearchStep], progress: "Progress"
 ) -> tuple[Candidate, tuple[SearchStep, ...]]:
     """`at` without the effects that are not needed beside the others, each of these under the name that is best there.
 

@@ -1,8 +1,6 @@
 """What would explain a residual: whitened residuals of a fitted candidate, the few ways in which physics goes with frequency, and
 what columns of places times courses would gain."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -49,7 +47,7 @@ class Whitened:
     inputs: ComplexArray
 
     @classmethod
-    def of(cls, candidate: Candidate, one: Prediction) -> Whitened:
+    def of(cls, candidate: Candidate, one: Prediction) -> "Whitened":
         """The data set of `one` at the lines of the fit of `candidate`."""
         lines = candidate.problem.lines_of(one)
         offsets = {**candidate.problem.start, **candidate.fit.by_name}

@@ -1,7 +1,5 @@
 """Where an unexplained residual may sit, and what places of one kind (`PlaceFamily`) do to the readings of a data set."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -101,7 +99,7 @@ class Loaded:
     prediction: SeriesPrediction
 
     @classmethod
-    def by_model(cls, of: fit.Swallowing, offsets: Offsets) -> Loaded | None:
+    def by_model(cls, of: fit.Swallowing, offsets: Offsets) -> "Loaded | None":
         """At the fit of a data set; None of one that is no base-excitation test."""
         one, lines = of.of.prediction, of.of.lines
         if not isinstance(one, SeriesPrediction):
@@ -193,7 +191,7 @@ class Loaded:
         yield self.family(tuple(places), fit.OF_JOINTS, readings @ mixed)
 
     @property
-    def spanned(self) -> Spanned:
+    def spanned(self) -> "Spanned":
         """The entries of a symmetric matrix."""
         mixed = np.stack([entry(i, j) + (entry(j, i) if j > i else 0) for i, j in PLACES], axis=1)
         readings, at = self.entries @ mixed, self.of.of

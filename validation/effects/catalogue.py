@@ -25,32 +25,7 @@ import numpy as np
 
 from geometry.errors import BadInput
 from geometry.toml_file import nearest
-from validation.effects.effect import (
-    ACCELEROMETER,
-    BODY_STAGE,
-    CHANNEL,
-    CHANNEL_STAGE,
-    COVER,
-    FIXED,
-    FMD,
-    FORCE,
-    NOISE_STAGE,
-    OPENED,
-    PART,
-    PARTS,
-    PERIOD_STAGE,
-    PLACE,
-    SIDES,
-    STAGES,
-    STRUCTURE,
-    STRUCTURE_STAGE,
-    TABLE,
-    Change,
-    Family,
-    SizeSpec,
-    Vocabulary,
-    built_in_places,
-)
+from validation.effects import effect as effect_types
 from validation.effects.stages import ChannelResponse, Matrices, MountedDynamicMass, NoiseModel, PendulumSwing
 
 # A user's own effects: a folder of small files, each with a `FAMILY`, read without a trace in the folder.
@@ -59,7 +34,7 @@ from validation.effects.stages import ChannelResponse, Matrices, MountedDynamicM
 # whenever its equation is asked.
 
 
-def own_family(path: Path) -> Family:
+def own_family(path: Path) -> effect_types.Family:
     """The `FAMILY` of the file at `path`, whose code runs once; its equation and plant answer in words when they fail.
 
     Raises
@@ -88,14 +63,14 @@ def own_family(path: Path) -> Family:
     return of(module.FAMILY, str(path))
 
 
-def of(value: object, file: str) -> Family:
+def of(value: object, file: str) -> effect_types.Family:
     """`value`, which must be a family, with the functions of `file` guarded.
 
     Raises
     ------
     BadInput : it is something else.
     """
-    if not isinstance(value, Family):
+    if not isinstance(value, effect_types.Family):
         problem = f"must be a validation.effects.effect.Family, found {type(value).__name__}"
         raise BadInput(source=file, field="FAMILY", problem=problem, remedy="Write FAMILY = Family(name=..., ...)")
     change = value.change if value.change is None else guarded(value.change, file, "change")
@@ -194,9 +169,9 @@ ORDER = [
 """Of the catalogue's page; what is not in it follows."""
 
 
-_found: dict[str, Family] = {}
+_found: dict[str, effect_types.Family] = {}
 
-FAMILIES: Mapping[str, Family] = MappingProxyType(_found)
+FAMILIES: Mapping[str, effect_types.Family] = MappingProxyType(_found)
 """Every family by name, in the order of the catalogue."""
 
 _sources: dict[str, str] = {}
@@ -207,7 +182,7 @@ SOURCES: Mapping[str, str] = MappingProxyType(_sources)
 _files: dict[Path, str] = {}
 
 
-def load(directory: str | Path) -> tuple[Family, ...]:
+def load(directory: str | Path) -> tuple[effect_types.Family, ...]:
     """The families in the files of `directory`, from now on in the catalogue. A file that was read before is not read again.
 
     What begins with an underscore is no effect.
@@ -240,7 +215,7 @@ def load(directory: str | Path) -> tuple[Family, ...]:
     return tuple(_found[_files[path]] for path in paths)
 
 
-def _add(family: Family, source: str) -> None:
+def _add(family: effect_types.Family, source: str) -> None:
     require_whole(family, FAMILIES, SOURCES, source)
     _found[family.name], _sources[family.name] = family, source
     try:
@@ -288,7 +263,7 @@ def _number(value: Any) -> bool:
 
 
 def _sizes(value: Any) -> bool:
-    return isinstance(value, tuple) and all(isinstance(one, SizeSpec) for one in value)
+    return isinstance(value, tuple) and all(isinstance(one, effect_types.SizeSpec) for one in value)
 
 
 TEXT: Rule = (lambda value: isinstance(value, str), "text")
@@ -386,12 +361,12 @@ class Named:
         return FAMILIES[self.family].what
 
     @property
-    def sizes(self) -> tuple[SizeSpec, ...]:
+    def sizes(self) -> tuple[effect_types.SizeSpec, ...]:
         """What the catalogue says of its values."""
         return FAMILIES[self.family].sizes_at(self.targets)
 
     @property
-    def fitted_sizes(self) -> tuple[SizeSpec, ...]:
+    def fitted_sizes(self) -> tuple[effect_types.SizeSpec, ...]:
         """Those of them that a fit looks for."""
         return tuple(size for size in self.sizes if size.plausible > 0)
 
@@ -405,7 +380,7 @@ class Named:
         return f"{self.id}={written}" if written else self.id
 
 
-def parse(text: str, words: Vocabulary | None = None, *, source: str = "--effect") -> Named:
+def parse(text: str, words: effect_types.Vocabulary | None = None, *, source: str = "--effect") -> Named:
     """The effect that `text` names.
 
     Parameters
@@ -418,7 +393,7 @@ def parse(text: str, words: Vocabulary | None = None, *, source: str = "--effect
     BadInput : an unknown family or target, with the nearest; a target too many or too few; a value that is missing, surplus, no
         number, or of a size that is no physics.
     """
-    words = Vocabulary(places=built_in_places()) if words is None else words
+    words = effect_types.Vocabulary(places=effect_types.built_in_places()) if words is None else words
     name, equals, value = (part.strip() for part in text.partition("="))
     family, *targets = (part.strip() for part in name.split(":"))
     if family not in FAMILIES:
@@ -445,7 +420,9 @@ def parse(text: str, words: Vocabulary | None = None, *, source: str = "--effect
     return Named(family=family, targets=tuple(targets), values=values)
 
 
-def parse_all(texts: Sequence[str], words: Vocabulary | None = None, *, source: str = "--effect") -> tuple[Named, ...]:
+def parse_all(
+    texts: Sequence[str], words: effect_types.Vocabulary | None = None, *, source: str = "--effect"
+) -> tuple[Named, ...]:
     """The effects that `texts` name, each one once.
 
     Raises
@@ -462,7 +439,9 @@ def parse_all(texts: Sequence[str], words: Vocabulary | None = None, *, source: 
     return tuple(found.values())
 
 
-def _values(name: str, text: str, family: Family, sizes: tuple[SizeSpec, ...], source: str) -> dict[str, float]:
+def _values(
+    name: str, text: str, family: effect_types.Family, sizes: tuple[effect_types.SizeSpec, ...], source: str
+) -> dict[str, float]:
     by_key = {size.key: size for size in sizes}
     values: dict[str, float] = {}
     for part in text.split(",") if text else ():
@@ -490,7 +469,7 @@ def _values(name: str, text: str, family: Family, sizes: tuple[SizeSpec, ...], s
     return {size.key: values.get(size.key, size.default or 0.0) for size in sizes}
 
 
-def _as_factor(text: str, channel: str, words: Vocabulary, name: str, source: str) -> str:
+def _as_factor(text: str, channel: str, words: effect_types.Vocabulary, name: str, source: str) -> str:
     """`text`, and where it is a unit of what `channel` measures, the factor by which numbers in it differ from SI."""
     from identification.campaign import UNITS
 
@@ -505,7 +484,7 @@ def _as_factor(text: str, channel: str, words: Vocabulary, name: str, source: st
     return text
 
 
-def _refused(source: str, name: str, problem: str, family: Family) -> BadInput:
+def _refused(source: str, name: str, problem: str, family: effect_types.Family) -> BadInput:
     return BadInput(source=source, field=name, problem=problem, remedy=f"Write for example {family.example}")
 
 
@@ -564,21 +543,25 @@ def _positive(n: int, scale: float) -> Any:
 @cache
 def trials() -> Mapping[str, Any]:
     """By kind, a stage to try an equation on; its arrays cannot be written to."""
-    n, channels, frequency = BASE + OWN, (*TABLE, *COVER, *FMD), _frozen(np.linspace(10.0, 11.0, LINES))
+    n, channels, frequency = (
+        BASE + OWN,
+        (*effect_types.TABLE, *effect_types.COVER, *effect_types.FMD),
+        _frozen(np.linspace(10.0, 11.0, LINES)),
+    )
     held = np.zeros((n, n))
     held[BASE:, BASE:] = _positive(OWN, 1e5)
     return {
-        STRUCTURE_STAGE: Matrices(
+        effect_types.STRUCTURE_STAGE: Matrices(
             base=BASE,
             mass=_positive(n, 2.0),
             stiffness=held,
             viscous=1e-3 * held,
             structural=1e-2 * held,
-            places={name: _frozen(_drawn(3, n) + k) for k, name in enumerate(built_in_places())},
-            parts={name: _frozen(held / len(PARTS)) for name in (*PARTS, "upper-short-silicone")},
+            places={name: _frozen(_drawn(3, n) + k) for k, name in enumerate(effect_types.built_in_places())},
+            parts={name: _frozen(held / len(effect_types.PARTS)) for name in (*effect_types.PARTS, "upper-short-silicone")},
             cog=np.array([0.01, -0.02, 0.3]),
         ),
-        BODY_STAGE: MountedDynamicMass(
+        effect_types.BODY_STAGE: MountedDynamicMass(
             frequency=frequency,
             matrix=_complex(LINES, 6, 6),
             seat=_frozen([0.01, 0.02, 0.05]),
@@ -587,22 +570,24 @@ def trials() -> Mapping[str, Any]:
             sweep_rate=2 / 60,
             block=14.5,
         ),
-        CHANNEL_STAGE: ChannelResponse(
+        effect_types.CHANNEL_STAGE: ChannelResponse(
             frequency=frequency,
             channels=channels,
             rows=_complex(LINES, len(channels), 6),
             amplitude=_frozen(1.0 + np.abs(_drawn(LINES, len(channels)))),
             peak=_frozen(np.full(len(channels), 5.0)),
         ),
-        NOISE_STAGE: NoiseModel(
+        effect_types.NOISE_STAGE: NoiseModel(
             frequency=frequency,
             channels=channels,
-            quantities=tuple("force" if name in FMD else "acceleration" for name in channels),
+            quantities=tuple("force" if name in effect_types.FMD else "acceleration" for name in channels),
             deviation=_frozen(np.full((LINES, len(channels)), 0.1)),
             per_rms=_frozen(np.full(len(channels), 0.5)),
             hum=_frozen(np.full((LINES, len(channels)), 0.01)),
         ),
-        PERIOD_STAGE: PendulumSwing(period=2.1, mass=47.0, inertia=2.3, ropes=3, length=2.0, radii=_frozen([0.3, 0.3, 0.3])),
+        effect_types.PERIOD_STAGE: PendulumSwing(
+            period=2.1, mass=47.0, inertia=2.3, ropes=3, length=2.0, radii=_frozen([0.3, 0.3, 0.3])
+        ),
     }
 
 
@@ -637,7 +622,7 @@ def acts(named: Named, there: There) -> bool:
     if is_local(named):
         return named.target in known(named, there) if named.targets else bool(known(named, there))
     pairs = zip(FAMILIES[named.family].targets, named.targets, strict=False)
-    asked = [target for kind, target in pairs if kind in (CHANNEL, FORCE, ACCELEROMETER)]
+    asked = [target for kind, target in pairs if kind in (effect_types.CHANNEL, effect_types.FORCE, effect_types.ACCELEROMETER)]
     is_recorded = there.channels is None or all(target in there.channels for target in asked)
     return is_recorded and (not on_article(named) or bool(there.article))
 
@@ -649,7 +634,7 @@ def known(named: Named, there: There) -> tuple[str, ...]:
 
 def is_local(named: Named) -> bool:
     """Whether it acts on a part or a place."""
-    return of_parts(named) or FAMILIES[named.family].targets[:1] == (PLACE,)
+    return of_parts(named) or FAMILIES[named.family].targets[:1] == (effect_types.PLACE,)
 
 
 def of_parts(named: Named) -> bool:
@@ -659,7 +644,7 @@ def of_parts(named: Named) -> bool:
 
 def on_article(named: Named) -> bool:
     """Whether it needs something that stands on the cover plate."""
-    return (FAMILIES[named.family].side == STRUCTURE and named.family != "gravity") or named.family == "friction"
+    return (FAMILIES[named.family].side == effect_types.STRUCTURE and named.family != "gravity") or named.family == "friction"
 
 
 # Whether a family that somebody brings is whole: all that every command needs, and an equation that keeps its promises.
@@ -674,11 +659,20 @@ WORDS = {
 }
 """What every family must say, and how."""
 
-KINDS = (*FIXED, CHANNEL, FORCE, ACCELEROMETER, PLACE, PART)
+KINDS = (
+    *effect_types.FIXED,
+    effect_types.CHANNEL,
+    effect_types.FORCE,
+    effect_types.ACCELEROMETER,
+    effect_types.PLACE,
+    effect_types.PART,
+)
 NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
 
-def require_whole(family: Family, known: Mapping[str, Family], sources: Mapping[str, str], source: str) -> None:
+def require_whole(
+    family: effect_types.Family, known: Mapping[str, effect_types.Family], sources: Mapping[str, str], source: str
+) -> None:
     """Refuse a family that lacks something, or has a name that is taken.
 
     Raises
@@ -700,8 +694,8 @@ def require_whole(family: Family, known: Mapping[str, Family], sources: Mapping[
     for field, remedy in WORDS.items():
         if not getattr(family, field).strip():
             raise _unsound(source, field, "is missing", f"{field}=...: {remedy}")
-    _require_word(family.side, SIDES, "side", source)
-    _require_word(family.stage, STAGES, "stage", source)
+    _require_word(family.side, effect_types.SIDES, "side", source)
+    _require_word(family.stage, effect_types.STAGES, "stage", source)
     for kind in family.targets:
         _require_word(kind, KINDS, "targets", source)
     for size in dict.fromkeys((*family.sizes, *(one for sizes in family.varying.values() for one in sizes))):
@@ -712,8 +706,8 @@ def require_whole(family: Family, known: Mapping[str, Family], sources: Mapping[
             raise _unsound(source, what, f"low must lie below high, found {size.low:g} and {size.high:g}", "Correct them")
         if not (isfinite(size.plausible) and size.plausible >= 0):
             raise _unsound(source, what, f"plausible must be 0 or more, found {size.plausible:g}", "It is a standard deviation")
-    if family.stage == OPENED:
-        remedy = f"Name what it changes, one of {', '.join(STAGES[:-1])}, and give `change`"
+    if family.stage == effect_types.OPENED:
+        remedy = f"Name what it changes, one of {', '.join(effect_types.STAGES[:-1])}, and give `change`"
         raise _unsound(source, "stage", "is opened, and no parameter of a laboratory has its name", remedy)
     if family.change is None:
         raise _unsound(source, "change", "is missing", "Write change(stage, targets, values) and return the changed stage")
@@ -751,7 +745,7 @@ class FamilyTrial:
     source : the file, for messages
     """
 
-    change: Change
+    change: effect_types.Change
     example: Named
     source: str
 
@@ -791,7 +785,7 @@ class FamilyTrial:
         return BadInput(source=self.source, field="change", problem=problem, remedy=remedy)
 
 
-def require_usable(family: Family, source: str) -> None:
+def require_usable(family: effect_types.Family, source: str) -> None:
     """Refuse a family of the catalogue whose example cannot be typed, or whose equation breaks a promise.
 
     Raises
@@ -807,8 +801,8 @@ def require_usable(family: Family, source: str) -> None:
     if family.change is None:
         return
     trial, stage = FamilyTrial(change=family.change, example=example, source=source), family.stage
-    if stage not in STAGES[:-1]:
-        raise trial.refused(f"changes {stage!r}, which is no stage", f"Known are {', '.join(STAGES[:-1])}")
+    if stage not in effect_types.STAGES[:-1]:
+        raise trial.refused(f"changes {stage!r}, which is no stage", f"Known are {', '.join(effect_types.STAGES[:-1])}")
     before = trials()[stage]
     after = trial.on(before)
     if sizes := example.sizes:  # no effect: the first at its `null`, all others as in the example
@@ -816,13 +810,13 @@ def require_usable(family: Family, source: str) -> None:
         if not unchanged(before, trial.on(before, null)):
             at = ", ".join(f"{key or 'size'} {value:g}" for key, value in null.items())
             raise trial.refused(f"changes something at {at}, where there is no effect", "Correct it, or `null`")
-    if stage == CHANNEL_STAGE:
+    if stage == effect_types.CHANNEL_STAGE:
         turned = 2.0 * np.exp(0.7j)
         twice = trial.on(replace(before, rows=turned * before.rows))
         if not _behave_alike(twice.rows, turned * after.rows):
             problem = "is not linear in `rows`: derivatives could not pass through it"
             raise trial.refused(problem, "Multiply rows, or add one to another; take levels from `amplitude`")
-    if stage == STRUCTURE_STAGE:
+    if stage == effect_types.STRUCTURE_STAGE:
         other = trial.on(replace(before, **{name: 1.5 * getattr(before, name) for name in ADDED_TO}))
         n = len(before.mass)
         for name in ADDED_TO:

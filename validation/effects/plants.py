@@ -3,8 +3,6 @@
 The makers of the package are named, not imported: `validation.virtual_test` needs the catalogue to read what it is asked for.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from importlib import import_module
@@ -22,7 +20,7 @@ Maker = Callable[["Named"], Callable[[Any], Any]]
 """Given the effect with its size, the change at its place."""
 
 
-def at(place: Place, maker: Maker | str) -> Callable[[Named], PlantedEffect]:
+def at(place: Place, maker: Maker | str) -> "Callable[[Named], PlantedEffect]":
     """The plant that changes a virtual test at `place`.
 
     Parameters
@@ -32,7 +30,7 @@ def at(place: Place, maker: Maker | str) -> Callable[[Named], PlantedEffect]:
     return partial(_planted, place, maker)
 
 
-def _planted(place: Place, maker: Maker | str, named: Named) -> PlantedEffect:
+def _planted(place: Place, maker: Maker | str, named: "Named") -> "PlantedEffect":
     from validation.virtual_test.plan import PlantedEffect
 
     if not isinstance(maker, str):

@@ -3,8 +3,6 @@
 Effects act in the order of the model file, stage by stage. Every noun is frozen; an equation returns a changed copy.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
@@ -111,7 +109,7 @@ class ChannelResponse:
         """(n,) amplitude in time of a channel; zeros where the run does not state it."""
         return self.amplitude[:, column] if self.amplitude.size else np.zeros(len(self.frequency))
 
-    def times(self, channel: str, factor: float) -> ChannelResponse:
+    def times(self, channel: str, factor: float) -> "ChannelResponse":
         """The same with one channel multiplied."""
         factors = np.ones(len(self.channels))
         factors[self.column(channel)] = factor
@@ -170,7 +168,7 @@ class PendulumSwing:
     radii: Array = field(default_factory=lambda: np.zeros(0))
     gravity: float = 9.81
 
-    def times(self, factor: float) -> PendulumSwing:
+    def times(self, factor: float) -> "PendulumSwing":
         """The same with another period."""
         return replace(self, period=self.period * float(factor))
 

@@ -8,8 +8,6 @@ Noise is that of the data and a model-error floor that is proportional to the sm
 shared by real and imaginary part. "The likelihood" of the catalogue of effects.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -310,7 +308,7 @@ class Cost:
         """(p,) of the free parameters from `offsets`, those of the model where nothing is said."""
         return np.array([offsets.get(one.name, one.start) for one in self.free])
 
-    def holding(self, held: Mapping[str, float]) -> Cost:
+    def holding(self, held: Mapping[str, float]) -> "Cost":
         """The same with the parameters `held` at these offsets, and all others of the fit free."""
         everything = (*self.free, *self.held)
         return replace(

@@ -1,7 +1,5 @@
 """`Problem`: parameters, measured lines and what is predicted of them, all that a fit sees of a model."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -82,7 +80,7 @@ class Measured:
         object.__setattr__(self, "noise", frozen(self.noise, shape, "noise"))
         object.__setattr__(self, "judged", np.array(self.judged, dtype=bool).reshape(c))
 
-    def on(self, runs: Sequence[str]) -> Measured:
+    def on(self, runs: Sequence[str]) -> "Measured":
         """The runs named alone, in the order in which they stand here."""
         kept = [k for k, run in enumerate(self.runs) if run in runs]
         return replace(
@@ -274,11 +272,11 @@ class Problem:
         chosen = self.lines.get(prediction.measured.name)
         return np.arange(len(prediction.measured.frequency), dtype=np.int64) if chosen is None else chosen
 
-    def thinned(self) -> Problem:
+    def thinned(self) -> "Problem":
         """The same with fewer lines for its fits where there are many, see `chosen`."""
         return replace(self, lines={one.measured.name: chosen(one.measured) for one in self.predictions})
 
-    def sparser(self, step: int) -> Problem:
+    def sparser(self, step: int) -> "Problem":
         """The same with every so many lines of its fits, where that leaves `FEWEST`."""
         lines = {one.measured.name: self.lines_of(one) for one in self.predictions}
         return replace(self, lines={name: of[::step] if len(of) >= step * FEWEST else of for name, of in lines.items()})

@@ -1,7 +1,5 @@
 """What came of one run, in figures: level, loads, cells, resonances, and whether the record holds the ring-down."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -90,7 +88,7 @@ class Amplitudes:
     rigid: Array
 
     @classmethod
-    def of(cls, response: Response, run: Run, rigid_mass: Array) -> Amplitudes | None:
+    def of(cls, response: Response, run: Run, rigid_mass: Array) -> "Amplitudes | None":
         """The amplitudes of a run; None where many frequencies are driven at once."""
         if run.sweep is None:
             return None
@@ -168,7 +166,7 @@ class AxisResponse:
     peak: float = unwritten()
 
     @classmethod
-    def of(cls, axis: int, run: Run, response: Response, driven: float) -> AxisResponse:
+    def of(cls, axis: int, run: Run, response: Response, driven: float) -> "AxisResponse":
         """What `axis` did in `run`, whose table was driven for `driven` [s]."""
         time = response.time
         a = response.table[time <= driven, axis]
@@ -208,7 +206,7 @@ class CellLoad:
     share_lifted: float
 
     @classmethod
-    def of(cls, number: int, force: Array, cell: LoadCell) -> CellLoad:
+    def of(cls, number: int, force: Array, cell: LoadCell) -> "CellLoad":
         """The extremes of `force` (n, 3) [N] before a filter rounds the corner where the cell lifts off."""
         preload = cell.preload
         return cls(

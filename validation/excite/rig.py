@@ -4,8 +4,6 @@ A stack that begins with the FMD stands on its cover plate, which is rigid and m
 itself. The model of what is reduced is any that `validation.flexible` makes, so that cells and joints may carry a solid too.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -217,11 +215,11 @@ class Run:
 
     name: str
     axes: tuple[int, ...]
-    pattern: Pattern
-    sweep: Sweep | None
+    pattern: "Pattern"
+    sweep: "Sweep | None"
     levels: Array
 
-    def motion(self, rate: float, ring_down: float, cross: CrossMotion | None) -> BaseMotion:
+    def motion(self, rate: float, ring_down: float, cross: "CrossMotion | None") -> BaseMotion:
         """The run sampled at `rate` [Hz], with `ring_down` [s] of rest after it."""
         found: BaseMotion = self.pattern.motion(rate, ring_down=ring_down, cross=cross)  # type: ignore[attr-defined]
         return found
@@ -259,12 +257,12 @@ def runs(drive: TableDrive) -> tuple[Run, ...]:
     return tuple(_run(drive, one.axis, (one.axis,), one, one) for one in sweeps)
 
 
-def _run(drive: TableDrive, name: str, axes: tuple[str, ...], pattern: Pattern, sweep: Any) -> Run:
+def _run(drive: TableDrive, name: str, axes: tuple[str, ...], pattern: "Pattern", sweep: Any) -> Run:
     levels = np.array([drive.level * LEVELS[axis] if axis in axes else 0.0 for axis in MOTIONS])
     return Run(name=name, axes=tuple(map(MOTIONS.index, axes)), pattern=pattern, sweep=sweep, levels=levels)
 
 
-def cross_motion(drive: TableDrive) -> CrossMotion | None:
+def cross_motion(drive: TableDrive) -> "CrossMotion | None":
     """What the table does besides, the same in every run; None for a table that does nothing else."""
     from fem.base_excitation.patterns import drawn
 

@@ -1,7 +1,5 @@
 """Which route answers a question, and every run of it: driven, simulated, brought down to the output's rate, put into figures."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -139,7 +137,7 @@ class PreparedRuns:
                     raise self._refused(error) from None
             yield one  # outside: the caller may show what it is doing with it
 
-    def _driven(self, run: Run, cross: CrossMotion | None, progress: Progress, keep: bool) -> Done:
+    def _driven(self, run: Run, cross: "CrossMotion | None", progress: Progress, keep: bool) -> Done:
         from fem.base_excitation import response as ring_down
         from fem.base_excitation.response import decimated, simulation_rate
 

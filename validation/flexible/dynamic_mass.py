@@ -1,7 +1,5 @@
 """The dynamic mass that `massline dynamic-mass` shows, over a band and about a point; and how far two of them are apart."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,11 +34,11 @@ class Curves:
     models: tuple[Flexible, ...] = unwritten()
     masses: tuple[DynamicMass, ...] = unwritten()
     rigid: Array = unwritten()
-    apart: tuple[tuple[Apart, ...], ...] = unwritten()
+    apart: "tuple[tuple[Apart, ...], ...]" = unwritten()
     warnings: tuple[str, ...] = unwritten()
 
     @property
-    def peaks(self) -> tuple[Peak, ...]:
+    def peaks(self) -> "tuple[Peak, ...]":
         """Of the first model."""
         return peaks(self.masses[0], np.diag(self.rigid))
 

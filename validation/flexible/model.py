@@ -1,7 +1,5 @@
 """From a name on the command line to a flexible model of it: beam, solid or exudyn, or what a user's own file holds."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
@@ -94,8 +92,8 @@ class Flexible:
     article: str
     model: str
     modes: Modes
-    structure: Structure | None = None
-    drawn: Article | UserArticle | None = None
+    structure: "Structure | None" = None
+    drawn: "Article | UserArticle | None" = None
     notes: tuple[str, ...] = ()
 
     @property
@@ -238,7 +236,9 @@ def _damped(modes: Modes, damping: Damping | None) -> Modes:
     return replace(modes, viscous=C, structural=np.zeros_like(C), damping_ratio=ratio, condensed=None)
 
 
-def _solved(name: str, model: str, structure: Structure, drawn: Article | UserArticle | None, asked: FlexibleOptions) -> Flexible:
+def _solved(
+    name: str, model: str, structure: "Structure", drawn: "Article | UserArticle | None", asked: FlexibleOptions
+) -> Flexible:
     if model == "solid":
         from fem.solid.model import fixed_base  # remembers what takes minutes
     else:

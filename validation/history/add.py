@@ -3,8 +3,6 @@
 The rung of the model before is kept as soon as it is evaluated, so that an interruption of the fit behind it loses nothing.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -23,22 +21,9 @@ from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import MISTAKE, SizeSpec, Vocabulary
 from validation.estimation import evaluate, verdicts
+from validation.estimation import problem as estimation
 from validation.estimation.fit import fit, floor_of, start
 from validation.estimation.likelihood import cost_of
-from validation.estimation.problem import (
-    EFFECT,
-    FITTED,
-    IDENTIFIED,
-    IDENTIFYING,
-    PLAIN,
-    Evaluation,
-    Fit,
-    Offsets,
-    Parameter,
-    Prediction,
-    Problem,
-    Share,
-)
 from validation.history import history
 from validation.history.history import Body, Conditions, Errors, HistoryPosition, Version, VersionSize
 from validation.model import model_file
@@ -72,7 +57,11 @@ SPACING = 0.035
 
 
 def starting_sizes(
-    added: Added, left: Sequence[str], problem: Problem, base: Offsets, progress: Callable[[float], None] | None = None
+    added: Added,
+    left: Sequence[str],
+    problem: estimation.Problem,
+    base: estimation.Offsets,
+    progress: Callable[[float], None] | None = None,
 ) -> Added:
     """`added` with the sizes at which its fit begins.
 
@@ -87,7 +76,7 @@ def starting_sizes(
     named = added.named
     names = {size.key: effects.name(named, size.key) for size in named.sizes}
     known = {key: problem.by_name[one] for key, one in names.items() if one in problem.by_name}
-    free = {key: one for key, one in known.items() if one.kind == EFFECT}
+    free = {key: one for key, one in known.items() if one.kind == estimation.EFFECT}
     if set(RESONATOR) <= set(free):
         # By name of frequency and damping ratio, the offsets at which a resonator is looked for
         mass, frequency, damping = (free[key] for key in RESONATOR)
@@ -105,7 +94,7 @@ def starting_sizes(
     return _at(added, far, start(problem, [one.name for one in far.values()], base=base, progress=progress)) if far else added
 
 
-def _at(added: Added, free: Mapping[str, Parameter], found: Offsets) -> Added:
+def _at(added: Added, free: Mapping[str, estimation.Parameter], found: estimation.Offsets) -> Added:
     """`added` at the offsets `found` of the parameters `free`, by key, within what its family allows."""
     values = dict(added.named.values)
     for size in added.named.sizes:
@@ -140,7 +129,7 @@ class AddedEffect:
 
     added: Added
     left: tuple[str, ...]
-    alias: Alias | None
+    alias: "Alias | None"
     tolerances: Mapping[str, float]
     nulls: Mapping[str, float]
     said: tuple[str, ...] = ()
@@ -233,7 +222,7 @@ def _guess(size: SizeSpec) -> float:
     return min(max(first, size.low), size.high)
 
 
-def _differ(before: Problem, after: Problem) -> bool:
+def _differ(before: estimation.Problem, after: estimation.Problem) -> bool:
     """Whether any channel is predicted otherwise, or its noise."""
     for one, other in zip(before.predictions, after.predictions, strict=True):
         lines = before.lines_of(one)
@@ -304,7 +293,7 @@ def _told(size: float, unit: str) -> str:
     return f"{size:+.3g}" if unit == "1" else f"{size:+.3g} {unit}"
 
 
-def noticed(problem: Problem, names: Sequence[str]) -> float:
+def noticed(problem: estimation.Problem, names: Sequence[str]) -> float:
     """How many standard deviations a plausible fault in the parameters `names` moves all data together; 0 where none acts."""
     free = [one for one in problem.parameters if one.name in names]
     if not free:
@@ -314,12 +303,14 @@ def noticed(problem: Problem, names: Sequence[str]) -> float:
     return float(np.sqrt(np.linalg.eigvalsh(scale[:, None] * N * scale)[-1]))
 
 
-def alias(problem: Problem, id: str, names: Sequence[str]) -> Alias | None:
+def alias(problem: estimation.Problem, id: str, names: Sequence[str]) -> Alias | None:
     """The mixture of effects, and of what a laboratory must identify, that does what the parameters `names` of `id` do, if any.
 
     Derivatives are those where the model stands.
     """
-    others = [one for one in problem.parameters if one.kind in (EFFECT, IDENTIFIED) and one.name not in names]
+    others = [
+        one for one in problem.parameters if one.kind in (estimation.EFFECT, estimation.IDENTIFIED) and one.name not in names
+    ]
     own = [one for one in problem.parameters if one.name in names]
     if not own or not others:
         return None
@@ -352,23 +343,23 @@ def alias(problem: Problem, id: str, names: Sequence[str]) -> Alias | None:
         unit=own[first].unit,
         mixture=mixture,
         units={one.name: one.unit for one in free},
-        effects=tuple(one.name for one in others if one.kind == EFFECT and one.name in mixture),
+        effects=tuple(one.name for one in others if one.kind == estimation.EFFECT and one.name in mixture),
     )
 
 
-def _fisher(problem: Problem, free: Sequence[Parameter]) -> Array:
+def _fisher(problem: estimation.Problem, free: Sequence[estimation.Parameter]) -> Array:
     """(p, p) of data and facts where the model stands, knowledge beforehand left out."""
-    cost = cost_of(problem, free, floor_of(PLAIN))
+    cost = cost_of(problem, free, floor_of(estimation.PLAIN))
     x = cost.at({})
     _, rows = cost.knowledge(x)
     facts = rows[len(rows) - len(problem.facts) :]
     return np.asarray(cost.data(x).matrix + facts.T @ facts)
 
 
-def names_of(problem: Problem, named: Named) -> tuple[str, ...]:
+def names_of(problem: estimation.Problem, named: Named) -> tuple[str, ...]:
     """The parameters of `problem` that are sizes of the effect `named`."""
     known = {named.id, *(f"{named.id}[{size.key}]" for size in named.sizes)}
-    return tuple(one.name for one in problem.parameters if one.name in known and one.kind == EFFECT)
+    return tuple(one.name for one in problem.parameters if one.name in known and one.kind == estimation.EFFECT)
 
 
 # What an estimate is worth when tolerances were not fitted but are there: consider covariance.
@@ -382,9 +373,9 @@ def names_of(problem: Problem, named: Named) -> tuple[str, ...]:
 # 1966; Tapley, Schutz and Born, Statistical Orbit Determination, 2004, 6.3). Without any tolerance, C would be N_ii^-1.
 
 
-def of_fit(problem: Problem, found: Fit, kinds: Sequence[str]) -> tuple[tuple[str, ...], Array]:
+def of_fit(problem: estimation.Problem, found: estimation.Fit, kinds: Sequence[str]) -> tuple[tuple[str, ...], Array]:
     """Names (i,) of the parameters of `kinds` that the fit `found` of `problem` estimated, and their covariance (i, i)."""
-    free = problem.free(FITTED)
+    free = problem.free(estimation.FITTED)
     cost = cost_of(problem, free, floor_of(kinds))
     at = {one.name: 0.0 for one in free if one.kind not in kinds} | found.by_name
     whole, _, _ = cost.total(cost.at(at))
@@ -418,7 +409,7 @@ def covariance(normal: Array, estimated: npt.NDArray[np.bool_], tolerance: Array
 FAMILY = "rigid-inertia"
 
 
-def body_of(study: Study, plain: Fit, progress: Callable[[float], None]) -> Body | None:
+def body_of(study: Study, plain: estimation.Fit, progress: Callable[[float], None]) -> Body | None:
     """Inertia of the article of a `study` from its data, what stands on the FMD; None without one, and where no data set has it.
 
     In the place of the `plain` fit of the model this one never costs more.
@@ -427,7 +418,7 @@ def body_of(study: Study, plain: Fit, progress: Callable[[float], None]) -> Body
         return None
     known = study.known()
     problem = known.thinned()
-    predictions: list[Prediction] = []
+    predictions: list[estimation.Prediction] = []
     of = None
     for one in problem.predictions:
         if isinstance(one, SeriesPrediction) and one.tested.carried.standing.article == study.article:
@@ -440,8 +431,8 @@ def body_of(study: Study, plain: Fit, progress: Callable[[float], None]) -> Body
     if of is None:
         return None
     freed = replace(problem, predictions=tuple(predictions))
-    found = fit(freed, IDENTIFYING, start=at_offsets(kept_offsets(plain), known), progress=progress)
-    names, C = of_fit(freed, found, IDENTIFYING)
+    found = fit(freed, estimation.IDENTIFYING, start=at_offsets(kept_offsets(plain), known), progress=progress)
+    names, C = of_fit(freed, found, estimation.IDENTIFYING)
     ten_found, slopes = inertia(of, {**freed.start, **found.by_name})
     J = np.stack([slopes.get(name, np.zeros(10)) for name in names], axis=1)
     through = jacobian(ten_found) @ J
@@ -455,7 +446,7 @@ def body_of(study: Study, plain: Fit, progress: Callable[[float], None]) -> Body
     )
 
 
-def inertia(prediction: SeriesPrediction, offsets: Offsets) -> tuple[Array, dict[str, Array]]:
+def inertia(prediction: SeriesPrediction, offsets: estimation.Offsets) -> tuple[Array, dict[str, Array]]:
     """Ten parameters of what stands on the FMD about its own origin, with its effects at `offsets`, and their derivatives (10,).
 
     What an effect adds that no rigid body has, such as a mass that follows one axis only, counts as the rigid body nearest to it.
@@ -489,7 +480,7 @@ class EvaluatedModel:
     """
 
     model: Model
-    evaluation: Evaluation
+    evaluation: estimation.Evaluation
     body: Body | None
 
 
@@ -510,9 +501,9 @@ def judged(study: Study, parent: Version | None, progress: Progress | None = Non
     else:
         whole = study.whole()
         # As much of the evaluation of `parent` as a child begins with: where its fits ended
-        began = Evaluation(
-            nominal=Share(percent=0.0),
-            plain=Share(percent=0.0),
+        began = estimation.Evaluation(
+            nominal=estimation.Share(percent=0.0),
+            plain=estimation.Share(percent=0.0),
             held_out=None,
             held_out_nominal=None,
             plain_fit=at_offsets(parent.plain_offsets, whole),
@@ -594,30 +585,30 @@ def rewritten(text: str, effects: Sequence[Added], source: str) -> str:
     return text
 
 
-def sized_by(added: Added, fit: Fit) -> Added:
+def sized_by(added: Added, fit: estimation.Fit) -> Added:
     """`added` at the size and the standard deviation that `fit` found, within what its family allows."""
     values, deviation = dict(added.named.values), {}
     spread = np.sqrt(np.diag(fit.covariance))
     found = {one.name: (one, float(x), float(sd)) for one, x, sd in zip(fit.parameters, fit.offsets, spread, strict=True)}
     for size in added.named.sizes:
         which = effects.name(added.named, size.key)
-        if not added.fixed and which in found and found[which][0].kind == EFFECT:
+        if not added.fixed and which in found and found[which][0].kind == estimation.EFFECT:
             one, x, sd = found[which]
             values[size.key] = min(max(one.value(x), size.low), size.high)
             deviation[size.key] = abs(one.slope(x)) * sd
     return replace(added, named=replace(added.named, values=values), deviation=deviation or added.deviation)
 
 
-def kept_offsets(fit: Fit) -> dict[str, float]:
+def kept_offsets(fit: estimation.Fit) -> dict[str, float]:
     """Offsets from which another fit may begin; a logarithmic size of an effect will count from what the model file says."""
-    anew = {one.name for one in fit.parameters if one.kind == EFFECT and one.logarithmic and one.above == 0.0}
+    anew = {one.name for one in fit.parameters if one.kind == estimation.EFFECT and one.logarithmic and one.above == 0.0}
     return {name: x for name, x in fit.by_name.items() if name not in anew}
 
 
-def at_offsets(offsets: Mapping[str, float], problem: Problem) -> Fit:
+def at_offsets(offsets: Mapping[str, float], problem: estimation.Problem) -> estimation.Fit:
     """A fit of `problem` that ended at `offsets`, of which nothing else is known."""
     known = [one for one in problem.parameters if one.name in offsets]
-    return Fit(
+    return estimation.Fit(
         parameters=tuple(known),
         offsets=np.array([offsets[one.name] for one in known]),
         covariance=np.zeros((len(known), len(known))),

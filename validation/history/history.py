@@ -4,8 +4,6 @@ A rung is a model on data: the whole text of the model file, the data that it wa
 is never changed and no rung is taken away; undoing goes back to an older one, and adding there branches.
 """
 
-from __future__ import annotations
-
 import os
 import os.path
 from collections.abc import Iterator, Mapping, Sequence
@@ -75,7 +73,7 @@ class Conditions:
     band: tuple[float, float] | None = entry("band_hz", unit="Hz", default=None)
     method: str = METHODS[0]
 
-    def same(self, other: Conditions) -> bool:
+    def same(self, other: "Conditions") -> bool:
         """Whether both are, in whatever order the data were named."""
         mine, its = (replace(one, data=tuple(sorted(one.data, key=lambda source: source.path))) for one in (self, other))
         return mine == its
@@ -249,13 +247,13 @@ class Version:
         """Whether it was held against these."""
         return self.errors is not None and self.conditions.same(conditions)
 
-    def is_same(self, rung: Version) -> bool:
+    def is_same(self, rung: "Version") -> bool:
         """Whether another process made it as `rung`: the same step to the same model, on the same data, by the same programs."""
         step = ("parent", "cause", "effect", "model", "versions", "verdict")
         alike = all(getattr(self, name) == getattr(rung, name) for name in step)
         return alike and self.errors is not None and rung.stands_on(self.conditions)
 
-    def waits_for(self, rung: Version) -> bool:
+    def waits_for(self, rung: "Version") -> bool:
         """Whether it is `rung` without its figures."""
         return self.errors is None and self.model == rung.model and self.parent == rung.parent
 

@@ -9,17 +9,8 @@ from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.inertia import Observability
 from geometry.sensors import Channel
-from identification.campaign import (
-    Campaign,
-    Levels,
-    Recording,
-    Run,
-    levels,
-    noise_floors,
-    observed,
-    problems_of_runs,
-    warnings_of_runs,
-)
+from identification import campaign as campaigns
+from identification.campaign import levels
 from identification.campaign_file import Progress, examine
 from identification.consistency import of_spectra
 from identification.spectra.of_campaign import spectra
@@ -45,8 +36,8 @@ class Summary:
     """
 
     folder: str = entry("campaign")
-    campaign: Campaign | None = unwritten()
-    levels: Mapping[str, Levels] = unwritten()
+    campaign: campaigns.Campaign | None = unwritten()
+    levels: Mapping[str, campaigns.Levels] = unwritten()
     noise: Array | None = unwritten()
     verdicts: Mapping[str, Observability] = unwritten()
     problems: tuple[BadInput, ...] = entry(write=lambda problems: [_problem(one) for one in problems])
@@ -113,7 +104,7 @@ def _channel(channel: Channel, noise: float | None) -> dict[str, Any]:
     }
 
 
-def _run(run: Run, recorded: Recording | None, level: Levels | None) -> dict[str, Any]:
+def _run(run: campaigns.Run, recorded: campaigns.Recording | None, level: campaigns.Levels | None) -> dict[str, Any]:
     return {
         "name": run.name,
         "file": run.file,
@@ -153,9 +144,9 @@ def summary(folder: str | Path, *, progress: Progress | None = None) -> Summary:
     return replace(seen, warnings=(*seen.warnings, *contradictions))
 
 
-def of_campaign(folder: str | Path, campaign: Campaign, problems: tuple[BadInput, ...] = ()) -> Summary:
+def of_campaign(folder: str | Path, campaign: campaigns.Campaign, problems: tuple[BadInput, ...] = ()) -> Summary:
     """All about a `campaign` that lies, or will lie, in `folder`."""
-    noise = noise_floors(campaign)
+    noise = campaigns.noise_floors(campaign)
     known = {name: level for name, one in campaign.recordings.items() if (level := levels(one, campaign.table)) is not None}
     floors = zip(campaign.table.channels, () if noise is None else noise, strict=noise is not None)
     loud = (
@@ -167,9 +158,9 @@ def of_campaign(folder: str | Path, campaign: Campaign, problems: tuple[BadInput
     return Summary(
         folder=str(folder),
         campaign=campaign,
-        problems=(*problems, *([] if problems else problems_of_runs(campaign))),
-        warnings=(*campaign.warnings, *warnings_of_runs(campaign), *loud),
-        verdicts=observed(campaign.table),
+        problems=(*problems, *([] if problems else campaigns.problems_of_runs(campaign))),
+        warnings=(*campaign.warnings, *campaigns.warnings_of_runs(campaign), *loud),
+        verdicts=campaigns.observed(campaign.table),
         levels=known,
         noise=noise,
     )

@@ -1,7 +1,5 @@
 """From the options of `massline identify` to a `Request`: every one checked before the first signal is read."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from math import isfinite
@@ -35,7 +33,7 @@ from validation.output import derived, entry, inertia_json, percent, stages, unw
 from validation.reference.statement import Stated, Statement, about_cog, read_frame
 
 
-def identified(asked: IdentifyOptions, frame: str | None = None, *, quiet: bool = True) -> IdentificationFindings:
+def identified(asked: "IdentifyOptions", frame: str | None = None, *, quiet: bool = True) -> "IdentificationFindings":
     """The findings that `asked` leads to, reported in `frame`, the user's own seen from the article's.
 
     Raises
@@ -568,7 +566,7 @@ class IdentificationFindings:
     rigid: Array | None = unwritten(default=None)
     dynamic_mass: DynamicMass | None = unwritten(default=None)
     spectra: Spectra | None = unwritten(default=None)
-    residuals: DrawnResiduals | None = unwritten(default=None)
+    residuals: "DrawnResiduals | None" = unwritten(default=None)
 
     @property
     def result(self) -> Reported:
@@ -816,7 +814,7 @@ def rigid(found: Identification, one: Identified) -> Array:
     return Inertia(parameters=np.concatenate([[mass], first, six_from_tensor(tensor)])).mass_matrix
 
 
-def residuals(found: Identification) -> DrawnResiduals:
+def residuals(found: Identification) -> "DrawnResiduals":
     """What pick-ups and load cells contradict each other by, as a share of the readings of their kind at each line."""
     motion, load, article = found.motion, found.load, found.article
     back = load.parity @ load.combinations

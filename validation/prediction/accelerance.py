@@ -8,8 +8,6 @@ The input of every run is the force, which is known: 1 N at each line of data th
 of a dynamic mass is here, and an effect on one has no meaning.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -77,12 +75,12 @@ class AcceleranceTest:
         """All that may move: of the structure, the gains, and the effects."""
         return self._opened[0]
 
-    def on(self, runs: Sequence[str]) -> AcceleranceTest:
+    def on(self, runs: Sequence[str]) -> "AcceleranceTest":
         """The same model of the runs named alone."""
         kept = tuple(point for run, point in zip(self.measured.runs, self.drives, strict=True) if run in runs)
         return replace(self, measured=self.measured.on(runs), drives=kept)
 
-    def with_effects(self, effects: Sequence[Added]) -> AcceleranceTest:
+    def with_effects(self, effects: Sequence[Added]) -> "AcceleranceTest":
         """The same test by a model with these `effects` instead of its own.
 
         Raises

@@ -6,8 +6,6 @@ inertia that the measured period stands for is then that of the period without t
 as everywhere in massline; results of one file count as independent.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -73,7 +71,7 @@ class OfArticle:
         """What may move it."""
         return prediction_effects.parameters(self.effects)
 
-    def with_effects(self, effects: Sequence[Added]) -> OfArticle:
+    def with_effects(self, effects: Sequence[Added]) -> "OfArticle":
         """The same article with those of `effects` that weigh here."""
         there = There(article=self.article, places=tuple(self.drawn.places))
         weighed = tuple(one for one in effects if one.named.family in WEIGHED and reach_acts(one.named, there))
@@ -131,7 +129,7 @@ Spread = Mapping[Input, float]
 """By input what one standard deviation of it makes of a result, signed, in the unit of the result."""
 
 
-def spread(value: UFloat) -> Spread:
+def spread(value: "UFloat") -> Spread:
     """By input what it makes of `value`, of which tolerances are half-widths of 95 % intervals."""
     found: dict[Input, float] = {}
     for variable, slope in value.derivatives.items():
@@ -303,7 +301,7 @@ class ArticleFact:
         """All that may move it."""
         return (*self.of.parameters, *prediction_effects.parameters(self.effects))
 
-    def with_effects(self, effects: Sequence[Added]) -> ArticleFact:
+    def with_effects(self, effects: Sequence[Added]) -> "ArticleFact":
         """The same fact by a model with these `effects` instead of its own."""
         acting = () if self.swing is None else tuple(one for one in effects if acts(one.named, self.swing))
         return replace(self, of=self.of.with_effects(effects), effects=acting)
@@ -378,7 +376,7 @@ def facts(model: Model, files: Sequence[str]) -> tuple[ArticleFact, ...]:
     return tuple(fact.with_effects(model.effects) for fact in shared)
 
 
-def _fact(source: str, of: OfArticle, words: str, weights: Array, value: UFloat) -> ArticleFact:
+def _fact(source: str, of: OfArticle, words: str, weights: Array, value: "UFloat") -> ArticleFact:
     size, sd = float(value.nominal_value), float(value.std_dev) / NORMAL_95
     if not 0 < sd < np.inf:
         problem = "is stated without a tolerance, so that nobody knows what it is worth"

@@ -4,8 +4,6 @@ An effect that the model holds for known is no parameter. Effects act in their o
 leaves it alone, so that one model serves a series of articles.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
@@ -224,7 +222,7 @@ class Nuisances:
             return now.matrices, {}
         return now.matrices, {one.name: now.tangent(one.name) for one in self.parameters if one.name != DAMPING_LAW}
 
-    def _now(self, offsets: Offsets) -> _Now:
+    def _now(self, offsets: Offsets) -> "_Now":
         m, name, b = self.nominal, self.configuration, self.nominal.base
         E, D = np.ones(len(m.mass)), np.ones(len(m.mass))
         for r in range(len(self.frequency)):

@@ -10,8 +10,6 @@ Campaigns of one hardware share the parameters of chain and FMD by name; those o
 as well, and to the modes of a configuration. A structural effect acts wherever its part or its place exists.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -33,20 +31,7 @@ from identification.spectra.peak_hold import hann
 from validation.effects.catalogue import FAMILIES, acts
 from validation.effects.effect import AMPLITUDE, BODY_STAGE, CHANNEL_STAGE, NOISE_STAGE, OPENED, PROCESSING, STRUCTURE_STAGE
 from validation.effects.stages import ChannelResponse, NoiseModel, leak
-from validation.estimation.problem import (
-    DECLARED,
-    IDENTIFIED,
-    SENSOR,
-    WITHIN,
-    Change,
-    Conveyed,
-    Lines,
-    Measured,
-    Offsets,
-    Parameter,
-    Predicted,
-    Wanted,
-)
+from validation.estimation import problem
 from validation.model.model import Added, Model
 from validation.prediction import dynamic_mass
 from validation.prediction import effects as prediction_effects
@@ -58,7 +43,7 @@ from validation.prediction.structure import MountedArticle, mounted_article, mov
 HELD = 1.0
 """Standard deviation by which the chain opens what an effect needs; `validation.prediction.effects.opened` says which it has."""
 
-KINDS = {"fmd-compliance": IDENTIFIED, "cell-stiffness": DECLARED}
+KINDS = {"fmd-compliance": problem.IDENTIFIED, "cell-stiffness": problem.DECLARED}
 """What is of the FMD and not of a sensor, like its inertia: every laboratory that calibrates an FMD learns how its cells share a
 load and how far they give; the former within what is declared of the cells."""
 
@@ -175,7 +160,7 @@ class Made:
     remarks : which lines were left out, and why
     """
 
-    measured: Measured
+    measured: problem.Measured
     method: str
     remarks: tuple[str, ...] = ()
 
@@ -188,7 +173,7 @@ def measured(
     band: tuple[float, float] | None = None,
     method: str = "full-record",
     lines: npt.ArrayLike | None = None,
-    progress: Progress | None = None,
+    progress: "Progress | None" = None,
 ) -> Made:
     """The data set `name` of `campaign`; where neither `band` nor `lines` are given, at the lines that every run drives.
 
@@ -233,9 +218,9 @@ def per_rms(campaign: Campaign, method: str) -> Array:
     return of_block(density, rates, hann((campaign.processing or Processing()).block_size)).ravel()
 
 
-def _measured(campaign: Campaign, found: Spectra, of: Chain, name: str) -> Measured:
+def _measured(campaign: Campaign, found: Spectra, of: Chain, name: str) -> problem.Measured:
     columns = list(of.columns)
-    return Measured(
+    return problem.Measured(
         name=name,
         configuration=campaign.article,
         hardware=campaign.hardware,
@@ -268,7 +253,7 @@ def predictions(
     method: str = "full-record",
     lines: npt.ArrayLike | None = None,
     progress: Progress | None = None,
-) -> tuple[SeriesPrediction, ...]:
+) -> "tuple[SeriesPrediction, ...]":
     """A prediction of each of `campaigns` by `model`.
 
     Parameters
@@ -329,14 +314,14 @@ class TestedCampaign:
 
     model: Model
     campaign: Campaign
-    measured: Measured
+    measured: problem.Measured
     carried: SupportedDynamicMass
     drives: tuple[BaseDrive, ...]
     per_rms: Array
     method: str = "full-record"
     remarks: tuple[str, ...] = ()
 
-    def on(self, runs: Sequence[str]) -> TestedCampaign:
+    def on(self, runs: Sequence[str]) -> "TestedCampaign":
         """Of the runs named alone."""
         kept = [k for k, run in enumerate(self.measured.runs) if run in runs]
         chosen = tuple(self.drives[k] for k in kept)
@@ -357,26 +342,26 @@ class SeriesPrediction:
     effects: tuple[Added, ...] = ()
 
     @property
-    def measured(self) -> Measured:
+    def measured(self) -> problem.Measured:
         """The data."""
         return self.tested.measured
 
     @property
-    def parameters(self) -> tuple[Parameter, ...]:
+    def parameters(self) -> tuple[problem.Parameter, ...]:
         """All that may move here: of the structure, the FMD, the chain, and the effects."""
         return self._opened[0]
 
-    def on(self, runs: Sequence[str]) -> SeriesPrediction:
+    def on(self, runs: Sequence[str]) -> "SeriesPrediction":
         """The same model of the runs named alone."""
         some = replace(self, tested=self.tested.on(runs))
         vars(some).update({name: getattr(self, name) for name in OF_CHANNELS})
         return some
 
-    def with_effects(self, effects: Sequence[Added]) -> SeriesPrediction:
+    def with_effects(self, effects: Sequence[Added]) -> "SeriesPrediction":
         """The same campaign by a model with these `effects` instead of its own."""
         return replace(self, effects=tuple(effects))
 
-    def dynamic_mass(self, offsets: Offsets, lines: Lines | None = None) -> ComplexArray:
+    def dynamic_mass(self, offsets: problem.Offsets, lines: problem.Lines | None = None) -> ComplexArray:
         """(n, 6, 6) about F of all that the cells carry, at `offsets` and the lines with these indices; all by default.
 
         Of a structure that answers to the amplitude, that of the first run.
@@ -384,7 +369,7 @@ class SeriesPrediction:
         chosen = self._lines(lines)
         return self._carried(self._at(offsets), chosen, self._variants[0][0], derivatives=False)[0]
 
-    def by_load(self, offsets: Offsets, lines: Lines | None = None) -> ComplexArray:
+    def by_load(self, offsets: problem.Offsets, lines: problem.Lines | None = None) -> ComplexArray:
         """(n, c, 6) what the channels read for a unit of every load on the cells, at `offsets`; all lines by default."""
         frequency, at = self._lines(lines), self._at(offsets)
         theta = np.array([at.get(one.name, 0.0) for one in self._chain.parameters])
@@ -393,13 +378,15 @@ class SeriesPrediction:
         reading = ChannelResponse(frequency=frequency, channels=self._chain.names, rows=rows, amplitude=still)
         return self._written(reading, {}, prediction_effects.at(self._reaching, at))[0].rows
 
-    def moved(self, offsets: Offsets, lines: Lines | None = None) -> dict[str, tuple[ComplexArray, ComplexArray]]:
+    def moved(self, offsets: problem.Offsets, lines: problem.Lines | None = None) -> dict[str, tuple[ComplexArray, ComplexArray]]:
         """By place of the article (n, 3, 6) its accelerations along the axes of F for a unit of every motion of F; and the same
         beyond those of a rigid article."""
         at = self._at(offsets)
         return self.tested.carried.moved(at, prediction_effects.at(self._reaching, at), self._lines(lines))
 
-    def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
+    def at(
+        self, offsets: problem.Offsets, lines: problem.Lines | None = None, *, derivatives: problem.Wanted = True
+    ) -> problem.Predicted:
         """The prediction at `offsets` and the lines with these indices; all lines by default.
 
         Raises
@@ -409,12 +396,14 @@ class SeriesPrediction:
         with np.errstate(divide="raise", over="raise", invalid="raise"):  # a breakdown is an error, and no warning on a terminal
             return self._predicted(offsets, lines, derivatives=derivatives)
 
-    def _predicted(self, offsets: Offsets, lines: Lines | None, *, derivatives: Wanted) -> Predicted:
+    def _predicted(
+        self, offsets: problem.Offsets, lines: problem.Lines | None, *, derivatives: problem.Wanted
+    ) -> problem.Predicted:
         frequency, at = self._lines(lines), self._at(offsets)
         found = [self._read(at, frequency, drive, derivatives=derivatives) for drive, _ in self._variants]
         noise = self._noise(at, lines, frequency)
         if len(found) == 1:
-            return Predicted(rows=found[0].rows, changes=found[0].changes, noise=noise)
+            return problem.Predicted(rows=found[0].rows, changes=found[0].changes, noise=noise)
         order = np.zeros(len(self.measured.runs), dtype=np.int64)
         for k, (_, runs) in enumerate(self._variants):
             order[list(runs)] = k
@@ -423,8 +412,8 @@ class SeriesPrediction:
         for name in dict.fromkeys(name for one in found for name in one.changes):
             of = [one.changes[name] for one in found]
             channels = tuple(sorted({k for one in of for k in one.channels}))
-            changes[name] = Change(channels=channels, rows=np.stack([_on(of[k], channels) for k in order]))
-        return Predicted(rows=np.stack([found[k].rows for k in order]), changes=changes, noise=noise)
+            changes[name] = problem.Change(channels=channels, rows=np.stack([_on(of[k], channels) for k in order]))
+        return problem.Predicted(rows=np.stack([found[k].rows for k in order]), changes=changes, noise=noise)
 
     @cached_property
     def _reaching(self) -> tuple[Added, ...]:
@@ -437,7 +426,7 @@ class SeriesPrediction:
         return laboratory(self.tested.model, self.tested.campaign, self._reaching)
 
     @cached_property
-    def _opened(self) -> tuple[tuple[Parameter, ...], Offsets]:
+    def _opened(self) -> tuple[tuple[problem.Parameter, ...], problem.Offsets]:
         """The parameters, and the offsets of those that stand at a given size."""
         carried, model = self.tested.carried, self.tested.model
         own = [
@@ -445,8 +434,10 @@ class SeriesPrediction:
             *dynamic_mass.parameters(carried.moving, model.fmd_tolerance),
         ]
         for one in self._chain.parameters:  # what is offset by its logarithm is 1 + its relative change there
-            kind = KINDS.get(one.family, SENSOR)
-            own.append(replace(one, channels=(), kind=kind, within=WITHIN * one.tolerance if kind == DECLARED else inf))
+            kind = KINDS.get(one.family, problem.SENSOR)
+            own.append(
+                replace(one, channels=(), kind=kind, within=problem.WITHIN * one.tolerance if kind == problem.DECLARED else inf)
+            )
         left, given = prediction_effects.opened(own, self._reaching)
         equations = [one for one in self._reaching if _stage(one) in EQUATIONS]
         return (*left, *prediction_effects.parameters(equations)), given
@@ -460,14 +451,14 @@ class SeriesPrediction:
             return ((BaseDrive(), tuple(range(len(drives)))),)
         return tuple((drive, (k,)) for k, drive in enumerate(drives))
 
-    def _lines(self, lines: Lines | None) -> Array:
+    def _lines(self, lines: problem.Lines | None) -> Array:
         return self.measured.frequency if lines is None else self.measured.frequency[lines]
 
-    def _at(self, offsets: Offsets) -> Offsets:
+    def _at(self, offsets: problem.Offsets) -> problem.Offsets:
         return {**offsets, **self._opened[1]}
 
     def _carried(
-        self, at: Offsets, frequency: Array, drive: BaseDrive, *, derivatives: bool
+        self, at: problem.Offsets, frequency: Array, drive: BaseDrive, *, derivatives: bool
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
         effects, every = prediction_effects.at(self._reaching, at), self.measured.frequency
         families = [FAMILIES[one.named.family] for one in effects]
@@ -478,20 +469,20 @@ class SeriesPrediction:
         chosen = np.searchsorted(every, frequency)
         return H[chosen], {name: change[chosen] for name, change in changes.items()}
 
-    def _read(self, at: Offsets, frequency: Array, drive: BaseDrive, *, derivatives: Wanted) -> Predicted:
+    def _read(self, at: problem.Offsets, frequency: Array, drive: BaseDrive, *, derivatives: problem.Wanted) -> problem.Predicted:
         """What the channels read of runs that were driven by `drive`."""
         H, structural = self._carried(at, frequency, drive, derivatives=bool(derivatives))
         theta = np.array([at.get(one.name, 0.0) for one in self._chain.parameters])
         A0, A1 = self._chain.rows(theta, frequency)
-        changes: dict[str, Change | Conveyed] = {}
+        changes: dict[str, problem.Change | problem.Conveyed] = {}
         if derivatives:
             loaded = tuple(int(k) for k in np.flatnonzero(np.any(A1 != 0, axis=(0, 2))))
             through = A1[:, loaded]
-            changes = {name: Conveyed(channels=loaded, through=through, quantities=dH) for name, dH in structural.items()}
+            changes = {name: problem.Conveyed(channels=loaded, through=through, quantities=dH) for name, dH in structural.items()}
             names = [one.name for one in self._chain.parameters if derivatives is True or one.name in derivatives]
             of_chain = self._chain.derivatives(theta, frequency, H, names)
             for name, derivative in zip(names, of_chain, strict=True):
-                changes[name] = Change(channels=derivative.channels, rows=derivative.rows)
+                changes[name] = problem.Change(channels=derivative.channels, rows=derivative.rows)
         rows = A0 + A1 @ H
         reading = ChannelResponse(
             frequency=frequency,
@@ -503,11 +494,11 @@ class SeriesPrediction:
         reading, changes = self._written(reading, changes, prediction_effects.at(self._reaching, at))
         for name in self._opened[1]:
             changes.pop(name, None)
-        return Predicted(rows=reading.rows, changes=changes)
+        return problem.Predicted(rows=reading.rows, changes=changes)
 
     def _written(
-        self, reading: ChannelResponse, changes: dict[str, Change | Conveyed], effects: Sequence[Added]
-    ) -> tuple[ChannelResponse, dict[str, Change | Conveyed]]:
+        self, reading: ChannelResponse, changes: dict[str, problem.Change | problem.Conveyed], effects: Sequence[Added]
+    ) -> tuple[ChannelResponse, dict[str, problem.Change | problem.Conveyed]]:
         """What the file holds of what the channels read."""
         if prediction_effects.channels_pass(effects):
             written, own = prediction_effects.channels(reading, {}, effects)
@@ -517,7 +508,7 @@ class SeriesPrediction:
         written, tangents = prediction_effects.channels(reading, tangents, effects)
         return written, {name: _changing(rows) for name, rows in tangents.items()}
 
-    def _noise(self, at: Offsets, lines: Lines | None, frequency: Array) -> Array | None:
+    def _noise(self, at: problem.Offsets, lines: problem.Lines | None, frequency: Array) -> Array | None:
         """(r, n, c) where an effect on it acts."""
         effects, of = [one for one in prediction_effects.at(self._reaching, at) if _stage(one) == NOISE_STAGE], self.measured
         if not effects:
@@ -561,7 +552,7 @@ def supported_dynamic_mass(model: Model, campaign: Campaign, stands: MountedArti
     )
 
 
-def _on(change: Change | Conveyed, channels: tuple[int, ...]) -> ComplexArray:
+def _on(change: problem.Change | problem.Conveyed, channels: tuple[int, ...]) -> ComplexArray:
     """Its rows (n, len(channels), k), zeros where it changes nothing."""
     own = change.rows
     rows = np.zeros((len(own), len(channels), own.shape[-1]), dtype=np.complex128)
@@ -569,10 +560,10 @@ def _on(change: Change | Conveyed, channels: tuple[int, ...]) -> ComplexArray:
     return rows
 
 
-def _changing(rows: ComplexArray) -> Change:
+def _changing(rows: ComplexArray) -> problem.Change:
     """A change of the rows (n, c, k) of all channels as one of those that do change."""
     channels = tuple(int(k) for k in np.flatnonzero(np.any(rows != 0, axis=(0, 2))))
-    return Change(channels=channels, rows=rows[:, channels])
+    return problem.Change(channels=channels, rows=rows[:, channels])
 
 
 def _stage(added: Added) -> str:

@@ -1,7 +1,5 @@
 """From a name on the command line to its reference: the table with every column, or one column to hold a result against."""
 
-from __future__ import annotations
-
 import difflib
 import math
 import re
@@ -152,7 +150,7 @@ class ReferenceTable:
         """What `column` says about quantity `k`."""
         return self.columns[column].values[k] if column in self.columns else None
 
-    def seen_from(self, frame: Pose) -> ReferenceTable:
+    def seen_from(self, frame: Pose) -> "ReferenceTable":
         """The same from the user's own `frame`, whose pose is given in the article's frame."""
         return replace(self, columns={column: seen_from(said, frame) for column, said in self.columns.items()})
 

@@ -9,8 +9,6 @@ Tolerances go through linearised, independent ones in quadrature; they are small
 polynomial of low degree.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -426,7 +424,7 @@ class Row:
         return self.reference is not None
 
 
-def rows_table(rows: Iterable[Row], title: str = "") -> Table:
+def rows_table(rows: Iterable[Row], title: str = "") -> "Table":
     """`rows` as a table to print; a value is rounded to the second significant digit of its tolerance.
 
     It fits 80 columns: figures are never broken or cut, only words wrap.
@@ -449,13 +447,13 @@ def rows_table(rows: Iterable[Row], title: str = "") -> Table:
     return table
 
 
-def add_figures(table: Table, heading: str, cells: Iterable[str]) -> None:
+def add_figures(table: "Table", heading: str, cells: Iterable[str]) -> None:
     """Add a column to `table` that is never narrower than its `heading` and its `cells`, which are never broken."""
     width = max(map(len, (*heading.splitlines(), *cells)))
     table.add_column(heading, justify="right", no_wrap=True, min_width=width)
 
 
-def headline(title: str) -> Text:
+def headline(title: str) -> "Text":
     """`title` as it stands over a table: its first line bold, what follows ("constructed, not measured") to be seen as well."""
     from rich.text import Text
 

@@ -17,21 +17,9 @@ from validation.estimation.verdicts import ABSURD, STANDS_OUT, StatedError, absu
 from validation.output import json_text, shown, stages, to_json
 from validation.reference.reference import file_name
 from validation.reference.statement import NONE
+from validation.report import document as doc
 from validation.report.charts import crosscheck, maps, spec
 from validation.report.charts.style import DynamicMassCurve, chosen
-from validation.report.document import (
-    PAGE,
-    PANEL,
-    TERMINAL,
-    Column,
-    Document,
-    Drawn,
-    Figures,
-    Safe,
-    Table,
-    tag,
-    toleranced,
-)
 from validation.report.parts import Report, picture, section, verdict
 from validation.report.parts import notes as parts_notes
 from validation.study import Options, Study, read
@@ -49,16 +37,16 @@ SIGNS = ("x", "y", "z", "α", "β", "γ")
 """Of loads and base motions in the name of an entry of H."""
 
 
-def document(found: Comparison) -> Document:
+def document(found: Comparison) -> doc.Document:
     """What is said of a comparison, in the order in which it is read."""
     from validation.report.charts.crosscheck import four_errors
 
     both, page = zip(found.maps, found.modes, strict=True), ComparisonPage(found=found)
-    return Document(
+    return doc.Document(
         title=f"{found.title} beside {', '.join(found.data_sets)}",
         blocks=(
             errors(found),
-            Drawn(lambda: four_errors(found)),
+            doc.Drawn(lambda: four_errors(found)),
             page.spots(),
             *(partial(_maps, of, modes, k) for k, (of, modes) in enumerate(both)),
             parts_notes([SCALE]),
@@ -92,7 +80,7 @@ PRICE = 3
 """Row of the price, which a terminal and the panel have in the row above it."""
 
 
-def errors(found: Comparison) -> Table:
+def errors(found: Comparison) -> doc.Table:
     """The four errors: figure, meaning, verdict."""
     rows = error_rows(found)
     said = "what it means, and what is to be thought of it"
@@ -110,24 +98,28 @@ def errors(found: Comparison) -> Table:
         verdict = f"{one.verdict.upper()}: {one.text}" if one.verdict else one.text
         return f"{one.meaning}. {verdict}" if verdict else one.meaning
 
-    return Table(
+    return doc.Table(
         caption="The four errors",
         rows=rows,
         shown=[*rows[:PRICE], *rows[PRICE + 1 :]],
         columns=(
-            Column("error", lambda row: row[0], words=True, on=PAGE),
-            Column("", lambda row: _of(row, "name") or row[0], words=True, panel="name", on=TERMINAL),
-            Column(
-                "error", lambda row: _of(row, "figure") or f"{row[1]:.3g} {row[2]}", panel="figure", aligned=False, on=TERMINAL
+            doc.Column("error", lambda row: row[0], words=True, on=doc.PAGE),
+            doc.Column("", lambda row: _of(row, "name") or row[0], words=True, panel="name", on=doc.TERMINAL),
+            doc.Column(
+                "error",
+                lambda row: _of(row, "figure") or f"{row[1]:.3g} {row[2]}",
+                panel="figure",
+                aligned=False,
+                on=doc.TERMINAL,
             ),
-            Column("size", lambda row: row[1], on=PAGE),
-            Column("unit", lambda row: row[2], words=True, on=PAGE),
-            Column("verdict", lambda row: verdict(_of(row, "verdict")), words=True, on=PAGE),
-            Column(said, thought, words=True, on=PAGE),
-            Column(said, judged, words=True, on=TERMINAL),
-            Column("", lambda row: _of(row, "meaning"), panel="meaning", on=PANEL),
-            Column("", lambda row: _of(row, "verdict") or None, panel="verdict", on=PANEL),
-            Column("", lambda row: _of(row, "text"), panel="text", on=PANEL),
+            doc.Column("size", lambda row: row[1], on=doc.PAGE),
+            doc.Column("unit", lambda row: row[2], words=True, on=doc.PAGE),
+            doc.Column("verdict", lambda row: verdict(_of(row, "verdict")), words=True, on=doc.PAGE),
+            doc.Column(said, thought, words=True, on=doc.PAGE),
+            doc.Column(said, judged, words=True, on=doc.TERMINAL),
+            doc.Column("", lambda row: _of(row, "meaning"), panel="meaning", on=doc.PANEL),
+            doc.Column("", lambda row: _of(row, "verdict") or None, panel="verdict", on=doc.PANEL),
+            doc.Column("", lambda row: _of(row, "text"), panel="text", on=doc.PANEL),
         ),
     )
 
@@ -142,102 +134,104 @@ class ComparisonPage:
 
     found: Comparison
 
-    def spots(self) -> Table:
+    def spots(self) -> doc.Table:
         """The worst spots in words; on a terminal those that stand out, or else the worst three, as chance leaves them."""
         rows = list(enumerate(self.found.worst, start=1))
-        return Table(
+        return doc.Table(
             caption="The worst spots",
             rows=rows,
             shown=[row for row in rows if row[1].sigma >= STANDS_OUT] or rows[:CHANCE],
             columns=(
-                Column("", lambda row: f"{row[0]}", words=True, on=PAGE),
-                Column("", lambda row: f"{row[0]:>2}", words=True, on=TERMINAL),
-                Column("deviation", lambda row: row[1].sigma, ".3g", unit="σ", said=("sigma", figure), aligned=False),
-                Column("of the reading", lambda row: row[1].percent, ".3g", unit="%", on=PAGE),
-                Column("at", lambda row: row[1].frequency, ".2f", unit="Hz", on=PAGE),
-                Column("row", lambda row: row[1].row, words=True, on=PAGE),
-                Column("run", lambda row: row[1].run, words=True, on=PAGE),
-                Column("campaign", lambda row: row[1].data_set, words=True, on=PAGE),
-                Column("in words", lambda row: text(row[1], len(self.found.maps)), words=True, said="where it fails"),
+                doc.Column("", lambda row: f"{row[0]}", words=True, on=doc.PAGE),
+                doc.Column("", lambda row: f"{row[0]:>2}", words=True, on=doc.TERMINAL),
+                doc.Column("deviation", lambda row: row[1].sigma, ".3g", unit="σ", said=("sigma", figure), aligned=False),
+                doc.Column("of the reading", lambda row: row[1].percent, ".3g", unit="%", on=doc.PAGE),
+                doc.Column("at", lambda row: row[1].frequency, ".2f", unit="Hz", on=doc.PAGE),
+                doc.Column("row", lambda row: row[1].row, words=True, on=doc.PAGE),
+                doc.Column("run", lambda row: row[1].run, words=True, on=doc.PAGE),
+                doc.Column("campaign", lambda row: row[1].data_set, words=True, on=doc.PAGE),
+                doc.Column("in words", lambda row: text(row[1], len(self.found.maps)), words=True, said="where it fails"),
             ),
         )
 
-    def runs(self) -> Table:
+    def runs(self) -> doc.Table:
         """Every run of every campaign."""
         by_run = self.found.evaluation.plain.by_run
-        return Table(
+        return doc.Table(
             caption="Runs",
             rows=[(of, k, name) for of in self.found.maps for k, name in enumerate(of.runs)],
             columns=(
-                Column("run", lambda row: row[2], words=True),
-                Column("campaign", lambda row: row[0].data_set, words=True),
-                Column("plain error", lambda row: by_run.get(f"{row[0].data_set}/{row[2]}"), ".3g", unit="%"),
-                Column("χ² per degree of freedom", lambda row: float(row[0].misfit[row[1]].mean()), ".3g"),
-                Column("worst cell", lambda row: float(row[0].sigma[row[1]].max()), ".3g", unit="σ"),
+                doc.Column("run", lambda row: row[2], words=True),
+                doc.Column("campaign", lambda row: row[0].data_set, words=True),
+                doc.Column("plain error", lambda row: by_run.get(f"{row[0].data_set}/{row[2]}"), ".3g", unit="%"),
+                doc.Column("χ² per degree of freedom", lambda row: float(row[0].misfit[row[1]].mean()), ".3g"),
+                doc.Column("worst cell", lambda row: float(row[0].sigma[row[1]].max()), ".3g", unit="σ"),
             ),
-            on=PAGE,
+            on=doc.PAGE,
         )
 
-    def misfits(self) -> Table:
+    def misfits(self) -> doc.Table:
         """Chi² per degree of freedom of every run of every data set, tolerances counted."""
 
-        def misfit_of(name: str) -> Column:
-            return Column(name, lambda row: figure(row[1][name]) if name in row[1] else NONE)
+        def misfit_of(name: str) -> doc.Column:
+            return doc.Column(name, lambda row: figure(row[1][name]) if name in row[1] else NONE)
 
         names = dict.fromkeys(name for one in self.found.maps for name in one.runs)
         rows = [(one.data_set, dict(zip(one.runs, map(float, one.misfit.mean(axis=1)), strict=True))) for one in self.found.maps]
-        return Table(
-            columns=[Column("chi² by run", lambda row: row[0], words=True), *map(misfit_of, names)], rows=rows, on=TERMINAL
+        return doc.Table(
+            columns=[doc.Column("chi² by run", lambda row: row[0], words=True), *map(misfit_of, names)],
+            rows=rows,
+            on=doc.TERMINAL,
         )
 
-    def entries(self) -> Table:
+    def entries(self) -> doc.Table:
         """The pairs of axes in which predicted and measured dynamic mass differ most."""
-        return Table(
+        return doc.Table(
             columns=(
-                Column("dynamic mass", lambda one: f"H {SIGNS[one.load]}{SIGNS[one.motion]} of {one.data_set}", words=True),
-                Column("sigma", lambda one: figure(one.sigma)),
-                Column("of it", lambda one: f"{figure(one.percent)} %"),
-                Column("at [Hz]", lambda one: one.frequency, ".2f"),
+                doc.Column("dynamic mass", lambda one: f"H {SIGNS[one.load]}{SIGNS[one.motion]} of {one.data_set}", words=True),
+                doc.Column("sigma", lambda one: figure(one.sigma)),
+                doc.Column("of it", lambda one: f"{figure(one.percent)} %"),
+                doc.Column("at [Hz]", lambda one: one.frequency, ".2f"),
             ),
             rows=worst_pairs(self.found.maps, COMPARISON_PAIRS),
-            on=TERMINAL,
+            on=doc.TERMINAL,
         )
 
-    def tolerances(self) -> Table:
+    def tolerances(self) -> doc.Table:
         """The tolerances that a fit of everything moved farthest; on a terminal where they are absurd, the most absurd."""
         worst = [one for one in self.found.absurd if abs(one.z) >= min(ABSURD, abs(self.found.absurd[0].z))]
-        return Table(
+        return doc.Table(
             caption="Tolerances that the fit of everything moved farthest",
             rows=self.found.absurd,
             shown=worst if absurd(self.found.evaluation.fitted) else (),
             columns=(
-                Column("tolerance", lambda one: one.parameter.name, words=True, said="absurd tolerances"),
-                Column("moved by", lambda one: one.z, "+.2f", unit="z", said=("z", "+.1f")),
-                Column("moved by", lambda one: one.offset, "+.3g", on=PAGE),
-                Column(
+                doc.Column("tolerance", lambda one: one.parameter.name, words=True, said="absurd tolerances"),
+                doc.Column("moved by", lambda one: one.z, "+.2f", unit="z", said=("z", "+.1f")),
+                doc.Column("moved by", lambda one: one.offset, "+.3g", on=doc.PAGE),
+                doc.Column(
                     "moved by",
                     lambda one: f"{one.offset:+.3g} {one.parameter.unit if one.parameter.unit != '1' else ''}".rstrip(),
-                    on=TERMINAL,
+                    on=doc.TERMINAL,
                 ),
-                Column("unit", lambda one: one.parameter.unit, words=True, on=PAGE),
+                doc.Column("unit", lambda one: one.parameter.unit, words=True, on=doc.PAGE),
             ),
             note="One standard deviation of what was known beforehand is 1 z. Beyond 4 no careful laboratory has it.",
         )
 
-    def facts(self) -> Table:
+    def facts(self) -> doc.Table:
         """Classical measurements, predicted minus measured."""
-        return Table(
+        return doc.Table(
             caption="Classical measurements beside the model",
             rows=self.found.facts,
             columns=(
-                Column("classical measurement", lambda one: one.name, words=True, on=PAGE),
-                Column("classical measurements", lambda one: f"{one.name} [{one.unit}]", words=True, on=TERMINAL),
-                Column("unit", lambda one: one.unit, words=True, on=PAGE),
-                Column("measured", lambda one: toleranced(one.measured, one.tolerance)),
-                Column("standard deviation", lambda one: toleranced(one.tolerance, one.tolerance), said="sd"),
-                Column("predicted", lambda one: toleranced(one.predicted, one.tolerance)),
-                Column("deviation", lambda one: one.sigma, "+.2f", unit="σ", said=("sigma", "+.1f")),
-                Column("nothing fitted", lambda one: one.nominal_sigma, "+.2f", unit="σ", said=("nominal", "+.1f")),
+                doc.Column("classical measurement", lambda one: one.name, words=True, on=doc.PAGE),
+                doc.Column("classical measurements", lambda one: f"{one.name} [{one.unit}]", words=True, on=doc.TERMINAL),
+                doc.Column("unit", lambda one: one.unit, words=True, on=doc.PAGE),
+                doc.Column("measured", lambda one: doc.toleranced(one.measured, one.tolerance)),
+                doc.Column("standard deviation", lambda one: doc.toleranced(one.tolerance, one.tolerance), said="sd"),
+                doc.Column("predicted", lambda one: doc.toleranced(one.predicted, one.tolerance)),
+                doc.Column("deviation", lambda one: one.sigma, "+.2f", unit="σ", said=("sigma", "+.1f")),
+                doc.Column("nothing fitted", lambda one: one.nominal_sigma, "+.2f", unit="σ", said=("nominal", "+.1f")),
             ),
         )
 
@@ -368,11 +362,11 @@ def answer(asked: Options, *, as_json: bool, folder: Path | None) -> None:
 # Condition number of Eqs. 9 to 11, campaign by campaign.
 
 
-def html(report: Report, figures: Figures) -> Safe:
+def html(report: Report, figures: doc.Figures) -> doc.Safe:
     """The section; empty where no line has a condition number."""
     from validation.report.charts.identification import condition
 
-    parts: list[Safe] = []
+    parts: list[doc.Safe] = []
     for one in report.campaigns:
         lines, name = None if one.findings is None else one.findings.lines, one.campaign.source
         if lines is None:
@@ -383,7 +377,7 @@ def html(report: Report, figures: Figures) -> Safe:
             f" {len(lines.frequency)} lines are used. Base motions of all runs, every axis divided by its nominal level"
         )
         parts += [figures.placed(condition(lines, name)), parts_notes([told, *lines.reasons])]
-    return section("condition", "Condition number of Eqs. 9 to 11", *parts) if parts else Safe("")
+    return section("condition", "Condition number of Eqs. 9 to 11", *parts) if parts else doc.Safe("")
 
 
 # Measured beside predicted dynamic mass: the six diagonals of every campaign, and any other entry by choice.
@@ -399,26 +393,26 @@ DYNAMIC_MASS_NOTE = (
 )
 
 
-def dynamic_mass_html(report: Report, figures: Figures) -> Safe:
+def dynamic_mass_html(report: Report, figures: doc.Figures) -> doc.Safe:
     """The section; empty where no dynamic mass was measured."""
     from validation.report.charts.maps import LOADS, MOTIONS, diagonal, entry, overlay
 
     found = report.comparison
     both = [(of.pairs, modes) for of, modes in zip(found.maps, found.modes, strict=True) if of.pairs is not None]
     if not both:
-        return Safe("")
+        return doc.Safe("")
     worst = worst_pairs(found.maps, 36 * len(both))
-    listed = Table(
+    listed = doc.Table(
         caption="The entries that differ most",
         rows=worst[:DYNAMIC_MASS_PAIRS],
         columns=(
-            Column("entry", lambda one: entry(one.load, one.motion), words=True),
-            Column("campaign", lambda one: one.data_set, words=True),
-            Column("load", lambda one: LOADS[one.load], words=True),
-            Column("base motion", lambda one: MOTIONS[one.motion], words=True),
-            Column("at", lambda one: one.frequency, ".2f", unit="Hz"),
-            Column("deviation", lambda one: one.sigma, ".3g", unit="σ"),
-            Column("of the dynamic mass", lambda one: one.percent, ".3g", unit="%"),
+            doc.Column("entry", lambda one: entry(one.load, one.motion), words=True),
+            doc.Column("campaign", lambda one: one.data_set, words=True),
+            doc.Column("load", lambda one: LOADS[one.load], words=True),
+            doc.Column("base motion", lambda one: MOTIONS[one.motion], words=True),
+            doc.Column("at", lambda one: one.frequency, ".2f", unit="Hz"),
+            doc.Column("deviation", lambda one: one.sigma, ".3g", unit="σ"),
+            doc.Column("of the dynamic mass", lambda one: one.percent, ".3g", unit="%"),
         ),
     )
     parts = []
@@ -427,12 +421,12 @@ def dynamic_mass_html(report: Report, figures: Figures) -> Safe:
         every = {f"{i}-{j}": overlay(pairs, i, j, modes=modes) for i in range(6) for j in range(6)}
         figures.choices(group, every)
         key = f"{first.load}-{first.motion}"
-        part = tag(
+        part = doc.tag(
             "div",
-            tag("h3", pairs.campaign),
+            doc.tag("h3", pairs.campaign),
             figures.placed(diagonal(pairs, modes=modes)),
-            tag("h4", "Any entry", class_="screen-only"),
-            tag(
+            doc.tag("h4", "Any entry", class_="screen-only"),
+            doc.tag(
                 "div",
                 _select("load", "load", LOADS, group, first.load),
                 _select("base motion", "motion", MOTIONS, group, first.motion),
@@ -446,27 +440,27 @@ def dynamic_mass_html(report: Report, figures: Figures) -> Safe:
     return section("dynamic-mass", title, parts_notes([DYNAMIC_MASS_NOTE]), listed.html(), *parts)
 
 
-def _select(what: str, part: str, names: Sequence[str], group: str, chosen: int) -> Safe:
+def _select(what: str, part: str, names: Sequence[str], group: str, chosen: int) -> doc.Safe:
     from validation.report.charts.maps import SIGNS
 
     options = [
-        tag("option", f"{sign}: {name}", value=str(k), selected=k == chosen)
+        doc.tag("option", f"{sign}: {name}", value=str(k), selected=k == chosen)
         for k, (sign, name) in enumerate(zip(SIGNS, names, strict=True))
     ]
-    return tag("label", f"{what} ", tag("select", *options, data_choice=group, data_part=part))
+    return doc.tag("label", f"{what} ", doc.tag("select", *options, data_choice=group, data_part=part))
 
 
 # The sensors of every campaign on a map.
 
 
-def sensors_html(report: Report, figures: Figures) -> Safe:
+def sensors_html(report: Report, figures: doc.Figures) -> doc.Safe:
     """The section; empty where nothing could be drawn."""
     parts = [
-        tag("div", tag("h3", f"{one.campaign.title} ({one.campaign.source})"), picture(one.sensors), class_="part")
+        doc.tag("div", doc.tag("h3", f"{one.campaign.title} ({one.campaign.source})"), picture(one.sensors), class_="part")
         for one in report.campaigns
         if one.sensors is not None
     ]
-    return section("sensors", "Sensors", *parts) if parts else Safe("")
+    return section("sensors", "Sensors", *parts) if parts else doc.Safe("")
 
 
 # Where the model fails: four errors, the worst spots in words, maps in sigmas, runs, classical measurements.
@@ -475,13 +469,13 @@ def sensors_html(report: Report, figures: Figures) -> Safe:
 SCALE = "Pale: what chance reaches. From 4 sigma on it is no chance. Triangles: modes of the model. Empty: nothing checks the row"
 
 
-def where_html(report: Report, figures: Figures) -> Safe:
+def where_html(report: Report, figures: doc.Figures) -> doc.Safe:
     """The section."""
     found = document(report.comparison)
     return section("where", "Where it fails", *found.html(figures), parts_notes(found.notes))
 
 
-def _maps(of: Map, modes: Sequence[NamedMode], k: int, figures: Figures) -> Safe:
+def _maps(of: Map, modes: Sequence[NamedMode], k: int, figures: doc.Figures) -> doc.Safe:
     from validation.report.charts.maps import channel_map, pair_map
 
     group = f"map-{k}"
@@ -489,13 +483,15 @@ def _maps(of: Map, modes: Sequence[NamedMode], k: int, figures: Figures) -> Safe
     every |= {str(at): channel_map(of, at, modes=modes) for at in range(len(of.runs))}
     figures.choices(group, every)
     pairs = figures.placed(pair_map(of.pairs, modes=modes)) if of.pairs is not None else None
-    options = [tag("option", "the worst of all runs", value="worst", selected=True)]
-    options += [tag("option", run(name, axis), value=str(j)) for j, (name, axis) in enumerate(zip(of.runs, of.axes, strict=True))]
-    choice = tag("label", "run ", tag("select", *options, data_choice=group, data_part="run"))
-    return tag(
+    options = [doc.tag("option", "the worst of all runs", value="worst", selected=True)]
+    options += [
+        doc.tag("option", run(name, axis), value=str(j)) for j, (name, axis) in enumerate(zip(of.runs, of.axes, strict=True))
+    ]
+    choice = doc.tag("label", "run ", doc.tag("select", *options, data_choice=group, data_part="run"))
+    return doc.tag(
         "div",
-        tag("h3", f"Map of {of.data_set}"),
-        tag("div", choice, class_="choice screen-only"),
+        doc.tag("h3", f"Map of {of.data_set}"),
+        doc.tag("div", choice, class_="choice screen-only"),
         figures.placed(every["worst"], group=group, shown="worst"),
         pairs,
         class_="part",

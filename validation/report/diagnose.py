@@ -35,28 +35,12 @@ from validation.output import json_text, stages, to_json
 from validation.output import percent as progress_percent
 from validation.reference.reference import file_name
 from validation.reference.statement import NONE
+from validation.report import document as doc
 from validation.report import history
 from validation.report.charts import crosscheck
 from validation.report.charts.crosscheck import standing_of, tried
 from validation.report.compare import draw_channels
 from validation.report.document import NOTHING as EMPTY
-from validation.report.document import (
-    PAGE,
-    TERMINAL,
-    Cell,
-    Column,
-    Document,
-    Drawn,
-    Figures,
-    Grid,
-    Number,
-    Safe,
-    Table,
-    aligned,
-    page,
-    tag,
-    toleranced,
-)
 from validation.report.history import of_ladder
 from validation.report.parts import ERRORS as ERROR_NAMES
 from validation.report.parts import Report, error_figures, error_lines, paragraphs, section
@@ -273,7 +257,7 @@ def rows(of: Sequence[results.Detectable]) -> tuple[DetectableRow, ...]:
     return tuple(found)
 
 
-def grid(of: Sequence[results.Detectable]) -> Grid:
+def grid(of: Sequence[results.Detectable]) -> doc.Grid:
     """`rows` as a table, each side of the catalogue under its heading."""
     lines: list[tuple[str, str, str]] = []
     side = ""
@@ -283,9 +267,9 @@ def grid(of: Sequence[results.Detectable]) -> Grid:
         lines.append((f"  {one.family}", one.text, one.best if one.count == 1 else several))
         side = one.side
     first, size, where = zip(*lines, strict=True)
-    return Grid(
+    return doc.Grid(
         header=("would have been named", "from", "at"),
-        lines=tuple(zip(first, aligned(size), where, strict=True)),
+        lines=tuple(zip(first, doc.aligned(size), where, strict=True)),
         words=True,
         caption="The smallest sizes that would have been named",
     )
@@ -320,18 +304,18 @@ def title(model: str, data: Sequence[str]) -> str:
     return f"What {model} is missing beside {', '.join(data)}"
 
 
-def classical_document(found: SwingAnswer, named: str) -> Document:
+def classical_document(found: SwingAnswer, named: str) -> doc.Document:
     """All of a diagnosis without a campaign, in the order in which it is read."""
     several = len({one.name.removesuffix(one.quantity) for one in found.facts}) > 1
-    facts = Table(
+    facts = doc.Table(
         rows=found.facts,
         columns=(
-            Column("measurement", lambda one: f"{one.name if several else one.quantity} [{one.unit.replace('^2', '²')}]"),
-            Column("measured", lambda one: toleranced(one.measured, one.deviation)),
-            Column("sd", lambda one: toleranced(one.deviation, one.deviation)),
-            Column("model", lambda one: toleranced(one.predicted, one.deviation)),
-            Column("period", lambda one: f"{100 * one.period_shift:+.3f} %" if one.period else NONE),
-            Column("sigma", lambda one: -one.sigma, "+.1f"),
+            doc.Column("measurement", lambda one: f"{one.name if several else one.quantity} [{one.unit.replace('^2', '²')}]"),
+            doc.Column("measured", lambda one: doc.toleranced(one.measured, one.deviation)),
+            doc.Column("sd", lambda one: doc.toleranced(one.deviation, one.deviation)),
+            doc.Column("model", lambda one: doc.toleranced(one.predicted, one.deviation)),
+            doc.Column("period", lambda one: f"{100 * one.period_shift:+.3f} %" if one.period else NONE),
+            doc.Column("sigma", lambda one: -one.sigma, "+.1f"),
         ),
     )
     # What every effect would have to be, places of one kind in one line
@@ -348,21 +332,21 @@ def classical_document(found: SwingAnswer, named: str) -> Document:
         anywhere = f"at any of {len(of)} places {said(low.value, low.unit)} to {said(high.value, high.unit)}"
         return f"{anywhere}; at {least.id.partition(':')[2]} {least.text}"
 
-    effects = Table(
+    effects = doc.Table(
         rows=list(places.items()),
         columns=(
-            Column("effect", lambda row: row[0]),
-            Column("evidence [nats]", lambda row: max(one.evidence for one in row[1]), "+.1f"),
-            Column("size that would explain it by itself", lambda row: size(row[1]), words=True),
+            doc.Column("effect", lambda row: row[0]),
+            doc.Column("evidence [nats]", lambda row: max(one.evidence for one in row[1]), "+.1f"),
+            doc.Column("size that would explain it by itself", lambda row: size(row[1]), words=True),
         ),
     )
-    inputs = Table(  # that would explain it, were they wrong
+    inputs = doc.Table(  # that would explain it, were they wrong
         rows=[one for one in found.readings if abs(one.tolerances) <= FAR and abs(one.change) < abs(one.value)],
         columns=(
-            Column("or a wrong input [SI]", lambda one: one.name),
-            Column("as stated", lambda one: one.value, ".6g"),
-            Column("it would be off by", lambda one: one.change, "+.2g"),
-            Column("in its tolerances", lambda one: one.tolerances, "+.1f"),
+            doc.Column("or a wrong input [SI]", lambda one: one.name),
+            doc.Column("as stated", lambda one: one.value, ".6g"),
+            doc.Column("it would be off by", lambda one: one.change, "+.2g"),
+            doc.Column("in its tolerances", lambda one: one.tolerances, "+.1f"),
         ),
     )
 
@@ -370,12 +354,12 @@ def classical_document(found: SwingAnswer, named: str) -> Document:
         """Of a test; where it decides anyway, no more than that."""
         return NONE if gain == 0 else f"> {SURE:.0f}" if gain > SURE else significant(gain, 2)
 
-    advice = Table(
+    advice = doc.Table(
         rows=list(enumerate(found.advice[:MOST], start=1)),
         columns=(
-            Column("next", lambda row: f"{row[0]}"),
-            Column("nats", lambda row: nats(row[1].gain), aligned=False),
-            Column(MEASURE, lambda row: f"{row[1].test[:1].upper()}{row[1].test[1:]}", words=True),
+            doc.Column("next", lambda row: f"{row[0]}"),
+            doc.Column("nats", lambda row: nats(row[1].gain), aligned=False),
+            doc.Column(MEASURE, lambda row: f"{row[1].test[:1].upper()}{row[1].test[1:]}", words=True),
         ),
     )
     least = grid(found.detectable) if found.detectable else None
@@ -386,7 +370,7 @@ def classical_document(found: SwingAnswer, named: str) -> Document:
         *(f"warning: {text}." for text in found.remarks),
     ]
     opening = (f"{HEADLINES[found.verdict]}.", found.text)
-    return Document(title=named, opening=opening, blocks=(facts, effects, inputs, advice, least), notes=notes)
+    return doc.Document(title=named, opening=opening, blocks=(facts, effects, inputs, advice, least), notes=notes)
 
 
 # `massline diagnose` where no campaign is among the data, from options to output.
@@ -453,7 +437,7 @@ NOT_FITTED = (results.MISTAKE, results.NONLINEAR)
 """Verdicts of which the model as it was is held against the data without a fit, so that there is no evidence to compare."""
 
 
-def explained(one: results.Cause) -> Grid:
+def explained(one: results.Cause) -> doc.Grid:
     """One cause for somebody who never heard of it."""
     lines = (
         ("means", one.text),
@@ -461,7 +445,7 @@ def explained(one: results.Cause) -> Grid:
         ("mistaken for", ", ".join(one.mistaken_for) or NONE),
         ("confirm it by", one.confirmed_by or NONE),
     )
-    return Grid(header=(one.id, one.named.what), lines=lines, words=True, caption=f"{one.id}: {one.named.what}")
+    return doc.Grid(header=(one.id, one.named.what), lines=lines, words=True, caption=f"{one.id}: {one.named.what}")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -470,24 +454,24 @@ class DiagnosisPage:
 
     found: results.Diagnosis
 
-    def document(self) -> Document:
+    def document(self) -> doc.Document:
         """All of it, in the order in which it is read."""
         from validation.report.charts.crosscheck import before_and_after, evidence
 
         found = self.found
         after = None if found.after is found.before else found.after
-        return Document(
+        return doc.Document(
             opening=tuple(self.opening()),
             blocks=(
                 self.causes(),
-                Drawn(lambda: evidence(found)) if tried(found) else None,
+                doc.Drawn(lambda: evidence(found)) if tried(found) else None,
                 self.tried(),
                 *map(explained, found.accepted),
                 self.alike() if len(found.equivalence_class) > 1 else None,
                 self.advice(),
                 self.leftover(),
                 self.levels(),
-                Drawn(lambda: before_and_after(found.before, after)),
+                doc.Drawn(lambda: before_and_after(found.before, after)),
                 self.errors(),
                 self.errors_of_page(),
                 self.ranking(),
@@ -508,7 +492,7 @@ class DiagnosisPage:
             cause = results.cause(one)
             yield f"The closest is {cause}: {one.evidence:.1f} nats, less than is asked for. Other data decide."
 
-    def causes(self) -> Grid | None:
+    def causes(self) -> doc.Grid | None:
         """What is missing, a line a size; one of a mistake that has none."""
         lines: list[tuple[str, ...]] = []
         for one in self.found.accepted:
@@ -524,9 +508,9 @@ class DiagnosisPage:
             return None
         first, *rest = zip(*lines, strict=True)
         header = ("missing", "size", "90 % interval", "unit", "evidence [nats]")
-        return Grid(header=header, lines=tuple(zip(first, *[aligned(column) for column in rest], strict=True)))
+        return doc.Grid(header=header, lines=tuple(zip(first, *[doc.aligned(column) for column in rest], strict=True)))
 
-    def alike(self) -> Grid:
+    def alike(self) -> doc.Grid:
         """What these data cannot tell apart."""
         before = [one for step in self.found.steps for one in step.ranking]
         known = {one.id: one for one in (*before, *self.found.ranking, *self.found.accepted)}
@@ -540,9 +524,9 @@ class DiagnosisPage:
 
         lines = tuple((id, what(id)) for id in self.found.equivalence_class)
         header = ("one of these", "size (90 %), evidence, and what it is")
-        return Grid(header=header, lines=lines, words=True, caption="What these data cannot tell apart")
+        return doc.Grid(header=header, lines=lines, words=True, caption="What these data cannot tell apart")
 
-    def advice(self) -> Table:
+    def advice(self) -> doc.Table:
         """What to measure next, the best first."""
 
         def in_words(row: Any) -> str:
@@ -551,21 +535,23 @@ class DiagnosisPage:
             apart = f" It tells {results.listed(names)} apart." if len(names) > 1 else ""
             return f"{test[:1].upper()}{test[1:].rstrip('.')}.{apart}"
 
-        return Table(
+        return doc.Table(
             caption="The next measurement, the best first",
             rows=list(enumerate(self.found.advice, start=1)),
             columns=(
-                Column("next", lambda row: f"{row[0]}", words=True),
-                Column("expected evidence", lambda row: row[1].gain if row[1].gain > 0 else None, ".3g", unit="nats", on=PAGE),
-                Column("nats", lambda row: figure(row[1].gain) if row[1].gain > 0 else NONE, aligned=False, on=TERMINAL),
-                Column("work", lambda row: row[1].hours or None, "g", unit="h", on=PAGE),
-                Column("measure this", lambda row: row[1].test, words=True, on=PAGE),
-                Column("tells apart", lambda row: results.listed(row[1].separates), words=True, on=PAGE),
-                Column(MEASURE, in_words, words=True, on=TERMINAL),
+                doc.Column("next", lambda row: f"{row[0]}", words=True),
+                doc.Column(
+                    "expected evidence", lambda row: row[1].gain if row[1].gain > 0 else None, ".3g", unit="nats", on=doc.PAGE
+                ),
+                doc.Column("nats", lambda row: figure(row[1].gain) if row[1].gain > 0 else NONE, aligned=False, on=doc.TERMINAL),
+                doc.Column("work", lambda row: row[1].hours or None, "g", unit="h", on=doc.PAGE),
+                doc.Column("measure this", lambda row: row[1].test, words=True, on=doc.PAGE),
+                doc.Column("tells apart", lambda row: results.listed(row[1].separates), words=True, on=doc.PAGE),
+                doc.Column(MEASURE, in_words, words=True, on=doc.TERMINAL),
             ),
         )
 
-    def leftover(self) -> Grid | None:
+    def leftover(self) -> doc.Grid | None:
         """What no effect explains."""
         of = self.found.leftover
         if of is None:
@@ -582,9 +568,9 @@ class DiagnosisPage:
             ("share of it that this covers", f"{100 * of.share:.0f} %"),
         )
         kept = tuple(line for line in lines if line[1] != NONE)
-        return Grid(header=("leftover", "in words"), lines=kept, words=True, caption="What no effect explains")
+        return doc.Grid(header=("leftover", "in words"), lines=kept, words=True, caption="What no effect explains")
 
-    def levels(self) -> Grid:
+    def levels(self) -> doc.Grid:
         """Axes that answer otherwise at another level."""
         lines = tuple(
             (
@@ -595,9 +581,9 @@ class DiagnosisPage:
             for one in self.found.levels
         )
         header = ("two levels", "sigma", "axis, and where")
-        return Grid(header=header, lines=lines, words=True, caption="Two levels that do not give the same")
+        return doc.Grid(header=header, lines=lines, words=True, caption="Two levels that do not give the same")
 
-    def errors(self) -> Grid:
+    def errors(self) -> doc.Grid:
         """The four errors without and with what was accepted."""
         before, after = self.found.before, self.found.after
         both = (before,) if before is after else (before, after)
@@ -605,62 +591,62 @@ class DiagnosisPage:
         gain = after.fitted.log_evidence - before.fitted.log_evidence
         if len(both) > 1 and self.found.verdict not in NOT_FITTED:
             kept.append(("evidence gained [nats]", [NONE, f"{gain:+.1f}"]))
-        columns = [aligned(tuple(column)) for column in zip(*(cells for _, cells in kept), strict=True)]
+        columns = [doc.aligned(tuple(column)) for column in zip(*(cells for _, cells in kept), strict=True)]
         header = ("the four errors", "before", "after") if len(both) > 1 else ("the four errors", "now")
-        return Grid(header=header, lines=tuple(zip((name for name, _ in kept), *columns, strict=True)))
+        return doc.Grid(header=header, lines=tuple(zip((name for name, _ in kept), *columns, strict=True)))
 
-    def errors_of_page(self) -> Table:
+    def errors_of_page(self) -> doc.Table:
         """The same for a page, an error a row with its unit."""
         before, after = error_figures(self.found.before), error_figures(self.found.after)
         if self.found.after is self.found.before:
             after = {}
-        return Table(
+        return doc.Table(
             caption="The errors before and after what was found is added",
             rows=[row for row in ERROR_NAMES if before[row[2]] is not None],
             columns=(
-                Column("error", lambda row: row[0], words=True),
-                Column("unit", lambda row: row[1], words=True),
-                Column("before", lambda row: before[row[2]]),
-                Column("after", lambda row: after.get(row[2])),
+                doc.Column("error", lambda row: row[0], words=True),
+                doc.Column("unit", lambda row: row[1], words=True),
+                doc.Column("before", lambda row: before[row[2]]),
+                doc.Column("after", lambda row: after.get(row[2])),
             ),
-            on=PAGE,
+            on=doc.PAGE,
         )
 
-    def tried(self) -> Table:
+    def tried(self) -> doc.Table:
         """Every cause that was tried, a line for each of its numbers: name, value, both ends of its interval, unit."""
         every = {one.id: one for one in (*self.found.ranking, *self.found.accepted)}.values()  # as it was accepted
-        rows: list[tuple[results.Cause, tuple[Cell, ...]]] = []
+        rows: list[tuple[results.Cause, tuple[doc.Cell, ...]]] = []
         for one in sorted(every, key=lambda one: -one.evidence):
             for size in one.sizes:
                 *figures, unit = results.interval(one, size)
-                value, low, high = (Number(value=float(text), text=text.replace("-", "−")) for text in figures)
+                value, low, high = (doc.Number(value=float(text), text=text.replace("-", "−")) for text in figures)
                 fitted = size.low != size.high
                 rows.append((one, (size.key or one.named.what, value, *((low, high) if fitted else (EMPTY, EMPTY)), unit)))
             if not one.sizes:
                 rows.append((one, (NONE, EMPTY, EMPTY, EMPTY, "")))
-        return Table(
+        return doc.Table(
             caption="Causes that were tried, the best first",
             rows=rows,
             columns=(
-                Column("cause", lambda row: row[0].id, words=True),
-                Column("evidence", lambda row: row[0].evidence, "+.1f", unit="nats"),
-                Column("asked for", lambda row: evidence_threshold(row[0].named.family), "g", unit="nats"),
-                Column("number", lambda row: row[1][0], words=True),
-                Column("size", lambda row: row[1][1]),
-                Column("from", lambda row: row[1][2]),
-                Column("to", lambda row: row[1][3]),
-                Column("unit", lambda row: row[1][4], words=True),
-                Column("χ² per dof", lambda row: row[0].misfit, ".3g"),
-                Column("price", lambda row: row[0].price, ".3g"),
-                Column("so", lambda row: standing_of(self.found, row[0]), words=True),
+                doc.Column("cause", lambda row: row[0].id, words=True),
+                doc.Column("evidence", lambda row: row[0].evidence, "+.1f", unit="nats"),
+                doc.Column("asked for", lambda row: evidence_threshold(row[0].named.family), "g", unit="nats"),
+                doc.Column("number", lambda row: row[1][0], words=True),
+                doc.Column("size", lambda row: row[1][1]),
+                doc.Column("from", lambda row: row[1][2]),
+                doc.Column("to", lambda row: row[1][3]),
+                doc.Column("unit", lambda row: row[1][4], words=True),
+                doc.Column("χ² per dof", lambda row: row[0].misfit, ".3g"),
+                doc.Column("price", lambda row: row[0].price, ".3g"),
+                doc.Column("so", lambda row: standing_of(self.found, row[0]), words=True),
             ),
             note=(
                 "From and to: 90 % interval. Price: sum of z² of the tolerances with it, over what is due where nothing is wrong."
             ),
-            on=PAGE,
+            on=doc.PAGE,
         )
 
-    def ranking(self) -> Table:
+    def ranking(self) -> doc.Table:
         """What was tried, the best first, with its first size and why it stands where it stands."""
         found, accepted = self.found, {cause.id for cause in self.found.accepted}
 
@@ -677,20 +663,20 @@ class DiagnosisPage:
                 return "cannot be told from it"
             return ("explains less" if found.accepted else "too little") if one.null else "misfit or price stay too high"
 
-        return Table(
+        return doc.Table(
             rows=self.found.ranking[:RANKED],
             columns=(
-                Column("tried", lambda one: one.id, words=True),
-                Column("size", size),
-                Column("evidence [nats]", lambda one: f"{one.evidence:+.1f}"),
-                Column("chi²", lambda one: f"{one.misfit:.3g}"),
-                Column("price", lambda one: f"{one.price:.3g}"),
-                Column("so", judged, words=True),
+                doc.Column("tried", lambda one: one.id, words=True),
+                doc.Column("size", size),
+                doc.Column("evidence [nats]", lambda one: f"{one.evidence:+.1f}"),
+                doc.Column("chi²", lambda one: f"{one.misfit:.3g}"),
+                doc.Column("price", lambda one: f"{one.price:.3g}"),
+                doc.Column("so", judged, words=True),
             ),
-            on=TERMINAL,
+            on=doc.TERMINAL,
         )
 
-    def steps(self) -> Grid:
+    def steps(self) -> doc.Grid:
         """How it was found."""
         lines = tuple(
             (
@@ -701,7 +687,9 @@ class DiagnosisPage:
             )
             for k, one in enumerate(self.found.steps, start=1)
         )
-        return Grid(header=("round", "chi²", "price", "how it was found"), lines=lines, words=True, caption="How it was found")
+        return doc.Grid(
+            header=("round", "chi²", "price", "how it was found"), lines=lines, words=True, caption="How it was found"
+        )
 
     def notes(self) -> Iterator[str]:
         """What must be known to read the tables, then what was assumed."""
@@ -721,7 +709,7 @@ class DiagnosisPage:
         yield from (f"warning: {text.rstrip('.')}." for text in self.found.remarks)
 
 
-def document(found: results.Diagnosis) -> Document:
+def document(found: results.Diagnosis) -> doc.Document:
     """All of a diagnosis, in the order in which it is read."""
     return DiagnosisPage(found=found).document()
 
@@ -803,7 +791,7 @@ def _climbed(asked: Options, bench: Study, *, as_json: bool) -> tuple[results.Di
 
     def added(rung: Version) -> None:
         if not as_json:
-            click.echo(page(f"Rung {rung.number}: {rung.effect} added", (), rung.verdict))
+            click.echo(doc.page(f"Rung {rung.number}: {rung.effect} added", (), rung.verdict))
 
     with stages("climbing", quiet=as_json) as told:
         heard = DiagnosisListener(diagnosed=first, added=added, progress=told)
@@ -840,7 +828,7 @@ def of_asked(asked: Options, bench: Study) -> dict[str, Any]:
 # What is missing: ranked causes with evidence and sizes, what each means and how to confirm it, the next measurement.
 
 
-def html(report: Report, figures: Figures) -> Safe:
+def html(report: Report, figures: doc.Figures) -> doc.Safe:
     """The section."""
     found = report.diagnosis
     if found is None:
@@ -851,7 +839,7 @@ def html(report: Report, figures: Figures) -> Safe:
     return section(
         "missing",
         "What is missing",
-        tag("p", first, class_="headline"),
+        doc.tag("p", first, class_="headline"),
         paragraphs(others),
         *said.html(figures),
         parts_notes(said.notes),

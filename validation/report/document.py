@@ -3,8 +3,6 @@
 A cell shows the digits that mean something. Copied, a table gives all digits, tab-separated, which a spreadsheet takes.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import json
@@ -271,7 +269,7 @@ class Column:
     aligned: bool = True
     on: str = ""
 
-    def cell(self, row: Any) -> Cell:
+    def cell(self, row: Any) -> "Cell":
         """On a page."""
         value = self.of(row)
         return value if isinstance(value, str | Number) else number(value, self.form)
@@ -338,7 +336,7 @@ class Table:
 class Drawn:
     """A figure of a page, drawn when it is printed; `caption` stands below it."""
 
-    figure: Callable[[], Figure]
+    figure: "Callable[[], Figure]"
     caption: str = ""
 
 
@@ -372,7 +370,7 @@ class Document:
         shown = [one for one in self.blocks if isinstance(one, Grid | Table) and one.on != PAGE]
         return [grid for one in shown if (grid := one.grid() if isinstance(one, Table) else one).lines]
 
-    def html(self, figures: Figures) -> list[Safe]:
+    def html(self, figures: "Figures") -> list[Safe]:
         """For a page: its blocks, one behind the other; figures find their places among `figures`."""
         found: list[Safe | None] = []
         for one in self.blocks:
@@ -479,7 +477,7 @@ class Figures:
     def __init__(self) -> None:
         self._json: dict[str, str] = {}
 
-    def placed(self, figure: Figure, caption: str = "", *, screen_only: bool = False, group: str = "", shown: str = "") -> Safe:
+    def placed(self, figure: "Figure", caption: str = "", *, screen_only: bool = False, group: str = "", shown: str = "") -> Safe:
         """The place of `figure`; what it shows is said by its title.
 
         Parameters
@@ -503,7 +501,7 @@ class Figures:
         said = tag("figcaption", caption) if caption else None
         return tag("figure", plot, said, class_="interactive screen-only" if screen_only else "interactive")
 
-    def choices(self, group: str, figures: Mapping[str, Figure]) -> None:
+    def choices(self, group: str, figures: "Mapping[str, Figure]") -> None:
         """Figures that may stand in the place of `group`, by what chooses them."""
         for key, figure in figures.items():
             self._keep(f"{group}/{key}", figure)
@@ -520,7 +518,7 @@ class Figures:
     def __len__(self) -> int:
         return len(self._json)
 
-    def _keep(self, name: str, figure: Figure) -> None:
+    def _keep(self, name: str, figure: "Figure") -> None:
         from validation.report.charts.interactive import figure_json
 
         self._json[name] = figure_json(figure)

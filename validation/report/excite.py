@@ -1,7 +1,5 @@
 """Tests simulated in time, `massline excite`, `simulate` and `swing`: their pages, their JSON, the picture of a driven run."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from operator import itemgetter
@@ -243,7 +241,7 @@ class AmplitudeView:
     amplitude: Callable[[Array], Array]
 
     @classmethod
-    def of(cls, one: Done, band: tuple[float, float]) -> AmplitudeView:
+    def of(cls, one: Done, band: tuple[float, float]) -> "AmplitudeView":
         """Amplitudes while the sweep of `one` run passes its band; without a sweep spectral densities of the record, averaged
         (Welch, IEEE Trans. Audio 15, 1967)."""
         time, rate, sweep = one.response.time, one.response.sampling_rate, one.run.sweep

@@ -1,7 +1,5 @@
 """The table of `massline modes`: frequencies, damping, what moves, effective masses and their sum; and its JSON."""
 
-from __future__ import annotations
-
 import csv
 import math
 from collections.abc import Iterator, Sequence
@@ -578,7 +576,7 @@ CHECK, SOURCE = "check", "reference from"
 FIGURES = ("reference", "value", "error", "bar", "pass")
 
 
-def pages(results: Sequence[CheckResult]) -> Iterator[RichTable]:
+def pages(results: Sequence[CheckResult]) -> "Iterator[RichTable]":
     """A table for every family, in order."""
     for family, rows in _by_family(results):
         from rich import box

@@ -1,7 +1,5 @@
 """`massline add`, `massline ladder` and `massline undo` from options to output."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
@@ -269,7 +267,7 @@ def notes(at: HistoryPosition) -> Iterator[str]:
     yield from history.conditions(at)
 
 
-def add(asked: Options, effect: AddedEffectOptions, *, as_json: bool) -> None:
+def add(asked: "Options", effect: "AddedEffectOptions", *, as_json: bool) -> None:
     """Add an `effect` to the model that is `asked`, and print the errors before and after.
 
     Raises

@@ -27,23 +27,10 @@ from validation.model.setups import FMD, above_fmd, is_stack, stated, takes_fmd_
 from validation.output import json_text, shown, to_json
 from validation.reference.reference import ArticleOptions, file_name, reference
 from validation.reference.statement import NONE, QUANTITIES, Statement, rounded
+from validation.report import document as doc
 from validation.report.charts import identification, spec
 from validation.report.charts.spec import LEFT_OUT, MEASURED, QUOTIENT
 from validation.report.charts.style import DynamicMassCurve, diagonal, full
-from validation.report.document import (
-    Cell,
-    Column,
-    Document,
-    Figures,
-    Safe,
-    Table,
-    aligned,
-    joined,
-    number,
-    plus_minus,
-    tag,
-    toleranced,
-)
 from validation.report.parts import CampaignPart, Picture, Report, notes, paragraphs, section
 from validation.report.reference import drawing_of, drawn
 from validation.report.scenes.setups import sensor_map as draw_sensors
@@ -64,31 +51,34 @@ class IdentificationPage:
 
     found: IdentificationFindings
 
-    def document(self) -> Document:
+    def document(self) -> doc.Document:
         """All of it, in the order in which it is read."""
         found, (low, high) = self.found, self.found.result.identified.band
-        doubts = Table(
+        doubts = doc.Table(
             rows=list(enumerate(found.doubts, start=1)),
             columns=(
-                Column("", lambda row: str(row[0])),
-                Column("the data contradict themselves: do not trust these figures", lambda row: row[1], words=True),
+                doc.Column("", lambda row: str(row[0])),
+                doc.Column("the data contradict themselves: do not trust these figures", lambda row: row[1], words=True),
             ),
         )
-        return Document(
+        return doc.Document(
             title=f"{found.article}: identified from {len(found.request.campaign.runs)} runs, {low:g} to {high:g} Hz",
             blocks=(doubts, self.values(), self.verdicts(), self.elastic_terms(), self.single_axis()),
             notes=tuple(self.notes()),
         )
 
-    def values(self) -> Table:
+    def values(self) -> doc.Table:
         """Mass, CoG, moments and products of both ways with their 95 % intervals, and how far the second lies from the first."""
 
-        def column(one: Reported) -> Column:
+        def column(one: Reported) -> doc.Column:
             listed = zip(one.values, one.half_width, QUANTITIES, strict=True)
-            cells = [plus_minus(float(v) * q.per_si, float(h) * q.per_si) for v, h, q in listed]
-            return Column(one.identified.way, cells.__getitem__)
+            cells = [doc.plus_minus(float(v) * q.per_si, float(h) * q.per_si) for v, h, q in listed]
+            return doc.Column(one.identified.way, cells.__getitem__)
 
-        columns = [Column("± 95 %", lambda k: f"{QUANTITIES[k].label} [{QUANTITIES[k].unit}]"), *map(column, self.found.results)]
+        columns = [
+            doc.Column("± 95 %", lambda k: f"{QUANTITIES[k].label} [{QUANTITIES[k].unit}]"),
+            *map(column, self.found.results),
+        ]
         if len(self.found.results) > 1:
             plain, better = self.found.results[0], self.found.results[-1]
             moved, width = better.values - plain.values, plain.half_width
@@ -102,12 +92,12 @@ class IdentificationPage:
                 return f"{rounded(float(moved[k]) * quantity.per_si, finest)} {quantity.unit}"
 
             columns += [
-                Column("moved by", shift),
-                Column("half-widths", lambda k: f"{moved[k] / width[k]:+.2f}" if width[k] else NONE),
+                doc.Column("moved by", shift),
+                doc.Column("half-widths", lambda k: f"{moved[k] / width[k]:+.2f}" if width[k] else NONE),
             ]
-        return Table(rows=range(10), columns=columns)
+        return doc.Table(rows=range(10), columns=columns)
 
-    def verdicts(self) -> Table:
+    def verdicts(self) -> doc.Table:
         """What is to be thought of every value, and what its uncertainty comes from."""
 
         def said(k: int) -> str:
@@ -116,21 +106,21 @@ class IdentificationPage:
             then = len(inputs) > 1 and inputs[1][1] > WORTH
             return f"{text}; then {inputs[1][0]} {100 * inputs[1][1]:.0f} %" if then else text
 
-        return Table(
+        return doc.Table(
             rows=range(10),
             columns=(
-                Column("", lambda k: QUANTITIES[k].label),
-                Column(f"verdict on the {self.found.result.identified.way} result", said, words=True),
+                doc.Column("", lambda k: QUANTITIES[k].label),
+                doc.Column(f"verdict on the {self.found.result.identified.way} result", said, words=True),
             ),
         )
 
-    def elastic_terms(self) -> Table | None:
+    def elastic_terms(self) -> doc.Table | None:
         """Frequency, damping, and the axes that each term shows on most, with its effective mass."""
         terms = self.found.result.identified.elastic
         if terms is None:
             return None
         order = np.argsort(terms.frequency)
-        frequency = dict(zip(order, aligned(tuple(f"{f:.3f}" for f in terms.frequency[order])), strict=True))
+        frequency = dict(zip(order, doc.aligned(tuple(f"{f:.3f}" for f in terms.frequency[order])), strict=True))
 
         def shows_on(r: int) -> str:
             mass = terms.participation[r] ** 2
@@ -139,16 +129,16 @@ class IdentificationPage:
             ]  # rotations as at a lever of half a metre
             return ", ".join(f"{MOTIONS[k]} {mass[k]:.3g} {'kg' if k < 3 else 'kg m²'}" for k in most)
 
-        return Table(
+        return doc.Table(
             rows=order.tolist(),
             columns=(
-                Column("elastic terms [Hz]", frequency.__getitem__),
-                Column("damping [%]", lambda r: 100 * terms.damping_ratio[r], ".3f"),
-                Column("effective mass about F", shows_on, words=True),
+                doc.Column("elastic terms [Hz]", frequency.__getitem__),
+                doc.Column("damping [%]", lambda r: 100 * terms.damping_ratio[r], ".3f"),
+                doc.Column("effective mass about F", shows_on, words=True),
             ),
         )
 
-    def single_axis(self) -> Table | None:
+    def single_axis(self) -> doc.Table | None:
         """What the quotient of the driven axis alone would have cost."""
         crossed = self.found.crossed
         if crossed is None:
@@ -159,11 +149,11 @@ class IdentificationPage:
             "off beside it, up to": crossed.column,
         }
 
-        def column(head: str, of: Array) -> Column:
-            return Column(head, lambda k: f"{100 * of[k]:.2g} %", aligned=False)
+        def column(head: str, of: Array) -> doc.Column:
+            return doc.Column(head, lambda k: f"{100 * of[k]:.2g} %", aligned=False)
 
-        columns = [Column("Eq. 8a alone", lambda k: MOTIONS[k]), *(column(head, of) for head, of in shares.items())]
-        return Table(rows=range(6), columns=columns)
+        columns = [doc.Column("Eq. 8a alone", lambda k: MOTIONS[k]), *(column(head, of) for head, of in shares.items())]
+        return doc.Table(rows=range(6), columns=columns)
 
     def notes(self) -> Iterator[str]:
         """What must be known to read the tables, then what was left out, checked and warned of."""
@@ -213,7 +203,7 @@ class IdentificationPage:
             yield f"Without {name} the interval of {PARAMETERS[k]} would be {times[k]:.3g} times as wide."
         yield from (f"warning: {words}." for words in self.found.warnings)
 
-    def beside_the_drawing(self, reference: Statement | None) -> Table:
+    def beside_the_drawing(self, reference: Statement | None) -> doc.Table:
         """Every result beside what is drawn."""
 
         def known(k: int) -> float | None:
@@ -221,7 +211,7 @@ class IdentificationPage:
             return None if said is None else said.value * QUANTITIES[k].per_si
 
         heads = ["quantity", "unit", "drawn"]
-        rows: list[list[Cell]] = [[q.label, q.unit, number(known(k), ".6g")] for k, q in enumerate(QUANTITIES)]
+        rows: list[list[doc.Cell]] = [[q.label, q.unit, doc.number(known(k), ".6g")] for k, q in enumerate(QUANTITIES)]
         for one in self.found.results:
             way = one.identified.way
             heads += [way, "± 95 %", f"{way} less drawn", "in intervals"]
@@ -230,12 +220,17 @@ class IdentificationPage:
                 there = known(k)
                 apart = None if there is None else value - there
                 many = None if apart is None or not half else apart / half
-                row += [toleranced(value, half), toleranced(half, half), toleranced(apart, half), number(many, "+.2f")]
+                row += [
+                    doc.toleranced(value, half),
+                    doc.toleranced(half, half),
+                    doc.toleranced(apart, half),
+                    doc.number(many, "+.2f"),
+                ]
         where = "from the article's own origin" if self.found.origin == "article" else "from F"
-        return Table(
+        return doc.Table(
             caption=f"{self.found.article}: mass, CoG and inertia, {self.found.result.identified.way} counts, raw records",
             rows=rows,
-            columns=[Column(head, itemgetter(at), words=at < 2) for at, head in enumerate(heads)],
+            columns=[doc.Column(head, itemgetter(at), words=at < 2) for at, head in enumerate(heads)],
             note=f"CoG {where}; moments and products about the CoG, products as matrix entries. In intervals: 1 is its end.",
         )
 
@@ -547,23 +542,23 @@ def identified(
 RAW = "Identified from the records as they were read: no effect of the model is taken out of them."
 
 
-def html(report: Report, figures: Figures) -> Safe:
+def html(report: Report, figures: doc.Figures) -> doc.Safe:
     """The section; empty where nobody identified anything."""
     parts = [_with_effects(one, report, figures) for one in report.identified]
     if report.not_identified:
         parts.append(notes([f"With the effects of the model no inertia was identified: {report.not_identified}"]))
     parts += [_from_records(one, figures) for one in report.campaigns if one.findings is not None or one.missing]
-    return section("inertia", "Identified inertia", *parts) if parts else Safe("")
+    return section("inertia", "Identified inertia", *parts) if parts else doc.Safe("")
 
 
-def _quantities() -> list[Column]:
+def _quantities() -> list[doc.Column]:
     return [
-        Column("quantity", lambda k: QUANTITIES[k].label, words=True),
-        Column("unit", lambda k: QUANTITIES[k].unit, words=True),
+        doc.Column("quantity", lambda k: QUANTITIES[k].label, words=True),
+        doc.Column("unit", lambda k: QUANTITIES[k].unit, words=True),
     ]
 
 
-def _with_effects(body: Body, report: Report, figures: Figures) -> Safe:
+def _with_effects(body: Body, report: Report, figures: doc.Figures) -> doc.Safe:
     from validation.report.charts.history import identified_inertia
 
     effects = report.comparison.effects
@@ -571,16 +566,16 @@ def _with_effects(body: Body, report: Report, figures: Figures) -> Safe:
     title = f"{body.article}, {with_what}"
     scale = np.array([quantity.per_si for quantity in QUANTITIES])
     value, half, model = (scale * one for one in (body.values, body.half_width, body.reference))
-    table = Table(
+    table = doc.Table(
         caption=f"{title}: mass, CoG and inertia",
         rows=range(10),
         columns=(
             *_quantities(),
-            Column("identified", lambda k: toleranced(value[k], half[k])),
-            Column("± 95 %", lambda k: toleranced(half[k], half[k])),
-            Column("the model", lambda k: toleranced(model[k], half[k])),
-            Column("less the model", lambda k: toleranced(value[k] - model[k], half[k])),
-            Column("in intervals", lambda k: number((value[k] - model[k]) / half[k] if half[k] else None, "+.2f")),
+            doc.Column("identified", lambda k: doc.toleranced(value[k], half[k])),
+            doc.Column("± 95 %", lambda k: doc.toleranced(half[k], half[k])),
+            doc.Column("the model", lambda k: doc.toleranced(model[k], half[k])),
+            doc.Column("less the model", lambda k: doc.toleranced(value[k] - model[k], half[k])),
+            doc.Column("in intervals", lambda k: doc.number((value[k] - model[k]) / half[k] if half[k] else None, "+.2f")),
         ),
         note="CoG from the article's own origin; moments and products about it, as matrix entries. In intervals: 1 is its end.",
     )
@@ -591,15 +586,15 @@ def _with_effects(body: Body, report: Report, figures: Figures) -> Safe:
         "" if body.converged else "The fit did not end by itself",
     ]
     figure = identified_inertia({"identified": body}, f"{title}: identified less the model, 95 % intervals")
-    return tag("div", tag("h3", title), table.html(), figures.placed(figure), notes(said), class_="part")
+    return doc.tag("div", doc.tag("h3", title), table.html(), figures.placed(figure), notes(said), class_="part")
 
 
-def _from_records(one: CampaignPart, figures: Figures) -> Safe:
+def _from_records(one: CampaignPart, figures: doc.Figures) -> doc.Safe:
     from validation.report.charts.history import identified_inertia
 
     found, reference = one.findings, one.reference
     if found is None:
-        return joined(tag("h3", f"From the raw records of {one.campaign.source}"), notes(one.missing))
+        return doc.joined(doc.tag("h3", f"From the raw records of {one.campaign.source}"), notes(one.missing))
     figure = None
     if reference is not None and reference.complete:
         known = np.array([0.0 if value is None else value.value for value in reference.values])
@@ -615,11 +610,11 @@ def _from_records(one: CampaignPart, figures: Figures) -> Safe:
         verdicts = paragraphs([f"All ten values: {alike.pop()}."])
     else:
         caption = f"{found.article}: verdicts on the {found.result.identified.way} result"
-        thought = Column("what is to be thought of it", lambda k: found.verdict.get(request.QUANTITIES[k], NONE), words=True)
-        verdicts = Table(caption=caption, rows=range(10), columns=(_quantities()[0], thought)).html()
-    return tag(
+        thought = doc.Column("what is to be thought of it", lambda k: found.verdict.get(request.QUANTITIES[k], NONE), words=True)
+        verdicts = doc.Table(caption=caption, rows=range(10), columns=(_quantities()[0], thought)).html()
+    return doc.tag(
         "div",
-        tag("h3", f"{found.article}, from the raw records of {one.campaign.source}"),
+        doc.tag("h3", f"{found.article}, from the raw records of {one.campaign.source}"),
         paragraphs([RAW]),
         notes(found.doubts),
         page.beside_the_drawing(reference).html(),

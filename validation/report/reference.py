@@ -1,7 +1,5 @@
 """Articles and their known values: picture, reference table, and what weighings and pendulums say beside what is published."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -51,7 +49,7 @@ def draw(name: str, asked: ArticleOptions, folder: Path = Path("out")) -> Path:
     return path
 
 
-def drawing(name: str, asked: ArticleOptions) -> tuple[str, tuple[DrawnBody, ...], Inertia, str]:
+def drawing(name: str, asked: ArticleOptions) -> "tuple[str, tuple[DrawnBody, ...], Inertia, str]":
     """Title, bodies, inertia and note of a picture of the article `name`, in the article's own frame.
 
     Raises
@@ -107,7 +105,7 @@ def show(reduction: Reduction, against: str | None, as_json: bool) -> None:
         raise CheckFailed(found.impossible)
 
 
-def reduction_pages(found: Reduction) -> Iterator[RenderableType]:
+def reduction_pages(found: Reduction) -> "Iterator[RenderableType]":
     """What a person reads: the rows, the budgets, the corrections, the notes."""
     assumed = "; tolerances ASSUMED" if found.assumed else ""
     yield rows_table(found.rows, f"{found.title}\n{found.origin}{assumed}")
@@ -122,7 +120,7 @@ def reduction_pages(found: Reduction) -> Iterator[RenderableType]:
     yield from found.all_notes
 
 
-def budget_table(items: Sequence[Item], title: str, unit: str, factor: float) -> Table:
+def budget_table(items: Sequence[Item], title: str, unit: str, factor: float) -> "Table":
     """`items` as a table to print; contributions in `unit`, which is SI times `factor`."""
     from rich import box
     from rich.table import Table

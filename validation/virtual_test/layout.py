@@ -9,8 +9,6 @@
 Cells and corners are numbered counter-clockwise from +x +y. Frame: origin F, the centre of the force-measuring plane, z up.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from hashlib import blake2b
@@ -161,24 +159,24 @@ class ChainTruth:
         for name, shape in (("cell_stiffness", (CELLS, 3)), ("crosstalk", (3, 3)), ("plane_offset", (2,)), ("compliance", (2,))):
             object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
 
-    def more_gain(self, channel: str, value: float) -> ChainTruth:
+    def more_gain(self, channel: str, value: float) -> "ChainTruth":
         """`channel` reads (1 + `value`) times what it did."""
         before = self.gain.get(channel, 0.0)
         return replace(self, gain={**self.gain, channel: (1 + before) * (1 + value) - 1})
 
-    def later(self, channel: str, seconds: float) -> ChainTruth:
+    def later(self, channel: str, seconds: float) -> "ChainTruth":
         """`channel` comes later by `seconds`."""
         return replace(self, delay={**self.delay, channel: self.delay.get(channel, 0.0) + seconds})
 
-    def moved(self, channel: str, offset: npt.ArrayLike) -> ChainTruth:
+    def moved(self, channel: str, offset: npt.ArrayLike) -> "ChainTruth":
         """The accelerometer `channel` sits `offset` (3,) [m] farther from its nominal position."""
         return replace(self, position={**self.position, channel: self.position.get(channel, np.zeros(3)) + np.asarray(offset)})
 
-    def turned(self, channel: str, rotation: npt.ArrayLike) -> ChainTruth:
+    def turned(self, channel: str, rotation: npt.ArrayLike) -> "ChainTruth":
         """The accelerometer `channel` is turned by `rotation` (3,) [rad] more, a small vector."""
         return replace(self, angle={**self.angle, channel: self.angle.get(channel, np.zeros(3)) + np.asarray(rotation)})
 
-    def stiffer(self, cell: int, axis: int, value: float) -> ChainTruth:
+    def stiffer(self, cell: int, axis: int, value: float) -> "ChainTruth":
         """Cell `cell` (from 0) is (1 + `value`) times as stiff along `axis` (0, 1, 2)."""
         changed = np.array(self.cell_stiffness)
         changed[cell, axis] = (1 + changed[cell, axis]) * (1 + value) - 1

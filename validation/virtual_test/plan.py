@@ -4,8 +4,6 @@ What is shared by a series - FMD, load cells, sensors, the parts of Clumod - han
 the article and on the run as well.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from math import isfinite
@@ -85,7 +83,7 @@ class PlantedEffect:
     id: str
     value: Mapping[str, float] = field(default_factory=dict)
     chain: Callable[[ChainTruth], ChainTruth] = same
-    parts: Callable[[Mapping[str, Part]], Mapping[str, Part]] = same
+    parts: "Callable[[Mapping[str, Part]], Mapping[str, Part]]" = same
     rig: Callable[[Rig], Rig] = same
     signals: Callable[[Sensed], Sensed] = same
     record: Callable[[Sensed], Sensed] = same
@@ -134,7 +132,7 @@ class Scatter:
         for one in fields(self):
             _require(getattr(self, one.name), f"scatter.{one.name}", zero=True)
 
-    def scaled(self, factor: float) -> Scatter:
+    def scaled(self, factor: float) -> "Scatter":
         """All of them times `factor` [1]."""
         return Scatter(**{one.name: factor * getattr(self, one.name) for one in fields(self)})
 

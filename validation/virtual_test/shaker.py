@@ -9,8 +9,6 @@ sense alike. With alpha and beta the tilt, apparent and kinematic acceleration d
     a_x (kinematic) = a_x (apparent) + g beta,    a_y (kinematic) = a_y (apparent) - g alpha.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -55,7 +53,7 @@ class Sensors:
         object.__setattr__(self, "delay", frozen(self.delay, np.shape(self.delay), "delay"))
 
     @classmethod
-    def of(cls, layout: Layout, chain: ChainTruth, gravity: float) -> Sensors:
+    def of(cls, layout: Layout, chain: ChainTruth, gravity: float) -> "Sensors":
         """The sensors of `layout` as `chain` says they are; `gravity` in m/s²."""
         channels = layout.table.channels
         rows = np.array([_row(channel, layout, chain, gravity) for channel in channels])
@@ -131,7 +129,7 @@ class SetUp:
     """
 
     rig: Rig
-    modes: Modes | None
+    modes: "Modes | None"
     parts: Mapping[str, Part]
 
 
@@ -200,7 +198,7 @@ def nominal_fmd(plan: Plan) -> Inertia:
     return inertia(built_in(FMD, changes_of(FMD, plan.dimensions)))
 
 
-def _mounted(plan: Plan) -> tuple[ArticleOnTable, dict[str, Part]]:
+def _mounted(plan: Plan) -> "tuple[ArticleOnTable, dict[str, Part]]":
     """The nominal rig but for the parts of the structure, and what was drawn for these."""
     from validation.excite.question import Attached
     from validation.excite.rig import assembled, mounted
@@ -238,14 +236,14 @@ def _mounted(plan: Plan) -> tuple[ArticleOnTable, dict[str, Part]]:
 
 
 @lru_cache(maxsize=8)
-def _nominal(above: str, dimensions: tuple[tuple[str, float], ...]) -> Flexible:
+def _nominal(above: str, dimensions: tuple[tuple[str, float], ...]) -> "Flexible":
     """The model as drawn, the same for every seed."""
     from validation.flexible.model import FlexibleOptions, flexible
 
     return flexible(above, "beam", FlexibleOptions(count=MODES, changes=dict(dimensions)))
 
 
-def _stiffened(structure: Structure, parts: Mapping[str, Part]) -> Structure:
+def _stiffened(structure: "Structure", parts: Mapping[str, Part]) -> "Structure":
     """`structure` with every part's stiffness and loss factor changed; itself where nothing was drawn."""
     if not any(part.modulus or part.loss or part.added_loss for part in parts.values()):
         return structure
@@ -255,7 +253,7 @@ def _stiffened(structure: Structure, parts: Mapping[str, Part]) -> Structure:
     return replace(structure, stiffness=sum(others, start=first), part_stiffness=stiffness, loss_factors=losses)
 
 
-def _highest(plan: Plan, modes: Modes) -> float:
+def _highest(plan: Plan, modes: "Modes") -> float:
     """[Hz] up to which modes are kept: the first one always is, or a stiff article would be a rigid one."""
     return max(plan.highest, 1.25 * float(modes.frequency[0]))
 

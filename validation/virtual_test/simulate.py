@@ -5,8 +5,6 @@
 The chain is linear from the table to the recorder but for what an effect makes of it.
 """
 
-from __future__ import annotations
-
 import json
 import platform
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -19,21 +17,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from fem.base_excitation import response as recorder
 from fem.base_excitation.patterns import BaseMotion
-from fem.base_excitation.response import (
-    Channels,
-    Piece,
-    Response,
-    accelerations,
-    cell_forces,
-    decimated_channels,
-    joined,
-    load,
-    require_recorded,
-    simulation_rate,
-    stacked,
-    streamed,
-)
 from fem.base_excitation.rig import Rig, RigStructure
 from fem.damping import Damping
 from geometry import atomic, toml_file
@@ -47,27 +32,14 @@ from validation.effects.catalogue import Named, parse_all
 from validation.excite.question import LARGEST_LEVEL, drive, require_rate
 from validation.output import json_text
 from validation.reference import reference
+from validation.virtual_test import plan as planning
 from validation.virtual_test.layout import CELLS, ChainTruth, Layout, mavis, stream, token
-from validation.virtual_test.plan import (
-    DIAGONAL,
-    MODELS,
-    MULTI,
-    NOISE,
-    SINGLE,
-    SOURCE,
-    TWICE,
-    Plan,
-    Scatter,
-    Sensed,
-    changed_rig,
-    same,
-)
 from validation.virtual_test.plan import MAINS as PLAN_MAINS
 from validation.virtual_test.planted import planted, reaching, require_planted, require_reaching
 from validation.virtual_test.shaker import Sensors, SetUp, middles_of_cells, nominal_fmd, require_stack, set_up
 
 if TYPE_CHECKING:
-    from fem.base_excitation.patterns import CrossMotion, Pattern, Sweep
+    from fem.base_excitation.patterns import CrossMotion, Pattern
 
 
 # `Laboratory`: what a plan puts on the shaker - nominal layout, drawn chain and rig, effects in both.
@@ -93,7 +65,7 @@ class ShakerLaboratory:
     sensors: Sensors
 
 
-def laboratory(plan: Plan) -> ShakerLaboratory:
+def laboratory(plan: planning.Plan) -> ShakerLaboratory:
     """What `plan` has on the shaker.
 
     Raises
@@ -107,7 +79,7 @@ def laboratory(plan: Plan) -> ShakerLaboratory:
     for effect in plan.effects:
         chain = effect.chain(chain)
     made = set_up(plan, chain)
-    rig = changed_rig(made.rig, plan.effects)
+    rig = planning.changed_rig(made.rig, plan.effects)
     return ShakerLaboratory(layout=layout, chain=chain, made=made, rig=rig, sensors=Sensors.of(layout, chain, plan.gravity))
 
 
@@ -133,18 +105,18 @@ class DrivenRun:
 
     name: str
     axis: str
-    pattern: Pattern
+    pattern: "Pattern"
     excitation: Excitation
     level: float = 1.0
 
-    def motion(self, plan: Plan, rate: float, rest: float) -> BaseMotion:
+    def motion(self, plan: planning.Plan, rate: float, rest: float) -> BaseMotion:
         """What the table does, sampled at `rate` [Hz], with `rest` [s] after the drive."""
         cross = cross_motion(plan, self.name)
         found: BaseMotion = self.pattern.motion(rate, ring_down=rest, cross=cross)  # type: ignore[attr-defined]
         return found
 
 
-def runs(plan: Plan) -> tuple[DrivenRun, ...]:
+def runs(plan: planning.Plan) -> tuple[DrivenRun, ...]:
     """All runs of `plan`, level by level.
 
     Raises
@@ -161,21 +133,21 @@ def runs(plan: Plan) -> tuple[DrivenRun, ...]:
         listed = zip(MOTIONS, sweeps, stated, strict=True)
         return [DrivenRun(name=f"{axis}{ending}", axis=axis, pattern=one, excitation=said) for axis, one, said in listed]
 
-    def of_several(name: str, pattern: Pattern, sweeps: Sequence[Any]) -> DrivenRun:
+    def of_several(name: str, pattern: "Pattern", sweeps: Sequence[Any]) -> DrivenRun:
         driven: dict[str, Sweep] = {sweep.axis: sweep for sweep in sweeps}
         levels = tuple(float(driven[axis].level * LEVELS[axis]) if axis in driven else 0.0 for axis in MOTIONS)
         return DrivenRun(name=name, axis="", pattern=pattern, excitation=_stated("multi-axis", plan, levels=levels))
 
     found: list[DrivenRun] = []
     for level in plan.levels:
-        if plan.pattern == MULTI:
+        if plan.pattern == planning.MULTI:
             phased = phased_sweeps(level, **swept)
             of_level = [of_several(f"multi-{k}", one, one.patterns) for k, one in enumerate(phased, start=1)]
         else:
             of_level = of_one(level)
-        if plan.pattern == TWICE:
+        if plan.pattern == planning.TWICE:
             of_level += of_one(level, "-2", np.pi / 2)
-        if plan.pattern == DIAGONAL:
+        if plan.pattern == planning.DIAGONAL:
             for axes in DIAGONALS:
                 sweeps = tuple(Sweep(axis=axis, level=level / np.sqrt(2), **swept) for axis in axes)
                 of_level.append(of_several("-".join(axes), MultiAxis(patterns=sweeps), sweeps))
@@ -184,14 +156,14 @@ def runs(plan: Plan) -> tuple[DrivenRun, ...]:
     return tuple(found)
 
 
-def cross_motion(plan: Plan, run: str) -> CrossMotion | None:
+def cross_motion(plan: planning.Plan, run: str) -> "CrossMotion | None":
     """What the table does besides in `run`; None for a table that does nothing else."""
     from fem.base_excitation.patterns import drawn
 
     return drawn(stream(plan.seed, "cross-motion", plan.article, run), plan.cross) if plan.cross else None
 
 
-def _stated(kind: str, plan: Plan, **more: float | tuple[float, ...]) -> Excitation:
+def _stated(kind: str, plan: planning.Plan, **more: float | tuple[float, ...]) -> Excitation:
     start, stop = plan.band
     figures = {"start_hz": start, "stop_hz": stop, "octaves_per_minute": plan.octaves_per_minute, **more}
     return Excitation(kind=kind, figures=figures)
@@ -207,24 +179,24 @@ WIDTHS = (6, 6, 3 * CELLS)
 """Signals of load, cover plate and cells."""
 
 
-def record(plan: Plan, lab: ShakerLaboratory, run: DrivenRun) -> Array:
+def record(plan: planning.Plan, lab: ShakerLaboratory, run: DrivenRun) -> Array:
     """What the recorder gets of `run`, (m, c) at the rate of the record, without noise.
 
     Raises
     ------
     BadInput, CheckFailed : as `fem.base_excitation.response.streamed`.
     """
-    if not lab.rig.linear or any(effect.signals is not same for effect in plan.effects):
+    if not lab.rig.linear or any(effect.signals is not planning.same for effect in plan.effects):
         read = _whole(plan, lab, run)
         for effect in plan.effects:
             read = effect.signals(read)
-        return decimated_channels(read.values, read.sampling_rate, plan.rate, lab.sensors.delay)
+        return recorder.decimated_channels(read.values, read.sampling_rate, plan.rate, lab.sensors.delay)
     rate = _rate(plan)
     blocks = (_read_of_table(lab, piece) for piece in _pieces(plan, lab, run, rate, with_response=False))
-    return joined(blocks, round(rate / plan.rate), lab.sensors.delay * rate)
+    return recorder.joined(blocks, round(rate / plan.rate), lab.sensors.delay * rate)
 
 
-def _whole(plan: Plan, lab: ShakerLaboratory, run: DrivenRun) -> Sensed:
+def _whole(plan: planning.Plan, lab: ShakerLaboratory, run: DrivenRun) -> planning.Sensed:
     """What all sensors read in `run` at the rate of the simulation, and what there was to read.
 
     A rig that is not linear - a cell that lifts off, a loose part that slips - is integrated by exudyn, whole, which costs twenty
@@ -250,16 +222,23 @@ def _whole(plan: Plan, lab: ShakerLaboratory, run: DrivenRun) -> Sensed:
     ]
     values, table, rest = (np.hstack(one).T for one in zip(*pieces, strict=True))
     loads, cover, cells = np.split(rest, np.cumsum(WIDTHS)[:-1], axis=1)
-    response = Response(sampling_rate=rate, table=table, cover=cover, load=loads, cells=cells.reshape(len(cells), CELLS, 3))
+    response = recorder.Response(
+        sampling_rate=rate, table=table, cover=cover, load=loads, cells=cells.reshape(len(cells), CELLS, 3)
+    )
     return sensed(plan, lab, run, values, rate, response)
 
 
 def sensed(
-    plan: Plan, lab: ShakerLaboratory, run: DrivenRun, values: Array, rate: float, response: Response | None = None
-) -> Sensed:
+    plan: planning.Plan,
+    lab: ShakerLaboratory,
+    run: DrivenRun,
+    values: Array,
+    rate: float,
+    response: recorder.Response | None = None,
+) -> planning.Sensed:
     """`values` (n, c) of `run` as effects get them."""
     what = "record" if response is None else "signals"
-    return Sensed(
+    return planning.Sensed(
         values=values,
         table=lab.layout.table,
         sampling_rate=rate,
@@ -270,20 +249,26 @@ def sensed(
     )
 
 
-def _rate(plan: Plan) -> float:
-    return simulation_rate(plan.rate, plan.simulation_rate)
+def _rate(plan: planning.Plan) -> float:
+    return recorder.simulation_rate(plan.rate, plan.simulation_rate)
 
 
-def _pieces(plan: Plan, lab: ShakerLaboratory, run: DrivenRun, rate: float, *, with_response: bool) -> Iterator[Piece]:
-    def wanted(structure: RigStructure) -> Channels:
+def _pieces(
+    plan: planning.Plan, lab: ShakerLaboratory, run: DrivenRun, rate: float, *, with_response: bool
+) -> Iterator[recorder.Piece]:
+    def wanted(structure: RigStructure) -> recorder.Channels:
         read = lab.sensors.channels(structure)
-        cover = accelerations(structure.cover, "the cover plate")
-        return stacked([read, load(structure), cover, cell_forces(structure)]) if with_response else read
+        cover = recorder.accelerations(structure.cover, "the cover plate")
+        return (
+            recorder.stacked([read, recorder.load(structure), cover, recorder.cell_forces(structure)]) if with_response else read
+        )
 
-    return streamed(lab.rig, run.pattern, rate, wanted, cross=cross_motion(plan, run.name), quiet=plan.quiet, share=plan.ringing)
+    return recorder.streamed(
+        lab.rig, run.pattern, rate, wanted, cross=cross_motion(plan, run.name), quiet=plan.quiet, share=plan.ringing
+    )
 
 
-def _read_of_table(lab: ShakerLaboratory, piece: Piece) -> Array:
+def _read_of_table(lab: ShakerLaboratory, piece: recorder.Piece) -> Array:
     """(c, k) what the channels read in `piece`."""
     return np.asarray(piece.values[: len(lab.sensors.rows)] + lab.sensors.tilted(piece.motion))
 
@@ -313,7 +298,7 @@ class VirtualTest:
     truth: Mapping[str, object]
 
 
-def simulate(plan: Plan, progress: Progress | None = None) -> VirtualTest:
+def simulate(plan: planning.Plan, progress: Progress | None = None) -> VirtualTest:
     """The virtual test of `plan`.
 
     Raises
@@ -323,7 +308,7 @@ def simulate(plan: Plan, progress: Progress | None = None) -> VirtualTest:
     CheckFailed : something on the table swings freely.
     """
     driven = runs(plan)
-    require_recorded(max(run.pattern.highest for run in driven), plan.rate, SOURCE)
+    recorder.require_recorded(max(run.pattern.highest for run in driven), plan.rate, planning.SOURCE)
     lab = laboratory(plan)
     recordings = {}
     for k, run in enumerate(driven):
@@ -340,12 +325,12 @@ def simulate(plan: Plan, progress: Progress | None = None) -> VirtualTest:
         recordings=recordings,
         mounting=Pose(position=lab.made.rig.seat) if plan.on_fmd else None,
         gravity=plan.gravity,
-        source=SOURCE,
+        source=planning.SOURCE,
     )
     return VirtualTest(campaign=campaign, truth=truth(plan, lab.chain, lab.made, lab.rig))
 
 
-def recording(plan: Plan, lab: ShakerLaboratory, run: DrivenRun) -> Recording:
+def recording(plan: planning.Plan, lab: ShakerLaboratory, run: DrivenRun) -> Recording:
     """What the recorder of `lab` holds after `run`, noise and hum in it."""
     names, values = lab.layout.table.names, record(plan, lab, run)
     time = np.arange(len(values)) / plan.rate
@@ -381,7 +366,7 @@ SWINGING = ("appendage", "absorber", "slosh")
 Json = dict[str, object]
 
 
-def truth(plan: Plan, chain: ChainTruth, made: SetUp, rig: Rig) -> Json:
+def truth(plan: planning.Plan, chain: ChainTruth, made: SetUp, rig: Rig) -> Json:
     """Everything about the virtual test of `plan`; `rig` is the one that was driven."""
     from importlib.metadata import version
 
@@ -389,7 +374,9 @@ def truth(plan: Plan, chain: ChainTruth, made: SetUp, rig: Rig) -> Json:
 
     # Inertia of what stands on the FMD about its own origin
     # The rig with all effects but those that swing on a spring of their own: some weigh along one axis only, as no body does
-    without_resonators = changed_rig(made.rig, [effect for effect in plan.effects if effect.id.partition(":")[0] not in SWINGING])
+    without_resonators = planning.changed_rig(
+        made.rig, [effect for effect in plan.effects if effect.id.partition(":")[0] not in SWINGING]
+    )
     article = Inertia.from_mass_matrix(without_resonators.article.reduced.mass[:6, :6])
     # How the FMD's moving part differs from its drawing: relative, the centre of gravity in metres
     cover = Inertia(parameters=np.zeros(10)) if rig.cover is None else rig.cover
@@ -475,7 +462,11 @@ def listed(values: npt.ArrayLike) -> list[float]:
 FORMATS = ("h5", "uff", "csv", "mat")
 
 SWEEP = "sweep"
-PATTERNS = {SWEEP: {6: SINGLE, 12: TWICE}, DIAGONAL: {12: DIAGONAL}, MULTI: {6: MULTI}}
+PATTERNS = {
+    SWEEP: {6: planning.SINGLE, 12: planning.TWICE},
+    planning.DIAGONAL: {12: planning.DIAGONAL},
+    planning.MULTI: {6: planning.MULTI},
+}
 """Pattern of a plan by pattern and number of runs as they are asked for; the first number is the one that holds unasked."""
 
 LARGEST_FACTOR = 100.0
@@ -497,18 +488,18 @@ class SimulateOptions:
     units : of the signal files, by quantity
     """
 
-    plans: tuple[Plan, ...]
+    plans: tuple[planning.Plan, ...]
     effects: tuple[Named, ...]
     out: Path
     sealed: Path | None
     ending: str
     units: dict[str, str]
 
-    def folder(self, plan: Plan) -> Path:
+    def folder(self, plan: planning.Plan) -> Path:
         """Where the campaign of `plan` goes."""
         return self.out if len(self.plans) == 1 else self.out / plan.article
 
-    def truth(self, plan: Plan) -> Path:
+    def truth(self, plan: planning.Plan) -> Path:
         """Where its truth goes."""
         folder = self.folder(plan)
         beside = folder.parent / f"{folder.name}.truth.json"
@@ -551,7 +542,7 @@ def question(
     if twice := next((article for article in articles if list(articles).count(article) > 1), None):
         remedy = "Name each once, or change --seed and --out"
         raise BadInput(source=f"article {twice}", problem="it is named twice", remedy=remedy)
-    _word("--model", model, MODELS)
+    _word("--model", model, planning.MODELS)
     _word("--format", form, FORMATS)
     named = parse_all(effects)
     planted(named)  # whatever the articles: what no virtual test can plant is refused first
@@ -577,26 +568,26 @@ def question(
         )
     require_rate(rate)
     try:
-        require_recorded(band[1], rate, "--rate")
+        recorder.require_recorded(band[1], rate, "--rate")
     except BadInput as error:
         raise BadInput(source="--rate", problem=error.problem, remedy="Record faster, or end lower with --band") from None
     changes = reference.read(settings)
     reference.require_used(articles, changes)
     share = _factor("--tolerances", tolerances)
     plans = tuple(
-        Plan(
+        planning.Plan(
             article=article,
             seed=seed,
             model=model,
             tolerances=Tolerances().scaled(share),
-            scatter=Scatter().scaled(share),
+            scatter=planning.Scatter().scaled(share),
             damping=None if damping_ratio is None else Damping(ratio=damping_ratio),
             pattern=_pattern(pattern, runs),
             levels=factors,
             band=band,
             octaves_per_minute=octaves_per_minute,
             cross=cross,
-            noise_rms=_scaled(NOISE, _factor("--noise", noise)),
+            noise_rms=_scaled(planning.NOISE, _factor("--noise", noise)),
             mains=_scaled(PLAN_MAINS, _factor("--mains", mains)),
             rate=rate,
             dimensions=changes,

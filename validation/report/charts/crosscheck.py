@@ -1,7 +1,5 @@
 """Bars: the four errors of a comparison, a diagnosis with its causes and the errors before and after, explanations of numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -98,7 +96,7 @@ def draw_errors(chart: spec.BarChart, path: Path) -> None:
     static.draw_bars(chart, path, size=(12.0, 6.4), room=room, legend=legend, thickness=0.62, further=1.12, lettering=8.5)
 
 
-def four_errors(found: Comparison, *, dark: bool = False) -> Figure:
+def four_errors(found: Comparison, *, dark: bool = False) -> "Figure":
     """The errors alone, coloured by their verdicts, and what is expected as a line."""
     from plotly import graph_objects as go
 
@@ -153,7 +151,7 @@ def draw_before_after(chart: spec.BarChart, path: Path) -> None:
     static.draw_bars(chart, path, size=(12.0, height), room=room, thickness=0.36 if chart.legend else 0.5)
 
 
-def before_and_after(before: Evaluation, after: Evaluation | None, *, dark: bool = False) -> Figure:
+def before_and_after(before: Evaluation, after: Evaluation | None, *, dark: bool = False) -> "Figure":
     """The same side by side, on axes that begin at nothing."""
     from plotly.subplots import make_subplots
 
@@ -241,7 +239,7 @@ def draw_evidence(chart: spec.BarChart, path: Path) -> None:
     static.draw_bars(chart, path, size=(13.5, height), room=room, thickness=0.64)
 
 
-def evidence(found: Diagnosis, *, dark: bool = False) -> Figure:
+def evidence(found: Diagnosis, *, dark: bool = False) -> "Figure":
     """The same on a page; a click tells the id of the cause as `y`."""
     return interactive.evidence(causes_of(found, "Evidence of each cause, with its size and 90 % interval"), dark)
 

@@ -1,7 +1,5 @@
 """Pictures of a ladder of models: the errors falling from rung to rung, and identified inertia on its way to the reference."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import log10
@@ -254,7 +252,7 @@ def draw_inertia(title: str, bodies: Mapping[str, Body], path: Path, note: str =
     static.draw_intervals(intervals_of(bodies, title, note), path)
 
 
-def identified_inertia(bodies: Mapping[str, Body], title: str = "", *, dark: bool = False) -> Figure:
+def identified_inertia(bodies: Mapping[str, Body], title: str = "", *, dark: bool = False) -> "Figure":
     """Distance of ten identified values from their reference, with 95 % intervals."""
     chart = intervals_of(bodies, title or "Identified inertia beside its reference, 95 % intervals")
     return interactive.intervals(chart, dark)
@@ -305,7 +303,7 @@ def _rungs(at: HistoryPosition) -> list[DrawnRung]:
 # The errors of a model falling from rung to rung, on a page.
 
 
-def falling_errors(at: HistoryPosition, *, dark: bool = False) -> Figure:
+def falling_errors(at: HistoryPosition, *, dark: bool = False) -> "Figure":
     """The way from the first rung to that on which the model stands; branches as open circles at their depth.
 
     A click tells the number of the rung as `customdata`.
@@ -336,7 +334,7 @@ def falling_errors(at: HistoryPosition, *, dark: bool = False) -> Figure:
 
 
 def _line(
-    figure: Figure, row: int, error: str, rungs: Sequence[DrawnRung], group: Mapping[str, str], *, aside: bool = False
+    figure: "Figure", row: int, error: str, rungs: Sequence[DrawnRung], group: Mapping[str, str], *, aside: bool = False
 ) -> None:
     """One error on some rungs; none where it is not known."""
     from plotly import graph_objects as go

@@ -1,7 +1,5 @@
 """Pictures of an identification: its lines, residuals of redundant channels, shares of the uncertainty, the stability map."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -470,7 +468,7 @@ def draw_bias(found: SweepBias, title: str, path: Path, note: str = "", about: s
 # Condition number of Eqs. 9 to 11, line by line.
 
 
-def condition(lines: UsedLines, name: str = "", *, dark: bool = False) -> Figure:
+def condition(lines: UsedLines, name: str = "", *, dark: bool = False) -> "Figure":
     """Scaled condition number of the base motions of all runs over frequency, its limit, and the lines that were left out.
 
     Parameters

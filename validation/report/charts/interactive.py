@@ -3,8 +3,6 @@
 Whatever differs between the two stands in the template alone: a page that switches exchanges the template and keeps the figure.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Sequence
@@ -17,25 +15,7 @@ import numpy as np
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
-from validation.report.charts.spec import (
-    ASIDE,
-    BOUNDS,
-    COLOURS,
-    FURTHER,
-    INK,
-    LINEAR_NATS,
-    MEASURED,
-    PALE,
-    PREDICTED,
-    STRONG,
-    BarChart,
-    Bars,
-    EntryPanel,
-    HeatMap,
-    IntervalChart,
-    SpectralLines,
-    signed_log,
-)
+from validation.report.charts import spec
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
@@ -55,11 +35,11 @@ TITLE_ROOM, LEGEND_ROOM = 46, 32
 
 
 @cache
-def template(dark: bool) -> Template:
+def template(dark: bool) -> "Template":
     """What makes a figure light or `dark`."""
     from plotly import graph_objects as go
 
-    ink, grid, axis = "#e4e8ef" if dark else INK, GRID[dark], AXIS[dark]
+    ink, grid, axis = "#e4e8ef" if dark else spec.INK, GRID[dark], AXIS[dark]
     of_axis = {
         "gridcolor": grid,
         "zerolinecolor": axis,
@@ -85,14 +65,14 @@ def template(dark: bool) -> Template:
         }
     )
     # Steps of equal width, one a level
-    colours = (*PALE[dark], *STRONG[dark])
+    colours = (*spec.PALE[dark], *spec.STRONG[dark])
     count = len(colours)
     sigmas = [[edge / count, colour] for k, colour in enumerate(colours) for edge in (k, k + 1)]
     made.data.heatmap = [go.Heatmap(colorscale=sigmas, colorbar={"outlinecolor": axis, "tickcolor": axis})]
     return made
 
 
-def dressed(figure: Figure, title: str, height: int, dark: bool, **layout: Any) -> Figure:
+def dressed(figure: "Figure", title: str, height: int, dark: bool, **layout: Any) -> "Figure":
     """`figure` with its template, a title above it and room for its modebar; it takes the width that it is given.
 
     Parameters
@@ -150,7 +130,7 @@ directions 98 % of the differences are smaller, and more of the magnitudes.
 """
 
 
-def add_entry(figure: Figure, panel: EntryPanel, row: int, column: int, *, legend: bool = True, last: bool = True) -> None:
+def add_entry(figure: "Figure", panel: spec.EntryPanel, row: int, column: int, *, legend: bool = True, last: bool = True) -> None:
     """Add magnitude in the panel at `row` and `column`, phase in that below; `last` names the frequency axis."""
     from plotly import graph_objects as go
 
@@ -171,9 +151,9 @@ def add_entry(figure: Figure, panel: EntryPanel, row: int, column: int, *, legen
         figure.add_traces(band, rows=row, cols=column)
     others = 0
     for one in panel.curves:
-        look: dict[str, Any] = {"mode": "lines", "line": {"color": COLOURS[one.role][1], "width": 2}}
+        look: dict[str, Any] = {"mode": "lines", "line": {"color": spec.COLOURS[one.role][1], "width": 2}}
         if one.dots:
-            look = {"mode": "markers", "marker": {"color": COLOURS[one.role][1], "size": 4.5}}
+            look = {"mode": "markers", "marker": {"color": spec.COLOURS[one.role][1], "size": 4.5}}
         elif one.expected is None:
             look["line"]["dash"] = ("dash", "dot")[others // 2 % 2]
             others += 1
@@ -228,16 +208,19 @@ def _short(values: Array) -> Any:
     return np.asarray(values, dtype=np.float32)
 
 
-def condition(lines: SpectralLines, title: str, dark: bool) -> Figure:
+def condition(lines: spec.SpectralLines, title: str, dark: bool) -> "Figure":
     """Scaled condition number of the base motions of all runs over frequency, its limit, and the lines that were left out."""
     from plotly import graph_objects as go
 
-    look = {"line": {"color": COLOURS[PREDICTED][1], "width": 1.8}, "hovertemplate": "%{x:.2f} Hz: %{y:.3g}<extra></extra>"}
+    look = {
+        "line": {"color": spec.COLOURS[spec.PREDICTED][1], "width": 1.8},
+        "hovertemplate": "%{x:.2f} Hz: %{y:.3g}<extra></extra>",
+    }
     figure = go.Figure(go.Scatter(x=lines.frequency, y=lines.condition, mode="lines", name="condition number", **look))
     if lines.left_out.any():
-        out = {"mode": "markers", "marker": {"color": COLOURS[ASIDE][1], "size": 5}, "name": "left out"}
+        out = {"mode": "markers", "marker": {"color": spec.COLOURS[spec.ASIDE][1], "size": 5}, "name": "left out"}
         figure.add_trace(go.Scatter(x=lines.frequency[lines.left_out], y=lines.condition[lines.left_out], **out))
-    figure.add_hline(lines.limit, line={"dash": "dash", "color": COLOURS["limit"][1]})
+    figure.add_hline(lines.limit, line={"dash": "dash", "color": spec.COLOURS["limit"][1]})
     place: dict[str, Any] = {"x": 1, "xref": "paper", "xanchor": "right", "yanchor": "bottom", "showarrow": False}
     figure.add_annotation(y=float(np.log10(lines.limit)), text=f"limit {lines.limit:g}: worse lines are left out", **place)
     top = float(np.log10(3 * max(float(lines.condition.max()), lines.limit)))
@@ -246,12 +229,12 @@ def condition(lines: SpectralLines, title: str, dark: bool) -> Figure:
     return dressed(figure, title, 310, dark, showlegend=False)
 
 
-BODIES = tuple(COLOURS[role][1] for role in (MEASURED, PREDICTED, FURTHER, "prior penalty", ASIDE))
+BODIES = tuple(spec.COLOURS[role][1] for role in (spec.MEASURED, spec.PREDICTED, spec.FURTHER, "prior penalty", spec.ASIDE))
 SYMBOLS = ("circle", "diamond", "square", "triangle-up", "x")
 """Of bodies in turn."""
 
 
-def intervals(chart: IntervalChart, dark: bool) -> Figure:
+def intervals(chart: spec.IntervalChart, dark: bool) -> "Figure":
     """Distances from the reference with their intervals, a panel for what shares a unit."""
     from plotly import graph_objects as go
     from plotly.subplots import make_subplots
@@ -334,7 +317,7 @@ def library() -> str:
     return f"{without_addresses(str(get_plotlyjs()))}\nPlotly.setPlotConfig({json.dumps(CONFIG)});\n"
 
 
-def figure_json(figure: Figure) -> str:
+def figure_json(figure: "Figure") -> str:
     """`figure` as JSON without its template, which a page has once for all of them."""
     from plotly.io.json import to_json_plotly
 
@@ -386,17 +369,17 @@ TICKS = (-1000, -100, -10, -5, 0, 5, 10, 30, 100, 300, 1000, 3000, 10_000, 100_0
 """Of an axis of evidence [nats]."""
 
 
-def bars(one: Bars, chart: BarChart, **more: Any) -> Any:
+def bars(one: spec.Bars, chart: spec.BarChart, **more: Any) -> Any:
     """The trace of `one`, its words at the ends of the bars."""
     from plotly.graph_objects import Bar
 
-    colours = COLOURS[one.roles][1] if isinstance(one.roles, str) else [COLOURS[role][1] for role in one.roles]
+    colours = spec.COLOURS[one.roles][1] if isinstance(one.roles, str) else [spec.COLOURS[role][1] for role in one.roles]
     look = {"marker": {"color": colours}, "text": one.words, "textposition": "outside", "cliponaxis": False}
     rows = [chart.on_page.get(row, row) for row in one.rows]
     return Bar(orientation="h", x=one.values, y=rows, **look, **more)
 
 
-def evidence(chart: BarChart, dark: bool) -> Figure:
+def evidence(chart: spec.BarChart, dark: bool) -> "Figure":
     """A bar a cause, its words behind it, and a mark at what is asked for; a click tells the row as `y`."""
     from plotly import graph_objects as go
 
@@ -407,26 +390,29 @@ def evidence(chart: BarChart, dark: bool) -> Figure:
         bar = go.Bar(
             name=one.name,
             orientation="h",
-            x=signed_log(np.array(one.values)),
+            x=spec.signed_log(np.array(one.values)),
             y=[escaped(row) for row in one.rows],
-            marker={"color": COLOURS[one.name][1]},
+            marker={"color": spec.COLOURS[one.name][1]},
             customdata=told,
             hovertemplate="%{y}: %{customdata[0]}<br>%{customdata[1]}<extra></extra>",
         )
         figure.add_trace(bar)
     rows = [escaped(row) for row in panel.rows]
     found = {row: told for one in panel.bars for row, told in zip(one.rows, zip(one.values, one.words, strict=True), strict=True)}
-    reach = signed_log(np.array([found[row][0] for row in panel.rows] or [0.0]))
-    low, high = min(0.0, 1.15 * float(reach.min())), max(1.35 * LINEAR_NATS, float(reach.max()))
-    ticks = {"tickvals": signed_log(np.array(TICKS, dtype=float)), "ticktext": [f"{one:,}".replace(",", " ") for one in TICKS]}
+    reach = spec.signed_log(np.array([found[row][0] for row in panel.rows] or [0.0]))
+    low, high = min(0.0, 1.15 * float(reach.min())), max(1.35 * spec.LINEAR_NATS, float(reach.max()))
+    ticks = {
+        "tickvals": spec.signed_log(np.array(TICKS, dtype=float)),
+        "ticktext": [f"{one:,}".replace(",", " ") for one in TICKS],
+    }
     figure.update_xaxes(range=[low, low + 1.75 * (high - low)], zeroline=True, title_text=panel.label, **ticks)
     figure.update_yaxes(categoryorder="array", categoryarray=rows, range=[len(rows) - 0.5, -0.5], showgrid=False, automargin=True)
     asked = go.Scatter(
-        x=signed_log(np.array(panel.asked)),
+        x=spec.signed_log(np.array(panel.asked)),
         y=rows,
         customdata=panel.asked,
         mode="markers",
-        marker={"symbol": "line-ns", "size": 24, "line": {"width": 2.5, "color": COLOURS[MEASURED][1]}},
+        marker={"symbol": "line-ns", "size": 24, "line": {"width": 2.5, "color": spec.COLOURS[spec.MEASURED][1]}},
         name="asked for",
         hovertemplate="%{customdata:g} nats are asked for<extra></extra>",
     )
@@ -447,11 +433,11 @@ def evidence(chart: BarChart, dark: bool) -> Figure:
 
 def levels(sigma: Array) -> Array:
     """Of each cell the place in the scale of colours, from 0 in steps of 1; NaN where it has none."""
-    found = np.searchsorted(np.array(BOUNDS), np.nan_to_num(sigma), side="right") - 1.0
+    found = np.searchsorted(np.array(spec.BOUNDS), np.nan_to_num(sigma), side="right") - 1.0
     return np.where(np.isnan(sigma), np.nan, found)
 
 
-def heat_map(one: HeatMap, dark: bool) -> Figure:
+def heat_map(one: spec.HeatMap, dark: bool) -> "Figure":
     """A map of sigmas.
 
     A click tells the middle of its column as `x`, the name of its row as `y`, and as `customdata` the worst of the lines
@@ -463,8 +449,8 @@ def heat_map(one: HeatMap, dark: bool) -> Figure:
     rows = [escaped(row) for row in one.rows]
     bar = {
         "title": {"text": "σ"},
-        "tickvals": [k - 0.5 for k in range(len(BOUNDS))],
-        "ticktext": [f"{bound:g}" for bound in BOUNDS],
+        "tickvals": [k - 0.5 for k in range(len(spec.BOUNDS))],
+        "ticktext": [f"{bound:g}" for bound in spec.BOUNDS],
         "thickness": 14,
         "len": 1.0,
         "outlinewidth": 1,
@@ -475,7 +461,7 @@ def heat_map(one: HeatMap, dark: bool) -> Figure:
         z=np.asarray(levels(thin.values).T, dtype=np.float32),
         customdata=np.stack([thin.values.T, thin.at.T], axis=2).astype(np.float32),
         zmin=-0.5,
-        zmax=len(BOUNDS) - 0.5,
+        zmax=len(spec.BOUNDS) - 0.5,
         hoverongaps=False,
         hovertemplate="%{y}<br>%{customdata[1]:.2f} Hz: %{customdata[0]:.1f} σ<extra></extra>",
         colorbar=bar,
@@ -502,7 +488,7 @@ def modes(shown: Sequence[tuple[str, float]], height: float, size: int, **more: 
         y=[height] * len(shown),
         text=[escaped(name) for name, _ in shown],
         mode="markers",
-        marker={"symbol": "triangle-down", "size": size, "color": COLOURS[ASIDE][1]},
+        marker={"symbol": "triangle-down", "size": size, "color": spec.COLOURS[spec.ASIDE][1]},
         cliponaxis=False,
         hovertemplate="%{text}, %{x:.2f} Hz<extra></extra>",
         **more,

@@ -1,7 +1,5 @@
 """Where a model fails, in sigmas: channels and loads, pairs of axes, runs; and measured beside predicted dynamic mass."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -69,7 +67,7 @@ def overlay(
     further: Mapping[str, ComplexArray] = NONE,
     marked: float | None = None,
     dark: bool = False,
-) -> Figure:
+) -> "Figure":
     """One entry of the blocked dynamic mass about F: measured as dots, predicted as a line, what is expected as a band.
 
     Parameters
@@ -98,7 +96,7 @@ def diagonal(
     modes: Sequence[NamedMode] = (),
     further: Mapping[str, ComplexArray] = NONE,
     dark: bool = False,
-) -> Figure:
+) -> "Figure":
     """The six entries of the diagonal, as `overlay` draws each: translations on the left, rotations on the right."""
     from plotly.subplots import make_subplots
 
@@ -242,13 +240,13 @@ def pairs_of(pairs: Pairs, modes: Sequence[NamedMode]) -> spec.HeatMap:
     )
 
 
-def channel_map(of: Map, run_index: int | None = None, *, modes: Sequence[NamedMode] = (), dark: bool = False) -> Figure:
+def channel_map(of: Map, run_index: int | None = None, *, modes: Sequence[NamedMode] = (), dark: bool = False) -> "Figure":
     """Channels and loads of one run over frequency; the worst of all runs where `run_index` is None."""
     one = channels_of(of, modes)[-1 if run_index is None else run_index]
     return interactive.heat_map(replace(one, title=f"{of.data_set}, {one.title}: channels and loads"), dark)
 
 
-def pair_map(pairs: Pairs, *, modes: Sequence[NamedMode] = (), dark: bool = False) -> Figure:
+def pair_map(pairs: Pairs, *, modes: Sequence[NamedMode] = (), dark: bool = False) -> "Figure":
     """The map of `pairs` on a page."""
     return interactive.heat_map(pairs_of(pairs, modes), dark)
 

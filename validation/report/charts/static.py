@@ -9,29 +9,7 @@ import numpy as np
 from geometry.atomic import write_with
 from geometry.errors import BadInput
 from geometry.frames import Array
-from validation.report.charts.spec import (
-    BOUNDS,
-    CHANCE,
-    COLOURS,
-    CURVES,
-    EVIDENCE,
-    FAINT,
-    INK,
-    LINEAR,
-    LINEAR_NATS,
-    LOG,
-    PALE,
-    PAPER,
-    PREDICTED,
-    STRONG,
-    BarChart,
-    BarPanel,
-    Curve,
-    EntryPanel,
-    HeatMap,
-    IntervalChart,
-    SpectralLines,
-)
+from validation.report.charts import spec
 
 DPI = 110
 
@@ -80,7 +58,7 @@ def new_figure(width: float, height: float) -> Figure:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure as Page
 
-    figure = Page(figsize=(width, height), dpi=DPI, facecolor=PAPER)
+    figure = Page(figsize=(width, height), dpi=DPI, facecolor=spec.PAPER)
     FigureCanvasAgg(figure)
     return figure
 
@@ -88,8 +66,8 @@ def new_figure(width: float, height: float) -> Figure:
 def finish(figure: Figure, title: str, note: str, path: Path, about: str = "") -> None:
     """Write title and note onto `figure`, and `figure` to `path`; a PNG carries the words `about`."""
     width, height = figure.get_size_inches()
-    figure.text(0.4 / width, 1 - 0.3 / height, title, fontsize=17, weight="bold", color=INK, va="top", parse_math=False)
-    figure.text(0.4 / width, 0.14 / height, note, fontsize=9.5, color=FAINT, va="bottom", parse_math=False)
+    figure.text(0.4 / width, 1 - 0.3 / height, title, fontsize=17, weight="bold", color=spec.INK, va="top", parse_math=False)
+    figure.text(0.4 / width, 0.14 / height, note, fontsize=9.5, color=spec.FAINT, va="bottom", parse_math=False)
     more = {"metadata": {ABOUT: about}} if about else {}
     save(path, lambda temporary: figure.savefig(temporary, dpi=DPI, **more))
 
@@ -97,7 +75,7 @@ def finish(figure: Figure, title: str, note: str, path: Path, about: str = "") -
 def grid_lines(axes: Axes) -> None:
     """Faint lines behind the curves, small figures beside them."""
     axes.grid(visible=True, which="major", color="#e3e6ec", linewidth=0.7)
-    axes.tick_params(labelsize=8.5, colors=INK)
+    axes.tick_params(labelsize=8.5, colors=spec.INK)
     axes.set_axisbelow(True)
 
 
@@ -109,7 +87,7 @@ LONGEST = 34
 
 
 def draw_bars(
-    chart: BarChart,
+    chart: spec.BarChart,
     path: Path,
     *,
     size: tuple[float, float],
@@ -143,49 +121,49 @@ def draw_bars(
     grid = figure.add_gridspec(len(chart.panels), 1, height_ratios=[len(one.rows) for one in chart.panels], **room)
     for place, panel in zip(grid, chart.panels, strict=True):
         _bars(figure.add_subplot(place), panel, thickness, further, lettering)
-    handles: list[Any] = [Patch(color=COLOURS[role][0], label=word) for role, word in chart.legend.items()]
+    handles: list[Any] = [Patch(color=spec.COLOURS[role][0], label=word) for role, word in chart.legend.items()]
     if chart.limit:
-        handles.append(Line2D([], [], color=INK, linewidth=1.6, linestyle=DASHED, label=chart.limit))
+        handles.append(Line2D([], [], color=spec.INK, linewidth=1.6, linestyle=DASHED, label=chart.limit))
     below_title = {"loc": "upper left", "bbox_to_anchor": (0.4 / size[0], 1 - 0.62 / size[1])}
     figure.legend(handles=handles, ncols=5, fontsize=9.5, frameon=False, **(legend or below_title))
     finish(figure, chart.title, chart.note, path, about)
 
 
-def _bars(axes: Axes, panel: BarPanel, thickness: float, further: float, lettering: float) -> None:
-    apart = 0.0 if panel.scale == EVIDENCE else 0.19 * (len(panel.bars) - 1)
-    beside: dict[str, Any] = {"va": "center", "color": INK, "parse_math": False}
+def _bars(axes: Axes, panel: spec.BarPanel, thickness: float, further: float, lettering: float) -> None:
+    apart = 0.0 if panel.scale == spec.EVIDENCE else 0.19 * (len(panel.bars) - 1)
+    beside: dict[str, Any] = {"va": "center", "color": spec.INK, "parse_math": False}
     behind = beside | {"textcoords": "offset points", "fontsize": 9.5, "zorder": 5}
-    behind["bbox"] = {"facecolor": PAPER, "edgecolor": "none", "pad": 1.0}
+    behind["bbox"] = {"facecolor": spec.PAPER, "edgecolor": "none", "pad": 1.0}
     for k, one in enumerate(panel.bars):
         places = [panel.rows.index(row) + apart * (2 * k - 1) for row in one.rows]
         roles = [one.roles] * len(places) if isinstance(one.roles, str) else one.roles
-        axes.barh(places, one.values, color=[COLOURS[role][0] for role in roles], height=thickness)
+        axes.barh(places, one.values, color=[spec.COLOURS[role][0] for role in roles], height=thickness)
         for place, value, words in zip(places, one.values, one.words, strict=True):
-            if panel.scale == EVIDENCE:
+            if panel.scale == spec.EVIDENCE:
                 axes.text(1.02, place, words, transform=axes.get_yaxis_transform(), fontsize=10, **beside)
             else:
                 axes.annotate(words, (value, place), (6, 0), **behind)
     every = [value for one in panel.bars for value in one.values]
-    if panel.scale == LOG:
+    if panel.scale == spec.LOG:
         axes.set_xscale("log")
         axes.set_xlim(0.5 * min(0.2, *(value for value in every if value > 0)), 2.5 * max(2.0, *every))
         axes.xaxis.set_minor_formatter("")
-    elif panel.scale == EVIDENCE:
-        axes.set_xscale("symlog", linthresh=LINEAR_NATS)
-        axes.set_xlim(min(0.0, *(1.3 * value for value in every)), max(2 * LINEAR_NATS, *(1.6 * value for value in every)))
-        axes.axvline(0.0, color=FAINT, linewidth=0.8)
+    elif panel.scale == spec.EVIDENCE:
+        axes.set_xscale("symlog", linthresh=spec.LINEAR_NATS)
+        axes.set_xlim(min(0.0, *(1.3 * value for value in every)), max(2 * spec.LINEAR_NATS, *(1.6 * value for value in every)))
+        axes.axvline(0.0, color=spec.FAINT, linewidth=0.8)
     else:
         axes.set_xlim(0, further * max(panel.least, *every))
     if panel.limit is not None:
-        axes.axvline(panel.limit, color=INK, linewidth=1.6, linestyle=DASHED)
-    axes.set_xlabel(panel.label, fontsize=9.5, color=INK)
+        axes.axvline(panel.limit, color=spec.INK, linewidth=1.6, linestyle=DASHED)
+    axes.set_xlabel(panel.label, fontsize=9.5, color=spec.INK)
     grid_lines(axes)
     names = [name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…" for name in panel.rows]
     axes.set_yticks(np.arange(len(names)), names, parse_math=False)
     axes.tick_params(axis="y", labelsize=lettering)
-    if panel.scale != LINEAR:
+    if panel.scale != spec.LINEAR:
         axes.xaxis.set_major_formatter("{x:g}")
-    axes.set_ylim(len(names) - 0.4, -0.6) if panel.scale == EVIDENCE else axes.invert_yaxis()
+    axes.set_ylim(len(names) - 0.4, -0.6) if panel.scale == spec.EVIDENCE else axes.invert_yaxis()
     axes.grid(visible=False, axis="y")
 
 
@@ -193,38 +171,38 @@ DASHES = ("-", "--", ":")
 """Of curves in turn."""
 
 
-def draw_entry(upper: Axes, lower: Axes, panel: EntryPanel) -> None:
+def draw_entry(upper: Axes, lower: Axes, panel: spec.EntryPanel) -> None:
     """Magnitude into `upper`, phase into `lower`; what is nothing is said to be."""
     if not panel.curves:
         for axes in (upper, lower):
             axes.set(xticks=[], yticks=[])
             for side in axes.spines.values():
                 side.set_color("#d9dde3")
-        upper.text(0.5, 0.4, "below 1e-6 of its block", transform=upper.transAxes, ha="center", color=FAINT, fontsize=9)
+        upper.text(0.5, 0.4, "below 1e-6 of its block", transform=upper.transAxes, ha="center", color=spec.FAINT, fontsize=9)
         return
-    lines, measured = iter(zip(CURVES, DASHES, strict=False)), any(one.dots for one in panel.curves)
+    lines, measured = iter(zip(spec.CURVES, DASHES, strict=False)), any(one.dots for one in panel.curves)
     for one in panel.curves:
         if not one.dots:
             draw_curve(upper, lower, one, *next(lines), above=measured)
             continue
         look: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 4.2, "markeredgewidth": 0}
-        upper.semilogy(one.frequency, np.abs(one.values), label=one.name, color=COLOURS[one.role][0], **look)
-        lower.plot(one.frequency, np.degrees(np.angle(one.values)), color=COLOURS[one.role][0], **look)
+        upper.semilogy(one.frequency, np.abs(one.values), label=one.name, color=spec.COLOURS[one.role][0], **look)
+        lower.plot(one.frequency, np.degrees(np.angle(one.values)), color=spec.COLOURS[one.role][0], **look)
     if panel.rigid is not None:
-        upper.axhline(panel.rigid, color=INK, linewidth=1.0, linestyle=DASHED, label="rigid body", zorder=1)
+        upper.axhline(panel.rigid, color=spec.INK, linewidth=1.0, linestyle=DASHED, label="rigid body", zorder=1)
     dress_entry(upper, lower, np.concatenate([one.frequency for one in panel.curves]))
     at_least_a_decade(upper)
 
 
 def draw_curve(
-    upper: Axes, lower: Axes, one: Curve, colour: str, dash: str = DASHES[0], width: float = 1.3, *, above: bool = False
+    upper: Axes, lower: Axes, one: spec.Curve, colour: str, dash: str = DASHES[0], width: float = 1.3, *, above: bool = False
 ) -> None:
     """A curve; `above` dots it has a rim, so that both are seen where they agree."""
     from matplotlib.patheffects import Normal, withStroke
 
     look: dict[str, Any] = {"color": colour, "linestyle": dash, "linewidth": width, "zorder": 3 if above else 2}
     if above:
-        look["path_effects"] = [withStroke(linewidth=width + 1.0, foreground=INK), Normal()]
+        look["path_effects"] = [withStroke(linewidth=width + 1.0, foreground=spec.INK), Normal()]
     upper.semilogy(one.frequency, np.abs(one.values), label=one.name, **look)
     # Phase [°], -180 to 180, broken where it jumps from one end to the other: a line there would be no phase
     phase = np.degrees(np.angle(one.values))
@@ -258,16 +236,18 @@ SHADE = "#f6d9dc"
 """Behind lines that were left out."""
 
 
-def draw_condition(axes: Axes, lines: SpectralLines) -> None:
+def draw_condition(axes: Axes, lines: spec.SpectralLines) -> None:
     """Condition number and its limit over frequency."""
-    axes.semilogy(lines.frequency, lines.condition, color=COLOURS[PREDICTED][0], linewidth=1.4, label="condition number")
-    limit: dict[str, Any] = {"color": COLOURS["limit"][0], "linewidth": 1.2, "linestyle": DASHED}
+    axes.semilogy(
+        lines.frequency, lines.condition, color=spec.COLOURS[spec.PREDICTED][0], linewidth=1.4, label="condition number"
+    )
+    limit: dict[str, Any] = {"color": spec.COLOURS["limit"][0], "linewidth": 1.2, "linestyle": DASHED}
     axes.axhline(lines.limit, label=f"limit {lines.limit:g}", **limit)
     axes.set_ylim(min(1.0, float(lines.condition.min())), 2 * max(float(lines.condition.max()), lines.limit))
     axes.set_xlim(lines.frequency[0], lines.frequency[-1])
 
 
-def shade_left_out(axes: Axes, lines: SpectralLines) -> None:
+def shade_left_out(axes: Axes, lines: spec.SpectralLines) -> None:
     """Shade every stretch of lines that were left out, half a line to either side."""
     f = lines.frequency
     half = 0.5 * float(np.median(np.diff(f))) if len(f) > 1 else 0.5
@@ -276,7 +256,7 @@ def shade_left_out(axes: Axes, lines: SpectralLines) -> None:
         axes.axvspan(f[first] - half, f[last - 1] + half, color=SHADE, linewidth=0, zorder=0)
 
 
-def draw_intervals(chart: IntervalChart, path: Path) -> None:
+def draw_intervals(chart: spec.IntervalChart, path: Path) -> None:
     """Write ten quantities, a panel each: what was identified on every rung with its interval, beside the reference.
 
     Raises
@@ -289,7 +269,7 @@ def draw_intervals(chart: IntervalChart, path: Path) -> None:
     values, half, reference = (
         np.array([getattr(one, name) for one in chart.bodies]) for name in ("values", "half_width", "reference")
     )
-    at, blue, red = np.arange(len(chart.bodies)), COLOURS[PREDICTED][0], COLOURS["limit"][0]
+    at, blue, red = np.arange(len(chart.bodies)), spec.COLOURS[spec.PREDICTED][0], spec.COLOURS["limit"][0]
     look: dict[str, Any] = {"color": blue, "marker": "o", "markersize": 6, "capsize": 4, "linewidth": 1.4, "elinewidth": 1.4}
     dash: dict[str, Any] = {"color": red, "linewidth": 1.6, "marker": "_", "markersize": 16}
     for k, (label, unit) in enumerate(chart.quantities):
@@ -299,7 +279,7 @@ def draw_intervals(chart: IntervalChart, path: Path) -> None:
         axes.set_xlim(-0.4, len(at) - 0.6)
         axes.ticklabel_format(axis="y", useOffset=False)
         grid_lines(axes)
-        axes.set_title(f"{label} [{unit}]", fontsize=11, loc="left", color=INK)
+        axes.set_title(f"{label} [{unit}]", fontsize=11, loc="left", color=spec.INK)
         last = k >= len(chart.quantities) - 5
         axes.set_xticks(at, [cut(one.name) for one in chart.bodies] if last else [""] * len(at))
         if last:
@@ -321,19 +301,19 @@ def cut(text: str, most: int = LARGEST, end: str = " …") -> str:
     return text if len(text) <= most else text[: most - len(end)] + end
 
 
-def heat_map(axes: Axes, one: HeatMap, scale: tuple[Any, Any]) -> Any:
+def heat_map(axes: Axes, one: spec.HeatMap, scale: tuple[Any, Any]) -> Any:
     """Fill `axes` with `one`; `scale` is the colours and how values choose among them."""
     axes.set_facecolor("#9aa0a6")  # of a row that nothing checks
     colours, norm = scale
     look: dict[str, Any] = {"cmap": colours, "norm": norm, "shading": "nearest", "rasterized": True}
     mesh = axes.pcolormesh(one.frequency, np.arange(len(one.rows)), np.ma.masked_invalid(one.values.T), **look)
     axes.invert_yaxis()
-    axes.tick_params(labelsize=8, colors=INK, length=2)
-    axes.set_title(one.title, fontsize=10.5, loc="left", color=INK, pad=9, parse_math=False)
+    axes.tick_params(labelsize=8, colors=spec.INK, length=2)
+    axes.set_title(one.title, fontsize=10.5, loc="left", color=spec.INK, pad=9, parse_math=False)
     for rule in (*one.finer, *one.rules):
-        axes.axhline(rule - 0.5, color=INK, linewidth=0.8)
+        axes.axhline(rule - 0.5, color=spec.INK, linewidth=0.8)
     for _, f in one.shown_modes:
-        axes.plot([f], [1.0], marker="v", markersize=5, color=INK, transform=axes.get_xaxis_transform(), clip_on=False)
+        axes.plot([f], [1.0], marker="v", markersize=5, color=spec.INK, transform=axes.get_xaxis_transform(), clip_on=False)
     return mesh
 
 
@@ -341,18 +321,18 @@ def sigmas() -> tuple[Any, Any]:
     """Colours of sigmas, and how values choose among them."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
-    colours = ListedColormap((*PALE[False], *STRONG[False][:-1])).with_extremes(over=STRONG[False][-1])
-    return colours, BoundaryNorm(BOUNDS, colours.N)
+    colours = ListedColormap((*spec.PALE[False], *spec.STRONG[False][:-1])).with_extremes(over=spec.STRONG[False][-1])
+    return colours, BoundaryNorm(spec.BOUNDS, colours.N)
 
 
 def colour_bar(
-    figure: Figure, mesh: Any, place: tuple[float, ...], bounds: Sequence[float] = BOUNDS, name: str = "sigma"
+    figure: Figure, mesh: Any, place: tuple[float, ...], bounds: Sequence[float] = spec.BOUNDS, name: str = "sigma"
 ) -> None:
     """What the colours of `mesh` mean; a black bar where sigmas are no chance any more."""
     bar = figure.add_axes(place)
     figure.colorbar(mesh, cax=bar, extend="max", spacing="uniform", ticks=bounds)
     bar.set_yticklabels([f"{bound:g}" for bound in bounds])
-    bar.tick_params(labelsize=9, colors=INK, length=2)
-    if bounds is BOUNDS:
-        bar.axhline(CHANCE, color=INK, linewidth=2.5)
-    bar.set_title(name, fontsize=9.5, color=INK, loc="left")
+    bar.tick_params(labelsize=9, colors=spec.INK, length=2)
+    if bounds is spec.BOUNDS:
+        bar.axhline(spec.CHANCE, color=spec.INK, linewidth=2.5)
+    bar.set_title(name, fontsize=9.5, color=spec.INK, loc="left")

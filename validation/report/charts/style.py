@@ -13,19 +13,8 @@ import numpy as np
 
 from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.frames import Array
+from validation.report.charts import static
 from validation.report.charts.spec import COLOURS, CURVES, FAINT, INK, Curve, EntryPanel
-from validation.report.charts.static import (
-    DASHES,
-    Axes,
-    Figure,
-    at_least_a_decade,
-    draw_curve,
-    draw_entry,
-    dress_entry,
-    finish,
-    new_figure,
-    require_format,
-)
 
 # Colours: one a material, the same in every picture; red, green and blue belong to the principal axes 1, 2 and 3.
 
@@ -133,14 +122,14 @@ def diagonal(title: str, curves: Sequence[DynamicMassCurve], path: Path, note: s
     ------
     BadInput : the ending of `path` is unknown.
     """
-    require_format(path)
-    figure = new_figure(15.0, 10.2)
+    static.require_format(path)
+    figure = static.new_figure(15.0, 10.2)
     grid = figure.add_gridspec(5, 3, height_ratios=(3, 1.15, 0.42, 3, 1.15), hspace=0.09, wspace=0.2, **_ROOM)
     for i in range(6):
         top, column = 3 * (i // 3), i % 3
         upper = figure.add_subplot(grid[top, column])
         lower = figure.add_subplot(grid[top + 1, column], sharex=upper)
-        draw_entry(upper, lower, entry_of(curves, i, i))
+        static.draw_entry(upper, lower, entry_of(curves, i, i))
         upper.set_title(f"$H_{{{LABELS[i]}{LABELS[i]}}}$", fontsize=12, loc="left", pad=TITLE_ABOVE_FIGURES)
         _mark(upper, curves[0], (i,))
         upper.set_ylabel(f"|H| [{unit(i, i)}]", fontsize=9.5)
@@ -149,7 +138,7 @@ def diagonal(title: str, curves: Sequence[DynamicMassCurve], path: Path, note: s
             lower.set_xlabel("frequency [Hz]", fontsize=9.5)
         if i == 0:
             _legend(figure, upper, 8.5)
-    finish(figure, title, note, path)
+    static.finish(figure, title, note, path)
 
 
 def full(title: str, curves: Sequence[DynamicMassCurve], path: Path, note: str = "") -> None:
@@ -159,15 +148,15 @@ def full(title: str, curves: Sequence[DynamicMassCurve], path: Path, note: str =
     ------
     BadInput : the ending of `path` is unknown.
     """
-    require_format(path)
-    figure = new_figure(20.0, 19.0)
+    static.require_format(path)
+    figure = static.new_figure(20.0, 19.0)
     outer = figure.add_gridspec(6, 6, hspace=0.22, wspace=0.3, left=0.05, right=0.985, top=0.935, bottom=0.05)
     for i in range(6):
         for j in range(6):
             inner = outer[i, j].subgridspec(2, 1, height_ratios=(2.6, 1), hspace=0.07)
             upper = figure.add_subplot(inner[0])
             lower = figure.add_subplot(inner[1], sharex=upper)
-            draw_entry(upper, lower, entry_of(curves, i, j))
+            static.draw_entry(upper, lower, entry_of(curves, i, j))
             label = f"$H_{{{LABELS[i]}{LABELS[j]}}}$ [{unit(i, j)}]"
             upper.set_title(label, fontsize=9.5, loc="left", pad=2.5)
             for axes in (upper, lower):
@@ -176,7 +165,7 @@ def full(title: str, curves: Sequence[DynamicMassCurve], path: Path, note: str =
                 lower.set_xlabel("frequency [Hz]", fontsize=8.5)
             if (i, j) == (0, 0):
                 _legend(figure, upper, 7)
-    finish(figure, title, note, path)
+    static.finish(figure, title, note, path)
 
 
 def chosen(title: str, panels: Sequence[tuple[str, int, int, Sequence[DynamicMassCurve]]], path: Path, note: str = "") -> None:
@@ -190,8 +179,8 @@ def chosen(title: str, panels: Sequence[tuple[str, int, int, Sequence[DynamicMas
     ------
     BadInput : the ending of `path` is unknown.
     """
-    require_format(path)
-    figure = new_figure(15.0, 10.2 if len(panels) > 3 else 6.0)
+    static.require_format(path)
+    figure = static.new_figure(15.0, 10.2 if len(panels) > 3 else 6.0)
     ratios = (3, 1.15, 0.55, 3, 1.15) if len(panels) > 3 else (3, 1.15)
     grid = figure.add_gridspec(len(ratios), 3, height_ratios=ratios, hspace=0.09, wspace=0.3, **_ROOM | {"left": 0.07})
     for k, (words, i, j, curves) in enumerate(panels):
@@ -199,7 +188,7 @@ def chosen(title: str, panels: Sequence[tuple[str, int, int, Sequence[DynamicMas
         upper = figure.add_subplot(grid[top, k % 3])
         lower = figure.add_subplot(grid[top + 1, k % 3], sharex=upper)
         shown = [curve for curve in curves if not _vanishes(curve.mass.matrix, i, j)] or list(curves)
-        draw_entry(upper, lower, entry_of(shown, i, j))
+        static.draw_entry(upper, lower, entry_of(shown, i, j))
         nothing = ", ".join(curve.name for curve in curves if curve not in shown)
         if nothing:
             upper.text(0.02, 0.04, f"{nothing}: nothing", transform=upper.transAxes, fontsize=9, color=FAINT)
@@ -212,15 +201,15 @@ def chosen(title: str, panels: Sequence[tuple[str, int, int, Sequence[DynamicMas
         lower.set_ylabel("phase [°]", fontsize=9.5)
         lower.set_xlabel("frequency [Hz]", fontsize=9.5)
     _names(figure, [curve for *_, curves in panels for curve in curves])
-    finish(figure, title, note, path)
+    static.finish(figure, title, note, path)
 
 
-def _names(figure: Figure, curves: Sequence[DynamicMassCurve]) -> None:
+def _names(figure: static.Figure, curves: Sequence[DynamicMassCurve]) -> None:
     """A legend beside the title, of all curves of a page whether a panel has room for them or not."""
     from matplotlib.lines import Line2D
 
     handles: dict[str, Any] = {}
-    lines = iter(zip(CURVES, DASHES, strict=False))
+    lines = iter(zip(CURVES, static.DASHES, strict=False))
     for curve in curves:
         if curve.name not in handles:
             colour, dash = (COLOURS[curve.dots][0], "none") if curve.dots else next(lines)
@@ -241,19 +230,19 @@ def side_by_side(title: str, articles: Sequence[DynamicMassCurve], path: Path, n
     ------
     BadInput : the ending of `path` is unknown.
     """
-    require_format(path)
-    figure = new_figure(4.6 * len(articles) + 1.0, 9.6)
+    static.require_format(path)
+    figure = static.new_figure(4.6 * len(articles) + 1.0, 9.6)
     grid = figure.add_gridspec(5, len(articles), height_ratios=(3, 1.15, 0.3, 3, 1.15), hspace=0.09, wspace=0.07, **_ROOM)
-    rows: dict[int, list[Axes]] = {0: [], 3: []}
+    rows: dict[int, list[static.Axes]] = {0: [], 3: []}
     for column, curve in enumerate(articles):
         for top, entries in ((0, (0, 1, 2)), (3, (3, 4, 5))):
             upper = figure.add_subplot(grid[top, column], sharey=rows[top][0] if rows[top] else None)
             lower = figure.add_subplot(grid[top + 1, column], sharex=upper)
             rows[top].append(upper)
             for colour, width, i in zip(AXES, WIDTHS, entries, strict=True):
-                draw_curve(upper, lower, replace(curve.entry(i, i), name=LABELS[i]), colour, width=width)
+                static.draw_curve(upper, lower, replace(curve.entry(i, i), name=LABELS[i]), colour, width=width)
                 upper.axhline(curve.rigid[i, i], color=colour, linewidth=0.9, linestyle=(0, (5, 3)), alpha=0.6)
-            dress_entry(upper, lower, curve.mass.frequency)
+            static.dress_entry(upper, lower, curve.mass.frequency)
             upper.tick_params(labelleft=column == 0)
             lower.tick_params(labelleft=column == 0)
             _mark(upper, curve, entries)
@@ -266,8 +255,8 @@ def side_by_side(title: str, articles: Sequence[DynamicMassCurve], path: Path, n
             if top == 3:
                 lower.set_xlabel("frequency [Hz]", fontsize=10)
     for row in rows.values():
-        at_least_a_decade(row[0])
-    finish(figure, title, note, path, about)
+        static.at_least_a_decade(row[0])
+    static.finish(figure, title, note, path, about)
 
 
 def unit(row: int, column: int) -> str:
@@ -278,7 +267,7 @@ def unit(row: int, column: int) -> str:
 _ROOM = {"left": 0.06, "right": 0.985, "top": 0.895, "bottom": 0.085}
 
 
-def _legend(figure: Figure, upper: Axes, size: float) -> None:
+def _legend(figure: static.Figure, upper: static.Axes, size: float) -> None:
     """In the panel where it is small, else beside the title: a large one hides what it explains."""
     handles, labels = upper.get_legend_handles_labels()
     if len(labels) <= FEW:
@@ -294,7 +283,7 @@ def _vanishes(H: ComplexArray, i: int, j: int) -> bool:
     return bool(np.abs(H[:, i, j]).max() <= NOTHING * np.abs(H[:, rows, columns]).max())
 
 
-def _mark(upper: Axes, curve: DynamicMassCurve, entries: Sequence[int]) -> None:
+def _mark(upper: static.Axes, curve: DynamicMassCurve, entries: Sequence[int]) -> None:
     """Ticks on the upper edge at the eigenfrequencies that a diagonal entry of `entries` shows, with figures where they fit."""
     low, high = upper.get_xlim()
     whole = np.diag(curve.rigid)[list(entries)]

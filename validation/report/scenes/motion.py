@@ -16,23 +16,8 @@ from geometry.errors import BadInput
 from geometry.frames import Array, frozen
 from validation.report.charts.spec import FAINT, INK
 from validation.report.charts.static import ABOUT, require_format, save
-from validation.report.scenes.scene import (
-    DPI,
-    DrawnBody,
-    Image,
-    Plotter,
-    Projection,
-    averaged,
-    blank,
-    draw_edges,
-    fitted,
-    off_screen,
-    pixels,
-    shot,
-    surface,
-    write,
-    write_gif,
-)
+from validation.report.scenes import scene
+from validation.report.scenes.scene import surface
 
 CREASE = 30.0
 """Faces that meet at more than this angle [°] have an edge worth drawing."""
@@ -73,10 +58,10 @@ class MovingBody:
         return np.asarray(np.linalg.norm(self.displacement, axis=1))
 
 
-def bendable(body: DrawnBody, longest: float) -> DrawnBody:
+def bendable(body: scene.DrawnBody, longest: float) -> scene.DrawnBody:
     """`body` with its triangles halved until no side is longer than `longest` [m]; the surface stays the same and closed."""
     mesh = surface(body.vertices, body.faces).subdivide_adaptive(max_edge_len=longest, max_tri_area=np.inf, max_n_passes=PASSES)
-    return DrawnBody(
+    return scene.DrawnBody(
         name=body.name,
         material=body.material,
         vertices=np.asarray(mesh.points, dtype=np.float64),
@@ -85,7 +70,7 @@ def bendable(body: DrawnBody, longest: float) -> DrawnBody:
     )
 
 
-def sharp_edges(body: DrawnBody) -> Integers:
+def sharp_edges(body: scene.DrawnBody) -> Integers:
     """The edges (e, 2) of `body` where its faces meet at an angle, as indices of its vertices."""
     mesh = surface(body.vertices, body.faces)
     mesh.point_data["number"] = np.arange(len(body.vertices))
@@ -127,35 +112,35 @@ def colour_map() -> Any:
     return LinearSegmentedColormap.from_list("motion", [STILL, *(turbo(x) for x in np.linspace(0.12, 0.95, 12))], N=256)
 
 
-def view_of(modes: Sequence[Sequence[MovingBody]], size: tuple[int, int], margin: float) -> Projection:
+def view_of(modes: Sequence[Sequence[MovingBody]], size: tuple[int, int], margin: float) -> scene.Projection:
     """The view in which every one of `modes` fits, at both ends of its swing."""
     swings = []
     for bodies in modes:
         scale = scale_of(bodies)
         swings += [body.vertices + sign * scale * body.displacement for body in bodies for sign in (-1, 1)]
-    return fitted(np.concatenate(swings), size, margin)
+    return scene.fitted(np.concatenate(swings), size, margin)
 
 
-def rendered(view: Projection, bodies: Sequence[MovingBody], share: float) -> Image:
+def rendered(view: scene.Projection, bodies: Sequence[MovingBody], share: float) -> scene.Image:
     """`bodies` at `share` (-1 to 1) of their swing. To be called inside of `off_screen`."""
     return displaced(view, bodies, share * scale_of(bodies), largest(bodies))
 
 
-def displaced(view: Projection, bodies: Sequence[MovingBody], factor: float, most: float) -> Image:
+def displaced(view: scene.Projection, bodies: Sequence[MovingBody], factor: float, most: float) -> scene.Image:
     """`bodies` with their displacement times `factor`, coloured from none to `most`. To be called inside of `off_screen`."""
-    image = shot(view, lambda plotter: _draw(plotter, bodies, factor, most), peels=0)
-    return np.round(averaged(image.astype(np.float64))).astype(np.uint8)
+    image = scene.shot(view, lambda plotter: _draw(plotter, bodies, factor, most), peels=0)
+    return np.round(scene.averaged(image.astype(np.float64))).astype(np.uint8)
 
 
-def _draw(plotter: Plotter, bodies: Sequence[MovingBody], factor: float, most: float) -> None:
+def _draw(plotter: scene.Plotter, bodies: Sequence[MovingBody], factor: float, most: float) -> None:
     for body in bodies:
-        draw_edges(plotter, body.edges, body.vertices, AT_REST)
+        scene.draw_edges(plotter, body.edges, body.vertices, AT_REST)
         points = body.vertices + factor * body.displacement
         mesh = surface(points, body.faces)
         mesh.point_data["displacement"] = body.size / most if most > 0 else body.size
         look = {"ambient": 0.55, "diffuse": 0.55, "specular": 0.05, "show_scalar_bar": False}
         plotter.add_mesh(mesh, scalars="displacement", cmap=colour_map(), clim=(0, 1), **look)
-        draw_edges(plotter, body.edges, points, INK)
+        scene.draw_edges(plotter, body.edges, points, INK)
 
 
 # Mode shapes on one sheet, each with its number, frequency and words; and one of them moving, as a GIF.
@@ -216,19 +201,19 @@ def mode_sheet(title: str, modes: Sequence[DrawnMode], path: Path, note: str = "
         raise BadInput(source=title, problem="there is no mode to draw", remedy="A rigid article has none in this range")
     columns = min(COLUMNS, len(modes))
     rows = -(-len(modes) // columns)
-    with off_screen():
+    with scene.off_screen():
         view = view_of([mode.bodies for mode in modes], TILE, MARGIN)
         tiles = [rendered(view, mode.bodies, 1.0) for mode in modes]
     width, height = max(columns * TILE[0], 2 * TILE[0]), HEAD + rows * (TILE[1] + CAPTION) + FOOT
-    figure, canvas = blank(width, height)
-    write(canvas, 24, 40, title, 26, weight="bold", va="center")
+    figure, canvas = scene.blank(width, height)
+    scene.write(canvas, 24, 40, title, 26, weight="bold", va="center")
     for k, (mode, tile) in enumerate(zip(modes, tiles, strict=True)):
         x = k % columns * TILE[0]
         y = HEAD + k // columns * (TILE[1] + CAPTION)
         canvas.imshow(tile, extent=(x, x + TILE[0], y + CAPTION + TILE[1], y + CAPTION), interpolation="none")
-        write(canvas, x + 24, y + 16, mode.caption, 19, weight="bold", va="center")
+        scene.write(canvas, x + 24, y + 16, mode.caption, 19, weight="bold", va="center")
         for j, tile_line in enumerate(textwrap.wrap(mode.text, 50, max_lines=2, placeholder=" …")):
-            write(canvas, x + 24, y + 38 + 16 * j, tile_line, 13, FAINT, va="center")
+            scene.write(canvas, x + 24, y + 38 + 16 * j, tile_line, 13, FAINT, va="center")
     # What the colours mean
     axes = figure.add_axes(((width - 330) / width, 34 / height, 290 / width, 12 / height))
     bar = ColorbarBase(axes, cmap=colour_map(), orientation="horizontal", ticks=[0, 0.5, 1])
@@ -236,9 +221,9 @@ def mode_sheet(title: str, modes: Sequence[DrawnMode], path: Path, note: str = "
     bar.outline.set_visible(False)
     axes.set_title("displacement over its largest", fontsize=9, color=FAINT, pad=4)
     for i, line in enumerate(textwrap.wrap(note, (width - 420) // 8, max_lines=2, placeholder=" …")):
-        write(canvas, 24, height - FOOT + 26 + 20 * i, line, 14, FAINT, va="center")
+        scene.write(canvas, 24, height - FOOT + 26 + 20 * i, line, 14, FAINT, va="center")
     more = {"metadata": {ABOUT: about}} if about else {}
-    save(path, lambda temporary: figure.savefig(temporary, dpi=DPI, **more))
+    save(path, lambda temporary: figure.savefig(temporary, dpi=scene.DPI, **more))
 
 
 def animation(title: str, mode: DrawnMode, path: Path) -> None:
@@ -249,15 +234,15 @@ def animation(title: str, mode: DrawnMode, path: Path) -> None:
     CheckFailed : nothing can be rendered on this machine.
     """
     # The strip above the moving picture
-    figure, canvas = blank(MOVING_TILE[0], 84)
-    write(canvas, 18, 28, f"{title}, mode {mode.caption}", 20, weight="bold", va="center")
-    write(canvas, 18, 60, textwrap.shorten(mode.text, 84, placeholder=" …"), 14, FAINT, va="center")
-    head = pixels(figure)
-    with off_screen():
+    figure, canvas = scene.blank(MOVING_TILE[0], 84)
+    scene.write(canvas, 18, 28, f"{title}, mode {mode.caption}", 20, weight="bold", va="center")
+    scene.write(canvas, 18, 60, textwrap.shorten(mode.text, 84, placeholder=" …"), 14, FAINT, va="center")
+    head = scene.pixels(figure)
+    with scene.off_screen():
         view = view_of([mode.bodies], MOVING_TILE, MARGIN)
         shares = np.sin(2 * np.pi * np.arange(FRAMES) / FRAMES)
         frames = [np.vstack([head, rendered(view, mode.bodies, share)]) for share in shares]
-    write_gif(path, frames, PERIOD // FRAMES, FRAMES // 4)
+    scene.write_gif(path, frames, PERIOD // FRAMES, FRAMES // 4)
 
 
 # A moving mode as binary glTF 2.0: the surface at rest, one morph target (the mode), and an animation of its weight.
@@ -463,27 +448,27 @@ def animate(passing: Passing, path: Path) -> None:
     most = max(largest(frame.bodies) for frame in passing.frames)
     rest = np.concatenate([body.vertices for body in passing.frames[0].bodies])
     factor = REACH * float(np.linalg.norm(np.ptp(rest, axis=0))) / most if most > 0 else 0.0
-    figure, canvas = blank(MOVING_TILE[0], PASSING_HEAD)
-    write(canvas, 18, 28, passing.title, 20, weight="bold", va="center")
-    write(canvas, 18, 60, f"{passing.text}, displacement drawn {factor:.0f} times as large", 14, FAINT, va="center")
-    head = pixels(figure)
-    with off_screen():
+    figure, canvas = scene.blank(MOVING_TILE[0], PASSING_HEAD)
+    scene.write(canvas, 18, 28, passing.title, 20, weight="bold", va="center")
+    scene.write(canvas, 18, 60, f"{passing.text}, displacement drawn {factor:.0f} times as large", 14, FAINT, va="center")
+    head = scene.pixels(figure)
+    with scene.off_screen():
         swung = np.concatenate([b.vertices + factor * b.displacement for frame in passing.frames for b in frame.bodies])
-        view = fitted(np.concatenate([rest, swung]), MOVING_TILE, MARGIN)
+        view = scene.fitted(np.concatenate([rest, swung]), MOVING_TILE, MARGIN)
         images = [
             np.vstack([head, displaced(view, frame.bodies, factor, most), _strip(passing, frame)]) for frame in passing.frames
         ]
     # The frame with the largest displacement, which has all the colours
-    write_gif(path, images, PACE, int(np.argmax([largest(frame.bodies) for frame in passing.frames])))
+    scene.write_gif(path, images, PACE, int(np.argmax([largest(frame.bodies) for frame in passing.frames])))
 
 
-def _strip(passing: Passing, frame: Frame) -> Image:
+def _strip(passing: Passing, frame: Frame) -> scene.Image:
     """The load up to the moment of `frame` and, paler, what is still to come."""
     width = MOVING_TILE[0]
-    figure, canvas = blank(width, STRIP)
-    write(canvas, 18, 20, f"{frame.frequency:.2f} Hz", 22, weight="bold", va="center")
-    write(canvas, 150, 21, f"at {frame.time:.2f} s", 15, FAINT, va="center")
-    write(canvas, width - 18, 21, "dashed: the rigid body, M a", 14, FAINT, va="center", ha="right")
+    figure, canvas = scene.blank(width, STRIP)
+    scene.write(canvas, 18, 20, f"{frame.frequency:.2f} Hz", 22, weight="bold", va="center")
+    scene.write(canvas, 150, 21, f"at {frame.time:.2f} s", 15, FAINT, va="center")
+    scene.write(canvas, width - 18, 21, "dashed: the rigid body, M a", 14, FAINT, va="center", ha="right")
     axes = figure.add_axes((78 / width, 46 / STRIP, (width - 98) / width, (STRIP - 90) / STRIP))
     past = passing.time <= frame.time
     axes.plot(passing.time, passing.load, color=TO_COME, linewidth=0.7)
@@ -495,7 +480,7 @@ def _strip(passing: Passing, frame: Frame) -> Image:
     axes.set_xlim(passing.time[0], passing.time[-1])
     reach = 1.08 * max(float(np.abs(passing.load).max()), float(passing.rigid.max()), float(np.finfo(np.float64).tiny))
     axes.set_ylim(-reach, reach)
-    axes.tick_params(labelsize=13 * 72 / DPI, colors=INK)
-    axes.set_xlabel("time [s]", fontsize=13 * 72 / DPI, labelpad=1)
-    axes.set_ylabel(passing.label, fontsize=13 * 72 / DPI)
-    return pixels(figure)
+    axes.tick_params(labelsize=13 * 72 / scene.DPI, colors=INK)
+    axes.set_xlabel("time [s]", fontsize=13 * 72 / scene.DPI, labelpad=1)
+    axes.set_ylabel(passing.label, fontsize=13 * 72 / scene.DPI)
+    return scene.pixels(figure)

@@ -22,28 +22,9 @@ from validation.report.charts.spec import FAINT, INK, PAPER
 from validation.report.charts.static import ABOUT, require_format, save
 from validation.report.charts.style import Label, arranged, colours
 from validation.report.reference import drawing
+from validation.report.scenes import scene as stage
 from validation.report.scenes.motion import Integers, sharp_edges
-from validation.report.scenes.scene import (
-    DPI,
-    Arrow,
-    DrawnBody,
-    Image,
-    Plotter,
-    Projection,
-    averaged,
-    blank,
-    draw_edges,
-    draw_line,
-    drawn_bodies,
-    fitted,
-    off_screen,
-    pixels,
-    rendered,
-    shot,
-    surface,
-    write,
-    write_gif,
-)
+from validation.report.scenes.scene import rendered
 
 # The map of sensors: pick-ups and load cells as arrows on the whole article, and with their names near by.
 
@@ -89,7 +70,9 @@ class DrawnSensor:
             object.__setattr__(self, name, frozen(getattr(self, name), (3,), name))
 
 
-def sensor_page(title: str, sensors: Sequence[DrawnSensor], bodies: Sequence[DrawnBody], path: Path, note: str = "") -> None:
+def sensor_page(
+    title: str, sensors: Sequence[DrawnSensor], bodies: Sequence[stage.DrawnBody], path: Path, note: str = ""
+) -> None:
     """Write a picture of `sensors` on `bodies`, of which there may be none; the frame's origin is labelled F.
 
     Raises
@@ -102,41 +85,41 @@ def sensor_page(title: str, sensors: Sequence[DrawnSensor], bodies: Sequence[Dra
     extent = float(np.ptp([sensor.position for sensor in sensors], axis=0).max()) or 1.0
     length = ARROW * extent
     arrows = [
-        Arrow(start=one.position, end=one.position + length * one.direction, radius=0.03 * length, colour=GROUPS[one.group])
+        stage.Arrow(start=one.position, end=one.position + length * one.direction, radius=0.03 * length, colour=GROUPS[one.group])
         for one in sensors
     ]
     arrows += _axes(length)
     ghosts = [replace(body, counted=False) for body in bodies]
-    figure, canvas = blank(*SHEET)
-    write(canvas, 40, 52, title, 30, weight="bold", va="center")
+    figure, canvas = stage.blank(*SHEET)
+    stage.write(canvas, 40, 52, title, 30, weight="bold", va="center")
     for k, (view, words) in enumerate(zip(_views(sensors, bodies, length), WORDS, strict=True)):
         left, width = COLUMNS[k]
         image = rendered(view, ghosts if k else bodies, None, arrows)
         canvas.imshow(image, extent=(left, left + width, TOP + HEIGHT, TOP), zorder=0)
-        write(canvas, left + 30, TOP - 8, words, 16, FAINT, va="center")
+        stage.write(canvas, left + 30, TOP - 8, words, 16, FAINT, va="center")
         if k:
             _labels(canvas, view, sensors, length, left)
     groups = {sensor.group for sensor in sensors}
     x = 40.0
     for group in (name for name in GROUPS if name in groups):
         canvas.plot([x, x + 34], [SHEET[1] - 88] * 2, color=GROUPS[group], linewidth=4)
-        write(canvas, x + 44, SHEET[1] - 88, group, 17, INK, va="center")
+        stage.write(canvas, x + 44, SHEET[1] - 88, group, 17, INK, va="center")
         x += 150
     for i, line in enumerate(textwrap.wrap(note, 200, max_lines=2, placeholder=" …")):
-        write(canvas, 40, SHEET[1] - 52 + 22 * i, line, 15, FAINT, va="center")
-    save(path, lambda temporary: figure.savefig(temporary, dpi=DPI))
+        stage.write(canvas, 40, SHEET[1] - 52 + 22 * i, line, 15, FAINT, va="center")
+    save(path, lambda temporary: figure.savefig(temporary, dpi=stage.DPI))
 
 
 def _views(
-    sensors: Sequence[DrawnSensor], bodies: Sequence[DrawnBody], length: float
-) -> tuple[Projection, Projection, Projection]:
+    sensors: Sequence[DrawnSensor], bodies: Sequence[stage.DrawnBody], length: float
+) -> tuple[stage.Projection, stage.Projection, stage.Projection]:
     """Everything; then twice what lies around the sensors, for a mast would make the plate small."""
     ends = [point for one in sensors for point in (one.position, one.position + length * one.direction)]
     near = np.vstack([np.zeros(3), *ends])
     everything = np.vstack([near, *(body.vertices for body in bodies)])
     sizes = [(width, HEIGHT) for _, width in COLUMNS]
     lower, upper = near.min(axis=0), near.max(axis=0)
-    above = Projection(
+    above = stage.Projection(
         right=np.array([1.0, 0.0, 0.0]),
         up=np.array([0.0, 1.0, 0.0]),
         towards=np.array([0.0, 0.0, 1.0]),
@@ -144,15 +127,15 @@ def _views(
         scale=float(((upper - lower)[:2] / (np.array(sizes[2]) - 2 * MARGINS[2])).max()) or 1e-3,
         size=sizes[2],
     )
-    return fitted(everything, sizes[0], MARGINS[0]), fitted(near, sizes[1], MARGINS[1]), above
+    return stage.fitted(everything, sizes[0], MARGINS[0]), stage.fitted(near, sizes[1], MARGINS[1]), above
 
 
-def _axes(length: float) -> list[Arrow]:
+def _axes(length: float) -> list[stage.Arrow]:
     """The axes of the frame, at its origin."""
-    return [Arrow(start=np.zeros(3), end=1.2 * length * axis, radius=0.02 * length, colour=INK) for axis in np.eye(3)]
+    return [stage.Arrow(start=np.zeros(3), end=1.2 * length * axis, radius=0.02 * length, colour=INK) for axis in np.eye(3)]
 
 
-def _labels(canvas: Any, view: Projection, sensors: Sequence[DrawnSensor], length: float, left: float) -> None:
+def _labels(canvas: Any, view: stage.Projection, sensors: Sequence[DrawnSensor], length: float, left: float) -> None:
     corner = np.array([left, TOP])
     tips = [view.pixel(one.position + 0.7 * length * one.direction) + corner for one in sensors]
     middle = np.mean(tips, axis=0)
@@ -181,7 +164,7 @@ def _labels(canvas: Any, view: Projection, sensors: Sequence[DrawnSensor], lengt
     for label, place in zip(labels, arranged(labels, taken, room), strict=True):
         canvas.plot(*np.column_stack([label.anchor, place]), color=label.colour, linewidth=0.7, zorder=4)
         box = {"boxstyle": "round,pad=0.12", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.85}
-        write(canvas, place[0], place[1], label.text, 14.5, label.colour, ha="center", va="center", bbox=box, zorder=6)
+        stage.write(canvas, place[0], place[1], label.text, 14.5, label.colour, ha="center", va="center", bbox=box, zorder=6)
 
 
 # The sensor map of `massline check --view`: every pick-up and load cell over the article, when that is a built-in one.
@@ -213,7 +196,7 @@ def sensors_of(campaign: Campaign) -> tuple[DrawnSensor, ...]:
     )
 
 
-def bodies_of(campaign: Campaign, changes: Mapping[str, float] | None = None) -> tuple[tuple[DrawnBody, ...], str]:
+def bodies_of(campaign: Campaign, changes: Mapping[str, float] | None = None) -> tuple[tuple[stage.DrawnBody, ...], str]:
     """The article's bodies seen from F, and what is to be known of them; none of an article that is not built in.
 
     Parameters
@@ -232,8 +215,8 @@ def bodies_of(campaign: Campaign, changes: Mapping[str, float] | None = None) ->
 
 
 @lru_cache(maxsize=8)
-def _built_in(article: str, changes: tuple[tuple[str, float], ...]) -> tuple[DrawnBody, ...]:
-    return drawn_bodies(built_in(article, dict(changes)), CHORD)
+def _built_in(article: str, changes: tuple[tuple[str, float], ...]) -> tuple[stage.DrawnBody, ...]:
+    return stage.drawn_bodies(built_in(article, dict(changes)), CHORD)
 
 
 # A rope pendulum: the article at one instant, its ropes from the ceiling, and the frame they are tied to.
@@ -265,7 +248,7 @@ class Instant:
         object.__setattr__(self, "rotation", frozen(self.rotation, (3, 3), "rotation"))
         object.__setattr__(self, "chains", frozen(self.chains, (*np.shape(self.chains)[:2], 3), "chains"))
 
-    def placed(self, body: DrawnBody) -> Array:
+    def placed(self, body: stage.DrawnBody) -> Array:
         """Vertices of a body of the article."""
         return np.asarray(body.vertices @ self.rotation.T + self.place)
 
@@ -282,34 +265,34 @@ class PendulumScene:
     view : in which all instants fit
     """
 
-    bodies: tuple[DrawnBody, ...]
+    bodies: tuple[stage.DrawnBody, ...]
     edges: tuple[Integers, ...]
     rest: Instant
-    view: Projection
+    view: stage.Projection
 
-    def rendered(self, instant: Instant) -> Image:
+    def rendered(self, instant: Instant) -> stage.Image:
         """The pendulum at `instant`. To be called inside of `off_screen`."""
-        image = shot(self.view, lambda plotter: self.draw(plotter, instant), peels=0)
-        return np.round(averaged(image.astype(np.float64))).astype(np.uint8)
+        image = stage.shot(self.view, lambda plotter: self.draw(plotter, instant), peels=0)
+        return np.round(stage.averaged(image.astype(np.float64))).astype(np.uint8)
 
-    def draw(self, plotter: Plotter, instant: Instant) -> None:
+    def draw(self, plotter: stage.Plotter, instant: Instant) -> None:
         """Ceiling, article with its outline at rest, ropes, and the light frame that they are tied to."""
         colour = colours(body.material for body in self.bodies)
         plotter.add_mesh(_ceiling(instant.chains[:, 0]), color=CEILING, ambient=0.7, diffuse=0.3)
         for body, edges in zip(self.bodies, self.edges, strict=True):
             points = instant.placed(body)
-            draw_edges(plotter, edges, self.rest.placed(body), AT_REST)
-            mesh = surface(points, body.faces)
+            stage.draw_edges(plotter, edges, self.rest.placed(body), AT_REST)
+            mesh = stage.surface(points, body.faces)
             plotter.add_mesh(mesh, color=colour[body.material], ambient=0.55, diffuse=0.55, specular=0.05)
-            draw_edges(plotter, edges, points, INK)
+            stage.draw_edges(plotter, edges, points, INK)
         for chain in instant.chains:
-            draw_line(plotter, chain, ROPE, 3.0)
+            stage.draw_line(plotter, chain, ROPE, 3.0)
         # From foot to foot, and from every foot to the axis through the CoG
         feet = instant.chains[:, -1]
         up = instant.rotation[:, 2]
         hub = instant.place + up * float(np.mean((feet - instant.place) @ up))
         for ends in (np.vstack([feet, feet[:1]]), *(np.vstack([foot, hub]) for foot in feet), np.vstack([hub, instant.place])):
-            draw_line(plotter, ends, SPREADER, 3.0)
+            stage.draw_line(plotter, ends, SPREADER, 3.0)
 
 
 def _ceiling(anchors: Array):  # type: ignore[no-untyped-def]  # a `pyvista.PolyData`; the library is imported inside
@@ -348,7 +331,7 @@ class DrawnSwing:
 
     title: str
     text: str
-    bodies: tuple[DrawnBody, ...]
+    bodies: tuple[stage.DrawnBody, ...]
     rest: Instant
     instants: tuple[Instant, ...]
     moments: Array
@@ -370,10 +353,10 @@ def pendulum_picture(swing: DrawnSwing, path: Path, about: str = "") -> None:
     require_format(path)
     (image,) = _frames(swing, swing.instants[:1])
     height, width = image.shape[:2]
-    figure, canvas = blank(width, height)
+    figure, canvas = stage.blank(width, height)
     canvas.imshow(image, extent=(0, width, height, 0), interpolation="none", aspect="auto")
     more: dict[str, Any] = {"metadata": {ABOUT: about}} if about else {}
-    save(path, lambda temporary: figure.savefig(temporary, dpi=DPI, **more))
+    save(path, lambda temporary: figure.savefig(temporary, dpi=stage.DPI, **more))
 
 
 def pendulum_animation(swing: DrawnSwing, path: Path) -> None:
@@ -384,24 +367,24 @@ def pendulum_animation(swing: DrawnSwing, path: Path) -> None:
     CheckFailed : nothing can be rendered on this machine.
     """
     apart = max(20, 10 * round(100 * float(np.mean(np.diff(swing.moments)))))  # a GIF counts hundredths of a second
-    write_gif(path, _frames(swing, swing.instants), apart)
+    stage.write_gif(path, _frames(swing, swing.instants), apart)
 
 
-def _frames(swing: DrawnSwing, instants: Sequence[Instant]) -> list[Image]:
+def _frames(swing: DrawnSwing, instants: Sequence[Instant]) -> list[stage.Image]:
     """Heading, pendulum and signal of every instant, one above the other."""
-    figure, _ = blank(TILE[0], HEAD)
+    figure, _ = stage.blank(TILE[0], HEAD)
     font = {"family": "DejaVu Sans", "parse_math": False, "va": "center"}
     figure.text(18 / TILE[0], 1 - 28 / HEAD, swing.title, fontsize=14.4, weight="bold", color=INK, **font)
     figure.text(18 / TILE[0], 1 - 60 / HEAD, swing.text, fontsize=10, color=FAINT, **font)
-    head = pixels(figure)
+    head = stage.pixels(figure)
     strips = _Strip(swing)
-    with off_screen():
+    with stage.off_screen():
         # The scene of `bodies` in an image of `TILE` [pixel] into which every one of `swing.instants` fits
         bodies = swing.bodies
         rest = swing.rest
         vertices = np.concatenate([body.vertices for body in bodies])
         seen = [np.vstack([vertices @ one.rotation.T + one.place, one.chains.reshape(-1, 3)]) for one in (rest, *swing.instants)]
-        view = fitted(np.concatenate([_ceiling(rest.chains[:, 0]).points, *seen]), TILE, MARGIN)
+        view = stage.fitted(np.concatenate([_ceiling(rest.chains[:, 0]).points, *seen]), TILE, MARGIN)
         scene = PendulumScene(bodies=tuple(bodies), edges=tuple(map(sharp_edges, bodies)), rest=rest, view=view)
         return [
             np.vstack([head, scene.rendered(one), strips.at(float(moment))])
@@ -413,7 +396,7 @@ class _Strip:
     """The record, drawn once; only the mark of the present moment moves."""
 
     def __init__(self, swing: DrawnSwing) -> None:
-        self.figure, _ = blank(TILE[0], STRIP)
+        self.figure, _ = stage.blank(TILE[0], STRIP)
         axes: Axes = self.figure.add_axes((0.115, 0.24, 0.86, 0.6))
         unit, factor = ("°", 180 / np.pi) if np.abs(swing.signal).max() > 0.02 else ("mrad", 1e3)
         axes.plot(swing.time, factor * swing.signal, ".", color=SIGNAL, markersize=2.6, label="recorded")
@@ -427,9 +410,9 @@ class _Strip:
         axes.legend(fontsize=8, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, borderaxespad=0.2)
         self.mark = axes.axvline(swing.time[0], color=INK, linewidth=1.2)
 
-    def at(self, moment: float) -> Image:
+    def at(self, moment: float) -> stage.Image:
         self.mark.set_xdata([moment, moment])
-        return pixels(self.figure)
+        return stage.pixels(self.figure)
 
 
 # The pictures of `massline swing`: the article on its ropes with the recorded twist below, still and moving.
@@ -510,7 +493,7 @@ def in_the_way(setup: Setup, asked: ArticleOptions) -> str:
     )
 
 
-def _hung(body: DrawnBody, hanging: Array, cog: Array) -> DrawnBody:
+def _hung(body: stage.DrawnBody, hanging: Array, cog: Array) -> stage.DrawnBody:
     return replace(body, vertices=(body.vertices - cog) @ hanging.T)
 
 

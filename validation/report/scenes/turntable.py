@@ -4,8 +4,6 @@ Bodies are opaque here, and sensors shine through them; the pictures of `scene` 
 thread only, as OpenGL asks.
 """
 
-from __future__ import annotations
-
 import io
 from collections.abc import Sequence
 from contextlib import suppress
@@ -357,7 +355,7 @@ def animate(made: PreparedRuns, one: Done, folder: Path) -> Path | None:
     return path
 
 
-def passing(made: PreparedRuns, one: Done, sweep: Sweep, mode: Passed) -> Passing:
+def passing(made: PreparedRuns, one: Done, sweep: "Sweep", mode: Passed) -> Passing:
     """What the animation of the passage of `mode` shows."""
     response = one.response
     swells = 1 / np.sqrt(2 * np.pi * mode.frequency * sweep.rate * np.log(2) / 60)
@@ -378,7 +376,7 @@ def passing(made: PreparedRuns, one: Done, sweep: Sweep, mode: Passed) -> Passin
     )
 
 
-def strobe(sweep: Sweep, begin: float, end: float, peak: float) -> Array:
+def strobe(sweep: "Sweep", begin: float, end: float, peak: float) -> Array:
     """(`FRAMES`,) times [s] from `begin` to `end`, each a whole number of cycles and 1 / `STROBE` after the one before.
 
     Where there are fewer cycles than that, the frames are evenly spaced in the phase of the drive.
