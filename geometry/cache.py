@@ -1,12 +1,9 @@
 """Arrays and answers kept on disk by what they were made from: a mesh, modes, a picture. Nothing here may ever be in the way.
 
 An entry is one ``.npz`` file, named after the digest of everything that went into it, versions of the libraries included. It
-carries that name and a digest of its own arrays inside, so that a file that is half-written, cut short, damaged, renamed or
-somebody else's is seen and ignored, and made again. A disk that is full or read-only costs the time that the entry would have
-saved, and nothing else.
-
-The folder is ``MASSLINE_CACHE``, else ``massline`` in ``XDG_CACHE_HOME``, else ``~/.cache/massline``; it may be deleted at
-any time.
+carries that name and a digest of its own arrays, so that a file that is half-written, damaged, renamed or somebody else's is
+seen and made again. A full or read-only disk costs the time that the entry would have saved, and nothing else. The folder is
+``MASSLINE_CACHE``, else ``massline`` in ``XDG_CACHE_HOME``, else ``~/.cache/massline``; it may be deleted at any time.
 """
 
 import copyreg

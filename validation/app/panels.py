@@ -133,7 +133,7 @@ async def rungs_shown(window: WindowState) -> None:
     if window.session is None:
         return
     state, at = window.state, await window.away(window.session.ladder)
-    state.rungs = []
+    rungs = []  # the page sees what is assigned, and nothing that is put into a list afterwards
     for one in reversed(at.ladder.rungs):
         told = "no figures yet"
         if (of := one.errors) is not None:
@@ -147,7 +147,8 @@ async def rungs_shown(window: WindowState) -> None:
             "verdict": " ".join(one.verdict),
             "here": at.rung is not None and at.rung.number == one.number,
         }
-        state.rungs.append(rung)
+        rungs.append(rung)
+    state.rungs = rungs
     # The errors of the rung below, by the names that a comparison gives them
     state.before = {}
     below = None if at.rung is None or at.rung.parent is None else at.ladder.rung(at.rung.parent).errors
@@ -305,11 +306,10 @@ async def comparing_shown(window: WindowState) -> None:
     if compared is None:
         state.errors, state.worst, state.remarks = [], [], []
         return
-    state.errors = []
-    for one in compared.errors:
-        verdict = (one["verdict"] or "").lower()
-        tone = next((tone for word, tone in TONES.items() if word in verdict), "")
-        state.errors.append({**one, "tone": tone})
+    tones = [
+        next((tone for word, tone in TONES.items() if word in (one["verdict"] or "").lower()), "") for one in compared.errors
+    ]
+    state.errors = [{**one, "tone": tone} for one, tone in zip(compared.errors, tones, strict=True)]
     state.worst = [{"sigma": f"{one['sigma']:.1f}", "text": one["text"]} for one in compared.summary["worst"]]
     state.remarks = list(compared.summary["warnings"])
     state.campaigns = list(compared.campaigns)
