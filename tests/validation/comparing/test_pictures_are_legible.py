@@ -26,7 +26,7 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
         figure.canvas.draw()
         figures.append(figure)
 
-    for module in (static, style, history):
+    for module in (static, history):
         monkeypatch.setattr(module, "finish", finished)
     return figures
 

@@ -319,11 +319,12 @@ def library() -> str:
 
 def figure_json(figure: "Figure") -> str:
     """`figure` as JSON without its template, which a page has once for all of them."""
-    from plotly.io.json import to_json_plotly
+    from plotly import graph_objects as go
+    from plotly.io import to_json
 
-    bare = figure.to_dict()
-    del bare["layout"]["template"]
-    return str(to_json_plotly(bare))
+    bare = go.Figure(figure)
+    bare.layout.template = None
+    return str(to_json(bare, validate=False))
 
 
 def template_json(dark: bool) -> str:
