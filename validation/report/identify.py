@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 import numpy as np
 
+from geometry import cache
 from geometry.atomic import write_text
 from geometry.dynamic_mass import MOTIONS, ComplexArray, DynamicMass
 from geometry.errors import BadInput, CheckFailed
@@ -445,7 +446,8 @@ def campaign_part(
     typed += [] if band is None else ["--band", *(f"{end:g}" for end in band)]
     found: IdentificationFindings | None = None
     try:
-        found = identify.identified(asked)
+        of = cache.content([asked.campaign, *asked.tares])
+        found = cache.answer(lambda: identify.identified(asked), "identification", asked, of)
     except (BadInput, CheckFailed) as error:
         missing.append(f"No inertia was identified: {error}")
     return CampaignPart(
@@ -467,8 +469,9 @@ def is_tare(one: Campaign) -> bool:
 def sensor_map(one: Campaign, missing: list[str]) -> Picture | None:
     """The map of the sensors of `one`; None, with the reason among what is `missing`, where nothing can be rendered."""
     said = f"Sensors of {Path(one.source).name}, seen from F: accelerometers of table, cover plate and article, and load cells"
+    of = one.table, one.article, one.source, one.title, one.mounting
     try:
-        return drawn(lambda folder: draw_sensors(one, folder), said)
+        return cache.answer(lambda: drawn(lambda folder: draw_sensors(one, folder), said), "sensors", *of)
     except CheckFailed as error:
         missing.append(f"No map of the sensors: {error}")
         return None

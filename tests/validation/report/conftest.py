@@ -79,9 +79,10 @@ def series(tmp_path_factory: pytest.TempPathFactory) -> Series:
 
 
 @pytest.fixture(scope="session")
-def report(series: Series) -> Report:
+def report(series: Series, tmp_path_factory: pytest.TempPathFactory) -> Report:
     """Compared, diagnosed, identified and drawn; the ladder is made by hand."""
     with pytest.MonkeyPatch.context() as patch:  # pictures of articles and sensors have tests of their own, and take longest
+        patch.setenv("MASSLINE_CACHE", str(tmp_path_factory.mktemp("dots")))  # that they are dots nobody else may learn
         for module, name in ((reference, "draw"), (identify, "draw_sensors")):
             patch.setattr(module, name, lambda _, *given: dot(given[-1]))
         found = reported(

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from validation import study
-from validation.report import page
+from validation.report import identify, page, reference
+from validation.report.parts import Report
 
 
 def test_a_report_makes_spectra_once_and_fits_all_parameters_once(series: Any, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -27,3 +29,36 @@ def test_a_report_makes_spectra_once_and_fits_all_parameters_once(series: Any, m
     monkeypatch.setattr(page, "assembled", lambda *given, **more: more["diagnosis"])
     assert page.reported(page.ReportOptions(compared=series.asked), quiet=True) is not None
     assert counted == {"predictions": 1, "evaluate": 1, "fit": 0}  # the diagnosis takes the fit of the comparison
+
+
+def test_a_second_report_identifies_and_draws_nothing_again(
+    report: Report, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MASSLINE_CACHE", str(tmp_path))
+    counted = []
+
+    def counting(module: Any, name: str, made: Any) -> None:
+        monkeypatch.setattr(module, name, lambda *given: counted.append(name) or made(given))
+
+    dot = tmp_path / "dot.png"
+    dot.write_bytes(b"a picture")
+    counting(identify.identify, "identified", lambda given: report.campaigns[0].findings)
+    counting(identify, "draw_sensors", lambda given: dot)
+    counting(reference, "draw", lambda given: dot)
+    counting(reference.reference, "reference_table", lambda given: report.articles[0].table)
+    whole = ["identified", "draw_sensors", "reference_table", "draw"]
+
+    def made() -> list[str]:
+        counted.clear()
+        campaign = report.campaigns[0].campaign
+        part = identify.campaign_part(campaign, [campaign], report.model, None, "full-record")
+        article = reference.article_part("cuboid", report.model, report.comparison, ())
+        assert not part.missing
+        assert article.picture is not None
+        assert article.picture.png == b"a picture"
+        return counted.copy()
+
+    assert made() == whole
+    assert made() == []
+    monkeypatch.setenv("MASSLINE_CACHE", str(tmp_path / "empty"))
+    assert made() == whole
