@@ -33,7 +33,7 @@ from validation.report.charts import identification, spec
 from validation.report.charts.spec import LEFT_OUT, MEASURED, QUOTIENT
 from validation.report.charts.style import DynamicMassCurve, diagonal, full
 from validation.report.parts import CampaignPart, Picture, Report, notes, paragraphs, section
-from validation.report.reference import drawing_of, drawn
+from validation.report.reference import drawing_of, drawn, kept
 from validation.report.scenes.setups import sensor_map as draw_sensors
 from validation.study import Study
 
@@ -497,7 +497,8 @@ def _reference(found: IdentificationFindings, model: Model, missing: list[str]) 
         frame = mount.inverse
     changes = model.changes if is_stack(found.article) else {}
     try:
-        return reference(source, None, ArticleOptions(changes=changes), frame)[1]
+        options = ArticleOptions(changes=changes)
+        return kept(lambda: reference(source, None, options, frame)[1], "drawn", source, (options, frame))
     except (BadInput, CheckFailed):
         return None
 

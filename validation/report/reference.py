@@ -160,7 +160,7 @@ def article_part(name: str, model: Model, comparison: Comparison, classical: Seq
     asked = ArticleOptions(changes=changes)
     table = _tried(lambda: _table(source, asked, name, classical), missing)
     said = f"{name}, with centre of gravity, principal axes and equivalent inertia ellipsoid, in the article's own frame"
-    picture = _tried(lambda: _kept(lambda: drawn(lambda folder: draw(source, asked, folder), said), said, source, asked), missing)
+    picture = _tried(lambda: kept(lambda: drawn(lambda folder: draw(source, asked, folder), said), said, source, asked), missing)
     shapes = None
     # Shapes are worth a picture where a mode is near the band
     pairs = zip(comparison.maps, comparison.modes, strict=True)
@@ -188,7 +188,7 @@ def drawn(draw_into: Callable[[Path], Path], said: str) -> Picture:
 
 def _table(source: str, asked: ArticleOptions, name: str, classical: Sequence[Reduction]) -> ReferenceTable:
     """The reference table with a column for each measurement that is about the article `name`."""
-    table = _kept(lambda: reference.reference_table(source, asked), "reference", source, asked)
+    table = kept(lambda: reference.reference_table(source, asked), "reference", source, asked)
     own = [one for one in classical if one.article == name and any(key in KEYS for key in one.results)]
     columns = dict(table.columns)
     for k, one in enumerate(own, start=1):
@@ -209,10 +209,10 @@ def _shapes(source: str, kind: str, asked: FlexibleOptions) -> Picture:
         said = f"Mode shapes of {found.article} as drawn, base held, by the {kind} model; effects of the model are not in it"
         return drawn(lambda folder: draw_sheet(found, folder), said)
 
-    return _kept(sheet, f"shapes {kind}", source, asked)
+    return kept(sheet, f"shapes {kind}", source, asked)
 
 
-def _kept(make: Callable[[], Made], what: str, source: str, asked: object) -> Made:
+def kept(make: Callable[[], Made], what: str, source: str, asked: object) -> Made:
     """What is known of a drawing of this house is made once; a user's own file may change while its name stays."""
     return cache.answer(make, what, source, asked) if is_stack(source) else make()
 

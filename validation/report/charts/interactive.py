@@ -319,12 +319,11 @@ def library() -> str:
 
 def figure_json(figure: "Figure") -> str:
     """`figure` as JSON without its template, which a page has once for all of them."""
-    from plotly import graph_objects as go
-    from plotly.io import to_json
+    from plotly.io.json import to_json_plotly
 
-    bare = go.Figure(figure)
-    bare.layout.template = None
-    return str(to_json(bare, validate=False))
+    said = figure.to_plotly_json()
+    said["layout"].pop("template", None)
+    return str(to_json_plotly(said))
 
 
 def template_json(dark: bool) -> str:
