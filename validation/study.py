@@ -14,17 +14,21 @@ from typing import Self
 
 from geometry.errors import BadInput
 from geometry.toml_file import nearest
-from identification import campaign_file
+from identification import campaign_file, test_file
 from identification.campaign import METHODS, Campaign
 from validation.classical import files
 from validation.estimation.evaluate import evaluate, named, without
 from validation.estimation.fit import fit
+from validation.effects.catalogue import There
+from validation.effects.effect import Vocabulary
 from validation.estimation.problem import FITTED, Evaluation, Fact, Fit, Problem
 from validation.history.history import HistoryPosition, history_position, reminded
 from validation.model import model_file
-from validation.model.model import Added, Model, require_pair
+from validation.model.model import Added, Model, require_pair, vocabulary
 from validation.model.setups import above_fmd
 from validation.prediction.classical_facts import ArticleFact, facts, require_bodies
+from validation.prediction import structure_tests
+from validation.prediction.structure_tests import StructurePrediction
 from validation.prediction.series import SeriesPrediction, predictions
 
 TRUTH = ".truth.json"
@@ -41,7 +45,8 @@ class Options:
     Attributes
     ----------
     model : path of the model file
-    data : campaign folders and measurement files; of `massline add` none for those that the ladder knows
+    data : campaign folders, tests and measurement files, beside the tests that the model file names; of `massline add` none for
+        those that the ladder knows
     hold_out : names of runs, campaigns and files that are predicted and never fitted; none for each run in turn
     band : (low, high) [Hz]; None for what all runs drive
     method : of `METHODS`, how spectra are made; None for the first of them, of `massline add` for the ladder's own
@@ -78,10 +83,12 @@ class Data:
     ----------
     campaigns : with their recordings, in the order in which they were named
     classical : names of measurement files
+    tests : response functions and modal tables
     """
 
     campaigns: tuple[Campaign, ...]
     classical: tuple[str, ...] = ()
+    tests: tuple[test_file.Test, ...] = ()
 
 
 def read_data(paths: Sequence[str], model: Model, progress: Progress | None = None) -> Data:
@@ -89,20 +96,24 @@ def read_data(paths: Sequence[str], model: Model, progress: Progress | None = No
 
     Raises
     ------
-    BadInput : a path that is neither a campaign nor a measurement, data that contradict each other or the model, no campaign,
-        effects that leave no body of an article.
+    BadInput : a path that is no campaign, test or measurement, data that contradict each other or the model, neither campaign
+        nor test, effects that leave no body of an article.
     OSError : a file cannot be read.
     """
     folders = [path for path in paths if Path(path).is_dir()]
-    classical = tuple(path for path in paths if path not in folders)
+    files_of_tests = [path for path in paths if path not in folders and test_file.is_test(path)]
+    classical = tuple(path for path in paths if path not in (*folders, *files_of_tests))
     for path in classical:
         _require_measurement(path)
     _require_once(paths)
-    if not folders:
+    tests = (*(test_file.of_table(one, model.source) for one in model.tests), *map(test_file.read, files_of_tests))
+    if not folders and not tests:
+        none = "there is no data: the model names no [[test]]"
+        some = "there is no campaign and no test among them, and weights and periods alone tell nothing of frequencies"
         raise BadInput(
             source="DATA",
-            problem="there is no campaign among them, and weights and periods alone tell nothing of frequencies",
-            remedy="Name a campaign folder, too; `massline weigh`, `cog` and `pendulum` reduce the files alone",
+            problem=some if paths else none,
+            remedy="Name a campaign folder or the file of a test; `massline weigh`, `cog` and `pendulum` reduce their files alone",
         )
     described = [campaign_file.read_description(folder) for folder in folders]
     for k, one in enumerate(described):
@@ -114,11 +125,12 @@ def read_data(paths: Sequence[str], model: Model, progress: Progress | None = No
                     problem=f"is {one.hardware}, and that of {other.source}, also of {one.article}, is {other.hardware}",
                     remedy="Another FMD has other sensors: compare each series with a model of its own",
                 )
-    require_pair(model, described)
-    require_bodies(model, described)
+    if described:
+        require_pair(model, described)
+        require_bodies(model, described)
     tell = progress or (lambda folder, share: None)
     campaigns = tuple(campaign_file.read(folder, progress=partial(tell, folder)) for folder in folders)
-    return Data(campaigns=campaigns, classical=classical)
+    return Data(campaigns=campaigns, classical=classical, tests=tests)
 
 
 def only_files(paths: Sequence[str]) -> tuple[str, ...]:
@@ -206,6 +218,7 @@ class Study:
     model : whose laboratory and structure are held against the data, with the effects that it has
     campaigns : as they were read
     made : predictions of the campaigns by the model without effects, with the spectra
+    tests : predictions of response functions and modal tables by the model without effects
     said : what weights and periods say, beside the model without effects
     hold_out : names of runs, data sets and facts that no fit sees, as the engine knows them
     asked : from which it was opened
@@ -214,6 +227,7 @@ class Study:
     model: Model
     campaigns: tuple[Campaign, ...] = ()
     made: tuple[SeriesPrediction, ...] = ()
+    tests: tuple[StructurePrediction, ...] = ()
     said: tuple[ArticleFact, ...] = ()
     hold_out: tuple[str, ...] = ()
     asked: Options = field(default_factory=lambda: Options(model=""))
@@ -277,7 +291,9 @@ class Study:
         """
         bare = replace(model, effects=())
         plain = tuple(one.with_effects(()) for one in made)
-        opened = cls(model=model, campaigns=data.campaigns, made=plain, said=facts(bare, data.classical), asked=asked)
+        tests = structure_tests.predictions(bare, data.tests)
+        said = facts(bare, data.classical)
+        opened = cls(model=model, campaigns=data.campaigns, made=plain, tests=tests, said=said, asked=asked)
         whole = opened.whole()
         names = resolved_names(whole, data, asked.hold_out)
         if names:
@@ -289,9 +305,9 @@ class Study:
         return replace(self, model=model)
 
     @cached_property
-    def predictions(self) -> tuple[SeriesPrediction, ...]:
-        """Of the campaigns, by the model with its effects."""
-        return tuple(one.with_effects(self.model.effects) for one in self.made)
+    def predictions(self) -> tuple[StructurePrediction, ...]:
+        """Of campaigns and tests, by the model with its effects."""
+        return tuple(one.with_effects(self.model.effects) for one in (*self.made, *self.tests))
 
     def facts(self, effects: Sequence[Added]) -> tuple[Fact, ...]:
         """What weights and periods say of a model with these `effects` alone."""
@@ -300,7 +316,7 @@ class Study:
     def whole(self, effects: Sequence[Added] = ()) -> Problem:
         """All data by the model with these `effects` on top of its own."""
         every = (*self.model.effects, *effects)
-        made = tuple(one.with_effects(every) for one in self.made) if effects else self.predictions
+        made = tuple(one.with_effects(every) for one in (*self.made, *self.tests)) if effects else self.predictions
         return Problem(made, self.facts(every))
 
     def problem(self, effects: Sequence[Added] = ()) -> Problem:
@@ -335,6 +351,24 @@ class Study:
             found = evaluate(self.whole(), hold_out=self.hold_out, progress=progress)
             self._fits[:], self._evaluations[:] = [found.fitted], [found]
         return self._evaluations[0]
+
+    @property
+    def there(self) -> tuple[There, ...]:
+        """What effects can act on, one a data set."""
+        return tuple(one.there for one in (*self.made, *self.tests))
+
+    @property
+    def words(self) -> Vocabulary:
+        """What effects can be about: channels, and parts and places of what was tested."""
+        of = vocabulary(self.model, self.campaigns)
+        if of.places is None or self.tests:
+            parts = tuple(dict.fromkeys(part for one in self.there for part in one.parts))
+            places = tuple(dict.fromkeys(place for one in self.there for place in one.places))
+            of = replace(of, parts=parts, places=places)
+        responses = tuple(dict.fromkeys(name for one in self.tests for name in one.measured.channels))
+        recorded = dict.fromkeys(name for one in self.tests for name in one.there.channels or ())
+        forces = tuple(name for name in recorded if name not in responses)
+        return replace(of, accelerometers=(*(of.accelerometers or ()), *responses), forces=(*(of.forces or ()), *forces))
 
     @property
     def article(self) -> str:

@@ -435,7 +435,7 @@ def table(of: Session) -> ReadyPredictions:
     CheckFailed : the model breaks down as it stands.
     """
     study, known = of.study(), of.comparison()
-    made, whole = study.predictions, study.problem()
+    made, whole = tuple(one.with_effects(study.model.effects) for one in study.made), study.problem()
     offsets = {**study.whole().start, **({} if known is None else known.offsets)}
     # What a line costs, of all campaigns, solved anew, when nothing else is in the way
     taken = []

@@ -1,5 +1,6 @@
 """Commands that hold a model against measurements: compare, diagnose, add, undo, ladder, correct, report, app and their kin."""
 
+import os
 import shlex
 import sys
 from pathlib import Path
@@ -222,6 +223,40 @@ def ladder_command(model: Path, go: int | None, plot: bool, out: Path, as_json: 
     if plot:
         require_folder(out, "--out")
     ladder(model, go=go, as_json=as_json, folder=out if plot else None)
+
+
+@click.command("league")
+@click.argument("names", nargs=-1, metavar="[NAME ...]")
+@click.option(
+    "--data",
+    envvar="MASSLINE_DATA",
+    type=click.Path(path_type=Path),
+    default=Path("..") / "shared" / "data",
+    show_default=True,
+    metavar="DIR",
+    help="Folder of the data; MASSLINE_DATA may name it.",
+)
+@click.option(
+    "--studies",
+    type=click.Path(path_type=Path),
+    default=Path("examples") / "league",
+    show_default=True,
+    metavar="DIR",
+    help="Folder of league.toml and the study files that it names.",
+)
+@options.JSON
+def league_command(names: tuple[str, ...], data: Path, studies: Path, as_json: bool) -> None:
+    """Real tests that others made, each diagnosed from its study file: what was expected, what was said, errors before and after.
+
+    Each NAME is a set; all of them by default. docs/league.md says where the data come from, and on which of them something of
+    massline was tuned.
+
+    Exit code 0 whatever is said; 2 when a study cannot be used.
+    """
+    from validation.report.league import answer
+
+    os.environ["MASSLINE_DATA"] = str(data)  # study files name their data by it
+    answer(studies, data, names, as_json=as_json)
 
 
 @click.command("model")

@@ -95,13 +95,14 @@ COMMANDS = {
     "add": "Add an effect to a model: fitted, with the errors before and after, as the next rung of its ladder.",
     "ladder": "Every version of a model, and how its errors fell from rung to rung.",
     "report": "All that is known of a model and its measurements on one page, to be read, printed and signed.",
+    "league": "Real tests that others made: what was expected, what is said of each, and the errors.",
     "undo": "Go back to the rung below; what was there is kept.",
     "app": "The workbench in the browser: compare, diagnose, add, undo, what if.",
 }
 """Every command and its line in the help; `validation.cli.<name>` holds it."""
 
 MODULES = {
-    "crosscheck": ("model", "compare", "diagnose", "correct", "add", "ladder", "report", "undo", "app", "effects"),
+    "crosscheck": ("model", "compare", "diagnose", "correct", "add", "ladder", "report", "undo", "app", "effects", "league"),
     "reference": ("reference", "validate", "weigh", "cog", "pendulum"),
     "predict": ("verify", "swing", "modes", "dynamic-mass", "excite", "simulate"),
     "identify": ("pretest", "check", "identify"),

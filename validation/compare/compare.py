@@ -16,6 +16,7 @@ from validation.estimation.problem import Evaluation, Fit, Problem, Share
 from validation.estimation.verdicts import ExplainedError, StatedError, Tolerance, figure
 from validation.output import derived, entry, plain_unit, to_json, unwritten
 from validation.prediction.series import SeriesPrediction
+from validation.prediction.structure_tests import StructurePrediction
 from validation.study import Study
 
 WRITTEN_PAIRS = 10
@@ -85,15 +86,16 @@ def of_evaluation(study: Study, fitted: Problem, evaluation: Evaluation, progres
 
 
 def mapped_all(
-    made: Sequence[SeriesPrediction], problem: Problem, known: Problem, plain: Fit, progress: Callable[[float], None]
+    made: Sequence[StructurePrediction], problem: Problem, known: Problem, plain: Fit, progress: Callable[[float], None]
 ) -> tuple[Map, ...]:
-    """The maps of all campaigns at the plain fit; `known` is what was fitted."""
+    """The maps of all data sets at the plain fit; `known` is what was fitted."""
     left, unknown, at = residuals(problem, plain), doubt(known, plain), {**problem.start, **plain.by_name}
     found: list[Map] = []
     for one, own in zip(made, left, strict=True):
-        campaign = one.tested.campaign
-        rig = Rig(table=campaign.table, gravity=campaign.gravity)
-        found.append(mapped(one, at, unknown, own.inputs, rig, lambda share: progress((len(found) + share) / len(made))))
+        rig = None
+        if isinstance(one, SeriesPrediction):
+            rig = Rig(table=one.tested.campaign.table, gravity=one.tested.campaign.gravity)
+        found.append(mapped(one, at, unknown, own.inputs, rig, lambda share: progress((len(found) + share) / len(left))))
     return tuple(found)
 
 
@@ -102,16 +104,15 @@ def _percent(shares: Sequence[Array]) -> float:
     return float(100 * np.sqrt(np.mean(np.concatenate([one.ravel() ** 2 for one in shares]))))
 
 
-def _remarks(made: Sequence[SeriesPrediction], maps: Sequence[Map], evaluation: Evaluation) -> Iterator[str]:
+def _remarks(made: Sequence[StructurePrediction], maps: Sequence[Map], evaluation: Evaluation) -> Iterator[str]:
     """What was assumed by campaigns, predictions and maps, and what makes their verdicts weak."""
-    tested = [one.tested for one in made]
-    for one in tested:
-        yield from (*one.campaign.warnings, *one.remarks, *one.carried.standing.remarks)
+    for one in made:
+        yield from one.remarks
     for of in maps:
         yield from of.remarks
-    for one in tested:
+    for one in made:
         lines = len(one.measured.frequency)
-        if lines < FEW:
+        if lines < FEW and isinstance(one, SeriesPrediction):
             have = "1 line lies" if lines == 1 else f"{lines} lines lie"
             few = f"only {have} in the band of {one.measured.name}"
             yield f"{few}: no verdict of this page rests on less than {FEW}; widen --band"

@@ -29,7 +29,7 @@ from validation.estimation.problem import STRUCTURAL, Fit, Lines, Measured, Offs
 from validation.flexible.model import family
 from validation.output import entry, unwritten
 from validation.prediction import effects
-from validation.prediction.series import SeriesPrediction
+from validation.prediction.structure_tests import StructurePrediction
 
 # What is not known at a plain fit: every tolerance of the measurement, and how the fit answered to it.
 #
@@ -574,17 +574,16 @@ class NamedMode:
     effective_mass: tuple[float, ...] = unwritten(default=())
 
 
-def modes_of(prediction: SeriesPrediction, offsets: Offsets) -> tuple[NamedMode, ...]:
+def modes_of(prediction: StructurePrediction, offsets: Offsets) -> tuple[NamedMode, ...]:
     """The modes with the base held, ascending, of the structure at `offsets`, its effects acting.
 
     The last of them stand for the static answer of all others.
     """
     from scipy.linalg import eigh
 
-    carried = prediction.tested.carried
-    if carried.nuisances is None:
+    if prediction.structure is None:
         return ()
-    matrices, _ = carried.nuisances.at(offsets, derivatives=False)
+    matrices, _ = prediction.structure.at(offsets, derivatives=False)
     matrices = effects.structure(matrices, {}, effects.at(prediction.effects, offsets), derivatives=False)[0]
     own = np.arange(matrices.base, len(matrices.mass))
     if not own.size:

@@ -19,7 +19,7 @@ from validation.diagnose import pendulum
 from validation.diagnose.classical import pendulum_candidates
 from validation.diagnose.diagnosis import Candidate, Detectable, Screened
 from validation.effects import effect
-from validation.effects.catalogue import FAMILIES, Named, There, acts
+from validation.effects.catalogue import FAMILIES, Named, acts
 from validation.estimation.fit import FLOOR
 from validation.estimation.likelihood import cost_of
 from validation.estimation.problem import EFFECT, FITTED, Fact, Parameter, Prediction, Problem
@@ -58,9 +58,7 @@ def candidates(data: Study, *, only: Sequence[str] = (), leave_out: Sequence[str
     ------
     BadInput : one of `only` is no effect that could act on these data and be told by them.
     """
-    words, known = vocabulary(data.model, data.campaigns), {one.named.id for one in data.model.effects}
-    stands = [(one.tested.carried.standing.there, one.measured.channels) for one in data.made]
-    there = [There(article=on.article, parts=on.parts, places=on.places, channels=channels) for on, channels in stands]
+    words, known = data.words, {one.named.id for one in data.model.effects}
     acting: list[Added] = []
     for family in FAMILIES.values():
         if family.side not in SIDES or family.stage not in SHOWN:
@@ -72,11 +70,11 @@ def candidates(data: Study, *, only: Sequence[str] = (), leave_out: Sequence[str
             }
             values = TINY_AT if tuple(size.key for size in sizes) == RESONATOR else values
             named = Named(family=family.name, targets=targets, values=values)
-            if named.id not in known and any(acts(named, place) for place in there):
+            if named.id not in known and any(acts(named, place) for place in data.there):
                 acting.append(Added(named=named, fixed=bool(sizes) and all(size.whole for size in sizes)))
     # Parameters that effects without an equation would open; a chain makes them when they are asked for
     asking = tuple(replace(one, fixed=False) for one in acting if FAMILIES[one.named.family].stage == effect.OPENED)
-    opened = {one.name for made in data.made for one in made.with_effects((*data.model.effects, *asking)).parameters}
+    opened = {one.name for made in (*data.made, *data.tests) for one in made.with_effects((*data.model.effects, *asking)).parameters}
     possible = [one for one in acting if FAMILIES[one.named.family].stage != effect.OPENED or one.named.id in opened]
     possible += (one for one in pendulum_candidates(pendulum.swings(data, ())) if one.named.id not in known)
     found = [one for one in possible if looked_for(one.named, (), leave_out)]

@@ -163,9 +163,9 @@ def settings(study: Study) -> Mapping[str, object]:
     return {
         "version": version("massline"),
         "random_numbers": "none: the same data give the same answer",
-        "method": study.made[0].tested.method,
+        "method": next((one.tested.method for one in study.made), None),
         "band_hz": {
-            one.measured.name: [float(one.measured.frequency[0]), float(one.measured.frequency[-1])] for one in study.made
+            one.measured.name: [float(one.measured.frequency[0]), float(one.measured.frequency[-1])] for one in study.whole().predictions
         },
         "hold_out": list(study.hold_out),
         "worth_nats": {"": EVIDENCE_THRESHOLD, **effect.WORTH_OF},
@@ -337,16 +337,17 @@ def ready(asked: Options, progress: Progress | None = None) -> tuple[Model, Data
         if (side := FAMILIES[family].side) in OTHERWISE:
             raise BadInput(source=OPTION, field=text, problem=f"is of the kind {side!r}", remedy=OTHERWISE[side])
     model, data = read(asked, progress)
-    require_runs(data.campaigns)
+    if not data.tests:
+        require_runs(data.campaigns)
     for text in asked.candidates:
-        if ":" in text:
+        if ":" in text and not data.tests:
             named = parse(completed(text)[0], vocabulary(model, data.campaigns), source=OPTION)
             require_target(model, data.campaigns, named, OPTION)
     return model, data
 
 
 def require_runs(campaigns: Sequence[Campaign]) -> None:
-    """Refuse a series of which nothing can be held out.
+    """Refuse a series of campaigns of which nothing can be held out.
 
     Raises
     ------

@@ -270,6 +270,8 @@ def mistakes(data: Study) -> tuple[Cause, ...]:
     ------
     CheckFailed : a mistake of one campaign that another contradicts.
     """
+    if not data.made:
+        return ()
     every = [LowFrequencyReadings.of(one.with_effects(data.model.effects)) for one in data.made]
     channels = every[0].channels
     units = [one for one in candidates(data.made[0].tested.campaign.table) if one.kind == "unit" and len(one.channels) == 1]

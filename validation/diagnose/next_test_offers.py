@@ -630,6 +630,8 @@ tests/validation/diagnosing/test_next_test.py."""
 
 def menu(templates: Sequence[Template], effects: Sequence[Added], facts: Sequence[Fact]) -> Iterator[OfferedTest]:
     """Of a laboratory that has done the campaigns of `templates` and knows `facts`, and wonders about `effects`."""
+    if not templates:  # the menu is that of a shaker with a force measurement device
+        return
     asked = tuple(target for one in effects for target in one.named.targets)
     families = [one.named.family for one in effects]
     yield from classical(templates, facts)

@@ -173,10 +173,8 @@ def candidate(added: Added, left: Sequence[str], study: Study, *, allowed: bool)
             remedy="Name data of an article that has it, or of a run that drives it",
         )
     # Every effect of the models free, those too whose size was given
-    made = tuple(
-        one.with_effects(tuple(replace(each, fixed=False) for each in one.effects)) if isinstance(one, SeriesPrediction) else one
-        for one in after.predictions
-    )
+    every = tuple(replace(each, fixed=False) for each in (*study.model.effects, added))
+    made = tuple(one.with_effects(every) for one in (*study.made, *study.tests))
     free = replace(after, predictions=made)
     found = alias(free, named.id, names_of(free, named))
     if found is not None and found.effects and not allowed:
@@ -685,7 +683,7 @@ def opened(asked: Options, effect: AddedEffectOptions, progress: Progress | None
     paths = asked.data
     if not paths and known.data:
         paths = history.paths(known, at.path.parent, str(history.path_beside(at.path)))
-    elif not paths:
+    elif not paths and not model.tests:
         problem = "there is no data: the model has no ladder yet that knows any"
         raise BadInput(source="DATA", problem=problem, remedy="Name campaign folders behind EFFECT")
     data = read_data(paths, model, progress)
@@ -716,6 +714,8 @@ def _effect(
     accelerometers = dict.fromkeys(one.name for one in channels if one.quantity == "acceleration")
     forces = dict.fromkeys(one.name for one in channels if one.quantity != "acceleration")
     words = Vocabulary(accelerometers=tuple(accelerometers), forces=tuple(forces), places=None)
+    if model.own:
+        words = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
     effect, left = read(asked.effect, model, words, fixed=asked.fixed)
     require_bodies(replace(model, effects=(*model.effects, effect)), campaigns)
     rewritten(at.text, (effect,), str(at.path))

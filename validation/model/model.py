@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -83,6 +84,7 @@ class Model:
     damping_ratio : of every mode; None for the loss factors of the parts
     own : by article, the path of a user's own model (`fem.user_model`)
     structure : tolerances of the structure
+    tests : tables [[test]] of response functions and modal tables, read when a study is opened
     effects : in the order in which they act
     """
 
@@ -101,6 +103,7 @@ class Model:
     damping_ratio: float | None = None
     own: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     structure: StructureTolerances = field(default_factory=StructureTolerances)
+    tests: tuple[Mapping[str, Any], ...] = ()
     effects: tuple[Added, ...] = ()
 
     def __post_init__(self) -> None:

@@ -273,7 +273,10 @@ def _inertia(table: Fields) -> Inertia | None:
     return found
 
 
-TABLES = ("format", "model", "laboratory", "tolerances", "structure", "effect")
+STRUCTURE_FILE = ("fe_model", "stated")
+"""Tables of a user's own structure, which may stand in the model file itself."""
+
+TABLES = ("format", "model", "laboratory", "tolerances", "structure", *STRUCTURE_FILE, "test", "effect")
 MODEL = ("title", "article")
 STRUCTURE = ("kind", "modes", "damping_ratio", "dimensions", "own", "tolerances")
 
@@ -325,6 +328,8 @@ def of_table(table: dict[str, Any], source: str) -> Model:
     whole = Fields(source=source, place="", table=table).only(TABLES)
     about, structure = whole.inner("model").only(MODEL), whole.inner("structure").only(STRUCTURE)
     own = _own(structure.inner("own"))
+    if STRUCTURE_FILE[0] in table:
+        own |= {about.text("article"): source}
     kind = structure.choice("kind", KINDS) if "kind" in structure.table else BEAM
     laboratory = whole.inner("laboratory").only(LABORATORY)
     fmd = laboratory.inner("fmd").only(FMD)
@@ -358,6 +363,7 @@ def of_table(table: dict[str, Any], source: str) -> Model:
         structure=StructureTolerances(
             **{key: as_number(spread, key, low=0.0, high=LARGEST_SHARE) for key in names if key in spread.table}
         ),
+        tests=tuple(one.table for one in whole.each("test")) if "test" in whole.table else (),
         effects=effects_of(whole, anywhere=bool(own)),
     )
 

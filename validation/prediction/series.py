@@ -28,7 +28,7 @@ from identification.spectra.line_spectra import Spectra
 from identification.spectra.noise import of_block, of_full_record
 from identification.spectra.of_campaign import SAME_LINE, grid, spectra
 from identification.spectra.peak_hold import hann
-from validation.effects.catalogue import FAMILIES, acts
+from validation.effects.catalogue import FAMILIES, There, acts
 from validation.effects.effect import AMPLITUDE, BODY_STAGE, CHANNEL_STAGE, NOISE_STAGE, OPENED, PROCESSING, STRUCTURE_STAGE
 from validation.effects.stages import ChannelResponse, NoiseModel, leak
 from validation.estimation import problem
@@ -347,6 +347,22 @@ class SeriesPrediction:
         return self.tested.measured
 
     @property
+    def there(self) -> There:
+        """What effects can act on."""
+        return replace(self.tested.carried.standing.there, channels=self.measured.channels)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What was assumed, and which lines were left out."""
+        of = self.tested
+        return (*of.campaign.warnings, *of.remarks, *of.carried.standing.remarks)
+
+    @property
+    def structure(self) -> prediction_effects.Nuisances | None:
+        """What stands on the cover plate, before any effect."""
+        return self.tested.carried.nuisances
+
+    @property
     def parameters(self) -> tuple[problem.Parameter, ...]:
         """All that may move here: of the structure, the FMD, the chain, and the effects."""
         return self._opened[0]
@@ -418,8 +434,7 @@ class SeriesPrediction:
     @cached_property
     def _reaching(self) -> tuple[Added, ...]:
         """The effects that reach this campaign."""
-        there = replace(self.tested.carried.standing.there, channels=self.measured.channels)
-        return tuple(one for one in self.effects if acts(one.named, there))
+        return tuple(one for one in self.effects if acts(one.named, self.there))
 
     @cached_property
     def _chain(self) -> Chain:

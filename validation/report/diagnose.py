@@ -413,7 +413,8 @@ def draw_left(found: results.Diagnosis, bench: Study, folder: Path, progress: Ca
     whole = bench.whole([Added(named=one.named) for one in found.accepted])
     known = without(whole, named(whole, bench.hold_out)) if bench.hold_out else whole
     plain = at_offsets(kept_offsets(found.after.plain_fit), whole)
-    made = [one.with_effects((*bench.model.effects, *(Added(named=each.named) for each in found.accepted))) for one in bench.made]
+    acting = (*bench.model.effects, *(Added(named=each.named) for each in found.accepted))
+    made = [one.with_effects(acting) for one in (*bench.made, *bench.tests)]
     paths = []
     for of, one in zip(mapped_all(made, whole, known.thinned(), plain, progress), made, strict=True):
         paths.append(folder / f"{file_name(f'diagnose-left-{of.data_set}')}.png")
@@ -809,7 +810,7 @@ def _climbed(asked: Options, bench: Study, *, as_json: bool) -> tuple[results.Di
 
 def text(asked: Options, bench: Study, found: results.Diagnosis) -> str:
     """The page of a diagnosis."""
-    return replace(document(found), title=title(asked.path.name, [one.measured.name for one in bench.made])).text()
+    return replace(document(found), title=title(asked.path.name, [one.measured.name for one in bench.predictions])).text()
 
 
 def of_asked(asked: Options, bench: Study) -> dict[str, Any]:
@@ -817,7 +818,7 @@ def of_asked(asked: Options, bench: Study) -> dict[str, Any]:
     return {
         "model": asked.model,
         "data": list(asked.data),
-        "campaigns": [one.measured.name for one in bench.made],
+        "campaigns": [one.measured.name for one in bench.predictions],
         "hold_out": list(asked.hold_out),
         "band_hz": None if asked.band is None else list(asked.band),
         "method": asked.method,

@@ -592,7 +592,8 @@ def reported(asked: ReportOptions, *, quiet: bool = False) -> Report:
         why = "" if asked.diagnosis else NOT_ASKED
         if asked.diagnosis:
             try:
-                require_runs(study.campaigns)
+                if not study.tests:
+                    require_runs(study.campaigns)
                 found = diagnose.diagnosed(study, progress=told)
             except (BadInput, CheckFailed) as error:
                 why = str(error)

@@ -1,0 +1,267 @@
+"""A frame of beams in a few lines of a description: nodes, members between them, masses on them, and what their ends give.
+
+    [fe_model]
+    kind = "frame"
+    nodes = { foot = "0 m", floor-1 = "0.2 m", floor-2 = "0.4 m" }      # heights, or ["x", "y", "z"] each
+    fixed = ["foot"]
+    moves = ["x"]                                                       # of all other nodes; everything where it is left out
+    members = { walls-1 = ["foot", "floor-1"], walls-2 = ["floor-1", "floor-2"] }
+    section = { width = "80 mm", thickness = "1 mm", across = "x", count = 2 }
+    material = "steel"                 # or { density, youngs_modulus, poisson_ratio }; without a density it has no mass
+    masses = { floor-1 = "1.83 kg", floor-2 = "1.83 kg" }
+
+Every member is a part, its ends are joints ``member@node`` that give next to nothing, every node is a place, and a mass on a node
+is a part that has mass alone. What the weight above a member takes of its stiffness (`Structure.geometric`) is that of a beam
+under its axial force, cubic shapes (J. S. Przemieniecki, Theory of Matrix Structural Analysis, 1968, section 15.2).
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from fem.beam import elements, frame
+from fem.structure import Structure
+from geometry import article, toml_file
+from geometry.errors import BadInput
+from geometry.frames import Array
+from geometry.inertia import Inertia
+
+KEYS = ("nodes", "fixed", "moves", "members", "section", "material", "masses", "elements", "loss_factor", "down")
+SECTION = ("width", "thickness", "across", "count")
+MOTIONS = ("x", "y", "z", "rx", "ry", "rz")
+
+STIFF = 1e6
+"""[1] Of the member's own: an end this stiff is clamped to six digits, and ten are left of a double."""
+
+GRAVITY = 9.80665
+"""[m/s²] Standard, by which `Structure.geometric` is given (BIPM, The International System of Units, 2019)."""
+
+
+def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") -> Structure:
+    """The frame that `table` describes, on the ground where a node is fixed, else free.
+
+    Raises
+    ------
+    BadInput : an unknown or missing key, a unit, a node that nobody names, a member of no length or across its own direction.
+    """
+    toml_file.require_present(table, ("nodes", "members", "section", "material"), source=source, where=where)
+    nodes = {name: _point(value, source, f"{where}.nodes.{name}") for name, value in _table(table, "nodes", source, where).items()}
+    names = list(nodes)
+    fixed = [_node(name, names, source, f"{where}.fixed") for name in table.get("fixed", [])]
+    masses = {
+        _node(name, names, source, f"{where}.masses"): _size(value, "mass", source, f"{where}.masses.{name}")
+        for name, value in _table(table, "masses", source, where).items()
+    }
+    material, weighs = _material(table["material"], source, f"{where}.material")
+    count, across, section = _section(table["section"], material, source, f"{where}.section")
+    pieces = table.get("elements", 1)
+    if isinstance(pieces, bool) or not isinstance(pieces, int) or not 1 <= pieces <= 100:
+        raise _wrong(pieces, "a whole number from 1 to 100", source, f"{where}.elements", "How many beams a member is made of")
+    points, members, ports = list(nodes.values()), list[frame.Member](), list[frame.Ports]()
+    for name, ends in _table(table, "members", source, where).items():
+        at = f"{where}.members.{name}"
+        if not isinstance(ends, list) or len(ends) != 2:
+            raise _wrong(ends, "two names of nodes", source, at, 'Write it like ["foot", "floor-1"]')
+        a, b = (names.index(_node(end, names, source, at)) for end in ends)
+        length = float(np.linalg.norm(points[b] - points[a]))
+        if not length:
+            raise _wrong(ends, "two nodes apart from each other", source, at, "Correct the nodes")
+        if abs(across @ (points[b] - points[a])) > 1e-6 * length:
+            problem = f"is thin along its own direction: `across` of the section is {across.tolist()}"
+            raise BadInput(source=source, field=at, problem=problem, remedy="Name an axis that is square to every member")
+        first = len(points)
+        points += [points[a] + share * (points[b] - points[a]) for share in np.linspace(0.0, 1.0, pieces + 1)]
+        members.append(frame.Member(nodes=tuple(range(first, len(points))), section=section, z_axis=across, part=name))
+        for node, end in ((a, first), (b, len(points) - 1)):
+            own = max(section.bending_y, section.bending_z, section.torsion)
+            stiff = STIFF * np.array([*3 * [12 * own / length**3 + section.axial / length], *3 * [4 * own / length]])
+            S = np.diag(stiff)
+            port = frame.Ports(
+                nodes=(node, end), stiffness=np.block([[S, -S], [-S, S]]), mass=np.zeros((12, 12)), part=f"{name}@{names[node]}"
+            )
+            ports.append(port)
+    plan = frame.Plan(nodes=np.array(points), carriers=tuple(range(len(points))), members=tuple(members), ports=tuple(ports))
+    made = frame.assemble(plan)
+    size = 6 * len(points)
+    # By part its mass: that of a member, and those on nodes
+    part_mass = {one.part: frame.assemble(_alone(plan, one)).mass for one in members} if weighs else {}
+    for name, mass in masses.items():
+        own, k = np.zeros((size, size)), 6 * names.index(name)
+        own[k : k + 6, k : k + 6] = Inertia.from_cog(mass, np.zeros(3), np.zeros((3, 3))).mass_matrix
+        part_mass[name] = own
+    moves = table.get("moves", list(MOTIONS))
+    for one in moves if isinstance(moves, list) else [moves]:
+        toml_file.one_of(one, MOTIONS, source=source, where=f"{where}.moves")
+    held = [6 * k + m for k, name in enumerate(names) for m in range(6) if name in fixed or MOTIONS[m] not in moves]
+    if not part_mass:
+        raise BadInput(source=source, field=f"{where}.masses", problem="nothing has mass", remedy="State masses, or a density")
+    down = np.tile(np.concatenate([_direction(table.get("down", "-z"), source, f"{where}.down"), np.zeros(3)]), len(points))
+    loads = GRAVITY * sum((count if name in _names(members) else 1.0) * M @ down for name, M in part_mass.items())
+    bent = [6 * k + m for k, name in enumerate(names) for m in range(6) if name in fixed]
+    geometric = _geometric(plan, members, sum(made.stiffness.values()), loads, bent, size, count) if bent else {}
+    free = np.setdiff1d(np.arange(size), held)
+    return _kept(made, part_mass, geometric, names, free, count, grounded=bool(held), loss=_loss(table, source, where))
+
+
+def _kept(
+    made: frame.Frame,
+    part_mass: Mapping[str, Array],
+    geometric: Mapping[str, Array],
+    names: list[str],
+    free: Any,
+    count: int,
+    *,
+    grounded: bool,
+    loss: float,
+) -> Structure:
+    """The structure on the degrees of freedom that are `free`, `count` sections side by side."""
+    from scipy.sparse import csr_array
+
+    members = _names(list(made.plan.members))
+
+    def kept(matrix: Array, times: float = 1.0) -> Any:
+        return csr_array(times * matrix[np.ix_(free, free)])
+
+    stiffness = {name: kept(K, count) for name, K in made.stiffness.items()}
+    mass = {name: kept(M, count if name in members else 1.0) for name, M in part_mass.items()}
+    position = {dof: k for k, dof in enumerate(free.tolist())}
+    places = {}
+    for k, name in enumerate(names):
+        there = [(m, position[6 * k + m]) for m in range(3) if 6 * k + m in position]
+        if there:
+            rows, columns = zip(*there, strict=True)
+            places[name] = csr_array((np.ones(len(there)), (rows, columns)), shape=(3, len(free)))
+    return Structure(
+        stiffness=sum(stiffness.values()),
+        mass=sum(mass.values()),
+        rigid=made.rigid[free],
+        held=np.zeros(0, dtype=np.intp),
+        part_stiffness=stiffness,
+        part_mass=mass,
+        loss_factors=dict.fromkeys(members, loss) if loss else {},
+        grounded=grounded,
+        joints=tuple(name for name in made.stiffness if name not in members),
+        places=places,
+        geometric={name: kept(K) for name, K in geometric.items()},
+    )
+
+
+def _names(members: list[frame.Member]) -> list[str]:
+    return [one.part for one in members]
+
+
+def _alone(plan: frame.Plan, member: frame.Member) -> frame.Plan:
+    """`plan` of which one member alone has mass; an empty port keeps its size."""
+    last = len(plan.nodes) - 1
+    nothing = frame.Ports(nodes=(last,), stiffness=np.zeros((6, 6)), mass=np.zeros((6, 6)), part=member.part)
+    return frame.Plan(nodes=plan.nodes, carriers=plan.carriers, members=(member,), ports=(nothing,))
+
+
+def _geometric(
+    plan: frame.Plan, members: list[frame.Member], K: Array, loads: Array, bent: list[int], size: int, count: int
+) -> dict[str, Array]:
+    """By member (size, size) what its axial force under `loads` adds to its stiffness; the nodes `bent` stand still."""
+    free = np.setdiff1d(np.arange(size), bent)
+    u = np.zeros(size)
+    u[free] = np.linalg.solve(count * K[np.ix_(free, free)], loads[free])
+    found = {}
+    for one in members:
+        own = np.zeros((size, size))
+        for a, b in zip(one.nodes[:-1], one.nodes[1:], strict=True):
+            along = plan.nodes[b] - plan.nodes[a]
+            L = float(np.linalg.norm(along))
+            R = np.kron(np.eye(4), _axes(along / L, one.z_axis))
+            at = [*range(6 * a, 6 * a + 6), *range(6 * b, 6 * b + 6)]
+            pulled = R @ u[at]
+            N = count * one.section.axial / L * (pulled[6] - pulled[0])
+            own[np.ix_(at, at)] += R.T @ (N * _string(L)) @ R
+        found[one.part] = own
+    return found
+
+
+def _axes(x: Array, z: Array) -> Array:
+    return np.array([x, np.cross(z, x), z])
+
+
+def _string(L: float) -> Array:
+    """(12, 12) geometric stiffness of a beam of length `L` [m] under a unit pull, cubic shapes."""
+    a, b, c = L / 10, 2 * L**2 / 15, -(L**2) / 30
+    k = np.array([[6 / 5, a, -6 / 5, a], [a, b, -a, c], [-6 / 5, -a, 6 / 5, -a], [a, c, -a, b]]) / L
+    whole, sign = np.zeros((12, 12)), elements.SIGN_XZ
+    whole[np.ix_(elements.IN_XY, elements.IN_XY)] = k
+    whole[np.ix_(elements.IN_XZ, elements.IN_XZ)] = np.outer(sign, sign) * k
+    return whole
+
+
+def _table(table: Mapping[str, Any], key: str, source: str, where: str) -> dict[str, Any]:
+    return toml_file.require_table(table.get(key, {}), source=source, where=f"{where}.{key}")
+
+
+def _size(value: Any, dimension: str, source: str, where: str) -> float:
+    return float(toml_file.quantity(value, dimension, source=source, field=where).nominal_value)
+
+
+def _point(value: Any, source: str, where: str) -> Array:
+    """(3,) [m] of three lengths, or of a height alone."""
+    three = value if isinstance(value, list) else ["0 m", "0 m", value]
+    if len(three) != 3:
+        raise _wrong(value, "a height, or three lengths", source, where, 'Write "0.2 m" or ["0 m", "0 m", "0.2 m"]')
+    return np.array([_size(one, "length", source, where) for one in three])
+
+
+def _node(name: Any, names: list[str], source: str, where: str) -> str:
+    if name not in names:
+        remedy = f"{toml_file.nearest(str(name), names)}Nodes are {', '.join(names)}"
+        raise BadInput(source=source, field=where, problem=f"no node is called {name!r}", remedy=remedy)
+    return str(name)
+
+
+def _material(value: Any, source: str, where: str) -> tuple[article.Material, bool]:
+    """The material, and whether it weighs anything."""
+    if isinstance(value, str):
+        return article.material(value, source), True
+    table = toml_file.require_table(value, source=source, where=where)
+    keys = {"density": "density", "youngs_modulus": "pressure", "poisson_ratio": "ratio"}
+    toml_file.require_known(table, tuple(keys), source=source, where=where)
+    toml_file.require_present(table, tuple(keys)[1:], source=source, where=where)
+    sizes = {key: _number_or(table[key], dimension, source, f"{where}.{key}") for key, dimension in keys.items() if key in table}
+    return article.Material(**({"name": source, "density": 1.0} | sizes)), "density" in table
+
+
+def _number_or(value: Any, dimension: str, source: str, where: str) -> float:
+    if dimension == "ratio" and isinstance(value, int | float) and not isinstance(value, bool):
+        return float(value)
+    return _size(value, dimension, source, where)
+
+
+def _section(value: Any, material: article.Material, source: str, where: str) -> tuple[int, Array, elements.Section]:
+    """How many side by side, the direction (3,) in which they are thin, and one of them."""
+    table = toml_file.require_table(value, source=source, where=where)
+    toml_file.require_known(table, SECTION, source=source, where=where)
+    toml_file.require_present(table, SECTION[:3], source=source, where=where)
+    width, thickness = (_size(table[key], "length", source, f"{where}.{key}") for key in SECTION[:2])
+    count = table.get("count", 1)
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= 1000:
+        raise _wrong(count, "a whole number from 1 to 1000", source, f"{where}.count", "How many stand side by side")
+    across = _direction(table["across"], source, f"{where}.across")
+    return count, across, elements.rectangle(width, thickness, material)
+
+
+def _direction(value: Any, source: str, where: str) -> Array:
+    word = value.removeprefix("-") if isinstance(value, str) else value
+    axis = toml_file.one_of(word, MOTIONS[:3], source=source, where=where)
+    found = np.zeros(3)
+    found[MOTIONS.index(axis)] = -1.0 if word != value else 1.0
+    return found
+
+
+def _loss(table: Mapping[str, Any], source: str, where: str) -> float:
+    value = table.get("loss_factor", 0.0)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < 2:
+        raise _wrong(value, "at least 0 and below 2", source, f"{where}.loss_factor", "It is twice the damping ratio")
+    return float(value)
+
+
+def _wrong(found: Any, wanted: str, source: str, where: str, remedy: str) -> BadInput:
+    return BadInput(source=source, field=where, problem=f"must be {wanted}, found {found!r}", remedy=remedy)

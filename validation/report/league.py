@@ -1,0 +1,179 @@
+"""`massline league`: real tests that others made, each diagnosed from its study file, in one table: expected, said, and left."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import click
+
+from geometry import toml_file
+from geometry.errors import BadInput, CheckFailed
+from validation.diagnose.diagnose import diagnosed
+from validation.diagnose.diagnosis import Diagnosis, headline
+from validation.output import json_text, print_pages, stages
+from validation.report import document as doc
+from validation.study import Study
+
+FILE = "league.toml"
+KEYS = ("name", "study", "data", "hold_out", "expected", "tuned_on")
+REFUSED = "refused"
+"""Verdict on a set of which no diagnosis came."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """One real set.
+
+    Attributes
+    ----------
+    name : of the set, and of its folder among the data
+    study : its model file
+    data : campaigns and tests beside those that the study names
+    hold_out : see `validation.study.Options`
+    expected : what a good answer is, and whose word that is
+    tuned_on : whether anything of the program was chosen by looking at it
+    """
+
+    name: str
+    study: Path
+    data: tuple[Path, ...] = ()
+    hold_out: tuple[str, ...] = ()
+    expected: str
+    tuned_on: bool
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Result:
+    """What was said of a set.
+
+    Attributes
+    ----------
+    entry : the set
+    verdict : of the diagnosis, or `REFUSED`
+    said : in a sentence
+    found : the diagnosis; None where it refused
+    """
+
+    entry: Entry
+    verdict: str
+    said: str
+    found: Diagnosis | None = None
+
+    @property
+    def as_json(self) -> Mapping[str, Any]:
+        """As `massline league --json` has it."""
+        of = self.found
+        return {
+            "expected": self.entry.expected,
+            "verdict": self.verdict,
+            "said": self.said,
+            "accepted": [] if of is None else [one.id for one in of.accepted],
+            "class": [] if of is None else list(of.equivalence_class),
+            "error_before_percent": None if of is None else of.before.plain.percent,
+            "error_after_percent": None if of is None else of.after.plain.percent,
+            "tuned_on": self.entry.tuned_on,
+        }
+
+
+def entries(folder: Path, data: Path) -> tuple[Entry, ...]:
+    """The sets that ``league.toml`` in `folder` names, whose data lie in `data`.
+
+    Raises
+    ------
+    BadInput : no such file, an unknown or missing key.
+    """
+    source = folder / FILE
+    table = toml_file.read(source, remedy="Name the folder of study files with --studies")
+    toml_file.require_format(table, str(source))
+    toml_file.require_known(table, ("format", "set"), source=str(source))
+    found = []
+    for k, one in enumerate(table.get("set", []), start=1):
+        where = f"set[{k}]"
+        toml_file.require_known(one, KEYS, source=str(source), where=where)
+        toml_file.require_present(one, ("name", "study", "expected", "tuned_on"), source=str(source), where=where)
+        paths = tuple(data / name for name in one.get("data", ()))
+        found.append(
+            Entry(
+                name=one["name"],
+                study=folder / one["study"],
+                data=paths,
+                hold_out=tuple(one.get("hold_out", ())),
+                expected=one["expected"],
+                tuned_on=bool(one["tuned_on"]),
+            )
+        )
+    return tuple(found)
+
+
+def result(entry: Entry, *, quiet: bool = False) -> Result:
+    """What a diagnosis says of one set."""
+    try:
+        with stages(entry.name, quiet=quiet) as told:
+            study = Study.open(entry.study, entry.data, hold_out=entry.hold_out, progress=told)
+            found = diagnosed(study, progress=told)
+    except (BadInput, CheckFailed) as error:
+        return Result(entry=entry, verdict=REFUSED, said=str(error))
+    return Result(entry=entry, verdict=found.verdict, said=headline(found), found=found)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class League:
+    """The results of all sets, and the names of those whose data are not here."""
+
+    results: tuple[Result, ...]
+    absent: tuple[str, ...] = ()
+    by_name: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+
+    def document(self) -> doc.Document:
+        """The table."""
+        return doc.Document(title="Real tests that others made", blocks=(self._table(),), notes=tuple(self._notes()))
+
+    def _table(self) -> doc.Table:
+        def percent(one: Result, when: str) -> float | None:
+            return None if one.found is None else float(getattr(one.found, when).plain.percent)
+
+        return doc.Table(
+            caption="What was expected, what was said, and the plain error before and after",
+            rows=self.results,
+            columns=(
+                doc.Column("set", lambda one: one.entry.name, words=True),
+                doc.Column("expected", lambda one: one.entry.expected, words=True),
+                doc.Column("said", lambda one: one.said, words=True),
+                doc.Column("before", lambda one: percent(one, "before"), ".3g", unit="%"),
+                doc.Column("after", lambda one: percent(one, "after"), ".3g", unit="%"),
+                doc.Column("tuned on", lambda one: "yes" if one.entry.tuned_on else "no", words=True),
+            ),
+        )
+
+    def _notes(self) -> Iterator[str]:
+        if self.absent:
+            yield f"Not here: {', '.join(self.absent)}. Name the folder of the data with --data or MASSLINE_DATA."
+
+
+def answer(folder: Path, data: Path, names: tuple[str, ...], *, as_json: bool) -> None:
+    """Diagnose the sets called `names`, all where none is, and print the table, or JSON.
+
+    Raises
+    ------
+    BadInput : see `entries`; a name that no set has; none of the data are there.
+    """
+    every = entries(folder, data)
+    if unknown := set(names) - {one.name for one in every}:
+        known = ", ".join(one.name for one in every)
+        problem = f"no set is called {', '.join(sorted(unknown))}"
+        raise BadInput(source="NAME", problem=problem, remedy=f"There are {known}")
+    chosen = [one for one in every if not names or one.name in names]
+    here = [one for one in chosen if (data / one.name).is_dir()]
+    if not here:
+        problem = f"it holds none of {', '.join(one.name for one in chosen)}"
+        raise BadInput(source=str(data), field="--data", problem=problem, remedy="docs/league.md says where they come from")
+    found = League(
+        results=tuple(result(one, quiet=as_json) for one in here),
+        absent=tuple(one.name for one in chosen if one not in here),
+    )
+    if as_json:
+        click.echo(json_text({"sets": {one.entry.name: one.as_json for one in found.results}, "absent": list(found.absent)}))
+    else:
+        print_pages(found.document().text())
