@@ -387,14 +387,13 @@ def _floating(structure: Structure, held: HeldBase, count: int, factoriser: str 
         raise CheckFailed("The structure floats, and its rigid motions are not known. Give it coordinates, or hold it.")
     wanted = max(count, rigid.shape[1] + 1)
     pairs = lowest(K, M, wanted, shift=floating_shift(K, M), factoriser=factoriser, progress=progress)
-    # The shift is small beside the elastic modes, and its factors are nearly singular: what they lost in digits comes back from
-    # the Rayleigh quotients of the vectors, of which the rigid motions are taken out
-    from scipy.linalg import eigh
-
-    elastic = pairs.vectors[:, rigid.shape[1] :]
-    elastic = elastic - rigid @ (rigid.T @ (M @ elastic))
-    values, mixed = eigh(elastic.T @ (K @ elastic), elastic.T @ (M @ elastic))
-    elastic = elastic @ mixed
+    # The shift is small beside the elastic modes, so that the factors are nearly singular: the digits that this costs come back
+    # from Rayleigh quotients in the space of the vectors, of which the rigid motions are taken out
+    left = pairs.vectors - rigid @ (rigid.T @ (M @ pairs.vectors))
+    share, directions = np.linalg.eigh(left.T @ (M @ left))
+    elastic = left @ directions[:, rigid.shape[1] :] / np.sqrt(share[rigid.shape[1] :])
+    values, directions = np.linalg.eigh(elastic.T @ (K @ elastic))
+    elastic = elastic @ directions
     check_stiff(held, structure, values, elastic)
     together = np.hstack([rigid, elastic])[:, :count]
     return Eigenpairs(values=np.append(np.zeros(rigid.shape[1]), values)[:count], vectors=together)

@@ -202,9 +202,9 @@ def restricted(matrix: Sparse, free: Integers) -> Sparse:
 
 
 def check_connected(structure: Structure) -> None:
-    """Refuse a structure of which something hangs on nothing that the base holds; or, where nothing does, is a body of its own.
+    """Refuse a structure of which something hangs on nothing that the base holds.
 
-    What stands on the ground by springs shows in no pattern: `check_stiff` sees it.
+    On the ground, or without any hold, no pattern of the matrices shows it: `check_stiff` does.
 
     Raises
     ------
@@ -212,16 +212,14 @@ def check_connected(structure: Structure) -> None:
     """
     from scipy.sparse.csgraph import connected_components
 
-    if structure.grounded:
+    if not len(structure.held):
         return
     count, label = connected_components(abs(structure.stiffness) + abs(structure.mass), directed=False)
-    main = label[structure.held] if len(structure.held) else np.argmax(np.bincount(label))
-    loose = [np.flatnonzero(label == k) for k in np.setdiff1d(np.arange(count), main)]
+    loose = [np.flatnonzero(label == k) for k in np.setdiff1d(np.arange(count), label[structure.held])]
     if loose:
         bodies = "; ".join(f"{len(dofs)} degrees of freedom {_whereabouts(structure, dofs)}".rstrip() for dofs in loose[:3])
-        one, rest = len(loose) == 1, "the rest" if structure.floating else "the base"
         raise CheckFailed(
-            f"{len(loose)} {'body is' if one else 'bodies are'} not connected to {rest}: {bodies}. "
+            f"{len(loose)} {'body is' if len(loose) == 1 else 'bodies are'} not connected to the base: {bodies}. "
             "Let the parts touch, join them, or hold them.",
             bodies=loose,
         )

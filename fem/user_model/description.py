@@ -458,7 +458,7 @@ def require_stated_mass(mass: float, description: Description, least: float = 1.
         named = (
             f"A factor of {slip:.4g} is {words}: check `fe_model.units`, found {known}"
             for slip, words in slips
-            if abs(ratio / slip - 1) < MASS
+            if least - MASS < ratio / slip < 1 + MASS
         )
         unnamed = f"Check `fe_model.units`, found {known}, and whether all parts and lumped masses are in the model"
         raise BadInput(source=description.source, field="stated.mass", problem=problem, remedy=next(named, unnamed))

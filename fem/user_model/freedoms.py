@@ -269,28 +269,29 @@ def with_places(structure: Structure, dofs: DofMap, contents: Contents, descript
         motions.setdefault(f"dof-{row}", _of_rows((int(row), -1, -1), len(dofs.scale)))
     parts, stiffness = dict(structure.part_stiffness), structure.stiffness
     tolerances, supports = dict(structure.part_tolerances), list(description.named.supports)
-    joints = list(description.named.joint_parts)
+    joints: list[str] = []
     for name, joint in description.named.joints.items():
         where = f"{TABLE}.joints.{name}"
-        if name in parts:
-            problem = "states six stiffnesses, and the matrices have a part of this name"
-            raise BadInput(source=description.source, field=where, problem=problem, remedy=f'Write joints = ["{name}"] for that')
-        share = _springs(joint, motions, structure, description, where)
-        parts = parts or {"structure": stiffness}
-        parts[name], stiffness = share, stiffness + share
+        if joint.stiffness is not None:
+            if name in parts:
+                problem = "states six stiffnesses, and the matrices have a part of this name"
+                raise BadInput(source=description.source, field=where, problem=problem, remedy="Leave one of the two out")
+            share = _springs(joint, joint.stiffness, motions, structure, description, where)
+            parts = parts or {"structure": stiffness}
+            parts[name], stiffness = share, stiffness + share
+        elif name not in parts:
+            problem = "has neither `stiffness` nor a part of its name in the matrices"
+            remedy = f"{toml_file.nearest(name, parts)}Add stiffness = [six], or stiffness/{name} to the matrices"
+            raise BadInput(source=description.source, field=where, problem=problem, remedy=remedy)
         (supports if GROUND in joint.between else joints).append(name)
         if joint.tolerance is not None:
             tolerances[name] = MappingProxyType({**tolerances.get(name, {}), "modulus": joint.tolerance})
-    for key, names in (("supports", description.named.supports), ("joints", description.named.joint_parts)):
-        for name in names:
-            if name not in parts:
-                problem = f"names {name!r}, and the matrices have no such part"
-                remedy = f"{toml_file.nearest(name, parts)}Parts are {', '.join(parts) or 'none: write stiffness/' + name}"
-                raise BadInput(source=description.source, field=f"{TABLE}.{key}", problem=problem, remedy=remedy)
-    both = next((name for name in supports if name in joints), None)
-    if both is not None:
-        problem = f"names {both!r}, which supports names too"
-        raise BadInput(source=description.source, field=f"{TABLE}.joints", problem=problem, remedy="Leave it in one of the two")
+    for name in description.named.supports:
+        if name not in parts or name in description.named.joints:
+            what = "a joint has that name" if name in parts else "the matrices have no such part"
+            problem = f"names {name!r}, and {what}"
+            remedy = f"{toml_file.nearest(name, parts)}Parts are {', '.join(parts) or 'none: write stiffness/' + name}"
+            raise BadInput(source=description.source, field=f"{TABLE}.supports", problem=problem, remedy=remedy)
     found = replace(
         structure,
         stiffness=stiffness,
@@ -362,12 +363,17 @@ def _motion(
 
 
 def _springs(
-    joint: StatedJoint, motions: dict[str, Motion], structure: Structure, description: Description, where: str
+    joint: StatedJoint,
+    stiffness: Array,
+    motions: dict[str, Motion],
+    structure: Structure,
+    description: Description,
+    where: str,
 ) -> Sparse:
     """K (n, n) of the six springs of `joint` between two places, or one and the ground, about its own place."""
     from scipy.sparse import csr_array, diags_array
 
-    source, stiffness = description.source, joint.stiffness
+    source = description.source
     for name in filter(None, (*joint.between, joint.at)):
         if name != GROUND and name not in motions:
             problem = f"names the place {name!r}, which is none of fe_model.places"

@@ -77,15 +77,15 @@ class StatedJoint:
 
     Attributes
     ----------
-    between : two names; the second may be `GROUND`
+    between : two names, the second may be `GROUND`; empty where not given
     at : name of the place that the springs are about, empty where it is the first of `between`
-    stiffness : (6,) along x, y, z [N/m] and about them [N m/rad]
+    stiffness : (6,) along x, y, z [N/m] and about them [N m/rad]; None where the matrices have a part of the joint's name
     tolerance : standard deviation of all of them, relative; None when not given
     """
 
-    between: tuple[str, str]
+    between: tuple[str, ...] = ()
     at: str = ""
-    stiffness: Array
+    stiffness: Array | None = None
     tolerance: float | None = None
 
 
@@ -97,7 +97,7 @@ class Named:
     ----------
     support : one of `SUPPORTS`
     parts, places, joints : by name
-    supports, joint_parts : parts of the matrices that are springs to the ground, and springs between two others
+    supports : parts of the matrices that are springs to the ground
     """
 
     support: str = "base"
@@ -105,7 +105,6 @@ class Named:
     places: Mapping[str, StatedPlace] = field(default_factory=lambda: MappingProxyType({}))
     joints: Mapping[str, StatedJoint] = field(default_factory=lambda: MappingProxyType({}))
     supports: tuple[str, ...] = ()
-    joint_parts: tuple[str, ...] = ()
 
 
 KEYS = ("support", "parts", "places", "joints", "supports")
@@ -119,30 +118,25 @@ def named(model: Mapping[str, Any], units: UnitSystem, source: str, where: str) 
     BadInput : an unknown or missing key, a wrong type, unit or dimension, a name twice or one that cannot be called.
     """
     support = toml_file.one_of(model.get("support", "base"), SUPPORTS, source=source, where=f"{where}.support")
-    tables, springs = {}, model.get("joints", {})
-    stated = {**model, "joints": {}} if isinstance(springs, list) else model
+    tables = {}
     for key in ("parts", "places", "joints"):
-        tables[key] = toml_file.require_table(stated.get(key, {}), source=source, where=f"{where}.{key}")
+        tables[key] = toml_file.require_table(model.get(key, {}), source=source, where=f"{where}.{key}")
         for name in tables[key]:
             require_name(name, source, f"{where}.{key}")
+    supports = model.get("supports", [])
+    if not isinstance(supports, list) or not all(isinstance(name, str) for name in supports):
+        raise _wrong(supports, "a list of names of parts", source, f"{where}.supports", 'Write it like ["y1", "y2"]')
+    for name in supports:
+        if supports.count(name) > 1:
+            problem = f"names {name!r} {supports.count(name)} times"
+            raise BadInput(source=source, field=f"{where}.supports", problem=problem, remedy="Name every support once")
     return Named(
         support=support,
         parts={name: _part(entry, units, source, f"{where}.parts.{name}") for name, entry in tables["parts"].items()},
         places={name: _place(entry, units, source, f"{where}.places.{name}") for name, entry in tables["places"].items()},
         joints={name: _joint(entry, units, source, f"{where}.joints.{name}") for name, entry in tables["joints"].items()},
-        supports=_names(model.get("supports", []), source, f"{where}.supports"),
-        joint_parts=_names(springs, source, f"{where}.joints") if isinstance(springs, list) else (),
+        supports=tuple(supports),
     )
-
-
-def _names(value: Any, source: str, where: str) -> tuple[str, ...]:
-    if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
-        raise _wrong(value, "a list of names of parts", source, where, 'Write it like ["y1", "y2"]')
-    for name in value:
-        if value.count(name) > 1:
-            problem = f"names {name!r} {value.count(name)} times"
-            raise BadInput(source=source, field=where, problem=problem, remedy="Name each of them once")
-    return tuple(value)
 
 
 def require_name(name: str, source: str, where: str) -> None:
@@ -234,29 +228,33 @@ def point(value: Any, units: UnitSystem, source: str, where: str) -> Array:
 def _joint(entry: Any, units: UnitSystem, source: str, where: str) -> StatedJoint:
     table = toml_file.require_table(entry, source=source, where=where)
     toml_file.require_known(table, ("between", "at", "stiffness", "tolerance"), source=source, where=where)
-    toml_file.require_present(table, ("between", "stiffness"), source=source, where=where)
-    between = table["between"]
-    named = isinstance(between, list) and len(between) == 2 and all(isinstance(name, str) for name in between)
-    if not named or between[0] in (GROUND, between[1]):
+    toml_file.require_present(table, ("between",) if "stiffness" in table else (), source=source, where=where)
+    between = table.get("between", [])
+    two = isinstance(between, list) and len(between) == 2 and all(isinstance(name, str) for name in between)
+    if "between" in table and (not two or between[0] in (GROUND, between[1])):
         remedy = f'Write it like ["deck", "rail"], or ["foot", "{GROUND}"] with the ground last'
         raise _wrong(between, "two different names", source, f"{where}.between", remedy)
     at = table.get("at", "")
     if not isinstance(at, str):
         raise _wrong(at, "the name of a place", source, f"{where}.at", "State its coordinates in fe_model.places")
-    values = table["stiffness"]
+    stiffness = _six(table["stiffness"], units, source, f"{where}.stiffness") if "stiffness" in table else None
+    tolerance = _share(table["tolerance"], source, f"{where}.tolerance") if "tolerance" in table else None
+    return StatedJoint(between=tuple(between), at=at, stiffness=stiffness, tolerance=tolerance)
+
+
+def _six(values: Any, units: UnitSystem, source: str, where: str) -> Array:
     if not isinstance(values, list) or len(values) != 6:
         remedy = 'Write ["1e8 N/m", 0, 0, "1e4 N m/rad", 0, 0]: along x, y, z and about them'
-        raise _wrong(values, "six stiffnesses", source, f"{where}.stiffness", remedy)
+        raise _wrong(values, "six stiffnesses", source, where, remedy)
     dimensions = [*3 * ["stiffness"], *3 * ["rotational stiffness"]]
     stiffness = np.zeros(6)  # where a bare 0 is written, too: nothing is nothing in every unit
     for k, value in enumerate(values):
         if isinstance(value, bool) or value not in (0, 0.0):
-            stiffness[k] = measured(value, dimensions[k], units, source, f"{where}.stiffness")
+            stiffness[k] = measured(value, dimensions[k], units, source, where)
     if np.any(stiffness < 0) or not np.any(stiffness):
         what = f"{stiffness.min():g} along {MOTIONS[int(np.argmin(stiffness))]}" if np.any(stiffness < 0) else "zeros alone"
-        raise _wrong(what, "positive or zero, and not all zero", source, f"{where}.stiffness", "Leave such a joint out")
-    tolerance = _share(table["tolerance"], source, f"{where}.tolerance") if "tolerance" in table else None
-    return StatedJoint(between=(between[0], between[1]), at=at, stiffness=stiffness, tolerance=tolerance)
+        raise _wrong(what, "positive or zero, and not all zero", source, where, "Leave such a joint out")
+    return stiffness
 
 
 def _positive(value: Any, dimension: str, units: UnitSystem, source: str, where: str) -> float:

@@ -337,9 +337,9 @@ def _held_and_named(structure: Structure) -> str:
     """Support, supports and joints of a description, and a table for each part that has a loss factor or a tolerance."""
     support = "base" if len(structure.held) else "ground" if structure.grounded else "free"
     text = f'support = "{support}"\n'
-    for key, names in (("supports", structure.supports), ("joints", structure.joints)):
-        listed = ", ".join(f'"{name}"' for name in names)
-        text += f"{key} = [{listed}]\n" if names else ""
+    supports = ", ".join(f'"{name}"' for name in structure.supports)
+    text += f"supports = [{supports}]\n" if supports else ""
+    text += "".join(f'joints."{name}" = {{}}\n' for name in structure.joints)
     for part in dict.fromkeys((*structure.part_stiffness, *structure.part_mass)):
         loss, tolerance = structure.loss_factors.get(part), structure.part_tolerances.get(part, {})
         if loss is None and not tolerance:

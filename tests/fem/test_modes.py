@@ -210,7 +210,7 @@ def test_a_free_structure_of_two_bodies_fails(block: Block) -> None:
         rigid=np.vstack([one.rigid, one.rigid]),
         held=np.array([], dtype=np.intp),
     )
-    with pytest.raises(CheckFailed, match="1 body is not connected to the rest: 24 degrees of freedom"):
+    with pytest.raises(CheckFailed, match="Beside its rigid motions, 2 modes have zero frequency"):
         fixed_base(apart, 8)
 
 
