@@ -171,7 +171,8 @@ def viscous_matrix(damping: Damping, structure: Structure) -> Sparse:
 
 def equivalent_ratio(viscous: Array, structural: Array, omega: Array) -> Array:
     """Damping ratio (n,) [1] that each mode would have alone: (C_rr + S_rr / omega_r) / (2 omega_r)."""
-    return np.asarray((np.diag(viscous) + np.diag(structural) / omega) / (2 * omega))
+    swings = np.where(omega > 0, omega, np.inf)  # a rigid motion of a free structure does not
+    return np.asarray((np.diag(viscous) + np.diag(structural) / swings) / (2 * swings))
 
 
 def _lossy(damping: Damping, structure: Structure) -> list[Sparse]:
@@ -186,6 +187,7 @@ def _lossy(damping: Damping, structure: Structure) -> list[Sparse]:
 
 def _require_losses(matrix: Array, scale: Array, name: str) -> None:
     """Refuse an indefinite modal matrix; `scale` (n,) makes a loss factor of what is on its diagonal, whatever the frequency."""
+    scale = np.where(scale > 0, scale, scale.max(initial=0.0) or 1.0)
     loss = np.linalg.eigvalsh(matrix / np.outer(scale, scale))
     if loss.min(initial=0.0) < -FEEDS * np.abs(loss).max(initial=0.0):
         problem = f"it must not feed energy in, found a motion of the modes with the loss factor {loss.min():.3g}"

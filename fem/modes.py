@@ -328,6 +328,9 @@ def fixed_base(
 ) -> Modes:
     """The lowest `count` modes of `structure` with its base held, or all there are when they are fewer.
 
+    A structure on the ground has the modes that its supports leave it. Of one that floats the first are its rigid motions, at
+    zero frequency, and carry the whole rigid mass; there is no residual mass, because no base drives it.
+
     Parameters
     ----------
     damping : by default the loss factors that the structure's parts bring, else one ratio for all (`fem.damping.default_damping`)
@@ -343,10 +346,14 @@ def fixed_base(
         raise BadInput(source="modes", field="count", problem=f"at least one mode is needed, found {count}", remedy="Ask for 30")
     held = hold(structure)
     check_connected(structure)
-    pairs = lowest(held.stiffness, held.mass, count, factoriser=factoriser, progress=progress)
-    check_stiff(held, structure, pairs.values, pairs.vectors)
+    if structure.floating:
+        pairs = _floating(structure, held, count, factoriser, progress)
+    else:
+        pairs = lowest(held.stiffness, held.mass, count, factoriser=factoriser, progress=progress)
+        check_stiff(held, structure, pairs.values, pairs.vectors)
     L, n, R = held.load.T @ pairs.vectors, pairs.values.size, np.zeros((6, 6))
-    if held.free.size:  # R = P^T K^-1 P - L Omega^-2 L^T, from one static solution with the base accelerated
+    if np.any(held.load) and not structure.floating:
+        # R = P^T K^-1 P - L Omega^-2 L^T, from one static solution with the base accelerated
         factor: Factor = pairs.factor or factorise(held.stiffness, definite=True, name=factoriser)
         R = np.asarray(held.load.T @ factor.solve(held.load), dtype=np.float64) - (L / pairs.values) @ L.T
     undamped = Modes(
@@ -360,6 +367,36 @@ def fixed_base(
         viscous=np.zeros((n, n)),
     )
     return _with_damping(undamped, structure, damping, held, pairs.factor, factoriser)
+
+
+def _floating(structure: Structure, held: HeldBase, count: int, factoriser: str | None, progress: Progress | None) -> Eigenpairs:
+    """The rigid motions of a structure that nothing holds, at zero, then its lowest elastic modes: `count` together.
+
+    Raises
+    ------
+    CheckFailed : as `fixed_base`; also without rigid motions that could be told from others.
+    """
+    K, M = held.stiffness, held.mass
+    inertia = structure.rigid_mass
+    size = np.sqrt(np.diag(inertia))
+    there = np.flatnonzero(size > SEEN * size.max(initial=0.0))
+    square, turned = np.linalg.eigh(inertia[np.ix_(there, there)] / np.outer(size[there], size[there]))
+    kept = square > SEEN * square.max(initial=0.0)  # points on a line do not turn about it
+    rigid = (structure.rigid[:, there] / size[there]) @ turned[:, kept] / np.sqrt(square[kept])
+    if not rigid.shape[1]:
+        raise CheckFailed("The structure floats, and its rigid motions are not known. Give it coordinates, or hold it.")
+    wanted = max(count, rigid.shape[1] + 1)
+    pairs = lowest(K, M, wanted, shift=floating_shift(K, M), factoriser=factoriser, progress=progress)
+    # The shift is small beside the elastic modes, so that the factors are nearly singular: the digits that this costs come back
+    # from Rayleigh quotients in the space of the vectors, of which the rigid motions are taken out
+    left = pairs.vectors - rigid @ (rigid.T @ (M @ pairs.vectors))
+    share, directions = np.linalg.eigh(left.T @ (M @ left))
+    elastic = left @ directions[:, rigid.shape[1] :] / np.sqrt(share[rigid.shape[1] :])
+    values, directions = np.linalg.eigh(elastic.T @ (K @ elastic))
+    elastic = elastic @ directions
+    check_stiff(held, structure, values, elastic)
+    together = np.hstack([rigid, elastic])[:, :count]
+    return Eigenpairs(values=np.append(np.zeros(rigid.shape[1]), values)[:count], vectors=together)
 
 
 def with_damping(modes: Modes, structure: Structure, damping: Damping | None = None, *, factoriser: str | None = None) -> Modes:
@@ -380,7 +417,7 @@ def _with_damping(
     damping, omega = damping or default_damping(structure), 2 * np.pi * modes.frequency
     C, S = modal_matrices(damping, structure, omega, modes.shapes)
     whole, together = structural_matrix(damping, structure), None
-    if whole is not None and held.free.size:
+    if whole is not None and held.free.size and not structure.floating:
         factors = {damping.loss_factors.get(part, 0.0) for part in structure.part_stiffness}
         if len(factors) == 1:  # where all parts have one loss factor, K (1 + i eta) couples nothing
             turn = 1 + 1j * factors.pop()

@@ -1,8 +1,9 @@
-"""`Structure`: stiffness and mass of a discretised article on a moving base, however it was made.
+"""`Structure`: stiffness and mass of a discretised structure on a base, on the ground or free, however it was made.
 
 Beams, solid elements and a user's own matrices all end here; modes, reduction and dynamic mass start from here and need not know
 which it was. The base is six rigid motions of a reference point. It carries some degrees of freedom along (`held`): the flange's
-rigid node, the underside of a solid, the interface of a user's model. All others are free (`HeldBase`).
+rigid node, the underside of a solid, the interface of a user's model. All others are free (`HeldBase`). A structure on the ground
+(`grounded`), or one that floats, has no base and holds nothing.
 """
 
 from collections.abc import Mapping
@@ -14,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geometry.errors import CheckFailed
-from geometry.frames import Array, Integers, freeze, rigid_transformation_6
+from geometry.frames import Array, Integers, freeze, rigid_transformation_6, skew
 
 Sparse = Any
 """A `scipy.sparse.csr_array`; SciPy ships no types."""
@@ -28,13 +29,20 @@ class Structure:
     ----------
     stiffness, mass : (n, n) sparse, symmetric, SI, of the unconstrained structure
     rigid : (n, 6) what every degree of freedom does in the six unit motions of the reference point (columns: x, y, z [1 per m],
-        alpha, beta, gamma [1 per rad]); stiffness @ rigid = 0
-    held : (b,) degrees of freedom that the base carries along
+        alpha, beta, gamma [1 per rad]); stiffness @ rigid = 0 unless `grounded`; zero where a model has no coordinates
+    held : (b,) degrees of freedom that the base carries along; none of a structure that is grounded or free
     reference_point : (3,) [m], in the article's frame
     points : (p, 3) [m], places where the shape of a mode can be looked at, in the article's frame
-    translations : (p, 3) the degrees of freedom that move those points along x, y, z
+    translations, rotations : (p, 3) the degrees of freedom that move those points along x, y, z and turn them about these axes;
+        rotations may be -1, where nothing turns, or left empty
     part_stiffness : share of each part in `stiffness`, (n, n) sparse, together all of it; may be left empty
+    part_mass : share of each part in `mass`, likewise
     loss_factors : structural loss factor [1] of the parts that have one
+    grounded : what ties it to the ground is in `stiffness`
+    supports, joints : names in `part_stiffness` that are springs to the ground, and springs between two parts
+    places : by name (3, n) sparse, what each degree of freedom moves there along x, y, z; a row is empty where nothing does
+    sections : by shell or beam, the shares of `part_stiffness` that grow with the thickness and with its cube
+    part_tolerances : by part, standard deviation, relative, of its "modulus", "density", "loss_factor" or "thickness"
     """
 
     stiffness: Sparse
@@ -45,7 +53,15 @@ class Structure:
     points: Array = field(default_factory=lambda: np.zeros((0, 3)))
     translations: Integers = field(default_factory=lambda: np.zeros((0, 3), dtype=np.intp))
     part_stiffness: Mapping[str, Sparse] = field(default_factory=lambda: MappingProxyType({}))
+    part_mass: Mapping[str, Sparse] = field(default_factory=lambda: MappingProxyType({}))
     loss_factors: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    rotations: Integers = field(default_factory=lambda: np.zeros((0, 3), dtype=np.intp))
+    grounded: bool = False
+    supports: tuple[str, ...] = ()
+    joints: tuple[str, ...] = ()
+    places: Mapping[str, Sparse] = field(default_factory=lambda: MappingProxyType({}))
+    sections: Mapping[str, tuple[Sparse, Sparse]] = field(default_factory=lambda: MappingProxyType({}))
+    part_tolerances: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
 
     def __post_init__(self) -> None:
         freeze(self, rigid=(self.mass.shape[0], 6), reference_point=(3,))
@@ -54,6 +70,11 @@ class Structure:
     def free(self) -> Integers:
         """Degrees of freedom that the base does not hold, ascending."""
         return np.setdiff1d(np.arange(self.mass.shape[0]), self.held)
+
+    @property
+    def floating(self) -> bool:
+        """Whether nothing holds it: neither a base nor the ground."""
+        return not (len(self.held) or self.grounded)
 
     @property
     def rigid_mass(self) -> Array:
@@ -66,6 +87,62 @@ def rigid_motion(points: npt.ArrayLike, reference_point: npt.ArrayLike = (0.0, 0
     """All six motions of `points` (p, 3) [m] that ride on the reference point; shape (6 p, 6), point by point (Eq. 3)."""
     offsets = np.asarray(points, dtype=np.float64) - np.asarray(reference_point, dtype=np.float64)
     return np.vstack([rigid_transformation_6(offset) for offset in offsets])
+
+
+# A place that is a coordinate, in a structure of which no elements are known.
+
+NEIGHBOURS = 8
+"""Nodes whose motions are fitted by a rigid one where none of them turns."""
+
+ON_NODE = 1e-6
+"""Distance to a node, as a share of that to the farthest of its neighbours, below which the point is the node."""
+
+
+def place_rows(structure: Structure, points: npt.ArrayLike) -> list[Sparse]:
+    """What each degree of freedom moves `points` (p, 3) [m], in the article's frame, along x, y, z: (3, n) sparse each.
+
+    A point rides on the nearest node and turns with it. Where that has no rotations, it follows the rigid motion nearest to those
+    of the nodes around it, weighted with the inverse square of their distances: on a node it is the node's own.
+
+    Raises
+    ------
+    CheckFailed : the structure knows no nodes.
+    """
+    from scipy.sparse import csr_array
+
+    if not len(structure.points):
+        raise CheckFailed("The structure knows no coordinates of nodes; state places by their nodes or degrees of freedom.")
+    from scipy.spatial import cKDTree
+
+    at = np.asarray(points, dtype=np.float64).reshape(-1, 3)
+    away, near = cKDTree(structure.points).query(at, k=min(NEIGHBOURS, len(structure.points)))
+    found, n = [], structure.mass.shape[0]
+    for point, distances, nodes in zip(at, away.reshape(len(at), -1), near.reshape(len(at), -1), strict=True):
+        first, arm = nodes[0], point - structure.points[nodes[0]]
+        turning = structure.rotations[first] if len(structure.rotations) else np.full(3, -1)
+        if np.all(turning >= 0):
+            rows, values = np.append(structure.translations[first], turning), np.hstack([np.eye(3), -skew(arm)])
+        elif distances[0] <= ON_NODE * distances[-1]:
+            rows, values = structure.translations[first], np.eye(3)
+        else:
+            weights = np.repeat(distances[0] / distances, 3)[:, None]
+            motions = rigid_motion(structure.points[nodes], point).reshape(-1, 6, 6)[:, :3].reshape(-1, 6)
+            size = distances[-1] * np.array([0, 0, 0, 1, 1, 1]) + np.array([1, 1, 1, 0, 0, 0])  # rotations as long as the rest
+            fitted = np.linalg.pinv(weights * motions / size, rcond=1e-9)
+            rows, values = structure.translations[nodes].ravel(), fitted[:3] * weights.T
+        along = np.repeat(np.arange(3), len(rows))
+        found.append(csr_array((values.ravel(), (along, np.tile(rows, 3))), shape=(3, n)))
+    return found
+
+
+def nearest_node(structure: Structure, point: Array) -> tuple[int, float, float]:
+    """Number of the node nearest to `point` (3,) [m], its distance, and the widest gap between a node and its nearest [m]."""
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(structure.points)
+    distance, node = tree.query(point)
+    gaps = tree.query(structure.points, k=2)[0][:, 1] if len(structure.points) > 1 else np.zeros(1)
+    return int(node), float(distance), float(gaps.max())
 
 
 # `HeldBase`: the free part of a structure, and how acceleration of the base loads it.
@@ -127,12 +204,16 @@ def restricted(matrix: Sparse, free: Integers) -> Sparse:
 def check_connected(structure: Structure) -> None:
     """Refuse a structure of which something hangs on nothing that the base holds.
 
+    On the ground, or without any hold, no pattern of the matrices shows it: `check_stiff` does.
+
     Raises
     ------
     CheckFailed : the degrees of freedom of each such body are counted; the parts it belongs to and a point of it are named.
     """
     from scipy.sparse.csgraph import connected_components
 
+    if not len(structure.held):
+        return
     count, label = connected_components(abs(structure.stiffness) + abs(structure.mass), directed=False)
     loose = [np.flatnonzero(label == k) for k in np.setdiff1d(np.arange(count), label[structure.held])]
     if loose:
@@ -145,7 +226,7 @@ def check_connected(structure: Structure) -> None:
 
 
 def check_stiff(held: HeldBase, structure: Structure, values: Array, vectors: Array) -> None:
-    """Refuse modes that strain nothing: with the base held, all of a structure must resist.
+    """Refuse modes that strain nothing: held, on the ground, or beside its rigid motions, all of a structure must resist.
 
     Raises
     ------
@@ -158,8 +239,11 @@ def check_stiff(held: HeldBase, structure: Structure, values: Array, vectors: Ar
     if np.any(loose):
         moving = np.argmax(np.abs(vectors[:, loose][:, 0]))
         where = _whereabouts(structure, held.free[[moving]])
+        how = (
+            "Beside its rigid motions" if structure.floating else "On the ground" if structure.grounded else "With the base held"
+        )
         raise CheckFailed(
-            f"With the base held, {np.sum(loose)} {'mode has' if np.sum(loose) == 1 else 'modes have'} zero frequency: part of "
+            f"{how}, {np.sum(loose)} {'mode has' if np.sum(loose) == 1 else 'modes have'} zero frequency: part of "
             f"the structure floats or swings freely {where}".rstrip()
             + ". Hold it, or stiffen the joint.",
             count=int(np.sum(loose)),

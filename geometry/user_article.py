@@ -120,7 +120,7 @@ def read(path: Path) -> Description:
     article = toml_file.require_table(table.get("article", {}), source=source, where="article")
     toml_file.require_known(article, ("name",), source=source, where="article")
     materials = toml_file.require_table(table.get("material", {}), source=source, where="material")
-    own = {name: _own_material(name, entry, source) for name, entry in materials.items()}
+    own = {name: own_material(name, entry, source, f"material.{name}") for name, entry in materials.items()}
     entries = table.get("part", [])
     if not isinstance(entries, list) or not entries:
         raise BadInput(source=source, field="part", problem="there is no part", remedy="Add a [[part]] with name and file")
@@ -208,8 +208,13 @@ def _named(value: Any, source: str, where: str, own: Mapping[str, Material]) -> 
     return made_of(value, f"{source}, {where}", own)
 
 
-def _own_material(name: str, entry: Any, source: str) -> Material:
-    where = f"material.{name}"
+def own_material(name: str, entry: Any, source: str, where: str) -> Material:
+    """The material that the table `entry` states; `source` has it at `where`.
+
+    Raises
+    ------
+    BadInput : an unknown key, no density, a value without its unit or out of its range.
+    """
     table = toml_file.require_table(entry, source=source, where=where)
     toml_file.require_known(table, ("density", *_ELASTIC), source=source, where=where)
     if "density" not in table:

@@ -1,8 +1,9 @@
-"""The TOML text that says what bare numbers mean: units, reference point, interface, what is known of the mass.
+"""The TOML text that says what bare numbers mean: units, support, names, what is known of the mass.
 
 It stands in a file of its own or, in HDF5 and npz, in the data file itself (attribute or array ``description``).
 """
 
+import os
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,6 +13,8 @@ from typing import Any
 import numpy as np
 
 from fem.structure import Sparse
+from fem.user_model import parts
+from fem.user_model.units import UnitSystem, unit_system
 from geometry import toml_file
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
@@ -19,90 +22,19 @@ from geometry.frames import Array, Integers
 from geometry.inertia import Inertia, judge, parallel_axis, six_from_tensor
 from geometry.toml_file import quantity, require_known, require_present
 
-# The unit system of a user's model, ``mm-t-N-s``, and what its matrices are multiplied with to be SI.
-#
-# A finite-element program knows no units; it only needs force = mass × length / time². So a system is three units, and naming
-# the force as well is a check that catches the commonest slip (kilograms beside millimetres and newtons).
-#
-# With displacements and rotations of the user u = u_SI / s (s is the unit of length for translations, 1 for rotations) energies
-# agree when M_SI = m L² M / (s_i s_j), K_SI = m L² / T² K / (s_i s_j) and C_SI = m L² / T C / (s_i s_j). A generalised
-# coordinate has no unit of its own; s = L m^0.5 leaves modes that are normalised to unit mass so.
-
-KNOWN = ("m-kg-N-s", "mm-t-N-s", "mm-kg-mN-s", "mm-kg-kN-ms", "in-lbf-s", "ft-lbf-s")
-"""Systems that a message may propose; any other one that pint can read and that is consistent does as well."""
-
-CONSISTENT = 1e-6
-"""A force may differ by this share from mass × length / time²: the standard inch and pound are exact, digits in names are not."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class UnitSystem:
-    """What one unit of a model is in SI.
-
-    Attributes
-    ----------
-    name : as the user wrote it
-    length, mass, time : [m], [kg], [s]
-    """
-
-    name: str
-    length: float
-    mass: float
-    time: float
-
-    def coordinates(self, components: Integers) -> Array:
-        """SI value (n,) of one unit of each degree of freedom, from its component 1 to 6, 0 for a generalised one."""
-        scales = np.array([self.length * np.sqrt(self.mass), *3 * [self.length], *3 * [1.0]])
-        return np.asarray(scales[components])
-
-    @property
-    def energy(self) -> float:
-        """[J]"""
-        return self.mass * self.length**2 / self.time**2
-
-    @property
-    def six(self) -> Array:
-        """SI value (6,) of the lever arms of the six motions: none of x, y and z, the unit of length of the rotations."""
-        return np.array([1.0, 1.0, 1.0, *3 * [self.length]])
-
-
-SI = UnitSystem(name="m-kg-N-s", length=1.0, mass=1.0, time=1.0)
-
-
-def unit_system(text: object, source: str, field: str = "fe_model.units") -> UnitSystem:
-    """The system that `text` names: length-mass-force-time, or length-force-time where the mass follows.
-
-    Raises
-    ------
-    BadInput : not of that form, a unit not known or of another dimension, a force that is not mass × length / time².
-    """
-    words = [word.strip() for word in text.split("-")] if isinstance(text, str) else []
-    if len(words) not in (3, 4):
-        problem = f"must be length-mass-force-time, found {text!r}"
-        raise BadInput(source=source, field=field, problem=problem, remedy=f"Write one like {', '.join(KNOWN)}")
-    dimensions = ("length", "mass", "force", "time") if len(words) == 4 else ("length", "force", "time")
-    value = {}
-    for name, word in zip(dimensions, words, strict=True):
-        size = float(quantity(f"1 {word}", name, source=source, field=field).nominal_value)
-        if size <= 0:
-            problem = f"one {word!r} is nothing beside the {name} of any structure"
-            raise BadInput(source=source, field=field, problem=problem, remedy=f"Write a system like {', '.join(KNOWN)}")
-        value[name] = size
-    by_newton = value["force"] * value["time"] ** 2 / value["length"]
-    mass = value.get("mass", by_newton)
-    if abs(by_newton / mass - 1) > CONSISTENT:
-        problem = f"the force of {text} is {by_newton / mass:.6g} times mass × length / time²"
-        remedy = f"Name the units that the matrices were made with: {', '.join(KNOWN)} are consistent"
-        raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
-    return UnitSystem(name=str(text), length=value["length"], mass=mass, time=value["time"])
-
-
 TABLE = "fe_model"
 """The table by which a TOML file is recognised as the description of a model."""
 
 KINDS = ("matrices", "modal")
 _TOP = ("format", TABLE, "stated")
-_KEYS = ("name", "kind", "units", "reference_point", "file", "grids", "interface", "matrices", "loss_factor", "sha256")
+_DATA_KEYS = ("name", "kind", "units", "reference_point", "file", "grids", "interface", "matrices", "loss_factor", "sha256")
+_KEYS = (*_DATA_KEYS, *parts.KEYS)
+DATA = "MASSLINE_DATA"
+"""A file ``$MASSLINE_DATA/...`` lies in the folder that this environment variable names: measured data of others stay there."""
+
+NO_DATA = "../shared/data"
+"""Where they are looked for when it is not set."""
+
 MATRICES = ("stiffness", "mass", "viscous", "structural")
 
 
@@ -133,6 +65,7 @@ class Description:
     kind : one of `KINDS`
     units : of every number in the data
     reference_point : (3,) [m], in the model's frame
+    named : how it is held, and its parts, places, supports and joints
     file, grids : the data, and where a Nastran model has its grid points; None where not named
     interface : identifiers of the nodes that the base carries; empty where the data say it otherwise
     matrices : the names in a Nastran file of what we call stiffness, mass, viscous and structural
@@ -146,6 +79,7 @@ class Description:
     kind: str
     units: UnitSystem
     reference_point: Array
+    named: parts.Named = field(default_factory=parts.Named)
     file: Path | None = None
     grids: Path | None = None
     interface: tuple[int, ...] = ()
@@ -161,7 +95,7 @@ def read_description(path: Path) -> Description:
 
 
 def parse(table: Mapping[str, Any], source: str, path: Path) -> Description:
-    """The description in `table`; other files are relative to `path` and lie in its folder or below.
+    """The description in `table`; other files lie in the folder of `path` or below, or in that of `DATA`.
 
     Raises
     ------
@@ -172,7 +106,13 @@ def parse(table: Mapping[str, Any], source: str, path: Path) -> Description:
     toml_file.require_present(table, (TABLE,), source=source)
     model = toml_file.require_table(table[TABLE], source=source, where=TABLE)
     toml_file.require_known(model, _KEYS, source=source, where=TABLE)
-    toml_file.require_present(model, ("kind", "units", "reference_point"), source=source, where=TABLE)
+    toml_file.require_present(model, ("kind", "units"), source=source, where=TABLE)
+    kind = toml_file.one_of(model["kind"], KINDS, source=source, where=f"{TABLE}.kind")
+    units = unit_system(model["units"], source)
+    named = parts.named(model, units, source, TABLE)
+    if named.support == "base":  # what moves needs a point to move about, else the origin will do
+        toml_file.require_present(model, ("reference_point",), source=source, where=TABLE)
+    _require_support(model, named, kind, units, source)
     value = model.get("interface", [])
     where = f"{TABLE}.interface"
     if not isinstance(value, list) or not all(isinstance(node, int) and not isinstance(node, bool) for node in value):
@@ -181,30 +121,48 @@ def parse(table: Mapping[str, Any], source: str, path: Path) -> Description:
     if twice is not None:
         problem = f"names node {twice} {value.count(twice)} times"
         raise BadInput(source=source, field=where, problem=problem, remedy="Name every interface node once")
-    named = toml_file.require_table(model.get("matrices", {}), source=source, where=f"{TABLE}.matrices")
-    toml_file.require_known(named, MATRICES, source=source, where=f"{TABLE}.matrices")
-    for key, name in named.items():
+    matrix_names = toml_file.require_table(model.get("matrices", {}), source=source, where=f"{TABLE}.matrices")
+    toml_file.require_known(matrix_names, MATRICES, source=source, where=f"{TABLE}.matrices")
+    for key, name in matrix_names.items():
         if not isinstance(name, str) or not name.isidentifier():
             remedy = 'Write it like { stiffness = "kaa" }'
             raise _wrong(name, "the name of a matrix", source, f"{TABLE}.matrices.{key}", remedy)
-    loss = model.get("loss_factor")
-    if loss is not None and (isinstance(loss, bool) or not isinstance(loss, int | float) or not 0 <= loss < 2):
-        remedy = "It is twice the damping ratio at resonance"
-        raise _wrong(loss, "at least 0 and below 2", source, f"{TABLE}.loss_factor", remedy)
     return Description(
         source=source,
         name=_text(model, "name", source) or path.stem,
-        kind=toml_file.one_of(model["kind"], KINDS, source=source, where=f"{TABLE}.kind"),
-        units=unit_system(model["units"], source),
-        reference_point=_point(model["reference_point"], source, f"{TABLE}.reference_point"),
+        kind=kind,
+        units=units,
+        reference_point=parts.point(model["reference_point"], units, source, f"{TABLE}.reference_point")
+        if "reference_point" in model
+        else np.zeros(3),
+        named=named,
         file=_file(model, "file", source, path),
         grids=_file(model, "grids", source, path),
         interface=tuple(value),
-        matrices={key: name.lower() for key, name in named.items()},
-        loss_factor=None if loss is None else float(loss),
+        matrices={key: name.lower() for key, name in matrix_names.items()},
+        loss_factor=parts.loss_factor(model, source, TABLE),
         sha256=(_text(model, "sha256", source) or "").strip().lower(),
-        stated=_stated(table.get("stated", {}), source),
+        stated=_stated(table.get("stated", {}), units, source),
     )
+
+
+def _require_support(model: Mapping[str, Any], named: parts.Named, kind: str, units: UnitSystem, source: str) -> None:
+    """Refuse keys that contradict how the structure is held, and what modal data cannot have."""
+    if kind == "modal" and (key := next((key for key in parts.KEYS if model.get(key)), None)):
+        problem = "belongs to a structure, not to modal data, whose base is the reference point"
+        raise BadInput(source=source, field=f"{TABLE}.{key}", problem=problem, remedy="Leave it out, or bring matrices")
+    if not units.known and (kind == "modal" or named.support == "base"):
+        problem = "leaves open what a kilogram is, and a base that moves is about masses in kilograms"
+        raise BadInput(source=source, field=f"{TABLE}.units", problem=problem, remedy="Name the system, mm-t-N-s for example")
+    if named.support != "base" and model.get("interface"):
+        problem = f'names nodes that a base carries, and support is "{named.support}"'
+        raise BadInput(source=source, field=f"{TABLE}.interface", problem=problem, remedy="Leave one of the two out")
+    to_ground = [f"joints.{name}" for name, joint in named.joints.items() if parts.GROUND in joint.between]
+    if named.support != "ground" and (named.supports or to_ground):
+        where = "supports" if named.supports else to_ground[0]
+        problem = f'ties it to the ground, and support is "{named.support}"'
+        remedy = 'Write support = "ground"; what holds a base-driven structure is its interface'
+        raise BadInput(source=source, field=f"{TABLE}.{where}", problem=problem, remedy=remedy)
 
 
 def _text(table: Mapping[str, Any], key: str, source: str) -> str | None:
@@ -214,31 +172,40 @@ def _text(table: Mapping[str, Any], key: str, source: str) -> str | None:
     return found
 
 
-def _point(value: Any, source: str, where: str) -> Array:
-    """Three lengths (3,) [m], each with its unit."""
-    example = 'Write it like ["0 mm", "0 mm", "120.5 mm"]'
-    if not isinstance(value, list) or len(value) != 3:
-        raise _wrong(value, "three lengths with their units", source, where, example)
-    return np.array([quantity(each, "length", source=source, field=where).nominal_value for each in value], dtype=np.float64)
-
-
 def _file(table: Mapping[str, Any], key: str, source: str, path: Path) -> Path | None:
     name = _text(table, key, source)
     if name is None:
         return None
-    folder, there, where = path.parent.resolve(), path.parent / name, f"{TABLE}.{key}"
-    if not there.resolve().is_relative_to(folder):
-        problem = f"{name!r} leads out of the folder of the description, to {there.resolve()}"
+    return lies(name, path.parent, source, f"{TABLE}.{key}")
+
+
+def lies(name: str, folder: Path, source: str, where: str) -> Path:
+    """The file that `source` calls `name` at `where`: in `folder` or below, or, ``$MASSLINE_DATA/...``, in that of `DATA`.
+
+    Raises
+    ------
+    BadInput : it is not there, or its name or a link leads elsewhere.
+    """
+    whose, within = "the folder of the description", name.removeprefix(f"${DATA}/")
+    if within != name:
+        whose, folder = DATA, Path(os.environ.get(DATA, NO_DATA))
+    there = folder / within
+    if not there.resolve().is_relative_to(folder.resolve()):
+        problem = f"{name!r} leads out of {whose}, to {there.resolve()}"
         raise BadInput(source=source, field=where, problem=problem, remedy="Copy the file beside the description")
     if not there.is_file():
-        raise BadInput(source=source, field=where, problem=f"there is no file {name!r}", remedy=f"Looked for {there}")
+        remedy = f"Looked for {there}" + (f"; {DATA} names the folder of data" if within != name else "")
+        raise BadInput(source=source, field=where, problem=f"there is no file {name!r}", remedy=remedy)
     return there
 
 
-def _stated(value: Any, source: str) -> Stated:
+def _stated(value: Any, units: UnitSystem, source: str) -> Stated:
     table = toml_file.require_table(value, source=source, where="stated")
     toml_file.require_known(table, ("mass", "cog"), source=source, where="stated")
-    cog = _point(table["cog"], source, "stated.cog") if "cog" in table else None
+    if table and not units.known:
+        problem = "cannot be compared with matrices whose units are not known"
+        raise BadInput(source=source, field="stated", problem=problem, remedy="Name their system in fe_model.units")
+    cog = parts.point(table["cog"], units, source, "stated.cog") if "cog" in table else None
     if "mass" not in table:
         return Stated(cog=cog)
     mass = quantity(table["mass"], "mass", source=source, field="stated.mass")
@@ -293,6 +260,12 @@ class Contents:
         require_present(there, needed, source=self.source)
         require_known(there, (*needed, *optional), source=self.source)
 
+    def shares(self, matrix: str) -> tuple[str, ...]:
+        """Names of the parts that `matrix` is given by, arrays matrix/part or matrix/part/data ..., in the order of the file."""
+        below = [name.removeprefix(f"{matrix}/").split("/") for name in self.arrays if name.startswith(f"{matrix}/")]
+        whole = f"{matrix}/data" in self.arrays
+        return tuple(dict.fromkeys(words[0] for words in below if not (whole and len(words) == 1 and words[0] in SPARSE)))
+
     def numbers(self, name: str, shape: tuple[int, ...]) -> Array:
         """The array `name`, real and finite, of `shape`; -1 there stands for any length.
 
@@ -317,8 +290,8 @@ class Contents:
             raise self.refused(name, "must hold whole numbers", "Write it as integers")
         return array.astype(np.intp)
 
-    def matrix(self, name: str) -> Sparse:
-        """The square matrix `name`, dense or sparse in the file, as a sparse one.
+    def matrix(self, name: str, shape: tuple[int, int] | None = None) -> Sparse:
+        """The matrix `name`, dense or sparse in the file, as a sparse one: square, or of `shape`.
 
         Raises
         ------
@@ -327,11 +300,11 @@ class Contents:
         from scipy.sparse import csr_array, issparse
 
         if name not in self.arrays and f"{name}/data" in self.arrays:
-            found = self._compressed(name)
+            found = self._compressed(name, shape)
         else:
             require_present(self.arrays, (name,), source=self.source)
             raw = self.arrays[name]
-            self._require_square(name, np.shape(raw))
+            self._require_shape(name, np.shape(raw), shape)
             if issparse(raw):
                 self._require_real(name, raw.data)
                 self._require_finite(name, raw.data)
@@ -344,13 +317,13 @@ class Contents:
         """The refusal of the array `name`."""
         return BadInput(source=self.source, field=name, problem=problem, remedy=remedy)
 
-    def _compressed(self, name: str) -> Sparse:
+    def _compressed(self, name: str, wanted: tuple[int, int] | None) -> Sparse:
         from scipy.sparse import csr_array
 
         data = self.numbers(f"{name}/data", (-1,))
         indices, indptr = (self.whole(f"{name}/{part}", (-1,)) for part in ("indices", "indptr"))
         shape = tuple(int(side) for side in self.whole(f"{name}/shape", (2,)))
-        self._require_square(f"{name}/shape", shape)
+        self._require_shape(f"{name}/shape", shape, wanted)
         try:
             found = csr_array((data, indices, indptr), shape=shape)
             found.check_format(full_check=True)
@@ -360,8 +333,12 @@ class Contents:
         found.sum_duplicates()
         return found
 
-    def _require_square(self, name: str, shape: tuple[int, ...]) -> None:
-        if len(shape) != 2 or shape[0] != shape[1] or not 0 < shape[0] <= LARGEST_SIDE:
+    def _require_shape(self, name: str, shape: tuple[int, ...], wanted: tuple[int, int] | None) -> None:
+        if wanted is not None and shape != wanted:
+            found = " x ".join(map(str, shape)) or "one number"
+            problem = f"must be {wanted[0]} x {wanted[1]}, found {found}"
+            raise self.refused(name, problem, "Write a column for every degree of freedom")
+        if wanted is None and (len(shape) != 2 or shape[0] != shape[1] or not 0 < shape[0] <= LARGEST_SIDE):
             found = " x ".join(map(str, shape)) or "one number"
             remedy = "Write the whole matrix, both triangles; reduce a larger model to Craig-Bampton coordinates"
             raise self.refused(name, f"must be square with 1 to {LARGEST_SIDE} rows, found {found}", remedy)
@@ -442,24 +419,16 @@ def require_rigid_body(matrix: Array, source: str, field: str, remedy: str) -> I
 
 
 def require_as_stated(inertia: Inertia, description: Description) -> None:
-    """Refuse a model whose mass or CoG is not the stated one; a ratio that a slip of units explains is named.
+    """Refuse a model whose mass or CoG is not the stated one.
 
     `inertia` is about the reference point, its offset from there, in the model's axes.
+
+    Raises
+    ------
+    BadInput : either is not; a ratio of masses that a slip of units explains is named.
     """
     stated = description.stated
-    if stated.mass is not None and abs(inertia.mass - stated.mass) > max(MASS * stated.mass, 3 * stated.mass_tolerance):
-        ratio = inertia.mass / stated.mass
-        problem = f"the matrices weigh {inertia.mass:.6g} kg where {stated.mass:.6g} kg are stated, {ratio:.6g} times as much"
-        known = description.units.name
-        slips = ((slip, words) for factor, words in SLIPS.items() for slip in (factor, 1 / factor))
-        named = (
-            f"A factor of {slip:.4g} is {words}: check `fe_model.units`, found {known}"
-            for slip, words in slips
-            if abs(ratio / slip - 1) < MASS
-        )
-        unnamed = f"Check `fe_model.units`, found {known}, and whether all parts and lumped masses are in the model"
-        remedy = next(named, unnamed)
-        raise BadInput(source=description.source, field="stated.mass", problem=problem, remedy=remedy)
+    require_stated_mass(inertia.mass, description)
     if stated.cog is None:
         return
     cog = description.reference_point + inertia.first_moment / inertia.mass
@@ -469,6 +438,30 @@ def require_as_stated(inertia: Inertia, description: Description) -> None:
         problem = f"the matrices have their CoG at ({_listed(cog)}) m where ({_listed(stated.cog)}) m is stated"
         remedy = f"Check the coordinates, their unit ({description.units.name}), and the frame that the CoG is stated in"
         raise BadInput(source=description.source, field="stated.cog", problem=problem, remedy=remedy)
+
+
+def require_stated_mass(mass: float, description: Description, least: float = 1.0) -> None:
+    """Refuse a model whose `mass` [kg] is not the stated one, or less than the share `least` of it.
+
+    Raises
+    ------
+    BadInput : it is not; a ratio that a slip of units explains is named.
+    """
+    stated = description.stated
+    if stated.mass is None or least * stated.mass <= mass <= stated.mass:
+        return
+    if abs(mass - stated.mass) > max(MASS * stated.mass, 3 * stated.mass_tolerance):
+        ratio = mass / stated.mass
+        problem = f"the matrices weigh {mass:.6g} kg where {stated.mass:.6g} kg are stated, {ratio:.6g} times as much"
+        known = description.units.name
+        slips = ((slip, words) for factor, words in SLIPS.items() for slip in (factor, 1 / factor))
+        named = (
+            f"A factor of {slip:.4g} is {words}: check `fe_model.units`, found {known}"
+            for slip, words in slips
+            if least - MASS < ratio / slip < 1 + MASS
+        )
+        unnamed = f"Check `fe_model.units`, found {known}, and whether all parts and lumped masses are in the model"
+        raise BadInput(source=description.source, field="stated.mass", problem=problem, remedy=next(named, unnamed))
 
 
 def _listed(values: Array) -> str:

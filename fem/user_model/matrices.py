@@ -4,22 +4,26 @@ The interface nodes ride on the reference point. Whether the model is a full one
 difference: a generalised coordinate takes no part in a rigid motion, so its row of `rigid` is zero.
 
 Only what the base moves counts. With the interface held, K must be positive definite (else something is loose) and M too; with it
-carried along, M of base and free coordinates together must not be negative, and K must let the rigid motions pass.
+carried along, M of base and free coordinates together must not be negative, and K must let the rigid motions pass. On the ground
+K must be positive definite as it is; of a free structure, once as many rows are held as there are rigid motions.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from fem.modes import Modes
-from fem.structure import Sparse, Structure, rigid_motion
-from fem.user_model.description import SI, Contents, Description, require_as_stated, require_rigid_body
+from fem.structure import Sparse, Structure
+from fem.user_model.description import TABLE, Contents, Description, require_as_stated, require_rigid_body, require_stated_mass
+from fem.user_model.freedoms import DofMap, dof_map, with_places
+from fem.user_model.parts import require_name
+from geometry import toml_file
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
-from geometry.frames import Array, Integers, rigid_transformation_6, skew
+from geometry.frames import Array, Integers
 
 # Are matrices symmetric and positive definite? By the signs of the pivots of L D L^T, which are those of the eigenvalues.
 #
@@ -74,197 +78,14 @@ def asymmetry(A: Sparse, masses: Array) -> tuple[float, int, int]:
     return float(share[worst]), int(i[worst]), int(j[worst])
 
 
-# Which motion every row of K and M is, which of them the base carries, and what they do when it moves.
-
-INDEPENDENT = 1e-9
-"""Singular value of the held rigid motions, scaled to the size of the interface, below which one of the six is not held."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class DofMap:
-    """The degrees of freedom of a model.
-
-    Attributes
-    ----------
-    labels : (n, 2) node identifier and component 1 to 6, 0 for a generalised coordinate; (0, 2) when the file has none
-    scale : (n,) SI value of the user's unit of each
-    rigid : (n, 6) [SI] what each does in the motions of the reference point
-    held : (b,) those of the interface
-    points, translations : (p, 3) as in `Structure`
-    """
-
-    labels: Integers
-    scale: Array
-    rigid: Array
-    held: Integers
-    points: Array
-    translations: Integers
-
-    def name(self, index: int) -> str:
-        """``node 12, beta`` or ``degree of freedom 7`` of the degree of freedom `index`, counted from 0."""
-        if not len(self.labels):
-            return f"degree of freedom {index + 1}"
-        node, component = self.labels[index]
-        return f"node {node}, {MOTIONS[component - 1]}" if component else f"generalised coordinate {node}"
-
-
-def dof_map(contents: Contents, description: Description, n: int) -> DofMap:
-    """The map of the `n` degrees of freedom in `contents`.
-
-    Raises
-    ------
-    BadInput : wrong sizes, unknown or doubled degrees of freedom, nodes without coordinates, an interface that is not there
-        or does not hold six motions.
-    """
-    if "dof" in contents:
-        found = _by_nodes(contents, description, n)
-    else:
-        # From `rigid` and `held` themselves, in SI: how `write` leaves a structure that knows no nodes
-        for name in ("rigid", "held"):
-            if name not in contents:
-                problem = (
-                    "there is neither a map of the degrees of freedom (`dof`, `nodes`, `coordinates`) nor `rigid` and `held`"
-                )
-                raise contents.refused(
-                    "dof", problem, "Add dof (n x 2: node, component 1 to 6, or 0), nodes (p) and coordinates (p x 3)"
-                )
-        units = description.units
-        if (units.length, units.mass, units.time) != (SI.length, SI.mass, SI.time):
-            problem = f"`rigid` without `dof` says not what is a length, and the units are {units.name}"
-            raise contents.refused("rigid", problem, 'Add dof, nodes and coordinates, or write all in SI with units = "m-kg-N-s"')
-        points = contents.numbers("points", (-1, 3)) if "points" in contents else np.zeros((0, 3))
-        translations = contents.whole("translations", (len(points), 3)) if len(points) else np.zeros((0, 3), dtype=np.intp)
-        held = contents.whole("held", (-1,))
-        _require_within(contents, "held", held, n)
-        _require_within(contents, "translations", translations, n)
-        if len(np.unique(held)) < len(held):
-            raise contents.refused("held", "names a degree of freedom twice", "Name every held degree of freedom once")
-        found = DofMap(
-            labels=np.zeros((0, 2), dtype=np.intp),
-            scale=np.ones(n),
-            rigid=contents.numbers("rigid", (n, 6)),
-            held=held,
-            points=points,
-            translations=translations,
-        )
-    _require_hold(found, contents, description)
-    return found
-
-
-def _by_nodes(contents: Contents, description: Description, n: int) -> DofMap:
-    labels = _labels(contents, n)
-    nodes = contents.whole("nodes", (-1,))
-    coordinates = contents.numbers("coordinates", (-1, 3))
-    if len(nodes) != len(coordinates):
-        problem = f"holds {len(coordinates)} points for {len(nodes)} nodes"
-        raise contents.refused("coordinates", problem, "Write one row x, y, z for every entry of nodes")
-    unique, count = np.unique(nodes, return_counts=True)
-    if np.any(count > 1):
-        problem = f"names node {unique[np.argmax(count > 1)]} {count.max()} times"
-        raise contents.refused("nodes", problem, "Name every node once")
-    # Row in `nodes` of every degree of freedom (n,); meaningless where it is a generalised coordinate
-    order = np.argsort(nodes)
-    nearby = np.searchsorted(nodes, labels[:, 0], sorter=order)
-    row = order[np.minimum(nearby, len(nodes) - 1)] if len(nodes) else np.full(len(labels), -1)
-    lost = np.flatnonzero((labels[:, 1] > 0) & ((row < 0) | (nodes[row] != labels[:, 0] if len(nodes) else True)))
-    if lost.size:
-        problem = f"node {labels[lost[0], 0]} has no coordinates, as {len(np.unique(labels[lost, 0]))} node(s) in all"
-        raise contents.refused("dof", problem, "Add the missing nodes to nodes and coordinates")
-    if "rigid" in contents:  # Nastran, whose displacements may have directions of their own
-        rigid, basic = contents.numbers("rigid", (n, 6)), contents.whole("basic", (len(nodes),)).astype(bool)
-    else:
-        # What every degree of freedom does in the six motions of the origin (n, 6), in the user's unit of length
-        rigid, physical = np.zeros((len(labels), 6)), labels[:, 1] > 0
-        every = rigid_motion(coordinates).reshape(-1, 6, 6) if len(coordinates) else np.zeros((0, 6, 6))
-        rigid[physical] = every[row[physical], labels[physical, 1] - 1]
-        basic = np.ones(len(nodes), dtype=bool)
-    units = description.units
-    scale = units.coordinates(labels[:, 1])
-    moved = rigid_transformation_6(-description.reference_point / units.length)
-    # The nodes that can move along x, y and z, and the degrees of freedom that do it
-    index = {(int(node), int(component)): k for k, (node, component) in enumerate(labels)}
-    full = [k for k in np.flatnonzero(basic) if all((int(nodes[k]), c) in index for c in (1, 2, 3))]
-    translations = np.array([[index[int(nodes[k]), c] for c in (1, 2, 3)] for k in full], dtype=np.intp).reshape(-1, 3)
-    return DofMap(
-        labels=labels,
-        scale=scale,
-        rigid=scale[:, None] * (rigid @ moved) / np.array([*3 * [units.length], *3 * [1.0]]),
-        held=_held(contents, description, labels),
-        points=coordinates[full].reshape(-1, 3) * units.length,
-        translations=translations,
-    )
-
-
-def _labels(contents: Contents, n: int) -> Integers:
-    labels = contents.whole("dof", (-1, 2))
-    if len(labels) != n:
-        problem = f"names {len(labels)} degrees of freedom where the matrices have {n}"
-        raise contents.refused("dof", problem, "Write one row, node and component, for every row of K and M, in their order")
-    wrong = np.flatnonzero((labels[:, 1] < 0) | (labels[:, 1] > 6))
-    if wrong.size:
-        problem = f"row {wrong[0] + 1} has the component {labels[wrong[0], 1]}"
-        remedy = "Components are 1 to 6 (x, y, z and the rotations about them), 0 for a generalised coordinate"
-        raise contents.refused("dof", problem, remedy)
-    _, first, count = np.unique(labels, axis=0, return_index=True, return_counts=True)
-    if np.any(count > 1):
-        node, component = labels[first[np.argmax(count > 1)]]
-        problem = f"names node {node}, component {component} {count.max()} times"
-        raise contents.refused("dof", problem, "Name every degree of freedom once; number generalised coordinates")
-    return labels
-
-
-def _held(contents: Contents, description: Description, labels: Integers) -> Integers:
-    interface = description.interface or tuple(contents.whole("interface", (-1,)).tolist() if "interface" in contents else ())
-    if not interface:
-        problem, remedy = "is missing: no node is named that the base carries", "Add interface = [node, ...]"
-        raise BadInput(source=description.source, field="fe_model.interface", problem=problem, remedy=remedy)
-    physical = labels[:, 1] > 0
-    for node in interface:
-        if not np.any(physical & (labels[:, 0] == node)):
-            problem = f"names node {node}, which has no degree of freedom in the matrices"
-            values = np.unique(labels[physical, 0])
-            some = ", ".join(map(str, values[:6])) + (f", ... ({len(values)} in all)" if len(values) > 6 else "")
-            remedy = f"The nodes there are {some}"
-            raise BadInput(source=description.source, field="fe_model.interface", problem=problem, remedy=remedy)
-    return np.flatnonzero(physical & np.isin(labels[:, 0], interface))
-
-
-def _require_within(contents: Contents, name: str, values: Integers, n: int) -> None:
-    if values.size and (values.min() < 0 or values.max() >= n):
-        outside = values.min() if values.min() < 0 else values.max()
-        problem = f"names the degree of freedom {outside} of {n}"
-        raise contents.refused(name, problem, "Count from 0")
-
-
-def _require_hold(found: DofMap, contents: Contents, description: Description) -> None:
-    """The interface must follow all six motions: two nodes on a line that carry no rotations let the structure turn about it."""
-    held = found.rigid[found.held]
-    source = description.source if description.interface else contents.source
-    field = "fe_model.interface" if description.interface else "held"
-    remedy = "Name at least three nodes that are not on one line, or one that has its three rotations too"
-    if not 0 < len(held) < len(found.rigid):
-        problem = f"holds {len(held)} of all {len(found.rigid)} degrees of freedom"
-        raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
-    # Motions about a point in the middle of the held degrees of freedom rather than the reference point: a shift of that by d
-    # adds translations @ skew(d) to the rotations; the best d in the least-squares sense.
-    translations, rotations = held[:, :3], held[:, 3:]
-    generators = np.stack([translations @ skew(axis) for axis in np.eye(3)], axis=-1).reshape(-1, 3)
-    shift, *_ = np.linalg.lstsq(generators, -rotations.reshape(-1), rcond=None)
-    centred = np.hstack([translations, rotations + (generators @ shift).reshape(rotations.shape)])
-    size = np.sqrt((centred[:, 3:] ** 2).sum(axis=0).max())
-    scaled = centred / np.array([*3 * [1.0], *3 * [size or 1.0]])
-    _, values, motions = np.linalg.svd(scaled, full_matrices=True)
-    values = np.append(values, np.zeros(6 - len(values)))
-    if values[-1] < INDEPENDENT * values[0]:
-        axis = MOTIONS[int(np.argmax(np.abs(motions[-1])))]
-        problem = f"does not hold the structure: it is free to move along or about {axis}"
-        raise BadInput(source=source, field=field, problem=problem, remedy=remedy)
-
-
 OPTIONAL = (
     *("viscous", "structural", "dof", "nodes", "coordinates", "interface"),
-    *("rigid", "basic", "held", "points", "translations"),
+    *("rigid", "basic", "held", "points", "translations", "rotations", "measured_dof", "places"),
+    *("membrane", "bending"),
 )
+
+ADDS_UP = 1e-6
+"""The parts may be off the whole by this share of the largest entries in its rows: single precision and printed digits."""
 
 GROUNDED = 1e-5
 """Largest (f_rigid / f_1)²: f_rigid is what K gives the free rigid body, f_1 the lowest frequency with the interface held."""
@@ -272,44 +93,47 @@ GROUNDED = 1e-5
 EXTERNAL = 1e-4
 """Share of a damping matrix's terms that may be left when a rigid motion makes them cancel: single precision, printed digits."""
 
+HELD = 1e-9
+"""A rigid motion that moves every row by less than this share of the largest is none: a model of one plane has three."""
+
+CLAMPED = 0.5
+"""Share of the stated mass that a grounded structure weighs at least: the rest may lie on what the ground holds."""
+
 NEGATIVE_MASS = 1e-6
 """What the base itself carries may be this share of the rigid mass below nothing: rounding."""
 
 
-def structure(contents: Contents, description: Description) -> tuple[Structure, Sparse | None]:
-    """The structure that K, M and the degrees of freedom in `contents` describe, and its viscous matrix C [SI] if there is one.
+def structure(contents: Contents, description: Description) -> tuple[Structure, Sparse | None, list[str]]:
+    """The structure that K, M and the degrees of freedom in `contents` describe, with what is named in the description.
+
+    Returns
+    -------
+    structure, its viscous matrix C [SI] if there is one, and what must be known of it, in sentences
 
     Raises
     ------
     BadInput : whatever is wrong with them, with the file, the array, what was found and what to do.
     """
     contents.require(("stiffness", "mass"), OPTIONAL)
-    K = contents.matrix("stiffness")
-    n = K.shape[0]
-    M = _sized(contents, "mass", n)
+    whole_K, parts = _whole_and_parts(contents, "stiffness", None)
+    n = whole_K.shape[0]
+    whole_M, masses = _whole_and_parts(contents, "mass", n)
     dofs = dof_map(contents, description, n)
     scale, u = dofs.scale, description.units
-    M = _converted(M, scale, u.energy * u.time**2)
-    K = _symmetric(contents, "stiffness", _converted(K, scale, u.energy), dofs, M.diagonal())
+    M = _converted(whole_M, scale, u.energy * u.time**2)
+    K = _symmetric(contents, "stiffness", _converted(whole_K, scale, u.energy), dofs, M.diagonal())
     M = _symmetric(contents, "mass", M, dofs, M.diagonal())
-    # Structural damping as shares of K with a loss factor each: the whole, or what the user's matrix says
-    whole = description.loss_factor
-    parts: dict[str, Sparse] = {"all": K} if whole else {}
-    loss_factors = {"all": whole} if whole else {}
-    if "structural" in contents:
-        if whole is not None:
-            problem, field = "is given beside a matrix `structural`", "fe_model.loss_factor"
-            raise BadInput(source=description.source, field=field, problem=problem, remedy="Leave one of the two out")
-        S = _sized(contents, "structural", n)
-        S = _symmetric(contents, "structural", _converted(S, scale, u.energy), dofs, M.diagonal())
-        _require_internal(contents, "structural", S, dofs)
-        # i S = i (S / g) g: any g serves, and the largest ratio of the two diagonals keeps the rest of K positive.
-        diagonal = K.diagonal()
-        g = float((S.diagonal()[diagonal > 0] / diagonal[diagonal > 0]).max(initial=0.0))
-        if not 0 < g < 2:
-            problem = f"is {g:.3g} of the stiffness at most, no loss factor between 0 and 2"
-            raise contents.refused("structural", problem, "Give the matrix that multiplies i, in the unit of K")
-        parts, loss_factors = {"damped": S / g, "rest": K - S / g}, {"damped": g}
+    for name, share in parts.items():
+        parts[name] = _symmetric(contents, f"stiffness/{name}", _converted(share, scale, u.energy), dofs, M.diagonal())
+    for name, share in masses.items():
+        share = _converted(share, scale, u.energy * u.time**2)
+        masses[name] = _symmetric(contents, f"mass/{name}", share, dofs, M.diagonal())
+    if parts:
+        K = _require_sum(contents, "stiffness", K, parts, dofs)
+    if masses:
+        M = _require_sum(contents, "mass", M, masses, dofs)
+    sections = _sections(contents, parts, dofs, u.energy, M.diagonal())
+    _require_parts(description, parts, masses, sections)
     found = Structure(
         stiffness=K,
         mass=M,
@@ -318,23 +142,142 @@ def structure(contents: Contents, description: Description) -> tuple[Structure, 
         reference_point=description.reference_point,
         points=dofs.points,
         translations=dofs.translations,
+        rotations=dofs.rotations,
         part_stiffness=MappingProxyType(parts),
-        loss_factors=MappingProxyType(loss_factors),
+        part_mass=MappingProxyType(masses),
+        sections=MappingProxyType(sections),
+        grounded=description.named.support == "ground",
+        part_tolerances=MappingProxyType(
+            {name: part.tolerance for name, part in description.named.parts.items() if part.tolerance}
+        ),
     )
+    found, said = with_places(found, dofs, contents, description)
+    found = _lossy(found, contents, description, dofs)
     _require_mechanics(found, contents, description, dofs)
+    if not description.units.known:
+        said.append("The units of the matrices are not known: masses, lengths and stiffnesses are in the model's own.")
     if "viscous" not in contents:
-        viscous: Sparse | None = None
-    else:
-        C = _sized(contents, "viscous", M.shape[0])
-        C = _symmetric(contents, "viscous", _converted(C, dofs.scale, u.energy * u.time), dofs, M.diagonal())
-        _require_internal(contents, "viscous", C, dofs)
-        viscous = C
-    return found, viscous
+        return found, None, said
+    C = _sized(contents, "viscous", n)
+    C = _symmetric(contents, "viscous", _converted(C, dofs.scale, u.energy * u.time), dofs, M.diagonal())
+    _require_internal(contents, "viscous", C, found)
+    return found, C, said
 
 
-def _require_internal(contents: Contents, name: str, A: Sparse, dofs: DofMap) -> None:
-    """Damping acts within the structure: a rigid motion meets none, so that only the free part need be known."""
-    met, could = np.abs(A @ dofs.rigid).max(axis=0), (abs(A) @ np.abs(dofs.rigid)).max(axis=0)
+def _whole_and_parts(contents: Contents, name: str, n: int | None) -> tuple[Sparse, dict[str, Sparse]]:
+    """The matrix `name`, the sum of its parts where it is not there itself, and its parts; in the user's units."""
+    parts = {}
+    for part in contents.shares(name):
+        require_name(part, contents.source, name)
+        parts[part] = _sized(contents, f"{name}/{part}", n)
+        n = parts[part].shape[0]
+    whole = _sized(contents, name, n) if name in contents else None
+    return (sum(list(parts.values())[1:], next(iter(parts.values()))) if whole is None else whole), parts
+
+
+def _require_sum(contents: Contents, name: str, whole: Sparse, parts: dict[str, Sparse], dofs: DofMap) -> Sparse:
+    """The sum of `parts`, which must be `whole`."""
+    total = sum(list(parts.values())[1:], next(iter(parts.values())))
+    rows = np.sqrt(np.maximum(abs(whole).max(axis=1).toarray().ravel(), abs(total).max(axis=1).toarray().ravel()))
+    off = (whole - total).tocoo()
+    share = np.abs(off.data) / np.maximum(rows[off.row] * rows[off.col], np.finfo(np.float64).tiny)
+    if np.any(share > ADDS_UP):
+        k = int(np.argmax(share))
+        i, j = int(off.row[k]), int(off.col[k])
+        there = f"{dofs.name(i)}" + (f"; {dofs.name(j)}" if i != j else "")
+        problem = (
+            f"is not what its {len(parts)} parts add up to: row {i + 1}, column {j + 1} ({there}) holds {whole[i, j]:.6g} [SI], "
+            f"the parts make {total[i, j]:.6g}, {share[k]:.2g} of the largest in its rows apart; "
+            f"{int(np.sum(share > ADDS_UP))} entries are off"
+        )
+        missing = np.abs(total.sum()) < np.abs(whole.sum())
+        remedy = f"Look for a part that is {'missing' if missing else 'there twice'}, or leave `{name}` out: it is their sum"
+        raise contents.refused(name, problem, remedy)
+    return total
+
+
+def _sections(
+    contents: Contents, parts: dict[str, Sparse], dofs: DofMap, energy: float, masses: Array
+) -> dict[str, tuple[Sparse, Sparse]]:
+    """Of parts that are shells or beams, what grows with the thickness and with its cube: together the part."""
+    found = {}
+    for part in dict.fromkeys((*contents.shares("membrane"), *contents.shares("bending"))):
+        if part not in parts:
+            problem = "is a section of a part that is not there"
+            remedy = toml_file.nearest(part, parts) + f"Write stiffness/{part}"
+            raise contents.refused(f"bending/{part}", problem, remedy)
+        shares = {}
+        for name in (f"membrane/{part}", f"bending/{part}"):
+            share = _converted(_sized(contents, name, len(masses)), dofs.scale, energy)
+            shares[name] = _symmetric(contents, name, share, dofs, masses)
+        _require_sum(contents, f"stiffness/{part}", parts[part], shares, dofs)
+        found[part] = (shares[f"membrane/{part}"], shares[f"bending/{part}"])
+    return found
+
+
+def _require_parts(
+    description: Description, parts: dict[str, Sparse], masses: dict[str, Sparse], sections: Collection[str]
+) -> None:
+    """Refuse parts of the description that the matrices have not, and what these say themselves."""
+    for name, part in description.named.parts.items():
+        where, there = f"{TABLE}.parts.{name}", {**parts, **masses}
+        if name not in there:
+            remedy = f"{toml_file.nearest(name, there)}Parts are {', '.join(there) or 'none: write stiffness/' + name}"
+            raise BadInput(source=description.source, field=where, problem="is no part of the matrices", remedy=remedy)
+        meshed = {"material": part.material, "thickness": part.thickness, "section": part.section}
+        stated = next((key for key, value in meshed.items() if value), "")
+        if stated:
+            problem = "is what elements are made with, and the matrices say it already"
+            raise BadInput(source=description.source, field=f"{where}.{stated}", problem=problem, remedy="Leave it out")
+        if part.loss_factor is not None and name not in parts:
+            problem = f"is that of a part without stiffness: there is no stiffness/{name}"
+            raise BadInput(source=description.source, field=f"{where}.loss_factor", problem=problem, remedy="Leave it out")
+        lacking = {
+            "modulus": None if name in parts else f"stiffness/{name}",
+            "loss_factor": None if name in parts else f"stiffness/{name}",
+            "density": None if name in masses else f"mass/{name}",
+            "thickness": None if name in sections else f"membrane/{name} and bending/{name}",
+        }
+        for key in part.tolerance:
+            if lacking[key]:
+                problem = f"is off by a stated share of what is not there: it needs {lacking[key]}"
+                remedy = "Leave it out, or bring what it needs"
+                raise BadInput(source=description.source, field=f"{where}.tolerance.{key}", problem=problem, remedy=remedy)
+
+
+def _lossy(found: Structure, contents: Contents, description: Description, dofs: DofMap) -> Structure:
+    """`found` with structural damping as shares of K with a loss factor each: of its parts, or what the user's matrix says."""
+    whole, K = description.loss_factor, found.stiffness
+    own = {name: part.loss_factor for name, part in description.named.parts.items() if part.loss_factor is not None}
+    if "structural" not in contents:
+        parts = dict(found.part_stiffness) or ({"structure": K} if whole else {})
+        factors = own if whole is None else dict.fromkeys(parts, whole) | own
+        return replace(found, part_stiffness=MappingProxyType(parts), loss_factors=MappingProxyType(factors))
+    if whole is not None or own:
+        field = "fe_model.loss_factor" if whole is not None else f"fe_model.parts.{next(iter(own))}.loss_factor"
+        problem = "is given beside a matrix `structural`"
+        raise BadInput(source=description.source, field=field, problem=problem, remedy="Leave one of the two out")
+    if found.part_stiffness:
+        problem = "is one matrix for all parts, which would not follow a part that is softer or stiffer"
+        raise contents.refused("structural", problem, "Give every part its loss_factor in [fe_model.parts.NAME] instead")
+    S = _sized(contents, "structural", K.shape[0])
+    S = _symmetric(contents, "structural", _converted(S, dofs.scale, description.units.energy), dofs, found.mass.diagonal())
+    _require_internal(contents, "structural", S, found)
+    # i S = i (S / g) g: any g serves, and the largest ratio of the two diagonals keeps the rest of K positive.
+    diagonal = K.diagonal()
+    g = float((S.diagonal()[diagonal > 0] / diagonal[diagonal > 0]).max(initial=0.0))
+    if not 0 < g < 2:
+        problem = f"is {g:.3g} of the stiffness at most, no loss factor between 0 and 2"
+        raise contents.refused("structural", problem, "Give the matrix that multiplies i, in the unit of K")
+    parts = {"damped": S / g, "rest": K - S / g}
+    return replace(found, part_stiffness=MappingProxyType(parts), loss_factors=MappingProxyType({"damped": g}))
+
+
+def _require_internal(contents: Contents, name: str, A: Sparse, found: Structure) -> None:
+    """Without a ground damping acts within the structure: a rigid motion meets none, so that only the free part need be known."""
+    if found.grounded:
+        return
+    met, could = np.abs(A @ found.rigid).max(axis=0), (abs(A) @ np.abs(found.rigid)).max(axis=0)
     share = met / np.maximum(could, np.finfo(np.float64).tiny)
     worst = int(np.argmax(share))
     if share[worst] > EXTERNAL:
@@ -343,10 +286,10 @@ def _require_internal(contents: Contents, name: str, A: Sparse, dofs: DofMap) ->
         raise contents.refused(name, problem, remedy)
 
 
-def _sized(contents: Contents, name: str, n: int) -> Sparse:
-    """The matrix `name`, which must be as large as the stiffness."""
+def _sized(contents: Contents, name: str, n: int | None) -> Sparse:
+    """The matrix `name`, which must be as large as the stiffness, n rows, where these are known."""
     A = contents.matrix(name)
-    if A.shape != (n, n):
+    if n is not None and A.shape != (n, n):
         problem = f"is {A.shape[0]} x {A.shape[1]} where stiffness is {n} x {n}"
         raise contents.refused(name, problem, "Write both for the same degrees of freedom, in the same order")
     return A
@@ -391,40 +334,81 @@ def _require_mechanics(found: Structure, contents: Contents, description: Descri
         raise contents.refused("mass", "gives no free degree of freedom any mass", "Check that this is M, and the interface")
     heavy = np.flatnonzero(~without)
     mass = _factored(contents, "mass", M[heavy][:, heavy], free[heavy], dofs)
+    if found.grounded:
+        _factored(contents, "stiffness", K, free, dofs, "ground")
+        _require_stated_on_the_ground(found, description)
+        return
     # The mass that the base would feel at infinite frequency, M_rr - M_rf M_ff^-1 M_fr, must not be negative
-    inertia, momenta = np.diag(found.rigid_mass), np.asarray(found.mass @ found.rigid)
+    there = np.any(found.rigid, axis=0)  # a model of one plane has no motion out of it
+    R = found.rigid[:, there]
+    momenta = np.asarray(found.mass @ R)
+    inertia = np.sum(R * momenta, axis=0)
+    names = [name for name, moves in zip(MOTIONS, there, strict=True) if moves]
     if np.any(inertia <= 0):
-        problem = f"is indefinite: the whole has the inertia {inertia.min():.6g} [SI] along {MOTIONS[int(np.argmin(inertia))]}"
+        problem = f"is indefinite: the whole has the inertia {inertia.min():.6g} [SI] along {names[int(np.argmin(inertia))]}"
         raise contents.refused("mass", problem, "Check the rows and columns of the interface in M, and the coordinates")
-    left = found.rigid_mass - momenta[free[heavy]].T @ mass.solve(momenta[free[heavy]])
     scale = 1 / np.sqrt(inertia)
-    values, vectors = np.linalg.eigh(scale[:, None] * left * scale)
-    if values[0] < -NEGATIVE_MASS:
-        axis = MOTIONS[int(np.argmax(np.abs(vectors[:, 0])))]
-        problem = f"is indefinite: what the interface itself carries is {values[0]:.3g} of the rigid inertia, mostly along {axis}"
-        raise contents.refused("mass", problem, "Check the rows and columns of the interface in M")
+    if len(found.held):
+        left = R.T @ momenta - momenta[free[heavy]].T @ mass.solve(momenta[free[heavy]])
+        values, vectors = np.linalg.eigh(scale[:, None] * left * scale)
+        if values[0] < -NEGATIVE_MASS:
+            axis = names[int(np.argmax(np.abs(vectors[:, 0])))]
+            problem = (
+                f"is indefinite: what the interface itself carries is {values[0]:.3g} of the rigid inertia, mostly along {axis}"
+            )
+            raise contents.refused("mass", problem, "Check the rows and columns of the interface in M")
+    else:  # of a floating structure as many rows are held as just hold it
+        free = np.setdiff1d(free, _isostatic(R * scale))
+        K = found.stiffness[free][:, free]
     # The six rigid motions must cost no energy, beside what the lowest mode costs (from above: the static answer to gravity)
-    sag = _factored(contents, "stiffness", K, free, dofs).solve(momenta[free])
-    lowest = np.min(np.sum(sag * (K @ sag), axis=0) / np.sum(sag * (M @ sag), axis=0))
-    energy = found.rigid.T @ (found.stiffness @ found.rigid)
+    sag = _factored(contents, "stiffness", K, free, dofs, "base" if len(found.held) else "free").solve(momenta[free])
+    lowest = np.min(np.sum(sag * (K @ sag), axis=0) / np.sum(sag * (found.mass[free][:, free] @ sag), axis=0))
+    energy = R.T @ (found.stiffness @ R)
     values, vectors = np.linalg.eigh(scale[:, None] * energy * scale)
     worst = int(np.argmax(np.abs(values)))
     if abs(values[worst]) > GROUNDED * lowest:
-        axis = MOTIONS[int(np.argmax(np.abs(vectors[:, worst])))]
+        axis = names[int(np.argmax(np.abs(vectors[:, worst])))]
         problem = (
             f"resists the rigid motions (K @ rigid must be 0), most along {axis}: the free body would oscillate at "
             f"{np.sqrt(abs(values[worst])) / (2 * np.pi):.4g} Hz"
         )
         remedy = (
-            "Write K without supports or springs to ground; otherwise the coordinates, their unit, the order of the degrees of "
-            "freedom or the displacement coordinate systems do not belong to it"
+            'Write K without supports or springs to ground, or state support = "ground"; otherwise the coordinates, their unit, '
+            "the order of the degrees of freedom or the displacement coordinate systems do not belong to it"
         )
         raise contents.refused("stiffness", problem, remedy)
+    if not np.all(there):
+        return
     remedy = "Check the order of the degrees of freedom, the coordinates and the units; every mass moves in three directions"
     require_as_stated(require_rigid_body(found.rigid_mass, contents.source, "mass", remedy), description)
 
 
-def _factored(contents: Contents, name: str, A: Sparse, free: Integers, dofs: DofMap) -> Factored:
+def _isostatic(rigid: Array) -> Integers:
+    """Rows that hold every one of the `rigid` motions (n, k), scaled alike, and nothing else: as many as there are of them."""
+    from scipy.linalg import qr
+
+    R, rows = qr(rigid.T, mode="r", pivoting=True)
+    size = np.abs(np.diag(R))
+    return np.asarray(rows[: int(np.sum(size > HELD * size[0]))], dtype=np.intp)
+
+
+def _require_stated_on_the_ground(found: Structure, description: Description) -> None:
+    """What is clamped is not in the matrices, so that they may weigh less than was stated; the centre of gravity is not known."""
+    if description.stated.cog is not None:
+        problem = "cannot be compared: what the ground holds is not in the matrices"
+        raise BadInput(source=description.source, field="stated.cog", problem=problem, remedy="Leave it out")
+    if description.stated.mass is None:
+        return
+    mass = float(np.diag(found.rigid_mass)[:3].max())
+    if not mass:
+        problem = "cannot be compared: without coordinates nobody knows which rows of M are masses"
+        raise BadInput(
+            source=description.source, field="stated.mass", problem=problem, remedy="Leave it out, or add dof and nodes"
+        )
+    require_stated_mass(mass, description, CLAMPED)
+
+
+def _factored(contents: Contents, name: str, A: Sparse, free: Integers, dofs: DofMap, support: str = "base") -> Factored:
     """L D L^T of A of the free degrees of freedom, when it is positive definite."""
     from scipy.sparse import csc_array, diags_array
     from scipy.sparse.linalg import splu
@@ -453,15 +437,20 @@ def _factored(contents: Contents, name: str, A: Sparse, free: Integers, dofs: Do
     negative = int(np.count_nonzero(pivots < -SINGULAR))
     factor = Factored(solve=lambda b: scale[:, None] * lu.solve(scale[:, None] * b), negative=negative, zero=columns[zero])
     if factor.negative:
-        problem = f"is not positive definite with the interface held: it has {factor.negative} negative eigenvalue(s)"
+        problem = f"is not positive definite {_HELD[support]}: it has {factor.negative} negative eigenvalue(s)"
         raise contents.refused(name, problem, _REMEDIES[name])
     if factor.zero.size:
         where = dofs.name(free[factor.zero[-1]])
         what = f"{factor.zero.size} motion(s) of the structure cost no energy" if name == "stiffness" else "it is singular"
-        problem = f"is not positive definite with the interface held: {what}, one of them moves {where}"
-        raise contents.refused(name, problem, _REMEDIES[name])
+        problem = f"is not positive definite {_HELD[support]}: {what}, one of them moves {where}"
+        floats = name == "stiffness" and support == "ground"
+        raise contents.refused(name, problem, _FLOATS if floats else _REMEDIES[name])
     return factor
 
+
+_HELD = {"base": "with the interface held", "ground": "on the ground", "free": "beside its rigid motions"}
+
+_FLOATS = 'Look for loose parts and missing supports; a structure that floats states support = "free"'
 
 _REMEDIES = {
     "mass": "Check how M was made; a motion that has no mass must have an empty row",

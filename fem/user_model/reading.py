@@ -14,12 +14,17 @@ from fem.modes import Modes
 from fem.structure import Structure
 from fem.user_model import matrices, nastran
 from fem.user_model.description import LARGEST_BYTES, TABLE, TOO_LARGE, Contents, Description, parse, read_description
+from fem.user_model.parts import require_name
+from fem.user_model.units import SI, UnitSystem
 from geometry import atomic, toml_file
 from geometry.errors import BadInput
 
 # Arrays from HDF5. Only what lies in the file itself: no links to other files, and nothing that is declared but not there.
 
 HDF5_ENDINGS = (".h5", ".hdf5", ".hdf")
+
+DEEPEST = 2
+"""Groups within each other: a matrix, and in it a part that is sparse."""
 
 _WRITE_AGAIN = "Write it again; it may be cut short or damaged"
 _OWN_DATA = "Copy what it points to into this file"
@@ -78,8 +83,8 @@ def _datasets(group: Any, prefix: str, source: str) -> dict[str, Any]:
                 problem = f"declares {shape} values, but none was ever written"
                 raise BadInput(source=source, field=name, problem=problem, remedy=_WRITE_AGAIN)
             found[name] = entry
-        elif prefix:
-            problem = "is a group within a group, which no model of ours has"
+        elif name.count("/") >= DEEPEST:
+            problem = "is a group deeper than any of a model: stiffness/PART/data is as deep as they go"
             raise BadInput(source=source, field=name, problem=problem, remedy="Put the datasets at the root of the file")
         elif isinstance(entry, h5py.Group):
             found |= _datasets(entry, f"{name}/", source)
@@ -159,11 +164,15 @@ class UsersModel:
     name : as described, else that of the file
     model : K and M as `Structure`, or modal data as `Modes`
     damping : of a structure whose file says it (loss factors, viscous matrix); None when it does not, and for modal data
+    units : of the file; where they are not known, so are those of the structure
+    notes : what must be known of it, sentences
     """
 
     name: str
     model: Structure | Modes
     damping: Damping | None = None
+    units: UnitSystem = SI
+    notes: tuple[str, ...] = ()
 
 
 def read(path: str | Path) -> Structure | Modes:
@@ -202,11 +211,11 @@ def load(path: str | Path) -> UsersModel:
                 description = parse(toml_file.parse(contents.description, source), source, path)
             _require_not_nastrans(path, description)
     if description.kind == "modal":
-        return UsersModel(name=description.name, model=matrices.modes(contents, description))
-    structure, viscous = matrices.structure(contents, description)
+        return UsersModel(name=description.name, model=matrices.modes(contents, description), units=description.units)
+    structure, viscous, said = matrices.structure(contents, description)
     damped = viscous is not None or bool(structure.loss_factors)
     damping = Damping(loss_factors=structure.loss_factors, viscous=viscous) if damped else None
-    return UsersModel(name=description.name, model=structure, damping=damping)
+    return UsersModel(name=description.name, model=structure, damping=damping, units=description.units, notes=tuple(said))
 
 
 def _beside(path: Path) -> Description:
@@ -270,14 +279,18 @@ def _require_file(path: Path) -> None:
 WRITTEN_ENDINGS = (*HDF5_ENDINGS, ".npz")
 
 
-def write(model: Structure | Modes, path: str | Path, name: str = "") -> None:
-    """Write `model`, in SI, to `path` (.h5, .hdf5 or .npz by its ending) with its description inside; whole or not at all.
+def write(model: Structure | Modes, path: str | Path, name: str = "", units: UnitSystem = SI) -> None:
+    """Write `model` to `path` (.h5, .hdf5 or .npz by its ending) with its description inside; whole or not at all.
 
-    Structural damping goes along, as the matrix that the loss factors make; the shapes of modes do not.
+    Parts with their loss factors and tolerances, places, supports and joints go along; the shapes of modes do not.
+
+    Parameters
+    ----------
+    units : SI, or those of a structure that was read in units that are not known
 
     Raises
     ------
-    BadInput : another ending.
+    BadInput : another ending, other units, a name that a description could not call.
     """
     from scipy.sparse import csr_array
 
@@ -285,6 +298,9 @@ def write(model: Structure | Modes, path: str | Path, name: str = "") -> None:
     if path.suffix.lower() not in WRITTEN_ENDINGS:
         problem = f"its ending {path.suffix!r} is none of {', '.join(WRITTEN_ENDINGS)}"
         raise BadInput(source=str(path), problem=problem, remedy="Choose one of them")
+    if units.known and units.name != SI.name:
+        problem = f"the arrays of a structure are in SI, found {units.name}"
+        raise BadInput(source=str(path), field="units", problem=problem, remedy=f"Leave it out, or give {SI.name}")
     if isinstance(model, Modes):
         fields = ("frequency", "damping_ratio", "participation", "rigid_mass", "residual", "viscous", "structural")
         arrays: dict[str, Any] = {field: getattr(model, field) for field in fields}
@@ -292,21 +308,46 @@ def write(model: Structure | Modes, path: str | Path, name: str = "") -> None:
         arrays = {"rigid": model.rigid, "held": model.held}
         if len(model.points):
             arrays |= {"points": model.points, "translations": model.translations}
-        matrices: dict[str, Any] = {"stiffness": model.stiffness, "mass": model.mass}
-        damped = [factor * model.part_stiffness[part] for part, factor in model.loss_factors.items() if factor]
-        if damped:
-            matrices["structural"] = sum(damped[1:], damped[0])
+            arrays |= {"rotations": model.rotations} if len(model.rotations) else {}
+        matrices: dict[str, Any] = {} if model.part_stiffness else {"stiffness": model.stiffness}
+        matrices |= {} if model.part_mass else {"mass": model.mass}
+        shares = {"stiffness": model.part_stiffness, "mass": model.part_mass, "places": model.places}
+        shares |= {"membrane": {name: one for name, (one, _) in model.sections.items()}}
+        shares |= {"bending": {name: one for name, (_, one) in model.sections.items()}}
+        for kind, named in shares.items():
+            for part, matrix in named.items():
+                require_name(part, str(path), kind)
+                matrices[f"{kind}/{part}"] = matrix
         for matrix_name, matrix in matrices.items():
             A = csr_array(matrix)
             A.sum_duplicates()
-            parts = {"data": A.data, "indices": A.indices, "indptr": A.indptr, "shape": np.array(A.shape)}
-            arrays |= {f"{matrix_name}/{part}": array for part, array in parts.items()}
-    kind = "modal" if isinstance(model, Modes) else "matrices"
+            pieces = {"data": A.data, "indices": A.indices, "indptr": A.indptr, "shape": np.array(A.shape)}
+            arrays |= {f"{matrix_name}/{piece}": array for piece, array in pieces.items()}
     metres = ", ".join(f'"{value!r} m"' for value in model.reference_point.tolist())
     title = "".join(letter for letter in name or path.stem if letter.isprintable() and letter not in '"\\')
-    text = f'format = 1\n\n[fe_model]\nname = "{title}"\nkind = "{kind}"\nunits = "m-kg-N-s"\nreference_point = [{metres}]\n'
+    kind = "modal" if isinstance(model, Modes) else "matrices"
+    text = f'format = 1\n\n[fe_model]\nname = "{title}"\nkind = "{kind}"\nunits = "{units.name}"\n'
+    text += f"reference_point = [{metres}]\n" if units.known else ""
+    text += _held_and_named(model) if isinstance(model, Structure) else ""
     save = _save_npz if path.suffix.lower() == ".npz" else _save_hdf5
     atomic.write_with(path, lambda temporary: save(temporary, arrays, text))
+
+
+def _held_and_named(structure: Structure) -> str:
+    """Support, supports and joints of a description, and a table for each part that has a loss factor or a tolerance."""
+    support = "base" if len(structure.held) else "ground" if structure.grounded else "free"
+    text = f'support = "{support}"\n'
+    supports = ", ".join(f'"{name}"' for name in structure.supports)
+    text += f"supports = [{supports}]\n" if supports else ""
+    text += "".join(f'joints."{name}" = {{}}\n' for name in structure.joints)
+    for part in dict.fromkeys((*structure.part_stiffness, *structure.part_mass)):
+        loss, tolerance = structure.loss_factors.get(part), structure.part_tolerances.get(part, {})
+        if loss is None and not tolerance:
+            continue
+        text += f'\n[fe_model.parts."{part}"]\n' + ("" if loss is None else f"loss_factor = {float(loss)!r}\n")
+        listed = ", ".join(f"{key} = {float(value)!r}" for key, value in tolerance.items())
+        text += f"tolerance = {{ {listed} }}\n" if tolerance else ""
+    return text
 
 
 def _save_npz(path: Path, arrays: dict[str, Any], text: str) -> None:

@@ -187,9 +187,31 @@ def test_a_body_that_is_not_connected_is_named(block: Block) -> None:
         fixed_base(apart, 5)
 
 
-def test_a_structure_that_nothing_holds_fails(block: Block) -> None:
-    with pytest.raises(CheckFailed, match="not connected to the base"):
-        fixed_base(replace(block(2, 2, 2), held=np.array([], dtype=np.intp)), 5)
+@pytest.mark.parametrize("size", [(2, 2, 2), (6, 6, 7)])
+def test_a_structure_that_nothing_holds_has_its_rigid_motions_first(size: tuple[int, int, int], block: Block) -> None:
+    """They carry all of its mass, the elastic modes none; the others are those of K and M themselves."""
+    structure = replace(block(*size), held=np.array([], dtype=np.intp))
+    found = fixed_base(structure, 10)
+    squares = eigvalsh(structure.stiffness.toarray(), structure.mass.toarray())[6:10]
+    assert_allclose(found.frequency[:6], 0, atol=0)
+    assert_allclose(found.frequency[6:], np.sqrt(squares) / (2 * np.pi), rtol=1e-8)
+    M = structure.rigid_mass
+    assert_allclose(found.participation[:, :6] @ found.participation[:, :6].T, M, rtol=0, atol=1e-9 * M.max())
+    assert_allclose(found.participation[:, 6:], 0, atol=1e-6 * np.sqrt(M.max()))
+    assert_allclose(found.shapes.T @ (structure.mass @ found.shapes), np.eye(10), atol=1e-9)
+
+
+def test_a_free_structure_of_two_bodies_fails(block: Block) -> None:
+    one = block(2, 2, 2)
+    apart = replace(
+        one,
+        stiffness=csr_array(block_diag([one.stiffness, one.stiffness])),
+        mass=csr_array(block_diag([one.mass, one.mass])),
+        rigid=np.vstack([one.rigid, one.rigid]),
+        held=np.array([], dtype=np.intp),
+    )
+    with pytest.raises(CheckFailed, match="Beside its rigid motions, 2 modes have zero frequency"):
+        fixed_base(apart, 8)
 
 
 @pytest.mark.parametrize("size", [(3, 3, 3), (6, 6, 7)])

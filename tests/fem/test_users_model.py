@@ -17,7 +17,7 @@ from fem.dynamic_mass import direct, modal
 from fem.modes import Modes, fixed_base
 from fem.structure import Structure
 from fem.user_model import reading
-from fem.user_model.description import UnitSystem, unit_system
+from fem.user_model.units import UnitSystem, unit_system
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput
 

@@ -20,7 +20,7 @@ from geometry.frames import Array, frozen, rigid_transformation
 from geometry.inertia import Inertia
 from geometry.toml_file import nearest
 from validation.excite.question import BURST, MULTI, RANDOM, Attached, TableDrive
-from validation.flexible.model import Flexible, FlexibleOptions, flexible, require_model, require_used
+from validation.flexible.model import Flexible, FlexibleOptions, flexible, require_base, require_model, require_used
 from validation.model.setups import is_stack
 
 if TYPE_CHECKING:
@@ -109,6 +109,7 @@ def mounted(article: str, model: str, asked: FlexibleOptions, attached: Attached
     own = replace(asked, cells=False, changes=changes_of(above, asked.changes) if is_stack(article) else asked.changes)
     # `followed_made`, the `model` of `above`, without its modes above `highest` [Hz], but for the first
     followed_made = flexible(above, model, own)
+    require_base(followed_made)
     count = int(np.sum(followed_made.modes.frequency <= highest))
     if count == len(followed_made.modes.frequency) or followed_made.structure is None:
         made = followed_made

@@ -8,7 +8,7 @@ from geometry.articles import NAMES, built_in
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose
-from validation.flexible.model import Flexible, FlexibleOptions, flexible, require_model, require_used
+from validation.flexible.model import Flexible, FlexibleOptions, flexible, require_base, require_model, require_used
 from validation.output import derived, entry, shown, unwritten
 
 UNITS = ("kg", "kg", "kg", "kg m²", "kg m²", "kg m²")
@@ -249,6 +249,7 @@ def curves(question: DynamicMassOptions, *, quiet: bool = False) -> Curves:
     for name, model in zip(names, question.models, strict=True):
         with shown(f"dynamic mass of {question.article}, {name} model", quiet=quiet):
             models.append(flexible(question.article, model, question.asked))
+            require_base(models[-1])
             masses.append(dynamic_mass(models[-1], frequency, point))
     resonances = np.concatenate([m.modes.frequency for m in models])
     rigid = DynamicMass(

@@ -186,7 +186,9 @@ def flexible(name: str, model: str, asked: FlexibleOptions) -> Flexible:
             own_modes = _damped(own_found.model, asked.damping)
             return Flexible(article=own_found.name, model=OWN, modes=own_modes, notes=("Modal data as they were given.",))
         try:
-            return _solved(own_found.name, OWN, own_found.model, None, replace(asked, damping=asked.damping or own_found.damping))
+            solved = replace(asked, damping=asked.damping or own_found.damping)
+            found = _solved(own_found.name, OWN, own_found.model, None, solved)
+            return replace(found, notes=(*found.notes, *own_found.notes))
         except BadInput as error:
             if asked.damping is not None or error.source != "damping":
                 raise
@@ -224,6 +226,24 @@ def flexible(name: str, model: str, asked: FlexibleOptions) -> Flexible:
     modes = _damped(linear.modes(name, asked.count, changes, **added), asked.damping)
     own = "Modes of exudyn's own beam elements, by its own eigen-solution, extrapolated from two meshes."
     return Flexible(article=name, model=model, modes=modes, drawn=drawn, notes=(own, *notes))
+
+
+def require_base(model: Flexible) -> None:
+    """Refuse a `model` that no base can drive, because the ground holds it or nothing.
+
+    Raises
+    ------
+    BadInput : it stands on the ground, or floats.
+    """
+    if model.structure is None or len(model.structure.held):
+        return
+    support = "ground" if model.structure.grounded else "free"
+    raise BadInput(
+        source=model.article,
+        field="fe_model.support",
+        problem=f'is "{support}": it has no base, about which a dynamic mass or a base motion could be',
+        remedy='State support = "base" with the interface that is shaken',
+    )
 
 
 def _damped(modes: Modes, damping: Damping | None) -> Modes:

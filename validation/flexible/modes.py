@@ -126,9 +126,21 @@ class Described:
 
 
 def described(structure: Structure, modes: Modes, article: Article | None) -> tuple[Described, ...]:
-    """Every mode of `modes` in words; `article` names the parts, without it those of the structure's stiffness are named."""
-    if not len(modes.shapes) or not len(structure.points):
+    """Every mode of `modes` in words; `article` names the parts, without it those of the structure's stiffness are named.
+
+    Of a structure that knows no points only the parts that are strained are named; a rigid motion strains none.
+    """
+    if not len(modes.shapes):
         return tuple(Described(moving={}, strained={}, text="") for _ in modes.frequency)
+    # Share (m,) of the strain energy of each mode by part
+    strain: dict[str, Array] = {}
+    omega2 = np.where(modes.frequency > 0, 2 * np.pi * modes.frequency, np.inf) ** 2
+    for name, K in structure.part_stiffness.items():
+        share = np.einsum("nm,nm->m", modes.shapes, K @ modes.shapes) / omega2
+        strain[family(name)] = strain.get(family(name), 0.0) + share
+    shares = [_sorted({name: float(share[r]) for name, share in strain.items()}) for r in range(len(modes.frequency))]
+    if not len(structure.points):
+        return tuple(_strained(f, one) for f, one in zip(modes.frequency, shares, strict=True))
     energy = modes.shapes * (structure.mass @ modes.shapes)
     u = node_displacement(structure, modes.shapes)
     # Names of the parts, and for each point the index of its own: by the drawing, else by whose stiffness holds the point
@@ -144,20 +156,23 @@ def described(structure: Structure, modes: Modes, article: Article | None) -> tu
     else:
         held = [K.diagonal()[structure.translations].sum(axis=1) for K in structure.part_stiffness.values()]
         names, owner = list(structure.part_stiffness), np.argmax(held, axis=0)
-    # Share (m,) of the strain energy of each mode by part
-    strain: dict[str, Array] = {}
-    omega2 = (2 * np.pi * modes.frequency) ** 2
-    for name, K in structure.part_stiffness.items():
-        share = np.einsum("nm,nm->m", modes.shapes, K @ modes.shapes) / omega2
-        strain[family(name)] = strain.get(family(name), 0.0) + share
     return tuple(
-        _described(structure, names, owner, energy[:, r], u[:, :, r], {k: float(v[r]) for k, v in strain.items()})
+        _strained(0.0, {})
+        if modes.frequency[r] == 0
+        else _described(structure, names, owner, energy[:, r], u[:, :, r], shares[r])
         for r in range(len(modes.frequency))
     )
 
 
+def _strained(frequency: float, shares: dict[str, float]) -> Described:
+    """A mode of which only the strain is known."""
+    named = [f"{100 * share:.0f} % {name}" for name, share in shares.items() if share >= WORTH_NAMING][:3]
+    text = "rigid motion" if frequency == 0 else f"strain: {', '.join(named)}" if named else ""
+    return Described(moving={}, strained=shares if frequency else {}, text=text)
+
+
 def _described(
-    structure: Structure, names: Sequence[str], owner: Integers, energy: Array, u: Array, strain: dict[str, float]
+    structure: Structure, names: Sequence[str], owner: Integers, energy: Array, u: Array, strained: dict[str, float]
 ) -> Described:
     # Energy (p,) of each point with its rotations, where it has any: all degrees of freedom up to the next point's
     order = np.argsort(structure.translations[:, 0])
@@ -180,7 +195,6 @@ def _described(
     first = owner == names.index(named[0])
     pattern = _pattern(structure.points[first], u[first])
     moving[0] += f", {pattern}" if pattern and "twists" not in moving[0] else ""
-    strained = _sorted(strain)
     # Which part is strained most, if that is another than the one that moves most
     bent_moving = named[0]
     key = next(iter(strained), bent_moving)

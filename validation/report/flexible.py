@@ -50,6 +50,17 @@ DECIMALS = 3
 SHOWN = 12
 """Modes of a printed MAC matrix; all of it is in the JSON."""
 
+HOW_HELD = {
+    "base": "Base held.",
+    "ground": "On the ground.",
+    "free": "Free: the modes at 0 Hz are its rigid motions.",
+}
+
+UNNAMED = {"structure", "damped", "rest"}
+"""Shares that a reader makes of a stiffness that has no parts."""
+
+WHAT_STRAINS = "What moves: the parts that are strained, with their share of the strain energy; the model has no coordinates."
+
 WHAT_MOVES = "What moves: parts with their share of the kinetic energy and the axis along which most of it goes."
 
 
@@ -57,9 +68,17 @@ def words(model: Flexible) -> tuple[Described, ...]:
     """Every mode of `model` in words; empty ones for modal data without a structure."""
     if model.structure is None:
         return tuple(Described(moving={}, strained={}, text="") for _ in model.modes.frequency)
-    # The parts of a user's own model are shares of its stiffness, which only its reader has given names.
-    structure = replace(model.structure, part_stiffness={}, loss_factors={}) if model.model == OWN else model.structure
+    structure, unnamed = model.structure, model.model == OWN and set(model.structure.part_stiffness) <= UNNAMED
+    # Where a user's own model has no parts, its reader may have made shares of the stiffness for the damping
+    structure = replace(structure, part_stiffness={}, loss_factors={}) if unnamed else structure
     return described(structure, model.modes, model.article_of_primitives)
+
+
+def support_of(model: Flexible) -> str:
+    """How `model` is held: "base", "ground" or "free"."""
+    if model.structure is None or len(model.structure.held):
+        return "base"
+    return "ground" if model.structure.grounded else "free"
 
 
 def of_columns(header: Sequence[str], lines: Sequence[tuple[str, ...]], *, words: bool = False) -> Grid:
@@ -92,21 +111,30 @@ def print_modes(model: Flexible, against: Flexible | None, *, as_json: bool) -> 
 
 def modes_document(model: Flexible) -> Document:
     """One line a mode, and below them the sum, what the base carries, and the rigid mass; the paper's sentences beside it."""
-    modes, said = model.modes, words(model)
+    modes, said, support = model.modes, words(model), support_of(model)
     rigid, total = np.diag(modes.rigid_mass), modes.effective_mass.sum(axis=0)
+    weighed = bool(np.any(rigid))  # without coordinates nobody knows which way a mass moves
+
+    def masses(values: Array) -> tuple[str, ...]:
+        return _masses(values, rigid) if weighed else ()
+
     figures = zip(modes.frequency, modes.damping_ratio, modes.effective_mass, said, strict=True)
     lines = [
-        (str(r), f"{f:.3f}", f"{100 * zeta:.2f}", *_masses(mass, rigid), what.text)
+        (str(r), f"{f:.3f}", f"{100 * zeta:.2f}", *masses(mass), what.text)
         for r, (f, zeta, mass, what) in enumerate(figures, start=1)
     ]
-    lines.append(("Σ", "", "", *_masses(total, rigid), f"sum of {len(modes.frequency)} modes"))
-    if model.structure is not None:
+    if weighed:
+        lines.append(("Σ", "", "", *masses(total), f"sum of {len(modes.frequency)} modes"))
+    if weighed and model.structure is not None:
         can = movable(model.structure)
         share = tuple(f"{100 * part / whole:.1f} %" if whole > 0 else NONE for part, whole in zip(total, can, strict=True))
         lines.append(("", "", "", *share, "of what all modes together carry"))
-        lines.append(("base", "", "", *_masses(rigid - can, rigid), "carried by the base itself, in no mode"))
-    lines.append(("rigid", "", "", *_masses(rigid, rigid), "the whole article"))
-    found = of_columns(("mode", "f [Hz]", "ζ [%]", *_heads(), "what moves"), lines, words=True)
+        if support == "base":
+            lines.append(("base", "", "", *masses(rigid - can), "carried by the base itself, in no mode"))
+    if weighed:
+        lines.append(("rigid", "", "", *masses(rigid), "all that moves" if support == "ground" else "the whole article"))
+    head = ("mode", "f [Hz]", "ζ [%]", *(_heads() if weighed else ()), "what moves")
+    found = of_columns(head, lines, words=True)
     holds = {True: "yes", False: "NO", None: "too few modes to tell"}
     published = Table(
         rows=claims(model.article, modes.frequency),
@@ -119,8 +147,9 @@ def modes_document(model: Flexible) -> Document:
     about = ", ".join(f"{1e3 * x:g}" for x in modes.reference_point)
     where = "the article's origin" if not modes.reference_point.any() else f"({about}) mm"
     notes = (
-        f"Base held. Effective masses about {where}: [kg] along x, y, z, [kg m²] about them (α, β, γ).",
-        *((WHAT_MOVES,) if any(what.text for what in said) else ()),
+        HOW_HELD[support]
+        + (f" Effective masses about {where}: [kg] along x, y, z, [kg m²] about them (α, β, γ)." if weighed else ""),
+        *((WHAT_MOVES if any(what.moving for what in said) else WHAT_STRAINS,) if any(what.text for what in said) else ()),
         *model.notes,
     )
     return Document(title=f"{model.article}: {model.model} model", blocks=(found, published), notes=notes)
@@ -130,9 +159,11 @@ def modes_json(model: Flexible) -> dict[str, Any]:
     """The object of the output contract, effective masses [kg, kg m²] about the reference point."""
     modes = model.modes
     base = {} if model.structure is None else {"effective_mass_of_all_modes": movable(model.structure).tolist()}
+    support = support_of(model)
     return {
         "article": model.article,
         "model": model.model,
+        **({} if support == "base" else {"support": support}),
         "frequency_hz": modes.frequency.tolist(),
         "damping_ratio": modes.damping_ratio.tolist(),
         "effective_mass": modes.effective_mass.tolist(),
