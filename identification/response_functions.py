@@ -15,6 +15,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array, freeze, frozen
 from geometry.sensors import Point
 from identification.files import files, text_table
+from identification.spectra import response_estimates
 
 QUANTITIES = {"acceleration": "m/s^2/N", "velocity": "m/s/N", "displacement": "m/N"}
 """What may be read per newton, and its SI unit."""
@@ -46,6 +47,8 @@ class ResponseFunctions:
     force_gain : the same of the force cell
     scaled : whether the scale that all functions share is known within these gains; False for readings without calibration
     share : how far a reading repeats, as a share of it; None where the functions themselves must tell
+    decay_rate : [1/s] inverse time constant of the exponential window of force and responses, with which a prediction is made; 0
+        for none
     warnings : what is odd, in words
     """
 
@@ -64,6 +67,7 @@ class ResponseFunctions:
     force_gain: float = GAIN
     scaled: bool = True
     share: float | None = None
+    decay_rate: float = 0.0
     warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -128,6 +132,7 @@ KEYS = [
     "gain",
     "force_gain",
     "share",
+    "decay",
     "records",
 ]
 """Of a test of this kind; `of_table` says what they mean."""
@@ -149,16 +154,16 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ResponseFun
     toml_file.require_known(table, KEYS, source=source)
     toml_file.require_present(table, ("article",), source=source)
     quantity, factor = _unit(table, source)
-    pieces: list[Piece] = []
+    entries = [(folder / str(entry["path"]), entry) for entry in _entries(table, source)]
     warnings: list[str] = []
-    for entry in _entries(table, source):
-        path = folder / str(entry["path"])
-        found, said = _read(path, entry, table, source)
-        pieces += found
-        warnings += said
+    if "records" in table:
+        pieces, reach, warnings = _of_records(entries, table, source)
+    else:
+        pieces, reach = [piece for path, entry in entries for piece in _read(path, entry, table, source)], inf
+    decay = _number(table.get("records", table), "decay", 0.0, source)
     pieces = [replace(one, values=factor * one.values) for one in pieces]
     whole = assembled(pieces, source)
-    low, high = whole.frequency[0] or whole.frequency[1], whole.frequency[-1]
+    low, high = whole.frequency[0] or whole.frequency[1], min(whole.frequency[-1], reach)
     return replace(
         whole,
         title=str(table.get("title", Path(source).stem)),
@@ -168,6 +173,7 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ResponseFun
         gain=_tolerance(table.get("gain", GAIN), source, "gain"),
         force_gain=_tolerance(table.get("force_gain", GAIN), source, "force_gain"),
         scaled=table.get("gain") != "unknown" and table.get("force_gain") != "unknown",
+        decay_rate=1 / decay if decay > 0 else 0.0,
         share=None if table.get("share") is None else _tolerance(table["share"], source, "share"),
         warnings=(*warnings, *whole.warnings),
     )
@@ -322,6 +328,9 @@ def _band(value: Any, low: float, high: float, source: str) -> tuple[float, floa
 
 # Files.
 
+SIGNALS = (".mat", ".h5", ".hdf5")
+"""Endings of files that hold vectors by name."""
+
 
 def _entries(table: Mapping[str, Any], source: str) -> list[dict[str, Any]]:
     """Of every file its path, drive and responses as they are stated."""
@@ -342,24 +351,21 @@ def _entries(table: Mapping[str, Any], source: str) -> list[dict[str, Any]]:
     return found
 
 
-def _read(path: Path, entry: Mapping[str, Any], table: Mapping[str, Any], source: str) -> tuple[list[Piece], list[str]]:
-    """The functions in one file, and what is to be said of it."""
+def _read(path: Path, entry: Mapping[str, Any], table: Mapping[str, Any], source: str) -> list[Piece]:
+    """The functions in one file."""
     drive, responses = points_of(entry, table, source)
-    if drive is None:
-        problem = f"does not say where the force of {path.name} acts: the reference is missing"
-        raise BadInput(source=source, field="drive", problem=problem, remedy='Write drive = "tip:z"')
-    if path.suffix.lower() in (".mat", ".h5", ".hdf5"):
+    if path.suffix.lower() in SIGNALS:
         frequency, functions = _of_signals(path, entry, responses, source)
     else:
         frequency, functions = _of_text(path, entry, table, responses, source)
     if table.get("inverted", False):
         functions = [1 / one for one in functions]
     pairs = zip(responses, functions, strict=True)
-    return [Piece(source=str(path), drive=drive, response=at, frequency=frequency, values=one) for at, one in pairs], []
+    return [Piece(source=str(path), drive=drive, response=at, frequency=frequency, values=one) for at, one in pairs]
 
 
-def points_of(entry: Mapping[str, Any], table: Mapping[str, Any], source: str) -> tuple[Point | None, list[Point]]:
-    """Where the force of a file acts, None where it is not said, and where its answers are read."""
+def points_of(entry: Mapping[str, Any], table: Mapping[str, Any], source: str) -> tuple[Point, list[Point]]:
+    """Where the force of a file acts, and where its answers are read."""
     direction = str(table.get("direction", ""))
     stated = entry.get("responses", [])
     listed = stated if isinstance(stated, list) else [stated]
@@ -367,8 +373,115 @@ def points_of(entry: Mapping[str, Any], table: Mapping[str, Any], source: str) -
     if not responses:
         remedy = 'Write responses = ["tip:z", ...] in the order of the columns'
         raise BadInput(source=source, field="responses", problem="is missing", remedy=remedy)
-    drive = entry.get("drive")
-    return None if drive is None else sensors.point(drive, source=source, field="drive", direction=direction), responses
+    if entry.get("drive") is None:
+        problem = f"is not said for {entry['path']}: the reference is missing"
+        raise BadInput(source=source, field="drive", problem=problem, remedy='Write drive = "tip:z", where the force acts')
+    return sensors.point(entry["drive"], source=source, field="drive", direction=direction), responses
+
+
+# Records of force and response.
+
+RECORDED = {"block": 0.0, "overlap": 0.5, "decay": 0.0}
+RECORDS = ("kind", "window", "estimator", *RECORDED)
+SHAKER, HAMMER = "shaker", "hammer"
+
+
+def _of_records(
+    entries: Sequence[tuple[Path, Mapping[str, Any]]], table: Mapping[str, Any], source: str
+) -> tuple[list[Piece], float, list[str]]:
+    """Functions of time histories, the highest frequency [Hz] that every force drives, and what is to be said.
+
+    Of files with one drive and the same responses the blows of a hammer are averaged together.
+    """
+    how = toml_file.require_table(table["records"], source=source, where="records")
+    toml_file.require_known(how, RECORDS, source=source, where="records")
+    kind = toml_file.one_of(how.get("kind", SHAKER), (SHAKER, HAMMER), source=source, where="records.kind")
+    of = toml_file.one_of(how.get("estimator", "H1"), response_estimates.ESTIMATORS, source=source, where="records.estimator")
+    block, overlap, decay = [_number(how, key, usual, source) for key, usual in RECORDED.items()]
+    together: dict[tuple[str, ...], list[tuple[Path, Mapping[str, Any], Point, list[Point]]]] = {}
+    for path, entry in entries:
+        drive, responses = points_of(entry, table, source)
+        key = (drive.name, *(one.name for one in responses))
+        together.setdefault(key if kind == HAMMER else (*key, str(path)), []).append((path, entry, drive, responses))
+    pieces: list[Piece] = []
+    warnings: list[str] = []
+    reach = inf
+    for members in together.values():
+        path, _, drive, responses = members[0]
+        blows: list[response_estimates.Blow] = []
+        for path, entry, _, _ in members:
+            rate, force, read = _record(path, entry, table, responses, source)
+            if kind == SHAKER:
+                window = str(how.get("window", "hann"))
+                made = response_estimates.shaken(
+                    force, read, rate, block=block, overlap=overlap, window=window, estimator=of, source=str(path)
+                )
+            else:
+                blows += response_estimates.blows(force, read, rate, block=block, source=str(path))
+                made = None
+        if made is None:
+            made = response_estimates.struck(blows, rate, decay=decay, estimator=of, source=str(path))
+        reach = min(reach, made.reach)
+        warnings += made.warnings
+        pieces += [
+            Piece(
+                source=str(path),
+                drive=drive,
+                response=at,
+                frequency=made.frequency,
+                values=made.values[:, k],
+                coherence=made.coherence[:, k],
+                averages=made.averages,
+            )
+            for k, at in enumerate(responses)
+        ]
+    return pieces, reach, warnings
+
+
+def _number(how: Mapping[str, Any], key: str, usual: float, source: str) -> float:
+    """A number of ``records``, seconds as a number or with their unit."""
+    value = how.get(key, usual)
+    if isinstance(value, str):
+        return float(toml_file.quantity(value, "time", source=source, field=key).n)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < 1e6:
+        problem = f"must be a number that is not negative, found {value!r}"
+        raise BadInput(source=source, field=key, problem=problem, remedy='Write block = "4 s"')
+    return float(value)
+
+
+def _record(
+    path: Path, entry: Mapping[str, Any], table: Mapping[str, Any], responses: Sequence[Point], source: str
+) -> tuple[float, Array, Array]:
+    """Rate [Hz], force (n,) and responses (n, c) of one file."""
+    columns = _columns(entry, responses, source)
+    if len(responses) == 1 and "response" in columns:
+        columns[responses[0].name] = columns["response"]
+    if path.suffix.lower() in SIGNALS:
+        signals = files.read(path)
+        if signals.sampling_rate is None:
+            problem = "it holds functions of frequency where records of time are needed"
+            raise BadInput(source=str(path), problem=problem, remedy="Take `records` out of the test")
+        known = tuple(signals.samples)
+        wanted = [columns.get("force", ["force"])[0], *(columns.get(one.name, [one.name])[0] for one in responses)]
+        for name in wanted:
+            if name not in known:
+                remedy = f"Name the channels in `columns`; there are {', '.join(known)}"
+                raise BadInput(source=str(path), field=name, problem="no channel is called so", remedy=remedy)
+        return signals.sampling_rate, signals.samples[wanted[0]], np.column_stack([signals.samples[name] for name in wanted[1:]])
+    text = text_table.read(path, str(table.get("separator", "")))
+    at = {key: text.column(names[0], f"columns.{key}") for key, names in columns.items()}
+    axis = at.get("time", 0)
+    force = at.get("force", next(k for k in range(len(text.cells[0])) if k != axis))
+    rest = [k for k in range(len(text.cells[0])) if k not in (axis, force)]
+    named = [at[one.name] for one in responses if one.name in at]
+    if not named and len(rest) == len(responses):
+        named = rest
+    if len(named) != len(responses):
+        problem = f"it has {len(rest)} columns beside time and force, and the responses are {len(responses)}"
+        raise BadInput(source=str(path), field="responses", problem=problem, remedy="Name all in order, or state `columns`")
+    time = text.numbers(axis).real.astype(np.float64)
+    rate = files.rate_of_times(time, str(path), text.header[axis] if text.header else "time")
+    return rate, text.numbers(force).real.astype(np.float64), np.column_stack([text.numbers(k).real for k in named])
 
 
 def _of_signals(

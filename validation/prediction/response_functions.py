@@ -53,6 +53,7 @@ class ResponseFunctionTest:
     effects : in the order in which they act
     quantity : of `identification.response_functions.QUANTITIES`
     gain, force_gain : tolerances of the gains, 0 for exact ones, infinite for unknown ones
+    decay_rate : [1/s] of an exponential window of force and responses
     scale : where the one factor that all readings share is not known: where a fit of it begins; None where it is known
     """
 
@@ -64,6 +65,7 @@ class ResponseFunctionTest:
     quantity: str = "acceleration"
     gain: float = GAIN
     force_gain: float = GAIN
+    decay_rate: float = 0.0
     scale: float | None = None
 
     @property
@@ -131,9 +133,9 @@ class ResponseFunctionTest:
             np.array([dynamic_mass.along(matrices, point.place, point.direction) for point in points])
             for points in (self.responses, self.drives)
         )
-        answered = dynamic_mass.accelerance(matrices, f, rows, forces)
+        answered = dynamic_mass.accelerance(matrices, f, rows, forces, decay_rate=self.decay_rate)
         moved = dynamic_mass.transfer_tangents(answered, tangents)
-        omega = 2j * np.pi * f[:, None, None]
+        omega = 1j * answered.omega[:, None, None]
         factor = {"acceleration": np.ones_like(omega), "velocity": 1 / omega, "displacement": omega**-2}[self.quantity]
         return _by_run(factor * answered.matrix), {name: _by_run(factor * change) for name, change in moved.items()}
 
@@ -230,6 +232,7 @@ def of(structure: Nuisances, data: ResponseFunctions) -> tuple[ResponseFunctionT
         quantity=data.quantity,
         gain=data.gain,
         force_gain=data.force_gain,
+        decay_rate=data.decay_rate,
     )
     return (test if data.scaled else replace(test, scale=_scale(test)),)
 
