@@ -25,8 +25,8 @@ from rich.console import Console
 from fem.beam.elements import bending_stiffness, rectangle
 from geometry.article import Material
 from validation.model.model import StructureTolerances
-from validation.prediction.accelerance import AcceleranceTest
 from validation.prediction.effects import Nuisances
+from validation.prediction.response_functions import ResponseFunctionTest
 
 # The model, in ten lines: lengths [m], mass of a storey [kg], legs of a storey, damping ratio of every mode.
 ALUMINIUM = Material(name="aluminium", density=2700.0, youngs_modulus=70e9, poisson_ratio=0.33)
@@ -63,7 +63,7 @@ GROWN = {"clamps, masses": "clamps by storey"}
 """The rungs, and the model that has all effects of the one before it; all others grow from the nominal one."""
 
 
-def tell(console: Console, test: AcceleranceTest) -> dict[str, Rung]:
+def tell(console: Console, test: ResponseFunctionTest) -> dict[str, Rung]:
     """Tell it, and return what was found."""
     _before_any_fit(console, test)
     found = climbed(test, MODELS, GROWN)
@@ -73,7 +73,7 @@ def tell(console: Console, test: AcceleranceTest) -> dict[str, Rung]:
     return found
 
 
-def _before_any_fit(console: Console, test: AcceleranceTest) -> None:
+def _before_any_fit(console: Console, test: ResponseFunctionTest) -> None:
     tables.section(
         console,
         "1  The model",
@@ -122,7 +122,7 @@ def _candidates(console: Console, found: Mapping[str, Rung]) -> None:
     )
 
 
-def _the_fall(console: Console, test: AcceleranceTest, rungs: Mapping[str, Rung]) -> None:
+def _the_fall(console: Console, test: ResponseFunctionTest, rungs: Mapping[str, Rung]) -> None:
     added = {name: one for name, one in rungs.items() if name != "nominal"}
     tables.section(
         console,
@@ -140,7 +140,7 @@ def _the_fall(console: Console, test: AcceleranceTest, rungs: Mapping[str, Rung]
     )
 
 
-def _what_is_left(console: Console, test: AcceleranceTest, found: Mapping[str, Rung]) -> None:
+def _what_is_left(console: Console, test: ResponseFunctionTest, found: Mapping[str, Rung]) -> None:
     last, cut = found[LADDER[-1]], ringing(test, DAMPING)
     factor = float(np.exp(found["modulus"].evaluation.plain_fit.by_name["modulus:legs"]))  # the offset is that of the logarithm
     other = aliases(factor, modulus=KNOWN.modulus, thickness=THICKNESS, length=LENGTH)

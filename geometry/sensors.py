@@ -9,9 +9,11 @@ and a load cell at P along d that reads y gives the resultants ``[G]^T d y`` abo
 adds cells; what of their resultants survives the sum is said by `resultants`. Loads are those of the table on the structure.
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from math import inf, radians
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -152,6 +154,80 @@ def motion_rows(channels: Sequence[Channel], point: npt.ArrayLike) -> Array:
     """[G] of accelerometers about `point` (3,) [m]: (n, 6); where several are averaged, the mean of their rows (Eq. 3)."""
     rows = [np.mean([row(place, point) for place in channel.places], axis=0) for channel in channels]
     return np.asarray(rows, dtype=np.float64).reshape(-1, 6)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Point:
+    """Where a response is taken or a force acts in a test of any structure.
+
+    Attributes
+    ----------
+    place : of the structure, by a name that its description knows, ``node 117`` or ``dof 20`` (a row of its matrices, from 0)
+    direction : (3,) unit vector in the axes of the structure; of a single degree of freedom (1, 0, 0)
+    name : of the signal, without colons, which the names of effects are divided by; the place where nothing is said
+    position : (3,) [m] where the test states coordinates, in its own frame; None where it does not
+
+    Raises
+    ------
+    ValueError : a direction that is no unit vector.
+    """
+
+    place: str
+    direction: npt.ArrayLike = (1.0, 0.0, 0.0)
+    name: str = ""
+    position: npt.ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        direction = frozen(self.direction, (3,), "direction")
+        if abs(float(np.linalg.norm(direction)) - 1) > UNIT_LENGTH:
+            raise ValueError(f"`direction` must be a unit vector, found {direction.tolist()}")
+        object.__setattr__(self, "direction", frozen(direction / np.linalg.norm(direction), (3,), "direction"))
+        object.__setattr__(self, "name", re.sub(r"[:\s]+", "-", (self.name or self.place).strip()))
+        if self.position is not None:
+            object.__setattr__(self, "position", frozen(self.position, (3,), "position"))
+
+
+AXES: dict[str, tuple[float, float, float]] = {
+    sign + axis: (factor * (axis == "x"), factor * (axis == "y"), factor * (axis == "z"))
+    for sign, factor in (("", 1.0), ("+", 1.0), ("-", -1.0))
+    for axis in "xyz"
+}
+"""Directions by the words that files use."""
+
+
+def point(value: Any, *, source: str, field: str, direction: str = "") -> Point:
+    """What a user's file says of one point: ``"tip:-z"``, or a table of `place`, `direction`, `name` and `position` [m].
+
+    Parameters
+    ----------
+    direction : of `AXES`, of a text that names none; a degree of freedom needs none
+
+    Raises
+    ------
+    BadInput : neither, no direction, or one that is no unit vector.
+    """
+
+    def refused(problem: str) -> BadInput:
+        remedy = 'Write "place:x" (y, z, -x ...), or { place = "tip", direction = [0, 0.6, 0.8] }'
+        return BadInput(source=source, field=field, problem=problem, remedy=remedy)
+
+    table = value if isinstance(value, dict) else {"place": value}
+    place, along = table.get("place"), table.get("direction")
+    if not isinstance(place, str) or not place.strip() or not set(table) <= {"place", "direction", "name", "position"}:
+        raise refused(f"must be a point of the structure, found {value!r}")
+    stem, _, axis = place.rpartition(":")
+    if along is None and stem and axis.strip().lower() in AXES:
+        place, along = stem, axis
+    along = ("x" if place.strip().startswith("dof ") else direction) if along is None else along
+    if isinstance(along, str) and along.strip().lower() not in AXES:
+        raise refused(f"has no direction, found {value!r}" if not along else f"has no axis {along!r}")
+    vector = AXES[along.strip().lower()] if isinstance(along, str) else along
+    axis = along.strip(" +-").lower() if isinstance(along, str) and not place.strip().startswith("dof ") else ""
+    try:
+        name = str(table.get("name", f"{place.strip()}:{axis}" if axis else place))
+        return Point(place=place.strip(), direction=vector, name=name, position=table.get("position"))
+    except (TypeError, ValueError) as error:
+        raise refused(str(error)) from None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -301,6 +301,7 @@ SI_UNITS = {
     "second moment of area": "m^4",
     "stiffness": "N/m",
     "rotational stiffness": "N m/rad",
+    "frequency": "Hz",
 }
 """The dimensions that users' files use, and the unit in which their values leave here."""
 
@@ -311,7 +312,7 @@ LARGEST_QUANTITY = 1e15
 """In SI: no quantity of a test article lies beyond, and arithmetic stays far from overflow. What is smaller than its inverse is
 the rounding that another program leaves of a zero, and is read as zero."""
 
-_NAMED = {**SI_UNITS, "frequency": "Hz", "volume": "m^3", "velocity": "m/s", "torque": "N m"}
+_NAMED = {**SI_UNITS, "volume": "m^3", "velocity": "m/s", "torque": "N m"}
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY = re.compile(
     rf"\(?\s*(?P<value>{_NUMBER})\s*(?P<unit>[^\d\s+()±,-][^+()±]*?)?\s*"
@@ -406,6 +407,28 @@ def _factor(unit: str, dimension: str, source: str, field: str) -> float:
         what = "an angle" if angular else _a(named) if named else unnamed
         raise _refused(f"{unit!r} is {what}, where {_a(dimension)} should be", dimension, source, field)
     return float(found.to(wanted).magnitude)
+
+
+def unit_among(text: str, units: Mapping[str, str], *, source: str, field: str) -> tuple[str, float]:
+    """Of which of `units`, SI by name, `text` is a unit, and what one of it is in that; ``g`` stands for standard gravity.
+
+    Raises
+    ------
+    BadInput : an unknown unit, or one of something else.
+    """
+    registry = _registry()
+    try:
+        found = registry.Quantity(1.0, registry.parse_units(re.sub(r"\bg\b", "g_0", text)))
+    except Exception:  # pint raises its own, tokenize's and Python's errors on nonsense
+        problem = f"the unit {text!r} is not known"
+        raise BadInput(
+            source=source, field=field, problem=problem, remedy=f"Write it like {next(iter(units.values()))}"
+        ) from None
+    for name, si in units.items():
+        if registry.Unit(si).dimensionality == found.dimensionality:
+            return name, float(found.to(si).magnitude)
+    problem = f"{text!r} is of none of {', '.join(units)}"
+    raise BadInput(source=source, field=field, problem=problem, remedy=f"Write it like {next(iter(units.values()))}")
 
 
 def _a(name: str) -> str:

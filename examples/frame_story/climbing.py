@@ -18,7 +18,7 @@ from validation.estimation.evaluate import evaluate
 from validation.estimation.problem import Evaluation, Offsets, Problem
 from validation.model.model import Added
 from validation.output import counted
-from validation.prediction.accelerance import AcceleranceTest
+from validation.prediction.response_functions import ResponseFunctionTest
 
 NOMINAL = "nominal"
 
@@ -41,7 +41,7 @@ class Rung:
     evaluation : its errors and fits
     """
 
-    model: AcceleranceTest
+    model: ResponseFunctionTest
     parent: str
     evaluation: Evaluation
 
@@ -76,7 +76,7 @@ def effects(texts: Sequence[str]) -> tuple[Added, ...]:
 
 
 def climbed(
-    test: AcceleranceTest, models: Mapping[str, Sequence[str]], grown: Mapping[str, str], *, quiet: bool = False
+    test: ResponseFunctionTest, models: Mapping[str, Sequence[str]], grown: Mapping[str, str], *, quiet: bool = False
 ) -> dict[str, Rung]:
     """Every one of `models`, by the effects in it, evaluated with each drive point held out in turn.
 
@@ -95,7 +95,7 @@ def gain(rungs: Mapping[str, Rung], name: str, over: str = NOMINAL) -> float:
     return rungs[name].evaluation.fitted.log_evidence - rungs[over].evaluation.fitted.log_evidence
 
 
-def where(model: AcceleranceTest, offsets: Offsets) -> list[float]:
+def where(model: ResponseFunctionTest, offsets: Offsets) -> list[float]:
     """Errors [%] of a model at `offsets` in the bands `BETWEEN`; without any it is as drawn."""
     f = model.measured.frequency
     bands = [np.flatnonzero((f >= low) & (f < high)) for low, high in pairwise(BETWEEN)]

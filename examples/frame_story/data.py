@@ -11,9 +11,10 @@ import numpy.typing as npt
 from frame_story.structure import FLOORS
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
+from geometry.sensors import Point
 from validation.prediction import series
-from validation.prediction.accelerance import AcceleranceTest, Point, measured
 from validation.prediction.effects import Nuisances
+from validation.prediction.response_functions import ResponseFunctionTest, measured
 
 FILES = {"driven at floor 1": "Experimental.csv", "driven at floor 2": "test_2.csv", "driven at floor 3": "test_3.csv"}
 BAND = (3.0, 90.0)
@@ -46,13 +47,13 @@ def _lines(file: Path) -> ComplexArray:
     return np.array([[complex(number.replace("+-", "-")) for number in line.split(";")] for line in lines])
 
 
-def tested(folder: Path, structure: Nuisances) -> AcceleranceTest:
+def tested(folder: Path, structure: Nuisances) -> ResponseFunctionTest:
     """The model `structure` of the three runs in `folder`."""
     frequency, accelerance = read(folder)
     share = repeated(frequency, list(accelerance.values()))
     data = measured("accelerances", "frame", frequency, accelerance, FLOORS, band=BAND, share=share)
     points = tuple(Point(place=floor) for floor in FLOORS)
-    return AcceleranceTest(measured=data, structure=structure, responses=points, drives=points)
+    return ResponseFunctionTest(measured=data, structure=structure, responses=points, drives=points)
 
 
 def repeated(frequency: Array, accelerances: npt.ArrayLike) -> float:

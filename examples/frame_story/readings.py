@@ -6,7 +6,7 @@ import numpy as np
 
 from geometry.frames import Array
 from identification.spectra.peak_hold import kept, lone_mode
-from validation.prediction.accelerance import AcceleranceTest
+from validation.prediction.response_functions import ResponseFunctionTest
 
 RESONANCES = ((4.0, 12.0), (12.0, 22.0), (22.0, 40.0))
 MASS_LINE = (60.0, 90.0)
@@ -14,13 +14,13 @@ AROUND_FIRST = (5.5, 7.5)
 """[Hz] Where each resonance is looked for; the mass line; where the first mode is looked at."""
 
 
-def resonances(test: AcceleranceTest) -> Array:
+def resonances(test: ResponseFunctionTest) -> Array:
     """Measured eigenfrequencies (3,) [Hz]: the lines at which all readings together are largest."""
     f, level = test.measured.frequency, np.sum(np.abs(test.measured.values) ** 2, axis=(0, 2))
     return np.array([f[np.argmax(np.where((f > low) & (f < high), level, 0.0))] for low, high in RESONANCES])
 
 
-def by_frequencies(test: AcceleranceTest, mass: float) -> dict[str, float]:
+def by_frequencies(test: ResponseFunctionTest, mass: float) -> dict[str, float]:
     """What the frequencies alone say of storeys of `mass` [kg]: the one factor on all that fits best, and what it leaves."""
     found, drawn = resonances(test), test.structure.frequency
     factor = float(np.mean(drawn / found) / np.mean((drawn / found) ** 2))  # least squares of factor * drawn / found - 1
@@ -28,7 +28,7 @@ def by_frequencies(test: AcceleranceTest, mass: float) -> dict[str, float]:
     return {"mass_kg": mass * (1 / factor**2 - 1), "stiffness_percent": 100 * (factor**2 - 1), "rms_percent": 100 * left}
 
 
-def mass_line(test: AcceleranceTest) -> dict[str, Array]:
+def mass_line(test: ResponseFunctionTest) -> dict[str, Array]:
     """Mass [kg] of every floor on the mass line: of each drive point by itself, and of all three runs as one matrix.
 
     By itself a drive point reads 1 / A_jj, as if no spring held the floor; the inverse of all nine accelerances is
@@ -42,7 +42,7 @@ def mass_line(test: AcceleranceTest) -> dict[str, Array]:
     return {"alone": np.array(alone), "together": np.linalg.lstsq(terms, whole, rcond=None)[0][0].reshape(3, 3).diagonal()}
 
 
-def ringing(test: AcceleranceTest, damping_ratio: float) -> dict[str, float]:
+def ringing(test: ResponseFunctionTest, damping_ratio: float) -> dict[str, float]:
     """The first mode by itself, and what the end of a record of one over the spacing of the lines makes of it.
 
     `damping_ratio` is where its fit begins.

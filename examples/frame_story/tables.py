@@ -12,7 +12,7 @@ from frame_story.climbing import BETWEEN, IN_WORDS, NOMINAL, Rung, gain, where
 from frame_story.readings import mass_line, resonances
 from frame_story.structure import FLOORS
 from validation.estimation.evaluate import share, squares
-from validation.prediction.accelerance import AcceleranceTest
+from validation.prediction.response_functions import ResponseFunctionTest
 from validation.report.document import Grid, page
 
 WIDEST = 100
@@ -30,14 +30,14 @@ def section(console: Console, title: str, grids: Iterable[Grid], *sentences: str
     console.print(text, markup=False, highlight=False)
 
 
-def frequencies(test: AcceleranceTest) -> Grid:
+def frequencies(test: ResponseFunctionTest) -> Grid:
     """Measured and nominal eigenfrequencies."""
     pairs = enumerate(zip(resonances(test), test.structure.frequency, strict=True))
     lines = [(str(r + 1), f"{f:.3f} Hz", f"{drawn:.3f} Hz", f"{100 * (drawn / f - 1):.1f} %") for r, (f, drawn) in pairs]
     return Grid(header=("mode", "measured", "model", "too high"), lines=tuple(lines))
 
 
-def masses(test: AcceleranceTest, drawn: float) -> Grid:
+def masses(test: ResponseFunctionTest, drawn: float) -> Grid:
     """Masses of the floors on the mass line."""
     line = mass_line(test)
     found = enumerate(zip(line["alone"], line["together"], strict=True), start=1)
@@ -83,13 +83,13 @@ def evidence(rungs: Mapping[str, Rung], name: str) -> str:
     return found if ahead == name else f"{found} By them {ahead} would be ahead, with the modulus at {modulus(rungs[ahead])}."
 
 
-def missed(drawn: AcceleranceTest) -> float:
+def missed(drawn: ResponseFunctionTest) -> float:
     """Error [%] of the model as drawn, over all lines."""
     every = np.arange(len(drawn.measured.frequency))
     return share(squares(drawn, {}, every)).percent
 
 
-def bands(drawn: AcceleranceTest, rungs: Mapping[str, Rung]) -> Grid:
+def bands(drawn: ResponseFunctionTest, rungs: Mapping[str, Rung]) -> Grid:
     """Errors by frequency: of the model as drawn and nothing fitted, and of `rungs`."""
     columns = [where(drawn, {}), *(where(one.model, one.offsets) for one in rungs.values())]
     spans = [f"{low:g}-{high:g} Hz {words}" for (low, high), words in zip(pairwise(BETWEEN), IN_WORDS, strict=True)]

@@ -501,12 +501,13 @@ def residuals(problem: Problem, at: Fit | Offsets, *, floor: float = FIT_FLOOR, 
         weight = seen.weight(floor, predicted.noise)
         rows = (predicted.rows if predicted.rows.ndim == 3 else predicted.rows[run] for run in range(len(measured.runs)))
         left = [left_of_run(seen, A, weight[run], run) for run, A in enumerate(rows)]
+        variance = seen.parts / np.square(weight)
         found.append(
             Residuals(
                 data_set=measured.name,
                 frequency=measured.frequency[lines],
                 values=np.stack([run.values for run in left]),
-                sigma=np.stack([_sigma(run, predicted, weight[k], loose, k) for k, run in enumerate(left)]),
+                sigma=np.stack([_sigma(run, predicted, variance[k], loose, k) for k, run in enumerate(left)]),
                 level=smoothed_level(measured.frequency, measured.values)[:, lines],
                 inputs=np.stack([run.inputs for run in left]),
             )
@@ -514,9 +515,8 @@ def residuals(problem: Problem, at: Fit | Offsets, *, floor: float = FIT_FLOOR, 
     return tuple(found)
 
 
-def _sigma(left: Left, predicted: Predicted, weight: Array, loose: dict[str, float], run: int) -> Array:
-    """(m, c) of one run."""
-    variance = 2 / np.square(weight)  # of both parts of a complex number
+def _sigma(left: Left, predicted: Predicted, variance: Array, loose: dict[str, float], run: int) -> Array:
+    """(m, c) of one run, from the variance (m, c) of its values."""
     found = variance if left.gain is None else (np.abs(left.gain) ** 2 @ variance[..., None])[..., 0]
     for name, change in predicted.changes.items():
         if name in loose:

@@ -160,6 +160,7 @@ class ObservedLines:
     noise : (r, m, c) standard deviation of the noise
     floor : (r, m, c) standard deviation that a model-error floor of 1 gives
     inputs : (r, m, k) where they are known
+    parts : numbers that a value is made of: 2, or 1 of real ones
     """
 
     runs: tuple[str, ...]
@@ -167,11 +168,12 @@ class ObservedLines:
     noise: Array
     floor: Array
     inputs: ComplexArray | None
+    parts: int = 2
 
     def weight(self, floor: float, noise: Array | None = None) -> Array:
-        """(r, m, c) one over the standard deviation of each of real and imaginary part; `noise` in place of the data's own."""
+        """(r, m, c) one over the standard deviation of each part of a value; `noise` in place of the data's own."""
         variance = np.square(self.noise if noise is None else noise) + np.square(floor * self.floor)
-        return np.asarray(np.sqrt(2 / np.maximum(variance, np.finfo(np.float64).tiny)))
+        return np.asarray(np.sqrt(self.parts / np.maximum(variance, np.finfo(np.float64).tiny)))
 
 
 def observed(measured: Measured, lines: Lines) -> ObservedLines:
@@ -182,6 +184,7 @@ def observed(measured: Measured, lines: Lines) -> ObservedLines:
         noise=measured.noise[:, lines],
         floor=floor_of(measured)[:, lines],
         inputs=None if measured.inputs is None else measured.inputs[:, lines],
+        parts=1 if measured.is_real else 2,
     )
 
 
@@ -368,7 +371,7 @@ class Cost:
         offsets, found = self.offsets(x), len(self.problem.facts)
         for one, lines, seen in self.observed:
             latent = one.at(offsets, lines[:1], derivatives=False).rows.shape[-1] if seen.inputs is None else 0
-            found += 2 * len(seen.runs) * len(lines) * (seen.values.shape[2] - latent)
+            found += seen.parts * len(seen.runs) * len(lines) * (seen.values.shape[2] - latent)
         return found
 
 

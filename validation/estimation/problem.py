@@ -57,6 +57,8 @@ class Measured:
     noise_scatter, noise_spread : relative standard deviation of the noise's power, at one line and of all channels and lines
     inputs : (r, n, k) complex, known inputs such as a drive force of 1 N; None for inputs that nobody knows (base motions),
         which are eliminated line by line
+    is_real : whether values are real numbers, such as frequencies, and `noise` is their standard deviation: the imaginary parts
+        are zero and say nothing
     """
 
     name: str
@@ -72,6 +74,7 @@ class Measured:
     noise_scatter: float = 0.0
     noise_spread: float = 0.0
     inputs: ComplexArray | None = None
+    is_real: bool = False
 
     def __post_init__(self) -> None:
         r, n, c = shape = (len(self.runs), len(self.frequency), len(self.channels))

@@ -1,1 +1,1 @@
-"""Predictions: what every channel of a campaign, or of an accelerance test, should read by a model."""
+"""Predictions: what every channel of a campaign, or of any other test, should read by a model."""

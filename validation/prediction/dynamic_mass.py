@@ -11,6 +11,7 @@ and none of the solution itself. Likewise an accelerance A = phi_r^T D^-1 phi_d,
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -41,6 +42,7 @@ class CondensedTransfer:
     matrix : (n, r, d) complex: dynamic mass (n, 6, 6) about the article's origin, or accelerance [1/kg]
     left, right : (k, n, r), (k, n, d), by coordinate: d matrix = sign * left^T dD right
     sign : +1 of a dynamic mass, -1 of an accelerance
+    decay_rate : [1/s] by which the axis is moved, see `accelerance`
     """
 
     frequency: Array
@@ -48,6 +50,12 @@ class CondensedTransfer:
     left: ComplexArray
     right: ComplexArray
     sign: float
+    decay_rate: float = 0.0
+
+    @property
+    def omega(self) -> npt.NDArray[Any]:
+        """(n,) [rad/s], s / i of every line."""
+        return turning(self.frequency, self.decay_rate)
 
 
 def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike) -> CondensedTransfer:
@@ -59,7 +67,7 @@ def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike) -> CondensedTrans
     """
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     b = matrices.base
-    D = _dynamic(matrices, lines)
+    D = _dynamic(matrices, 2 * np.pi * lines)
     answer = -np.linalg.solve(D[:, b:, b:], D[:, b:, :b])
     H = D[:, :b, :b] + D[:, :b, b:] @ answer
     moved = np.broadcast_to(np.eye(b, dtype=np.complex128), (len(lines), b, b))
@@ -67,8 +75,14 @@ def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike) -> CondensedTrans
     return CondensedTransfer(frequency=lines, matrix=H, left=T, right=T, sign=1.0)
 
 
+def turning(frequency: Array, decay_rate: float) -> npt.NDArray[Any]:
+    """(n,) [rad/s] s / i at `frequency` (n,) [Hz] on the axis s = i omega + decay_rate, real where that is 0."""
+    omega = 2 * np.pi * frequency
+    return omega - 1j * decay_rate if decay_rate else omega
+
+
 def accelerance(
-    matrices: Matrices, frequency: npt.ArrayLike, responses: npt.ArrayLike, drive: npt.ArrayLike
+    matrices: Matrices, frequency: npt.ArrayLike, responses: npt.ArrayLike, drive: npt.ArrayLike, *, decay_rate: float = 0.0
 ) -> CondensedTransfer:
     """Accelerations (n, r, d) [m/s² per N] of a held structure along `responses` for forces along `drive`.
 
@@ -76,6 +90,7 @@ def accelerance(
     ----------
     frequency : (n,) [Hz], above zero
     responses, drive : (r, k), (d, k) what each coordinate moves along them, see `along`
+    decay_rate : [1/s] of force and response that are windowed by exp(-decay_rate t)
 
     Raises
     ------
@@ -85,10 +100,15 @@ def accelerance(
     rows, forces = np.atleast_2d(np.asarray(responses, dtype=np.float64)), np.atleast_2d(np.asarray(drive, dtype=np.float64))
     loads = np.vstack([rows, forces]).T.astype(np.complex128)
     whole = np.broadcast_to(loads, (len(lines), *loads.shape))
-    both = np.asarray(np.linalg.solve(_dynamic(matrices, lines), whole), dtype=np.complex128)
+    both = np.asarray(np.linalg.solve(_dynamic(matrices, turning(lines, decay_rate)), whole), dtype=np.complex128)
     left, right = both[:, :, : len(rows)], both[:, :, len(rows) :]
     return CondensedTransfer(
-        frequency=lines, matrix=rows @ right, left=_by_coordinate(left), right=_by_coordinate(right), sign=-1.0
+        frequency=lines,
+        matrix=rows @ right,
+        left=_by_coordinate(left),
+        right=_by_coordinate(right),
+        sign=-1.0,
+        decay_rate=decay_rate,
     )
 
 
@@ -108,7 +128,7 @@ def transfer_tangents(answered: CondensedTransfer, changes: Mapping[str, Tangent
     for name, change in changes.items():
         # Each field by itself: those that do not change cost nothing, nor do coordinates that do not
         left, right = (side if len(change.at) == len(side) else side[change.at] for side in (answered.left, answered.right))
-        omega = (2 * np.pi * answered.frequency)[:, None, None]
+        omega = answered.omega[:, None, None]
         found = np.zeros_like(answered.matrix)
         fields = (
             (change.mass, 1.0),
@@ -142,10 +162,12 @@ def _product(left: ComplexArray, matrix: Array, right: ComplexArray, crossing: i
     return np.asarray(left.transpose(1, 2, 0) @ pulled.transpose(1, 0, 2))
 
 
-def _dynamic(matrices: Matrices, lines: Array) -> ComplexArray:
-    """D (n, k, k) at `lines` (n,) [Hz]."""
-    omega = (2 * np.pi * lines)[:, None, None]
-    D = np.empty((len(lines), *matrices.mass.shape), dtype=np.complex128)
+def _dynamic(matrices: Matrices, at: npt.NDArray[Any]) -> ComplexArray:
+    """D (n, k, k) at s / i (n,) [rad/s]."""
+    omega = at[:, None, None]
+    if np.iscomplexobj(omega):
+        return np.asarray(matrices.mass - (matrices.stiffness + 1j * (omega * matrices.viscous + matrices.structural)) / omega**2)
+    D = np.empty((len(omega), *matrices.mass.shape), dtype=np.complex128)
     D.real = matrices.mass - matrices.stiffness / omega**2
     D.imag = -(omega * matrices.viscous + matrices.structural) / omega**2
     return D

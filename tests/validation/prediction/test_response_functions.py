@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
+from geometry.sensors import Point
 from validation.effects.catalogue import Named
 from validation.effects.stages import Matrices
 from validation.estimation.evaluate import evaluate
@@ -16,7 +17,7 @@ from validation.estimation.problem import Problem
 from validation.model.model import Added, StructureTolerances
 from validation.prediction import effects as prediction_effects
 from validation.prediction import series
-from validation.prediction.accelerance import AcceleranceTest, Point, measured
+from validation.prediction.response_functions import ResponseFunctionTest, measured
 
 M, K, ETA = np.diag([2.0, 3.0, 1.5]), 1e4 * np.array([[5.0, -2.0, 0.0], [-2.0, 4.0, -1.0], [0.0, -1.0, 1.0]]), 0.01
 """A chain of three masses on springs, every spring with the same loss factor."""
@@ -31,7 +32,7 @@ def chain(mass: Array = M) -> ComplexArray:
     return np.array(lines).transpose(2, 0, 1)
 
 
-def model(values: ComplexArray, **options: object) -> AcceleranceTest:
+def model(values: ComplexArray, **options: object) -> ResponseFunctionTest:
     """The chain on its own modes, and `values` as what was measured."""
     squares, shapes = np.linalg.eigh(np.sqrt(np.linalg.inv(M)) @ K @ np.sqrt(np.linalg.inv(M)))
     shapes = np.sqrt(np.linalg.inv(M)) @ shapes
@@ -49,7 +50,7 @@ def model(values: ComplexArray, **options: object) -> AcceleranceTest:
     of = prediction_effects.nuisances("chain", made, np.sqrt(squares) / (2 * np.pi), {"springs": ETA}, known)
     data = measured("test", "chain", F, dict(zip(NAMES, values, strict=True)), NAMES, share=0.01)
     points = tuple(Point(place=name) for name in NAMES)
-    return AcceleranceTest(measured=data, structure=of, responses=points, drives=points, **options)  # type: ignore[arg-type]
+    return ResponseFunctionTest(measured=data, structure=of, responses=points, drives=points, **options)  # type: ignore[arg-type]
 
 
 def added(identifier: str, value: float) -> Added:

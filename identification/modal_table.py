@@ -1,0 +1,340 @@
+"""`ModalTable`: measured frequencies, damping and shapes of an article with their standard deviations, and its readers."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry import sensors, toml_file
+from geometry.errors import BadInput
+from geometry.frames import Array, freeze, frozen
+from geometry.sensors import Point
+from identification.files import text_table
+from identification.files.files import Samples
+
+FREQUENCY_DEVIATION, DAMPING_DEVIATION, SHAPE_DEVIATION = 0.005, 0.2, 0.05
+"""Standard deviations that hold where a table states none: of a frequency and of a damping ratio relative to it, of a shape
+relative to its largest component. What ordinary modal tests scatter by (D. J. Ewins, Modal Testing, 2000, chapter 4)."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ModalTable:
+    """Modes as they were measured.
+
+    Attributes
+    ----------
+    source : the file that describes the test
+    title : in a few words
+    article : what was tested
+    frequency : (m,) [Hz]
+    frequency_deviation : (m,) [Hz], positive
+    damping_ratio, damping_deviation : (m,) [1]; None where they are not known
+    sensors : (s,) where shapes were read; empty where there are none
+    shapes : (m, s), real or complex, each up to a factor; None where there are none
+    shapes_deviation : (m, s), positive, in the scale of `shapes`
+    gain : standard deviation of the gain of a sensor, relative
+    names : (m,) of the modes
+    warnings : what is odd, in words
+    """
+
+    source: str
+    title: str
+    article: str
+    frequency: Array
+    frequency_deviation: Array
+    damping_ratio: Array | None = None
+    damping_deviation: Array | None = None
+    sensors: tuple[Point, ...] = ()
+    shapes: Samples | None = None
+    shapes_deviation: Array | None = None
+    gain: float = 0.02
+    names: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        m, s = len(np.atleast_1d(self.frequency)), len(self.sensors)
+        freeze(self, frequency=(m,), frequency_deviation=(m,))
+        for name, shape in (("damping_ratio", (m,)), ("damping_deviation", (m,)), ("shapes_deviation", (m, s))):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, frozen(getattr(self, name), shape, name))
+        if not np.all(self.frequency > 0) or not np.all(self.frequency_deviation > 0):
+            raise ValueError("`frequency` and `frequency_deviation` must be positive")
+        if self.shapes is not None:
+            shapes = np.array(self.shapes)
+            if shapes.shape != (m, s) or not np.all(np.isfinite(shapes)) or not np.all(np.any(shapes != 0, axis=1)):
+                raise ValueError(f"`shapes` must be finite, (m, s) = ({m}, {s}), none of them zero, found {shapes.shape}")
+            shapes.setflags(write=False)
+            object.__setattr__(self, "shapes", shapes)
+        object.__setattr__(self, "names", self.names or tuple(f"mode {k + 1}" for k in range(m)))
+
+
+KEYS = [
+    "format",
+    "kind",
+    "title",
+    "article",
+    "frequencies",
+    "damping",
+    "shapes",
+    "sensors",
+    "direction",
+    "places",
+    "frequency_deviation",
+    "damping_deviation",
+    "shapes_deviation",
+    "gain",
+    "modes",
+    "separator",
+]
+"""Of a test of this kind; `of_table` says what they mean."""
+
+
+def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
+    """The test that `table` describes; its files lie in `folder`.
+
+    ``frequencies`` is a list of numbers [Hz] or of texts such as ``"4.06 +/- 0.03 Hz"``, or ``{ file, frequency, deviation,
+    damping, damping_deviation }`` with the names of columns. ``shapes`` is a list of a shape a mode, or ``{ file, sensor, modes,
+    deviations }``: the column with the sensors, and those of the modes, where ``{}`` stands for the number of the mode.
+    ``sensors`` names the points where the file does not; a sensor that is a whole number is a degree of freedom.
+
+    Raises
+    ------
+    BadInput : whatever is wrong, by file and key.
+    """
+    toml_file.require_known(table, KEYS, source=source)
+    toml_file.require_present(table, ("article", "frequencies"), source=source)
+    warnings: list[str] = []
+    columns = _frequencies(table, source, folder)
+    frequency = columns["frequency"]
+    if not np.all(frequency > 0):
+        k = int(np.argmin(frequency > 0))
+        problem = f"must be positive, found {frequency[k]:g} Hz of mode {k + 1}"
+        raise BadInput(source=source, field="frequencies", problem=problem, remedy="Correct it")
+    for name, share, of in (
+        ("frequency_deviation", FREQUENCY_DEVIATION, "frequency"),
+        ("damping_deviation", DAMPING_DEVIATION, "damping"),
+    ):
+        if of in columns and name not in columns:
+            columns[name] = _deviation(table.get(name), share, columns[of], warnings, f"{name} of {source}", source, name)
+    points, shapes, deviation = _shapes(table, len(frequency), source, folder)
+    if shapes is not None and deviation is None:
+        largest = np.abs(shapes).max(axis=1, keepdims=True) * np.ones(shapes.shape)
+        name = "shapes_deviation"
+        deviation = _deviation(table.get(name), SHAPE_DEVIATION, largest, warnings, f"{name} of {source}", source, name)
+    elif shapes is not None and deviation is not None:
+        deviation, said = _at_the_scale(shapes, deviation, points)
+        warnings += said
+    _require_positive(columns, deviation, source)
+    gain = table.get("gain", 0.02)
+    if isinstance(gain, bool) or not isinstance(gain, int | float) or not 0 <= gain < 10:
+        raise BadInput(source=source, field="gain", problem=f"must be a share such as 0.02, found {gain!r}", remedy="Correct it")
+    return ModalTable(
+        source=source,
+        title=str(table.get("title", Path(source).stem)),
+        article=str(table["article"]),
+        frequency=frequency,
+        frequency_deviation=columns["frequency_deviation"],
+        damping_ratio=columns.get("damping"),
+        damping_deviation=columns.get("damping_deviation"),
+        sensors=points,
+        shapes=shapes,
+        shapes_deviation=deviation,
+        gain=float(gain),
+        names=tuple(map(str, table.get("modes", ()))) if len(table.get("modes", ())) == len(frequency) else (),
+        warnings=tuple(warnings),
+    )
+
+
+def _deviation(stated: Any, share: float, of: Array, warnings: list[str], what: str, source: str, field: str) -> Array:
+    """As it is stated relative to `of`, else the usual `share`, which is then said."""
+    if stated is None:
+        warnings.append(f"{what} is not stated; {100 * share:g} % is taken")
+        stated = share
+    if isinstance(stated, str):
+        stated = float(toml_file.quantity(stated, "ratio", source=source, field=field).n)
+    if isinstance(stated, bool) or not isinstance(stated, int | float) or not 0 < stated < 10:
+        problem = f"must be a share such as {share:g}, found {stated!r}"
+        raise BadInput(source=source, field=field, problem=problem, remedy="Correct it")
+    return np.asarray(float(stated) * np.abs(of), dtype=np.float64)
+
+
+NOTHING = 1e-9
+"""Share of a shape's largest component up to which a deviation is none."""
+
+
+def _at_the_scale(shapes: Samples, deviation: Array, points: tuple[Point, ...]) -> tuple[Array, list[str]]:
+    """`deviation` (m, s), and instead of none at the component to which a shape was scaled what is usual of that shape."""
+    found, said = np.array(deviation), []
+    none = (deviation >= 0) & (deviation <= NOTHING * np.abs(shapes).max(axis=1, keepdims=True))
+    for k, at in enumerate(none):
+        if at.any() and not at.all():
+            found[k, at] = np.median(deviation[k, ~at])
+            names = ", ".join(point.name for point, one in zip(points, at, strict=True) if one)
+            said.append(f"mode {k + 1} has no deviation at {names}, to which it was scaled; the median of its others is taken")
+    return found, said
+
+
+def _require_positive(columns: Mapping[str, Array], shapes_deviation: Array | None, source: str) -> None:
+    for name, values in (*columns.items(), ("shapes_deviation", shapes_deviation)):
+        if values is not None and name.endswith("deviation") and not np.all(values > 0):
+            problem = f"a standard deviation must be positive, found {values.min():g}"
+            raise BadInput(source=source, field=name, problem=problem, remedy="Leave what is not known out of the table")
+
+
+def _frequencies(table: Mapping[str, Any], source: str, folder: Path) -> dict[str, Array]:
+    """``frequency`` and what else is stated of every mode, by name."""
+    stated = table["frequencies"]
+    if isinstance(stated, dict):
+        keys = ("file", "frequency", "deviation", "damping", "damping_deviation")
+        toml_file.require_known(stated, keys, source=source, where="frequencies")
+        toml_file.require_present(stated, ("file", "frequency"), source=source, where="frequencies")
+        text = text_table.read(folder / str(stated["file"]), str(table.get("separator", "")))
+        called: dict[str, str] = {"deviation": "frequency_deviation"}
+        return {
+            called.get(key, key): text.numbers(text.column(str(name), f"frequencies.{key}")).real.astype(np.float64)
+            for key, name in stated.items()
+            if key != "file"
+        }
+    found = {"frequency": stated, **({"damping": table["damping"]} if "damping" in table else {})}
+    columns: dict[str, Array] = {}
+    for name, values in found.items():
+        pairs = _pairs(values, "frequency" if name == "frequency" else "ratio", source, name)
+        columns[name] = np.array([value for value, _ in pairs])
+        if all(sd > 0 for _, sd in pairs):
+            columns[f"{name}_deviation"] = np.array([sd for _, sd in pairs])
+        if len(pairs) != len(columns["frequency"]):
+            problem = f"states {len(pairs)} modes, and frequencies {len(columns['frequency'])}"
+            raise BadInput(source=source, field=name, problem=problem, remedy="State one of each")
+    return columns
+
+
+def _pairs(values: Any, dimension: str, source: str, field: str) -> list[tuple[float, float]]:
+    """Of every mode a value and its standard deviation, 0 where it is not stated."""
+    if not isinstance(values, list) or not values:
+        problem = f"must be a list of one number a mode, found {values!r}"
+        raise BadInput(source=source, field=field, problem=problem, remedy="Write frequencies = [4.06, 4.55]")
+    found = []
+    for one in values:
+        if isinstance(one, str):
+            made = toml_file.quantity(one, dimension, source=source, field=field)
+            found.append((float(made.n), float(made.s)))
+        elif isinstance(one, int | float) and not isinstance(one, bool) and np.isfinite(one):
+            found.append((float(one), 0.0))
+        else:
+            raise BadInput(source=source, field=field, problem=f"must be a number, found {one!r}", remedy="Correct it")
+    return found
+
+
+def _shapes(
+    table: Mapping[str, Any], modes: int, source: str, folder: Path
+) -> tuple[tuple[Point, ...], Samples | None, Array | None]:
+    """Sensors, shapes (m, s) and their deviations, None where nothing is said of them."""
+    stated, direction = table.get("shapes"), str(table.get("direction", ""))
+    named = table.get("sensors", [])
+    points = [sensors.point(one, source=source, field="sensors", direction=direction) for one in named]
+    if stated is None:
+        return tuple(points), None, None
+    deviation: Array | None = None
+    if isinstance(stated, dict):
+        toml_file.require_known(stated, ("file", "sensor", "modes", "deviations"), source=source, where="shapes")
+        toml_file.require_present(stated, ("file", "modes"), source=source, where="shapes")
+        text = text_table.read(folder / str(stated["file"]), str(table.get("separator", "")))
+        if "sensor" in stated:
+            at = text.column(str(stated["sensor"]), "shapes.sensor")
+            words = [row[at] for row in text.cells]
+            points = [sensors.point(_place(one), source=text.source, field=one, direction=direction) for one in words]
+        shapes = _of_columns(text, stated["modes"], modes, "shapes.modes", source)
+        if "deviations" in stated:
+            deviation = _of_columns(text, stated["deviations"], modes, "shapes.deviations", source).real
+    else:
+        shapes = _typed(stated, source)
+    if shapes.shape != (modes, len(points)):
+        problem = (
+            f"hold {shapes.shape[0]} modes at {shapes.shape[1]} sensors, where {modes} modes and {len(points)} sensors are named"
+        )
+        raise BadInput(source=source, field="shapes", problem=problem, remedy="State a shape a mode, a number a sensor")
+    names = [one.name for one in points]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise BadInput(source=source, field="sensors", problem=f"{twice[0]} stands twice", remedy="Name every sensor once")
+    if not np.all(np.any(shapes != 0, axis=1)):
+        problem = f"the shape of mode {int(np.argmin(np.any(shapes != 0, axis=1))) + 1} is zero at every sensor"
+        raise BadInput(source=source, field="shapes", problem=problem, remedy="Leave that mode's shape out, or correct it")
+    return tuple(points), shapes, deviation
+
+
+def _place(word: str) -> str:
+    return f"dof {int(word)}" if word.isdecimal() else word
+
+
+def _of_columns(text: text_table.TextTable, stated: Any, modes: int, field: str, source: str) -> Samples:
+    """(m, s) of the columns that hold a mode each, by a list of their names or a text with ``{}`` for its number."""
+    if isinstance(stated, str):
+        stated = [stated.replace("{}", str(k + 1)) for k in range(modes)]
+    if not isinstance(stated, list) or len(stated) != modes:
+        problem = f"must name {modes} columns, found {stated!r}"
+        raise BadInput(source=source, field=field, problem=problem, remedy='Write "mode{}" for mode1, mode2 ..., or a list')
+    return np.array([text.numbers(text.column(str(name), field)) for name in stated])
+
+
+def _typed(stated: Any, source: str) -> Samples:
+    """(m, s) of lists of numbers, or of texts where they are complex."""
+
+    def refused(found: object) -> BadInput:
+        problem = f"must be a list of numbers a mode, found {found!r:.60}"
+        return BadInput(source=source, field="shapes", problem=problem, remedy="Write shapes = [[1, 0.5], [1, -2]]")
+
+    if not isinstance(stated, list) or not all(isinstance(row, list) for row in stated):
+        raise refused(stated)
+    if len({len(row) for row in stated}) != 1:
+        raise refused([len(row) for row in stated])
+    rows: list[list[complex]] = []
+    for row in stated:
+        made = [text_table.as_number(str(one)) for one in row]
+        if any(one is None or not np.isfinite(one) for one in made):
+            raise refused(row)
+        rows.append([one for one in made if one is not None])
+    found: npt.NDArray[np.complex128] = np.array(rows)
+    return found if np.any(found.imag != 0) else found.real
+
+
+def mac(one: npt.ArrayLike, other: npt.ArrayLike) -> Array:
+    """(p, q) modal assurance criterion of shapes (p, s) and (q, s), real or complex: 1 where they are alike but for a factor.
+
+    R. J. Allemang and D. L. Brown, A correlation coefficient for modal vector analysis, Proc. 1st IMAC, 1982.
+    """
+    a, b = np.atleast_2d(np.asarray(one)), np.atleast_2d(np.asarray(other))
+    across = np.abs(a.conj() @ b.T) ** 2
+    sizes = np.outer(np.sum(np.abs(a) ** 2, axis=1), np.sum(np.abs(b) ** 2, axis=1))
+    return np.asarray(np.divide(across, sizes, out=np.zeros_like(across), where=sizes > 0))
+
+
+FAR = 0.3
+"""[log] Difference of two frequencies that counts as much against a pair as shapes that have nothing in common."""
+
+
+def paired(
+    frequency: npt.ArrayLike, other: npt.ArrayLike, shapes: npt.ArrayLike | None = None, others: npt.ArrayLike | None = None
+) -> tuple[int, ...]:
+    """(m,) which of `other` (q,) [Hz] is the partner of every one of `frequency` (m,); -1 of those for which none is left.
+
+    The rule: of all assignments the one whose sum of ``1 - MAC + (ln f / f' / FAR)²`` is least (H. W. Kuhn, Naval Research
+    Logistics 2, 1955). Without shapes it keeps the order of the frequencies.
+
+    Parameters
+    ----------
+    shapes, others : (m, s) and (q, s) at the same sensors; None where there are none
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    f, g = np.asarray(frequency, dtype=np.float64), np.asarray(other, dtype=np.float64)
+    apart = (np.log(f)[:, None] - np.log(np.maximum(g, 1e-6 * f.min()))) / FAR
+    cost = apart**2
+    if shapes is not None and others is not None:
+        cost = cost + 1 - mac(shapes, others)
+    rows, columns = linear_sum_assignment(cost)
+    found = dict(zip(rows.tolist(), columns.tolist(), strict=True))
+    return tuple(found.get(k, -1) for k in range(len(f)))

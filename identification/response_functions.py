@@ -1,0 +1,597 @@
+"""`ResponseFunctions`: what a structure answers per newton, measured with a hammer or a shaker, and its readers."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import inf
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geometry import sensors, toml_file
+from geometry.dynamic_mass import ComplexArray
+from geometry.errors import BadInput
+from geometry.frames import Array, freeze, frozen
+from geometry.sensors import Point
+from identification.files import files, text_table
+from identification.spectra import response_estimates
+
+QUANTITIES = {"acceleration": "m/s^2/N", "velocity": "m/s/N", "displacement": "m/N"}
+"""What may be read per newton, and its SI unit."""
+
+UPSIDE_DOWN = {f"force over {name}": f"N/({unit.removesuffix('/N')})" for name, unit in QUANTITIES.items()}
+
+GAIN = 0.02
+"""Standard deviation of the gains of sensors and of the force cell that a careful laboratory admits."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ResponseFunctions:
+    """Response functions of one article at all pairs of its drives and responses.
+
+    Attributes
+    ----------
+    source : the file that describes the test
+    title : in a few words
+    article : what was tested
+    frequency : (n,) [Hz], ascending
+    values : (r, n, c) complex, the response `c` per newton at the drive `r`, SI
+    drives : (r,) where the force acts
+    responses : (c,) where the answer is read
+    quantity : of `QUANTITIES`
+    coherence : (r, n, c) [0 to 1]; None where it is not known
+    averages : blocks or blows that were averaged; 0 where it is not known
+    band : (low, high) [Hz] of the lines that count
+    gain : standard deviation of the gain of each sensor, relative; infinite where it is unknown
+    force_gain : the same of the force cell
+    scaled : whether the scale that all functions share is known within these gains; False for readings without calibration
+    share : how far a reading repeats, as a share of it; None where the functions themselves must tell
+    decay_rate : [1/s] inverse time constant of the exponential window of force and responses, with which a prediction is made; 0
+        for none
+    warnings : what is odd, in words
+    """
+
+    source: str
+    title: str
+    article: str
+    frequency: Array
+    values: ComplexArray
+    drives: tuple[Point, ...]
+    responses: tuple[Point, ...]
+    quantity: str = "acceleration"
+    coherence: Array | None = None
+    averages: int = 0
+    band: tuple[float, float]
+    gain: float = GAIN
+    force_gain: float = GAIN
+    scaled: bool = True
+    share: float | None = None
+    decay_rate: float = 0.0
+    warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        freeze(self, "frequency")
+        shape = (len(self.drives), len(self.frequency), len(self.responses))
+        values = np.array(self.values, dtype=np.complex128)
+        if values.shape != shape or not np.all(np.isfinite(values)):
+            raise ValueError(f"`values` must be finite and have shape {shape}, found {values.shape}")
+        values.setflags(write=False)
+        object.__setattr__(self, "values", values)
+        if self.coherence is not None:
+            object.__setattr__(self, "coherence", frozen(self.coherence, shape, "coherence"))
+        for what, points in (("drives", self.drives), ("responses", self.responses)):
+            names = [one.name for one in points]
+            if len(set(names)) < len(names):
+                raise ValueError(f"`{what}` must have names of their own, found {', '.join(names)}")
+        if self.quantity not in QUANTITIES:
+            raise ValueError(f"`quantity` must be one of {', '.join(QUANTITIES)}, found {self.quantity!r}")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Piece:
+    """One function of a file.
+
+    Attributes
+    ----------
+    source : the file
+    drive, response : where the force acts, and where the answer is read
+    frequency : (n,) [Hz]
+    values : (n,) complex, SI
+    coherence : (n,), None where it is not known
+    averages : how many; 0 where it is not known
+    """
+
+    source: str
+    drive: Point
+    response: Point
+    frequency: Array
+    values: ComplexArray
+    coherence: Array | None = None
+    averages: int = 0
+
+
+KEYS = [
+    "format",
+    "kind",
+    "title",
+    "article",
+    "file",
+    "files",
+    "drive",
+    "responses",
+    "direction",
+    "places",
+    "separator",
+    "columns",
+    "parts",
+    "unit",
+    "quantity",
+    "inverted",
+    "band",
+    "gain",
+    "force_gain",
+    "share",
+    "decay",
+    "records",
+]
+"""Of a test of this kind; `of_table` says what they mean."""
+
+
+def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ResponseFunctions:
+    """The test that `table` describes; its files lie in `folder`.
+
+    ``files`` is a list of ``{ path, drive, responses }``, or ``file`` the path of a single one; ``drive``, ``responses`` and
+    ``direction`` beside it hold for all. A text file has the frequency [Hz] in its first column, then the responses in their
+    order, complex (``1+2j``) or real and imaginary part beside each other; ``parts`` says so if it is otherwise, and ``columns``
+    names columns by response. ``unit`` is that of the functions (SI where nothing is said) and chooses the quantity. With
+    ``records`` the files hold time histories of force and response.
+
+    Raises
+    ------
+    BadInput : whatever is wrong, by file and key.
+    """
+    toml_file.require_known(table, KEYS, source=source)
+    toml_file.require_present(table, ("article",), source=source)
+    quantity, factor = _unit(table, source)
+    entries = [(folder / str(entry["path"]), entry) for entry in _entries(table, source)]
+    warnings: list[str] = []
+    if "records" in table:
+        pieces, reach, warnings = _of_records(entries, table, source)
+    else:
+        pieces, reach = [piece for path, entry in entries for piece in _read(path, entry, table, source)], inf
+    decay = _number(table.get("records", table), "decay", 0.0, source)
+    pieces = [replace(one, values=factor * one.values) for one in pieces]
+    whole = assembled(pieces, source)
+    low, high = whole.frequency[0] or whole.frequency[1], min(whole.frequency[-1], reach)
+    return replace(
+        whole,
+        title=str(table.get("title", Path(source).stem)),
+        article=str(table["article"]),
+        quantity=quantity,
+        band=_band(table.get("band"), low, high, source),
+        gain=_tolerance(table.get("gain", GAIN), source, "gain"),
+        force_gain=_tolerance(table.get("force_gain", GAIN), source, "force_gain"),
+        scaled=table.get("gain") != "unknown" and table.get("force_gain") != "unknown",
+        decay_rate=1 / decay if decay > 0 else 0.0,
+        share=None if table.get("share") is None else _tolerance(table["share"], source, "share"),
+        warnings=(*warnings, *whole.warnings),
+    )
+
+
+def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
+    """All `pieces` as one, every drive with every response; what is longer is cut to the lines that all have.
+
+    Raises
+    ------
+    BadInput : none, other lines, one function twice, a pair that is missing, what looks like force over response.
+    """
+    if not pieces:
+        raise BadInput(source=source, field="files", problem="no function is found", remedy="Name the files that hold them")
+    first = min(pieces, key=lambda one: len(one.frequency))
+    n, f = len(first.frequency), first.frequency
+    warnings: list[str] = []
+    for one in pieces:
+        step, other = float(np.median(np.diff(f))), float(np.median(np.diff(one.frequency)))
+        if abs(other - step) > 1e-6 * step or np.abs(one.frequency[:n] - f).max() > 0.01 * step:
+            raise BadInput(
+                source=one.source,
+                field=f"{one.response.name} over {one.drive.name}",
+                problem=f"has lines {other:.6g} Hz apart from {one.frequency[0]:g} Hz on, and {first.response.name} over "
+                f"{first.drive.name} of {first.source} has them {step:.6g} Hz apart from {f[0]:g} Hz on",
+                remedy="Export all functions with one resolution, or make a test of each",
+            )
+    longest = max(len(one.frequency) for one in pieces)
+    if longest > n:
+        warnings.append(f"{first.source} ends at {f[-1]:g} Hz; {longest - n} lines above that other functions have are left out")
+    drives = {one.drive.name: one.drive for one in pieces}
+    responses = {one.response.name: one.response for one in pieces}
+    by_pair: dict[tuple[str, str], Piece] = {}
+    for one in pieces:
+        pair = (one.drive.name, one.response.name)
+        if pair in by_pair:
+            problem = f"is in {by_pair[pair].source} as well"
+            remedy = "Leave one of them out"
+            raise BadInput(source=one.source, field=f"{pair[1]} over {pair[0]}", problem=problem, remedy=remedy)
+        by_pair[pair] = one
+    missing = [f"{response} over {drive}" for drive in drives for response in responses if (drive, response) not in by_pair]
+    if missing:
+        raise BadInput(
+            source=source,
+            field="files",
+            problem=f"of {len(drives)} references and {len(responses)} responses these are missing: {_listed(missing)}",
+            remedy="Add the file, or make a test of each reference that has other responses",
+        )
+    values = np.array([[by_pair[d, c].values[:n] for c in responses] for d in drives]).transpose(0, 2, 1)
+    known = all(one.coherence is not None for one in pieces)
+    coherence = [[one.coherence[:n] for c in responses if (one := by_pair[d, c]).coherence is not None] for d in drives]
+    _require_upright(f, values, source)
+    return ResponseFunctions(
+        source=source,
+        title="",
+        article="",
+        frequency=f,
+        values=values,
+        drives=tuple(drives.values()),
+        responses=tuple(responses.values()),
+        coherence=np.array(coherence).transpose(0, 2, 1) if known else None,
+        averages=min(one.averages for one in pieces),
+        band=(float(f[0]), float(f[-1])),
+        warnings=tuple(warnings),
+    )
+
+
+def _listed(names: Sequence[str], most: int = 4) -> str:
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+
+
+# What functions are, and what they are mistaken for.
+
+COMPLEX, PAIRS = "complex", "real-imaginary"
+POLAR = ("magnitude-degrees", "magnitude-radians", "decibel-degrees", "decibel-radians")
+PARTS = (COMPLEX, PAIRS, *POLAR)
+"""How a text file writes a complex number."""
+
+UNEVEN_PEAKS = 3.0
+"""How many times as far the dips that all functions have in common may stand out as the peaks."""
+
+
+def _require_upright(f: Array, values: ComplexArray, source: str) -> None:
+    """Refuse what looks like force over response.
+
+    A resonance is a peak in all functions at the same line, an antiresonance a dip that each has elsewhere; the mean of their
+    logarithms keeps the former and blurs the latter. Turned upside down the common peaks become common dips.
+    """
+    from scipy.signal import find_peaks
+
+    functions = np.moveaxis(values, 1, 2).reshape(-1, len(f))
+    if len(functions) < 2 or len(f) < 16:
+        return
+    level = np.log(np.maximum(np.abs(functions), np.finfo(np.float64).tiny)).mean(axis=0)
+    width = max(3, len(f) // 200)
+    smooth = np.convolve(np.pad(level, width, mode="edge"), np.ones(width) / width, mode="same")[width:-width]
+    out = [np.sort(find_peaks(sign * smooth, prominence=1.0)[1]["prominences"])[-3:].sum() for sign in (1, -1)]
+    if out[1] > UNEVEN_PEAKS * out[0] and out[1] > 3.0:
+        raise BadInput(
+            source=source,
+            field="files",
+            problem="the functions look like force over response: they have dips in common where resonances are peaks",
+            remedy="Write inverted = true if each is force over response, or export response over force",
+        )
+
+
+def _unit(table: Mapping[str, Any], source: str) -> tuple[str, float]:
+    """The quantity of the functions, and what one of their unit is in SI."""
+    stated = table.get("quantity")
+    if stated is not None:
+        toml_file.one_of(stated, tuple(QUANTITIES), source=source, where="quantity")
+    unit = table.get("unit", "")
+    if not unit:
+        return str(stated or "acceleration"), 1.0
+    inverted = table.get("inverted", False) is True
+    found, factor = toml_file.unit_among(str(unit), {**QUANTITIES, **UPSIDE_DOWN}, source=source, field="unit")
+    if (found in UPSIDE_DOWN) != inverted:
+        what = f"{unit!r} is {found}" + (
+            ", and response over force is needed" if not inverted else ", and inverted = true says otherwise"
+        )
+        remedy = "Write inverted = true, or export response over force" if not inverted else "Take inverted = true out"
+        raise BadInput(source=source, field="unit", problem=what, remedy=remedy)
+    found = found.removeprefix("force over ")
+    if stated is not None and stated != found:
+        problem = f"{unit!r} is one of {found}, and the quantity is {stated}"
+        raise BadInput(source=source, field="unit", problem=problem, remedy="Correct one of them")
+    return found, (1 / factor if inverted else factor)
+
+
+def _tolerance(value: Any, source: str, field: str) -> float:
+    """A standard deviation relative to the value; infinite for ``"each unknown"``, and the usual one for ``"unknown"``."""
+    words = {"unknown": GAIN, "each unknown": inf}
+    if isinstance(value, str) and value in words:
+        return words[value]
+    if isinstance(value, str):
+        return float(toml_file.quantity(value, "ratio", source=source, field=field).n)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < 10:
+        problem = f"must be a share such as 0.02, or one of {', '.join(words)}, found {value!r}"
+        raise BadInput(source=source, field=field, problem=problem, remedy="Correct it")
+    return float(value)
+
+
+def _band(value: Any, low: float, high: float, source: str) -> tuple[float, float]:
+    if value is None:
+        return float(low), float(high)
+    good = isinstance(value, list) and len(value) == 2 and all(isinstance(one, int | float) for one in value)
+    if not good or not 0 < value[0] < value[1] or value[0] >= high or value[1] <= low:
+        problem = f"must be [low, high] in Hz within {low:g} to {high:g}, found {value!r}"
+        raise BadInput(source=source, field="band", problem=problem, remedy="Write band = [5, 200]")
+    return float(value[0]), float(value[1])
+
+
+# Files.
+
+SIGNALS = (".mat", ".h5", ".hdf5")
+"""Endings of files that hold vectors by name."""
+
+
+def _entries(table: Mapping[str, Any], source: str) -> list[dict[str, Any]]:
+    """Of every file its path, drive and responses as they are stated."""
+    if ("file" in table) == ("files" in table):
+        remedy = 'Write file = "functions.csv", or files = [{ path = "one.csv", drive = "tip:z" }, ...]'
+        raise BadInput(source=source, field="files", problem="one of `file` and `files` is needed", remedy=remedy)
+    stated = table.get("files", [{"path": table.get("file")}])
+    listed = stated if isinstance(stated, list) else [stated]
+    found = []
+    for k, one in enumerate(listed):
+        where = f"files[{k + 1}]"
+        entry = dict(one) if isinstance(one, dict) else {"path": one}
+        toml_file.require_known(entry, ("path", "drive", "responses", "columns"), source=source, where=where)
+        if not isinstance(entry.get("path"), str) or not entry["path"]:
+            raise BadInput(source=source, field=where, problem=f"names no file, found {one!r}", remedy='Write { path = "a.csv" }')
+        defaults = {key: table[key] for key in ("drive", "responses", "columns") if key in table}
+        found.append({**defaults, **entry})
+    return found
+
+
+def _read(path: Path, entry: Mapping[str, Any], table: Mapping[str, Any], source: str) -> list[Piece]:
+    """The functions in one file."""
+    drive, responses = points_of(entry, table, source)
+    if path.suffix.lower() in SIGNALS:
+        frequency, functions = _of_signals(path, entry, responses, source)
+    else:
+        frequency, functions = _of_text(path, entry, table, responses, source)
+    if table.get("inverted", False):
+        functions = [1 / one for one in functions]
+    pairs = zip(responses, functions, strict=True)
+    return [Piece(source=str(path), drive=drive, response=at, frequency=frequency, values=one) for at, one in pairs]
+
+
+def points_of(entry: Mapping[str, Any], table: Mapping[str, Any], source: str) -> tuple[Point, list[Point]]:
+    """Where the force of a file acts, and where its answers are read."""
+    direction = str(table.get("direction", ""))
+    stated = entry.get("responses", [])
+    listed = stated if isinstance(stated, list) else [stated]
+    responses = [sensors.point(one, source=source, field="responses", direction=direction) for one in listed]
+    if not responses:
+        remedy = 'Write responses = ["tip:z", ...] in the order of the columns'
+        raise BadInput(source=source, field="responses", problem="is missing", remedy=remedy)
+    if entry.get("drive") is None:
+        problem = f"is not said for {entry['path']}: the reference is missing"
+        raise BadInput(source=source, field="drive", problem=problem, remedy='Write drive = "tip:z", where the force acts')
+    return sensors.point(entry["drive"], source=source, field="drive", direction=direction), responses
+
+
+# Records of force and response.
+
+RECORDED = {"block": 0.0, "overlap": 0.5, "decay": 0.0}
+RECORDS = ("kind", "window", "estimator", *RECORDED)
+SHAKER, HAMMER = "shaker", "hammer"
+
+
+def _of_records(
+    entries: Sequence[tuple[Path, Mapping[str, Any]]], table: Mapping[str, Any], source: str
+) -> tuple[list[Piece], float, list[str]]:
+    """Functions of time histories, the highest frequency [Hz] that every force drives, and what is to be said.
+
+    Of files with one drive and the same responses the blows of a hammer are averaged together.
+    """
+    how = toml_file.require_table(table["records"], source=source, where="records")
+    toml_file.require_known(how, RECORDS, source=source, where="records")
+    kind = toml_file.one_of(how.get("kind", SHAKER), (SHAKER, HAMMER), source=source, where="records.kind")
+    of = toml_file.one_of(how.get("estimator", "H1"), response_estimates.ESTIMATORS, source=source, where="records.estimator")
+    block, overlap, decay = [_number(how, key, usual, source) for key, usual in RECORDED.items()]
+    together: dict[tuple[str, ...], list[tuple[Path, Mapping[str, Any], Point, list[Point]]]] = {}
+    for path, entry in entries:
+        drive, responses = points_of(entry, table, source)
+        key = (drive.name, *(one.name for one in responses))
+        together.setdefault(key if kind == HAMMER else (*key, str(path)), []).append((path, entry, drive, responses))
+    pieces: list[Piece] = []
+    warnings: list[str] = []
+    reach = inf
+    for members in together.values():
+        path, _, drive, responses = members[0]
+        blows: list[response_estimates.Blow] = []
+        for path, entry, _, _ in members:
+            rate, force, read = _record(path, entry, table, responses, source)
+            if kind == SHAKER:
+                window = str(how.get("window", "hann"))
+                made = response_estimates.shaken(
+                    force, read, rate, block=block, overlap=overlap, window=window, estimator=of, source=str(path)
+                )
+            else:
+                blows += response_estimates.blows(force, read, rate, block=block, source=str(path))
+                made = None
+        if made is None:
+            made = response_estimates.struck(blows, rate, decay=decay, estimator=of, source=str(path))
+        reach = min(reach, made.reach)
+        warnings += made.warnings
+        pieces += [
+            Piece(
+                source=str(path),
+                drive=drive,
+                response=at,
+                frequency=made.frequency,
+                values=made.values[:, k],
+                coherence=made.coherence[:, k],
+                averages=made.averages,
+            )
+            for k, at in enumerate(responses)
+        ]
+    return pieces, reach, warnings
+
+
+def _number(how: Mapping[str, Any], key: str, usual: float, source: str) -> float:
+    """A number of ``records``, seconds as a number or with their unit."""
+    value = how.get(key, usual)
+    if isinstance(value, str):
+        return float(toml_file.quantity(value, "time", source=source, field=key).n)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < 1e6:
+        problem = f"must be a number that is not negative, found {value!r}"
+        raise BadInput(source=source, field=key, problem=problem, remedy='Write block = "4 s"')
+    return float(value)
+
+
+def _record(
+    path: Path, entry: Mapping[str, Any], table: Mapping[str, Any], responses: Sequence[Point], source: str
+) -> tuple[float, Array, Array]:
+    """Rate [Hz], force (n,) and responses (n, c) of one file."""
+    columns = _columns(entry, responses, source)
+    if len(responses) == 1 and "response" in columns:
+        columns[responses[0].name] = columns["response"]
+    if path.suffix.lower() in SIGNALS:
+        signals = files.read(path)
+        if signals.sampling_rate is None:
+            problem = "it holds functions of frequency where records of time are needed"
+            raise BadInput(source=str(path), problem=problem, remedy="Take `records` out of the test")
+        known = tuple(signals.samples)
+        wanted = [columns.get("force", ["force"])[0], *(columns.get(one.name, [one.name])[0] for one in responses)]
+        for name in wanted:
+            if name not in known:
+                remedy = f"Name the channels in `columns`; there are {', '.join(known)}"
+                raise BadInput(source=str(path), field=name, problem="no channel is called so", remedy=remedy)
+        return signals.sampling_rate, signals.samples[wanted[0]], np.column_stack([signals.samples[name] for name in wanted[1:]])
+    text = text_table.read(path, str(table.get("separator", "")))
+    at = {key: text.column(names[0], f"columns.{key}") for key, names in columns.items()}
+    axis = at.get("time", 0)
+    force = at.get("force", next(k for k in range(len(text.cells[0])) if k != axis))
+    rest = [k for k in range(len(text.cells[0])) if k not in (axis, force)]
+    named = [at[one.name] for one in responses if one.name in at]
+    if not named and len(rest) == len(responses):
+        named = rest
+    if len(named) != len(responses):
+        problem = f"it has {len(rest)} columns beside time and force, and the responses are {len(responses)}"
+        raise BadInput(source=str(path), field="responses", problem=problem, remedy="Name all in order, or state `columns`")
+    time = text.numbers(axis).real.astype(np.float64)
+    rate = files.rate_of_times(time, str(path), text.header[axis] if text.header else "time")
+    return rate, text.numbers(force).real.astype(np.float64), np.column_stack([text.numbers(k).real for k in named])
+
+
+def _of_signals(
+    path: Path, entry: Mapping[str, Any], responses: Sequence[Point], source: str
+) -> tuple[Array, list[ComplexArray]]:
+    """Of a file of vectors by name."""
+    signals = files.read(path)
+    if signals.frequency is None:
+        problem = "it holds time histories where functions of frequency are needed"
+        raise BadInput(source=str(path), problem=problem, remedy="Write records = { } to make functions of them")
+    columns, known = _columns(entry, responses, source), tuple(signals.samples)
+    names = [
+        columns.get(one.name, [one.name if one.name in known or len(known) != len(responses) else known[k]])
+        for k, one in enumerate(responses)
+    ]
+    found = []
+    for (name, *_), one in zip(names, responses, strict=True):
+        if name not in signals.samples:
+            raise BadInput(
+                source=str(path), field=one.name, problem=f"no vector is called {name!r}", remedy=f"There are {', '.join(known)}"
+            )
+        if not np.iscomplexobj(signals.samples[name]):
+            raise BadInput(
+                source=str(path), field=name, problem="is real, and complex functions are needed", remedy="Save them complex"
+            )
+        found.append(np.asarray(signals.samples[name], dtype=np.complex128))
+    return signals.frequency, found
+
+
+def _columns(entry: Mapping[str, Any], responses: Sequence[Point], source: str) -> dict[str, list[str]]:
+    """By response, or ``frequency``, the columns that hold it."""
+    stated = toml_file.require_table(entry.get("columns", {}), source=source, where="columns")
+    named = {
+        alias: one.name for one in responses for alias in (one.place, one.name, f"{one.place}:{one.name.rpartition('-')[2]}")
+    }
+    toml_file.require_known(stated, ("frequency", "time", "force", "response", *named), source=source, where="columns")
+    return {
+        named.get(key, key): [str(one) for one in (value if isinstance(value, list) else [value])]
+        for key, value in stated.items()
+    }
+
+
+def _of_text(
+    path: Path, entry: Mapping[str, Any], table: Mapping[str, Any], responses: Sequence[Point], source: str
+) -> tuple[Array, list[ComplexArray]]:
+    """Of a table in text."""
+    text = text_table.read(path, str(table.get("separator", "")))
+    named, count = _columns(entry, responses, source), len(text.cells[0])
+    axis = text.column(named["frequency"][0], "columns.frequency") if "frequency" in named else 0
+    rest = [k for k in range(count) if k != axis]
+    each = 2 if len(rest) == 2 * len(responses) else 1
+    if not all(one.name in named for one in responses) and len(rest) != each * len(responses):
+        problem = f"it has {len(rest)} columns beside the frequency, neither one nor two for each of {len(responses)} responses"
+        raise BadInput(
+            source=str(path), field="responses", problem=problem, remedy="Name all of them in order, or state `columns`"
+        )
+    places = [
+        [text.column(name, f"columns.{one.name}") for name in named[one.name]]
+        if one.name in named
+        else rest[each * k : each * (k + 1)]
+        for k, one in enumerate(responses)
+    ]
+    frequency = text.numbers(axis).real.astype(np.float64)
+    files.require_lines(frequency, str(path), text.header[axis] if text.header else "frequency")
+    stated = table.get("parts")
+    if stated is not None:
+        toml_file.one_of(stated, PARTS, source=source, where="parts")
+    found = [
+        _joined([text.numbers(k) for k in at], [text.header[k] for k in at] if text.header else [], stated, str(path))
+        for at in places
+    ]
+    return frequency, found
+
+
+_POLAR_WORDS = re.compile(r"(?<![a-z])(?:phase|deg|grad|angle|arg|db|decibel|mag|abs|ampl|modul)", re.IGNORECASE)
+
+
+def _joined(columns: list[Any], header: Sequence[str], stated: str | None, source: str) -> ComplexArray:
+    """One complex function of the columns that hold it.
+
+    Raises
+    ------
+    BadInput : what is no complex number and is not said to be one.
+    """
+
+    def refused(problem: str, remedy: str) -> BadInput:
+        return BadInput(source=source, field="parts", problem=problem, remedy=remedy)
+
+    if len(columns) == 1:
+        if np.iscomplexobj(columns[0]) and stated in (None, COMPLEX):
+            return np.asarray(columns[0])
+        what = "in decibels" if (header and "db" in header[0].lower()) or np.mean(columns[0].real < 0) > 0.9 else "a magnitude"
+        problem = f"a function has one real number a line where a complex one is needed; it may be {what} without its phase"
+        raise refused(problem, "Export real and imaginary part, or magnitude and phase with `parts`")
+    if len(columns) != 2:
+        raise refused(f"a function has {len(columns)} columns", "Name one complex column, or two")
+    if any(np.iscomplexobj(one) for one in columns):
+        raise refused("a function has two columns of which one is complex", "Name one complex column, or two real ones")
+    one, other = columns
+    if stated in (None, PAIRS):
+        polar_header = any(_POLAR_WORDS.search(name) for name in header)
+        degrees = np.all(np.abs(other) <= 360) and np.abs(other).max() > 2 * np.pi and np.all(one >= 0)
+        if stated is None and (polar_header or degrees):
+            problem = "its columns look like magnitude and phase where real and imaginary part were meant"
+            raise refused(problem, f"Write parts = one of {', '.join(PARTS[1:])}")
+        return files.as_complex(one, other)
+    if stated == COMPLEX:
+        raise refused("a function has two real columns, and parts says complex", 'Write parts = "real-imaginary"')
+    magnitude = 10 ** (one / 20) if stated.startswith("decibel") else one
+    if np.any(magnitude < 0):
+        raise refused("a magnitude is negative; is it in decibels?", 'Write parts = "decibel-degrees"')
+    angle = np.radians(other) if stated.endswith("degrees") else other
+    return np.asarray(magnitude * np.exp(1j * angle))

@@ -1,0 +1,373 @@
+"""Response functions made of records of force and response: of a shaker by averaged blocks, of a hammer blow by blow.
+
+With X, F the spectra of blocks and S_xf = <X F*>, S_ff = <F F*>, S_xx = <X X*> their averages,
+
+    H1 = S_xf / S_ff ,    H2 = S_xx / S_fx ,    Hv = sqrt(H1 H2) ,    g² = |S_xf|² / (S_xx S_ff) = H1 / H2 ,
+
+H1 where the response is noisy, H2 where the force is, Hv between them (J. S. Bendat and A. G. Piersol, Random Data, 2010,
+chapters 6 and 9). Averages of overlapping blocks count less than their number (P. D. Welch, IEEE Trans. Audio 15, 1967).
+
+A blow that rings longer than its block is windowed by exp(-t / decay), force and response alike. That moves the axis on which
+the transfer function H(s) is read from s = i omega to i omega + 1 / decay and changes nothing else: a prediction that is made
+there has the window too, and no damping needs to be taken off (W. G. Halvorsen and D. L. Brown, Sound and Vibration 11, 1977).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.dynamic_mass import ComplexArray
+from geometry.errors import BadInput
+from geometry.frames import Array
+
+H1, H2, HV = ESTIMATORS = ("H1", "H2", "Hv")
+
+BLOCKS = 5
+"""Blocks of which a record of a shaker is as long where nothing is said."""
+
+HIT = 0.2
+"""Share of the hardest blow from which a peak of the force is one."""
+
+AGAIN = 0.1
+"""Share of the peak of a blow that a second one has, once the force has fallen to `OVER` of it."""
+
+OVER = 0.05
+"""Share of its peak below which a blow is over."""
+
+BEFORE = 0.02
+"""Share of a block that lies before its blow."""
+
+REACH = 0.1
+"""Share of its largest spectrum down to which a blow drives a line."""
+
+OUT_OF_LINE = 3.0
+"""How many times the usual distance from the others a blow may have."""
+
+RINGS = 0.05
+"""Share of its largest value that an impulse response may have at the end of its block."""
+
+CLIPPED = 5
+"""Samples in a row at the end of a channel's range that no signal has."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Estimate:
+    """Response functions of one drive.
+
+    Attributes
+    ----------
+    frequency : (n,) [Hz], above zero
+    values : (n, c) response over force
+    coherence : (n, c) [0 to 1]; ones of a single blow, which tells none
+    averages : independent averages, rounded down
+    reach : [Hz] up to which the force drives
+    warnings : in words
+    """
+
+    frequency: Array
+    values: ComplexArray
+    coherence: Array
+    averages: int
+    reach: float
+    warnings: tuple[str, ...] = ()
+
+
+def shaken(
+    force: npt.ArrayLike,
+    responses: npt.ArrayLike,
+    rate: float,
+    *,
+    block: float = 0.0,
+    overlap: float = 0.5,
+    window: str = "hann",
+    estimator: str = H1,
+    source: str = "record",
+) -> Estimate:
+    """Of a structure that is shaken all the time.
+
+    Parameters
+    ----------
+    force, responses : (n,), (n, c) equally sampled
+    rate : [Hz]
+    block : [s] length of a block, the resolution is its inverse; 0 for a fifth of the record
+    overlap : share of a block that the next one has in common with it
+    window : as `scipy.signal.get_window` knows it, such as hann or boxcar
+
+    Raises
+    ------
+    BadInput : a silent or clipped channel, a block that does not fit, an unknown window.
+    """
+    from scipy.signal import get_window
+
+    f, x = np.asarray(force, dtype=np.float64), np.asarray(responses, dtype=np.float64)
+    _require_alive(f, x, source)
+    for name, channel in (("force", f), *((f"response {k + 1}", x[:, k]) for k in range(x.shape[1]))):
+        if clipped(channel):
+            problem = "is clipped: it stays at the end of its range for several samples"
+            raise BadInput(source=source, field=name, problem=problem, remedy="Record it again in a wider range")
+    size = round((block or len(f) / rate / BLOCKS) * rate)
+    step = max(1, round(size * (1 - overlap)))
+    count = (len(f) - size) // step + 1
+    if size < 8 or count < 1 or not 0 <= overlap < 1:
+        problem = f"{block:g} s with an overlap of {overlap:g} does not fit into a record of {len(f) / rate:g} s"
+        raise BadInput(source=source, field="records.block", problem=problem, remedy="Give a shorter one")
+    try:
+        w = np.asarray(get_window(window, size), dtype=np.float64)
+    except (ValueError, TypeError):
+        remedy = "Write hann, flattop or boxcar"
+        raise BadInput(source=source, field="records.window", problem=f"no window is called {window!r}", remedy=remedy) from None
+    starts = step * np.arange(count)
+    both = np.column_stack([f, x])
+    pieces = np.stack([both[k : k + size] for k in starts])
+    spectra = np.fft.rfft((pieces - pieces.mean(axis=1, keepdims=True)) * w[:, None], axis=1)[:, 1:]
+    # Blocks that overlap say the same in part: the squares of their correlations
+    lags = [(k, k * step) for k in range(1, count) if k * step < size]
+    alike = sum(2 * (1 - k / count) * (w[:-lag] @ w[lag:] / (w @ w)) ** 2 for k, lag in lags)
+    averages = count / (1 + alike)
+    lines = np.fft.rfftfreq(size, 1 / rate)[1:]
+    values, coherence = _averaged(spectra, estimator, source)
+    warnings = []
+    if averages < 2:
+        coherence = np.ones_like(coherence)
+        warnings.append(f"{source}: a single average tells no coherence; take a shorter block")
+    said = _unresolved(lines, values, window)
+    reach = float(lines[-1])
+    return Estimate(
+        frequency=lines,
+        values=values,
+        coherence=coherence,
+        averages=int(averages + 1e-9),
+        reach=reach,
+        warnings=(*warnings, *(f"{source}: {one}" for one in said)),
+    )
+
+
+def _averaged(spectra: ComplexArray, estimator: str, source: str) -> tuple[ComplexArray, Array]:
+    """Functions and coherence (n, c) of spectra (b, n, 1 + c), the force first."""
+    F, X = spectra[:, :, :1], spectra[:, :, 1:]
+    tiny = np.finfo(np.float64).tiny
+    S_ff, S_xx = np.mean(np.abs(F) ** 2, axis=0), np.mean(np.abs(X) ** 2, axis=0)
+    S_xf = np.mean(X * F.conj(), axis=0)
+    if np.any(S_ff <= tiny):
+        remedy = "Look at the record"
+        raise BadInput(source=source, field="force", problem="drives nothing at some lines", remedy=remedy)
+    coherence = np.abs(S_xf) ** 2 / np.maximum(S_ff * S_xx, tiny)
+    first = S_xf / S_ff
+    if estimator == H1:
+        values = first
+    elif estimator == H2:
+        values = S_xx / np.where(np.abs(S_xf) > tiny, S_xf.conj(), tiny)
+    else:
+        values = np.sqrt(S_xx / S_ff) * np.exp(1j * np.angle(S_xf))
+    return np.asarray(values), np.asarray(np.minimum(coherence, 1.0))
+
+
+def _require_alive(force: Array, responses: Array, source: str) -> None:
+    for name, channel in (("force", force[:, None]), ("response", responses)):
+        if not np.all(np.isfinite(channel)):
+            raise BadInput(source=source, field=name, problem="holds NaN or infinity", remedy="Export the record again")
+        if np.any(np.ptp(channel, axis=0) == 0):
+            raise BadInput(source=source, field=name, problem="is silent: it never changes", remedy="Look at its cable")
+
+
+def clipped(channel: Array) -> bool:
+    """Whether a channel (n,) stays at its largest or least value for `CLIPPED` samples in a row."""
+    return _stays(channel, channel.max()) or _stays(channel, channel.min())
+
+
+def _stays(channel: Array, end: float) -> bool:
+    at = np.concatenate([[False], np.abs(channel - end) <= 1e-9 * np.ptp(channel), [False]])
+    edges = np.flatnonzero(np.diff(at.astype(np.int8)))
+    return bool(np.any(edges[1::2] - edges[::2] >= CLIPPED))
+
+
+def _unresolved(f: Array, values: ComplexArray, window: str) -> list[str]:
+    """What is to be said of the highest peak of every function if fewer than four lines make it."""
+    said = []
+    width = 4 if window == "hann" else 3
+    for c in range(values.shape[1]):
+        level = np.abs(values[:, c])
+        k = int(np.argmax(level))
+        low, high = k, k
+        while low > 0 and level[low - 1] > level[k] / np.sqrt(2):
+            low -= 1
+        while high < len(level) - 1 and level[high + 1] > level[k] / np.sqrt(2):
+            high += 1
+        if high - low + 1 < width and 0 < k < len(level) - 1:
+            said.append(
+                f"the peak at {f[k]:.4g} Hz is {high - low + 1} of {width} lines wide: {f[1] - f[0]:.3g} Hz are too coarse for "
+                "its damping, which will seem larger; take a longer block"
+            )
+    return said[:1]
+
+
+# A hammer: blows are found, judged, windowed and averaged.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Blow:
+    """One blow.
+
+    Attributes
+    ----------
+    at : [s] of its peak in the record
+    force, responses : (n,), (n, c) of its block
+    fault : what is wrong with it, in words; empty for nothing
+    """
+
+    at: float
+    force: Array
+    responses: Array
+    fault: str
+
+
+def blows(
+    force: npt.ArrayLike, responses: npt.ArrayLike, rate: float, *, block: float = 0.0, source: str = "record"
+) -> list[Blow]:
+    """The blows of a record, each with its faults: double hits, overload.
+
+    Parameters
+    ----------
+    block : [s] from a little before a blow; 0 for the time to the next one
+
+    Raises
+    ------
+    BadInput : no blow, a block that does not fit behind any.
+    """
+    f, x = np.asarray(force, dtype=np.float64), np.asarray(responses, dtype=np.float64)
+    _require_alive(f, x, source)
+    f = f - np.median(f)
+    sign = 1.0 if f.max() >= -f.min() else -1.0
+    quiet = 1.4826 * np.median(np.abs(f)) * 8
+    hardest = float(np.max(sign * f))
+    if hardest <= max(quiet, 0.0):
+        problem = f"no blow stands out of its noise: its largest value is {hardest:.3g}"
+        raise BadInput(source=source, field="force", problem=problem, remedy="Check trigger, cable and channel")
+    over = np.flatnonzero(sign * f > HIT * hardest)
+    # Peaks that lie closer than what a block takes belong to one blow
+    least = round(block * rate * (1 - BEFORE)) if block else len(f) // 50
+    first = [int(over[0])]
+    for k in over[1:]:
+        if k - first[-1] > least:
+            first.append(int(k))
+    gaps = np.diff([*first, len(f)])
+    size = round(block * rate) if block else int(gaps.min() if len(first) > 1 else gaps[0])
+    found = []
+    for k in first:
+        start = k - round(BEFORE * size)
+        if start < 0 or start + size > len(f):
+            start = max(0, min(start, len(f) - size))
+        own, answer = f[start : start + size], x[start : start + size] - x[start : max(start + 1, (start + k) // 2)].mean(axis=0)
+        if len(own) < size or size < 16:
+            continue
+        found.append(Blow(at=k / rate, force=own, responses=answer, fault=_fault(sign * own, answer, quiet)))
+    if not found:
+        problem = f"a block of {block:g} s does not fit behind any blow of a record of {len(f) / rate:g} s"
+        raise BadInput(source=source, field="records.block", problem=problem, remedy="Give a shorter one")
+    return found
+
+
+def _fault(force: Array, responses: Array, quiet: float) -> str:
+    k = int(np.argmax(force))
+    peak = force[k]
+    if _stays(force, peak):
+        return "the force is overloaded"
+    if any(clipped(responses[:, c]) for c in range(responses.shape[1])):
+        return "a response is overloaded"
+    below = np.flatnonzero(force[k:] < OVER * peak)
+    early = np.flatnonzero(force[:k] > max(AGAIN * peak, quiet))
+    after = force[k + below[0] :] if len(below) else np.zeros(0)
+    if len(after) and after.max() > max(AGAIN * peak, quiet):
+        return f"it is a double hit: {100 * after.max() / peak:.0f} % of it follow"
+    if len(early) and np.any(force[early[0] : k] < OVER * peak):
+        return "it is a double hit: a softer one comes before"
+    return ""
+
+
+def struck(found: Sequence[Blow], rate: float, *, decay: float = 0.0, estimator: str = H1, source: str = "record") -> Estimate:
+    """Of the blows that have no fault; what is wrong with the others is said.
+
+    Parameters
+    ----------
+    decay : [s] time constant of the exponential window that force and responses get; 0 for none
+
+    Raises
+    ------
+    BadInput : every blow has a fault.
+    """
+    good = [one for one in found if not one.fault]
+    warnings = [f"{source}: the blow at {one.at:.4g} s is left out, {one.fault}" for one in found if one.fault]
+    if not good:
+        said = "; ".join(f"at {one.at:.4g} s {one.fault}" for one in found)
+        raise BadInput(
+            source=source, field="force", problem=f"none of {len(found)} blows can be used: {said}", remedy="Strike again"
+        )
+    size = min(len(one.force) for one in good)
+    time = np.arange(size) / rate
+    window = np.exp(-time / decay) if decay > 0 else np.ones(size)
+    spectra = []
+    for one in good:
+        both = np.column_stack([_pulse(one.force[:size]), one.responses[:size]])
+        spectra.append(np.fft.rfft(both * window[:, None], axis=0))
+    blocks = np.array(spectra)
+    lines = np.fft.rfftfreq(size, 1 / rate)
+    level = np.sqrt(np.mean(np.abs(blocks[:, :, 0]) ** 2, axis=0))
+    driven = np.flatnonzero(level > REACH * level.max())
+    reach = float(lines[driven[-1]])
+    values, coherence = _averaged(blocks, estimator, source)
+    if len(good) == 1:
+        coherence = np.ones_like(coherence)
+    if len(good) > 2:
+        warnings += _poor(blocks, driven, good, source)
+    impulse = np.fft.irfft(_held(values, int(driven[-1])), size, axis=0)
+    left = np.abs(impulse[-max(2, size // 20) :]).max(axis=0) / np.abs(impulse[1 : size // 2]).max(axis=0)
+    if np.any(left > RINGS):
+        rest = f"{100 * left.max():.0f} % of the answer still rings at the end of a block of {size / rate:.3g} s"
+        warnings.append(f"{source}: {rest}; damping will seem larger, take a longer block")
+    return Estimate(
+        frequency=lines[1:],
+        values=values[1:],
+        coherence=coherence[1:],
+        averages=len(good),
+        reach=reach,
+        warnings=tuple(warnings),
+    )
+
+
+def _pulse(force: Array) -> Array:
+    """The force with nothing but its blow: zero before it and once it is over, where a load cell only has noise."""
+    k = int(np.argmax(np.abs(force)))
+    peak = np.abs(force[k])
+    small = np.abs(force) < OVER * peak
+    after = np.flatnonzero(small[k:])
+    before = np.flatnonzero(small[: k + 1])
+    half = max(4, (after[0] if len(after) else 4), (k - before[-1]) if len(before) else 4)
+    low, high = max(0, k - 3 * half), min(len(force), k + 3 * half + 1)
+    kept = np.zeros_like(force)
+    kept[low:high] = force[low:high]
+    return kept
+
+
+def _poor(blocks: ComplexArray, driven: npt.NDArray[np.intp], good: Sequence[Blow], source: str) -> list[str]:
+    """What is to be said of blows whose functions lie far from those of all others."""
+    H = blocks[:, driven, 1:] / blocks[:, driven, :1]
+    apart = []
+    for k in range(len(H)):
+        others = np.median(np.abs(np.delete(H, k, axis=0) - H[k]), axis=0)
+        apart.append(float(np.sqrt(np.mean(others**2) / np.mean(np.abs(H[k]) ** 2))))
+    usual = float(np.median(apart))
+    return [
+        f"{source}: the blow at {one.at:.4g} s has poor coherence: {100 * far:.0f} % from the others, which lie "
+        f"{100 * usual:.0f} % from each other; was it beside its point, or crooked?"
+        for one, far in zip(good, apart, strict=True)
+        if far > OUT_OF_LINE * usual and far > 0.03
+    ]
+
+
+def _held(values: ComplexArray, last: int) -> ComplexArray:
+    """`values` (n, c) that stay what they are behind the line `last`, beyond which a blow drives nothing."""
+    found = np.array(values)
+    found[last + 1 :] = found[last].real
+    return found

@@ -1,0 +1,206 @@
+"""The prediction of a table of modes: against closed forms, against differences, and on tables with a planted effect."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from geometry.errors import BadInput
+from geometry.frames import Array
+from geometry.sensors import Point
+from identification.modal_table import ModalTable, mac, paired
+from validation.effects.catalogue import Named
+from validation.effects.stages import Matrices
+from validation.estimation.evaluate import evaluate, residuals
+from validation.estimation.fit import fit
+from validation.estimation.problem import FITTED, Problem
+from validation.model.model import Added, StructureTolerances
+from validation.prediction import effects as prediction_effects
+from validation.prediction import modal_table
+from validation.prediction.effects import Nuisances
+
+COUNT, M, K, ETA = 6, 2.0, 5e4, 0.01
+NAMES = tuple(f"mass-{k + 1}" for k in range(COUNT))
+
+NO_SHAPES = {"shapes": None, "shapes_deviation": None}
+
+
+def chain(mass: float = M, ends: tuple[float, float] = (1.0, 1.0), point: tuple[int, float] = (0, 0.0)) -> Nuisances:
+    """Equal masses on equal springs between two walls, in physical coordinates; `ends` scale the springs to the walls."""
+    middle = _between()
+    left, right = np.zeros((COUNT, COUNT)), np.zeros((COUNT, COUNT))
+    left[0, 0], right[-1, -1] = K * ends[0], K * ends[1]
+    own = mass * np.eye(COUNT)
+    own[point[0], point[0]] += point[1]
+    stiffness = middle + left + right
+    rows = {name: np.vstack([row, np.zeros((2, COUNT))]) for name, row in zip(NAMES, np.eye(COUNT), strict=True)}
+    made = Matrices(
+        base=0,
+        mass=own,
+        stiffness=stiffness,
+        viscous=1e-4 * stiffness,
+        structural=ETA * stiffness,
+        places=rows,
+        parts={"springs": middle, "left": left, "right": right},
+    )
+    known = StructureTolerances(modulus=0.05, damping=0.3, damping_law=0.0, frequency=0.0, mode_coupling=0.0, mode_damping=0.0)
+    return prediction_effects.nuisances("chain", made, np.ones(1), dict.fromkeys(made.parts, ETA), known)
+
+
+def _between() -> Array:
+    drift = np.diff(np.eye(COUNT), axis=0)
+    return np.asarray(K * drift.T @ drift)
+
+
+def table(of: Nuisances, count: int = 4, **options: object) -> ModalTable:
+    """What a test would have read of `of`, without noise."""
+    modes = modal_table.real_modes(of.nominal)
+    f = modes.frequency[:count]
+    given: dict[str, object] = {
+        "source": "table.toml",
+        "title": "table",
+        "article": "chain",
+        "frequency": f,
+        "frequency_deviation": 0.002 * f,
+        "sensors": tuple(Point(place=name) for name in NAMES),
+        "shapes": modes.shapes[:, :count].T,
+        "shapes_deviation": np.full((count, COUNT), 0.01),
+    }
+    return ModalTable(**{**given, **options})  # type: ignore[arg-type]
+
+
+def added(identifier: str, value: float) -> Added:
+    family, *targets = identifier.split(":")
+    return Added(named=Named(family=family, targets=tuple(targets), values={"": value}))
+
+
+def test_frequencies_and_shapes_of_a_chain_are_those_of_the_closed_form() -> None:
+    of = chain()
+    frequencies, shapes = modal_table.of(of, table(of))
+    angle = np.arange(1, 5) * np.pi / (COUNT + 1)  # of the modes of a chain between walls
+    exact = 2 * np.sqrt(K / M) * np.sin(angle / 2) / (2 * np.pi)
+    assert_allclose(frequencies.at({}).rows[:, 0, 0, 0], exact, rtol=1e-12)
+    sines = np.sin(np.outer(angle, np.arange(1, COUNT + 1)))
+    assert_allclose(np.diag(mac(shapes.at({}).rows[:, 0, :, 0], sines)), 1.0, rtol=1e-12)
+
+
+def test_the_damping_ratio_is_half_the_loss_factor_and_the_viscous_share() -> None:
+    of = chain()
+    f = modal_table.real_modes(of.nominal).frequency[:4]
+    damped = table(of, damping_ratio=np.full(4, 0.01), damping_deviation=np.full(4, 0.001))
+    frequencies, _ = modal_table.of(of, damped)
+    assert frequencies.measured.channels == ("frequency", "damping")
+    exact = ETA / 2 + 1e-4 * 2 * np.pi * f / 2
+    assert_allclose(frequencies.at({}).rows[:, 0, 1, 0], exact, rtol=1e-10)
+
+
+EFFECTS = (added("point-mass:mass-3", 0.2), added("structural-damping:springs", 0.005), added("accelerometer-gain:mass-2", 0.1))
+
+
+def test_every_derivative_is_that_of_differences() -> None:
+    of = chain(ends=(0.7, 1.2))
+    damped = table(of, damping_ratio=np.full(4, 0.01), damping_deviation=np.full(4, 0.001))
+    for test in modal_table.of(chain(), damped):
+        model = test.with_effects(EFFECTS)
+        at = {one.name: one.start + 0.1 * one.tolerance for one in model.parameters}
+        exact = model.at(at)
+        assert set(exact.changes) == set(at)
+        for name, change in exact.changes.items():
+            step = 1e-5
+            above, below = (model.at({**at, name: at[name] + side * step}, derivatives=False).rows for side in (1, -1))
+            found = np.zeros(exact.rows.shape, dtype=np.complex128)
+            found[:, :, change.channels] = change.rows
+            # Of every channel by its own level, and rounding of the shapes: the step's second power times the third derivative
+            for c in range(found.shape[2]):
+                difference = ((above - below) / (2 * step))[:, :, c]
+                level = np.abs(exact.rows[:, :, c]).max()
+                assert_allclose(found[:, :, c], difference, rtol=1e-5, atol=2e-7 * level, err_msg=f"{name} {c}")
+
+
+def test_derivatives_that_nobody_asks_for_are_left_out() -> None:
+    (frequencies, _) = modal_table.of(chain(), table(chain()))
+    assert set(frequencies.at({}, derivatives={"modulus:left"}).changes) == {"modulus:left"}
+    assert not frequencies.at({}, derivatives=False).changes
+
+
+def test_modes_that_have_changed_places_are_found_by_their_shapes() -> None:
+    of = chain()
+    known = table(of, count=3)
+    turned = replace(known, shapes=np.asarray(known.shapes)[[1, 0, 2]])
+    assert modal_table.partners(modal_table.real_modes(of.nominal), known) == (0, 1, 2)
+    close = replace(turned, frequency=np.array([6.0, 6.5, 30.0]), frequency_deviation=np.ones(3))
+    assert modal_table.partners(modal_table.real_modes(of.nominal), close)[:2] == (1, 0)
+
+
+def test_without_shapes_pairs_keep_the_order_and_a_mode_that_was_not_measured_is_passed_over() -> None:
+    assert paired([10.0, 20.0, 30.0], [11.0, 15.0, 21.0, 33.0]) == (0, 2, 3)
+    assert paired([10.0, 20.0, 30.0], [10.0, 29.0]) == (0, -1, 1)
+
+
+def test_a_free_structure_keeps_the_motions_of_a_body_out_of_the_table() -> None:
+    drift = np.diff(np.eye(3), axis=0)
+    K = 1e4 * drift.T @ drift
+    made = Matrices(base=0, mass=np.eye(3), stiffness=K, viscous=np.zeros((3, 3)), structural=np.zeros((3, 3)))
+    free = ModalTable(
+        source="t",
+        title="t",
+        article="rod",
+        frequency=[15.0, 27.0],
+        frequency_deviation=[0.1, 0.1],  # type: ignore[arg-type]
+    )
+    assert modal_table.partners(modal_table.real_modes(made), free) == (1, 2)
+
+
+def test_the_factor_of_a_shape_and_its_sign_say_nothing() -> None:
+    of = chain()
+    softer = chain(ends=(0.5, 1.0))
+    once = table(softer)
+    factors = np.array([[3.0], [-0.2], [1e-3], [-50.0]])
+    again = replace(once, shapes=factors * once.shapes, shapes_deviation=np.abs(factors) * once.shapes_deviation)
+    left = [residuals(Problem(modal_table.of(of, each)), {})[1] for each in (once, again)]
+    assert np.abs(left[0].values / left[0].sigma).max() > 1
+    assert_allclose(*(np.abs(one.values / one.sigma) for one in left), rtol=1e-9)
+
+
+@pytest.mark.parametrize("complex_shapes", [False, True])
+def test_a_soft_support_is_found_from_a_table_with_noise(complex_shapes: bool) -> None:
+    rng, truth = np.random.default_rng(5), 0.7
+    exact = table(chain(ends=(truth, 1.0)))
+    turned = np.exp(1j * rng.uniform(0, 6, (4, 1))) if complex_shapes else 1.0
+    shapes = exact.shapes * turned + 0.01 * rng.standard_normal((4, COUNT))
+    f = exact.frequency * (1 + 0.002 * rng.standard_normal(4))
+    measured = replace(exact, shapes=shapes, frequency=f, gain=0.001)
+    models = tuple(one.with_effects([added("modulus:left", 0.0)]) for one in modal_table.of(chain(), measured))
+    problem = Problem(models)
+    found = fit(problem, FITTED)
+    at = [one.name for one in found.parameters].index("modulus:left")
+    value, sd = found.parameters[at].value(found.offsets[at]), np.sqrt(found.covariance[at, at])
+    assert value == pytest.approx(truth - 1, abs=4 * sd * truth)
+    assert sd < 0.05
+    # 4 frequencies and 4 shapes of 6 components less a factor each: real numbers are counted once, complex ones twice
+    assert 0.2 < found.chi2 / found.degrees_of_freedom < 2.0
+    whole = evaluate(problem)
+    assert whole.plain.percent < whole.nominal.percent
+
+
+def test_a_run_that_is_left_out_takes_its_mode_along_and_not_its_partner() -> None:
+    of = chain()
+    frequencies, shapes = modal_table.of(of, table(of))
+    for test in (frequencies, shapes):
+        alone = test.on(("mode 3",))
+        assert alone.measured.runs == ("mode 3",)
+        assert_allclose(np.abs(alone.at({}).rows[0]), np.abs(test.at({}).rows[2]), rtol=1e-12)
+
+
+def test_what_the_model_has_not_is_refused_in_words() -> None:
+    of = chain()
+    with pytest.raises(BadInput, match="attic"):
+        modal_table.of(of, replace(table(of), sensors=(Point(place="attic"), *(Point(place=n) for n in NAMES[1:]))))
+    with pytest.raises(BadInput, match="6 modes, and the table 7"):
+        modal_table.of(of, table(of, frequency=np.arange(1.0, 8), frequency_deviation=np.ones(7), **NO_SHAPES))
+    (frequencies, _) = modal_table.of(of, table(of))
+    with pytest.raises(BadInput, match="has none"):
+        frequencies.with_effects([added("mounting-offset:x", 0.01)])
+    with pytest.raises(BadInput, match="places are mass-1"):
+        frequencies.with_effects([added("point-mass:attic", 0.01)])

@@ -1,0 +1,269 @@
+"""What analysts deliver beside the sigmas: pairs of modes, MAC, COMAC, cross-orthogonality, frequencies, FRAC of functions.
+
+None of these numbers is a test of a model: MAC is blind to frequencies and to whatever leaves shapes as they are, FRAC to what
+all functions have in common. Where they are green and the sigmas are not, the result says so.
+"""
+
+import csv
+import io
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from geometry.dynamic_mass import ComplexArray
+from geometry.frames import Array
+from identification.modal_table import ModalTable, mac
+from validation.estimation.problem import Offsets
+from validation.output import derived
+from validation.prediction.modal_table import RealModes, TableFrequencies, TableShapes, partners, seen
+from validation.prediction.response_functions import ResponseFunctionTest
+
+GREEN = 0.9
+"""MAC from which analysts call a pair one mode, FRAC from which they call two functions alike (Ewins, Modal Testing, 2000)."""
+
+FAR = 3.0
+"""[sigma] from which a frequency is off."""
+
+BEYOND = 1.3
+"""Times the highest frequency of a table up to which modes of the model are looked at."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ModePair:
+    """A mode of the table and its partner.
+
+    Attributes
+    ----------
+    measured : name of the mode
+    model : number of its partner in the model, from 1 and motions of a free body counted
+    measured_hz, model_hz : frequencies [Hz]
+    percent : by which the model is higher
+    sigmas : the same in standard deviations of the measurement
+    mac : 0 to 1; None without shapes
+    """
+
+    measured: str
+    model: int
+    measured_hz: float
+    model_hz: float
+    percent: float
+    sigmas: float
+    mac: float | None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ModalCorrelation:
+    """A table of modes beside a model.
+
+    Attributes
+    ----------
+    data_set : title of the table
+    rule : how modes were paired, in words
+    pairs : in the order of the table
+    missing : numbers of modes of the model within the frequencies of the table that have no partner
+    modes : (q,) numbers of the modes of the model that `mac` and `cross_orthogonality` have as columns
+    mac : (m, q) of table and model; empty without shapes
+    cross_orthogonality : (m, q) the same weighed by the mass that the sensors see; empty where there are fewer sensors than modes
+    comac : by sensor, 0 to 1, how alike its readings are over all pairs
+    remarks : sentences
+    """
+
+    data_set: str
+    rule: str
+    pairs: tuple[ModePair, ...]
+    missing: tuple[int, ...]
+    modes: tuple[int, ...]
+    mac: Array
+    cross_orthogonality: Array
+    comac: Mapping[str, float]
+    remarks: tuple[str, ...]
+
+    @property
+    @derived("swapped")
+    def swapped(self) -> tuple[tuple[str, str], ...]:
+        """Pairs of modes of the table, next to each other, that stand the other way round in the model."""
+        order = sorted(self.pairs, key=lambda one: one.measured_hz)
+        return tuple((a.measured, b.measured) for k, a in enumerate(order) for b in order[k + 1 :] if a.model_hz > b.model_hz)
+
+    def tables(self) -> dict[str, str]:
+        """CSV by name: ``pairs``, ``mac``, ``cross-orthogonality``, ``comac``; those that there are."""
+        names, found = [one.measured for one in self.pairs], {}
+        head = ("measured", "model", "measured_hz", "model_hz", "percent", "sigmas", "mac")
+        found["pairs"] = _csv(head, ([getattr(one, key) for key in head] for one in self.pairs))
+        for name, matrix in (("mac", self.mac), ("cross-orthogonality", self.cross_orthogonality)):
+            if matrix.size:
+                rows = zip(names, matrix.tolist(), strict=True)
+                found[name] = _csv(("measured", *(f"model {k}" for k in self.modes)), ([one, *row] for one, row in rows))
+        if self.comac:
+            found["comac"] = _csv(("sensor", "comac"), self.comac.items())
+        return found
+
+
+RULE = "of all assignments that with the least sum of 1 - MAC + (ln f/f' / 0.3)²"
+
+
+def modal(test: TableFrequencies | TableShapes, offsets: Offsets) -> ModalCorrelation:
+    """The table of `test` beside its model at `offsets`.
+
+    Raises
+    ------
+    ValueError, numpy.linalg.LinAlgError : the model has no such modes.
+    """
+    modes, *_ = test.found(offsets, derivatives=False)
+    return of_modes(modes, test.table)
+
+
+def of_modes(modes: RealModes, table: ModalTable) -> ModalCorrelation:
+    """`table` beside the `modes` of a model."""
+    of, f = partners(modes, table), modes.frequency
+    low, high = table.frequency.min() / BEYOND, table.frequency.max() * BEYOND
+    looked = tuple(sorted({*of, *(int(k) for k in np.flatnonzero((f > low) & (f < high)))}))
+    inside = [k for k in looked if table.frequency.min() <= f[k] <= table.frequency.max() and k not in of]
+    matrix, crossed, by_sensor = np.zeros((0, 0)), np.zeros((0, 0)), {}
+    if table.shapes is not None:
+        shapes = (seen(modes.matrices, table) @ modes.shapes).T
+        matrix, crossed = mac(table.shapes, shapes[list(looked)]), cross_orthogonality(table.shapes, shapes[list(looked)])
+        names = [point.name for point in table.sensors]
+        by_sensor = dict(zip(names, comac(table.shapes, shapes[list(of)]).tolist(), strict=True))
+    pairs = tuple(
+        ModePair(
+            measured=table.names[k],
+            model=of[k] + 1,
+            measured_hz=float(table.frequency[k]),
+            model_hz=float(f[of[k]]),
+            percent=float(100 * (f[of[k]] / table.frequency[k] - 1)),
+            sigmas=float((f[of[k]] - table.frequency[k]) / table.frequency_deviation[k]),
+            mac=float(matrix[k, looked.index(of[k])]) if matrix.size else None,
+        )
+        for k in range(len(of))
+    )
+    return ModalCorrelation(
+        data_set=table.title,
+        rule=RULE if table.shapes is not None else RULE.replace("1 - MAC + ", ""),
+        pairs=pairs,
+        missing=tuple(k + 1 for k in inside),
+        modes=tuple(k + 1 for k in looked),
+        mac=matrix,
+        cross_orthogonality=crossed,
+        comac=by_sensor,
+        remarks=_remarks(pairs, [k + 1 for k in inside]),
+    )
+
+
+def _remarks(pairs: Sequence[ModePair], missing: Sequence[int]) -> tuple[str, ...]:
+    said = []
+    order = sorted(pairs, key=lambda one: one.measured_hz)
+    for k, a in enumerate(order):
+        said += [
+            f"{a.measured} and {b.measured} have changed places: {a.measured_hz:.4g} and {b.measured_hz:.4g} Hz are measured, "
+            f"{a.model_hz:.4g} and {b.model_hz:.4g} Hz computed"
+            for b in order[k + 1 :]
+            if a.model_hz > b.model_hz
+        ]
+    known = [one for one in pairs if one.mac is not None]
+    green = known and all(one.mac is not None and one.mac >= GREEN for one in known)
+    off = [one for one in pairs if abs(one.sigmas) > FAR]
+    if green and off:
+        worst = max(off, key=lambda one: abs(one.sigmas))
+        said.append(
+            f"every MAC is {GREEN:g} or more, and the model is wrong: {worst.measured} is {worst.percent:+.2g} % off, "
+            f"{abs(worst.sigmas):.0f} standard deviations; MAC does not see frequencies"
+        )
+    poor = [one.measured for one in known if one.mac is not None and one.mac < GREEN]
+    if poor:
+        said.append(f"MAC is below {GREEN:g} of {', '.join(poor)}")
+    if missing:
+        numbers = ", ".join(map(str, missing))
+        said.append(f"the model has modes within the table that were not measured: {numbers}")
+    return tuple(said)
+
+
+def comac(measured: npt.ArrayLike, model: npt.ArrayLike) -> Array:
+    """(s,) by sensor how alike paired shapes (m, s) are there, over all modes, each of unit length.
+
+    N. A. J. Lieven and D. J. Ewins, Spatial correlation of mode shapes: the coordinate modal assurance criterion, IMAC 6, 1988.
+    """
+    a, b = np.atleast_2d(np.asarray(measured)), np.atleast_2d(np.asarray(model))
+    a, b = (one / np.linalg.norm(one, axis=1, keepdims=True) for one in (a, b))
+    both = np.sum(np.abs(a * b.conj()), axis=0) ** 2
+    sizes = np.sum(np.abs(a) ** 2, axis=0) * np.sum(np.abs(b) ** 2, axis=0)
+    return np.asarray(np.divide(both, sizes, out=np.ones_like(both), where=sizes > 0))
+
+
+def cross_orthogonality(measured: npt.ArrayLike, model: npt.ArrayLike) -> Array:
+    """(m, q) of measured shapes (m, s), scaled to unit mass, and shapes of the model (q, s) of unit mass: a unit matrix if alike.
+
+    The mass is what the sensors see of that of the model, pinv(Phi)^T pinv(Phi) with the shapes Phi (s, q) as columns (J.
+    O'Callahan, P. Avitabile, R. Riemer, System equivalent reduction expansion process, IMAC 7, 1989); empty where there are fewer
+    sensors than modes, or modes that look alike at them.
+    """
+    a, b = np.atleast_2d(np.asarray(measured)), np.atleast_2d(np.asarray(model, dtype=np.float64))
+    if b.shape[1] < len(b) or np.linalg.cond(b) > 1e6:
+        return np.zeros((0, 0))
+    back = np.linalg.pinv(b.T)
+    coordinates = a @ back.T
+    scaled = coordinates / np.maximum(np.linalg.norm(coordinates, axis=1, keepdims=True), np.finfo(np.float64).tiny)
+    return np.asarray(np.abs(scaled))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FunctionCorrelation:
+    """Response functions beside those of a model.
+
+    Attributes
+    ----------
+    data_set : title of the test
+    frac : by run and channel, ``run/channel``, 0 to 1, how alike the functions are but for a factor
+    ratio : by run and channel the level of the model over that of the data [dB]
+    remarks : sentences
+    """
+
+    data_set: str
+    frac: Mapping[str, float]
+    ratio: Mapping[str, float]
+    remarks: tuple[str, ...]
+
+    def tables(self) -> dict[str, str]:
+        """CSV by name."""
+        rows = ((*name.split("/", 1), self.frac[name], self.ratio[name]) for name in self.frac)
+        return {"frac": _csv(("run", "channel", "frac", "ratio_db"), rows)}
+
+
+def functions(test: ResponseFunctionTest, offsets: Offsets) -> FunctionCorrelation:
+    """The functions of `test` beside those of its model at `offsets`.
+
+    Raises
+    ------
+    ValueError, numpy.linalg.LinAlgError : the model breaks down there.
+    """
+    data, found = test.measured, test.at(offsets, derivatives=False).rows[..., 0]
+    measured = data.values
+    pairs = [(f"{run}/{channel}", r, c) for r, run in enumerate(data.runs) for c, channel in enumerate(data.channels)]
+    alike = {name: frac(measured[r, :, c], found[r, :, c]) for name, r, c in pairs}
+    level = {name: 20 * np.log10(np.linalg.norm(found[r, :, c]) / np.linalg.norm(measured[r, :, c])) for name, r, c in pairs}
+    said = []
+    loud = {name: one for name, one in level.items() if alike[name] >= GREEN and abs(one) > 1}
+    if loud:
+        worst = max(loud, key=lambda name: abs(loud[name]))
+        wrong = f"its level is {level[worst]:+.1f} dB off; FRAC does not see a factor"
+        said.append(f"FRAC of {worst} is {alike[worst]:.2f}, and {wrong}")
+    return FunctionCorrelation(data_set=test.measured.name, frac=alike, ratio=level, remarks=tuple(said))
+
+
+def frac(measured: ComplexArray, model: ComplexArray) -> float:
+    """Frequency response assurance criterion of two functions (n,): 1 where they are alike but for a factor.
+
+    R. J. Allemang, The modal assurance criterion: twenty years of use and abuse, Sound and Vibration 37, 2003.
+    """
+    sizes = float(np.sum(np.abs(measured) ** 2) * np.sum(np.abs(model) ** 2))
+    return float(np.abs(np.vdot(measured, model)) ** 2 / sizes) if sizes > 0 else 0.0
+
+
+def _csv(head: Sequence[str], rows: Iterable[Iterable[object]]) -> str:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(head)
+    writer.writerows(["" if one is None else one for one in row] for row in rows)
+    return text.getvalue()

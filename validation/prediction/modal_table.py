@@ -1,0 +1,383 @@
+"""A table of modes: frequencies, damping and shapes that a model of the structure should have, each with its derivatives.
+
+    reduced matrices of the structure        tolerances, effects of the structure
+    -> real modes K phi = omega² M phi       paired with the table by shape and frequency
+    -> frequencies and damping ratios        one run a mode, input 1
+    -> shapes at the sensors                 one run a mode, its factor unknown: gains and effects of the channels
+
+With phi^T M phi = 1 and dB_i = dK - omega_i² dM the derivatives are those of full modal superposition (R. L. Fox and M. P.
+Kapoor, AIAA Journal 6, 1968),
+
+    d omega_i² = phi_i^T dB_i phi_i ,
+    d phi_i = sum_j phi_j (phi_j^T dB_i phi_i) / (omega_i² - omega_j²) - phi_i (phi_i^T dM phi_i) / 2 ,      j other than i,
+
+exact because all modes of the reduced matrices are there. The damping ratio of a real mode is that of the energy that it loses,
+zeta_i = phi_i^T (omega_i C + S) phi_i / (2 omega_i²).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from geometry.dynamic_mass import ComplexArray
+from geometry.errors import BadInput
+from geometry.frames import Array
+from identification.modal_table import ModalTable, paired
+from validation.effects.catalogue import FAMILIES, There, acts
+from validation.effects.effect import CHANNEL_STAGE, OPENED, STRUCTURE_STAGE
+from validation.effects.stages import ChannelResponse, Matrices
+from validation.estimation.problem import Change, Lines, Measured, Offsets, Parameter, Predicted, Wanted
+from validation.model.model import Added
+from validation.prediction import dynamic_mass
+from validation.prediction import effects as prediction_effects
+from validation.prediction.effects import Nuisances, Tangent
+
+FREQUENCY, DAMPING = "frequency", "damping"
+"""Channels of the one data set of a table; those of the other are its sensors."""
+
+SLOWEST = 0.01
+"""Share of the lowest frequency of a table below which a mode of the model is the motion of a free body."""
+
+CLOSEST = 1e-9
+"""Least distance of two squares of frequencies, relative: nearer modes have no shape of their own."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RealModes:
+    """Modes of reduced matrices.
+
+    Attributes
+    ----------
+    matrices : whose they are
+    squares : (k,) omega² [1/s²], ascending; of motions of a free body about zero
+    shapes : (k, k) a column a mode, of mass 1
+    """
+
+    matrices: Matrices
+    squares: Array
+    shapes: Array
+
+    @property
+    def frequency(self) -> Array:
+        """(k,) [Hz]."""
+        return np.asarray(np.sqrt(np.maximum(self.squares, 0.0)) / (2 * np.pi))
+
+    def damping_ratio(self, mode: int) -> float:
+        """[1] of one mode, by the energy that it loses."""
+        omega, phi = np.sqrt(self.squares[mode]), self.shapes[:, mode]
+        return float(phi @ (omega * self.matrices.viscous + self.matrices.structural) @ phi / (2 * omega**2))
+
+    def changed(self, mode: int, by: Tangent) -> tuple[float, Array, float]:
+        """How omega² [1/s²], the shape (k,) and the damping ratio of one mode answer to one parameter."""
+        at, square, phi = by.at, self.squares[mode], self.shapes[:, mode]
+        own, every = phi[at], self.shapes[at]
+        mass = by.mass @ own
+        force = every.T @ (by.stiffness @ own - square * mass)
+        gap = square - self.squares
+        far = np.maximum(np.abs(gap), CLOSEST * square) * np.where(gap < 0, -1.0, 1.0)
+        shares = force / far
+        shares[mode] = -own @ mass / 2
+        shape, d_square = self.shapes @ shares, float(force[mode])
+        # zeta = q / (2 omega²), q = phi^T (omega C + S) phi
+        omega, C, S = np.sqrt(square), self.matrices.viscous, self.matrices.structural
+        d_omega = d_square / (2 * omega)
+        loss = omega * C + S
+        d_loss = own @ (omega * by.viscous + by.structural) @ own + d_omega * phi @ C @ phi + 2 * shape @ loss @ phi
+        return d_square, shape, float((d_loss - phi @ loss @ phi * d_square / square) / (2 * square))
+
+
+def real_modes(matrices: Matrices) -> RealModes:
+    """Modes of `matrices`, all of whose coordinates move, without their losses.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError : the mass is not positive definite.
+    """
+    from scipy.linalg import eigh
+
+    squares, shapes = eigh(matrices.stiffness, matrices.mass)
+    return RealModes(matrices=matrices, squares=squares, shapes=shapes)
+
+
+def seen(matrices: Matrices, table: ModalTable) -> Array:
+    """(s, k) what each coordinate moves the sensors of `table`."""
+    rows = [dynamic_mass.along(matrices, point.place, point.direction) for point in table.sensors]
+    return np.array(rows).reshape(len(rows), len(matrices.mass))
+
+
+def partners(modes: RealModes, table: ModalTable) -> tuple[int, ...]:
+    """(m,) which of `modes` is the partner of every mode of `table`, by the rule of `identification.modal_table.paired`.
+
+    Raises
+    ------
+    ValueError : the model has fewer modes than the table.
+    """
+    f = modes.frequency
+    moving = np.flatnonzero(f > SLOWEST * table.frequency.min())
+    if len(moving) < len(table.frequency):
+        raise ValueError(f"the model has {len(moving)} modes, and the table {len(table.frequency)}")
+    shapes = None if table.shapes is None else (seen(modes.matrices, table) @ modes.shapes[:, moving]).T
+    return tuple(int(moving[k]) for k in paired(table.frequency, f[moving], table.shapes, shapes))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _TablePart:
+    """What the two predictions of one table have in common.
+
+    Attributes
+    ----------
+    measured : the data
+    structure : the matrices, all coordinates of which move, and what is uncertain of them
+    table : all of it, whatever runs are looked at: modes are paired together
+    effects : in the order in which they act
+    """
+
+    measured: Measured
+    structure: Nuisances
+    table: ModalTable
+    effects: tuple[Added, ...] = ()
+
+    @property
+    def modes(self) -> tuple[int, ...]:
+        """(r,) which mode of the table each run is."""
+        return tuple(self.table.names.index(run) for run in self.measured.runs)
+
+    def found(
+        self, offsets: Offsets, *, derivatives: Wanted
+    ) -> tuple[RealModes, tuple[int, ...], Mapping[str, Tangent], tuple[Added, ...]]:
+        """Modes at `offsets`, the partner of every run, how the matrices change, and the effects as they stand."""
+        effects = prediction_effects.at(self.effects, offsets)
+        if not derivatives:
+            effects = tuple(replace(one, fixed=True) for one in effects)
+        matrices, tangents = dynamic_mass.structure(self.structure, offsets, effects, derivatives=bool(derivatives))
+        if not isinstance(derivatives, bool):
+            tangents = {name: tangent for name, tangent in tangents.items() if name in derivatives}
+        modes = real_modes(matrices)
+        every = partners(modes, self.table)
+        return modes, tuple(every[k] for k in self.modes), tangents, effects
+
+    def there(self) -> There:
+        """What effects can act on."""
+        matrices = self.structure.nominal
+        channels = tuple(one.name for one in self.table.sensors)
+        return There(
+            article=self.measured.configuration,
+            parts=tuple(matrices.parts),
+            places=tuple(matrices.places),
+            channels=channels,
+        )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TableFrequencies(_TablePart):
+    """A model of the frequencies and damping ratios of a table: a `validation.estimation.problem.Prediction`, one run a mode."""
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """All that may move: of the structure, and the effects."""
+        return self._opened[0]
+
+    def on(self, runs: Sequence[str]) -> "TableFrequencies":
+        """The same model of the runs named alone."""
+        return replace(self, measured=self.measured.on(runs))
+
+    def with_effects(self, effects: Sequence[Added]) -> "TableFrequencies":
+        """The same table by a model with these `effects`; those of sensors do nothing here.
+
+        Raises
+        ------
+        BadInput : one of them does not act on the structure or the sensors.
+        """
+        _require_acting(self, effects, {one.name for one in replace(self, effects=()).parameters})
+        return replace(self, effects=tuple(effects))
+
+    def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
+        """The prediction at `offsets`; a table has one line.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError, ValueError, FloatingPointError : the model breaks down there.
+        """
+        known = {**offsets, **self._opened[1]}
+        modes, of, tangents, _ = self.found(known, derivatives=derivatives)
+        wanted, lines_count = len(self.measured.channels), 1 if lines is None else len(lines)
+        rows = np.array([[modes.frequency[k], modes.damping_ratio(k)][:wanted] for k in of], dtype=np.complex128)
+        changes = {}
+        for name, tangent in tangents.items() if derivatives else ():
+            if name in self._opened[1]:
+                continue
+            moved = [modes.changed(k, tangent) for k in of]
+            pairs = [
+                (square / (8 * np.pi**2 * modes.frequency[k]), ratio) for k, (square, _, ratio) in zip(of, moved, strict=True)
+            ]
+            changes[name] = _change(np.array(pairs, dtype=np.complex128)[:, :wanted], lines_count)
+        return Predicted(rows=_by_line(rows, lines_count), changes=changes)
+
+    @cached_property
+    def _opened(self) -> tuple[tuple[Parameter, ...], Offsets]:
+        ours = tuple(one for one in self.effects if FAMILIES[one.named.family].stage != CHANNEL_STAGE)
+        left, given = prediction_effects.opened(self.structure.parameters, ours)
+        return (*left, *prediction_effects.parameters(ours)), given
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TableShapes(_TablePart):
+    """A model of the shapes of a table at its sensors: a `validation.estimation.problem.Prediction`, one run a mode."""
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """All that may move: of the structure, the gains, and the effects."""
+        return self._opened[0]
+
+    def on(self, runs: Sequence[str]) -> "TableShapes":
+        """The same model of the runs named alone."""
+        return replace(self, measured=self.measured.on(runs))
+
+    def with_effects(self, effects: Sequence[Added]) -> "TableShapes":
+        """The same table by a model with these `effects` instead of its own.
+
+        Raises
+        ------
+        BadInput : one of them does not act on the structure or the sensors.
+        """
+        _require_acting(self, effects, {one.name for one in replace(self, effects=()).parameters})
+        return replace(self, effects=tuple(effects))
+
+    def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
+        """The prediction at `offsets`; a table has one line.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError, ValueError, FloatingPointError : the model breaks down there.
+        """
+        known = {**offsets, **self._opened[1]}
+        modes, of, tangents, effects = self.found(known, derivatives=derivatives)
+        rows, count = seen(modes.matrices, self.table), 1 if lines is None else len(lines)
+        gains = np.array([1 + known.get(name, 0.0) for name in self._gains])
+        # (r, s) of the modes, and by parameter; the sign is that of the table, so that it does not hop
+        shapes = (rows @ modes.shapes[:, of]).T
+        along = np.sum(shapes * self.measured.values[:, 0].real, axis=1, keepdims=True)
+        sign = np.where(along < 0, -1.0, 1.0)
+        moved = {
+            name: sign * (rows @ np.array([modes.changed(k, tangent)[1] for k in of]).T).T
+            for name, tangent in tangents.items()
+            if derivatives and name not in self._opened[1]
+        }
+        made, changes = self._read(sign * shapes, moved, gains, effects, derivatives=bool(derivatives))
+        found = {name: _change(change, count) for name, change in changes.items() if name not in self._opened[1]}
+        return Predicted(rows=_by_line(made, count), changes=found)
+
+    def _read(
+        self, shapes: Array, moved: Mapping[str, Array], gains: Array, effects: Sequence[Added], *, derivatives: bool
+    ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
+        """What the sensors read (r, s) of `shapes` (r, s), and its derivatives: gains, then effects of the channels."""
+        tangents = {name: (gains * change).astype(np.complex128)[:, :, None] for name, change in moved.items()}
+        for k, name in enumerate(self._gains) if derivatives else ():
+            tangents[name] = np.zeros((*shapes.shape, 1), dtype=np.complex128)
+            tangents[name][:, k, 0] = shapes[:, k]
+        # Modes stand where lines do: an effect of the channels that turns with frequency sees that of each mode
+        reading = ChannelResponse(
+            frequency=self.table.frequency[list(self.modes)],
+            channels=self.measured.channels,
+            rows=(gains * shapes).astype(np.complex128)[:, :, None],
+            amplitude=np.zeros(shapes.shape),
+        )
+        reading, tangents = prediction_effects.channels(reading, tangents, effects)
+        return reading.rows[..., 0], {name: change[..., 0] for name, change in tangents.items()}
+
+    @property
+    def _gains(self) -> tuple[str, ...]:
+        return tuple(f"accelerometer-gain:{channel}" for channel in self.measured.channels)
+
+    @cached_property
+    def _opened(self) -> tuple[tuple[Parameter, ...], Offsets]:
+        gains = [Parameter(name=name, unit="1", tolerance=self.table.gain) for name in self._gains if self.table.gain > 0]
+        left, given = prediction_effects.opened([*self.structure.parameters, *gains], self.effects)
+        return (*left, *prediction_effects.parameters(self.effects)), given
+
+
+def of(structure: Nuisances, table: ModalTable) -> tuple[TableFrequencies | TableShapes, ...]:
+    """The predictions of `table` by a model of what was tested: frequencies with damping, and shapes where there are any.
+
+    Raises
+    ------
+    BadInput : a sensor at a place that the structure has not; fewer modes in the model than in the table.
+    """
+    for point in table.sensors:
+        if point.place not in structure.nominal.places:
+            known = ", ".join(list(structure.nominal.places)[:20]) or "none"
+            problem, remedy = f"{structure.configuration} has no such place", f"Its places are {known}; name it there"
+            raise BadInput(source=table.source, field=point.place, problem=problem, remedy=remedy)
+    try:
+        partners(real_modes(structure.nominal), table)
+    except ValueError as error:
+        remedy = "Keep more modes of the model, or leave modes out of the table"
+        raise BadInput(source=table.source, field="frequencies", problem=str(error), remedy=remedy) from None
+    damped = table.damping_ratio is not None and table.damping_deviation is not None
+    values, deviation = [table.frequency], [table.frequency_deviation]
+    if table.damping_ratio is not None and table.damping_deviation is not None:
+        values, deviation = [*values, table.damping_ratio], [*deviation, table.damping_deviation]
+    frequencies = TableFrequencies(
+        measured=Measured(
+            name=f"{table.title} frequencies",
+            configuration=table.article,
+            runs=table.names,
+            channels=(FREQUENCY, DAMPING) if damped else (FREQUENCY,),
+            judged=np.array([True, False][: len(values)]),
+            frequency=np.array([table.frequency.mean()]),
+            values=np.array(values, dtype=np.complex128).T[:, None],
+            noise=np.array(deviation).T[:, None],
+            inputs=np.ones((len(table.frequency), 1, 1), dtype=np.complex128),
+            is_real=True,
+        ),
+        structure=structure,
+        table=table,
+    )
+    if table.shapes is None or table.shapes_deviation is None:
+        return (frequencies,)
+    is_real = not np.iscomplexobj(table.shapes)
+    largest = np.abs(table.shapes).max(axis=1, keepdims=True)  # a factor says nothing, and modes count alike
+    shapes = TableShapes(
+        measured=Measured(
+            name=f"{table.title} shapes",
+            configuration=table.article,
+            runs=table.names,
+            channels=tuple(point.name for point in table.sensors),
+            judged=np.ones(len(table.sensors), dtype=bool),
+            frequency=np.array([table.frequency.mean()]),
+            values=(table.shapes / largest).astype(np.complex128)[:, None],
+            noise=(table.shapes_deviation / largest)[:, None],
+            is_real=is_real,
+        ),
+        structure=structure,
+        table=table,
+    )
+    return frequencies, shapes
+
+
+def _require_acting(test: _TablePart, effects: Sequence[Added], own: set[str]) -> None:
+    there = test.there()
+    for named in (one.named for one in effects):
+        stage = FAMILIES[named.family].stage
+        if stage not in (STRUCTURE_STAGE, CHANNEL_STAGE, OPENED):
+            problem, remedy = f"changes the {stage}, and a table of modes has none", "Take an effect of the structure"
+        elif not acts(named, there) and named.id not in own:
+            problem = f"acts on nothing of {test.measured.configuration}"
+            known = (("Parts", there.parts), ("places", there.places), ("channels", there.channels or ()))
+            remedy = "; ".join(f"{what} are {', '.join(names[:20])}" for what, names in known)
+        else:
+            continue
+        raise BadInput(source=test.measured.name, field=named.id, problem=problem, remedy=remedy)
+
+
+def _by_line(rows: ComplexArray, count: int) -> ComplexArray:
+    """(r, n, c, 1) of (r, c), the same at every line."""
+    return np.repeat(rows[:, None, :, None], count, axis=1)
+
+
+def _change(rows: ComplexArray, count: int) -> Change:
+    """A change of the rows (r, c) of all channels as one of those that do change."""
+    channels = tuple(int(k) for k in np.flatnonzero(np.any(rows != 0, axis=0)))
+    return Change(channels=channels, rows=_by_line(rows[:, list(channels)], count))
