@@ -43,6 +43,7 @@ class Structure:
     places : by name (3, n) sparse, what each degree of freedom moves there along x, y, z; a row is empty where nothing does
     sections : by shell or beam, the shares of `part_stiffness` that grow with the thickness and with its cube
     part_tolerances : by part, standard deviation, relative, of its "modulus", "density", "loss_factor" or "thickness"
+    geometric : by part (n, n) sparse, the stiffness that its weight gives or takes under standard gravity (`fem.gravity`)
     """
 
     stiffness: Sparse
@@ -62,6 +63,7 @@ class Structure:
     places: Mapping[str, Sparse] = field(default_factory=lambda: MappingProxyType({}))
     sections: Mapping[str, tuple[Sparse, Sparse]] = field(default_factory=lambda: MappingProxyType({}))
     part_tolerances: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
+    geometric: Mapping[str, Sparse] = field(default_factory=lambda: MappingProxyType({}))
 
     def __post_init__(self) -> None:
         freeze(self, rigid=(self.mass.shape[0], 6), reference_point=(3,))
