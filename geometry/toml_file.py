@@ -3,6 +3,7 @@
 import difflib
 import json
 import math
+import os
 import re
 import tomllib
 from collections.abc import Collection, Mapping
@@ -79,6 +80,30 @@ def parse(text: str, name: str) -> dict[str, Any]:
         raise BadInput(source=name, problem="must hold one JSON object", remedy="Put the values into {...}")
     _require_plain(table, name, DEEPEST)
     return table
+
+
+DATA, NO_DATA = "MASSLINE_DATA", "../shared/data"
+"""Environment variable that names a folder of real data which nobody copies, and where that lies if it does not."""
+
+
+def named_file(name: str, folder: Path, source: str, where: str) -> Path:
+    """The file that `source` calls `name` at `where`: in `folder` or below, or, ``$MASSLINE_DATA/...``, in that of `DATA`.
+
+    Raises
+    ------
+    BadInput : it is not there, or its name or a link leads elsewhere.
+    """
+    whose, within = "the folder of the description", name.removeprefix(f"${DATA}/")
+    if within != name:
+        whose, folder = DATA, Path(os.environ.get(DATA, NO_DATA))
+    there = folder / within
+    if not there.resolve().is_relative_to(folder.resolve()):
+        problem = f"{name!r} leads out of {whose}, to {there.resolve()}"
+        raise BadInput(source=source, field=where, problem=problem, remedy="Copy the file beside the description")
+    if not there.is_file():
+        remedy = f"Looked for {there}" + (f"; {DATA} names the folder of data" if within != name else "")
+        raise BadInput(source=source, field=where, problem=f"there is no file {name!r}", remedy=remedy)
+    return there
 
 
 def shipped(package: str, *path: str) -> dict[str, Any]:

@@ -191,7 +191,7 @@ def _frequencies(table: Mapping[str, Any], source: str, folder: Path) -> dict[st
         keys = ("file", "frequency", "deviation", "damping", "damping_deviation")
         toml_file.require_known(stated, keys, source=source, where="frequencies")
         toml_file.require_present(stated, ("file", "frequency"), source=source, where="frequencies")
-        text = text_table.read(folder / str(stated["file"]), str(table.get("separator", "")))
+        text = text_table.read(toml_file.named_file(str(stated["file"]), folder, source, "file"), str(table.get("separator", "")))
         called: dict[str, str] = {"deviation": "frequency_deviation"}
         return {
             called.get(key, key): text.numbers(text.column(str(name), f"frequencies.{key}")).real.astype(np.float64)
@@ -241,7 +241,7 @@ def _shapes(
     if isinstance(stated, dict):
         toml_file.require_known(stated, ("file", "sensor", "modes", "deviations"), source=source, where="shapes")
         toml_file.require_present(stated, ("file", "modes"), source=source, where="shapes")
-        text = text_table.read(folder / str(stated["file"]), str(table.get("separator", "")))
+        text = text_table.read(toml_file.named_file(str(stated["file"]), folder, source, "file"), str(table.get("separator", "")))
         if "sensor" in stated:
             at = text.column(str(stated["sensor"]), "shapes.sensor")
             words = [row[at] for row in text.cells]

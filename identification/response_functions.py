@@ -154,7 +154,7 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ResponseFun
     toml_file.require_known(table, KEYS, source=source)
     toml_file.require_present(table, ("article",), source=source)
     quantity, factor = _unit(table, source)
-    entries = [(folder / str(entry["path"]), entry) for entry in _entries(table, source)]
+    entries = [(toml_file.named_file(str(entry["path"]), folder, source, "files"), entry) for entry in _entries(table, source)]
     warnings: list[str] = []
     if "records" in table:
         pieces, reach, warnings = _of_records(entries, table, source)

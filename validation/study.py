@@ -6,30 +6,32 @@ asks for them, and then they are kept, whoever asks next.
 """
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import isfinite
 from pathlib import Path
 from typing import Self
 
+from geometry import toml_file
 from geometry.errors import BadInput
 from geometry.toml_file import nearest
 from identification import campaign_file, test_file
 from identification.campaign import METHODS, Campaign
 from validation.classical import files
+from validation.effects.catalogue import There, words_of
+from validation.effects.effect import Vocabulary
 from validation.estimation.evaluate import evaluate, named, without
 from validation.estimation.fit import fit
-from validation.effects.catalogue import There
-from validation.effects.effect import Vocabulary
 from validation.estimation.problem import FITTED, Evaluation, Fact, Fit, Problem
 from validation.history.history import HistoryPosition, history_position, reminded
 from validation.model import model_file
 from validation.model.model import Added, Model, require_pair, vocabulary
 from validation.model.setups import above_fmd
-from validation.prediction.classical_facts import ArticleFact, facts, require_bodies
 from validation.prediction import structure_tests
-from validation.prediction.structure_tests import StructurePrediction
+from validation.prediction.classical_facts import ArticleFact, facts, require_bodies
 from validation.prediction.series import SeriesPrediction, predictions
+from validation.prediction.structure_tests import StructurePrediction, Test
 
 TRUTH = ".truth.json"
 """Ending of what `massline simulate` writes beside its campaigns."""
@@ -88,7 +90,7 @@ class Data:
 
     campaigns: tuple[Campaign, ...]
     classical: tuple[str, ...] = ()
-    tests: tuple[test_file.Test, ...] = ()
+    tests: tuple[Test, ...] = ()
 
 
 def read_data(paths: Sequence[str], model: Model, progress: Progress | None = None) -> Data:
@@ -101,12 +103,13 @@ def read_data(paths: Sequence[str], model: Model, progress: Progress | None = No
     OSError : a file cannot be read.
     """
     folders = [path for path in paths if Path(path).is_dir()]
-    files_of_tests = [path for path in paths if path not in folders and test_file.is_test(path)]
+    files_of_tests = [path for path in paths if path not in folders and _is_test(path)]
     classical = tuple(path for path in paths if path not in (*folders, *files_of_tests))
     for path in classical:
         _require_measurement(path)
     _require_once(paths)
-    tests = (*(test_file.of_table(one, model.source) for one in model.tests), *map(test_file.read, files_of_tests))
+    own = (test_file.read(model.source, {"article": model.article, **one}) for one in model.tests)
+    tests = (*own, *map(test_file.read, files_of_tests))
     if not folders and not tests:
         none = "there is no data: the model names no [[test]]"
         some = "there is no campaign and no test among them, and weights and periods alone tell nothing of frequencies"
@@ -133,6 +136,15 @@ def read_data(paths: Sequence[str], model: Model, progress: Progress | None = No
     return Data(campaigns=campaigns, classical=classical, tests=tests)
 
 
+def _is_test(path: str) -> bool:
+    """Whether the file at `path` describes response functions or a modal table."""
+    if not path.endswith(".toml") or not Path(path).is_file():
+        return False
+    with suppress(BadInput):
+        return toml_file.read(path).get("kind") in test_file.KINDS
+    return False
+
+
 def only_files(paths: Sequence[str]) -> tuple[str, ...]:
     """`paths` where all of them are files that are there: measurements that stand by themselves, without any campaign.
 
@@ -140,7 +152,9 @@ def only_files(paths: Sequence[str]) -> tuple[str, ...]:
     ------
     BadInput : one of them is no measurement, or is named twice.
     """
-    if not all(Path(path).is_file() or path.removesuffix(".toml") in files.shipped() for path in paths):
+    if any(map(_is_test, paths)) or not all(
+        Path(path).is_file() or path.removesuffix(".toml") in files.shipped() for path in paths
+    ):
         return ()
     for path in paths:
         _require_measurement(path)
@@ -186,7 +200,7 @@ def require_band(band: tuple[float, float] | None) -> None:
 def resolved_names(problem: Problem, data: Data, names: Sequence[str]) -> tuple[str, ...]:
     """`names` as the engine knows them: a campaign may be named by its folder, a fact by its file."""
     folders = {
-        Path(one.source).resolve(): made.measured.name for one, made in zip(data.campaigns, problem.predictions, strict=True)
+        Path(one.source).resolve(): made.measured.name for one, made in zip(data.campaigns, problem.predictions, strict=False)
     }
     found: list[str] = []
     for name in names:
@@ -307,7 +321,11 @@ class Study:
     @cached_property
     def predictions(self) -> tuple[StructurePrediction, ...]:
         """Of campaigns and tests, by the model with its effects."""
-        return tuple(one.with_effects(self.model.effects) for one in (*self.made, *self.tests))
+        return self.by_effects(self.model.effects)
+
+    def by_effects(self, effects: Sequence[Added]) -> tuple[StructurePrediction, ...]:
+        """Of campaigns and tests, by the model with these `effects` instead of its own."""
+        return tuple(one.with_effects(effects) for one in (*self.made, *self.tests))
 
     def facts(self, effects: Sequence[Added]) -> tuple[Fact, ...]:
         """What weights and periods say of a model with these `effects` alone."""
@@ -316,7 +334,7 @@ class Study:
     def whole(self, effects: Sequence[Added] = ()) -> Problem:
         """All data by the model with these `effects` on top of its own."""
         every = (*self.model.effects, *effects)
-        made = tuple(one.with_effects(every) for one in (*self.made, *self.tests)) if effects else self.predictions
+        made = self.by_effects(every) if effects else self.predictions
         return Problem(made, self.facts(every))
 
     def problem(self, effects: Sequence[Added] = ()) -> Problem:
@@ -361,10 +379,9 @@ class Study:
     def words(self) -> Vocabulary:
         """What effects can be about: channels, and parts and places of what was tested."""
         of = vocabulary(self.model, self.campaigns)
-        if of.places is None or self.tests:
-            parts = tuple(dict.fromkeys(part for one in self.there for part in one.parts))
-            places = tuple(dict.fromkeys(place for one in self.there for place in one.places))
-            of = replace(of, parts=parts, places=places)
+        if self.tests:
+            of = replace(of, places=None, parts=None, supports=None, joints=None)
+        of = words_of(self.there, of)
         responses = tuple(dict.fromkeys(name for one in self.tests for name in one.measured.channels))
         recorded = dict.fromkeys(name for one in self.tests for name in one.there.channels or ())
         forces = tuple(name for name in recorded if name not in responses)

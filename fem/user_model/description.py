@@ -3,7 +3,6 @@
 It stands in a file of its own or, in HDF5 and npz, in the data file itself (attribute or array ``description``).
 """
 
-import os
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -27,12 +26,10 @@ TABLE = "fe_model"
 
 KINDS = ("matrices", "modal")
 _TOP = ("format", TABLE, "stated")
+MODEL_FILE = "model"
+"""Table by which a description is known to stand in a model file."""
 _DATA_KEYS = ("name", "kind", "units", "reference_point", "file", "grids", "interface", "matrices", "loss_factor", "sha256")
 _KEYS = (*_DATA_KEYS, *parts.KEYS)
-DATA = "MASSLINE_DATA"
-"""A file ``$MASSLINE_DATA/...`` lies in the folder that this environment variable names: measured data of others stay there."""
-
-NO_DATA = "../shared/data"
 """Where they are looked for when it is not set."""
 
 MATRICES = ("stiffness", "mass", "viscous", "structural")
@@ -95,13 +92,14 @@ def read_description(path: Path) -> Description:
 
 
 def parse(table: Mapping[str, Any], source: str, path: Path) -> Description:
-    """The description in `table`; other files lie in the folder of `path` or below, or in that of `DATA`.
+    """The description in `table`; other files lie in the folder of `path` or below, or in that of `geometry.toml_file.DATA`.
 
     Raises
     ------
     BadInput : an unknown or missing key, a wrong type, unit or dimension, a file that is not there or elsewhere.
     """
-    toml_file.require_known(table, _TOP, source=source)
+    if MODEL_FILE not in table:  # the file of a model, whose own tables say more
+        toml_file.require_known(table, _TOP, source=source)
     toml_file.require_format(table, source)
     toml_file.require_present(table, (TABLE,), source=source)
     model = toml_file.require_table(table[TABLE], source=source, where=TABLE)
@@ -176,27 +174,7 @@ def _file(table: Mapping[str, Any], key: str, source: str, path: Path) -> Path |
     name = _text(table, key, source)
     if name is None:
         return None
-    return lies(name, path.parent, source, f"{TABLE}.{key}")
-
-
-def lies(name: str, folder: Path, source: str, where: str) -> Path:
-    """The file that `source` calls `name` at `where`: in `folder` or below, or, ``$MASSLINE_DATA/...``, in that of `DATA`.
-
-    Raises
-    ------
-    BadInput : it is not there, or its name or a link leads elsewhere.
-    """
-    whose, within = "the folder of the description", name.removeprefix(f"${DATA}/")
-    if within != name:
-        whose, folder = DATA, Path(os.environ.get(DATA, NO_DATA))
-    there = folder / within
-    if not there.resolve().is_relative_to(folder.resolve()):
-        problem = f"{name!r} leads out of {whose}, to {there.resolve()}"
-        raise BadInput(source=source, field=where, problem=problem, remedy="Copy the file beside the description")
-    if not there.is_file():
-        remedy = f"Looked for {there}" + (f"; {DATA} names the folder of data" if within != name else "")
-        raise BadInput(source=source, field=where, problem=f"there is no file {name!r}", remedy=remedy)
-    return there
+    return toml_file.named_file(name, path.parent, source, f"{TABLE}.{key}")
 
 
 def _stated(value: Any, units: UnitSystem, source: str) -> Stated:

@@ -27,7 +27,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.inertia import Inertia
 
-KEYS = ("nodes", "fixed", "moves", "members", "section", "material", "masses", "elements", "loss_factor", "down")
+KEYS = ("name", "kind", "nodes", "fixed", "moves", "members", "section", "material", "masses", "elements", "loss_factor", "down")
 SECTION = ("width", "thickness", "across", "count")
 MOTIONS = ("x", "y", "z", "rx", "ry", "rz")
 
@@ -45,8 +45,11 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
     ------
     BadInput : an unknown or missing key, a unit, a node that nobody names, a member of no length or across its own direction.
     """
+    toml_file.require_known(table, KEYS, source=source, where=where)
     toml_file.require_present(table, ("nodes", "members", "section", "material"), source=source, where=where)
-    nodes = {name: _point(value, source, f"{where}.nodes.{name}") for name, value in _table(table, "nodes", source, where).items()}
+    nodes = {
+        name: _point(value, source, f"{where}.nodes.{name}") for name, value in _table(table, "nodes", source, where).items()
+    }
     names = list(nodes)
     fixed = [_node(name, names, source, f"{where}.fixed") for name in table.get("fixed", [])]
     masses = {

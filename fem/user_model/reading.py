@@ -12,7 +12,7 @@ import numpy as np
 from fem.damping import Damping
 from fem.modes import Modes
 from fem.structure import Structure
-from fem.user_model import matrices, nastran
+from fem.user_model import frame, matrices, nastran
 from fem.user_model.description import LARGEST_BYTES, TABLE, TOO_LARGE, Contents, Description, parse, read_description
 from fem.user_model.parts import require_name
 from fem.user_model.units import SI, UnitSystem
@@ -20,6 +20,9 @@ from geometry import atomic, toml_file
 from geometry.errors import BadInput
 
 # Arrays from HDF5. Only what lies in the file itself: no links to other files, and nothing that is declared but not there.
+
+FRAME = "frame"
+"""Kind of a model that is all in its description."""
 
 HDF5_ENDINGS = (".h5", ".hdf5", ".hdf")
 
@@ -191,6 +194,11 @@ def load(path: str | Path) -> UsersModel:
     """As `read`, with the name and the damping that the user gave."""
     path = Path(path)
     if path.suffix.lower() == ".toml":
+        told = toml_file.require_table(toml_file.read(path).get(TABLE), source=str(path), where=TABLE)
+        if told.get("kind") == FRAME:
+            made = frame.structure(told, str(path))
+            losses = Damping(loss_factors=made.loss_factors) if made.loss_factors else None
+            return UsersModel(name=str(told.get("name", path.stem)), model=made, damping=losses)
         description = read_description(path)
         if description.file is None:
             problem = f"is missing: the data are {', '.join(DATA_ENDINGS)}"

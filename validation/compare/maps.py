@@ -28,7 +28,7 @@ from validation.estimation.likelihood import cost_of, floor_of, left_of_run, obs
 from validation.estimation.problem import STRUCTURAL, Fit, Lines, Measured, Offsets, Predicted, Prediction, Problem
 from validation.flexible.model import family
 from validation.output import entry, unwritten
-from validation.prediction import effects
+from validation.prediction import effects, modal_table
 from validation.prediction.structure_tests import StructurePrediction
 
 # What is not known at a plain fit: every tolerance of the measurement, and how the fit answered to it.
@@ -526,7 +526,10 @@ def _of_lines(measured: Measured, part: Chunk, R: Array | None, of_modes: npt.ND
     y, A, S = measured.values[:, part.lines], part.rows, covariance(part.noise, part.spread)
     known = None if measured.inputs is None else measured.inputs[:, part.lines]
     own, chi2 = left_over(y, A, S, known)
-    error, spread = judged_error(y, A, S, known, measured.judged)
+    if known is None and measured.judged.all():  # the inputs are what the same channels say of each other
+        error, spread = own.value, np.zeros((*own.value.shape, 0))
+    else:
+        error, spread = judged_error(y, A, S, known, measured.judged)
     loads = Deviations(value=error[..., :0], expected=np.zeros((*error.shape[:2], 0)))
     predicted = np.zeros((*error.shape[:2], 0), dtype=np.complex128)
     if R is not None:
@@ -589,7 +592,12 @@ def modes_of(prediction: StructurePrediction, offsets: Offsets) -> tuple[NamedMo
     if not own.size:
         return ()
     K, M, C, S = (one[np.ix_(own, own)] for one in (matrices.stiffness, matrices.mass, matrices.viscous, matrices.structural))
-    squares, shapes = eigh(K, M)
+    if matrices.base:
+        squares, shapes = eigh(K, M)
+    else:
+        of = modal_table.real_modes(matrices)
+        moving = np.isfinite(of.squares)
+        squares, shapes = of.squares[moving], of.shapes[:, moving]
     omega, shapes = np.sqrt(np.maximum(squares, 0.0)), np.asarray(shapes)
     zeta = (_energy(C, shapes) + _energy(S, shapes) / np.maximum(omega, 1e-12)) / np.maximum(2 * omega, 1e-12)
     # By mode the part with the largest share of strain energy; empty words where the model does not say

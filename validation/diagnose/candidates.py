@@ -25,10 +25,9 @@ from validation.estimation.likelihood import cost_of
 from validation.estimation.problem import EFFECT, FITTED, Fact, Parameter, Prediction, Problem
 from validation.estimation.screening import ScoreTest, in_the_fit, screened
 from validation.history.add import names_of
-from validation.model.model import Added, vocabulary
+from validation.model.model import Added
 from validation.prediction import effects
 from validation.prediction.classical_facts import ArticleFact
-from validation.prediction.series import SeriesPrediction
 from validation.study import Study
 
 SIDES = (effect.STRUCTURE, effect.FORCES, effect.ACCELERATIONS)
@@ -74,7 +73,9 @@ def candidates(data: Study, *, only: Sequence[str] = (), leave_out: Sequence[str
                 acting.append(Added(named=named, fixed=bool(sizes) and all(size.whole for size in sizes)))
     # Parameters that effects without an equation would open; a chain makes them when they are asked for
     asking = tuple(replace(one, fixed=False) for one in acting if FAMILIES[one.named.family].stage == effect.OPENED)
-    opened = {one.name for made in (*data.made, *data.tests) for one in made.with_effects((*data.model.effects, *asking)).parameters}
+    opened = {
+        one.name for made in (*data.made, *data.tests) for one in made.with_effects((*data.model.effects, *asking)).parameters
+    }
     possible = [one for one in acting if FAMILIES[one.named.family].stage != effect.OPENED or one.named.id in opened]
     possible += (one for one in pendulum_candidates(pendulum.swings(data, ())) if one.named.id not in known)
     found = [one for one in possible if looked_for(one.named, (), leave_out)]
@@ -164,7 +165,7 @@ def with_candidates(problem: Problem, candidates: Sequence[Added]) -> Problem:
     """`problem` with `candidates` on top of the effects of its models."""
     made: list[Prediction] = []
     for one in problem.predictions:
-        made.append(one.with_effects((*one.effects, *candidates)) if isinstance(one, SeriesPrediction) else one)
+        made.append(one.with_effects((*one.effects, *candidates)) if hasattr(one, "with_effects") else one)
     facts: list[Fact] = []
     for fact in problem.facts:
         has = (*fact.of.effects, *fact.effects) if isinstance(fact, ArticleFact) else ()

@@ -165,7 +165,8 @@ def settings(study: Study) -> Mapping[str, object]:
         "random_numbers": "none: the same data give the same answer",
         "method": next((one.tested.method for one in study.made), None),
         "band_hz": {
-            one.measured.name: [float(one.measured.frequency[0]), float(one.measured.frequency[-1])] for one in study.whole().predictions
+            one.measured.name: [float(one.measured.frequency[0]), float(one.measured.frequency[-1])]
+            for one in study.whole().predictions
         },
         "hold_out": list(study.hold_out),
         "worth_nats": {"": EVIDENCE_THRESHOLD, **effect.WORTH_OF},

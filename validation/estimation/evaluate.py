@@ -49,13 +49,15 @@ class Squares:
 
 
 def squares(prediction: Prediction, offsets: Offsets, lines: Lines | None = None, *, fold: str = "") -> list[Squares]:
-    """Of every run of `prediction` at `offsets` and `lines` (indices), all by default.
+    """Of every run of `prediction` at `offsets` and `lines` (indices), all by default; none where no channel is judged.
 
     Raises
     ------
     CheckFailed : without some channel the others do not tell the inputs; the model breaks down.
     """
     measured = prediction.measured
+    if not np.any(measured.judged):
+        return []
     chosen = np.arange(len(measured.frequency), dtype=np.int64) if lines is None else lines
     try:
         predicted = prediction.at(offsets, chosen, derivatives=False)

@@ -14,7 +14,7 @@ import numpy as np
 
 from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.frames import Array, Integers
-from validation.effects.catalogue import FAMILIES, Named, acts, there
+from validation.effects.catalogue import FAMILIES, Named, There, acts, there
 from validation.effects.effect import BODY_STAGE, CHANNEL_STAGE, OPENED, STRUCTURE_STAGE, Family, SizeSpec
 from validation.effects.stages import ChannelResponse, Matrices, MountedDynamicMass
 from validation.estimation.problem import DECLARED, EFFECT, STRUCTURAL, WITHIN, Offsets, Parameter
@@ -474,6 +474,15 @@ def at(effects: Sequence[Added], offsets: Mapping[str, float]) -> tuple[Added, .
         values = {key: one.value(offsets.get(one.name, 0.0)) for key, one in sizes.items()}
         found.append(replace(added, named=replace(added.named, values={**added.named.values, **values})))
     return tuple(found)
+
+
+BY_ITSELF = (STRUCTURE_STAGE, CHANNEL_STAGE, OPENED)
+"""Stages whose effects change what a test of a structure reads that no base drives."""
+
+
+def reaching(effects: Sequence[Added], there: There) -> tuple[Added, ...]:
+    """Those of `effects` that act on a structure by itself, of which `there` says what it has."""
+    return tuple(one for one in effects if _family(one.named).stage in BY_ITSELF and acts(one.named, there))
 
 
 def opened(parameters: Sequence[Parameter], effects: Sequence[Added]) -> tuple[tuple[Parameter, ...], dict[str, float]]:

@@ -25,8 +25,8 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
 from identification.modal_table import ModalTable, paired
-from validation.effects.catalogue import FAMILIES, There, acts
-from validation.effects.effect import CHANNEL_STAGE, OPENED, STRUCTURE_STAGE
+from validation.effects.catalogue import FAMILIES, There, there
+from validation.effects.effect import CHANNEL_STAGE
 from validation.effects.stages import ChannelResponse, Matrices
 from validation.estimation.problem import Change, Lines, Measured, Offsets, Parameter, Predicted, Wanted
 from validation.model.model import Added
@@ -40,6 +40,12 @@ FREQUENCY, DAMPING = "frequency", "damping"
 SLOWEST = 0.01
 """Share of the lowest frequency of a table below which a mode of the model is the motion of a free body."""
 
+SHIFTED = 1e-9
+"""Of the mean of omega² over all coordinates, what the energy in which modes are sought has of the mass beside the stiffness."""
+
+MASSLESS = 1e-13
+"""Share of the mass of the slowest coordinate below which one has none."""
+
 CLOSEST = 1e-9
 """Least distance of two squares of frequencies, relative: nearer modes have no shape of their own."""
 
@@ -51,8 +57,8 @@ class RealModes:
     Attributes
     ----------
     matrices : whose they are
-    squares : (k,) omega² [1/s²], ascending; of motions of a free body about zero
-    shapes : (k, k) a column a mode, of mass 1
+    squares : (k,) omega² [1/s²], ascending; of motions of a free body about zero, infinite of coordinates without mass
+    shapes : (k, k) a column a mode, of mass 1; of a coordinate without mass of strain energy 1/2
     """
 
     matrices: Matrices
@@ -75,8 +81,9 @@ class RealModes:
         own, every = phi[at], self.shapes[at]
         mass = by.mass @ own
         force = every.T @ (by.stiffness @ own - square * mass)
-        gap = square - self.squares
-        far = np.maximum(np.abs(gap), CLOSEST * square) * np.where(gap < 0, -1.0, 1.0)
+        moving = np.isfinite(self.squares)
+        gap = np.where(moving, square - self.squares, -1.0)
+        far = np.maximum(np.abs(gap), np.where(moving, CLOSEST * square, 0.0)) * np.where(gap < 0, -1.0, 1.0)
         shares = force / far
         shares[mode] = -own @ mass / 2
         shape, d_square = self.shapes @ shares, float(force[mode])
@@ -91,14 +98,23 @@ class RealModes:
 def real_modes(matrices: Matrices) -> RealModes:
     """Modes of `matrices`, all of whose coordinates move, without their losses.
 
+    They are those of the mass in the energy A = K + s M, of which a floating body has some, too: what has no mass is a mode of
+    infinite frequency there.
+
     Raises
     ------
-    numpy.linalg.LinAlgError : the mass is not positive definite.
+    numpy.linalg.LinAlgError : something has neither mass nor stiffness.
     """
     from scipy.linalg import eigh
 
-    squares, shapes = eigh(matrices.stiffness, matrices.mass)
-    return RealModes(matrices=matrices, squares=squares, shapes=shapes)
+    K, M = matrices.stiffness, matrices.mass
+    shift = SHIFTED * np.trace(K) / np.trace(M)
+    shares, shapes = eigh(M, K + shift * M)
+    shares, shapes = shares[::-1], shapes[:, ::-1]
+    moving = shares > MASSLESS * shares[0]
+    root = np.sqrt(np.where(moving, shares, 1.0))
+    squares = np.where(moving, 1 / root**2 - shift, np.inf)
+    return RealModes(matrices=matrices, squares=squares, shapes=shapes / root)
 
 
 def seen(matrices: Matrices, table: ModalTable) -> Array:
@@ -158,16 +174,15 @@ class _TablePart:
         every = partners(modes, self.table)
         return modes, tuple(every[k] for k in self.modes), tangents, effects
 
+    @property
     def there(self) -> There:
         """What effects can act on."""
-        matrices = self.structure.nominal
-        channels = tuple(one.name for one in self.table.sensors)
-        return There(
-            article=self.measured.configuration,
-            parts=tuple(matrices.parts),
-            places=tuple(matrices.places),
-            channels=channels,
-        )
+        return there(self.measured.configuration, self.structure.nominal, tuple(one.name for one in self.table.sensors))
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What was assumed, sentences."""
+        return self.table.warnings
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -184,14 +199,8 @@ class TableFrequencies(_TablePart):
         return replace(self, measured=self.measured.on(runs))
 
     def with_effects(self, effects: Sequence[Added]) -> "TableFrequencies":
-        """The same table by a model with these `effects`; those of sensors do nothing here.
-
-        Raises
-        ------
-        BadInput : one of them does not act on the structure or the sensors.
-        """
-        _require_acting(self, effects, {one.name for one in replace(self, effects=()).parameters})
-        return replace(self, effects=tuple(effects))
+        """The same table by a model with these `effects` instead of its own; those that reach nothing here do nothing."""
+        return replace(self, effects=prediction_effects.reaching(effects, self.there))
 
     def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
         """The prediction at `offsets`; a table has one line.
@@ -236,14 +245,8 @@ class TableShapes(_TablePart):
         return replace(self, measured=self.measured.on(runs))
 
     def with_effects(self, effects: Sequence[Added]) -> "TableShapes":
-        """The same table by a model with these `effects` instead of its own.
-
-        Raises
-        ------
-        BadInput : one of them does not act on the structure or the sensors.
-        """
-        _require_acting(self, effects, {one.name for one in replace(self, effects=()).parameters})
-        return replace(self, effects=tuple(effects))
+        """The same table by a model with these `effects` instead of its own; those that reach nothing here do nothing."""
+        return replace(self, effects=prediction_effects.reaching(effects, self.there))
 
     def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
         """The prediction at `offsets`; a table has one line.
@@ -345,7 +348,7 @@ def of(structure: Nuisances, table: ModalTable) -> tuple[TableFrequencies | Tabl
             configuration=table.article,
             runs=table.names,
             channels=tuple(point.name for point in table.sensors),
-            judged=np.ones(len(table.sensors), dtype=bool),
+            judged=np.zeros(len(table.sensors), dtype=bool),  # the error in per cent is that of the frequencies
             frequency=np.array([table.frequency.mean()]),
             values=(table.shapes / largest).astype(np.complex128)[:, None],
             noise=(table.shapes_deviation / largest)[:, None],
@@ -355,21 +358,6 @@ def of(structure: Nuisances, table: ModalTable) -> tuple[TableFrequencies | Tabl
         table=table,
     )
     return frequencies, shapes
-
-
-def _require_acting(test: _TablePart, effects: Sequence[Added], own: set[str]) -> None:
-    there = test.there()
-    for named in (one.named for one in effects):
-        stage = FAMILIES[named.family].stage
-        if stage not in (STRUCTURE_STAGE, CHANNEL_STAGE, OPENED):
-            problem, remedy = f"changes the {stage}, and a table of modes has none", "Take an effect of the structure"
-        elif not acts(named, there) and named.id not in own:
-            problem = f"acts on nothing of {test.measured.configuration}"
-            known = (("Parts", there.parts), ("places", there.places), ("channels", there.channels or ()))
-            remedy = "; ".join(f"{what} are {', '.join(names[:20])}" for what, names in known)
-        else:
-            continue
-        raise BadInput(source=test.measured.name, field=named.id, problem=problem, remedy=remedy)
 
 
 def _by_line(rows: ComplexArray, count: int) -> ComplexArray:

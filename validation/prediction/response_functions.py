@@ -23,8 +23,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import Point
 from identification.response_functions import GAIN, ResponseFunctions
-from validation.effects.catalogue import FAMILIES, There, acts
-from validation.effects.effect import CHANNEL_STAGE, OPENED, STRUCTURE_STAGE
+from validation.effects.catalogue import There, there
 from validation.effects.stages import ChannelResponse
 from validation.estimation.problem import IDENTIFIED, Change, Lines, Measured, Offsets, Parameter, Predicted, Wanted
 from validation.model.model import Added
@@ -67,11 +66,17 @@ class ResponseFunctionTest:
     force_gain: float = GAIN
     decay_rate: float = 0.0
     scale: float | None = None
+    remarks: tuple[str, ...] = ()
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """All that may move: of the structure, the gains, and the effects."""
         return self._opened[0]
+
+    @property
+    def there(self) -> There:
+        """What effects can act on."""
+        return there(self.measured.configuration, self.structure.nominal, (*self.measured.channels, FORCE.partition(":")[2]))
 
     def on(self, runs: Sequence[str]) -> "ResponseFunctionTest":
         """The same model of the runs named alone."""
@@ -79,29 +84,8 @@ class ResponseFunctionTest:
         return replace(self, measured=self.measured.on(runs), drives=kept)
 
     def with_effects(self, effects: Sequence[Added]) -> "ResponseFunctionTest":
-        """The same test by a model with these `effects` instead of its own.
-
-        Raises
-        ------
-        BadInput : one of them does not act on the structure or its channels.
-        """
-        matrices, channels = self.structure.nominal, (*self.measured.channels, FORCE.partition(":")[2])
-        parts, places = tuple(matrices.parts), tuple(matrices.places)
-        there = There(article=self.measured.configuration, parts=parts, places=places, channels=channels)
-        own = {one.name for one in replace(self, effects=()).parameters if isfinite(one.tolerance)}
-        for named in (one.named for one in effects):
-            stage = FAMILIES[named.family].stage
-            if stage not in (STRUCTURE_STAGE, CHANNEL_STAGE, OPENED):
-                problem, remedy = f"changes the {stage}, and a test with forces has none", "Take an effect of the structure"
-            elif stage == OPENED and named.id not in own:
-                problem, remedy = "is no tolerance of this test", f"Tolerances are {', '.join(sorted(own))}"
-            elif not acts(named, there):
-                problem = f"acts on nothing of {self.measured.configuration}"
-                remedy = f"Parts are {', '.join(parts)}; places {', '.join(places)}; channels {', '.join(channels)}"
-            else:
-                continue
-            raise BadInput(source=self.measured.name, field=named.id, problem=problem, remedy=remedy)
-        return replace(self, effects=tuple(effects))
+        """The same test by a model with these `effects` instead of its own; those that reach nothing here do nothing."""
+        return replace(self, effects=prediction_effects.reaching(effects, self.there))
 
     def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
         """The prediction at `offsets` and the lines with these indices; all lines by default.

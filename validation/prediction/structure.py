@@ -405,14 +405,14 @@ def joint_springs(structure: Structure, name: str) -> tuple[Array, Array] | None
     """What the joint `name` carries (6, n) for a unit of each degree of freedom, and its six springs; None where its sides cannot
     be told.
 
-    The sides are the parts that its degrees of freedom belong to. One side moved as a rigid body gives the 6x6 stiffness, whose
+    The sides are the parts that its degrees of freedom belong to; a joint of one side ties it to the ground. One side moved as a rigid body gives the 6x6 stiffness, whose
     centre is where a push does not turn; springs are those along and about the axes there.
     """
     K = structure.part_stiffness[name]
     own = np.flatnonzero(K.diagonal())
     others = [np.isin(own, np.flatnonzero(share.diagonal())) for part, share in structure.part_stiffness.items() if part != name]
     kinds, side = np.unique(np.array(others).reshape(-1, len(own)), axis=1, return_inverse=True)
-    if kinds.shape[1] != 2:
+    if kinds.shape[1] > 2:
         return None
     moved = np.zeros_like(structure.rigid)
     one = own[side.ravel() == 0]
@@ -505,7 +505,7 @@ def by_itself(structure: Structure, band: float, *, damping: Damping | None = No
     made = _on_shapes(structure, free, basis, rows, frequency, used)
     moves = np.zeros((6, basis.shape[1]))
     cog = np.zeros(3)
-    if structure.rigid_mass[0, 0] > 0:
+    if rigid.size and structure.rigid_mass[0, 0] > 0:
         whole = Inertia.from_mass_matrix(structure.rigid_mass, structure.reference_point).about(np.zeros(3))
         cog = whole.cog
     if rigid.size:

@@ -1,22 +1,25 @@
 """What response functions and modal tables of a user's own structure should be, by one model: a prediction of each data set."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Protocol, Self
 
 import numpy as np
 
+from fem.damping import Damping
+from fem.structure import Sparse, Structure, place_rows
 from geometry.errors import BadInput
+from geometry.sensors import Point
 from geometry.toml_file import nearest
-from identification.test_file import Test
+from identification.modal_table import ModalTable
+from identification.response_functions import ResponseFunctions
 from validation.effects.catalogue import There
 from validation.estimation.problem import Prediction
 from validation.model.model import Added, Model
 from validation.prediction import effects, modal_table, response_functions
-from validation.prediction.structure import own_article
+from validation.prediction import structure as reduction
 
-BEYOND = 1.5
-"""[1] of the highest frequency of the data: modes up to there bend with what parts become. By the definition of a band: a mode
-as far above it answers nearly statically."""
+Test = ModalTable | ResponseFunctions
 
 
 class StructurePrediction(Prediction, Protocol):
@@ -39,7 +42,7 @@ class StructurePrediction(Prediction, Protocol):
         """What effects can act on."""
 
     def with_effects(self, effects: Sequence[Added]) -> Self:
-        """The same by a model with these `effects` instead of its own; those that reach nothing here do nothing here."""
+        """The same by a model with these `effects` instead of its own."""
 
 
 def predictions(model: Model, tests: Sequence[Test]) -> tuple[StructurePrediction, ...]:
@@ -48,27 +51,71 @@ def predictions(model: Model, tests: Sequence[Test]) -> tuple[StructurePredictio
     Raises
     ------
     BadInput : a structure that `model` does not name or that cannot be used, a place that it has not, two tests of one name.
-    CheckFailed : as `fem.modes.fixed_base`.
+    CheckFailed : as `validation.prediction.structure.by_itself`.
     """
     found: list[StructurePrediction] = []
     for article in dict.fromkeys(one.article for one in tests):
         own = [one for one in tests if one.article == article]
         if article not in model.own:
-            near = nearest(article, model.own)
             raise BadInput(
                 source=own[0].source,
                 field="article",
                 problem=f"is {article}, and {model.source} has no model of it",
-                remedy=f"{near}Name its file in [structure.own] of {model.source}, or correct the article",
+                remedy=f"{nearest(article, model.own)}Name its file in [structure.own] of {model.source}, or correct the article",
             )
-        highest = BEYOND * max(float(np.max(one.frequency)) for one in own)
-        stands = own_article(model, article, highest)
-        known = effects.nuisances(article, stands.matrices, stands.frequency, stands.losses, model.structure, highest=highest)
+        known = tested(model, article, own)
         for one in own:
-            of = response_functions if hasattr(one, "responses") else modal_table
-            found += of.of(known, one)
+            found += response_functions.of(known, one) if isinstance(one, ResponseFunctions) else modal_table.of(known, one)
     names = [one.measured.name for one in found]
     for name in names:
         if names.count(name) > 1:
             raise BadInput(source=name, field="test", problem="two tests have this name", remedy="Give each a `title` of its own")
     return tuple(found)
+
+
+def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisances:
+    """The structure of `article` as it stands by itself, with all places of `tests`, up to the end of their bands.
+
+    Raises
+    ------
+    BadInput, CheckFailed : see `predictions`.
+    """
+    path = model.own[article]
+    users = reduction.users_model(path, reduction.stamp(path))
+    if not isinstance(users.model, Structure):
+        problem = "is known by modal data alone, which have no places"
+        raise BadInput(source=path, field=article, problem=problem, remedy="Bring its matrices or its mesh")
+    structure = users.model
+    points = [point for one in tests for point in _points(one)]
+    rows = {point.place: _rows(structure, point) for point in points if point.place not in structure.places}
+    structure = replace(structure, places={**structure.places, **{name: row for name, row in rows.items() if row is not None}})
+    band = max(one.band[1] if isinstance(one, ResponseFunctions) else float(np.max(one.frequency)) for one in tests)
+    damping = users.damping if model.damping_ratio is None else Damping(ratio=model.damping_ratio)
+    made = reduction.by_itself(structure, band, damping=damping)
+    return effects.nuisances(
+        article,
+        made.matrices,
+        made.frequency,
+        made.losses,
+        model.structure,
+        highest=reduction.REACH * band,
+        part_tolerances=structure.part_tolerances,
+    )
+
+
+def _points(test: Test) -> tuple[Point, ...]:
+    return (*test.drives, *test.responses) if isinstance(test, ResponseFunctions) else test.sensors
+
+
+def _rows(structure: Structure, point: Point) -> Sparse | None:
+    """(3, n) what each degree of freedom moves `point`, by its number or its coordinates; None where neither is known."""
+    from scipy.sparse import csr_array
+
+    word, _, number = point.place.partition(" ")
+    n = structure.mass.shape[0]
+    if word == "dof" and number.isdecimal():
+        if int(number) >= n:
+            problem = f"there is no such row: the matrices have {n}, counted from 0"
+            raise BadInput(source="test", field=point.place, problem=problem, remedy="Correct it")
+        return csr_array(([1.0], ([0], [int(number)])), shape=(3, n))
+    return None if point.position is None else place_rows(structure, point.position)[0]
