@@ -58,6 +58,7 @@ def candidates(data: Study, *, only: Sequence[str] = (), leave_out: Sequence[str
     BadInput : one of `only` is no effect that could act on these data and be told by them.
     """
     words, known = data.words, {one.named.id for one in data.model.effects}
+    lines = any(has_lines(one) for one in (*data.made, *data.tests))
     acting: list[Added] = []
     for family in FAMILIES.values():
         if family.side not in SIDES or family.stage not in SHOWN:
@@ -69,6 +70,8 @@ def candidates(data: Study, *, only: Sequence[str] = (), leave_out: Sequence[str
             }
             values = TINY_AT if tuple(size.key for size in sizes) == RESONATOR else values
             named = Named(family=family.name, targets=targets, values=values)
+            if is_resonator(named) and not lines:
+                continue
             if named.id not in known and any(acts(named, place) for place in data.there):
                 acting.append(Added(named=named, fixed=bool(sizes) and all(size.whole for size in sizes)))
     # Parameters that effects without an equation would open; a chain makes them when they are asked for
@@ -95,6 +98,11 @@ def looked_for(named: Named, only: Sequence[str], leave_out: Sequence[str]) -> b
 
 def _is(named: Named, name: str) -> bool:
     return named.family == name or named.id == name or named.id.startswith(f"{name}:")
+
+
+def has_lines(one: Prediction) -> bool:
+    """Whether it has lines of a spectrum, which a table of modes has not: a resonator is looked for along them."""
+    return len(one.measured.frequency) > 1
 
 
 def is_resonator(named: Named) -> bool:
@@ -204,7 +212,8 @@ development draws of `make blind`."""
 
 def screened_resonators(data: Study, at: Candidate, menu: Sequence[Added]) -> list[Screened]:
     """Each resonator of `menu` at its best frequency and damping."""
-    problem = data.problem((*at.effects, *menu))
+    whole = data.problem((*at.effects, *menu))
+    problem = replace(whole, predictions=tuple(one for one in whole.predictions if has_lines(one)))
     names = {f"{one.named.id}[m]": one for one in menu}
     of = screened(problem, at.fit, [name for name in names if name in problem.by_name])
     low, high = band(one.frequency for one in of.products)

@@ -88,7 +88,7 @@ def ranked(candidate: Candidate, data: Sequence[fit.Swallowing]) -> list[Explana
     offsets, slope = {**candidate.problem.start, **candidate.fit.by_name}, data[0].slope
     told: dict[str, list[PlaceScores]] = {}
     matrices: list[sites.Spanned] = []
-    for of in data:
+    for of in (one for one in data if len(one.of.frequency) > 1):  # a table of modes goes with no frequency
         loads = sites.Loaded.by_model(of, offsets)
         matrices += [] if loads is None else [loads.spanned]
         scores = [
@@ -115,7 +115,7 @@ def ranked(candidate: Candidate, data: Sequence[fit.Swallowing]) -> list[Explana
         if len(alike) > 1:
             every = tuple(dict.fromkeys(place for one in alike for place in one.places))
             found += _best(alike, every, fit.gains([one.answers_at(every) for one in alike], slope), "")
-    for some in (matrices, *([one] for one in matrices if len(matrices) > 1)):
+    for some in (matrices, *([one] for one in matrices if len(matrices) > 1)) if matrices else ():
         for span in sites.spans(some, slope):
             alone = some[0].data_set if len(some) < len(matrices) else ""
             found.append(Explanation(place=span.place, course=span.course, data_set=alone, gain=span.gain, size=span.size))
@@ -286,6 +286,8 @@ def described(candidate: Candidate) -> Leftover:
     data = fit.swallowing(candidate)
     # The plainest of those that are nearly as good as the best, as far as each is plausible
     every = ranked(candidate, data)
+    if not every:
+        return _of_tables([one.of for one in data])
     weights = [WEIGHED.get(one.place.kind, 1.0) * (ONE_DATA_SET_WEIGHT if one.data_set else 1.0) for one in every]
     plausible = [one.gain * weight for one, weight in zip(every, weights, strict=True)]
     near = [(one, gain) for one, gain in zip(every, plausible, strict=True) if gain >= NEARLY * max(plausible)]
@@ -371,9 +373,30 @@ def _irregular(data: Sequence[fit.Whitened], excess: float, best: Explanation, s
     return Leftover(text=text, looks_like=looks_like, channels=(worst,), share=part)
 
 
+NO_LINES = Explanation(
+    place=sites.SuspectedPlace(kind=sites.CHANNEL), course=fit.CROSSTALK_CONSTANT, data_set="", gain=0.0, size=0.0
+)
+"""Of data that are tables of modes alone."""
+
+
+def _of_tables(data: Sequence[fit.Whitened]) -> Leftover:
+    """What is left of tables of modes: in which mode, and where, most of it is."""
+    found: dict[tuple[str, str, str], float] = {}
+    for one in data:
+        measured = one.prediction.measured
+        power = np.sum(np.abs(one.values) ** 2 / np.maximum(one.free / 2, ALONE), axis=1)
+        for k, channel in np.ndindex(power.shape):
+            found[measured.name, measured.runs[k], measured.channels[channel]] = float(power[k, channel])
+    whole, (table, mode, channel) = sum(found.values()), max(found, key=lambda each: found[each])
+    share = found[table, mode, channel] / whole
+    text = f"Spread over modes and sensors, worst in {channel} of {mode} of {table} with {share:.0%}."
+    return Leftover(text=text, looks_like=fit.IRREGULAR, channels=(channel,), share=share)
+
+
 def unexplained(candidate: Candidate) -> Explanation:
     """The one thing, of all that can be put in words, that would explain most of what `candidate` leaves, and its gain [nats].
 
     Where nothing is missing, none of the thousands that are tried gains more than some ten or twenty.
     """
-    return ranked(candidate, fit.swallowing(candidate))[0]
+    found = ranked(candidate, fit.swallowing(candidate))
+    return found[0] if found else NO_LINES
