@@ -7,12 +7,13 @@ Run it as ``python examples/own_model.py [FOLDER]``; ``docs/own-model.md`` works
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from fem.beam.elements import Section
-from fem.beam.frame import Member, Plan, assemble
+from fem.beam.frame import Frame, Member, Plan, assemble
 from fem.modes import fixed_base
 from fem.structure import Structure
 from fem.user_model import reading
@@ -37,15 +38,30 @@ mass = "2.51 +/- 0.02 kg"
 
 def bracket() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Node numbers (n,), coordinates (n, 3) [mm], K and M (6 n, 6 n): a column of 40 x 20 mm, 300 high, and an arm of 100."""
-    column = [[0.0, 0.0, z] for z in np.linspace(0, 300, 7)]
-    arm = [[x, 0.0, 300.0] for x in np.linspace(0, 100, 4)[1:]]
-    coordinates = np.array(column + arm)
-    members = (
-        Member(nodes=tuple(range(7)), section=section(40.0, 20.0), z_axis=np.array([1.0, 0.0, 0.0])),
-        Member(nodes=(6, 7, 8, 9), section=section(40.0, 20.0), z_axis=np.array([0.0, 0.0, 1.0])),
-    )
-    frame = assemble(Plan(nodes=coordinates, carriers=tuple(range(10)), members=members))
+    coordinates, frame = assembled(STEEL, STEEL)
     return np.arange(101, 111), coordinates, sum(frame.stiffness.values(), np.zeros((60, 60))), frame.mass
+
+
+def parts() -> dict[str, np.ndarray]:
+    """K and M of the column and of the arm, as arrays `stiffness/column`, `mass/arm` ..., which add up to the bracket's."""
+    massless = replace(STEEL, mass=0.0, rotary_y=0.0, rotary_z=0.0)
+    arrays = {f"stiffness/{name}": share for name, share in assembled(STEEL, STEEL)[1].stiffness.items()}
+    return arrays | {
+        "mass/column": assembled(STEEL, massless)[1].mass,
+        "mass/arm": assembled(massless, STEEL)[1].mass,
+    }
+
+
+def assembled(column: Section, arm: Section) -> tuple[np.ndarray, Frame]:
+    """Coordinates (n, 3) [mm] of the nodes, and the frame of both beams."""
+    upright = [[0.0, 0.0, z] for z in np.linspace(0, 300, 7)]
+    level = [[x, 0.0, 300.0] for x in np.linspace(0, 100, 4)[1:]]
+    coordinates = np.array(upright + level)
+    members = (
+        Member(nodes=tuple(range(7)), section=column, z_axis=np.array([1.0, 0.0, 0.0]), part="column"),
+        Member(nodes=(6, 7, 8, 9), section=arm, z_axis=np.array([0.0, 0.0, 1.0]), part="arm"),
+    )
+    return coordinates, assemble(Plan(nodes=coordinates, carriers=tuple(range(10)), members=members))
 
 
 def section(width: float, height: float) -> Section:
@@ -62,6 +78,9 @@ def section(width: float, height: float) -> Section:
     )
 
 
+STEEL = section(40.0, 20.0)
+
+
 def write(folder: Path) -> None:
     """Write the bracket's files into `folder`."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -69,6 +88,8 @@ def write(folder: Path) -> None:
     dof = np.array([(node, component) for node in nodes for component in range(1, 7)])
     arrays = {"stiffness": K, "mass": M, "dof": dof, "nodes": nodes, "coordinates": coordinates}
     write_numpy(folder, arrays)
+    named = {name: arrays[name] for name in ("dof", "nodes", "coordinates")}
+    np.savez_compressed(folder / "bracket-parts.npz", **named, **parts())
     write_nastran(folder, arrays)
     structure = reading.read(folder / "bracket.h5")
     if isinstance(structure, Structure):

@@ -458,6 +458,7 @@ def _structure(frame: Frame) -> Structure:
         held=np.arange(BASE),
         points=frame.plan.nodes[moving],
         translations=6 * np.arange(len(moving))[:, None] + np.arange(3),
+        rotations=6 * np.arange(len(moving))[:, None] + np.arange(3, 6),
         part_stiffness=MappingProxyType(parts),
         loss_factors=MappingProxyType(dict(frame.plan.loss_factors)),
     )

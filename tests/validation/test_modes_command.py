@@ -281,3 +281,46 @@ def test_beam_and_solid_of_the_cuboid_move_alike() -> None:
     assert np.diag(found.mac).min() > 0.99
     assert np.abs(found.difference[:2]).max() < 0.03  # the block is as thick as a fifth of its length, and its foot cannot warp
     assert compared(beam, solid).partner.tolist() == [0, 1, 2]
+
+
+def standing(bracket: Path, folder: Path, support: str) -> str:
+    """The bracket as a column and an arm of half its stiffness each, clamped to the ground or free."""
+    with np.load(bracket, allow_pickle=False) as stored:
+        arrays = dict(stored)
+    kept = slice(6 if support == "ground" else 0, None)
+    K = arrays.pop("stiffness")[kept, kept]
+    arrays |= {"stiffness/column": 0.75 * K, "stiffness/arm": 0.25 * K}
+    arrays |= {"mass": arrays["mass"][kept, kept], "dof": arrays["dof"][kept]}
+    arrays["description"] = np.array(str(arrays["description"]).replace("interface = [101]", f'support = "{support}"'))
+    np.savez(folder / f"{support}.npz", **arrays)
+    return str(folder / f"{support}.npz")
+
+
+def test_a_structure_on_the_ground_has_the_modes_of_the_clamped_one(bracket: Path, run: Run, tmp_path: Path) -> None:
+    code, out, _ = run("modes", standing(bracket, tmp_path, "ground"), "--count", "3")
+    assert code == 0
+    assert "On the ground." in out
+    assert "all that moves" in out
+    assert "carried by the base" not in out
+    assert "column" in out  # its parts have names, and are said
+    held, ground = (
+        json.loads(run("modes", path, "--count", "3", "--json")[1])
+        for path in (str(bracket), standing(bracket, tmp_path, "ground"))
+    )
+    np.testing.assert_allclose(ground["frequency_hz"], held["frequency_hz"], rtol=1e-9)
+    assert ground["support"] == "ground"
+
+
+def test_a_free_structure_has_its_rigid_motions_first(bracket: Path, run: Run, tmp_path: Path) -> None:
+    code, out, _ = run("modes", standing(bracket, tmp_path, "free"), "--count", "8")
+    assert code == 0
+    assert out.count("rigid motion") == 7  # of six modes, and of the note below
+    assert "Free: the modes at 0 Hz" in out
+
+
+@pytest.mark.parametrize("support", ["ground", "free"])
+def test_without_a_base_there_is_no_dynamic_mass(support: str, bracket: Path, run: Run, tmp_path: Path) -> None:
+    code, out, err = run("dynamic-mass", standing(bracket, tmp_path, support))
+    assert code == 2
+    assert not out
+    assert f'is "{support}": it has no base' in err

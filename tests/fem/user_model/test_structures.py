@@ -1,7 +1,6 @@
 """Structures on the ground, free and on a base, with parts, places, supports and joints: what comes in is what was described."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -59,26 +58,15 @@ def bridge(data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> readi
 @pytest.fixture
 def shares(own_model: Own) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
     """Stiffness and mass of the bracket's column and arm."""
-    coordinates, stiffness, mass = own_model["bracket"]()[1], {}, {}
-    rows = {"column": (tuple(range(7)), [1.0, 0.0, 0.0]), "arm": ((6, 7, 8, 9), [0.0, 0.0, 1.0])}
-    steel = own_model["section"](40.0, 20.0)
-    light = replace(steel, mass=0.0, rotary_y=0.0, rotary_z=0.0)
-    for name in rows:
-        members = tuple(
-            own_model["Member"](nodes=nodes, section=steel if part == name else light, z_axis=np.array(axis), part=part)
-            for part, (nodes, axis) in rows.items()
-        )
-        frame = own_model["assemble"](own_model["Plan"](nodes=coordinates, carriers=tuple(range(10)), members=members))
-        stiffness[name], mass[name] = frame.stiffness[name], frame.mass
+    parts = own_model["parts"]()
+    stiffness, mass = ({name: parts[f"{kind}/{name}"] for name in ("column", "arm")} for kind in ("stiffness", "mass"))
     return stiffness, mass
 
 
 @pytest.fixture
-def parted(arrays: Arrays, shares: tuple[Arrays, Arrays]) -> Arrays:
+def parted(arrays: Arrays, own_model: Own) -> Arrays:
     """The bracket by its parts alone."""
-    whole = {name: arrays[name] for name in ("dof", "nodes", "coordinates")}
-    named = {"stiffness": shares[0], "mass": shares[1]}
-    return whole | {f"{kind}/{part}": share for kind, both in named.items() for part, share in both.items()}
+    return {name: arrays[name] for name in ("dof", "nodes", "coordinates")} | own_model["parts"]()
 
 
 def lowest(K: np.ndarray, M: np.ndarray, count: int) -> np.ndarray:
