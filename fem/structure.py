@@ -35,6 +35,14 @@ class Structure:
     translations : (p, 3) the degrees of freedom that move those points along x, y, z
     part_stiffness : share of each part in `stiffness`, (n, n) sparse, together all of it; may be left empty
     loss_factors : structural loss factor [1] of the parts that have one
+    part_mass : share of each part in `mass`, (n, n) sparse, together all of it; may be left empty
+    grounded : what ties it to the ground is in `stiffness`; then nothing is held, and stiffness @ rigid need not vanish
+    supports : names in `part_stiffness` that are springs to the ground
+    joints : names in `part_stiffness` that are springs between two parts
+    places : by name (3, n) sparse, what each degree of freedom moves the place along x, y, z
+    sections : of shell and beam parts, the shares of `part_stiffness` that grow with the thickness and with its cube
+    part_tolerances : by part, of "modulus", "density", "loss_factor", "thickness", the relative standard deviation
+    geometric : by part (n, n) sparse, the stiffness that its weight gives or takes under standard gravity (`fem.gravity`)
     """
 
     stiffness: Sparse
@@ -46,6 +54,14 @@ class Structure:
     translations: Integers = field(default_factory=lambda: np.zeros((0, 3), dtype=np.intp))
     part_stiffness: Mapping[str, Sparse] = field(default_factory=lambda: MappingProxyType({}))
     loss_factors: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    part_mass: Mapping[str, Sparse] = field(default_factory=lambda: MappingProxyType({}))
+    grounded: bool = False
+    supports: tuple[str, ...] = ()
+    joints: tuple[str, ...] = ()
+    places: Mapping[str, Sparse] = field(default_factory=lambda: MappingProxyType({}))
+    sections: Mapping[str, tuple[Sparse, Sparse]] = field(default_factory=lambda: MappingProxyType({}))
+    part_tolerances: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
+    geometric: Mapping[str, Sparse] = field(default_factory=lambda: MappingProxyType({}))
 
     def __post_init__(self) -> None:
         freeze(self, rigid=(self.mass.shape[0], 6), reference_point=(3,))

@@ -6,7 +6,7 @@ A file is a family when it holds a `FAMILY`. The catalogue of a process only gro
 import re
 import sys
 import tokenize
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import redirect_stdout
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cache, wraps
@@ -26,7 +26,7 @@ import numpy as np
 from geometry.errors import BadInput
 from geometry.toml_file import nearest
 from validation.effects import effect as effect_types
-from validation.effects.stages import ChannelResponse, Matrices, MountedDynamicMass, NoiseModel, PendulumSwing
+from validation.effects.stages import ChannelResponse, JointSprings, Matrices, MountedDynamicMass, NoiseModel, PendulumSwing
 
 # A user's own effects: a folder of small files, each with a `FAMILY`, read without a trace in the folder.
 #
@@ -125,6 +125,11 @@ ORDER = [
     "point-mass",
     "rigid-inertia",
     "modulus",
+    "mass",
+    "thickness",
+    "support-stiffness",
+    "connection-compliance",
+    "gravity-stiffness",
     "joint-compliance",
     "structural-damping",
     "layer-damping",
@@ -494,6 +499,9 @@ def _refused(source: str, name: str, problem: str, family: effect_types.Family) 
 
 
 BASE, OWN, LINES = 6, 3, 5
+OF_ONE_ARTICLE = ("upper-short-silicone", "bolt")
+"""Parts that examples name and no list has."""
+
 ROUNDING = 1e-12
 """Relative, of the largest entry: what an equation may change by rounding alone."""
 
@@ -506,6 +514,10 @@ def unchanged(before: Any, after: Any) -> bool:
 def _alike(before: Any, after: Any) -> bool:
     if isinstance(before, Mapping):
         return before.keys() == after.keys() and all(_alike(before[key], after[key]) for key in before)
+    if isinstance(before, tuple):
+        return len(before) == len(after) and all(_alike(one, other) for one, other in zip(before, after, strict=True))
+    if is_dataclass(before):
+        return unchanged(before, after)
     if not isinstance(before, np.ndarray):
         return bool(before == after or np.isclose(before, after, rtol=ROUNDING, atol=0))
     there = np.asarray(after)
@@ -558,8 +570,10 @@ def trials() -> Mapping[str, Any]:
             viscous=1e-3 * held,
             structural=1e-2 * held,
             places={name: _frozen(_drawn(3, n) + k) for k, name in enumerate(effect_types.built_in_places())},
-            parts={name: _frozen(held / len(effect_types.PARTS)) for name in (*effect_types.PARTS, "upper-short-silicone")},
+            parts={name: _frozen(held / len(effect_types.PARTS)) for name in (*effect_types.PARTS, *OF_ONE_ARTICLE)},
             cog=np.array([0.01, -0.02, 0.3]),
+            joints={"bolt": JointSprings(loads=1e4 * _drawn(6, n), stiffness=np.full(6, 1e6), trace=float(np.trace(held)))},
+            geometric=_frozen(-1e-2 * held),
         ),
         effect_types.BODY_STAGE: MountedDynamicMass(
             frequency=frequency,
@@ -596,7 +610,9 @@ def trials() -> Mapping[str, Any]:
 # Virtual tests and predictions ask the same rule, so that what a model leaves out is what nobody planted.
 
 
-OF_PARTS = ("part", "part with a layer")
+OF_PARTS = (effect_types.PART, "part with a layer")
+LOCAL = (*OF_PARTS, effect_types.PLACE, effect_types.SUPPORT, effect_types.BETWEEN)
+"""Kinds of target that a structure has or has not."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -605,36 +621,76 @@ class There:
 
     Attributes
     ----------
-    article : what stands on the cover plate; empty for an FMD alone
-    parts : of its structure; none of a rigid one
+    article : the structure that is tested; empty for an FMD alone
+    parts : of it, supports and joints among them; none of a rigid one
     places : by name, on it
     channels : that were recorded; None where all that an effect can name are
+    supports, joints : those parts that are springs to the ground, and between two others
+    base : whether it stands on a base whose motion is measured
+    rigid : whether it can move as a rigid body
+    weighed : whether the stiffness that its weight gives it is known
     """
 
     article: str = ""
     parts: tuple[str, ...] = ()
     places: tuple[str, ...] = ()
     channels: tuple[str, ...] | None = None
+    supports: tuple[str, ...] = ()
+    joints: tuple[str, ...] = ()
+    base: bool = True
+    rigid: bool = True
+    weighed: bool = False
+
+
+def there(article: str, matrices: Matrices, channels: tuple[str, ...] | None = None) -> There:
+    """What the structure with these `matrices` has."""
+    return There(
+        article=article,
+        parts=tuple(matrices.parts),
+        places=tuple(matrices.places),
+        channels=channels,
+        supports=matrices.supports,
+        joints=tuple(matrices.joints),
+        base=matrices.base > 0,
+        rigid=bool(np.any(matrices.rigid)),
+        weighed=bool(matrices.geometric.size),
+    )
+
+
+def words_of(found: Iterable[There], words: effect_types.Vocabulary) -> effect_types.Vocabulary:
+    """`words` with the targets that the structures `found` have wherever any name would do; what has none gets none."""
+    stands, made = tuple(found), {}
+    for kind in ("places", "parts", "supports", "joints"):
+        if getattr(words, kind) is None:
+            made[kind] = tuple(dict.fromkeys(name for one in stands for name in getattr(one, kind)))
+    return replace(words, **made)
 
 
 def acts(named: Named, there: There) -> bool:
     """Whether the effect `named` has something to act on; one whose place may be left out, and is, acts on all."""
+    family = FAMILIES[named.family]
     if is_local(named):
         return named.target in known(named, there) if named.targets else bool(known(named, there))
-    pairs = zip(FAMILIES[named.family].targets, named.targets, strict=False)
+    if family.stage == effect_types.BODY_STAGE and not there.base:
+        return False
+    if not {"rigid-inertia": there.rigid, "gravity-stiffness": there.weighed}.get(named.family, True):
+        return False
+    pairs = zip(family.targets, named.targets, strict=False)
     asked = [target for kind, target in pairs if kind in (effect_types.CHANNEL, effect_types.FORCE, effect_types.ACCELEROMETER)]
     is_recorded = there.channels is None or all(target in there.channels for target in asked)
     return is_recorded and (not on_article(named) or bool(there.article))
 
 
 def known(named: Named, there: There) -> tuple[str, ...]:
-    """What `named` could act on, of a family that acts on a part or a place."""
-    return there.parts if of_parts(named) else there.places
+    """What `named` could act on, of a family that acts on something of the structure."""
+    kind = FAMILIES[named.family].targets[0]
+    by_kind = {effect_types.PLACE: there.places, effect_types.SUPPORT: there.supports, effect_types.BETWEEN: there.joints}
+    return by_kind.get(kind, there.parts)
 
 
 def is_local(named: Named) -> bool:
-    """Whether it acts on a part or a place."""
-    return of_parts(named) or FAMILIES[named.family].targets[:1] == (effect_types.PLACE,)
+    """Whether it acts on a part, a place, a support or a joint between parts."""
+    return FAMILIES[named.family].targets[:1] in {(kind,) for kind in LOCAL}
 
 
 def of_parts(named: Named) -> bool:
@@ -666,6 +722,9 @@ KINDS = (
     effect_types.ACCELEROMETER,
     effect_types.PLACE,
     effect_types.PART,
+    effect_types.SUPPORT,
+    effect_types.BETWEEN,
+    effect_types.CABLE,
 )
 NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 

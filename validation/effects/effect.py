@@ -19,6 +19,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
+from geometry.dynamic_mass import MOTIONS
 from geometry.inertia import PARAMETERS
 
 STRUCTURE, FORCES, ACCELERATIONS, MISTAKE, AMPLITUDE, PROCESSING, PENDULUM = SIDES = (
@@ -87,7 +88,7 @@ class Family:
     targets : kind of each target, in the order of the identifier
     optional : whether the last of them may be left out
     sizes : what its value holds; nothing for a mistake that is there or not
-    varying : the sizes that depend on the first target, by that
+    varying : the sizes that depend on a target, by that
     example : one that can be typed
     stage : of `STAGES`, what it changes
     change : its equation; None where a parameter of its name is opened
@@ -122,7 +123,7 @@ class Family:
 
     def sizes_at(self, targets: tuple[str, ...]) -> tuple[SizeSpec, ...]:
         """What the value holds of an effect on `targets`."""
-        return self.varying.get(targets[0], self.sizes) if targets else self.sizes
+        return next((self.varying[one] for one in reversed(targets) if one in self.varying), self.sizes)
 
 
 # Sizes that several families have in common.
@@ -178,7 +179,7 @@ FIXED = {
     "pair of axes": tuple(i + j for i in AXES for j in AXES if i != j),
     "direction of the joint": JOINT,
     "direction of the FMD": ("lateral", "vertical"),
-    "direction of a cable": ("lateral", "vertical"),
+    "direction at a joint": MOTIONS,
     "joint": ("flange",),
     "board": ("force", "cover", "table"),
     "parameter": PARAMETERS,
@@ -187,7 +188,11 @@ FIXED = {
 """Targets that are the same whatever was tested, by kind."""
 
 CHANNEL, FORCE, ACCELEROMETER, PLACE, PART = "channel", "force channel", "accelerometer", "place", "part"
+SUPPORT, BETWEEN, CABLE = "support", "joint between parts", "direction of a cable"
 """Kinds of target that depend on what was tested, and with what."""
+
+ABREAST, EVERY_WAY = ("lateral", "vertical"), ("lateral", "vertical", *AXES)
+"""Directions of a cable: those by which a mast that stands upright is told about, and all that there are."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,13 +203,18 @@ class Vocabulary:
     ----------
     accelerometers, forces : names of the channels; None where they are not known and any name will do
     places : named places of what was tested; None likewise
-    parts : of what was tested; None likewise
+    parts : of what was tested, supports and joints among them; None likewise
+    supports, joints : those parts that are springs to the ground, and between two others; None likewise
+    ways : directions that a cable may have
     """
 
     accelerometers: tuple[str, ...] | None = (*TABLE, *COVER)
     forces: tuple[str, ...] | None = FMD
     places: tuple[str, ...] | None = None
     parts: tuple[str, ...] | None = PARTS
+    supports: tuple[str, ...] | None = None
+    joints: tuple[str, ...] | None = None
+    ways: tuple[str, ...] = EVERY_WAY
 
     def legal(self, kind: str) -> tuple[str, ...] | None:
         """All targets of a `kind`; None where any name will do."""
@@ -214,6 +224,9 @@ class Vocabulary:
             ACCELEROMETER: self.accelerometers,
             PLACE: self.places,
             PART: self.parts,
+            SUPPORT: self.supports,
+            BETWEEN: self.joints,
+            CABLE: self.ways,
         }
         return own[kind] if kind in own else FIXED[kind]
 

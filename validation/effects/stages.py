@@ -18,11 +18,27 @@ NOTHING: Mapping[str, Array] = MappingProxyType({})
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class JointSprings:
+    """Springs between two parts, along x, y, z and about them through a point.
+
+    Attributes
+    ----------
+    loads : (6, k) force [N] and moment [N m] across the joint for each coordinate
+    stiffness : (6,) of the springs, zero where there is none
+    trace : of the joint's share in the stiffness when `loads` were made; what the share has become since scales both
+    """
+
+    loads: Array
+    stiffness: Array
+    trace: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Matrices:
-    """Reduced matrices of what stands on its base: ``f = (K + i (omega C + S) - omega² M) x``.
+    """Reduced matrices of a structure: ``f = (K + i (omega C + S) - omega² M) x``.
 
     The first `base` coordinates x are the motions of the base about the article's origin (six, in the order of `MOTIONS`, or
-    none where the structure is held); the others are its own, relative to the base.
+    none where the structure is held, stands on the ground or floats); the others are its own, relative to the base.
 
     Attributes
     ----------
@@ -31,6 +47,12 @@ class Matrices:
     places : by name (3, k), what each coordinate moves a place along x, y, z
     parts : by name (k, k), the share of a part in `stiffness`
     cog : (3,) [m] of the article as drawn, from its origin
+    part_mass : by name (k, k), the share of a part in `mass`; empty where it is not known
+    supports : those of `parts` that are springs to the ground
+    joints : those of `parts` that are springs between two others
+    sections : by name of a shell or beam, the shares of its stiffness that grow with the thickness and with its cube
+    geometric : (k, k) stiffness that the weight gives or takes under standard gravity; (0, 0) where it is not known
+    rigid : (6, k) rigid motion of the article about its origin that each coordinate carries along; by default that of the base
     """
 
     base: int
@@ -41,12 +63,22 @@ class Matrices:
     places: Mapping[str, Array] = field(default_factory=lambda: NOTHING)
     parts: Mapping[str, Array] = field(default_factory=lambda: NOTHING)
     cog: Array = field(default_factory=lambda: np.zeros(3))
+    part_mass: Mapping[str, Array] = field(default_factory=lambda: NOTHING)
+    supports: tuple[str, ...] = ()
+    joints: Mapping[str, JointSprings] = field(default_factory=lambda: MappingProxyType({}))
+    sections: Mapping[str, tuple[Array, Array]] = field(default_factory=lambda: MappingProxyType({}))
+    geometric: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    rigid: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
     def __post_init__(self) -> None:
         k = len(self.mass)
         for name in ("mass", "stiffness", "viscous", "structural"):
             object.__setattr__(self, name, frozen(getattr(self, name), (k, k), name))
         object.__setattr__(self, "cog", frozen(self.cog, (3,), "cog"))
+        rigid = np.asarray(self.rigid)
+        if not rigid.size:
+            rigid = np.eye(6, k) if self.base else np.zeros((6, k))
+        object.__setattr__(self, "rigid", frozen(rigid, (6, k), "rigid"))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -214,10 +246,8 @@ def leak(frequency: Array, mains: float = 50.0) -> Array:
 # Masses, springs and resonators on reduced matrices: what several families of the structure have in common.
 
 
-ALONG = {"": (0, 1, 2), "lateral": (0, 1), "vertical": (2,)}
+ALONG = {"": (0, 1, 2), "lateral": (0, 1), "vertical": (2,), "x": (0,), "y": (1,), "z": (2,)}
 """Which of x, y, z a direction means."""
-
-BASE = 6
 
 
 def heavier(stage: Matrices, mass: Array) -> Matrices:
@@ -245,6 +275,11 @@ def with_resonators(stage: Matrices, place: str, axes: tuple[int, ...], values: 
             structural=structural,
             places={name: _grown(rows, 0) for name, rows in stage.places.items()},
             parts={name: _grown(share, 1) for name, share in stage.parts.items()},
+            part_mass={name: _grown(share, 1) for name, share in stage.part_mass.items()},
+            joints={name: replace(one, loads=_grown(one.loads, 0)) for name, one in stage.joints.items()},
+            sections={name: (_grown(one, 1), _grown(cubed, 1)) for name, (one, cubed) in stage.sections.items()},
+            geometric=_grown(stage.geometric, 1) if stage.geometric.size else stage.geometric,
+            rigid=_grown(stage.rigid, 0),
         )
     return stage
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.frames import Array, Integers
-from validation.effects.catalogue import FAMILIES, Named, There, acts
+from validation.effects.catalogue import FAMILIES, Named, acts, there
 from validation.effects.effect import BODY_STAGE, CHANNEL_STAGE, OPENED, STRUCTURE_STAGE, Family, SizeSpec
 from validation.effects.stages import ChannelResponse, Matrices, MountedDynamicMass
 from validation.estimation.problem import DECLARED, EFFECT, STRUCTURAL, WITHIN, Offsets, Parameter
@@ -25,7 +25,12 @@ from validation.prediction.structure import sheet
 #
 #     K' = E K E,  S' = D E S E D,  C' = D G C G D + c,  M_br' = M_br + l,      E = diag(e^ln f),  D = diag(e^(ln zeta / 2)),
 #
-# on the nominal modal basis, K and S with the moduli and the loss factors of the parts in them. G lets viscous damping grow with
+# on the nominal modal basis, K and S with the moduli, the thicknesses and the loss factors of the parts in them, M with their
+# densities and thicknesses: a part of modulus e, density 1 + d and thickness t, as shares of what is drawn, has
+#
+#     K_p' = e (K_p + (t - 1) K_p1 + (t³ - 1) K_p3),        M_p' = (1 + d) t M_p .
+#
+# A support has a factor on its stiffness instead of a modulus. G lets viscous damping grow with
 # the frequency of its mode, G_rr = (K'_rr / K_rr)^(1/4), so that a stated ratio stays what it is. Nothing is re-diagonalised: the
 # matrices are smooth in every parameter, stay symmetric, K and C positive, and a cluster of frequencies needs no tracking.
 #
@@ -113,6 +118,9 @@ def full(tangent: Tangent, name: str, size: int) -> Array:
 DAMPING_LAW = "damping-law"
 """Of the share; one for all structures of a series."""
 
+LIGHTEST = float(np.finfo(np.float64).tiny)
+"""[kg] of a coordinate that only gives: where a model has massless degrees of freedom."""
+
 
 def with_damping_law(
     matrices: Matrices, tangents: Mapping[str, Tangent], nominal: Matrices, offsets: Offsets, *, derivatives: bool
@@ -126,7 +134,7 @@ def with_damping_law(
     """
     # (k,) omega^-1/2 of every coordinate; 0 of the base and of what effects append, which brings its own losses
     W, own = np.zeros(len(matrices.mass)), slice(nominal.base, len(nominal.mass))
-    square = np.diag(nominal.stiffness)[own] / np.diag(nominal.mass)[own]
+    square = np.diag(nominal.stiffness)[own] / np.maximum(np.diag(nominal.mass)[own], LIGHTEST)
     W[own] = np.where(square > 0, square, np.inf) ** -0.25
     share, turned, found = offsets.get(DAMPING_LAW, 0.0), W[:, None] * matrices.structural * W, dict(tangents)
     for name, tangent in tangents.items() if share else ():
@@ -153,6 +161,9 @@ other: beyond it their resonances do not overlap, and the coupling is of second 
 HIGHEST = 50.0
 """[Hz] Modes above it answer quietly: their frequency, damping and participation are what was computed."""
 
+DENSITY, THICKNESS, SUPPORT = (FAMILIES[name].tolerance for name in ("mass", "thickness", "support-stiffness"))
+"""Standard deviations of what nobody states: of a part's density and thickness, and of the logarithm of a support's stiffness."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Nuisances:
@@ -165,6 +176,7 @@ class Nuisances:
     losses : loss factor of every part as the model has it, by which its share of K enters S
     frequency : (m,) [Hz] of the modes that are uncertain, the first of the article's own coordinates
     tolerances : how well they are known
+    part_tolerances : by part, of "modulus", "density", "loss_factor", "thickness", where they are stated for it
     """
 
     configuration: str
@@ -172,14 +184,17 @@ class Nuisances:
     losses: Mapping[str, float]
     frequency: Array
     tolerances: StructureTolerances
+    part_tolerances: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """All of them; a tolerance of 0 closes a family."""
-        of, modes = self.tolerances, range(1, len(self.frequency) + 1)
+        of, m, modes = self.tolerances, self.nominal, range(1, len(self.frequency) + 1)
         parts = self.nominal.parts if len(self.frequency) else ()
-        made = [replace(_declared(f"modulus:{part}", of.modulus), nominal=1.0, logarithmic=True, above=-1.0) for part in parts]
-        made += [_declared(f"loss:{part}", of.damping) for part in self.lossy]
+        made = [_factor(self.stiffness_of(part), self.known(part, "modulus", of.modulus)) for part in parts]
+        made += [_factor(f"thickness:{part}", self.known(part, "thickness", THICKNESS)) for part in parts if part in m.sections]
+        made += [_declared(f"mass:{part}", self.known(part, "density", DENSITY)) for part in parts if part in m.part_mass]
+        made += [_declared(f"loss:{part}", self.known(part, "loss_factor", of.damping)) for part in self.lossy]
         made += [_declared(DAMPING_LAW, of.damping_law)] if self.has_law else []
         made += [_declared(f"frequency:{self.configuration}:{r}", of.frequency) for r in modes]
         left = [of.mode_damping if own else of.damping for own in self.by_parts]
@@ -190,6 +205,15 @@ class Nuisances:
         names = (f"coupling:{self.configuration}:{r + 1}:{s + 1}" for r, s in self.neighbours)
         made += [Parameter(name=name, unit="1", tolerance=of.mode_coupling, kind=STRUCTURAL) for name in names]
         return tuple(one for one in made if one.tolerance > 0)
+
+    def known(self, part: str, what: str, usual: float) -> float:
+        """Tolerance of a part; where none is stated for it the `usual` one, of a support that of supports."""
+        usual = SUPPORT if what == "modulus" and part in self.nominal.supports else usual
+        return self.part_tolerances.get(part, {}).get(what, usual)
+
+    def stiffness_of(self, part: str) -> str:
+        """How the parameter for the stiffness of a part is called: a support has no modulus."""
+        return f"support-stiffness:{part}" if part in self.nominal.supports else f"modulus:{part}"
 
     @property
     def lossy(self) -> tuple[str, ...]:
@@ -228,19 +252,27 @@ class Nuisances:
         for r in range(len(self.frequency)):
             E[b + r] = np.exp(offsets.get(f"frequency:{name}:{r + 1}", 0.0))
             D[b + r] = np.exp(offsets.get(f"damping:{name}:{r + 1}", 0.0) / 2)
-        K, S, parts = m.stiffness, m.structural, dict(m.parts)
+        K, S, mass, parts = m.stiffness, m.structural, np.array(m.mass), dict(m.parts)
         for part, share in m.parts.items():
-            stiffer, lossier = offsets.get(f"modulus:{part}", 0.0), offsets.get(f"loss:{part}", 0.0)
+            stiffer, lossier = offsets.get(self.stiffness_of(part), 0.0), offsets.get(f"loss:{part}", 0.0)
+            thicker, denser = offsets.get(f"thickness:{part}", 0.0), offsets.get(f"mass:{part}", 0.0)
+            eta, drawn = self.losses.get(part, 0.0), share
+            if thicker:
+                one, cubed = m.sections[part]
+                share = share + np.expm1(thicker) * one + np.expm1(3 * thicker) * cubed
+                K, parts[part], S = K + (share - drawn), share, S + eta * (share - drawn)
             if stiffer:
                 K, parts[part] = K + np.expm1(stiffer) * share, np.exp(stiffer) * share
             if stiffer or lossier:
-                S = S + (np.exp(stiffer) * (1 + lossier) - 1) * self.losses.get(part, 0.0) * share
+                S = S + (np.exp(stiffer) * (1 + lossier) - 1) * eta * share
+            if (thicker or denser) and part in m.part_mass:
+                mass += (np.exp(thicker) * (1 + denser) - 1) * m.part_mass[part]
         stiffness = E[:, None] * K * E
         # G: square root of how much the frequency of every coordinate has grown; 1 where it has none
         old, new = np.diag(m.stiffness), np.diag(stiffness)
         GD = D * np.divide(new, old, out=np.ones_like(old), where=old > 0) ** 0.25
         C = GD[:, None] * m.viscous * GD
-        mass, coupled = np.array(m.mass), np.zeros_like(m.mass)
+        coupled = np.zeros_like(m.mass)
         for r, a in np.ndindex(len(self.frequency), b):
             change = offsets.get(f"participation:{name}:{r + 1}:{MOTIONS[a]}", 0.0) * self.largest(r, a)
             mass[a, b + r] += change
@@ -257,7 +289,7 @@ class Nuisances:
             parts=parts,
         )
         losses = {part: eta * (1 + offsets.get(f"loss:{part}", 0.0)) for part, eta in self.losses.items()}
-        return _Now(of=self, matrices=made, E=E, D=D, uncoupled=C, losses=losses)
+        return _Now(of=self, matrices=made, E=E, D=D, uncoupled=C, losses=losses, offsets=offsets)
 
     def largest(self, r: int, axis: int) -> float:
         """Largest participation of mode `r` as a share of the body's own mass there, in the unit of `axis`."""
@@ -279,6 +311,7 @@ def nuisances(
     tolerances: StructureTolerances | None = None,
     *,
     highest: float = HIGHEST,
+    part_tolerances: Mapping[str, Mapping[str, float]] = MappingProxyType({}),
 ) -> Nuisances:
     """The nuisances of `matrices`.
 
@@ -287,19 +320,21 @@ def nuisances(
     frequency : (n,) [Hz] of the kept modes, the first of the article's own coordinates
     losses : loss factor by part of the structure, sheets of one material alike; none where damping is given by mode
     highest : [Hz] modes above are taken as computed
+    part_tolerances : as in `fem.structure.Structure`
     """
     return Nuisances(
         configuration=configuration,
         nominal=matrices,
-        losses={sheet(part): eta for part, eta in losses.items()},
+        losses={part if part in matrices.parts else sheet(part): eta for part, eta in losses.items()},
         frequency=np.asarray(frequency[np.asarray(frequency) <= highest], dtype=np.float64),
         tolerances=tolerances or StructureTolerances(),
+        part_tolerances=part_tolerances,
     )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Now:
-    """Matrices `of` some nuisances, and what they are made of: E and D (k,), C before the coupling, loss factors of the parts."""
+    """Matrices `of` some nuisances at `offsets`: E and D (k,), C before the coupling, loss factors of the parts."""
 
     of: Nuisances
     matrices: Matrices
@@ -307,12 +342,16 @@ class _Now:
     D: Array
     uncoupled: Array
     losses: Mapping[str, float]
+    offsets: Offsets
 
     def tangent(self, parameter: str) -> Tangent:
         """The derivative by one of the parameters."""
         family, *names = parameter.split(":")
         by_family: Mapping[str, Callable[..., Tangent]] = {
             "modulus": self._of_modulus,
+            "support-stiffness": self._of_modulus,
+            "thickness": self._of_thickness,
+            "mass": self._of_mass,
             "loss": self._of_loss,
             "frequency": self._of_frequency,
             "damping": self._of_damping,
@@ -322,7 +361,24 @@ class _Now:
         return by_family[family](*names)
 
     def _of_modulus(self, part: str) -> Tangent:
-        K, E, DE = self.matrices.parts[part], self.E, self.D * self.E  # d / d ln: the part as it is now
+        return self._stiffer(part, self.matrices.parts[part])  # d / d ln: the part as it is now
+
+    def _of_thickness(self, part: str) -> Tangent:
+        tau, m = np.exp(self.offsets.get(f"thickness:{part}", 0.0)), self.of.nominal
+        one, cubed = m.sections[part]
+        stiffer = np.exp(self.offsets.get(self.of.stiffness_of(part), 0.0)) * (tau * one + 3 * tau**3 * cubed)
+        if part not in m.part_mass:
+            return self._stiffer(part, stiffer)
+        heavier = tau * (1 + self.offsets.get(f"mass:{part}", 0.0)) * m.part_mass[part]
+        return self._stiffer(part, stiffer, heavier)
+
+    def _of_mass(self, part: str) -> Tangent:
+        share = np.exp(self.offsets.get(f"thickness:{part}", 0.0)) * self.of.nominal.part_mass[part]
+        return of_arrays(len(share), mass=share)
+
+    def _stiffer(self, part: str, K: Array, mass: Array | None = None) -> Tangent:
+        """The tangent of a share of `part` in the stiffness that grows by `K` (k, k), and of one in the mass by `mass`."""
+        E, DE = self.E, self.D * self.E
         stiffness, whole = E[:, None] * K * E, np.diag(self.matrices.stiffness)
         grows = np.divide(np.diag(stiffness), 4 * whole, out=np.zeros_like(whole), where=whole > 0)
         changes = {
@@ -330,7 +386,7 @@ class _Now:
             "structural": self.losses.get(part, 0.0) * DE[:, None] * K * DE,
             "viscous": self.uncoupled * (grows[:, None] + grows),
         }
-        return of_arrays(len(K), {part: K}, **changes)
+        return of_arrays(len(K), {part: K}, **changes, **({} if mass is None else {"mass": mass}))
 
     def _of_loss(self, part: str) -> Tangent:
         DE = self.D * self.E
@@ -370,6 +426,12 @@ def _pair(field: str, i: int, j: int, value: float) -> Tangent:
     at = np.array([i, j], dtype=np.intp)
     mass, stiffness, viscous, structural = (changes[name] for name in FIELDS)
     return Tangent(at=at, mass=mass, stiffness=stiffness, viscous=viscous, structural=structural)
+
+
+def _factor(name: str, tolerance: float) -> Parameter:
+    """A relative change of a positive figure, known by its logarithm; of a support the factor itself."""
+    above = 0.0 if name.startswith("support-stiffness:") else -1.0
+    return replace(_declared(name, tolerance), nominal=1.0, logarithmic=True, above=above)
 
 
 def _declared(name: str, tolerance: float) -> Parameter:
@@ -441,7 +503,7 @@ def structure(
     """The effects on reduced matrices, and by parameter their derivatives."""
     found = dict(tangents)
     for added in _of(effects, STRUCTURE_STAGE):
-        if not acts(added.named, There(article="article", parts=tuple(stage.parts), places=tuple(stage.places))):
+        if not acts(added.named, there("article", stage)):
             continue
         after = _changed(added.named, stage)
         for key, tangent in found.items() if not _is_nothing(added.named) else ():

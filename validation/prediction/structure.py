@@ -17,20 +17,21 @@ from fem import damping as fem_damping
 from fem.base_excitation import rig
 from fem.damping import Damping, damping_per_mode, default_damping
 from fem.factorisers import factorise
-from fem.modes import Modes, fixed_base
+from fem.modes import Modes, fixed_base, floating_shift, lowest
 from fem.reduction import static_shapes
-from fem.structure import HeldBase, Sparse, Structure, hold, restricted
+from fem.structure import LOOSE, HeldBase, Sparse, Structure, hold, restricted
 from fem.user_model.reading import UsersModel, is_model, load
 from geometry import routes
 from geometry.article import Article
 from geometry.articles import NAMES, built_in, changes_of
 from geometry.articles.locations import locations
-from geometry.errors import BadInput
+from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, Pose, rigid_transformation, rigid_transformation_6
 from geometry.inertia import Inertia
 from identification.campaign import Campaign
-from validation.effects.catalogue import There
-from validation.effects.stages import Matrices
+from validation.effects.catalogue import There, there
+from validation.effects.families.layer_damping import LAYER
+from validation.effects.stages import JointSprings, Matrices
 from validation.flexible.model import nearest_part
 from validation.flexible.modes import displacement
 from validation.model.model import RIGID, Model
@@ -55,6 +56,11 @@ Places = Mapping[str, npt.ArrayLike]
 Rows = Mapping[str, Array]
 """(3, f) by place."""
 
+LEAST = float(np.finfo(np.float64).tiny)
+
+SMALL = 1e-10
+"""Share of the largest below which a spring or a mass is taken for none: rounding of what others computed."""
+
 NOWHERE: Places = MappingProxyType({})
 
 BAND = 40.0
@@ -78,8 +84,10 @@ def of_structure(
     *,
     damping: Damping | None = None,
     article: Article | None = None,
+    band: float = BAND,
+    exactly: bool = False,
 ) -> Matrices:
-    """`structure` on its moving base, about the article's origin.
+    """`structure` on its moving base, about the article's origin; its own places come along.
 
     Parameters
     ----------
@@ -88,6 +96,8 @@ def of_structure(
     cog : (3,) [m] of the article as drawn, from its origin
     damping : that of `modes`; by default the loss factors that the structure brings, as `fem.modes.fixed_base` takes it
     article : what is drawn; its beams' sections then carry the places, else the nodes nearest to them do
+    band : [Hz] up to which effects on the structure are to be right
+    exactly : whether effects at parts and places are, at any size, what they are to the whole structure (`bent_far`)
 
     Raises
     ------
@@ -95,21 +105,36 @@ def of_structure(
     """
     free = hold(structure)
     rows = _displacement(structure, free, places, article)
-    shapes = _basis(structure, free, modes, free.load, rows)
-    own = _matrices_of_user(structure, free, modes, shapes, damping or fem_damping.default_damping(structure), rows)
+    shapes = _basis(structure, free, modes, free.load, rows, band, exactly)
+    own = _on_shapes(structure, free, shapes, rows, modes.frequency, damping or fem_damping.default_damping(structure), modes)
+    T66 = rigid_transformation_6(modes.reference_point)
+    rides = {name: rigid_transformation(at) for name, at in places.items()}
+    rides |= {name: row @ structure.rigid @ T66 for name, row in structure.places.items()}
+    weighed = bool(structure.part_mass or structure.geometric)
+    whole = np.hstack([structure.rigid @ T66, free.expand(shapes)]) if weighed else np.zeros((0, 0))
+
+    def on_base(share: Array) -> Array:
+        """(6 + k, 6 + k) of a share of the stiffness, which no rigid motion strains."""
+        return np.pad(share, (BASE, 0))
+
     L = free.load.T @ shapes
     T = np.eye(BASE + len(own.mass))
-    T[:BASE, :BASE] = rigid_transformation_6(modes.reference_point)
+    T[:BASE, :BASE] = T66
     mass = np.block([[structure.rigid_mass, L], [L.T, own.mass]])
     return Matrices(
         base=BASE,
         mass=_symmetric(T.T @ mass @ T),
-        stiffness=_on_base(own.stiffness),
-        viscous=_on_base(own.viscous),
-        structural=_on_base(own.structural),
-        places={name: np.hstack([rigid_transformation(at), own.places[name]]) for name, at in places.items()},
-        parts={name: _on_base(share) for name, share in own.parts.items()},
+        stiffness=on_base(own.stiffness),
+        viscous=on_base(own.viscous),
+        structural=on_base(own.structural),
+        places={name: np.hstack([there, own.places[name]]) for name, there in rides.items()},
+        parts={name: on_base(share) for name, share in own.parts.items()},
         cog=np.asarray(cog, dtype=np.float64),
+        part_mass={name: _congruent(share, whole) for name, share in structure.part_mass.items()},
+        supports=own.supports,
+        joints={name: replace(one, loads=np.pad(one.loads, ((0, 0), (BASE, 0)))) for name, one in own.joints.items()},
+        sections={name: (on_base(one), on_base(cubed)) for name, (one, cubed) in own.sections.items()},
+        geometric=_congruent(sum(structure.geometric.values()), whole) if structure.geometric else np.zeros((0, 0)),
     )
 
 
@@ -120,8 +145,14 @@ def held(
     *,
     damping: Damping | None = None,
     article: Article | None = None,
+    band: float = BAND,
+    exactly: bool = False,
 ) -> Matrices:
-    """`structure` with its base held still; static answers to forces at all `places` are among the coordinates.
+    """`structure` with its base held still; static answers to forces at all places are among the coordinates.
+
+    Parameters
+    ----------
+    band, exactly : as `of_structure`
 
     Raises
     ------
@@ -129,8 +160,9 @@ def held(
     """
     free = hold(structure)
     rows = _displacement(structure, free, places, article)
-    shapes = _basis(structure, free, modes, np.vstack([np.zeros((0, len(free.free))), *rows.values()]).T, rows)
-    return _matrices_of_user(structure, free, modes, shapes, damping or fem_damping.default_damping(structure), rows)
+    loads = np.vstack([np.zeros((0, len(free.free))), *rows.values()]).T
+    shapes = _basis(structure, free, modes, loads, rows, band, exactly)
+    return _on_shapes(structure, free, shapes, rows, modes.frequency, damping or fem_damping.default_damping(structure), modes)
 
 
 def of_inertia(inertia: Inertia, places: Places = NOWHERE) -> Matrices:
@@ -170,7 +202,7 @@ def of_modes(modes: Modes, cog: npt.ArrayLike = (0.0, 0.0, 0.0)) -> Matrices:
     )
 
 
-def _basis(structure: Structure, free: HeldBase, modes: Modes, loads: Array, rows: Rows) -> Array:
+def _basis(structure: Structure, free: HeldBase, modes: Modes, loads: Array, rows: Rows, band: float, exactly: bool) -> Array:
     """Kept modes and static answers beside them (f, n): to `loads` (f, k), then to what effects at parts and places will pull."""
     if len(modes.shapes) != structure.mass.shape[0]:
         raise ValueError(
@@ -178,9 +210,11 @@ def _basis(structure: Structure, free: HeldBase, modes: Modes, loads: Array, row
         )
     shapes = modes.shapes[free.free]
     shapes = np.hstack([shapes, static_shapes(free.stiffness, free.mass, loads, shapes)])
-    swinging = modes.shapes[free.free][:, modes.frequency <= BAND]
+    if exactly:
+        return bent_far(structure, free, shapes, modes.frequency, rows, band)
+    swinging = modes.shapes[free.free][:, modes.frequency <= band]
     pulls = [restricted(K, free.free) @ swinging for K in _parts(structure).values()]
-    heavy = HEAVY * np.trace(structure.rigid_mass[:3, :3]) / 3 * (2 * np.pi * BAND) ** 2
+    heavy = HEAVY * np.trace(structure.rigid_mass[:3, :3]) / 3 * (2 * np.pi * band) ** 2
     pulls += [heavy * row.T @ (row @ swinging) for row in rows.values()]
     # Those combinations (f, m) of `forces` whose static answers `shapes` do not nearly hold already
     forces = np.hstack([np.zeros((len(free.free), 0)), *pulls])
@@ -190,21 +224,34 @@ def _basis(structure: Structure, free: HeldBase, modes: Modes, loads: Array, row
         static = factorise(free.stiffness, definite=True).solve(forces)
         left = static - shapes @ (shapes.T @ (free.mass @ static))
         square, directions = np.linalg.eigh(left.T @ (free.stiffness @ left))
-        bending = np.asarray(forces @ directions[:, square > (NOTICED * 2 * np.pi * BAND) ** 2])
+        bending = np.asarray(forces @ directions[:, square > (NOTICED * 2 * np.pi * band) ** 2])
     return np.hstack([shapes, static_shapes(free.stiffness, free.mass, bending, shapes)]) if bending.size else shapes
 
 
-def _matrices_of_user(
-    structure: Structure, free: HeldBase, modes: Modes, shapes: Array, damping: Damping, rows: Rows
+def _on_shapes(
+    structure: Structure,
+    free: HeldBase,
+    shapes: Array,
+    rows: Rows,
+    frequency: Array,
+    damping: Damping,
+    modes: Modes | None = None,
 ) -> Matrices:
-    """Matrices on `shapes` (f, n) alone, the base held still."""
-    n = modes.frequency.size
+    """Matrices on `shapes` (f, k) alone, the base held still; the first of them are the modes of `frequency` (n,)."""
+    n = frequency.size
     S, C_u = fem_damping.structural_matrix(damping, structure), fem_damping.viscous_matrix(damping, structure)
     viscous = np.zeros((shapes.shape[1], shapes.shape[1])) if C_u is None else _congruent(restricted(C_u, free.free), shapes)
-    viscous[:n, :n] += fem_damping.damping_per_mode(damping, 2 * np.pi * modes.frequency)
+    viscous[:n, :n] += fem_damping.damping_per_mode(damping, 2 * np.pi * frequency)
     structural = np.zeros_like(viscous) if S is None else _congruent(restricted(S, free.free), shapes)
-    _require_same(viscous[:n, :n], modes.viscous)
-    _require_same(structural[:n, :n], modes.structural)
+    if modes is not None:
+        _require_same(viscous[:n, :n], modes.viscous)
+        _require_same(structural[:n, :n], modes.structural)
+
+    def on_shapes(share: Sparse) -> Array:
+        return _congruent(restricted(share, free.free), shapes)
+
+    springs = {name: joint_springs(structure, name) for name in structure.joints}
+    whole = free.expand(shapes) if any(springs.values()) else shapes
     return Matrices(
         base=0,
         mass=_congruent(free.mass, shapes),
@@ -212,7 +259,12 @@ def _matrices_of_user(
         viscous=viscous,
         structural=structural,
         places={name: row @ shapes for name, row in rows.items()},
-        parts={name: _congruent(restricted(K, free.free), shapes) for name, K in _parts(structure).items()},
+        parts={name: on_shapes(K) for name, K in _parts(structure).items()},
+        part_mass={name: on_shapes(M) for name, M in structure.part_mass.items()},
+        supports=structure.supports,
+        joints={name: _joint_on(structure, name, one, whole) for name, one in springs.items() if one is not None},
+        sections={name: (on_shapes(one), on_shapes(cubed)) for name, (one, cubed) in structure.sections.items()},
+        geometric=on_shapes(sum(structure.geometric.values())) if structure.geometric else np.zeros((0, 0)),
     )
 
 
@@ -220,7 +272,7 @@ def _parts(structure: Structure) -> dict[str, Sparse]:
     """Stiffness of every part by the words of the effects."""
     parts: dict[str, Sparse] = {}
     for name, K in structure.part_stiffness.items():
-        one = sheet(name)
+        one = sheet(name) if f"{sheet(name)}{LAYER}" in structure.part_stiffness else name
         parts[one] = parts[one] + K if one in parts else K
     return parts
 
@@ -233,22 +285,19 @@ def sheet(part: str) -> str:
 
 
 def _displacement(structure: Structure, free: HeldBase, places: Places, article: Article | None) -> dict[str, Array]:
-    """(3, f) by place: what the free degrees of freedom move there."""
+    """(3, f) by place, first `places`, then those of the structure itself: what the free degrees of freedom move there."""
+    own = {name: np.asarray(row.toarray()[:, free.free]) for name, row in structure.places.items()}
     if not places:
-        return {}
+        return own
     points = np.array([np.asarray(at, dtype=np.float64) for at in places.values()])
     parts = np.zeros(len(points), dtype=np.intp) if article is None else nearest_part(article, points)
     whole = displacement(structure, np.eye(free.size)[:, free.free], article, points, parts)
-    return dict(zip(places, whole, strict=True))
+    return {**dict(zip(places, whole, strict=True)), **own}
 
 
 def _require_same(found: Array, stated: Array) -> None:
     if not np.allclose(found, stated, rtol=1e-6, atol=1e-6 * np.abs(stated).max(initial=0.0)):
         raise ValueError("`damping` must be that of `modes`, found another modal matrix")
-
-
-def _on_base(own: Array) -> Array:
-    return np.pad(own, (BASE, 0))
 
 
 def _congruent(matrix: Sparse, shapes: Array) -> Array:
@@ -257,6 +306,214 @@ def _congruent(matrix: Sparse, shapes: Array) -> Array:
 
 def _symmetric(matrix: Array) -> Array:
     return np.asarray((matrix + matrix.T) / 2)
+
+
+# A basis for effects of any size: static answers to what they pull, and to what these answers pull in turn.
+#
+# An effect that changes K by dK turns a mode by the series x = phi - K^-1 dK phi + (K^-1 dK)² phi - ..., and one that changes M
+# by dM likewise with lambda dM. Rayleigh's quotient on the modes and the first terms is wrong by the square of what is left out
+# (Kirsch, AIAA Journal 29, 1991). What springs few degrees of freedom, as supports and joints do, is pulled along each of its own
+# springs: then no size is too large. Every pull is measured by the change of a mode that it makes, so that one number says what
+# may be left out. All is orthonormal in A = K, or in K + s M where the structure floats.
+
+ORDER = 2
+"""Terms of the series."""
+
+LEFT_OUT = 1e-3
+"""Share of the change that a pull makes, by energy, that may lie outside the basis."""
+
+FAINT = 1e-3
+"""Share of a mode's energy below which a part is not measured by its own share."""
+
+FEW_SPRINGS = 24
+"""Up to so many springs are pulled one by one."""
+
+HEAVIEST = 0.1
+"""Mass at a place, as a share of what the modes have there, at which its static answer must be right."""
+
+REACH = 1.5
+"""Modes up to so far above the band may come into it, and are bent too."""
+
+
+def bent_far(
+    structure: Structure, free: HeldBase, shapes: Array, frequency: Array, rows: Rows, band: float, shift: float = 0.0
+) -> Array:
+    """`shapes` (f, n) with static answers beside them that make effects of any size right up to `band` [Hz].
+
+    Parameters
+    ----------
+    shapes : the modes of `frequency` (m,) first; all independent
+    shift : [rad²/s²] s of A = K + s M
+    """
+    A = free.stiffness + shift * free.mass if shift else free.stiffness
+    factor = factorise(A.tocsc(), definite=True)
+    chosen = frequency <= REACH * band
+    swinging, omega = shapes[:, : len(frequency)][:, chosen], 2 * np.pi * frequency[chosen]
+    top, first = 2 * np.pi * band, shapes.shape[1]
+    root = np.linalg.cholesky(shapes.T @ (A @ shapes))
+    basis = np.linalg.solve(root, shapes.T).T  # orthonormal in A, as all that is added
+
+    def add(pull: Array) -> Array:
+        """Put what is new in the static answer to `pull` (f, c) into the basis, and return the answer."""
+        nonlocal basis
+        static = np.asarray(factor.solve(pull), dtype=np.float64)
+        left = static - basis @ (basis.T @ (A @ static))
+        left -= basis @ (basis.T @ (A @ left))
+        square, directions = np.linalg.eigh(left.T @ (A @ left))
+        kept = square > LEFT_OUT
+        basis = np.hstack([basis, left @ directions[:, kept] / np.sqrt(square[kept])])
+        return static
+
+    for row in rows.values():
+        moved = np.sum((row @ swinging) ** 2, axis=1)
+        mass = 1 / np.maximum(moved, SMALL * moved.max() + LEAST)
+        add(row.T * top * np.sqrt(HEAVIEST * mass))
+    ties = (*structure.supports, *structure.joints)
+    springs = {name: _springs(restricted(structure.part_stiffness[name], free.free)) for name in ties}
+    few = {name: one for name, one in springs.items() if one is not None}
+    for one in few.values():
+        add(one)
+    shares = [(K, 0) for name, K in _parts(structure).items() if name not in (*few, *structure.sections)]
+    shares += [(K, 0) for both in structure.sections.values() for K in both]
+    shares += [(M, 2) for M in structure.part_mass.values()]
+    shares += [(K, 0) for K in structure.geometric.values()]
+    for share, power in shares:
+        own = restricted(share, free.free)
+        pull = (own @ swinging) * omega**power
+        work = np.abs(np.sum(swinging * pull, axis=0))
+        pull = pull / np.sqrt(np.maximum(work, FAINT * omega**2))
+        for _ in range(ORDER):
+            pull = own @ add(pull) * (top**2 if power else 1.0)
+    return np.hstack([shapes, top * basis[:, first:]])
+
+
+def _springs(share: Sparse) -> Array | None:
+    """(f, m) b with share = b b^T where there are few such springs, else None."""
+    own = np.flatnonzero(share.diagonal())
+    if not 0 < len(own) <= 8 * FEW_SPRINGS:
+        return None
+    square, directions = np.linalg.eigh(share[own][:, own].toarray())
+    kept = np.abs(square) > SMALL * np.abs(square).max()
+    if np.sum(kept) > FEW_SPRINGS:
+        return None
+    found = np.zeros((share.shape[0], int(np.sum(kept))))
+    found[own] = directions[:, kept] * np.sqrt(np.abs(square[kept]))
+    return found
+
+
+def joint_springs(structure: Structure, name: str) -> tuple[Array, Array] | None:
+    """What the joint `name` carries (6, n) for a unit of each degree of freedom, and its six springs; None where its sides cannot
+    be told.
+
+    The sides are the parts that its degrees of freedom belong to. One side moved as a rigid body gives the 6x6 stiffness, whose
+    centre is where a push does not turn; springs are those along and about the axes there.
+    """
+    K = structure.part_stiffness[name]
+    own = np.flatnonzero(K.diagonal())
+    others = [np.isin(own, np.flatnonzero(share.diagonal())) for part, share in structure.part_stiffness.items() if part != name]
+    kinds, side = np.unique(np.array(others).reshape(-1, len(own)), axis=1, return_inverse=True)
+    if kinds.shape[1] != 2:
+        return None
+    moved = np.zeros_like(structure.rigid)
+    one = own[side.ravel() == 0]
+    moved[one] = structure.rigid[one]
+    loads = np.asarray(K @ moved)
+    whole = _symmetric(moved.T @ loads)
+    turns = np.cross(np.eye(3)[:, None], np.eye(3)[None]).transpose(0, 2, 1)  # turns[i] @ u = e_i x u
+    coupling = np.stack([-(whole[:3, :3] @ turn).ravel() for turn in turns], axis=1)
+    size = np.abs(np.diag(whole)).max(initial=0.0)
+    if not size:
+        return None
+    centre = np.linalg.lstsq(coupling, whole[:3, 3:].ravel(), rcond=SMALL)[0]
+    R = np.linalg.inv(rigid_transformation_6(centre))
+    there = np.diag(R.T @ whole @ R)
+    kept = there > SMALL * np.repeat([there[:3].max(), max(there[3:].max(), LEAST)], 3)
+    return np.where(kept[:, None], (loads @ R).T, 0.0), np.where(kept, there, 0.0)
+
+
+def _joint_on(structure: Structure, name: str, springs: tuple[Array, Array], shapes: Array) -> JointSprings:
+    loads, stiffness = springs
+    trace = float(np.trace(_congruent(structure.part_stiffness[name], shapes)))
+    return JointSprings(loads=loads @ shapes, stiffness=stiffness, trace=trace)
+
+
+# A structure that no base carries: it stands on the ground, or floats.
+
+ABOVE = 2.0
+"""Modes are kept up to so far above the band; static answers stand for the others."""
+
+FIRST_ASKED = 16
+"""Modes that are asked for at first."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Reduction:
+    """A structure on few coordinates.
+
+    Attributes
+    ----------
+    matrices : base 0; about its origin
+    frequency : (m,) [Hz] of the elastic modes, the first coordinates; behind them rigid motions, if it floats, and static answers
+    losses : loss factor by part; none where damping is given by mode
+    basis : (N, k) displacement of all degrees of freedom for each coordinate
+    """
+
+    matrices: Matrices
+    frequency: Array
+    losses: Mapping[str, float]
+    basis: Array
+
+
+def by_itself(structure: Structure, band: float, *, damping: Damping | None = None) -> Reduction:
+    """`structure` as it stands on the ground or floats, with all modes up to twice `band` [Hz], where tests end.
+
+    Raises
+    ------
+    CheckFailed : part of it swings freely, or as `fem.modes.lowest`.
+    """
+    free = hold(structure)
+    K, M = free.stiffness, free.mass
+    rigid = np.zeros((len(free.free), 0))
+    shift = 0.0
+    if not structure.grounded and not structure.held.size:
+        square, directions = np.linalg.eigh(structure.rigid_mass)
+        kept = square > SMALL * square.max()
+        rigid = structure.rigid[free.free] @ (directions[:, kept] / np.sqrt(square[kept]))
+        shift = floating_shift(K, M)
+    count, top = FIRST_ASKED, (2 * np.pi * ABOVE * band) ** 2
+    while True:
+        pairs = lowest(K, M, count + rigid.shape[1], shift=shift)
+        if len(pairs.values) < count + rigid.shape[1] or pairs.values[-1] > top or count >= len(free.free):
+            break
+        count *= 2
+    left = pairs.vectors - rigid @ (rigid.T @ (M @ pairs.vectors))
+    elastic = np.sum(left * (M @ left), axis=0) > 0.5  # a mode is all rigid or not at all
+    values, vectors = pairs.values[elastic], left[:, elastic]
+    chosen = np.arange(len(values)) < max(int(np.sum(values <= top)), 1)
+    values, vectors = values[chosen], vectors[:, chosen] / np.sqrt(np.sum(vectors * (M @ vectors), axis=0))[chosen]
+    strain = np.sum(np.abs(vectors) * (abs(K) @ np.abs(vectors)), axis=0)
+    if np.any(values <= LOOSE * strain):
+        raise CheckFailed(
+            f"{np.sum(values <= LOOSE * strain)} modes beside the rigid ones have zero frequency: part of the structure swings "
+            "freely. Hold it, or stiffen the joint.",
+        )
+    frequency = np.sqrt(values) / (2 * np.pi)
+    used = damping or default_damping(structure)
+    rows = _displacement(structure, free, NOWHERE, None)
+    soft = 0.1 * float(values[0]) if rigid.size else 0.0
+    basis = bent_far(structure, free, np.hstack([vectors, rigid]), frequency, rows, band, soft)
+    made = _on_shapes(structure, free, basis, rows, frequency, used)
+    moves = np.zeros((6, basis.shape[1]))
+    cog = np.zeros(3)
+    if structure.rigid_mass[0, 0] > 0:
+        whole = Inertia.from_mass_matrix(structure.rigid_mass, structure.reference_point).about(np.zeros(3))
+        cog = whole.cog
+    if rigid.size:
+        n = len(frequency)
+        T = np.linalg.inv(rigid_transformation_6(structure.reference_point))
+        moves[:, n : n + rigid.shape[1]] = T @ directions[:, kept] / np.sqrt(square[kept])
+    matrices = replace(made, cog=cog, rigid=moves)
+    return Reduction(matrices=matrices, frequency=frequency, losses=used.loss_factors, basis=free.expand(basis))
 
 
 # A user's own article behind its path: an FE model as its file has it, or a drawing, of which a solid model is made.
@@ -332,7 +589,7 @@ class MountedArticle:
         """What effects can act on."""
         if self.matrices is None:
             return There()
-        return There(article=self.article, parts=tuple(self.matrices.parts), places=tuple(self.matrices.places))
+        return there(self.article, self.matrices)
 
 
 def mounted_article(model: Model, campaign: Campaign) -> MountedArticle:

@@ -37,6 +37,8 @@ SHORT = MappingProxyType(
         "cell and axis": "cell",
         "pair of axes": "axes",
         "part with a layer": "part",
+        "joint between parts": "joint",
+        "direction at a joint": "axis",
         "direction of the joint": "direction",
         "direction of the FMD": "direction",
         "direction of a cable": "direction",

@@ -32,7 +32,7 @@ SOFT = 3.0
 """What a fault must be beyond the tolerance at least, by standard deviations, to be a fault."""
 
 EVERY = list(FAMILIES.values())
-IN_CHAIN = [family for family in EVERY if family.stage == OPENED and "part" not in family.targets]
+IN_CHAIN = [family for family in EVERY if family.stage == OPENED and not set(family.targets) & set(catalogue.LOCAL)]
 WITH_EQUATION = [family for family in EVERY if family.change is not None]
 
 

@@ -9,7 +9,19 @@ from hypothesis import strategies as st
 
 from geometry.errors import BadInput
 from validation.effects.catalogue import FAMILIES, Named, parse, parse_all
-from validation.effects.effect import FIXED, PENDULUM, Vocabulary
+from validation.effects.effect import (
+    ACCELEROMETER,
+    BETWEEN,
+    CABLE,
+    CHANNEL,
+    FIXED,
+    FORCE,
+    PART,
+    PENDULUM,
+    PLACE,
+    SUPPORT,
+    Vocabulary,
+)
 
 
 def examples() -> list[str]:
@@ -26,7 +38,7 @@ def test_every_example_of_the_catalogue_is_understood_and_written_back(text: str
 
 def test_every_family_says_what_it_is_of_kinds_that_are_known() -> None:
     kinds = {kind for family in FAMILIES.values() for kind in family.targets}
-    assert kinds <= {*FIXED, "channel", "force channel", "accelerometer", "place", "part"}
+    assert kinds <= {*FIXED, CHANNEL, FORCE, ACCELEROMETER, PLACE, PART, SUPPORT, BETWEEN, CABLE}
     assert all(family.what and family.side for family in FAMILIES.values())
     assert all(not family.targets for family in FAMILIES.values() if family.side == PENDULUM)
 

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from validation.effects.effect import PLACE, STRUCTURE, STRUCTURE_STAGE, Family, SizeSpec, Values
+from validation.effects.effect import CABLE, PLACE, STRUCTURE, STRUCTURE_STAGE, Family, SizeSpec, Values
 from validation.effects.plants import at
 from validation.effects.stages import ALONG, Matrices
 
@@ -17,7 +17,7 @@ FAMILY = Family(
     name="cable",
     side=STRUCTURE,
     what="a spring from a place to the ground",
-    targets=(PLACE, "direction of a cable"),
+    targets=(PLACE, CABLE),
     optional=True,
     sizes=(SizeSpec(unit="N/m", low=1e-3, high=1e9, plausible=5e3),),
     example="cable:mast-top:lateral=1000",

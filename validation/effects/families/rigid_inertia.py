@@ -6,17 +6,18 @@ from geometry.frames import rigid_transformation_6
 from geometry.inertia import PARAMETERS, Inertia
 from validation.effects.effect import FIRST, MASS, SECOND, STRUCTURE, STRUCTURE_STAGE, Family, Values
 from validation.effects.plants import at
-from validation.effects.stages import BASE, Matrices, heavier
+from validation.effects.stages import Matrices, heavier
 
 
 def change(stage: Matrices, targets: tuple[str, ...], values: Values) -> Matrices:
-    """``H += dp E_k``, E_k the mass matrix of a unit of the parameter about the centre of gravity, moved to the origin."""
+    """``M += dp R^T E_k R``, E_k the mass matrix of a unit of the parameter about the centre of gravity, moved to the origin.
+
+    R says what each coordinate moves the body as a whole: those of the base, or of a structure that floats.
+    """
     unit = np.array([float(one == targets[0]) for one in PARAMETERS])
     E = Inertia(parameters=unit, reference_point=np.zeros(3)).mass_matrix
-    G = rigid_transformation_6(stage.cog)
-    mass = np.zeros_like(stage.mass)
-    mass[:BASE, :BASE] = values[""] * G.T @ E @ G
-    return heavier(stage, mass)
+    G = rigid_transformation_6(stage.cog) @ stage.rigid
+    return heavier(stage, values[""] * G.T @ E @ G)
 
 
 FAMILY = Family(
