@@ -19,7 +19,7 @@ from validation.diagnose import pendulum
 from validation.diagnose.classical import pendulum_candidates
 from validation.diagnose.diagnosis import Candidate, Detectable, Screened
 from validation.effects import effect
-from validation.effects.catalogue import FAMILIES, Named, There, acts
+from validation.effects.catalogue import FAMILIES, Named, acts, words_of
 from validation.estimation.fit import FLOOR
 from validation.estimation.likelihood import cost_of
 from validation.estimation.problem import EFFECT, FITTED, Fact, Parameter, Prediction, Problem
@@ -58,9 +58,8 @@ def candidates(data: Study, *, only: Sequence[str] = (), leave_out: Sequence[str
     ------
     BadInput : one of `only` is no effect that could act on these data and be told by them.
     """
-    words, known = vocabulary(data.model, data.campaigns), {one.named.id for one in data.model.effects}
-    stands = [(one.tested.carried.standing.there, one.measured.channels) for one in data.made]
-    there = [There(article=on.article, parts=on.parts, places=on.places, channels=channels) for on, channels in stands]
+    there = [replace(one.tested.carried.standing.there, channels=one.measured.channels) for one in data.made]
+    words, known = words_of(there, vocabulary(data.model, data.campaigns)), {one.named.id for one in data.model.effects}
     acting: list[Added] = []
     for family in FAMILIES.values():
         if family.side not in SIDES or family.stage not in SHOWN:

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
-from validation.effects.catalogue import FAMILIES, There, acts
+from validation.effects.catalogue import FAMILIES, acts, there
 from validation.effects.effect import CHANNEL_STAGE, OPENED, STRUCTURE_STAGE
 from validation.effects.stages import ChannelResponse
 from validation.estimation.problem import Change, Lines, Measured, Offsets, Parameter, Predicted, Wanted
@@ -89,7 +89,7 @@ class AcceleranceTest:
         """
         matrices, channels = self.structure.nominal, (*self.measured.channels, FORCE.partition(":")[2])
         parts, places = tuple(matrices.parts), tuple(matrices.places)
-        there = There(article=self.measured.configuration, parts=parts, places=places, channels=channels)
+        here = there(self.measured.configuration, matrices, channels)
         own = {one.name for one in replace(self, effects=()).parameters}
         for named in (one.named for one in effects):
             stage = FAMILIES[named.family].stage
@@ -97,7 +97,7 @@ class AcceleranceTest:
                 problem, remedy = f"changes the {stage}, and an accelerance test has none", "Take an effect of the structure"
             elif stage == OPENED and named.id not in own:
                 problem, remedy = "is no tolerance of this test", f"Tolerances are {', '.join(sorted(own))}"
-            elif not acts(named, there):
+            elif not acts(named, here):
                 problem = f"acts on nothing of {self.measured.configuration}"
                 remedy = f"Parts are {', '.join(parts)}; places {', '.join(places)}; channels {', '.join(channels)}"
             else:
