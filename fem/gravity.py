@@ -1,12 +1,4 @@
-"""What weight does to stiffness: storeys that stand, or hang, under gravity.
-
-A column of height h that carries the weight W and leans by u pushes sideways with W u / h, and a clamped column, which bends as it
-leans, with 6/5 of that (J. S. Przemieniecki, Theory of Matrix Structural Analysis, 1968, chapter 15):
-
-    K_G = -beta W/h sum over the two lateral axes of (r_above - r_below)^T (r_above - r_below),   beta = 6/5 clamped, 1 hinged.
-
-Other codes write geometric stiffness of any element; what they wrote goes into `Structure.geometric` as it is.
-"""
+"""Stiffness that weight gives or takes: storeys that stand, or hang, under gravity."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,6 +7,13 @@ import numpy as np
 
 from fem.structure import Sparse, Structure
 from geometry.errors import BadInput
+
+# A column of height h that carries the weight W and leans by u pushes sideways with W u / h, and a clamped column, which bends as
+# it leans, with 6/5 of that (J. S. Przemieniecki, Theory of Matrix Structural Analysis, 1968, chapter 15):
+#
+#     K_G = -beta W/h sum over the two lateral axes of (r_above - r_below)^T (r_above - r_below),   beta = 6/5 clamped, 1 hinged.
+#
+# Other codes write geometric stiffness of any element; what they wrote goes into `Structure.geometric` as it is.
 
 STANDARD = 9.80665
 """[m/s²]"""

@@ -17,7 +17,7 @@ from geometry.toml_file import nearest
 from identification.campaign import Campaign
 from identification.campaign_file import NAME
 from validation.effects.catalogue import FAMILIES, Named, of_parts, on_article
-from validation.effects.effect import ACCELEROMETER, CHANNEL, FORCE, PART, PLACE, Vocabulary
+from validation.effects.effect import ABREAST, ACCELEROMETER, AXES, CHANNEL, FORCE, PART, PLACE, Vocabulary
 from validation.model.setups import above_fmd
 
 BEAM, RIGID, USER = KINDS = ("beam", "rigid", "own")
@@ -291,6 +291,7 @@ def vocabulary(model: Model, campaigns: Sequence[Campaign]) -> Vocabulary:
         forces=_channels_of_both(campaigns, ("force", "moment")),
         places=places,
         parts=parts,
+        ways=AXES if own else ABREAST,
     )
 
 

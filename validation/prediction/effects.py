@@ -19,7 +19,7 @@ from validation.effects.effect import BODY_STAGE, CHANNEL_STAGE, OPENED, STRUCTU
 from validation.effects.stages import ChannelResponse, Matrices, MountedDynamicMass
 from validation.estimation.problem import DECLARED, EFFECT, STRUCTURAL, WITHIN, Offsets, Parameter
 from validation.model.model import Added, StructureTolerances
-from validation.prediction.structure import sheet
+from validation.prediction.structure import HIGHEST, sheet
 
 # What a model declares to know of a structure only within tolerances: moduli, frequencies, damping, participation, coupling.
 #
@@ -157,9 +157,6 @@ def _own(one: Array, other: Array) -> Array:
 NEIGHBOURS = 0.1
 """Greatest distance of two frequencies, as a share of the higher one, at which the damping of one mode is taken to pull at the
 other: beyond it their resonances do not overlap, and the coupling is of second order in the damping."""
-
-HIGHEST = 50.0
-"""[Hz] Modes above it answer quietly: their frequency, damping and participation are what was computed."""
 
 DENSITY, THICKNESS, SUPPORT = (FAMILIES[name].tolerance for name in ("mass", "thickness", "support-stiffness"))
 """Standard deviations of what nobody states: of a part's density and thickness, and of the logarithm of a support's stiffness."""
@@ -386,7 +383,9 @@ class _Now:
             "structural": self.losses.get(part, 0.0) * DE[:, None] * K * DE,
             "viscous": self.uncoupled * (grows[:, None] + grows),
         }
-        return of_arrays(len(K), {part: K}, **changes, **({} if mass is None else {"mass": mass}))
+        if mass is not None:
+            changes["mass"] = mass
+        return of_arrays(len(K), {part: K}, None, **changes)
 
     def _of_loss(self, part: str) -> Tangent:
         DE = self.D * self.E

@@ -560,7 +560,13 @@ def supported_dynamic_mass(model: Model, campaign: Campaign, stands: MountedArti
     of_structure = None
     if stands.matrices is not None:
         of_structure = prediction_effects.nuisances(
-            campaign.article, stands.matrices, stands.frequency, stands.losses, model.structure
+            campaign.article,
+            stands.matrices,
+            stands.frequency,
+            stands.losses,
+            model.structure,
+            highest=stands.highest,
+            part_tolerances=stands.part_tolerances,
         )
     return SupportedDynamicMass(
         standing=stands, moving=moving_part(model), exact=model.fmd_tolerance == 0, nuisances=of_structure

@@ -66,6 +66,9 @@ NOWHERE: Places = MappingProxyType({})
 BAND = 40.0
 """[Hz] Modes up to here are bent by what parts become; of those above only their own share counts."""
 
+HIGHEST = 50.0
+"""[Hz] Modes above it answer quietly: their frequency, damping and participation are what was computed."""
+
 NOTICED = 3e-3
 """Size of an answer beside a mode's own at the top of the band, below which it is no coordinate."""
 
@@ -568,6 +571,8 @@ class MountedArticle:
     matrices : about its own origin and in its own axes; None where there is nothing
     frequency : (m,) [Hz] of the coordinates behind the base that are modes; the others answer statically
     losses : loss factor by part of the structure; none where damping is given by mode
+    highest : [Hz] up to which its modes are uncertain
+    part_tolerances : as in `fem.structure.Structure`
     pose : where its frame sits, seen from F
     remarks : what was assumed, sentences
     """
@@ -576,6 +581,8 @@ class MountedArticle:
     matrices: Matrices | None
     frequency: Array = field(default_factory=lambda: np.zeros(0))
     losses: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    highest: float = HIGHEST
+    part_tolerances: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
     pose: Pose
     remarks: tuple[str, ...] = ()
 
@@ -612,6 +619,7 @@ def mounted_article(model: Model, campaign: Campaign) -> MountedArticle:
             problem=f"it has no model of {article}, which stands on the FMD in {campaign.source}",
             remedy=f"State the path of one, or name a stack of {', '.join(NAMES)} in the campaign",
         )
+    driven = (run.excitation.band[1] for run in campaign.runs if run.excitation is not None and run.excitation.band is not None)
     recipe = _Recipe(
         article=article,
         kind=model.kind,
@@ -620,6 +628,7 @@ def mounted_article(model: Model, campaign: Campaign) -> MountedArticle:
         modes=model.modes,
         damping_ratio=model.damping_ratio,
         changes=() if own else _changes(model, article),
+        band=max(driven, default=BAND) if own else BAND,
     )
     return replace(_made(recipe), pose=pose, remarks=said)
 
@@ -649,7 +658,10 @@ def drawn_inertia(model: Model, article: str) -> Inertia:
 
 @dataclass(frozen=True, kw_only=True)
 class _Recipe:
-    """Everything that decides the matrices of an article; `stamp` tells a user's file from the same one rewritten."""
+    """Everything that decides the matrices of an article; `stamp` tells a user's file from the same one rewritten.
+
+    `band` [Hz] is where tests of a user's own model end.
+    """
 
     article: str
     kind: str
@@ -658,6 +670,7 @@ class _Recipe:
     modes: int = 30
     damping_ratio: float | None = None
     changes: tuple[tuple[str, float], ...] = ()
+    band: float = BAND
 
 
 def _own(model: Model, article: str, whole: str) -> str:
@@ -700,11 +713,14 @@ def _of_structure(
 ) -> MountedArticle:
     used = damping or default_damping(structure)
     modes = fixed_base(structure, recipe.modes, damping=used)
+    exactly, cog = bool(recipe.own), _inertia(recipe).cog
     return MountedArticle(
         article=recipe.article,
-        matrices=of_structure(structure, modes, places, _inertia(recipe).cog, damping=used, article=drawn),
+        matrices=of_structure(structure, modes, places, cog, damping=used, article=drawn, band=recipe.band, exactly=exactly),
         frequency=modes.frequency,
         losses=used.loss_factors,
+        highest=HIGHEST * recipe.band / BAND,
+        part_tolerances=structure.part_tolerances,
         pose=Pose(),
     )
 
