@@ -174,6 +174,7 @@ class Nuisances:
     frequency : (m,) [Hz] of the modes that are uncertain, the first of the article's own coordinates
     tolerances : how well they are known
     part_tolerances : by part, of "modulus", "density", "loss_factor", "thickness", where they are stated for it
+    scaled : whether the matrices are in SI; else nothing can be said of a mass or a spring at a place, only of shares
     """
 
     configuration: str
@@ -182,6 +183,7 @@ class Nuisances:
     frequency: Array
     tolerances: StructureTolerances
     part_tolerances: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
+    scaled: bool = True
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -309,6 +311,7 @@ def nuisances(
     *,
     highest: float = HIGHEST,
     part_tolerances: Mapping[str, Mapping[str, float]] = MappingProxyType({}),
+    scaled: bool = True,
 ) -> Nuisances:
     """The nuisances of `matrices`.
 
@@ -326,6 +329,7 @@ def nuisances(
         frequency=np.asarray(frequency[np.asarray(frequency) <= highest], dtype=np.float64),
         tolerances=tolerances or StructureTolerances(),
         part_tolerances=part_tolerances,
+        scaled=scaled,
     )
 
 
@@ -482,6 +486,12 @@ BY_ITSELF = (STRUCTURE_STAGE, CHANNEL_STAGE, OPENED)
 def reaching(effects: Sequence[Added], there: There) -> tuple[Added, ...]:
     """Those of `effects` that act on a structure by itself, of which `there` says what it has."""
     return tuple(one for one in effects if _family(one.named).stage in BY_ITSELF and acts(one.named, there))
+
+
+def there_of(configuration: str, of: Nuisances, channels: tuple[str, ...]) -> There:
+    """What effects can act on in a test of a structure by itself."""
+    found = there(configuration, of.nominal, channels)
+    return found if of.scaled else replace(found, places=(), rigid=False)
 
 
 def opened(parameters: Sequence[Parameter], effects: Sequence[Added]) -> tuple[tuple[Parameter, ...], dict[str, float]]:

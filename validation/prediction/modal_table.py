@@ -25,7 +25,7 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
 from identification.modal_table import ModalTable, paired
-from validation.effects.catalogue import FAMILIES, There, there
+from validation.effects.catalogue import FAMILIES, There
 from validation.effects.effect import CHANNEL_STAGE
 from validation.effects.stages import ChannelResponse, Matrices
 from validation.estimation.problem import Change, Lines, Measured, Offsets, Parameter, Predicted, Wanted
@@ -177,7 +177,7 @@ class _TablePart:
     @property
     def there(self) -> There:
         """What effects can act on."""
-        return there(self.measured.configuration, self.structure.nominal, tuple(one.name for one in self.table.sensors))
+        return prediction_effects.there_of(self.measured.configuration, self.structure, tuple(one.name for one in self.table.sensors))
 
     @property
     def remarks(self) -> tuple[str, ...]:

@@ -23,7 +23,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import Point
 from identification.response_functions import GAIN, ResponseFunctions
-from validation.effects.catalogue import There, there
+from validation.effects.catalogue import There
 from validation.effects.stages import ChannelResponse
 from validation.estimation.problem import IDENTIFIED, Change, Lines, Measured, Offsets, Parameter, Predicted, Wanted
 from validation.model.model import Added
@@ -76,7 +76,7 @@ class ResponseFunctionTest:
     @property
     def there(self) -> There:
         """What effects can act on."""
-        return there(self.measured.configuration, self.structure.nominal, (*self.measured.channels, FORCE.partition(":")[2]))
+        return prediction_effects.there_of(self.measured.configuration, self.structure, (*self.measured.channels, FORCE.partition(":")[2]))
 
     def on(self, runs: Sequence[str]) -> "ResponseFunctionTest":
         """The same model of the runs named alone."""

@@ -88,7 +88,8 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
     structure = users.model
     points = [point for one in tests for point in _points(one)]
     rows = {point.place: _rows(structure, point) for point in points if point.place not in structure.places}
-    structure = replace(structure, places={**structure.places, **{name: row for name, row in rows.items() if row is not None}})
+    known = {name: row for name, row in structure.places.items() if name.replace("-", " ", 1) not in rows}  # dof-20 and dof 20
+    structure = replace(structure, places={**known, **{name: row for name, row in rows.items() if row is not None}})
     band = max(one.band[1] if isinstance(one, ResponseFunctions) else float(np.max(one.frequency)) for one in tests)
     damping = users.damping if model.damping_ratio is None else Damping(ratio=model.damping_ratio)
     made = reduction.by_itself(structure, band, damping=damping)
@@ -100,6 +101,7 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
         model.structure,
         highest=reduction.REACH * band,
         part_tolerances=structure.part_tolerances,
+        scaled=users.units.known,
     )
 
 
