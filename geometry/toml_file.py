@@ -296,6 +296,7 @@ SI_UNITS = {
     "moment of inertia": "kg m^2",
     "first moment": "kg m",
     "angle": "rad",
+    "frequency": "Hz",
     "ratio": "1",
     "area": "m^2",
     "second moment of area": "m^4",
@@ -311,7 +312,7 @@ LARGEST_QUANTITY = 1e15
 """In SI: no quantity of a test article lies beyond, and arithmetic stays far from overflow. What is smaller than its inverse is
 the rounding that another program leaves of a zero, and is read as zero."""
 
-_NAMED = {**SI_UNITS, "frequency": "Hz", "volume": "m^3", "velocity": "m/s", "torque": "N m"}
+_NAMED = {**SI_UNITS, "volume": "m^3", "velocity": "m/s", "torque": "N m"}
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY = re.compile(
     rf"\(?\s*(?P<value>{_NUMBER})\s*(?P<unit>[^\d\s+()±,-][^+()±]*?)?\s*"
