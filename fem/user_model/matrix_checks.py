@@ -254,7 +254,7 @@ def connections(model: Submitted) -> tuple[Submitted, list[Finding]]:
     beside, empty = empty[of_mass], empty[~of_mass]
     if empty.size:
         nodes = np.unique(labels[empty, 0]) if len(labels) else np.zeros(0, dtype=np.intp)
-        lost = [node for node in nodes if not np.any(stiff[model.rows_of(node)])]
+        lost = np.setdiff1d(nodes, labels[stiff, 0]).tolist()
         many = f"{len(empty)} degree(s) of freedom in which neither stiffness nor mass has an entry"
         named = f"node {', '.join(map(str, lost[:5]))}" if lost else model.places_of(empty)
         what = f"{len(lost)} node(s) belong to nothing" if lost else "degrees of freedom are there that nothing uses"
@@ -410,9 +410,9 @@ def rigid_motions(model: Submitted, lowest: float | None) -> tuple[Submitted, li
     grounded = rows[pushed[rows] > 1e-3 * turned.max()]
     if grounded.size or len(nodes) == 1:
         held = grounded if grounded.size else rows
-        incomplete = [node for node in np.unique(labels[:, 0]).tolist() if np.sum(labels[model.rows_of(node), 1] <= 3) < 3]
-        removed = [node for node in model.nodes.tolist() if not len(model.rows_of(node))]
-        gone = incomplete or removed
+        numbers, counts = np.unique(labels[np.isin(labels[:, 1], (1, 2, 3)), 0], return_counts=True)
+        incomplete = np.setdiff1d(labels[:, 0], numbers[counts == 3]).tolist()
+        gone = incomplete or np.setdiff1d(model.nodes, labels[:, 0]).tolist()
         if gone and not model.reduced:
             what = "supported degrees of freedom were taken out, and their mass with them: K is tied to the ground beside them"
             lacks = "not all of its three translations" if incomplete else "no row at all"
@@ -501,7 +501,7 @@ def _explanations(model: Submitted, weighed: Array, d: Array, rows: Integers) ->
             x = place[:, order] * np.array(signs) - model.reference_point
             for row in range(3):
                 chosen = labels[:, 1] == row + 1
-                made[chosen, 3:] = -np.array([skew(axis)[row] for axis in x[chosen]]).reshape(-1, 3)
+                made[chosen, 3:] = np.cross(np.eye(3), x[chosen, None])[:, :, row]
             axes = ", ".join(f"{'-' if sign < 0 else ''}{'xyz'[k]}" for k, sign in zip(order, signs, strict=True))
             remedy = "Write the coordinates in the axes of the displacements"
             yield "axes", f"({axes}) of the coordinates stand for (x, y, z)", "`coordinates`, all of them", remedy, made
@@ -579,12 +579,16 @@ def mass(model: Submitted, units: UnitSystem) -> list[Finding]:
             # Which node carries another mass along one axis than along another
             rows = np.flatnonzero(np.isin(labels[:, 1:].ravel(), (1, 2, 3))) if len(labels) else np.zeros(0, dtype=np.intp)
             momentum = np.einsum("ij,ij->i", (M @ T)[rows, :3], T[rows, :3])
-            by_node = {int(node): momentum[labels[rows, 0] == node] for node in np.unique(labels[rows, 0])[:20_000]}
-            odd = max(by_node, key=lambda node: float(np.ptp(by_node[node])), default=None)
+            numbers, place = np.unique(labels[rows, 0], return_inverse=True) if rows.size else (rows, rows)
+            most, least = np.full(len(numbers), -np.inf), np.full(len(numbers), np.inf)
+            np.maximum.at(most, place, momentum)
+            np.minimum.at(least, place, momentum)
+            odd = int(numbers[np.argmax(most - least)]) if rows.size else None
+            carried_there = momentum[labels[rows, 0] == odd] if rows.size else momentum
             where = (
                 "array `mass`"
                 if odd is None
-                else f"node {odd}, which carries {', '.join(f'{value:.4g}' for value in by_node[odd])} kg along x, y, z"
+                else f"node {odd}, which carries {', '.join(f'{value:.4g}' for value in carried_there)} kg along x, y, z"
             )
             what, remedy = (
                 "the mass is not the same along all axes",
@@ -602,7 +606,7 @@ def mass(model: Submitted, units: UnitSystem) -> list[Finding]:
             if "A factor of" not in error.remedy and missing and bare.size:
                 return [_lost(model, bare, amount)]
             unit = "A factor of" in error.remedy
-            gone = [node for node in model.nodes.tolist() if not len(model.rows_of(node))]
+            gone = np.setdiff1d(model.nodes, labels[:, 0]).tolist() if len(labels) else []
             more = (
                 f" Nodes without rows, such as {gone[0]}, may have had what is missing." if missing and gone and not unit else ""
             )
@@ -669,7 +673,10 @@ def _material(model: Submitted, total: float) -> Iterator[Finding]:
     if not usable.size:
         return
     speeds = np.sqrt(k[usable] / m[usable]) * near[usable] / 1.5
-    speed = float(np.median([speeds[labels[usable, 0] == node].max() for node in np.unique(labels[usable, 0])[:2_000]]))
+    numbers, which = np.unique(labels[usable, 0], return_inverse=True)
+    fastest = np.zeros(len(numbers))
+    np.maximum.at(fastest, which, speeds)
+    speed = float(np.median(fastest))
     consistent = M.count_nonzero() > np.count_nonzero(m)
     if SOUND[0] < speed < SOUND[1] or (speed <= SOUND[0] and not consistent):
         return
