@@ -295,7 +295,7 @@ def reduction(model: Submitted) -> list[Finding]:
     if not generalised.size or not np.array_equal(generalised, model.free) or np.any(m <= 0) or np.any(k <= 0):
         return []
     L = (model.mass @ T)[generalised, :3] / np.sqrt(m)[:, None]
-    shares = np.sum(L**2, axis=0) / np.diag(T.T @ (model.mass @ T))[:3]
+    shares = np.sum(L**2, axis=0) / np.maximum(np.diag(T.T @ (model.mass @ T))[:3], 1e-300)
     highest, stated = float(np.sqrt(np.max(k / m))) / (2 * np.pi), model.stated.frequencies
     if len(stated) and (len(stated) > len(generalised) or highest < stated[-1, 0]):
         return enough_modes(shares, highest, f"{len(stated)} frequencies up to {stated[-1, 0]:.4g} Hz are stated")

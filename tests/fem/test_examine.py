@@ -39,6 +39,7 @@ class Sample:
     ending: str = ".npz"
     kind: str = "matrices"
     said: str = ""
+    support: str = "base"
 
     def spoilt(self, slip: Callable[[Arrays], Any]) -> "Sample":
         """A copy after `slip` has been at its arrays."""
@@ -48,6 +49,7 @@ class Sample:
 
     def text(self) -> str:
         interface = f"interface = {list(self.interface)}\n" if self.interface else ""
+        interface = interface if self.support == "base" else f'support = "{self.support}"\n'
         return (
             f'format = 1\n\n[fe_model]\nname = "sample"\nkind = "{self.kind}"\nunits = "{self.said or self.units}"\n'
             f'reference_point = ["0 m", "0 m", "0 m"]\n{interface}\n[stated]\n{self.stated}'
@@ -705,6 +707,22 @@ def test_a_free_structure_is_sound_and_one_on_the_ground_is(make: Callable[..., 
     assert looked_at(standing, "ground") == ()
     assert [one.check for one in looked_at(standing, "free")] == ["grounded"]
     assert [one.check for one in looked_at(sample, "ground")][:1] == ["mechanism"]
+
+
+@pytest.mark.parametrize("make", [frame, chain, plate])
+@pytest.mark.parametrize("units", UNITS[:3])
+def test_a_file_on_the_ground_or_free_is_sound(make: Callable[..., Sample], units: str, tmp_path: Path) -> None:
+    sample = make(np.random.default_rng(5), units=units)
+    kept = ~np.isin(sample.arrays["dof"][:, 0], sample.interface)
+    clamped = {name: np.array(sample.arrays[name])[np.ix_(kept, kept)] for name in ("stiffness", "mass")}
+    clamped = {**sample.arrays, **clamped, "dof": sample.arrays["dof"][kept]}
+    free = replace(sample, support="free")
+    assert examine.examine(replace(sample, arrays=clamped, support="ground").write(tmp_path)).findings == ()
+    assert examine.examine(free.write(tmp_path)).findings == ()
+    node = int(sample.arrays["nodes"][-1])
+    tied = examine.examine(free.spoilt(lambda arrays: spring(arrays, node, 1, 0.1)).write(tmp_path)).findings
+    assert [one.check for one in tied] == ["grounded"]
+    assert f"node {node}, x" in tied[0].where
 
 
 def test_two_faults_are_both_found(whole: dict[str, Sample], tmp_path: Path) -> None:
