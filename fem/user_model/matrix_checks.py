@@ -88,6 +88,38 @@ class Submitted:
         """Rows of the motions of `node`, in the order of the matrices."""
         return np.flatnonzero((self.dofs.labels[:, 0] == node) & (self.dofs.labels[:, 1] > 0))
 
+    def without(self, gone: Integers) -> "Submitted":
+        """It without the rows `gone`, and without the nodes that had no others."""
+        kept, d = np.setdiff1d(np.arange(self.mass.shape[0]), gone), self.dofs
+        place = np.full(self.mass.shape[0], -1)
+        place[kept] = np.arange(len(kept))
+        held = place[d.held]
+
+        def cut(A: Sparse) -> Sparse:
+            return None if A is None else A[kept][:, kept]
+
+        there = np.ones(len(self.nodes), dtype=bool)
+        if len(d.labels):
+            there = ~np.isin(self.nodes, d.labels[gone, 0]) | np.isin(self.nodes, d.labels[kept, 0])
+        return replace(
+            self,
+            stiffness=cut(self.stiffness),
+            mass=cut(self.mass),
+            viscous=cut(self.viscous),
+            structural=cut(self.structural),
+            part_stiffness={part: cut(A) for part, A in self.part_stiffness.items()},
+            part_mass={part: cut(A) for part, A in self.part_mass.items()},
+            nodes=self.nodes[there],
+            places=self.places[there],
+            dofs=replace(
+                d,
+                labels=d.labels[kept] if len(d.labels) else d.labels,
+                scale=d.scale[kept],
+                rigid=d.rigid[kept] if len(d.rigid) else d.rigid,
+                held=held[held >= 0],
+            ),
+        )
+
 
 # --- entries ----------------------------------------------------------------------------------------------------------------
 
@@ -108,7 +140,9 @@ def entries(model: Submitted) -> tuple[Submitted, list[Finding]]:
         A = getattr(model, name)
         if A is None:
             continue
-        share, i, j = matrices.asymmetry(A, np.maximum(model.mass.diagonal(), 0) if model.mass.diagonal().max() > 0 else _ones(A))
+        share, i, j = matrices.asymmetry(
+            A, np.maximum(model.mass.diagonal(), 0) if model.mass.diagonal().max() > 0 else np.ones(A.shape[0])
+        )
         if share <= matrices.SYMMETRIC:
             model = replace(model, **{name: (A + A.T) / 2})
             continue
@@ -137,10 +171,6 @@ def entries(model: Submitted) -> tuple[Submitted, list[Finding]]:
         if every:
             model = replace(model, **{name: -getattr(model, name)})
     return model, found
-
-
-def _ones(A: Sparse) -> Array:
-    return np.ones(A.shape[0])
 
 
 def _made_symmetric(model: Submitted, name: str, share: float, i: int, j: int) -> tuple[Sparse, Finding]:
@@ -327,40 +357,7 @@ def connections(model: Submitted) -> tuple[Submitted, list[Finding]]:
                     )
                 )
     gone = np.unique(np.concatenate([gone, *loose])).astype(np.intp) if loose else gone
-    return (_without(model, gone) if gone.size else model), found
-
-
-def _without(model: Submitted, gone: Integers) -> Submitted:
-    """`model` without the rows `gone`, and without the nodes that had no others."""
-    kept, d = np.setdiff1d(np.arange(model.mass.shape[0]), gone), model.dofs
-    place = np.full(model.mass.shape[0], -1)
-    place[kept] = np.arange(len(kept))
-    held = place[d.held]
-
-    def cut(A: Sparse) -> Sparse:
-        return None if A is None else A[kept][:, kept]
-
-    there = np.ones(len(model.nodes), dtype=bool)
-    if len(d.labels):
-        there = ~np.isin(model.nodes, d.labels[gone, 0]) | np.isin(model.nodes, d.labels[kept, 0])
-    return replace(
-        model,
-        stiffness=cut(model.stiffness),
-        mass=cut(model.mass),
-        viscous=cut(model.viscous),
-        structural=cut(model.structural),
-        part_stiffness={part: cut(A) for part, A in model.part_stiffness.items()},
-        part_mass={part: cut(A) for part, A in model.part_mass.items()},
-        nodes=model.nodes[there],
-        places=model.places[there],
-        dofs=replace(
-            d,
-            labels=d.labels[kept] if len(d.labels) else d.labels,
-            scale=d.scale[kept],
-            rigid=d.rigid[kept] if len(d.rigid) else d.rigid,
-            held=held[held >= 0],
-        ),
-    )
+    return (model.without(gone) if gone.size else model), found
 
 
 # --- rigid motions ----------------------------------------------------------------------------------------------------------
@@ -571,7 +568,7 @@ def mass(model: Submitted, units: UnitSystem) -> list[Finding]:
             for words, turned in others.items():
                 other = turned.reshape(-1, 6)
                 form = other.T @ (M @ other)
-                if _is_body(form) and _resistance(model.stiffness, T) < 1e-3:
+                if np.ptp(np.diag(form)[:3]) < description.RIGID * np.trace(form) and _resistance(model.stiffness, T) < 1e-3:
                     what = f"the rows of the mass stand in another order than those of the stiffness: {words}"
                     remedy = "Write K and M for the same rows in the same order"
                     return [Finding(check="order of mass", what=what, where="array `mass`", amount="all rows", remedy=remedy)]
@@ -640,14 +637,6 @@ def _lost(model: Submitted, bare: Integers, amount: str) -> Finding:
     what = "mass was lost on restrained degrees of freedom: the interface has stiffness and no mass"
     remedy = "Export M before the supports are applied: with them, programs leave out the mass of what is held"
     return Finding(check="lost mass", what=what, where=model.places_of(bare), amount=amount, remedy=remedy)
-
-
-def _is_body(form: Array) -> bool:
-    try:
-        description.require_rigid_body((form + form.T) / 2, "", "", "")
-    except BadInput:
-        return False
-    return True
 
 
 def _material(model: Submitted, total: float) -> Iterator[Finding]:

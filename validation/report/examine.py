@@ -1,12 +1,10 @@
 """The answer of `massline model --examine`: what is wrong with a user's finite-element model, in words and with where."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import click
 
 from fem.user_model import examine, reading
-from fem.user_model.matrix_checks import Finding
 from geometry.errors import BadInput, CheckFailed
 from validation.output import print_json, shown, to_json
 from validation.report.document import Column, Document, Table
@@ -41,20 +39,17 @@ def document(found: examine.Examination) -> Document:
         Column("finding", lambda row: row[1], words=True),
         Column("", lambda row: row[2], words=True),
     )
-    rows = [row for k, one in enumerate(found.findings, start=1) for row in _rows(k, one)]
+    rows = []
+    for k, one in enumerate(found.findings, start=1):
+        rows.append((str(k), one.check, f"{one.what}."))
+        told = (("where", one.where), ("how much", one.amount), ("to do", one.remedy))
+        rows += [("", head, f"{words}.") for head, words in told if words]
     return Document(
         title=f"{found.name}: {found.kind} in {found.source}",
         opening=[f"{'; '.join(found.facts)}."] if found.facts else [],
         blocks=(Table(caption="What is wrong", columns=columns, rows=rows),),
         notes=[*(f"{words}." for words in found.unexamined), *([] if found.findings else [verdict(found)])],
     )
-
-
-def _rows(k: int, one: Finding) -> Iterator[tuple[str, str, str]]:
-    yield f"{k}", one.check, f"{one.what}."
-    for head, words in (("where", one.where), ("how much", one.amount), ("to do", one.remedy)):
-        if words:
-            yield "", head, f"{words}."
 
 
 def verdict(found: examine.Examination) -> str:
