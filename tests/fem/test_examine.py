@@ -725,6 +725,24 @@ def test_a_file_on_the_ground_or_free_is_sound(make: Callable[..., Sample], unit
     assert f"node {node}, x" in tied[0].where
 
 
+SOIL = """
+[fe_model.places]
+foot = 101
+
+[fe_model.joints.soil]
+between = ["foot", "ground"]
+stiffness = ["2e7 N/m", "2e7 N/m", "5e7 N/m", "3e4 N m/rad", "3e4 N m/rad", "3e4 N m/rad"]
+"""
+
+
+@pytest.mark.parametrize(("joint", "checks"), [(SOIL, []), ("", ["mechanism"])])
+def test_joints_of_the_description_hold_what_stands_on_them(joint: str, checks: list[str], bracket_files: Path) -> None:
+    path = bracket_files / "on-soil.toml"
+    head = 'format = 1\n[fe_model]\nkind = "matrices"\nunits = "mm-t-N-s"\nsupport = "ground"\nfile = "bracket-parts.npz"\n'
+    path.write_text(head + joint, encoding="utf-8")
+    assert [one.check for one in examine.examine(path).findings] == checks
+
+
 def test_two_faults_are_both_found(whole: dict[str, Sample], tmp_path: Path) -> None:
     both = whole[BRACKET].spoilt(entry("stiffness", 13, 7, 0.01)).spoilt(by("mass", 9.80665))
     assert [one.check for one in examine.examine(both.write(tmp_path)).findings] == ["symmetry", "unit of mass"]
