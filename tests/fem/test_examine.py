@@ -743,6 +743,28 @@ def test_joints_of_the_description_hold_what_stands_on_them(joint: str, checks: 
     assert [one.check for one in examine.examine(path).findings] == checks
 
 
+BRIDGE = """
+format = 1
+[fe_model]
+kind = "matrices"
+units = "consistent"
+support = "ground"
+supports = ["y1", "y2", "z1", "z2"]
+file = "$MASSLINE_DATA/footbridge/model.npz"
+"""
+
+
+def test_a_bridge_is_sound_and_not_the_one_that_was_measured(data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Measured 4.063, 4.550, 6.823, 8.653, 11.498 Hz (data/README.md): five modes that its model has elsewhere."""
+    monkeypatch.setenv("MASSLINE_DATA", str(data))
+    path = tmp_path / "bridge.toml"
+    path.write_text(BRIDGE, encoding="utf-8")
+    assert examine.examine(path).findings == ()
+    measured = '[stated]\nfrequencies = ["4.063 Hz", "4.550 Hz", "6.823 Hz", "8.653 Hz", "11.498 Hz"]\n'
+    path.write_text(BRIDGE + measured, encoding="utf-8")
+    assert [one.check for one in examine.examine(path).findings] == ["frequencies"]
+
+
 def test_two_faults_are_both_found(whole: dict[str, Sample], tmp_path: Path) -> None:
     both = whole[BRACKET].spoilt(entry("stiffness", 13, 7, 0.01)).spoilt(by("mass", 9.80665))
     assert [one.check for one in examine.examine(both.write(tmp_path)).findings] == ["symmetry", "unit of mass"]
