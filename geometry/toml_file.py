@@ -321,6 +321,7 @@ SI_UNITS = {
     "moment of inertia": "kg m^2",
     "first moment": "kg m",
     "angle": "rad",
+    "frequency": "Hz",
     "ratio": "1",
     "area": "m^2",
     "second moment of area": "m^4",

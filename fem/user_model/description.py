@@ -44,11 +44,14 @@ class Stated:
     mass : [kg], None when not stated
     mass_tolerance : [kg], zero when none was stated
     cog : (3,) [m] in the model's frame, None when not stated
+    frequencies : (m, 2) [Hz] eigenfrequencies as another program gives them, ascending, each with its tolerance (zero where
+        none was stated)
     """
 
     mass: float | None = None
     mass_tolerance: float = 0.0
     cog: Array | None = None
+    frequencies: Array = field(default_factory=lambda: np.zeros((0, 2)))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -179,17 +182,24 @@ def _file(table: Mapping[str, Any], key: str, source: str, path: Path) -> Path |
 
 def _stated(value: Any, units: UnitSystem, source: str) -> Stated:
     table = toml_file.require_table(value, source=source, where="stated")
-    toml_file.require_known(table, ("mass", "cog"), source=source, where="stated")
-    if table and not units.known:
+    toml_file.require_known(table, ("mass", "cog", "frequencies"), source=source, where="stated")
+    if {"mass", "cog"} & table.keys() and not units.known:
         problem = "cannot be compared with matrices whose units are not known"
         raise BadInput(source=source, field="stated", problem=problem, remedy="Name their system in fe_model.units")
     cog = parts.point(table["cog"], units, source, "stated.cog") if "cog" in table else None
+    where, listed = "stated.frequencies", table.get("frequencies", [])
+    if not isinstance(listed, list):
+        raise _wrong(listed, "a list of frequencies with their unit", source, where, 'Write it like ["118.2 Hz", "227 +/- 1 Hz"]')
+    each = [quantity(one, "frequency", source=source, field=where) for one in listed]
+    frequencies = np.array(sorted((one.nominal_value, one.std_dev) for one in each), dtype=np.float64).reshape(-1, 2)
+    if np.any(frequencies[:, 0] <= 0):
+        raise _wrong(listed, "positive", source, where, "Leave out the rigid motions of a free structure, which are at 0 Hz")
     if "mass" not in table:
-        return Stated(cog=cog)
+        return Stated(cog=cog, frequencies=frequencies)
     mass = quantity(table["mass"], "mass", source=source, field="stated.mass")
     if mass.nominal_value <= 0:
         raise _wrong(table["mass"], "positive", source, "stated.mass", "Give the mass of the whole structure")
-    return Stated(mass=float(mass.nominal_value), mass_tolerance=float(mass.std_dev), cog=cog)
+    return Stated(mass=float(mass.nominal_value), mass_tolerance=float(mass.std_dev), cog=cog, frequencies=frequencies)
 
 
 def _wrong(found: Any, wanted: str, source: str, where: str, remedy: str) -> BadInput:

@@ -408,22 +408,13 @@ def _require_stated_on_the_ground(found: Structure, description: Description) ->
     require_stated_mass(mass, description, CLAMPED)
 
 
-def _factored(contents: Contents, name: str, A: Sparse, free: Integers, dofs: DofMap, support: str = "base") -> Factored:
-    """L D L^T of A of the free degrees of freedom, when it is positive definite."""
+def factored(A: Sparse) -> Factored:
+    """L D L^T of A, symmetric with a positive diagonal, whatever the signs of its pivots."""
     from scipy.sparse import csc_array, diags_array
     from scipy.sparse.linalg import splu
 
-    diagonal = A.diagonal()
-    empty = np.flatnonzero(diagonal <= 0)
-    if empty.size:
-        worst = empty[np.argmin(diagonal[empty])]
-        what = f"{empty.size} degree(s) of freedom without {name}" if diagonal[worst] == 0 else f"a negative {name}"
-        problem = (
-            f"is not positive definite: {what}, such as {dofs.name(free[worst])}, {diagonal[worst]:.6g} [SI] on the diagonal"
-        )
-        raise contents.refused(name, problem, _REMEDIES[name])
-    # L D L^T; where a pivot is exactly zero, which one it is, is found with a little added to the diagonal
-    scale = 1 / np.sqrt(diagonal)
+    # Where a pivot is exactly zero, which one it is, is found with a little added to the diagonal
+    scale = 1 / np.sqrt(A.diagonal())
     S = diags_array(scale)
     B = csc_array(S @ A @ S)
     options: dict[str, Any] = {"SymmetricMode": True}
@@ -435,7 +426,21 @@ def _factored(contents: Contents, name: str, A: Sparse, free: Integers, dofs: Do
     zero = np.flatnonzero(np.abs(pivots) <= SINGULAR)
     columns = np.argsort(lu.perm_c)
     negative = int(np.count_nonzero(pivots < -SINGULAR))
-    factor = Factored(solve=lambda b: scale[:, None] * lu.solve(scale[:, None] * b), negative=negative, zero=columns[zero])
+    return Factored(solve=lambda b: scale[:, None] * lu.solve(scale[:, None] * b), negative=negative, zero=columns[zero])
+
+
+def _factored(contents: Contents, name: str, A: Sparse, free: Integers, dofs: DofMap, support: str = "base") -> Factored:
+    """L D L^T of A of the free degrees of freedom, when it is positive definite."""
+    diagonal = A.diagonal()
+    empty = np.flatnonzero(diagonal <= 0)
+    if empty.size:
+        worst = empty[np.argmin(diagonal[empty])]
+        what = f"{empty.size} degree(s) of freedom without {name}" if diagonal[worst] == 0 else f"a negative {name}"
+        problem = (
+            f"is not positive definite: {what}, such as {dofs.name(free[worst])}, {diagonal[worst]:.6g} [SI] on the diagonal"
+        )
+        raise contents.refused(name, problem, _REMEDIES[name])
+    factor = factored(A)
     if factor.negative:
         problem = f"is not positive definite {_HELD[support]}: it has {factor.negative} negative eigenvalue(s)"
         raise contents.refused(name, problem, _REMEDIES[name])

@@ -199,31 +199,42 @@ def load(path: str | Path) -> UsersModel:
             made = frame.structure(told, str(path))
             losses = Damping(loss_factors=made.loss_factors) if made.loss_factors else None
             return UsersModel(name=str(told.get("name", path.stem)), model=made, damping=losses)
-        description = read_description(path)
-        if description.file is None:
-            problem = f"is missing: the data are {', '.join(DATA_ENDINGS)}"
-            raise BadInput(source=str(path), field="fe_model.file", problem=problem, remedy='Add file = "..."')
-        contents = _contents(description.file, description)
-    else:
-        _require_file(path)
-        if path.suffix.lower() in nastran.ENDINGS:
-            description = _beside(path)
-            contents = _contents(path, description)
-        else:
-            contents = read_npz(path) if path.suffix.lower() == ".npz" else read_hdf5(path)
-            if contents.description is None:
-                description = _beside(path)
-                _require_digest(path, description)
-            else:
-                source = f"{path}, description"
-                description = parse(toml_file.parse(contents.description, source), source, path)
-            _require_not_nastrans(path, description)
+    contents, description = opened(path)
     if description.kind == "modal":
         return UsersModel(name=description.name, model=matrices.modes(contents, description), units=description.units)
     structure, viscous, said = matrices.structure(contents, description)
     damped = viscous is not None or bool(structure.loss_factors)
     damping = Damping(loss_factors=structure.loss_factors, viscous=viscous) if damped else None
     return UsersModel(name=description.name, model=structure, damping=damping, units=description.units, notes=tuple(said))
+
+
+def opened(path: str | Path) -> tuple[Contents, Description]:
+    """The arrays of the model in `path` and what describes them, before anything is made of them.
+
+    Raises
+    ------
+    BadInput : no such file, not readable, without a description, or one that is not understood.
+    """
+    path = Path(path)
+    if path.suffix.lower() == ".toml":
+        description = read_description(path)
+        if description.file is None:
+            problem = f"is missing: the data are {', '.join(DATA_ENDINGS)}"
+            raise BadInput(source=str(path), field="fe_model.file", problem=problem, remedy='Add file = "..."')
+        return _contents(description.file, description), description
+    _require_file(path)
+    if path.suffix.lower() in nastran.ENDINGS:
+        description = _beside(path)
+        return _contents(path, description), description
+    contents = read_npz(path) if path.suffix.lower() == ".npz" else read_hdf5(path)
+    if contents.description is None:
+        description = _beside(path)
+        _require_digest(path, description)
+    else:
+        source = f"{path}, description"
+        description = parse(toml_file.parse(contents.description, source), source, path)
+    _require_not_nastrans(path, description)
+    return contents, description
 
 
 def _beside(path: Path) -> Description:

@@ -16,7 +16,7 @@ from scipy.sparse import csc_array, csr_array
 from fem.dynamic_mass import direct, modal
 from fem.modes import Modes, fixed_base
 from fem.structure import Structure
-from fem.user_model import reading
+from fem.user_model import examine, reading
 from fem.user_model.units import UnitSystem, unit_system
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput
@@ -257,6 +257,10 @@ def test_nastrans_superelement_weighs_what_nastran_printed(superelement: Path) -
     S = found.rigid_mass[3:, :3] / mass
     assert_allclose([S[2, 1], S[0, 2], S[1, 0]], cog, rtol=1e-6)
     assert len(found.held) == 24
+
+
+def test_the_doctor_finds_nothing_in_nastrans_superelement(superelement: Path) -> None:
+    assert examine.examine(superelement / "inboard.op4").findings == ()
 
 
 def test_nastrans_superelement_oscillates_as_its_modal_coordinates_say(superelement: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import runpy
 from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
@@ -142,3 +143,42 @@ def test_every_key_is_on_the_page() -> None:
 def test_every_correction_is_on_the_page() -> None:
     for family in CORRECTIONS:
         assert f"`{family}`" in PAGE, family
+
+
+def test_a_model_of_ones_own_is_examined(run: Run, root: Path) -> None:
+    runpy.run_path(str(root / "examples" / "own_model.py"))["write"](Path("own"))
+    code, printed, said = run("model", "--examine", "own/bracket.npz")
+    assert code == 0
+    assert "nothing is wrong with it" in printed
+    with np.load("own/bracket.npz") as file:
+        arrays = dict(file)
+    arrays["coordinates"][4, 0] += 5.0
+    np.savez("own/slipped.npz", **arrays)
+    code, printed, said = run("model", "--examine", "own/slipped.npz")
+    assert code == 1
+    assert "1 finding, the first is node place" in said
+    for words in ("node 105", "where", "how much", "to do", "Correct its coordinates"):
+        assert words in printed
+    code, printed, _ = run("model", "--examine", "--json", "own/slipped.npz")
+    found = json.loads(printed)
+    assert (code, found["sound"]) == (1, False)
+    assert [one["check"] for one in found["findings"]] == ["node place"]
+    assert set(found["findings"][0]) == {"check", "what", "where", "amount", "remedy"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--examine", "nowhere.npz"), "there is no such file"),
+        (("--examine", "broken.npz"), "cannot be read"),
+        (("--examine", "story.toml"), "no finite-element model"),
+        (("--examine", "broken.npz", "--out", "lab.toml"), "writes no file"),
+        (("--json", "fmd"), "Use it with --examine"),
+    ],
+)
+def test_what_cannot_be_examined_is_refused(run: Run, arguments: tuple[str, ...], words: str) -> None:
+    Path("broken.npz").write_bytes(b"PK and no more")
+    Path("story.toml").write_text("format = 1\n")
+    code, _, said = run("model", *arguments)
+    assert code == 2
+    assert words in said

@@ -1,0 +1,60 @@
+"""The answer of `massline model --examine`: what is wrong with a user's finite-element model, in words and with where."""
+
+from pathlib import Path
+
+import click
+
+from fem.user_model import examine, reading
+from geometry.errors import BadInput, CheckFailed
+from validation.output import print_json, shown, to_json
+from validation.report.document import Column, Document, Table
+
+
+def answer(path: str, *, as_json: bool) -> None:
+    """Print what is wrong with the model in `path`.
+
+    Raises
+    ------
+    BadInput : it is no model, or cannot be read at all.
+    CheckFailed : something is wrong with it.
+    """
+    if not Path(path).exists() or not reading.is_model(path):
+        problem = "there is no such file" if not Path(path).exists() else "it is no finite-element model"
+        remedy = f"Name one of {', '.join(reading.DATA_ENDINGS)}, or a description (.toml with [fe_model])"
+        raise BadInput(source=path, problem=problem, remedy=remedy)
+    with shown(f"examining {path}", quiet=as_json):
+        found = examine.examine(path)
+    if as_json:
+        print_json({**to_json(found), "sound": not found.findings})
+    else:
+        click.echo(document(found).text(), nl=False)
+    if found.findings:
+        raise CheckFailed(verdict(found), findings=found.findings)
+
+
+def document(found: examine.Examination) -> Document:
+    """What was found, each with where, how much and what to do; causes first."""
+    columns = (
+        Column("", lambda row: row[0], words=True),
+        Column("finding", lambda row: row[1], words=True),
+        Column("", lambda row: row[2], words=True),
+    )
+    rows = []
+    for k, one in enumerate(found.findings, start=1):
+        rows.append((str(k), one.check, f"{one.what}."))
+        told = (("where", one.where), ("how much", one.amount), ("to do", one.remedy))
+        rows += [("", head, f"{words}.") for head, words in told if words]
+    return Document(
+        title=f"{found.name}: {found.kind} in {found.source}",
+        opening=[f"{'; '.join(found.facts)}."] if found.facts else [],
+        blocks=(Table(caption="What is wrong", columns=columns, rows=rows),),
+        notes=[*(f"{words}." for words in found.unexamined), *([] if found.findings else [verdict(found)])],
+    )
+
+
+def verdict(found: examine.Examination) -> str:
+    """One sentence."""
+    many = len(found.findings)
+    if not many:
+        return f"{found.source}: nothing is wrong with it."
+    return f"{found.source}: {many} finding{'s' if many > 1 else ''}, the first is {found.findings[0].check}."
