@@ -372,7 +372,6 @@ class RunPicture:
 def excite_json(made: PreparedRuns, outcomes: Sequence[Outcome], files: Sequence[Sequence[Path]]) -> dict[str, Any]:
     """The JSON object of `massline excite`, a stable contract; `files` were written for each run."""
     question, rig, modes = made.question, made.mounted.rig, made.modes
-    drive = question.drive
     return {
         "article": question.article,
         "model": None if made.mounted.model is None else made.mounted.model.model,
@@ -381,14 +380,7 @@ def excite_json(made: PreparedRuns, outcomes: Sequence[Outcome], files: Sequence
         "exudyn": None if made.route.name == LINEAR else exudyn_version(),
         "about": "article" if made.about_article else "F",
         "sampling_rate_hz": question.rate,
-        "drive": {
-            "pattern": drive.pattern,
-            "band_hz": list(drive.band),
-            "octaves_per_minute": drive.octaves_per_minute,
-            "level": drive.level,
-            "cross": drive.cross,
-            "seed": drive.seed,
-        },
+        "drive": to_json(question.drive),
         "rig": {
             "text": list(rig_text(made.mounted, modes)),
             "linear": rig.linear,

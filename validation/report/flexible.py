@@ -129,21 +129,22 @@ def modes_document(model: Flexible) -> Document:
 def modes_json(model: Flexible) -> dict[str, Any]:
     """The object of the output contract, effective masses [kg, kg m²] about the reference point."""
     modes = model.modes
-    base = {} if model.structure is None else {"effective_mass_of_all_modes": movable(model.structure).tolist()}
-    return {
+    base = {} if model.structure is None else {"effective_mass_of_all_modes": movable(model.structure)}
+    found = {
         "article": model.article,
         "model": model.model,
-        "frequency_hz": modes.frequency.tolist(),
-        "damping_ratio": modes.damping_ratio.tolist(),
-        "effective_mass": modes.effective_mass.tolist(),
-        "effective_mass_unit": list(UNITS),
-        "reference_point_mm": (1e3 * modes.reference_point).tolist(),
-        "rigid_mass": np.diag(modes.rigid_mass).tolist(),
+        "frequency_hz": modes.frequency,
+        "damping_ratio": modes.damping_ratio,
+        "effective_mass": modes.effective_mass,
+        "effective_mass_unit": UNITS,
+        "reference_point_mm": 1e3 * modes.reference_point,
+        "rigid_mass": np.diag(modes.rigid_mass),
         **base,
-        "what_moves": [{"text": what.text, "kinetic_energy_share": what.moving} for what in words(model)],
-        "published": [{"says": c.says, "found": c.found, "holds": c.holds} for c in claims(model.article, modes.frequency)],
-        "notes": list(model.notes),
+        "what_moves": words(model),
+        "published": claims(model.article, modes.frequency),
+        "notes": model.notes,
     }
+    return {key: output.to_json(value) for key, value in found.items()}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -222,17 +223,18 @@ class ModesBeside:
     def json(self) -> dict[str, Any]:
         """What `massline modes --against --json` says beyond the first model."""
         found = self.found
-        return {
+        figures = {
             "model": found.second.model,
-            "frequency_hz": found.second.modes.frequency.tolist(),
-            "effective_mass": found.second.modes.effective_mass.tolist(),
-            "partner": [None if k < 0 else int(k) for k in found.partner],
-            "difference_percent": [None if np.isnan(d) else 100 * float(d) for d in found.difference],
-            "mac": found.mac.tolist(),
-            "cluster": found.cluster.tolist(),
-            "mac_of_space": found.space.tolist() if found.mac.size else None,
+            "frequency_hz": found.second.modes.frequency,
+            "effective_mass": found.second.modes.effective_mass,
+            "partner": [None if k < 0 else k for k in found.partner],
+            "difference_percent": 100 * found.difference,
+            "mac": found.mac,
+            "cluster": found.cluster,
+            "mac_of_space": found.space if found.mac.size else None,
             "text": " ".join(self.said),
         }
+        return {key: output.to_json(value) for key, value in figures.items()}
 
 
 def _percent(share: float) -> str:
