@@ -461,7 +461,7 @@ SAMPLES = 10 * LEAST_SAMPLES
 """Samples a cycle of such a run."""
 
 Watched = Callable[[str], AbstractContextManager[Callable[[float], None] | None]]
-"""Given what is being simulated, a block that shows how far it has come: `validation.output.percent`."""
+"""Given what is being simulated, a block that shows how far it has come: `validation.output.share_done`."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -17,8 +17,9 @@ from validation.classical.pendulum import CompoundSwing, RecordedSwing, RopeSwin
 from validation.diagnose.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN, Detectable, MeasurementInput, Needed
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS, PENDULUM, PERIOD_STAGE, SizeSpec
-from validation.effects.practical_units import said, significant
+from validation.effects.practical_units import said
 from validation.model.model import Added
+from validation.output import significant
 from validation.prediction import classical_facts
 from validation.prediction.classical_facts import WEIGHED, ArticleFact, covariance
 

@@ -14,7 +14,7 @@ from validation.estimation.problem import Evaluation, Fit, Parameter, Problem
 from validation.estimation.screening import ScoreTest
 from validation.estimation.verdicts import expected_z2, largest_z, misfit
 from validation.model.model import Added
-from validation.output import derived, entry, unwritten
+from validation.output import derived, entry, unwritten, with_unit
 
 NOTHING, MISSING, AMBIGUOUS, SEVERAL, UNKNOWN, NONLINEAR, MISTAKE = VERDICTS = (
     "nothing",
@@ -558,8 +558,8 @@ def sized(of: Cause, size: EffectEstimate) -> str:
     value, low, high, unit = interval(of, size)
     key = f"{size.key} " if size.key else ""
     if size.low == size.high:
-        return key + practical_units.with_unit(value, unit)
-    return f"{key}{practical_units.with_unit(value, unit)} ({low} to {high})"
+        return key + with_unit(value, unit)
+    return f"{key}{with_unit(value, unit)} ({low} to {high})"
 
 
 def interval(of: Cause, size: EffectEstimate) -> tuple[str, str, str, str]:

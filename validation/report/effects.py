@@ -12,8 +12,7 @@ from geometry.errors import BadInput
 from geometry.toml_file import nearest
 from validation.effects import effect
 from validation.effects.catalogue import FAMILIES, SOURCES, parse
-from validation.output import to_json
-from validation.reference.statement import NONE
+from validation.output import NONE, to_json, with_unit
 from validation.report.document import Grid, markdown_escaped, page, pipes
 
 DOES: Mapping[str, str] = MappingProxyType(
@@ -76,8 +75,7 @@ def sizes(family: effect.Family) -> tuple[effect.SizeSpec, ...]:
 
 def limits(size: effect.SizeSpec) -> str:
     """``m: 1e-06 to 100 kg``"""
-    unit = "" if size.unit == "1" else f" {size.unit}"
-    said = f"{size.low:g} or {size.high:g}" if size.whole else f"{size.low:.3g} to {size.high:.3g}{unit}"
+    said = f"{size.low:g} or {size.high:g}" if size.whole else with_unit(f"{size.low:.3g} to {size.high:.3g}", size.unit)
     return _of(size, said)
 
 
