@@ -39,9 +39,9 @@ ROUGHLY = 1.0
 STEPS = 6
 """[count] of evaluations that such a stage may take. Exercised by tests/validation/engine/test_fit.py."""
 
-STAGE_STRIDE = 3
-"""[count] Such a stage takes every third line, where that leaves enough: its minimum need not be sharp. Exercised by
-tests/validation/engine/test_fit.py."""
+STRIDE = 3
+"""[count] Every third line is taken by such a stage, where that leaves enough: its minimum need not be sharp; and by errors that
+must be told quickly. Held by tests/validation/engine/test_fit.py."""
 
 RESTARTS = 6
 """[count] of times that a descent which did not end by itself begins again where it stopped. Exercised by
@@ -101,7 +101,7 @@ def annealed(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MO
     ------
     CheckFailed : the model breaks down where it begins.
     """
-    found, sparse = dict(offsets), cost.problem.sparser(STAGE_STRIDE)
+    found, sparse = dict(offsets), cost.problem.sparser(STRIDE)
     stages = [(floor, False) for floor in COARSE if floor > cost.floor] + [(floor, True) for floor in FINE if floor > cost.floor]
     for done, (floor, everything) in enumerate(stages):
         moving = tuple(one for one in cost.free if everything or one.kind not in (SENSOR, STRUCTURAL))

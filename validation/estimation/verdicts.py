@@ -33,8 +33,8 @@ NOTICED = 1.05
 tests/validation/comparing/test_maps_and_spots.py."""
 
 UNLIKELY = 1e-3
-"""[probability] of a sum of z² below which tolerances are absurd. Exercised by
-tests/validation/comparing/test_maps_and_spots.py."""
+"""[probability] of a sum of squares below which it is no chance: tolerances are absurd, or an explanation explains too little.
+Held by tests/validation/diagnosing/test_classical.py."""
 
 ABSURD = 4.0
 """[sd] of one tolerance that no careful laboratory has. Exercised by tests/validation/comparing/test_maps_and_spots.py."""
