@@ -222,7 +222,7 @@ class Vocabulary:
 @cache
 def built_in_places() -> tuple[str, ...]:
     """Every named place of any built-in article that can stand on the FMD."""
-    from geometry.articles.locations import locations
+    from geometry.articles import locations
 
     return tuple(dict.fromkeys(place for article in ("clumod-4", "cuboid", "disc") for place in locations(article)))
 

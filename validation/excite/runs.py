@@ -204,8 +204,7 @@ class PreparedRuns:
 
             return driven_run.respond(self.mounted.rig, motion, keep_coordinates=keep, progress=progress)
         from fem.exudyn import large_motion
-        from geometry.articles import changes_of
-        from geometry.articles.locations import locations
+        from geometry.articles import changes_of, locations
 
         question = self.question
         changes = changes_of(question.article, question.asked.changes)
