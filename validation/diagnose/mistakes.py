@@ -195,14 +195,14 @@ PLUG_PENALTY = 6.0
 """[nats] Prior penalty of a channel that reads another's plug. Exercised by tests/validation/diagnosing/test_mistakes.py."""
 
 SURE = 20.0
-"""[nats] below which a mistake is none; also what one campaign must have against a mistake of another to contradict it. Exercised
-by tests/validation/diagnosing/test_mistakes.py."""
+"""[nats] below which a mistake is none; also what one campaign must have against a mistake of another to contradict it. Held by
+tests/validation/diagnosing/test_mistakes.py."""
 
 USUAL = 2.5
-"""[factor] Nearer to 1 than this a factor is a gain. Exercised by tests/validation/diagnosing/test_mistakes.py."""
+"""[factor] Nearer to 1 than this a factor is a gain. Held by tests/validation/diagnosing/test_mistakes.py."""
 
 SNAP = 0.2
-"""[log] How far the factor that fits best may lie from that of a unit to be it. Exercised by
+"""[log] How far the factor that fits best may lie from that of a unit to be it. Held by
 tests/validation/diagnosing/test_mistakes.py."""
 
 

@@ -116,7 +116,7 @@ Runs = Mapping[str, tuple[str, ...]]
 NOBODY: Runs = MappingProxyType({})
 
 SHORTEST = 1.0
-"""[Hz] that a block of frequencies is at least. Exercised by tests/validation/engine/test_hold_out.py."""
+"""[Hz] that a block of frequencies is at least. Held by tests/validation/engine/test_hold_out.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

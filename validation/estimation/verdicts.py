@@ -17,16 +17,16 @@ from validation.output import derived, entry, percent, two_digits
 GOOD, DOUBTFUL, FAILED = VERDICTS = ("good", "doubtful", "failed")
 
 STANDS_OUT = 4.0
-"""[sd] from which a spot is no chance: of a series within its tolerances the worst of all cells reaches about three. Exercised by
+"""[sd] from which a spot is no chance: of a series within its tolerances the worst of all cells reaches about three. Held by
 tests/validation/comparing/test_maps_and_spots.py."""
 
 MISFIT = 1.5
-"""[chi²/dof] from which data and model contradict each other, whatever the tolerances. Exercised by
-tests/validation/comparing/test_maps_and_spots.py."""
+"""[chi²/dof] from which data and model contradict each other, whatever the tolerances. Held by
+tests/validation/comparing/test_shown.py."""
 
 MORE = 1.5
 """[factor] on the larger of what measurement tolerances explain and the error on fitted data, from which an error on held-out
-data is too large. Exercised by tests/validation/comparing/test_maps_and_spots.py."""
+data is too large. Held by tests/validation/comparing/test_shown.py."""
 
 NOTICED = 1.05
 """[factor] on what measurement tolerances explain, from which those of the modes are worth a word. Exercised by
