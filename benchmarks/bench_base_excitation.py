@@ -20,8 +20,7 @@ from fem.beam import articles
 from fem.damping import Damping
 from fem.exudyn import driven_run, large_motion
 from fem.modes import fixed_base
-from geometry.articles import built_in
-from geometry.articles.locations import locations
+from geometry.articles import built_in, locations
 from geometry.routes import inertia
 
 ARTICLE, MODES, RATE = "clumod-1", 10, 8192.0

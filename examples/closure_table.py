@@ -18,11 +18,11 @@ from rich.console import Console
 from geometry.frames import Pose
 from geometry.inertia import Inertia
 from validation.flexible.model import FlexibleOptions, flexible
-from validation.output import shown
+from validation.output import NONE, fixed, rounded, shown
 from validation.reference.published import published
 from validation.reference.reference import ArticleOptions, read_result, reference, route_statement
-from validation.reference.statement import NONE, QUANTITIES, Stated, Statement, rounded
-from validation.report.document import Grid, aligned, grid_number, page
+from validation.reference.statement import QUANTITIES, Stated, Statement
+from validation.report.document import Grid, aligned, page
 
 # What CAD, exudyn, a pendulum, identification and print say about one article, in one row each.
 #
@@ -124,7 +124,7 @@ def _value(said: Statement, k: int) -> str:
     tolerance = (stated.tolerance or 0.0) * scale
     if tolerance and said.tolerance_note == INTERVALS:
         return f"{rounded(stated.value * scale, tolerance)} ± {rounded(tolerance, tolerance)}"
-    return grid_number(stated.value * scale, DECIMALS[k] if stated.decimals is None else stated.decimals)
+    return fixed(stated.value * scale, DECIMALS[k] if stated.decimals is None else stated.decimals)
 
 
 def _from(cad: Statement) -> Callable[[Statement, int], str]:

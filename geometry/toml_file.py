@@ -152,6 +152,11 @@ def _too_deep(source: str) -> BadInput:
     return BadInput(source=source, problem=problem, remedy="Check its brackets and dots")
 
 
+def string(value: str) -> str:
+    """`value` as a basic string of TOML: JSON's escapes are TOML's, but for one character that JSON leaves as it is."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
 # Tables of a user's file, checked at the door: no key that nobody reads, none missing, and the nearest name suggested.
 
 

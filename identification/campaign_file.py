@@ -7,7 +7,6 @@
 The contract is the page "campaign format" of the project's shared documents; `docs/campaigns.md` tells it to a user.
 """
 
-import json
 import os.path
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -24,7 +23,7 @@ from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose, rotation_about
 from geometry.sensors import GROUPS, SI, Channel, ChannelTable, Place
-from geometry.toml_file import doubts, length_unit, nearest
+from geometry.toml_file import doubts, length_unit, nearest, string
 from identification import campaign as campaigns
 from identification.campaign import named
 from identification.files import files
@@ -407,7 +406,7 @@ def text(campaign: campaigns.Campaign) -> str:
     """
     blocks: list[tuple[str, Lines]] = []
     about = [(key, getattr(campaign, key)) for key in ("title", "article", "hardware", "notes")]
-    blocks.append(("[campaign]", [(key, _string(value)) for key, value in about if value]))
+    blocks.append(("[campaign]", [(key, string(value)) for key, value in about if value]))
     if campaign.mounting is not None:
         R = campaign.mounting.rotation
         if abs(R[2, 2] - 1) > ROUNDING:
@@ -422,12 +421,12 @@ def text(campaign: campaigns.Campaign) -> str:
         held = of.method == "peak-reference-hold"
         blocked = [("block_size", str(of.block_size)), ("overlap", _number(of.overlap))] if held else []
         grid = f"{{ start = {_number(of.start)}, stop = {_number(of.stop)}, step = {_number(of.step)} }}"
-        blocks.append(("[processing]", [("method", _string(of.method)), *blocked, ("frequency", grid)]))
+        blocks.append(("[processing]", [("method", string(of.method)), *blocked, ("frequency", grid)]))
     blocks += [("[[channel]]", _channel(channel)) for channel in campaign.table.channels]
     for run in campaign.runs:
-        lines = [(key, _string(value)) for key in ("name", "file", "axis") if (value := getattr(run, key)) or key != "axis"]
+        lines = [(key, string(value)) for key in ("name", "file", "axis") if (value := getattr(run, key)) or key != "axis"]
         if run.excitation is not None:
-            figures = {"kind": _string(run.excitation.kind)}
+            figures = {"kind": string(run.excitation.kind)}
             for key, value in run.excitation.figures.items():
                 figures[key] = _numbers(value) if isinstance(value, tuple) else _number(value)
             lines.append(("excitation", "{ " + ", ".join(f"{key} = {value}" for key, value in figures.items()) + " }"))
@@ -440,7 +439,7 @@ Lines = list[tuple[str, str]]
 
 
 def _channel(channel: Channel) -> Lines:
-    lines = [(key, _string(getattr(channel, key))) for key in ("name", "quantity", "unit", "group")]
+    lines = [(key, string(getattr(channel, key))) for key in ("name", "quantity", "unit", "group")]
     if channel.is_sum:
         cells = "".join(
             f"  {{ position = {position}, direction = {direction} }},\n"
@@ -461,11 +460,6 @@ def _channel(channel: Channel) -> Lines:
 
 def _place_text(place: Place) -> tuple[str, str]:
     return _numbers(place.position), _numbers(place.direction)
-
-
-def _string(value: str) -> str:
-    """A basic string of TOML: JSON's escapes are TOML's, but for one character that JSON leaves as it is."""
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _number(value: float) -> str:

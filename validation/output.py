@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass
 from functools import cache
-from math import isfinite
+from math import floor, isfinite, log10
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import TYPE_CHECKING, Any, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -320,6 +320,64 @@ def _tried(attempt: Callable[[Path], None], path: Path, option: str) -> None:
         raise BadInput(source=option, problem=problem, remedy=remedy) from None
 
 
+# Numbers as pages have them: which digits mean something, and the unit behind them.
+
+NONE = "–"
+"""Where there is no number."""
+
+SMALL, LARGE = 1e-6, 1e7
+"""Outside of these a figure has an exponent: its zeros would have to be counted."""
+
+SIGNIFICANT = 6
+"""Digits of a number that nobody rounded."""
+
+MANY = 6
+"""Decimals beyond which zeros would be counted."""
+
+
+def significant(value: float, digits: int) -> str:
+    """`value` rounded to `digits` significant digits, without an exponent where that reads well."""
+    if value == 0 or not isfinite(value):
+        return f"{value:g}"
+    decimals = digits - 1 - floor(log10(abs(float(f"{value:.{digits - 1}e}"))))
+    return f"{value:.{digits - 1}e}" if decimals > MANY else f"{round(value, decimals):.{max(decimals, 0)}f}"
+
+
+def two_digits(value: float) -> str:
+    """`value` with two digits that mean something, all of those before the point, and no exponent of what is large."""
+    return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
+
+
+def percent(value: float) -> str:
+    """`value` with three digits, and no exponent of what is large."""
+    return f"{value:.0f} %" if value >= 100 else f"{value:.3g} %"
+
+
+def fixed(value: float, decimals: int) -> str:
+    """`value` with `decimals`, or six significant digits and an exponent beyond `LARGE`; zero has no sign."""
+    if abs(value) >= LARGE or decimals >= 2 * SIGNIFICANT:  # the largest of its kind is too small to do without an exponent
+        return f"{value:.{SIGNIFICANT - 1}e}" if abs(value) >= 0.5 * 10.0**-decimals else "0"
+    text = f"{value:.{decimals}f}"
+    return text.lstrip("-") if float(text) == 0 else text
+
+
+def rounded(value: float | None, tolerance: float | None) -> str:
+    """`value` with the digits that `tolerance` leaves it: two of the tolerance's, or six significant ones without any."""
+    if value is None:
+        return NONE
+    if not tolerance:
+        return f"{value:.{SIGNIFICANT}g}"
+    decimals = 1 - floor(log10(tolerance))
+    if SMALL <= max(abs(value), tolerance) < LARGE:
+        return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}"
+    return f"{value:.{max(floor(log10(abs(value))) + decimals, 0)}e}" if value else "0"
+
+
+def with_unit(text: str, unit: str) -> str:
+    """A figure and its unit, which a ratio has not; a degree follows at once."""
+    return text + (unit if unit == "°" else "" if unit in ("", "1") else f" {unit}")
+
+
 # Progress on standard error for work over a second: what is being done now, silent where nobody watches.
 
 
@@ -344,7 +402,7 @@ def counted(items: Iterable[str], words: str, *, quiet: bool = False) -> Iterato
 
 
 @contextmanager
-def percent(words: str, *, quiet: bool = False) -> Iterator[Callable[[float], None]]:
+def share_done(words: str, *, quiet: bool = False) -> Iterator[Callable[[float], None]]:
     """Show `words` with the share done while the block runs, as `shown` does; it is told by calling what the block is given."""
     if quiet or not sys.stderr.isatty():
         yield lambda share: None

@@ -12,7 +12,7 @@ from functools import cache
 from itertools import product
 from math import exp, pi
 
-from geometry.articles.locations import locations
+from geometry.articles import locations
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import ACCELERATIONS, FORCES, STRUCTURE, Family, Vocabulary
 

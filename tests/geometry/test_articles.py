@@ -29,9 +29,8 @@ from geometry.article import (
     stacked,
     upright,
 )
-from geometry.articles import NAMES, SETUPS, built_in
+from geometry.articles import NAMES, SETUPS, built_in, locations, seats
 from geometry.articles import parts as articles_parts
-from geometry.articles.locations import locations, seats
 from geometry.articles.parts import build_clumod, load, to_si
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about

@@ -12,8 +12,7 @@ from fem.base_excitation.response import Response
 from fem.base_excitation.rig import LoadCell
 from fem.beam.articles import load_cells
 from geometry.article import material
-from geometry.articles import built_in
-from geometry.articles.locations import locations
+from geometry.articles import built_in, locations
 from geometry.frames import rigid_transformation, rigid_transformation_6
 from geometry.routes import inertia
 from validation.cli import main

@@ -13,8 +13,8 @@ from rich.table import Table
 from rich.text import Text
 
 from validation.classical.files import Item
-from validation.output import PIPED_WIDTH, page_width, print_pages, to_json
-from validation.reference.statement import Row, add_figures, rounded, rows_table
+from validation.output import PIPED_WIDTH, page_width, print_pages, rounded, to_json
+from validation.reference.statement import Row, add_figures, rows_table
 from validation.report.reference import budget_table
 
 CONTRACT = ["quantity", "value", "tolerance", "unit", "reference", "deviation_percent", "within", "dominated_by"]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from geometry.inertia import Inertia
-from validation.output import to_json
+from validation.output import fixed, to_json
 from validation.reference import published
 from validation.reference.reference import ReferenceTable, route_statement
 from validation.reference.statement import QUANTITIES
@@ -82,8 +82,8 @@ def test_no_printed_digit_is_lost_and_decimal_points_line_up(article: str) -> No
 
 
 def test_what_rounds_to_zero_has_no_sign() -> None:
-    assert report_document.grid_number(-1e-9, 2) == "0.00"
-    assert report_document.grid_number(-0.006, 2) == "-0.01"
+    assert fixed(-1e-9, 2) == "0.00"
+    assert fixed(-0.006, 2) == "-0.01"
 
 
 @pytest.mark.parametrize("scale", [1e-13, 1e18])
@@ -99,8 +99,8 @@ def test_what_is_very_large_or_small_has_an_exponent_and_its_points_still_line_u
 
 
 def test_ordinary_figures_of_one_kind_keep_their_decimals_beside_small_ones() -> None:
-    assert report_document.grid_number(8e-7, 7) == "0.0000008"
-    assert report_document.grid_number(9_999_999.0, 1) == "9999999.0"
+    assert fixed(8e-7, 7) == "0.0000008"
+    assert fixed(9_999_999.0, 1) == "9999999.0"
 
 
 def test_the_text_holds_the_same_cells_as_the_grid() -> None:

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import unquote
 
 from geometry.errors import BadInput, CheckFailed
-from validation.app import options, panels, state, workers
+from validation.app import options, panels, state, transfer, workers
 from validation.app.opening import EXAMPLES, LARGEST, MOST, Handed
 from validation.app.options import DOOR_SECRET, NEVER_KEPT, StartOptions
 from validation.app.server import same
@@ -194,7 +194,7 @@ def build(server: Any, folder: Path, opened: StartOptions) -> WindowState:
     server.state.trame__template_error = ENDED
     for name, handler in HANDLERS.items():
         server.controller.trigger(name)(_heard(window, handler))
-    server.controller.on_server_ready.add(lambda **_: window.begin(panels.first(window)))
+    server.controller.on_server_ready.add(lambda **_: window.begin(transfer.first(window)))
     return window
 
 
@@ -299,14 +299,10 @@ async def _another(window: WindowState) -> None:
 
 
 async def _compare(window: WindowState) -> None:
-    from validation.app import panels
-
     state.start(window, workers.COMPARE, panels.stands)
 
 
 async def _diagnose(window: WindowState) -> None:
-    from validation.app import panels
-
     state.start(window, workers.DIAGNOSE, panels.diagnosing_shown)
 
 
@@ -318,8 +314,8 @@ HANDLERS: Mapping[str, Handler] = {
     "enlarge": _enlarge,
     "seen": _seen,
     "another": _another,
-    "example": panels.example,
-    "open": panels.paths,
+    "example": transfer.example,
+    "open": transfer.paths,
     "cancel": state.cancel,
     "compare": _compare,
     "entry": panels.entry,
@@ -337,8 +333,8 @@ HANDLERS: Mapping[str, Handler] = {
     "add": panels.add,
     "undo": panels.undo,
     "rung": panels.go,
-    "report": panels.report,
-    "figures": panels.figures,
+    "report": transfer.report,
+    "figures": transfer.figures,
 }
 """By the name under which the template triggers it."""
 
@@ -369,13 +365,13 @@ def add(app: Any, window: WindowState) -> None:
 
         name = request.match_info["name"]
         try:
-            body, kind = panels.content(window, name)
+            body, kind = transfer.content(window, name)
         except (LookupError, BadInput):
             return web.Response(
                 status=404, text="massline: there is nothing to be saved under this name yet.", headers=NEVER_KEPT
             )
         # Always a download: a report has scripts of its own, which are not this page's.
-        headers = {**NEVER_KEPT, "Content-Disposition": f'attachment; filename="{panels.SAVING_BESIDE.get(name, name)}"'}
+        headers = {**NEVER_KEPT, "Content-Disposition": f'attachment; filename="{transfer.SAVING_BESIDE.get(name, name)}"'}
         return web.Response(body=body, content_type=kind, headers=headers)
 
     async def files(request: web.Request) -> web.Response:
@@ -421,7 +417,7 @@ async def _files(request: web.Request, window: WindowState) -> web.Response:
             files = await _parts(request, Path(folder))
         except ValueError as error:
             return web.Response(status=413, text=f"massline: {error}")
-        await window.told(panels.arrived(window, files))
+        await window.told(transfer.arrived(window, files))
     return web.Response(text="")
 
 

@@ -1,6 +1,5 @@
 """`Setup`: an article, its ropes and its recorder as somebody asks for them, before anything is simulated."""
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
@@ -16,6 +15,7 @@ from geometry.atomic import write_text
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen
 from geometry.inertia import Inertia
+from geometry.toml_file import string
 from validation.classical import pendulum
 from validation.classical.files import read
 from validation.classical.pendulum import LEAST_CYCLES, LEAST_SAMPLES, Decay, rope_amplitude_factor, rope_pendulum
@@ -425,12 +425,12 @@ def write(folder: Path, setup: Setup, run: Swing, signal: Array, decay: Decay) -
         "# What a laboratory would write down beside its record. Run: massline pendulum pendulum.toml",
         "format = 1",
         'kind = "pendulum"',
-        f"title = {_text(setup.article + f' on {s.ropes} ropes, twist simulated')}",
-        f"origin = {_text(f'simulated by exudyn {version}, not measured')}",
+        f"title = {string(setup.article + f' on {s.ropes} ropes, twist simulated')}",
+        f"origin = {string(f'simulated by exudyn {version}, not measured')}",
         f'gravity = "{setup.gravity!r} m/s^2"',
         "",
         "[article]",
-        f"name = {_text(setup.article)}",
+        f"name = {string(setup.article)}",
         f'mass = "{setup.inertia.mass!r} kg"',
         "",
         "[[swing]]",
@@ -446,11 +446,6 @@ def write(folder: Path, setup: Setup, run: Swing, signal: Array, decay: Decay) -
     return folder / MEASUREMENT
 
 
-def _text(words: str) -> str:
-    """`words` as a TOML string."""
-    return json.dumps(words, ensure_ascii=False)
-
-
 # What moves the period away from Eq. 5: every effect alone, each in a short run of its own, and all of them in the record.
 
 
@@ -461,7 +456,7 @@ SAMPLES = 10 * LEAST_SAMPLES
 """Samples a cycle of such a run."""
 
 Watched = Callable[[str], AbstractContextManager[Callable[[float], None] | None]]
-"""Given what is being simulated, a block that shows how far it has come: `validation.output.percent`."""
+"""Given what is being simulated, a block that shows how far it has come: `validation.output.share_done`."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -328,7 +328,7 @@ def swing_command(
     article. With --out FOLDER the record goes through `massline pendulum FOLDER/pendulum.toml` like any other.
     """
     from validation.classical.swing import OPTIONS, Words, as_option, setup, simulated, write
-    from validation.output import percent, print_json, require_folder, shown
+    from validation.output import print_json, require_folder, share_done, shown
     from validation.report import excite
     from validation.report.scenes.setups import draw_swing, in_the_way
 
@@ -341,7 +341,7 @@ def swing_command(
     for option, folder in folders.items():
         require_folder(folder, option)
     try:
-        found = simulated(question, partial(percent, quiet=as_json))
+        found = simulated(question, partial(share_done, quiet=as_json))
     except BadInput as error:
         raise as_option(error) from None
     record = found.record

@@ -13,8 +13,8 @@ from validation.compare.maps import LENGTHS, Map, NamedMode, Rig, doubt, mapped,
 from validation.estimation import verdicts
 from validation.estimation.evaluate import residuals
 from validation.estimation.problem import Evaluation, Fit, Problem, Share
-from validation.estimation.verdicts import ExplainedError, StatedError, Tolerance, figure
-from validation.output import derived, entry, plain_unit, to_json, unwritten
+from validation.estimation.verdicts import ExplainedError, StatedError, Tolerance
+from validation.output import derived, entry, plain_unit, to_json, two_digits, unwritten
 from validation.prediction.series import SeriesPrediction
 from validation.prediction.structure_tests import StructurePrediction
 from validation.study import Study
@@ -579,8 +579,8 @@ def text(spot: Spot, configurations: int = 2) -> str:
     parts = [
         f"{SENSED.get(spot.row, spot.row)} in {run(spot.run, spot.axis)}{where}",
         f"{low} Hz" if low == high else f"{low}-{high} Hz",
-        f"{figure(spot.sigma)} sigma",
-        f"{figure(spot.percent)} % {share}",
+        f"{two_digits(spot.sigma)} sigma",
+        f"{two_digits(spot.percent)} % {share}",
         *([spot.course] if spot.course else []),
     ]
     # The same row in other runs and data sets

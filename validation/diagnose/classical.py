@@ -17,8 +17,10 @@ from validation.classical.pendulum import CompoundSwing, RecordedSwing, RopeSwin
 from validation.diagnose.diagnosis import AMBIGUOUS, MISSING, NOTHING, SEVERAL, UNKNOWN, Detectable, MeasurementInput, Needed
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS, PENDULUM, PERIOD_STAGE, SizeSpec
-from validation.effects.practical_units import said, significant
+from validation.effects.practical_units import said
+from validation.estimation.verdicts import UNLIKELY
 from validation.model.model import Added
+from validation.output import significant
 from validation.prediction import classical_facts
 from validation.prediction.classical_facts import WEIGHED, ArticleFact, covariance
 
@@ -348,7 +350,7 @@ def answering(
 
 
 DISAGREE = 4.0
-"""[sd] from which two measurements of one quantity contradict each other. Exercised by
+"""[sd] from which two measurements of one quantity, or one and the campaigns, contradict each other. Exercised by
 tests/validation/diagnosing/test_classical.py."""
 
 MASS = "mass"
@@ -558,10 +560,6 @@ ALIAS_CHI2 = 2.0
 LARGE = 3.0
 """[prior sd] up to which a size is possible. Exercised by tests/validation/diagnosing/test_classical.py."""
 
-UNLIKELY = 1e-3
-"""[probability] of a misfit below which an explanation explains too little. Exercised by
-tests/validation/diagnosing/test_classical.py."""
-
 UNKNOWN_BELOW = 1e-5
 """[probability] of a misfit below which the cause is unknown though nothing is worth a name. Exercised by
 tests/validation/diagnosing/test_classical.py."""
@@ -578,7 +576,7 @@ tests/validation/diagnosing/test_classical.py."""
 
 
 PLAUSIBLE = 1.0
-"""[prior sd] up to which an effect is nothing special. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[prior sd] up to which an effect is nothing special: plausible is one. By definition."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -206,7 +206,7 @@ EXPLANATIONS_TOLD_APART = 6
 tests/validation/diagnosing/test_classical.py."""
 
 SURE = 30.0
-"""[nats] beyond which nobody is surer. Exercised by tests/validation/diagnosing/test_classical.py."""
+"""[nats] beyond which nobody is surer. Held by tests/validation/diagnosing/test_classical.py."""
 
 WORTH_WHILE = 1.0
 """[nats] below which a test is not worth the work. Exercised by tests/validation/diagnosing/test_classical.py."""

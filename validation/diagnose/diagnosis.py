@@ -14,7 +14,7 @@ from validation.estimation.problem import Evaluation, Fit, Parameter, Problem
 from validation.estimation.screening import ScoreTest
 from validation.estimation.verdicts import expected_z2, largest_z, misfit
 from validation.model.model import Added
-from validation.output import derived, entry, unwritten
+from validation.output import derived, entry, unwritten, with_unit
 
 NOTHING, MISSING, AMBIGUOUS, SEVERAL, UNKNOWN, NONLINEAR, MISTAKE = VERDICTS = (
     "nothing",
@@ -234,20 +234,51 @@ class ReportedStep:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Diagnosis:
-    """The answer.
+class Answer:
+    """What every answer has, from spectra or from weights and periods.
 
     Attributes
     ----------
     verdict : of `VERDICTS`
-    text : what the sentence of the verdict (`headline`) does not say; empty where it says all
-    accepted : what is missing, in the order of acceptance
+    text : the answer in words
+    accepted : what is missing, in the order of acceptance; without spectra none of several that cannot be told apart
     ranking : all that was tried against the model without the effect that was found last, the best first
     equivalence_class : ids that these data cannot tell apart, the best first; one where there is no doubt. Of several effects
         those of which each could be another; none where there is no doubt
     advice : measurements that would tell them apart, or confirm, the best first
     leftover : of an unknown effect
     detectable : the smallest size at which each effect would have been named
+    """
+
+    verdict: str
+    text: str
+    accepted: tuple[Cause, ...] = ()
+    ranking: tuple[Cause, ...] = ()
+    equivalence_class: tuple[str, ...] = ()
+    advice: tuple[Advice, ...] = ()
+    leftover: Leftover | None = entry("leftover_described", default=None)
+    detectable: tuple[Detectable, ...] = ()
+
+    @property
+    @derived("next_measurement", before="advice")
+    def next_measurement(self) -> str:
+        """The best advice in words; empty where there is none."""
+        return self.advice[0].test if self.advice else ""
+
+    @property
+    @derived("leftover", before="leftover_described")
+    def left(self) -> str | None:
+        """What no effect explains, in words."""
+        return None if self.leftover is None else self.leftover.text
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Diagnosis(Answer):
+    """The answer from spectra.
+
+    Attributes
+    ----------
+    text : what the sentence of the verdict (`headline`) does not say; empty where it says all
     levels : axes that answer differently at two levels
     before, after : the four errors without and with what was accepted; the same where nothing was
     steps : how it was found
@@ -257,14 +288,7 @@ class Diagnosis:
     settings : method, band, limits, lines, version, what was asked; see `validation.diagnose.diagnose`
     """
 
-    verdict: str
     text: str = unwritten()
-    accepted: tuple[Cause, ...] = ()
-    ranking: tuple[Cause, ...] = ()
-    equivalence_class: tuple[str, ...] = ()
-    advice: tuple[Advice, ...] = ()
-    leftover: Leftover | None = entry("leftover_described", default=None)
-    detectable: tuple[Detectable, ...] = ()
     levels: tuple[LevelDifference, ...] = ()
     steps: tuple[ReportedStep, ...] = ()
     hold_out: tuple[str, ...] = entry("held_out", default=())
@@ -279,18 +303,6 @@ class Diagnosis:
     def sentences(self) -> dict[str, str]:
         """What there is to say of it, and the verdict in one sentence, by their keys in JSON."""
         return {"text": self.text or headline(self), "headline": headline(self)}
-
-    @property
-    @derived("next_measurement", before="advice")
-    def next_measurement(self) -> str:
-        """The best advice in words; empty where there is none."""
-        return self.advice[0].test if self.advice else ""
-
-    @property
-    @derived("leftover", before="leftover_described")
-    def left(self) -> str | None:
-        """What no effect explains, in words."""
-        return None if self.leftover is None else self.leftover.text
 
     @property
     @derived("errors", before="detectable")
@@ -409,39 +421,23 @@ class MeasurementInput:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class SwingAnswer:
-    """The answer.
+class SwingAnswer(Answer):
+    """The answer from weights, centres of gravity and periods.
 
     Attributes
     ----------
     title : of the model
     source : the model's file
-    verdict : of `VERDICTS`
-    text : the answer in words
-    accepted : what is missing; of several that these data cannot tell apart none
-    ranking : all that was tried, the best first
-    equivalence_class : ids that these data cannot tell apart, the best first; one where there is no doubt
-    advice : measurements that would tell them apart, the best first
-    leftover : of an unknown effect
-    detectable : the smallest size at which each effect would have been named
+    chi2, measurements : of the model without any effect, and how many numbers were measured
     facts : every measurement beside the model
     needed : by effect the size that would explain the measurements by itself
     readings : inputs that would explain them, were they wrong, the least wrong first
-    chi2, measurements : of the model without any effect, and how many numbers were measured
     remarks : what should be known
     settings : thresholds
     """
 
     title: str = unwritten()
     source: str = unwritten()
-    verdict: str
-    text: str
-    accepted: tuple[Cause, ...] = ()
-    ranking: tuple[Cause, ...] = ()
-    equivalence_class: tuple[str, ...] = ()
-    advice: tuple[Advice, ...] = ()
-    leftover: Leftover | None = entry("leftover_described", default=None)
-    detectable: tuple[Detectable, ...] = ()
     chi2: float
     measurements: int
     facts: tuple[MeasurementComparison, ...] = entry("classical")
@@ -449,18 +445,6 @@ class SwingAnswer:
     readings: tuple[MeasurementInput, ...] = ()
     remarks: tuple[str, ...] = entry("warnings", default=())
     settings: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
-
-    @property
-    @derived("next_measurement", before="advice")
-    def next_measurement(self) -> str:
-        """The best advice in words; empty where there is none."""
-        return self.advice[0].test if self.advice else ""
-
-    @property
-    @derived("leftover", before="leftover_described")
-    def left(self) -> str | None:
-        """What no effect explains, in words."""
-        return None if self.leftover is None else self.leftover.text
 
     @property
     @derived("errors", before="detectable")
@@ -574,8 +558,8 @@ def sized(of: Cause, size: EffectEstimate) -> str:
     value, low, high, unit = interval(of, size)
     key = f"{size.key} " if size.key else ""
     if size.low == size.high:
-        return key + practical_units.with_unit(value, unit)
-    return f"{key}{practical_units.with_unit(value, unit)} ({low} to {high})"
+        return key + with_unit(value, unit)
+    return f"{key}{with_unit(value, unit)} ({low} to {high})"
 
 
 def interval(of: Cause, size: EffectEstimate) -> tuple[str, str, str, str]:

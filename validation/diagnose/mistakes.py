@@ -61,8 +61,8 @@ DISTANT = 0.15
 tests/validation/diagnosing/test_mistakes.py."""
 
 NEAR = 0.25
-"""[share] Distance within which a channel takes part in the final estimate: a gain of two thirds. Held by
-tests/validation/diagnosing/test_mistakes.py."""
+"""[share] Distance, of a gain of two thirds, within which a channel takes part in the final estimate, and a reading is what a
+mistake says. Held by tests/validation/diagnosing/test_mistakes.py."""
 
 PORTION = 100
 """[count] of sets that are worked on at once; memory only. By definition."""
@@ -195,23 +195,16 @@ PLUG_PENALTY = 6.0
 """[nats] Prior penalty of a channel that reads another's plug. Exercised by tests/validation/diagnosing/test_mistakes.py."""
 
 SURE = 20.0
-"""[nats] below which a mistake is none; also what one campaign must have against a mistake of another to contradict it. Exercised
-by tests/validation/diagnosing/test_mistakes.py."""
+"""[nats] below which a mistake is none; also what one campaign must have against a mistake of another to contradict it. Held by
+tests/validation/diagnosing/test_mistakes.py."""
 
 USUAL = 2.5
-"""[factor] Nearer to 1 than this a factor is a gain. Exercised by tests/validation/diagnosing/test_mistakes.py."""
+"""[factor] Nearer to 1 than this a factor is a gain. Held by tests/validation/diagnosing/test_mistakes.py."""
 
 SNAP = 0.2
-"""[log] How far the factor that fits best may lie from that of a unit to be it. Exercised by
+"""[log] How far the factor that fits best may lie from that of a unit to be it. Held by
 tests/validation/diagnosing/test_mistakes.py."""
 
-
-FAR = 0.25
-"""[share] Distance, as of `distance`, at which a reading still is not what a mistake says: a gain of two thirds. Exercised by
-tests/validation/diagnosing/test_mistakes.py."""
-
-IMPOSSIBLE = -1e9
-"""[nats] of an accelerometer that holds a force: never taken. Exercised by tests/validation/diagnosing/test_mistakes.py."""
 
 TINY = float(np.finfo(np.float64).tiny)
 
@@ -319,7 +312,7 @@ def _sources(every: Sequence[LowFrequencyReadings], known: Sequence[_KnownFactor
     from scipy.optimize import linear_sum_assignment
 
     of, count = every[0], len(every[0].channels)
-    best = np.full((count, count), IMPOSSIBLE)
+    best = np.full((count, count), -np.inf)  # an accelerometer never holds a force
     factors, units = np.ones((count, count)), np.full((count, count), -1)
     for c, d in product(range(count), range(count)):
         if of.quantities[c] != of.quantities[d]:
@@ -363,7 +356,7 @@ def _sources(every: Sequence[LowFrequencyReadings], known: Sequence[_KnownFactor
         while (at := taken[cycle[-1]].plug) != cycle[0]:
             cycle.append(at)
         left -= set(cycle)
-        near = all(taken[c].distance(every) < FAR for c in cycle)
+        near = all(taken[c].distance(every) < NEAR for c in cycle)
         if sum(taken[c].gain for c in cycle) < SURE or not near:
             for c in cycle:
                 taken[c] = ChannelSource(channel=c, plug=c, factor=1.0, units=("", ""), gain=0.0)

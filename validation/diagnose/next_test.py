@@ -206,9 +206,6 @@ def _whitening(spread: Array) -> Array:
 
 NOTHING = "nothing"
 
-ALTERNATIVES = 1
-"""[count] of effects that are put in its place. Exercised by tests/validation/diagnosing/test_next_test.py."""
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Alternative:
@@ -297,7 +294,7 @@ class _QuadraticCost:
 
 
 def imagined(data: Study, of: Candidate) -> tuple[Alternative, ...]:
-    """In place of the last effect of a candidate: nothing, and the effects that come nearest of those it is mistaken for."""
+    """In place of the last effect of a candidate: nothing, and the one that comes nearest of those it is mistaken for."""
     effect = of.effects[-1]
     if effect.fixed:
         # Of an effect that is there or not: the same without it, which was not asked for because it is far worse
@@ -318,7 +315,7 @@ def imagined(data: Study, of: Candidate) -> tuple[Alternative, ...]:
     cost = _QuadraticCost.about(data, of, menu)
     found = [cost.instead(one) for one in (None, *menu)]
     nothing, *others = (one for one in found if one is not None)
-    return (nothing, *sorted(others, key=lambda one: -one.known.log_evidence)[:ALTERNATIVES])
+    return (nothing, max(others, key=lambda one: one.known.log_evidence)) if others else (nothing,)
 
 
 DECIDED = 20.0

@@ -13,7 +13,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from geometry.articles.locations import locations
+from geometry.articles import locations
 from geometry.articles.parts import load
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput

@@ -47,7 +47,7 @@ SAME_SHAPE = 0.99
 """[1] Cosine from which two runs drive the same axes. Exercised by tests/validation/diagnosing/test_nonlinear.py."""
 
 FLOOR = 5e-4
-"""[share] of a channel's level that no recorder repeats from one run to the next, beside its noise. Exercised by
+"""[share] of a channel's level that no recorder repeats from one run to the next, beside its noise. Held by
 tests/validation/diagnosing/test_nonlinear.py."""
 
 SPANNED = 20.0
@@ -55,8 +55,7 @@ SPANNED = 20.0
 tests/validation/diagnosing/test_nonlinear.py."""
 
 MODEL_ERROR = 0.1
-"""[share] by which a model's rows that stand in for runs may be off. Exercised by
-tests/validation/diagnosing/test_nonlinear.py."""
+"""[share] by which a model's rows that stand in for runs may be off. Held by tests/validation/diagnosing/test_nonlinear.py."""
 
 Indices = npt.NDArray[np.int64]
 
@@ -263,14 +262,14 @@ def nonlinear_residuals(of: RunsByLevel, runs: Sequence[int] | None = None) -> t
 
 SURE = 12.0
 """[sd] of the sum over all lines from which a channel answers differently. Of 22 channels in 384 weaker runs of 32 series with
-nothing planted the worst reached 7.0: noise is an estimate that scatters, too. Exercised by
+nothing planted the worst reached 7.0: noise is an estimate that scatters, too. Held by
 tests/validation/diagnosing/test_nonlinear.py."""
 
 VISIBLE = 2e-3
 """[share] of what a channel reads that must differ. Exercised by tests/validation/diagnosing/test_nonlinear.py."""
 
 LEAKING = 3.0
-"""[factor] by which more must differ than leaks from axes that are driven across. Exercised by
+"""[factor] by which more must differ than leaks from axes that are driven across. Held by
 tests/validation/diagnosing/test_nonlinear.py."""
 
 
@@ -349,7 +348,7 @@ def require_levels(data: Study, what: str) -> None:
 
 
 ROUNDS = 12
-"""[count] of iterations by which an equation is undone; each leaves at most half of what was left. Exercised by
+"""[count] of iterations by which an equation is undone; each leaves at most half of what was left. Held by
 tests/validation/diagnosing/test_nonlinear.py."""
 
 TINY = float(np.finfo(np.float64).tiny)
@@ -537,7 +536,7 @@ SIZED_AGAIN = 4
 tests/validation/diagnosing/test_nonlinear.py."""
 
 RESIZED_LOG = 0.7
-"""[log] about the size by first order within which a size that is fitted by its logarithm is found once more. Exercised by
+"""[log] about the size by first order within which a size that is fitted by its logarithm is found once more. Held by
 tests/validation/diagnosing/test_nonlinear.py."""
 
 RESIZED_SHARE = 0.3

@@ -23,6 +23,7 @@ from validation.effects.practical_units import said
 from validation.estimation.fit import FLOOR
 from validation.estimation.likelihood import cost_of
 from validation.estimation.problem import Problem
+from validation.estimation.verdicts import UNLIKELY
 from validation.model.model import Added, Model
 from validation.prediction import classical_facts
 from validation.prediction.classical_facts import WEIGHED, ArticleFact, facts
@@ -188,7 +189,7 @@ def only_classical(
         settings={
             "threshold_nats": EVIDENCE_THRESHOLD,
             "class_nats": INDISTINGUISHABLE_NATS,
-            "misfit_probability": classical.UNLIKELY,
+            "misfit_probability": UNLIKELY,
         },
     )
 
@@ -206,7 +207,7 @@ def _cause(one: classical.ClassicalCandidateFit, of: classical.ClassicalVerdict)
         sizes=(diagnosis.EffectEstimate(key=size.key, value=found.value, unit=size.unit, low=found.low, high=found.high),),
         evidence=found.evidence,
         misfit=found.chi2 / max(degrees, 1),
-        null=classical.chance(found.chi2, degrees) > classical.UNLIKELY,
+        null=classical.chance(found.chi2, degrees) > UNLIKELY,
     )
 
 
@@ -222,9 +223,6 @@ def _cause(one: classical.ClassicalCandidateFit, of: classical.ClassicalVerdict)
 
 
 FAMILY = "rigid-inertia"
-
-DISAGREE = 4.0
-"""[sd] from which a fact and the campaigns contradict each other. Exercised by tests/validation/diagnosing/test_classical.py."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -266,12 +264,12 @@ def contradictions(data: Study, base: diagnosis.Candidate, found: diagnosis.Cand
     offsets = {**base.problem.start, **base.fit.by_name}
     if all(abs(fact.residual(offsets)[0]) < STANDS_OUT for fact in base.problem.facts):
         return ()
-    odd = [one for one in against(data, base) if abs(one.sigma) > DISAGREE]
+    odd = [one for one in against(data, base) if abs(one.sigma) > classical.DISAGREE]
     others = [one.named.id for one in found.effects if one.named.family not in WEIGHED]
     then = {one.name: one.sigma for one in against(data, found)} if odd and others else {}
     told = []
     for one in odd:
-        agree = "agree" if abs(then.get(one.name, 0.0)) < DISAGREE else "still disagree"
+        agree = "agree" if abs(then.get(one.name, 0.0)) < classical.DISAGREE else "still disagree"
         told.append(f"{one.text}; with {', '.join(others)} they {agree}" if one.name in then else one.text)
     return tuple(told)
 

@@ -259,12 +259,10 @@ SURE = 0.4
 tests/validation/diagnosing/test_unexplained.py."""
 
 NEARLY = 0.95
-"""[share] of the best gain at which a plainer explanation is as good. Exercised by
-tests/validation/diagnosing/test_unexplained.py."""
+"""[share] of the best gain at which a plainer explanation is as good. Held by tests/validation/diagnosing/test_unexplained.py."""
 
 MATRIX_WEIGHT = 0.95
-"""[factor] on the gain of a whole matrix, which has many numbers. Exercised by
-tests/validation/diagnosing/test_unexplained.py."""
+"""[factor] on the gain of a whole matrix, which has many numbers. Held by tests/validation/diagnosing/test_unexplained.py."""
 
 AXIS_WEIGHT = 0.75
 """[factor] on the gain of a whole axis, which can be many things. Exercised by
@@ -277,7 +275,7 @@ elsewhere. Exercised by tests/validation/diagnosing/test_unexplained.py."""
 WEIGHED: Mapping[str, float] = MappingProxyType({sites.SPAN: MATRIX_WEIGHT, sites.AXIS: AXIS_WEIGHT})
 
 HARDLY = 0.02
-"""[share] of the degrees of freedom below which models that miss nothing differ by as much. Exercised by
+"""[share] of the degrees of freedom below which models that miss nothing differ by as much. Held by
 tests/validation/diagnosing/test_unexplained.py."""
 
 

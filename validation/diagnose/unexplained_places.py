@@ -219,7 +219,7 @@ JOINTS = ((0,), (1,), (2,), (3,), (4,), (5,), (0, 1), (3, 4))
 """[index] Axes of a joint that give alike. Exercised by tests/validation/diagnosing/test_unexplained.py."""
 
 GIVES = 0.02
-"""[share] of its motion that a place must move beyond a rigid article for anything to pull at that. Exercised by
+"""[share] of its motion that a place must move beyond a rigid article for anything to pull at that. Held by
 tests/validation/diagnosing/test_unexplained.py."""
 
 PARTS = ("modulus", "loss", "damping-law", "cell-stiffness", "fmd-compliance", "frequency", "damping")
@@ -387,7 +387,7 @@ PHYSICAL = tuple(course for course in fit.OF_PAIRS if course.stated)
 """What symmetric matrices are of: mass, stiffness, damping."""
 
 NAMED = 0.25
-"""[share] of the leading pair, at the nominal level of the motions, from which another pair is named with it. Exercised by
+"""[share] of the leading pair, at the nominal level of the motions, from which another pair is named with it. Held by
 tests/validation/diagnosing/test_unexplained.py."""
 
 

@@ -21,6 +21,7 @@ from typing import Any
 
 from geometry.dynamic_mass import MOTIONS
 from geometry.inertia import PARAMETERS
+from validation.output import entry
 
 STRUCTURE, FORCES, ACCELERATIONS, MISTAKE, AMPLITUDE, PROCESSING, PENDULUM = SIDES = (
     "structure",
@@ -54,9 +55,9 @@ class SizeSpec:
 
     Attributes
     ----------
+    key : by which it is written, ``key:number``; empty for the one that stands alone
     unit : SI; "1" for a ratio
     low, high : beyond is no physics of a test, or a unit was mistaken
-    key : by which it is written, ``key:number``; empty for the one that stands alone
     default : what holds where it is not written; None for one that must be
     whole : whether it is a whole number, as a switch is
     null : the size at which there is no effect
@@ -65,14 +66,14 @@ class SizeSpec:
     logarithmic : whether it is fitted by its logarithm: positive, and known to a factor
     """
 
+    key: str = ""
     unit: str
     low: float
     high: float
-    key: str = ""
     default: float | None = None
     whole: bool = False
     null: float = 0.0
-    plausible: float = 0.0
+    plausible: float = entry(null=0.0, default=0.0)
     logarithmic: bool = False
 
 
@@ -234,7 +235,7 @@ class Vocabulary:
 @cache
 def built_in_places() -> tuple[str, ...]:
     """Every named place of any built-in article that can stand on the FMD."""
-    from geometry.articles.locations import locations
+    from geometry.articles import locations
 
     return tuple(dict.fromkeys(place for article in ("clumod-4", "cuboid", "disc") for place in locations(article)))
 

@@ -9,7 +9,7 @@ from math import floor, isfinite, log10, pi
 
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import SizeSpec as Described
-from validation.reference.statement import LARGE, SMALL
+from validation.output import LARGE, SMALL, significant, with_unit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,11 +78,6 @@ def one(family: str, key: str, unit: str, value: float) -> str:
     return with_unit(text, shown)
 
 
-def with_unit(text: str, unit: str) -> str:
-    """A figure and its unit; a degree follows at once."""
-    return text + (unit if unit == "°" else f" {unit}" if unit else "")
-
-
 def _described(family: str) -> tuple[Described, ...]:
     known = FAMILIES[family]
     return (*known.sizes, *(size for sizes in known.varying.values() for size in sizes))
@@ -99,15 +94,3 @@ def said(value: float, unit: str, digits: int = 2) -> str:
 
 LEAST = 1 / 0.995
 """What rounds to the larger unit is said in it."""
-
-
-def significant(value: float, digits: int) -> str:
-    """`value` rounded to `digits` significant digits, without an exponent where that reads well."""
-    if value == 0 or not isfinite(value):
-        return f"{value:g}"
-    decimals = digits - 1 - floor(log10(abs(float(f"{value:.{digits - 1}e}"))))
-    return f"{value:.{digits - 1}e}" if decimals > MANY else f"{round(value, decimals):.{max(decimals, 0)}f}"
-
-
-MANY = 6
-"""Decimals beyond which zeros would be counted."""

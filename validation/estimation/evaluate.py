@@ -12,7 +12,7 @@ from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from geometry.toml_file import nearest
 from identification.self_calibration.solve import Normal, excess, smoothed_level, total
-from validation.estimation.fit import BREAKDOWNS, PLAIN_FLOOR, Progress, at_bounds, direct, fit, nearby
+from validation.estimation.fit import BREAKDOWNS, PLAIN_FLOOR, STRIDE, Progress, at_bounds, direct, fit, nearby
 from validation.estimation.fit import FLOOR as FIT_FLOOR
 from validation.estimation.likelihood import Cost, Left, cost_of, left_of_run, observed
 from validation.estimation.problem import FITTED, PLAIN, Evaluation, Fit, Lines, Offsets, Predicted, Prediction, Problem, Share
@@ -118,7 +118,7 @@ Runs = Mapping[str, tuple[str, ...]]
 NOBODY: Runs = MappingProxyType({})
 
 SHORTEST = 1.0
-"""[Hz] that a block of frequencies is at least. Exercised by tests/validation/engine/test_hold_out.py."""
+"""[Hz] that a block of frequencies is at least. Held by tests/validation/engine/test_hold_out.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -343,10 +343,6 @@ def refitted(at: Solved, fold: Fold, *, quick: bool = False) -> dict[str, float]
         return offsets
 
 
-QUICK_STRIDE = 3
-"""[count] Quick errors are told at every third line. Exercised by tests/validation/engine/test_hold_out.py."""
-
-
 def evaluate(
     problem: Problem,
     *,
@@ -444,7 +440,7 @@ def _held_out(problem: Problem, parts: Sequence[tuple[Fold, Offsets]], quick: bo
 
 def _even(prediction: Prediction, quick: bool) -> Lines | None:
     """Lines at which errors are told: all, or where it must be `quick` every so many, whatever happens there."""
-    return np.arange(0, len(prediction.measured.frequency), QUICK_STRIDE, dtype=np.int64) if quick else None
+    return np.arange(0, len(prediction.measured.frequency), STRIDE, dtype=np.int64) if quick else None
 
 
 # Residuals line by line, beside the deviation that is to be expected of them.

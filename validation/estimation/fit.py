@@ -27,7 +27,7 @@ from validation.estimation.problem import PLAIN, SENSOR, STRUCTURAL, TOLERANCES,
 # The way down: stages of an annealed floor, all of them within the bounds of the parameters, and where it ended.
 
 COARSE = (0.2, 0.06)
-"""[share] Model-error floors of the stages before tolerances of the measurement are released. Exercised by
+"""[share] Model-error floors of the stages before tolerances of the measurement are released. Held by
 tests/validation/engine/test_fit.py."""
 
 FINE = (0.02, 0.006, 0.003)
@@ -37,11 +37,11 @@ ROUGHLY = 1.0
 """[sd] that the last step of a stage may be which is not the last. Exercised by tests/validation/engine/test_fit.py."""
 
 STEPS = 6
-"""[count] of evaluations that such a stage may take. Exercised by tests/validation/engine/test_fit.py."""
+"""[count] of evaluations that such a stage may take. Held by tests/validation/engine/test_fit.py."""
 
-STAGE_STRIDE = 3
-"""[count] Such a stage takes every third line, where that leaves enough: its minimum need not be sharp. Exercised by
-tests/validation/engine/test_fit.py."""
+STRIDE = 3
+"""[count] Every third line is taken by such a stage, where that leaves enough: its minimum need not be sharp; and by errors that
+must be told quickly. Held by tests/validation/engine/test_fit.py."""
 
 RESTARTS = 6
 """[count] of times that a descent which did not end by itself begins again where it stopped. Exercised by
@@ -101,7 +101,7 @@ def annealed(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MO
     ------
     CheckFailed : the model breaks down where it begins.
     """
-    found, sparse = dict(offsets), cost.problem.sparser(STAGE_STRIDE)
+    found, sparse = dict(offsets), cost.problem.sparser(STRIDE)
     stages = [(floor, False) for floor in COARSE if floor > cost.floor] + [(floor, True) for floor in FINE if floor > cost.floor]
     for done, (floor, everything) in enumerate(stages):
         moving = tuple(one for one in cost.free if everything or one.kind not in (SENSOR, STRUCTURAL))
@@ -198,7 +198,7 @@ valley. Exercised by tests/validation/engine/test_fit.py."""
 
 PLAIN_FLOOR = 0.01
 """[share] The same floor where tolerances of the measurement are not fitted: what gains, delays and angles within them make of a
-prediction. Exercised by tests/validation/engine/test_fit.py."""
+prediction. Held by tests/validation/engine/test_fit.py."""
 
 
 def fit(
@@ -386,7 +386,7 @@ REACH = 2.0
 """[prior sd] to either side that a grid covers. Exercised by tests/validation/engine/test_fit.py."""
 
 NEXT_TO_NOTHING = -7.0
-"""[log] Offset of a small amplitude from where it stands: a thousandth. Exercised by tests/validation/engine/test_fit.py."""
+"""[log] Offset of a small amplitude from where it stands: a thousandth. Held by tests/validation/engine/test_fit.py."""
 
 PROMISING = 5
 """[count] of places whose true cost is looked at. Exercised by tests/validation/engine/test_fit.py."""

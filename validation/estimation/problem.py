@@ -204,7 +204,7 @@ class Fact(Protocol):
 ALL_LINES: Mapping[str, Lines] = MappingProxyType({})
 
 FEWEST = 20
-"""[count] of lines of a data set below which none is left out. Exercised by tests/validation/engine/test_errors.py."""
+"""[count] of lines of a data set below which none is left out. Held by tests/validation/engine/test_errors.py."""
 
 AGREED = ("unit", "kind", "logarithmic", "tolerance", "nominal", "start", "within", "low", "high")
 """What two predictions must say alike of a parameter that they share."""
@@ -293,7 +293,7 @@ class Problem:
 # with the sweep.
 
 AT_MOST = 100
-"""[count] of lines of one data set that a fit uses. Exercised by tests/validation/engine/test_errors.py."""
+"""[count] of lines of one data set that a fit uses. Held by tests/validation/engine/test_errors.py."""
 
 STEEPEST = 0.3
 """[share] Relative change from one line to the next beyond which steeper is no steeper: a resonance between two lines. Exercised

@@ -12,29 +12,29 @@ from dataclasses import dataclass
 import numpy as np
 
 from validation.estimation.problem import IDENTIFIED, TOLERANCES, Evaluation, Fit, Parameter
-from validation.output import derived, entry
+from validation.output import derived, entry, percent, two_digits
 
 GOOD, DOUBTFUL, FAILED = VERDICTS = ("good", "doubtful", "failed")
 
 STANDS_OUT = 4.0
-"""[sd] from which a spot is no chance: of a series within its tolerances the worst of all cells reaches about three. Exercised by
+"""[sd] from which a spot is no chance: of a series within its tolerances the worst of all cells reaches about three. Held by
 tests/validation/comparing/test_maps_and_spots.py."""
 
 MISFIT = 1.5
-"""[chi²/dof] from which data and model contradict each other, whatever the tolerances. Exercised by
-tests/validation/comparing/test_maps_and_spots.py."""
+"""[chi²/dof] from which data and model contradict each other, whatever the tolerances. Held by
+tests/validation/comparing/test_shown.py."""
 
 MORE = 1.5
 """[factor] on the larger of what measurement tolerances explain and the error on fitted data, from which an error on held-out
-data is too large. Exercised by tests/validation/comparing/test_maps_and_spots.py."""
+data is too large. Held by tests/validation/comparing/test_shown.py."""
 
 NOTICED = 1.05
 """[factor] on what measurement tolerances explain, from which those of the modes are worth a word. Exercised by
 tests/validation/comparing/test_maps_and_spots.py."""
 
 UNLIKELY = 1e-3
-"""[probability] of a sum of z² below which tolerances are absurd. Exercised by
-tests/validation/comparing/test_maps_and_spots.py."""
+"""[probability] of a sum of squares below which it is no chance: tolerances are absurd, or an explanation explains too little.
+Held by tests/validation/diagnosing/test_classical.py."""
 
 ABSURD = 4.0
 """[sd] of one tolerance that no careful laboratory has. Exercised by tests/validation/comparing/test_maps_and_spots.py."""
@@ -158,7 +158,7 @@ def told(of: Evaluation, explained: ExplainedError, peak: float) -> tuple[Stated
         figure=percent(of.plain.percent),
         meaning="sensors as calibrated; the FMD identified, modes within what the model declares",
         verdict=FAILED if high else GOOD,
-        text=f"{said}, but not where it fails, by up to {figure(peak)} sigma" if high else f"{said}, and nothing stands out",
+        text=f"{said}, but not where it fails, by up to {two_digits(peak)} sigma" if high else f"{said}, and nothing stands out",
     )
     nominal = percent(of.nominal.percent)
     as_it_stands = StatedError(name="nominal error", figure=nominal, meaning="the model as it stands, nothing fitted")
@@ -179,7 +179,7 @@ def _fitted(of: Fit) -> StatedError:
         verdict, text = GOOD, "data and tolerances are content"
     return StatedError(
         name="fitted error",
-        figure=f"χ² {ratio:.3g}, z² {figure(of.tolerance_z2)}",
+        figure=f"χ² {ratio:.3g}, z² {two_digits(of.tolerance_z2)}",
         meaning=f"every tolerance fitted: χ² per degree of freedom, and its price, the sum of z² of {of.tolerances} tolerances, "
         f"about {expected_z2(of):.0f} where nothing is wrong",
         verdict=verdict,
@@ -213,13 +213,3 @@ def _held_out(of: Evaluation, explained: ExplainedError) -> StatedError:
         verdict=DOUBTFUL if high else GOOD,
         text=f"{said}; beside it, {beside}" if beside else said,
     )
-
-
-def figure(value: float) -> str:
-    """Two digits that mean something."""
-    return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
-
-
-def percent(value: float) -> str:
-    """Three digits, and no exponent."""
-    return f"{value:.0f} %" if value >= 100 else f"{value:.3g} %"

@@ -11,6 +11,7 @@ from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import Array
 from validation.flexible.model import FlexibleOptions
+from validation.output import entry, unwritten
 
 # What is between table and article and what is attached to it, as typed: preloads, joint compliance, cables, dampers, friction.
 #
@@ -228,16 +229,16 @@ class TableDrive:
     ring_down : [s] of record after the drive; None for as long as the ringing takes
     """
 
-    axes: tuple[str, ...]
-    every: bool
+    axes: tuple[str, ...] = unwritten()
+    every: bool = unwritten()
     pattern: str
-    band: tuple[float, float]
+    band: tuple[float, float] = entry("band_hz", unit="Hz")
     octaves_per_minute: float
     level: float
     cross: float
     seed: int
-    duration: float | None
-    ring_down: float | None
+    duration: float | None = unwritten()
+    ring_down: float | None = unwritten()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

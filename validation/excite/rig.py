@@ -75,7 +75,7 @@ def places(article: str, model: str, asked: FlexibleOptions) -> Mapping[str, Arr
     """Named places (3,) [m] of what stands on the FMD, in its own frame; none of a file, and none where no shape is known."""
     if not is_stack(article) or model == "exudyn" or article == FMD:
         return {}
-    from geometry.articles.locations import locations
+    from geometry.articles import locations
 
     own = _above(article)
     return locations(own, changes_of(own, asked.changes))

@@ -19,7 +19,7 @@ from validation import output
 from validation.excite import results
 from validation.excite.question import BAND, EXUDYN, HIGHEST_RATE, LARGE, LINEAR, LONGEST, ExciteOptions
 from validation.excite.rig import ArticleOnTable, RigModes, Run, cross_motion, mounted, require_mountable, rig_modes, runs
-from validation.output import percent, shown
+from validation.output import share_done, shown
 
 if TYPE_CHECKING:
     from fem.base_excitation.patterns import CrossMotion
@@ -130,7 +130,7 @@ class PreparedRuns:
         cross = cross_motion(self.question.drive)
         for number, run in enumerate(self.runs, start=1):
             words = f"{run.name}, {self.route.name} ({number} of {len(self.runs)})"
-            with percent(words, quiet=quiet) as progress:
+            with share_done(words, quiet=quiet) as progress:
                 try:
                     one = self._driven(run, cross, progress, keep_coordinates)
                 except BadInput as error:
@@ -204,8 +204,7 @@ class PreparedRuns:
 
             return driven_run.respond(self.mounted.rig, motion, keep_coordinates=keep, progress=progress)
         from fem.exudyn import large_motion
-        from geometry.articles import changes_of
-        from geometry.articles.locations import locations
+        from geometry.articles import changes_of, locations
 
         question = self.question
         changes = changes_of(question.article, question.asked.changes)

@@ -14,6 +14,7 @@ from fem.structure import Sparse, Structure, hold
 from geometry.article import Article, Box, Part
 from geometry.frames import Array, Integers
 from validation.flexible.model import Flexible, distance, family, nearest_part
+from validation.output import entry, unwritten
 
 # How any point of an article moves in the modes of its model: on beams with their section, in solids with the nodes around it.
 #
@@ -115,14 +116,14 @@ class Described:
 
     Attributes
     ----------
+    text : both of these in words
     moving : share of the kinetic energy by part, largest first
     strained : share of the strain energy by part, largest first; empty where the model does not say
-    text : both in words
     """
 
-    moving: dict[str, float]
-    strained: dict[str, float]
     text: str
+    moving: dict[str, float] = entry("kinetic_energy_share")
+    strained: dict[str, float] = unwritten()
 
 
 def described(structure: Structure, modes: Modes, article: Article | None) -> tuple[Described, ...]:

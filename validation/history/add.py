@@ -28,6 +28,7 @@ from validation.history import history
 from validation.history.history import Body, Conditions, Errors, HistoryPosition, Version, VersionSize
 from validation.model import model_file
 from validation.model.model import Added, Model
+from validation.output import with_unit
 from validation.prediction import effects
 from validation.prediction.classical_facts import require_bodies
 from validation.prediction.effects import full
@@ -283,12 +284,8 @@ class Alias:
     @property
     def text(self) -> str:
         """The direction in words."""
-        same = ", ".join(f"{name} {_told(size, self.units[name])}" for name, size in self.mixture.items())
-        return f"{self.id} {_told(self.size, self.unit)} does to these data what {same} does"
-
-
-def _told(size: float, unit: str) -> str:
-    return f"{size:+.3g}" if unit == "1" else f"{size:+.3g} {unit}"
+        same = ", ".join(f"{name} {with_unit(f'{size:+.3g}', self.units[name])}" for name, size in self.mixture.items())
+        return f"{self.id} {with_unit(f'{self.size:+.3g}', self.unit)} does to these data what {same} does"
 
 
 def noticed(problem: estimation.Problem, names: Sequence[str]) -> float:

@@ -31,7 +31,7 @@ from identification.quality import NORMAL_95, sizes
 from validation.classical import files as classical_files
 from validation.effects.effect import evidence_threshold
 from validation.estimation.verdicts import ABSURD, costly
-from validation.output import entry, from_json, json_text, to_json
+from validation.output import entry, from_json, json_text, to_json, with_unit
 from validation.reference.statement import COG, inertia_of
 
 START, ADDED, EDITED, OTHER_DATA = CAUSES = ("start", "added", "edited by hand", "other data")
@@ -835,7 +835,7 @@ def _change(old: float, new: float) -> str:
 
 
 def _size(size: VersionSize, tolerance: float, null: float) -> str:
-    name, u = f"Its {size.key}" if size.key else "Its size", unit(size.unit)
+    name, u = f"Its {size.key}" if size.key else "Its size", with_unit("", size.unit)
     if size.deviation is None:
         return f"{name} was given, not fitted: {size.value:.4g}{u}."
     off, half = abs(size.value - null), NORMAL_95 * size.deviation
@@ -850,11 +850,6 @@ def _size(size: VersionSize, tolerance: float, null: float) -> str:
     if off <= half:
         return f"{told} cannot be told from no effect."
     return f"{name} is {size.value:.4g} ± {half:.2g}{u} (95 %)."
-
-
-def unit(of: str) -> str:
-    """Behind a figure; a ratio has none."""
-    return "" if of == "1" else f" {of}"
 
 
 def percent(value: float | None) -> str:

@@ -29,7 +29,7 @@ from identification.spectra.line_spectra import Spectra
 from validation.classical import files, pendulum, weigh
 from validation.classical.files import Fields, Reduction, read
 from validation.model.setups import above_fmd, known, stated, takes_fmd_off
-from validation.output import derived, entry, inertia_json, percent, stages, unwritten
+from validation.output import derived, entry, inertia_json, share_done, stages, unwritten
 from validation.reference.statement import Stated, Statement, about_cog, read_frame
 
 
@@ -44,11 +44,11 @@ def identified(asked: "IdentifyOptions", frame: str | None = None, *, quiet: boo
     pose = None if frame is None else read_frame(frame)
     with stages("reading", quiet=quiet) as told:
         made = ready(asked, told)
-    with percent(f"identifying {made.request.campaign.article}", quiet=quiet) as share:
+    with share_done(f"identifying {made.request.campaign.article}", quiet=quiet) as share:
         found = identify(made.request, share)
     if not made.request.study:
         return gathered(made, found, pose)
-    with percent("band study", quiet=quiet) as share:
+    with share_done("band study", quiet=quiet) as share:
         of = studied(found, share)
     return gathered(made, found, pose, of)
 

@@ -10,8 +10,7 @@ import numpy as np
 from fem.base_excitation.rig import dynamic_mass
 from fem.modes import Modes
 from geometry import routes
-from geometry.articles import NAMES, built_in, changes_of
-from geometry.articles.locations import locations
+from geometry.articles import NAMES, built_in, changes_of, locations
 from geometry.dynamic_mass import MOTIONS, DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose, rigid_transformation_6

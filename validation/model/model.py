@@ -269,8 +269,7 @@ def require_target(model: Model, campaigns: Sequence[Campaign], named: Named, so
 
 def vocabulary(model: Model, campaigns: Sequence[Campaign]) -> Vocabulary:
     """The channels of `campaigns`, and the places and parts of their articles as `model` describes them."""
-    from geometry.articles import changes_of
-    from geometry.articles.locations import locations
+    from geometry.articles import changes_of, locations
     from geometry.articles.parts import FOUR_BLADES, ONE_BLADE
 
     own = any(_own(model, campaign) for campaign in campaigns)

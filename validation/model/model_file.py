@@ -3,7 +3,6 @@
 ``docs/model-file.md`` shows the file, `validation.model.model_file` writes it.
 """
 
-import json
 import os.path
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -25,7 +24,7 @@ from geometry.articles.parts import load
 from geometry.errors import BadInput
 from geometry.inertia import Inertia, judge, parallel_axis, six_from_tensor, tensor_from_six
 from geometry.sensors import Tolerances
-from geometry.toml_file import nearest
+from geometry.toml_file import nearest, string
 from geometry.user_article import DESCRIPTION
 from identification.chain import assumed_stiffness
 from validation.classical.files import Fields
@@ -40,11 +39,6 @@ from validation.model.setups import above_fmd, is_file, is_stack
 
 Line = tuple[str, str, str]
 """Key, value, comment."""
-
-
-def string(value: str) -> str:
-    """A basic string of TOML: JSON's escapes are TOML's, but for one character that JSON leaves as it is."""
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def block(head: str, lines: Sequence[Line]) -> str:

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geometry.articles import NAMES, changes_of
-from geometry.articles.locations import locations
+from geometry.articles import NAMES, changes_of, locations
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.inertia import Inertia, judge

@@ -23,8 +23,7 @@ from fem.structure import LOOSE, HeldBase, Sparse, Structure, hold, restricted
 from fem.user_model.reading import UsersModel, is_model, load
 from geometry import routes
 from geometry.article import Article
-from geometry.articles import NAMES, built_in, changes_of
-from geometry.articles.locations import locations
+from geometry.articles import NAMES, built_in, changes_of, locations
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, Pose, rigid_transformation, rigid_transformation_6
 from geometry.inertia import Inertia

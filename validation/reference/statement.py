@@ -24,7 +24,7 @@ from geometry.frames import Array, Pose, frozen, proper_rotation, rotation_about
 from geometry.inertia import Inertia, parallel_axis, six_from_tensor, tensor_from_six
 from geometry.toml_file import LARGEST_QUANTITY, SI_UNITS, quantity
 from identification.quality import NORMAL_95
-from validation.output import derived, entry, plain_unit, unwritten
+from validation.output import NONE, derived, entry, plain_unit, rounded, unwritten
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -354,11 +354,6 @@ def stated(text: object, dimension: str, source: str, field: str) -> Stated | No
 # has nothing that contradicts it and is within.
 
 
-NONE = "–"
-
-SMALL, LARGE = 1e-6, 1e7
-"""Outside of these a figure has an exponent: its zeros would have to be counted."""
-
 FIGURES = ("value\n± tolerance", "reference", "deviation", "in tol.", "within")
 """Headings of the columns that hold figures."""
 
@@ -459,18 +454,6 @@ def headline(title: str) -> "Text":
 
     first, *rest = title.splitlines()
     return Text("\n").join([Text(first, style="bold not italic"), *(Text(line, style="yellow not italic") for line in rest)])
-
-
-def rounded(value: float | None, tolerance: float | None) -> str:
-    """`value` with the digits that `tolerance` leaves it: two of the tolerance's, or six significant ones without any."""
-    if value is None:
-        return NONE
-    if not tolerance:
-        return f"{value:.6g}"
-    decimals = 1 - math.floor(math.log10(tolerance))
-    if SMALL <= max(abs(value), tolerance) < LARGE:
-        return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}"
-    return f"{value:.{max(math.floor(math.log10(abs(value))) + decimals, 0)}e}" if value else "0"
 
 
 def _cells(row: Row) -> tuple[str, ...]:

@@ -15,8 +15,7 @@ from identification import campaign_file
 from identification.campaign import Campaign
 from validation.correct import AppliedCorrection, asked, in_turn
 from validation.identify.check import Summary
-from validation.output import percent, print_json, require_folder, shown, to_json
-from validation.reference.statement import NONE
+from validation.output import NONE, print_json, require_folder, share_done, shown, to_json
 from validation.report.document import Column, Document, Grid, Table
 from validation.virtual_test import simulate
 
@@ -169,7 +168,7 @@ def correct(folder: str, effects: Sequence[str], out: Path, *, force: bool, as_j
     require_folder(out, "--out")
     described = campaign_file.read_description(folder)
     faults = [asked(text, described) for text in effects]
-    with percent(f"reading {folder}", quiet=as_json) as progress:
+    with share_done(f"reading {folder}", quiet=as_json) as progress:
         campaign = campaign_file.read(folder, progress=progress)
     with shown(f"correcting {folder}", quiet=as_json):
         made, steps = in_turn(campaign, faults)

@@ -13,10 +13,9 @@ from geometry.dynamic_mass import DynamicMass
 from geometry.frames import Array
 from validation.compare.compare import Comparison, compared, run, text, worst_pairs
 from validation.compare.maps import Map, NamedMode
-from validation.estimation.verdicts import ABSURD, STANDS_OUT, StatedError, absurd, figure, misfit
-from validation.output import json_text, shown, stages, to_json
+from validation.estimation.verdicts import ABSURD, STANDS_OUT, StatedError, absurd, misfit
+from validation.output import NONE, json_text, shown, stages, to_json, two_digits, with_unit
 from validation.reference.reference import file_name
-from validation.reference.statement import NONE
 from validation.report import document as doc
 from validation.report.charts import crosscheck, maps, spec
 from validation.report.charts.style import DynamicMassCurve, chosen
@@ -144,7 +143,7 @@ class ComparisonPage:
             columns=(
                 doc.Column("", lambda row: f"{row[0]}", words=True, on=doc.PAGE),
                 doc.Column("", lambda row: f"{row[0]:>2}", words=True, on=doc.TERMINAL),
-                doc.Column("deviation", lambda row: row[1].sigma, ".3g", unit="σ", said=("sigma", figure), aligned=False),
+                doc.Column("deviation", lambda row: row[1].sigma, ".3g", unit="σ", said=("sigma", two_digits), aligned=False),
                 doc.Column("of the reading", lambda row: row[1].percent, ".3g", unit="%", on=doc.PAGE),
                 doc.Column("at", lambda row: row[1].frequency, ".2f", unit="Hz", on=doc.PAGE),
                 doc.Column("row", lambda row: row[1].row, words=True, on=doc.PAGE),
@@ -174,7 +173,7 @@ class ComparisonPage:
         """Chi² per degree of freedom of every run of every data set, tolerances counted."""
 
         def misfit_of(name: str) -> doc.Column:
-            return doc.Column(name, lambda row: figure(row[1][name]) if name in row[1] else NONE)
+            return doc.Column(name, lambda row: two_digits(row[1][name]) if name in row[1] else NONE)
 
         names = dict.fromkeys(name for one in self.found.maps for name in one.runs)
         rows = [(one.data_set, dict(zip(one.runs, map(float, one.misfit.mean(axis=1)), strict=True))) for one in self.found.maps]
@@ -189,8 +188,8 @@ class ComparisonPage:
         return doc.Table(
             columns=(
                 doc.Column("dynamic mass", lambda one: f"H {SIGNS[one.load]}{SIGNS[one.motion]} of {one.data_set}", words=True),
-                doc.Column("sigma", lambda one: figure(one.sigma)),
-                doc.Column("of it", lambda one: f"{figure(one.percent)} %"),
+                doc.Column("sigma", lambda one: two_digits(one.sigma)),
+                doc.Column("of it", lambda one: f"{two_digits(one.percent)} %"),
                 doc.Column("at [Hz]", lambda one: one.frequency, ".2f"),
             ),
             rows=worst_pairs(self.found.maps, COMPARISON_PAIRS),
@@ -210,7 +209,7 @@ class ComparisonPage:
                 doc.Column("moved by", lambda one: one.offset, "+.3g", on=doc.PAGE),
                 doc.Column(
                     "moved by",
-                    lambda one: f"{one.offset:+.3g} {one.parameter.unit if one.parameter.unit != '1' else ''}".rstrip(),
+                    lambda one: with_unit(f"{one.offset:+.3g}", one.parameter.unit),
                     on=doc.TERMINAL,
                 ),
                 doc.Column("unit", lambda one: one.parameter.unit, words=True, on=doc.PAGE),
@@ -239,7 +238,7 @@ class ComparisonPage:
         """What must be known to read the tables, then what was assumed."""
         first = self.found.worst[0].sigma if self.found.worst else 0.0
         if first < STANDS_OUT:
-            yield f"Nothing stands out: the worst spot is {figure(first)} sigma, and chance reaches about {STANDS_OUT - 1:g}."
+            yield f"Nothing stands out: the worst spot is {two_digits(first)} sigma, and chance reaches about {STANDS_OUT - 1:g}."
         elif below := sum(one.sigma < STANDS_OUT for one in self.found.worst):
             yield f"{below} more of the ten worst spots are below {STANDS_OUT:g} sigma, as chance leaves them."
         yield (

@@ -19,22 +19,18 @@ from validation.diagnose.diagnose import ready
 from validation.diagnose.diagnosis import Needed, SwingAnswer
 from validation.diagnose.nonlinear import require_levels
 from validation.diagnose.pendulum import only_classical
-from validation.effects import practical_units
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import MISTAKE as OF_MISTAKES
 from validation.effects.effect import evidence_threshold
-from validation.effects.practical_units import said, significant
+from validation.effects.practical_units import said
 from validation.estimation.evaluate import named, without
-from validation.estimation.verdicts import figure
 from validation.history import add
 from validation.history.add import at_offsets, kept_offsets
 from validation.history.history import HistoryPosition, Version, history_position, is_worth_adding, reminded, undone
 from validation.model import model_file
 from validation.model.model import Added, Model
-from validation.output import json_text, stages, to_json
-from validation.output import percent as progress_percent
+from validation.output import NONE, json_text, share_done, significant, stages, to_json, two_digits, with_unit
 from validation.reference.reference import file_name
-from validation.reference.statement import NONE
 from validation.report import document as doc
 from validation.report import history
 from validation.report.charts import crosscheck
@@ -544,7 +540,9 @@ class DiagnosisPage:
                 doc.Column(
                     "expected evidence", lambda row: row[1].gain if row[1].gain > 0 else None, ".3g", unit="nats", on=doc.PAGE
                 ),
-                doc.Column("nats", lambda row: figure(row[1].gain) if row[1].gain > 0 else NONE, aligned=False, on=doc.TERMINAL),
+                doc.Column(
+                    "nats", lambda row: two_digits(row[1].gain) if row[1].gain > 0 else NONE, aligned=False, on=doc.TERMINAL
+                ),
                 doc.Column("work", lambda row: row[1].hours or None, "g", unit="h", on=doc.PAGE),
                 doc.Column("measure this", lambda row: row[1].test, words=True, on=doc.PAGE),
                 doc.Column("tells apart", lambda row: results.listed(row[1].separates), words=True, on=doc.PAGE),
@@ -558,7 +556,7 @@ class DiagnosisPage:
         if of is None:
             return None
         where = f"{of.load} by {of.motion}" if of.load else ", ".join(of.channels[:4])
-        size = NONE if of.size is None else f"{of.size:.3g} {'' if of.unit == '1' else of.unit}".rstrip()
+        size = NONE if of.size is None else with_unit(f"{of.size:.3g}", of.unit)
         at = NONE if of.frequency is None else f"{of.frequency:.2f} Hz"
         lines = (
             ("what is left", of.text),
@@ -576,7 +574,7 @@ class DiagnosisPage:
         lines = tuple(
             (
                 f"{one.data_set}: {one.runs[0]} against {one.runs[1]}",
-                figure(one.sigma),
+                two_digits(one.sigma),
                 f"{one.axis}, most at {one.frequency:.1f} Hz, in {results.listed(one.channels)}",
             )
             for one in self.found.levels
@@ -655,7 +653,7 @@ class DiagnosisPage:
             if not one.sizes:
                 return NONE
             value, _, _, unit = results.interval(one, one.sizes[0])
-            return practical_units.with_unit(value, unit)
+            return with_unit(value, unit)
 
         def judged(one: results.Cause) -> str:
             if one.id in accepted:
@@ -747,7 +745,7 @@ def diagnosis_answer(asked: Options, *, auto: bool, as_json: bool, folder: Path 
         return
     write_text(folder / RESULT, json_text(whole) + "\n")
     click.echo(f"massline: wrote {folder / RESULT}.", err=True)
-    with progress_percent("pictures", quiet=as_json) as share:
+    with share_done("pictures", quiet=as_json) as share:
         paths = draw(found, folder)
         if found.leftover is not None:
             paths += draw_left(found, bench, folder, share)

@@ -19,9 +19,9 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from geometry.routes import ROUTES
-from validation.output import PIPED_WIDTH, page_width, plain_unit
+from validation.output import NONE, PIPED_WIDTH, SIGNIFICANT, fixed, page_width, plain_unit, rounded
 from validation.reference.reference import IDENTIFIED, MEASURED, PUBLISHED, ReferenceTable, farthest, row, verdict
-from validation.reference.statement import COG, LARGE, MASS, NONE, QUANTITIES, TENSOR, Quantity, Row, Stated, rounded
+from validation.reference.statement import COG, MASS, QUANTITIES, TENSOR, Quantity, Row, Stated
 
 if TYPE_CHECKING:
     from validation.report.charts.static import Figure
@@ -75,12 +75,6 @@ def worded(text: str) -> Safe:
 # No digit that was printed is lost, none is invented: a published value keeps its own decimals, a route is shown with one more
 # than the published value, or with six significant digits of the largest entry of its kind. The decimal points of a column line
 # up.
-
-
-SIGNIFICANT = 6
-
-MANY_DECIMALS = 12
-"""Decimals of `SIGNIFICANT` digits whose largest is too small to be written without an exponent."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -179,13 +173,13 @@ def _value(table: ReferenceTable, column: str, k: int) -> str:
     per_si = QUANTITIES[k].per_si
     printed = stated.decimals is not None
     decimals = stated.decimals if stated.decimals is not None else _decimals(table, k)
-    text, size = grid_number(stated.value * per_si, decimals), (stated.tolerance or 0.0) * per_si
+    text, size = fixed(stated.value * per_si, decimals), (stated.tolerance or 0.0) * per_si
     # Half a unit of the last printed digit is said by the digits already
     rounding = stated.tolerance is None or math.isclose(size, 0.5 * 10.0**-decimals, rel_tol=1e-6)
     if not printed or rounding:
         return text
     # Two significant digits at the least, rounded up never away
-    return f"{text} ± {grid_number(size, max(decimals, 1 - math.floor(math.log10(size)) if size else 0))}"
+    return f"{text} ± {fixed(size, max(decimals, 1 - math.floor(math.log10(size)) if size else 0))}"
 
 
 def _decimals(table: ReferenceTable, k: int) -> int:
@@ -209,19 +203,11 @@ def _deviation(table: ReferenceTable, one: Row | None, k: int) -> tuple[str, str
         return NONE, NONE
     percent, many = one.deviation_percent, one.deviation_in_tolerances
     is_length = COG.start <= k < COG.stop
-    own = f"{grid_number(one.deviation, 2 if is_length else _decimals(table, k))} {one.unit}"
-    relative = None if percent is None else f"{grid_number(percent, 2)} %"
+    own = f"{fixed(one.deviation, 2 if is_length else _decimals(table, k))} {one.unit}"
+    relative = None if percent is None else f"{fixed(percent, 2)} %"
     size = relative if relative and not is_length else f"{own} ({relative})" if relative else own
     # A deviation in tolerances; beyond a thousand the figure says nothing more
-    return size, NONE if many is None else grid_number(many, 1) if abs(many) < 1000 else f"{'-' if many < 0 else ''}>999"
-
-
-def grid_number(value: float, decimals: int) -> str:
-    """`value` with `decimals`, or six significant digits and an exponent beyond `LARGE`; zero has no sign."""
-    if abs(value) >= LARGE or decimals >= MANY_DECIMALS:
-        return f"{value:.{SIGNIFICANT - 1}e}" if abs(value) >= 0.5 * 10.0**-decimals else "0"
-    text = f"{value:.{decimals}f}"
-    return text.lstrip("-") if float(text) == 0 else text
+    return size, NONE if many is None else fixed(many, 1) if abs(many) < 1000 else f"{'-' if many < 0 else ''}>999"
 
 
 def aligned(cells: tuple[str, ...]) -> tuple[str, ...]:

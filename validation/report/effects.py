@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Mapping, Sequence
-from math import exp, isfinite
+from math import exp
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -12,7 +12,7 @@ from geometry.errors import BadInput
 from geometry.toml_file import nearest
 from validation.effects import effect
 from validation.effects.catalogue import FAMILIES, SOURCES, parse
-from validation.reference.statement import NONE
+from validation.output import NONE, to_json, with_unit
 from validation.report.document import Grid, markdown_escaped, page, pipes
 
 DOES: Mapping[str, str] = MappingProxyType(
@@ -77,8 +77,7 @@ def sizes(family: effect.Family) -> tuple[effect.SizeSpec, ...]:
 
 def limits(size: effect.SizeSpec) -> str:
     """``m: 1e-06 to 100 kg``"""
-    unit = "" if size.unit == "1" else f" {size.unit}"
-    said = f"{size.low:g} or {size.high:g}" if size.whole else f"{size.low:.3g} to {size.high:.3g}{unit}"
+    said = f"{size.low:g} or {size.high:g}" if size.whole else with_unit(f"{size.low:.3g} to {size.high:.3g}", size.unit)
     return _of(size, said)
 
 
@@ -119,8 +118,8 @@ def as_json(family: effect.Family) -> dict[str, Any]:
         "sentence": sentence(family),
         "targets": list(family.targets),
         "last_target_optional": family.optional,
-        "sizes": [_size_json(size) for size in family.sizes],
-        "sizes_by_target": {target: [_size_json(size) for size in varying] for target, varying in family.varying.items()},
+        "sizes": to_json(family.sizes),
+        "sizes_by_target": to_json(family.varying),
         "tolerance": family.tolerance or None,
         "changes": family.stage,
         "equation": family.equation,
@@ -129,20 +128,6 @@ def as_json(family: effect.Family) -> dict[str, Any]:
         "reference": family.reference,
         "examples": list(examples(family)),
         "from": SOURCES.get(family.name, "massline"),
-    }
-
-
-def _size_json(size: effect.SizeSpec) -> dict[str, Any]:
-    return {
-        "key": size.key,
-        "unit": size.unit,
-        "low": size.low,
-        "high": size.high,
-        "default": size.default,
-        "whole": size.whole,
-        "null": size.null if isfinite(size.null) else None,
-        "plausible": size.plausible or None,
-        "logarithmic": size.logarithmic,
     }
 
 

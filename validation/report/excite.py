@@ -22,13 +22,12 @@ from validation.excite.results import LOAD_UNITS, LOADS, Outcome, amplitude, rig
 from validation.excite.rig import FMD, ArticleOnTable, RigModes
 from validation.excite.runs import Done, PreparedRuns, ready
 from validation.identify.check import of_campaign
-from validation.output import percent, print_json, require_file, require_folder, shown, to_json
+from validation.output import NONE, fixed, print_json, require_file, require_folder, share_done, shown, to_json
 from validation.reference.reference import file_name
-from validation.reference.statement import NONE
 from validation.report import campaign as campaign_page
 from validation.report.charts.excitation import PanelRow, Sheet, Signal, Spectra, draw_sheet
 from validation.report.charts.style import unit
-from validation.report.document import Column, Document, Grid, Table, aligned, grid_number, page
+from validation.report.document import Column, Document, Grid, Table, aligned, page
 from validation.virtual_test import simulate as virtual_test
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.simulate import SimulateOptions, VirtualTest
@@ -372,7 +371,6 @@ class RunPicture:
 def excite_json(made: PreparedRuns, outcomes: Sequence[Outcome], files: Sequence[Sequence[Path]]) -> dict[str, Any]:
     """The JSON object of `massline excite`, a stable contract; `files` were written for each run."""
     question, rig, modes = made.question, made.mounted.rig, made.modes
-    drive = question.drive
     return {
         "article": question.article,
         "model": None if made.mounted.model is None else made.mounted.model.model,
@@ -381,14 +379,7 @@ def excite_json(made: PreparedRuns, outcomes: Sequence[Outcome], files: Sequence
         "exudyn": None if made.route.name == LINEAR else exudyn_version(),
         "about": "article" if made.about_article else "F",
         "sampling_rate_hz": question.rate,
-        "drive": {
-            "pattern": drive.pattern,
-            "band_hz": list(drive.band),
-            "octaves_per_minute": drive.octaves_per_minute,
-            "level": drive.level,
-            "cross": drive.cross,
-            "seed": drive.seed,
-        },
+        "drive": to_json(question.drive),
         "rig": {
             "text": list(rig_text(made.mounted, modes)),
             "linear": rig.linear,
@@ -526,7 +517,7 @@ class Written:
             bodies[f"{self.plan.on_fmd}, own frame"] = truth["article"]["own_frame"]
         header = ("truth", "m [kg]", *(f"{axis} of CoG [mm]" for axis in "xyz"), *(f"I{axis}{axis} [kg m²]" for axis in "xyz"))
         keys = ("mass_kg", "cog_mm", "moi_cog_kgm2")
-        figures = [[grid_number(value, 4) for key in keys for value in np.ravel(body[key])] for body in bodies.values()]
+        figures = [[fixed(value, 4) for key in keys for value in np.ravel(body[key])] for body in bodies.values()]
         columns = [aligned(column) for column in zip(*figures, strict=True)]
         yield Grid(header=header, lines=tuple(zip(bodies, *columns, strict=True)))
 
@@ -570,7 +561,7 @@ def simulate(question: SimulateOptions, *, as_json: bool) -> None:
 
 
 def _written_test(question: SimulateOptions, plan: Plan, words: str, *, quiet: bool) -> Written:
-    with percent(f"{words}: simulating", quiet=quiet) as progress:
+    with share_done(f"{words}: simulating", quiet=quiet) as progress:
         try:
             test = virtual_test.simulate(plan, progress)
         except BadInput as error:

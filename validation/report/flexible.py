@@ -25,11 +25,9 @@ from validation.flexible.model import OWN, Flexible, another_body
 from validation.flexible.modes import APART, SAME_MODE, Described, ModeComparison, compared, described, displacement, movable
 from validation.reference.published import claims
 from validation.reference.reference import file_name
-from validation.reference.statement import LARGE, NONE
 from validation.report.charts.style import DynamicMassCurve, diagonal, full
 from validation.report.document import NOTHING as TABLES_NOTHING
-from validation.report.document import Column, Document, Figures, Grid, Number, Safe, Table, aligned, grid_number, pipes, tag
-from validation.report.document import number as tables_number
+from validation.report.document import Column, Document, Figures, Grid, Number, Safe, Table, aligned, pipes, tag
 from validation.report.parts import Report, picture, section
 from validation.report.parts import notes as parts_notes
 from validation.report.scenes.motion import DrawnMode, MovingBody, animation, bendable, mode_sheet, sharp_edges, write_glb
@@ -95,7 +93,7 @@ def _heads() -> tuple[str, ...]:
 
 
 def _masses(masses: Array, rigid: Array) -> tuple[str, ...]:
-    return tuple(grid_number(m, DECIMALS) if abs(m) > NOTHING * whole else "0" for m, whole in zip(masses, rigid, strict=True))
+    return tuple(output.fixed(m, DECIMALS) if abs(m) > NOTHING * whole else "0" for m, whole in zip(masses, rigid, strict=True))
 
 
 def print_modes(model: Flexible, against: Flexible | None, *, as_json: bool) -> None:
@@ -127,7 +125,7 @@ def modes_document(model: Flexible) -> Document:
         lines.append(("Σ", "", "", *masses(total), f"sum of {len(modes.frequency)} modes"))
     if weighed and model.structure is not None:
         can = movable(model.structure)
-        share = tuple(f"{100 * part / whole:.1f} %" if whole > 0 else NONE for part, whole in zip(total, can, strict=True))
+        share = tuple(f"{100 * part / whole:.1f} %" if whole > 0 else output.NONE for part, whole in zip(total, can, strict=True))
         lines.append(("", "", "", *share, "of what all modes together carry"))
         if support == "base":
             lines.append(("base", "", "", *masses(rigid - can), "carried by the base itself, in no mode"))
@@ -158,23 +156,24 @@ def modes_document(model: Flexible) -> Document:
 def modes_json(model: Flexible) -> dict[str, Any]:
     """The object of the output contract, effective masses [kg, kg m²] about the reference point."""
     modes = model.modes
-    base = {} if model.structure is None else {"effective_mass_of_all_modes": movable(model.structure).tolist()}
+    base = {} if model.structure is None else {"effective_mass_of_all_modes": movable(model.structure)}
     support = support_of(model)
-    return {
+    found = {
         "article": model.article,
         "model": model.model,
         **({} if support == "base" else {"support": support}),
-        "frequency_hz": modes.frequency.tolist(),
-        "damping_ratio": modes.damping_ratio.tolist(),
-        "effective_mass": modes.effective_mass.tolist(),
-        "effective_mass_unit": list(UNITS),
-        "reference_point_mm": (1e3 * modes.reference_point).tolist(),
-        "rigid_mass": np.diag(modes.rigid_mass).tolist(),
+        "frequency_hz": modes.frequency,
+        "damping_ratio": modes.damping_ratio,
+        "effective_mass": modes.effective_mass,
+        "effective_mass_unit": UNITS,
+        "reference_point_mm": 1e3 * modes.reference_point,
+        "rigid_mass": np.diag(modes.rigid_mass),
         **base,
-        "what_moves": [{"text": what.text, "kinetic_energy_share": what.moving} for what in words(model)],
-        "published": [{"says": c.says, "found": c.found, "holds": c.holds} for c in claims(model.article, modes.frequency)],
-        "notes": list(model.notes),
+        "what_moves": words(model),
+        "published": claims(model.article, modes.frequency),
+        "notes": model.notes,
     }
+    return {key: output.to_json(value) for key, value in found.items()}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -190,9 +189,9 @@ class ModesBeside:
         lines = []
         for k, other in enumerate(found.partner):
             alone = np.sum(found.cluster == found.cluster[k]) == 1
-            mac = f"{found.mac[k, other]:.3f}" if found.mac.size else NONE
-            theirs = (str(other + 1), f"{g[other]:.3f}", _percent(found.difference[k]), mac) if other >= 0 else 4 * (NONE,)
-            space = NONE if alone or other < 0 or not found.mac.size else f"{found.space[k]:.3f}"
+            mac = f"{found.mac[k, other]:.3f}" if found.mac.size else output.NONE
+            theirs = (str(other + 1), f"{g[other]:.3f}", _percent(found.difference[k]), mac) if other >= 0 else 4 * (output.NONE,)
+            space = output.NONE if alone or other < 0 or not found.mac.size else f"{found.space[k]:.3f}"
             lines.append((str(k + 1), f"{f[k]:.3f}", *theirs, space))
         header = (f"{first} mode", "f [Hz]", f"{second} mode", "f [Hz]", "difference", "MAC", "space")
         matched = "Matched in ascending order: a model without shapes on this article's points has no MAC."
@@ -253,17 +252,18 @@ class ModesBeside:
     def json(self) -> dict[str, Any]:
         """What `massline modes --against --json` says beyond the first model."""
         found = self.found
-        return {
+        figures = {
             "model": found.second.model,
-            "frequency_hz": found.second.modes.frequency.tolist(),
-            "effective_mass": found.second.modes.effective_mass.tolist(),
-            "partner": [None if k < 0 else int(k) for k in found.partner],
-            "difference_percent": [None if np.isnan(d) else 100 * float(d) for d in found.difference],
-            "mac": found.mac.tolist(),
-            "cluster": found.cluster.tolist(),
-            "mac_of_space": found.space.tolist() if found.mac.size else None,
+            "frequency_hz": found.second.modes.frequency,
+            "effective_mass": found.second.modes.effective_mass,
+            "partner": [None if k < 0 else k for k in found.partner],
+            "difference_percent": 100 * found.difference,
+            "mac": found.mac,
+            "cluster": found.cluster,
+            "mac_of_space": found.space if found.mac.size else None,
             "text": " ".join(self.said),
         }
+        return {key: output.to_json(value) for key, value in figures.items()}
 
 
 def _percent(share: float) -> str:
@@ -280,20 +280,20 @@ def dynamic_mass_document(found: Curves) -> Document:
     """All of it, in the order in which it is read."""
     first, H, rigid = found.models[0], found.masses[0], np.diag(found.rigid)
     shown = np.unique(np.round(np.linspace(0, len(H.frequency) - 1, SHOWN_LINES)).astype(int)).tolist()
-    lines = [("rigid", *(grid_number(m, DECIMALS) for m in rigid))]
-    lines += [(f"{H.frequency[k]:.2f} Hz", *(grid_number(abs(H.matrix[k, i, i]), DECIMALS) for i in range(6))) for k in shown]
+    lines = [("rigid", *(output.fixed(m, DECIMALS) for m in rigid))]
+    lines += [(f"{H.frequency[k]:.2f} Hz", *(output.fixed(abs(H.matrix[k, i, i]), DECIMALS) for i in range(6))) for k in shown]
     peaks = Table(
         rows=found.peaks,
         columns=(
             Column("peak of", lambda p: AXES[p.axis]),
             Column("at [Hz]", lambda p: p.frequency, ".2f"),
-            Column("|H|", lambda p: f"{grid_number(p.magnitude, DECIMALS)} {p.unit}"),
+            Column("|H|", lambda p: f"{output.fixed(p.magnitude, DECIMALS)} {p.unit}"),
             Column("times rigid", lambda p: f"{p.amplification:.2f}"),
         ),
     )
 
     def largest(share: float | None, frequency: float | None) -> str:
-        return NONE if share is None else f"{100 * share:.3g} % at {frequency:.2f} Hz"
+        return output.NONE if share is None else f"{100 * share:.3g} % at {frequency:.2f} Hz"
 
     point = ", ".join(f"{1e3 * x + 0.0:g}" for x in H.reference_point)
     name = {"article": "the article's origin", "F": "F, the centre of the force-measuring plane"}.get(found.about, "the point")
@@ -569,7 +569,7 @@ def html(report: Report, figures: Figures) -> Safe:
         if not one.effective_mass:
             return TABLES_NOTHING
         own = one.effective_mass[k]
-        return tables_number(own, ".3g") if own > least else Number(value=own, text="0")
+        return Number(value=own, text=f"{own:.3g}" if own > least else "0")
 
     tables = []
     for of, modes in zip(found.maps, found.modes, strict=True):
@@ -644,8 +644,8 @@ def cells(result: CheckResult) -> tuple[str, ...]:
     relative = result.error_is is Error.RELATIVE and result.reference != 0
     return (
         f"{result.what} [{result.unit}]" if result.unit else result.what,
-        number(result.reference),
-        number(result.value),
+        six_digits(result.reference),
+        six_digits(result.value),
         small(result.error, relative),
         small(result.bar, relative),
         "yes" if result.passed else "NO",
@@ -653,17 +653,17 @@ def cells(result: CheckResult) -> tuple[str, ...]:
     )
 
 
-def number(value: float) -> str:
+def six_digits(value: float) -> str:
     """Six significant digits, whole numbers as they are."""
     if not math.isfinite(value):
-        return NONE
-    return f"{value:g}" if value == round(value) and abs(value) < LARGE else f"{value:#.{DIGITS}g}"
+        return output.NONE
+    return f"{value:g}" if value == round(value) and abs(value) < output.LARGE else f"{value:#.{DIGITS}g}"
 
 
 def small(error: float, relative: bool) -> str:
     """An error with two digits, a relative one in per cent."""
     if not math.isfinite(error):
-        return NONE
+        return output.NONE
     return f"{100 * error:.2g} %" if relative and error else f"{error:.2g}"
 
 

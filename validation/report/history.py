@@ -12,10 +12,10 @@ from geometry.atomic import write_text
 from geometry.errors import BadInput
 from identification.quality import NORMAL_90
 from validation.history import history
-from validation.history.history import SHOWN, Body, HistoryPosition, Version, VersionSize, is_worth_adding, percent, unit
+from validation.history.history import SHOWN, Body, HistoryPosition, Version, VersionSize, is_worth_adding, percent
 from validation.model import model_file
-from validation.output import json_text, require_ending, require_file, shown, stages, to_json
-from validation.reference.statement import NONE, QUANTITIES, rounded
+from validation.output import NONE, json_text, require_ending, require_file, rounded, shown, stages, to_json, with_unit
+from validation.reference.statement import QUANTITIES
 from validation.report import document
 from validation.report.charts import history as charts
 from validation.report.document import PAGE, TERMINAL, Block, Column, Document, Drawn, Figures, Grid, Safe, Table, aligned
@@ -157,7 +157,7 @@ def of_added(before: Version, after: Version) -> list[Grid]:
 
 def _size(size: VersionSize) -> str:
     spread = "" if size.deviation is None else f" ± {size.deviation:.2g}"
-    return f"{size.value:.5g}{spread}{unit(size.unit)}"
+    return with_unit(f"{size.value:.5g}{spread}", size.unit)
 
 
 def distances(article: str, bodies: Sequence[tuple[int, Body]]) -> Grid:

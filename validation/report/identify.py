@@ -25,9 +25,9 @@ from validation.identify import identify
 from validation.identify.identify import DrawnBandStudy, IdentificationFindings, IdentifyOptions, Reported
 from validation.model.model import Model
 from validation.model.setups import FMD, above_fmd, is_stack, stated, takes_fmd_off
-from validation.output import json_text, shown, to_json
+from validation.output import NONE, json_text, rounded, shown, to_json
 from validation.reference.reference import ArticleOptions, file_name, reference
-from validation.reference.statement import NONE, QUANTITIES, Statement, rounded
+from validation.reference.statement import QUANTITIES, Statement
 from validation.report import document as doc
 from validation.report.charts import identification, spec
 from validation.report.charts.spec import LEFT_OUT, MEASURED, QUOTIENT

@@ -27,14 +27,14 @@ from validation.diagnose import diagnose, diagnosis
 from validation.diagnose.diagnose import require_runs
 from validation.diagnose.diagnosis import Diagnosis
 from validation.effects.catalogue import SOURCES
-from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, STANDS_OUT, percent
+from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, STANDS_OUT
 from validation.history.history import Body, HistoryPosition, Source, digest, history_position
 from validation.identify.identify import REDUCED
 from validation.model.model import Model
 from validation.model.setups import FMD, above_fmd
-from validation.output import require_ending, require_file, stages, to_json
+from validation.output import percent, require_ending, require_file, rounded, stages, to_json
 from validation.reference.reference import file_name
-from validation.reference.statement import QUANTITIES, rounded
+from validation.reference.statement import QUANTITIES
 from validation.report import compare, flexible, history, identify, reference
 from validation.report import diagnose as report_diagnose
 from validation.report.document import Column, Figures, Safe, joined, plus_minus, table, tag, worded

@@ -10,12 +10,13 @@ from validation.classical.files import Reduction
 from validation.compare.compare import Comparison
 from validation.diagnose.diagnosis import Diagnosis
 from validation.estimation.problem import Evaluation
-from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, expected_z2, misfit, percent
+from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, expected_z2, misfit
 from validation.history.history import Body, Errors, HistoryPosition, Source
 from validation.identify.identify import IdentificationFindings
 from validation.model.model import Model
+from validation.output import NONE, percent
 from validation.reference.reference import ReferenceTable
-from validation.reference.statement import NONE, Statement
+from validation.reference.statement import Statement
 from validation.report.document import Safe, joined, tag, worded
 
 

@@ -12,9 +12,9 @@ from geometry.atomic import write_text
 from geometry.frames import Array
 from validation.flexible.model import Flexible
 from validation.identify.pretest import PretestFindings, PretestOptions, Rigidity, coarse_lines, findings, largest_share
-from validation.output import json_text, percent, require_folder, shown, to_json
+from validation.output import NONE, json_text, require_folder, rounded, share_done, shown, to_json
 from validation.reference.reference import file_name
-from validation.reference.statement import NONE, QUANTITIES, rounded
+from validation.reference.statement import QUANTITIES
 from validation.report.charts.identification import DrawnPretest, draw_pretest, draw_rigid, draw_shares
 from validation.report.document import Column, Document, Table
 from validation.report.flexible import moved_bodies
@@ -226,7 +226,7 @@ def answer(question: PretestOptions, *, as_json: bool, plot: bool, out: Path | N
     """
     if out is not None:
         require_folder(out, "--out")
-    with percent(f"pretest of {question.plan.article}", quiet=as_json) as told:
+    with share_done(f"pretest of {question.plan.article}", quiet=as_json) as told:
         found = findings(question, told)
     page, whole = PretestPage(found=found), json_text(to_json(found))
     click.echo(whole if as_json else page.document().text(), nl=as_json)

@@ -18,10 +18,10 @@ from validation.compare.compare import Comparison
 from validation.flexible.model import FlexibleOptions, flexible
 from validation.model.model import RIGID, Model
 from validation.model.setups import above_fmd, is_file, is_stack
-from validation.output import print_json, print_pages, to_json
+from validation.output import print_json, print_pages, rounded, to_json
 from validation.reference import reference
 from validation.reference.reference import ArticleOptions, ReferenceTable
-from validation.reference.statement import MIN_WORDS, QUANTITIES, Stated, Statement, headline, rounded, rows_table
+from validation.reference.statement import MIN_WORDS, QUANTITIES, Stated, Statement, headline, rows_table
 from validation.report import document
 from validation.report.document import NOTHING, Cell, Column, Figures, Number, Safe, number, tag, toleranced
 from validation.report.flexible import ON_THE_SHEET, draw_sheet

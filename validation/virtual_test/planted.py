@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from fem.base_excitation.rig import Flange, FlexibleBody, Friction, Rig, Strut
-from geometry.articles import changes_of
-from geometry.articles.locations import locations
+from geometry.articles import changes_of, locations
 from geometry.errors import BadInput
 from geometry.frames import Array, rigid_transformation, rigid_transformation_6, rotation_about
 from geometry.inertia import PARAMETERS, Inertia

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from validation.app import panels, state, whatif, workers
+from validation.app import panels, state, transfer, whatif, workers
 from validation.app.opening import Handed
 from validation.app.options import StartOptions
 from validation.app.state import WindowState
@@ -187,10 +187,10 @@ def test_a_mended_file_is_dropped_again_under_its_name(tmp_path: Path, monkeypat
     async def story() -> None:
         of = bench(tmp_path, data_paths="/somewhere")
         for text in (b"model = 1", b"model = 2"):
-            await panels.arrived(of, [Handed(name="s/model.toml", content=text)])
+            await transfer.arrived(of, [Handed(name="s/model.toml", content=text)])
         assert opened == ["model = 1", "model = 2"]
         of.state.opening = True
-        await panels.arrived(of, [Handed(name="s/model.toml", content=b"model = 3")])
+        await transfer.arrived(of, [Handed(name="s/model.toml", content=b"model = 3")])
         assert len(opened) == 2
         assert "when that is done" in of.state.failure
 
@@ -203,7 +203,7 @@ def test_clicks_do_not_wait_behind_figures(tmp_path: Path) -> None:
     async def story() -> None:
         of = bench(tmp_path)
         of.session = SimpleNamespace(folder=tmp_path, draw=lambda *_: time.sleep(0.5) or (tmp_path / "a.png",))  # type: ignore[assignment]
-        drawing_them = asyncio.ensure_future(panels.figures(of))
+        drawing_them = asyncio.ensure_future(transfer.figures(of))
         await asyncio.sleep(0.05)
         assert of.state.job["cancellable"] is False  # no button that does nothing
         await asyncio.wait_for(of.away(lambda: None), 0.2)

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation.rig import Rig, dynamic_mass
 from fem.damping import Damping
-from geometry.articles.locations import locations
+from geometry.articles import locations
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import rigid_transformation, rigid_transformation_6, rotation_about

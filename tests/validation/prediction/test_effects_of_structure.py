@@ -16,8 +16,7 @@ from fem.beam import articles
 from fem.damping import Damping
 from fem.dynamic_mass import direct
 from fem.modes import fixed_base
-from geometry.articles import built_in
-from geometry.articles.locations import locations
+from geometry.articles import built_in, locations
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array, rigid_transformation_6
 from geometry.routes import inertia

@@ -77,7 +77,7 @@ def test_a_point_mass_weighs_and_shifts(model: Any, added: Any) -> None:
     name = "point-mass:mast-top"
     (m0, z0), (m1, z1) = ([(one.residual({name: 0.5})[0] * one.deviation + one.value) for one in of] for of in (plain, loaded))
     assert_allclose(m1 - m0, 0.5, rtol=1e-12)
-    from geometry.articles.locations import locations
+    from geometry.articles import locations
 
     top = locations("clumod-4")["mast-top"][2]
     assert_allclose(z1, (m0 * z0 + 0.5 * top) / (m0 + 0.5), rtol=1e-12)

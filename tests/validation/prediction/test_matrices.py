@@ -12,8 +12,7 @@ from fem.dynamic_mass import direct
 from fem.dynamic_mass import modal as by_modes
 from fem.modes import Modes, fixed_base
 from fem.structure import Structure
-from geometry.articles import built_in
-from geometry.articles.locations import locations
+from geometry.articles import built_in, locations
 from geometry.frames import Array, rigid_transformation_6
 from geometry.inertia import Inertia
 from geometry.routes import inertia

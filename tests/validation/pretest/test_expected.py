@@ -7,8 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry import routes
-from geometry.articles import built_in
-from geometry.articles.locations import locations
+from geometry.articles import built_in, locations
 from geometry.dynamic_mass import MOTIONS
 from geometry.frames import rigid_transformation, rigid_transformation_6
 from geometry.inertia import PARAMETERS
