@@ -8,7 +8,7 @@ rigid node, the underside of a solid, the interface of a user's model. All other
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,14 @@ from geometry.frames import Array, Integers, freeze, rigid_transformation_6
 
 Sparse = Any
 """A `scipy.sparse.csr_array`; SciPy ships no types."""
+
+
+class Carrier(Protocol):
+    """A mesh that knows what moves a point of it."""
+
+    def rows(self, points: npt.ArrayLike, names: tuple[str, ...] = ()) -> list[Sparse]:
+        """What each degree of freedom moves `points` (p, 3) [m] along x, y, z; (3, n) sparse each."""
+        ...
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -32,9 +40,17 @@ class Structure:
     held : (b,) degrees of freedom that the base carries along
     reference_point : (3,) [m], in the article's frame
     points : (p, 3) [m], places where the shape of a mode can be looked at, in the article's frame
-    translations : (p, 3) the degrees of freedom that move those points along x, y, z
+    translations, rotations : (p, 3) the degrees of freedom that move those points along x, y, z and turn them about these axes;
+        rotations may be -1, where nothing turns, or left empty
     part_stiffness : share of each part in `stiffness`, (n, n) sparse, together all of it; may be left empty
+    part_mass : share of each part in `mass`, likewise
     loss_factors : structural loss factor [1] of the parts that have one
+    grounded : what ties it to the ground is in `stiffness`
+    supports, joints : names in `part_stiffness` that are springs to the ground, and springs between two parts
+    places : by name (3, n) sparse, what each degree of freedom moves there along x, y, z; a row is empty where nothing does
+    sections : by shell or beam, the shares of `part_stiffness` that grow with the thickness and with its cube
+    part_tolerances : by part, standard deviation, relative, of its "modulus", "density", "loss_factor" or "thickness"
+    elements : where there is a mesh (`fem.mesh.places.Elements`), what carries a point of it
     """
 
     stiffness: Sparse
@@ -45,7 +61,16 @@ class Structure:
     points: Array = field(default_factory=lambda: np.zeros((0, 3)))
     translations: Integers = field(default_factory=lambda: np.zeros((0, 3), dtype=np.intp))
     part_stiffness: Mapping[str, Sparse] = field(default_factory=lambda: MappingProxyType({}))
+    part_mass: Mapping[str, Sparse] = field(default_factory=lambda: MappingProxyType({}))
     loss_factors: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    rotations: Integers = field(default_factory=lambda: np.zeros((0, 3), dtype=np.intp))
+    grounded: bool = False
+    supports: tuple[str, ...] = ()
+    joints: tuple[str, ...] = ()
+    places: Mapping[str, Sparse] = field(default_factory=lambda: MappingProxyType({}))
+    sections: Mapping[str, tuple[Sparse, Sparse]] = field(default_factory=lambda: MappingProxyType({}))
+    part_tolerances: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
+    elements: Carrier | None = None
 
     def __post_init__(self) -> None:
         freeze(self, rigid=(self.mass.shape[0], 6), reference_point=(3,))

@@ -297,6 +297,10 @@ SI_UNITS = {
     "first moment": "kg m",
     "angle": "rad",
     "ratio": "1",
+    "area": "m^2",
+    "second moment of area": "m^4",
+    "stiffness": "N/m",
+    "rotational stiffness": "N m/rad",
 }
 """The dimensions that users' files use, and the unit in which their values leave here."""
 
@@ -307,7 +311,7 @@ LARGEST_QUANTITY = 1e15
 """In SI: no quantity of a test article lies beyond, and arithmetic stays far from overflow. What is smaller than its inverse is
 the rounding that another program leaves of a zero, and is read as zero."""
 
-_NAMED = {**SI_UNITS, "frequency": "Hz", "area": "m^2", "volume": "m^3", "velocity": "m/s", "torque": "N m"}
+_NAMED = {**SI_UNITS, "frequency": "Hz", "volume": "m^3", "velocity": "m/s", "torque": "N m"}
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY = re.compile(
     rf"\(?\s*(?P<value>{_NUMBER})\s*(?P<unit>[^\d\s+()±,-][^+()±]*?)?\s*"
@@ -394,9 +398,10 @@ def _factor(unit: str, dimension: str, source: str, field: str) -> float:
     except Exception as error:  # pint raises its own, tokenize's and Python's errors on nonsense
         raise _refused(f"the unit {unit!r} is not known", dimension, source, field) from error
     angular = "radian" in str(found.to_root_units().units)
-    if found.dimensionality != wanted.dimensionality or (dimension == "angle") != angular:
+    turns = dimension == "rotational stiffness"  # per radian, said or not
+    if found.dimensionality != wanted.dimensionality or ((dimension == "angle") != angular and not turns):
         like = (known for known, si in _NAMED.items() if registry.Unit(si).dimensionality == found.dimensionality)
-        named = next((known for known in like if known not in {"angle", "ratio"}), None)
+        named = next((known for known in like if known not in {"angle", "ratio", "rotational stiffness"}), None)
         unnamed = f"of dimension {found.dimensionality}" if found.dimensionality else "a pure number"
         what = "an angle" if angular else _a(named) if named else unnamed
         raise _refused(f"{unit!r} is {what}, where {_a(dimension)} should be", dimension, source, field)
