@@ -221,7 +221,7 @@ def read(path: Path) -> MeshDescription:
     interface = table.table.get("interface", [])
     if not isinstance(interface, list) or any(isinstance(each, bool) or not isinstance(each, int | str) for each in interface):
         raise table.wrong("interface", "a list of groups or node numbers", 'Write it like ["foot"]')
-    if support == "base" and not interface:
+    if support == "base" and not interface and kind == "mesh":
         raise table.wrong("interface", "the groups that the base carries", 'Write interface = ["foot"], or support = "free"')
     if support == "free" and (interface or any(len(spring.at) == 1 for spring in springs.values())):
         key = "interface" if interface else "springs"

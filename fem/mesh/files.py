@@ -248,7 +248,7 @@ def _abaqus(path: Path) -> _Raw:
             members = table.setdefault(options.get(keyword, ""), [])
             if "GENERATE" in options:
                 start, stop, step = (int(field) for field in ([field for field in fields if field] + ["1"])[:3])
-                members += range(start, min(stop, start + LARGEST_FILE // 100) + 1, max(step, 1))
+                members += range(start, min(stop, start + 5_000_000) + 1, max(step, 1))
                 continue
             for field in fields:
                 if field.lstrip("-").isdigit():

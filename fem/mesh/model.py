@@ -9,7 +9,7 @@ import numpy as np
 from fem.beam.elements import moduli, timoshenko
 from fem.mesh import description as described
 from fem.mesh import files, shells, solids
-from fem.mesh.places import LINE, Block, Elements, beam_axes
+from fem.mesh.places import LINE, Block, Elements, beam_axes, fitted
 from fem.solid import assembly, tetrahedra
 from fem.structure import Sparse, Structure
 from fem.user_model import description as text
@@ -315,7 +315,9 @@ def _require_sound(found: described.MeshDescription, points: Array, blocks: Sequ
         raise BadInput(source=str(found.file), field="elements", problem="; ".join(said), remedy=remedy)
 
 
-# Degrees of freedom: three at a node of solids, six where a shell or beam ends; links let some ride on others.
+# Degrees of freedom: three at a node of solids, six of shells and beams; links let some ride on others.
+#
+# A shell or beam that ends on a solid is welded to it: its rotations there are those of the solid's elements around the node.
 
 
 def _numbered(
@@ -364,6 +366,8 @@ def _numbered(
             if not keep[ground].all():
                 raise found.refused("interface", f"node {tags[node]} rides on a link", "Hold the link instead")
             keep[ground] = False
+    turned = _welded(points, blocks, first, turning & keep[first])
+    keep[turned.rows] = False
     own_dofs = np.where(keep, np.cumsum(keep) - 1, -1)
     if not keep.all():
         moved, n = own_dofs, int(keep.sum())
@@ -373,6 +377,8 @@ def _numbered(
         v = np.concatenate([np.ones(len(plain)), *values])
         alive = keep[c]
         carried = coo_array((v[alive], (r[alive], moved[c[alive]])), shape=(size, n)).tocsr()
+        if len(turned.rows):
+            carried = carried + turned.matrix(size) @ carried
     return Elements(
         source=source,
         node_tags=tags,
@@ -384,6 +390,40 @@ def _numbered(
         own=own_dofs,
         carried=carried,
     )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Welded:
+    """Rotations `rows` (w,) that ride, and the entries by which they do: (row, column, value) each."""
+
+    rows: Integers
+    entries: tuple[Integers, Integers, Array]
+
+    def matrix(self, size: int) -> Sparse:
+        from scipy.sparse import coo_array
+
+        r, c, v = self.entries
+        return coo_array((v, (r, c)), shape=(size, size)).tocsr()
+
+
+def _welded(points: Array, blocks: Sequence[Block], first: Integers, turning: Array) -> _Welded:
+    """How nodes that are `turning` (p,) and belong to solids turn: with the translations of the solids' nodes around them."""
+    around: dict[int, list[Integers]] = {}
+    for block in blocks:
+        if block.kind in solids.KINDS and np.any(touched := turning[block.nodes]):
+            for cell in np.flatnonzero(touched.any(axis=1)).tolist():
+                for node in block.nodes[cell][touched[cell]].tolist():
+                    around.setdefault(node, []).append(block.nodes[cell])
+    rows, columns, values = [np.zeros(0, dtype=np.intp)], [np.zeros(0, dtype=np.intp)], [np.zeros(0)]
+    for node, cells in around.items():
+        others = np.unique(np.concatenate(cells))
+        turns = fitted(points[others], points[node])[3:]
+        dofs = (first[others][:, None] + SIX[:3]).ravel()
+        rows.append(np.repeat(first[node] + SIX[3:], len(dofs)))
+        columns.append(np.tile(dofs, 3))
+        values.append(turns.ravel())
+    r = np.concatenate(rows)
+    return _Welded(rows=np.unique(r), entries=(r, np.concatenate(columns), np.concatenate(values)))
 
 
 def _interface(found: described.MeshDescription, sets: Sets, tags: Integers) -> Integers:

@@ -114,7 +114,7 @@ class Elements:
         moved, turned = foot.moved, foot.turned
         dofs = foot.dofs
         if turned is None:
-            turned = _fitted(self.points[foot.nodes], foot.point)[3:]
+            turned = fitted(self.points[foot.nodes], foot.point)[3:]
         else:
             moved = moved - skew(point - foot.point) @ turned
         return self._sparse(np.vstack([moved, turned]), dofs)
@@ -126,10 +126,10 @@ class Elements:
             return self._sparse(np.eye(6), own)
         beside = [block.nodes[(block.nodes == index).any(axis=1)].ravel() for block in self.blocks]
         nodes = np.unique(np.concatenate(beside))
-        fitted = _fitted(self.points[nodes], self.points[index])
+        turned = fitted(self.points[nodes], self.points[index])
         dofs = np.append(own, (self.first[nodes][:, None] + np.arange(3)).ravel())
         whole = np.zeros((6, len(dofs)))
-        whole[:3, :3], whole[3:, 3:] = np.eye(3), fitted[3:]
+        whole[:3, :3], whole[3:, 3:] = np.eye(3), turned[3:]
         return self._sparse(whole, dofs)
 
     def mean(self, nodes: Integers, point: Array) -> Sparse:
@@ -252,7 +252,7 @@ class Elements:
         )
 
 
-def _fitted(points: Array, centre: Array) -> Array:
+def fitted(points: Array, centre: Array) -> Array:
     """The rigid motion (6, 3 k) about `centre` nearest to what `points` (k, 3) do; a turn that they leave open is none."""
     T = np.vstack([rigid_transformation(point - centre) for point in points])
     wide = float(np.abs(points - centre).max()) or 1.0

