@@ -1,6 +1,6 @@
 """The TOML text of a mesh or an assembly: parts with material and section, where it is held, places, springs and masses."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -30,6 +30,28 @@ At = int | str | tuple[float, float, float]
 """Where something is: the number of a node, the name of a group, box or place, or coordinates [m]."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Profile:
+    """A section as described: `sizes` [m] are width and height, of a `round` one both diameters; or area, Iy, Iz and J."""
+
+    sizes: tuple[float, ...]
+    material: Material
+    round: bool = False
+
+    def times(self, factor: float) -> Section:
+        """The section with its height, or the wall of a tube, `factor` times as thick."""
+        if self.round:
+            outer, inner = self.sizes
+            return tube(outer, max(outer - factor * (outer - inner), 0.0), self.material)
+        if len(self.sizes) == 2:
+            width, height = self.sizes
+            return rectangle(width, factor * height, self.material)
+        (A, Iy, Iz, J), (E, G), rho = self.sizes, moduli(self.material), self.material.density
+        return Section(
+            axial=E * A, torsion=G * J, bending_y=E * Iy, bending_z=E * Iz, mass=rho * A, rotary_y=rho * Iy, rotary_z=rho * Iz
+        )
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PartTable:
     """One part as described.
@@ -38,7 +60,7 @@ class PartTable:
     ----------
     material : elastic
     thickness : of its shells [m], None where it has none
-    section : what makes the section of its beams when their thickness is taken so many times, None where it has none
+    section : of its beams, None where it has none
     z_axis : (3,) direction of the section's z axis, None for the upright one
     reach : [m] how far the surface of its beams is from their axis
     varied : whether its beams have a thickness
@@ -48,7 +70,7 @@ class PartTable:
 
     material: Material
     thickness: float | None = None
-    section: Callable[[float], Section] | None = None
+    section: Profile | None = None
     z_axis: Array | None = None
     reach: float = 0.0
     varied: bool = False
@@ -189,6 +211,142 @@ class _Table:
         remedy = 'Write the number of a node, the name of a group or place, or ["1 m", "0 m", "20 mm"]'
         raise self.wrong(key, "a place", remedy)
 
+    def part(self, whole: float | None) -> PartTable:
+        material = self.material()
+        section, reach, z_axis, varied = None, 0.0, None, False
+        if "section" in self.table:
+            where = f"{self.where}.section"
+            inner = toml_file.require_table(self.table["section"], source=self.source, where=where)
+            section, reach, z_axis, varied = _Table(source=self.source, where=where, table=inner).section(material)
+        tolerance = _Table(
+            source=self.source,
+            where=f"{self.where}.tolerance",
+            table=toml_file.require_table(self.table.get("tolerance", {}), source=self.source, where=f"{self.where}.tolerance"),
+        ).known(TOLERANCES)
+        loss = self.number("loss_factor", 2.0)
+        given = next((each for each in (loss, material.loss_factor, whole) if each is not None), None)
+        return PartTable(
+            material=material,
+            thickness=self.quantity("thickness", "length") if "thickness" in self.table else None,
+            section=section,
+            z_axis=z_axis,
+            reach=reach,
+            varied=varied,
+            loss_factor=given,
+            tolerance={key: value for key in tolerance.table if (value := tolerance.number(key, 10.0)) is not None},
+        )
+
+    def material(self) -> Material:
+        value = self.table.get("material")
+        where = f"{self.where}.material"
+        if isinstance(value, str):
+            found = user_article.made_of(value, f"{self.source}, {where}")
+        elif isinstance(value, dict):
+            own = _Table(source=self.source, where=where, table=value).known(
+                ("density", "youngs_modulus", "poisson_ratio", "loss_factor")
+            )
+            ratio = value.get("poisson_ratio")
+            if isinstance(ratio, bool) or not isinstance(ratio, int | float):
+                raise own.wrong("poisson_ratio", "a number", "Steel has 0.3")
+            found = Material(
+                name=where,
+                density=own.quantity("density", "density"),
+                youngs_modulus=own.quantity("youngs_modulus", "pressure"),
+                poisson_ratio=float(ratio),
+                loss_factor=own.number("loss_factor", 2.0),
+            )
+        else:
+            remedy = 'Write material = "steel", or { density = "7850 kg/m^3", youngs_modulus = "210 GPa", poisson_ratio = 0.3 }'
+            raise self.wrong("material", "a name or a table", remedy)
+        moduli(found, self.where)
+        return found
+
+    def section(self, material: Material) -> tuple[Profile, float, Array | None, bool]:
+        z_axis = None
+        if "z_axis" in self.table:
+            value = self.table["z_axis"]
+            plain = isinstance(value, list) and len(value) == 3 and all(isinstance(v, int | float) for v in value)
+            if not plain or not 0 < np.linalg.norm(value) < 1e6:
+                raise self.wrong("z_axis", "three numbers that are a direction", "Write it like [0, 0, 1]")
+            z_axis = np.array(value, dtype=np.float64)
+        keys = {key for key in self.table if key != "z_axis"}
+        if keys == {"width", "height"}:
+            width, height = self.quantity("width", "length"), self.quantity("height", "length")
+            return Profile(sizes=(width, height), material=material), float(np.hypot(width, height) / 2), z_axis, True
+        if keys == {"outer_diameter", "inner_diameter"}:
+            outer, inner = self.quantity("outer_diameter", "length"), self.quantity("inner_diameter", "length", positive=False)
+            tube(outer, inner, material)
+            return Profile(sizes=(outer, inner), material=material, round=True), outer / 2, z_axis, inner > 0
+        if keys == {"area", "Iy", "Iz", "J"}:
+            A = self.quantity("area", "area")
+            Iy, Iz, J = (self.quantity(key, "second moment of area") for key in ("Iy", "Iz", "J"))
+            return Profile(sizes=(A, Iy, Iz, J), material=material), float(np.sqrt(3 * max(Iy, Iz) / A)), z_axis, False
+        found = ", ".join(keys) or "none"
+        problem = f"must have width and height, outer_diameter and inner_diameter, or area, Iy, Iz and J, found {found}"
+        raise BadInput(source=self.source, field=self.where, problem=problem, remedy="Complete one of the three")
+
+    def box(self) -> Array:
+        value = self.table.get("box")
+        if not isinstance(value, list) or len(value) != 2:
+            raise self.wrong("box", "two corners", 'Write it like [["0 mm", "0 mm", "-1 mm"], ["50 mm", "50 mm", "1 mm"]]')
+        corners = [
+            _Table(source=self.source, where=self.where, table={"box": each}).quantities("box", 3 * ("length",)) for each in value
+        ]
+        return np.array([np.minimum(*corners), np.maximum(*corners)])
+
+    def stiffness(self) -> Array:
+        found = self.quantities("stiffness", _SIX)
+        if np.any(found < 0) or not np.any(found > 0):
+            raise self.wrong("stiffness", "six numbers of which none is negative and one positive", "Correct it")
+        return found
+
+    def spring(self) -> Spring:
+        if "between" in self.table:
+            ends = self.table["between"]
+            if "at" in self.table or not isinstance(ends, list) or len(ends) != 2:
+                raise self.wrong("between", "two places, without `at`", 'Write it like between = ["mid-span", "tip"]')
+            two = tuple(_Table(source=self.source, where=self.where, table={"between": end}).at("between") for end in ends)
+            return Spring(at=two, stiffness=self.stiffness())
+        return Spring(at=(self.at("at"),), stiffness=self.stiffness())
+
+    def joint(self) -> Joint:
+        parts = self.table.get("between")
+        if (
+            not isinstance(parts, list)
+            or len(parts) != 2
+            or not all(isinstance(part, str) for part in parts)
+            or parts[0] == parts[1]
+        ):
+            raise self.wrong("between", "the names of two parts", 'Write it like between = ["deck", "rail"]')
+        return Joint(between=(parts[0], parts[1]), at=self.at("at"), stiffness=self.stiffness())
+
+    def mass(self) -> PointMass:
+        mass, moments = self.quantity("mass", "mass"), np.zeros(6)
+        if "moments" in self.table:
+            moments = self.quantities("moments", 6 * ("moment of inertia",))
+        inertia = Inertia(parameters=np.array([mass, 0.0, 0.0, 0.0, *moments]))
+        verdict = judge(inertia, 1e-6)
+        if np.any(moments) and not verdict.physical:
+            raise self.wrong("moments", f"those of a body ({verdict.text})", "Write Ixx, Iyy, Izz, Ixy, Ixz, Iyz; Ixy = -∫xy dm")
+        return PointMass(at=self.at("at"), inertia=inertia)
+
+    def link(self) -> Link:
+        at, nodes = self.at("at"), self.table.get("nodes")
+        if not isinstance(at, tuple):
+            raise self.wrong("at", "three coordinates", 'Write it like ["1 m", "0 m", "20 mm"]')
+        if not isinstance(nodes, str):
+            raise self.wrong("nodes", "the name of a group", "Name the nodes that ride on it")
+        return Link(at=at, nodes=nodes)
+
+    def stated(self) -> text.Stated:
+        toml_file.require_table(self.table, source=self.source, where="stated")
+        self.known(("mass", "cog"))
+        cog = self.quantities("cog", 3 * ("length",)) if "cog" in self.table else None
+        if "mass" not in self.table:
+            return text.Stated(cog=cog)
+        mass = toml_file.quantity(self.table["mass"], "mass", source=self.source, field="stated.mass")
+        return text.Stated(mass=self.quantity("mass", "mass"), mass_tolerance=float(mass.std_dev), cog=cog)
+
     def _read(self, value: Any, dimension: str, key: str) -> float:
         return float(toml_file.quantity(value, dimension, source=self.source, field=f"{self.where}.{key}").nominal_value)
 
@@ -197,9 +355,11 @@ _SIX = (*3 * ("stiffness",), *3 * ("rotational stiffness",))
 
 
 def described(path: Path) -> bool:
-    """Whether `path` is the description of a mesh or an assembly; its kind alone is looked at."""
+    """Whether `path` is meant as the description of a mesh or an assembly, by the word that its kind is nearest to."""
     table = toml_file.read(path).get(text.TABLE)
-    return isinstance(table, dict) and table.get("kind") in KINDS
+    kind = table.get("kind") if isinstance(table, dict) else None
+    meant = [toml_file.nearest(each, KINDS) for each in KINDS]
+    return isinstance(kind, str) and toml_file.nearest(kind, (*KINDS, *text.KINDS)) in meant
 
 
 def read(path: Path) -> MeshDescription:
@@ -217,7 +377,7 @@ def read(path: Path) -> MeshDescription:
     kind = toml_file.one_of(table.table["kind"], KINDS, source=source, where=f"{text.TABLE}.kind")
     loss = table.number("loss_factor", 2.0)
     support = toml_file.one_of(table.table.get("support", "base"), SUPPORTS, source=source, where=f"{text.TABLE}.support")
-    springs = {name: _spring(each) for name, each in table.tables("springs", ("at", "between", "stiffness")).items()}
+    springs = {name: each.spring() for name, each in table.tables("springs", ("at", "between", "stiffness")).items()}
     interface = table.table.get("interface", [])
     if not isinstance(interface, list) or any(isinstance(each, bool) or not isinstance(each, int | str) for each in interface):
         raise table.wrong("interface", "a list of groups or node numbers", 'Write it like ["foot"]')
@@ -249,14 +409,14 @@ def read(path: Path) -> MeshDescription:
         interface=tuple(interface),
         reference_point=point,
         size=table.quantity("size", "length") if "size" in table.table else None,
-        parts={name: _part(each, loss) for name, each in places.items()},
+        parts={name: each.part(loss) for name, each in places.items()},
         places={name: where.at(name) for name in named},
-        boxes={name: _box(each) for name, each in table.tables("groups", ("box",)).items()},
+        boxes={name: each.box() for name, each in table.tables("groups", ("box",)).items()},
         springs=springs,
-        joints={name: _joint(each) for name, each in table.tables("joints", ("between", "at", "stiffness")).items()},
-        masses={name: _mass(each) for name, each in table.tables("masses", ("at", "mass", "moments")).items()},
-        links={name: _link(each) for name, each in table.tables("links", ("at", "nodes")).items()},
-        stated=_stated(_Table(source=source, where="stated", table=whole.get("stated", {}))),
+        joints={name: each.joint() for name, each in table.tables("joints", ("between", "at", "stiffness")).items()},
+        masses={name: each.mass() for name, each in table.tables("masses", ("at", "mass", "moments")).items()},
+        links={name: each.link() for name, each in table.tables("links", ("at", "nodes")).items()},
+        stated=_Table(source=source, where="stated", table=whole.get("stated", {})).stated(),
     )
 
 
@@ -271,150 +431,3 @@ def _file(table: _Table, path: Path) -> Path:
         problem = f"there is no file {name!r}"
         raise BadInput(source=table.source, field=f"{table.where}.file", problem=problem, remedy=f"Looked for {there}")
     return there
-
-
-def _part(table: _Table, whole: float | None) -> PartTable:
-    material = _material(table)
-    section, reach, z_axis, varied = None, 0.0, None, False
-    if "section" in table.table:
-        where = f"{table.where}.section"
-        inner = toml_file.require_table(table.table["section"], source=table.source, where=where)
-        section, reach, z_axis, varied = _section(_Table(source=table.source, where=where, table=inner), material)
-    tolerance = _Table(
-        source=table.source,
-        where=f"{table.where}.tolerance",
-        table=toml_file.require_table(table.table.get("tolerance", {}), source=table.source, where=f"{table.where}.tolerance"),
-    ).known(TOLERANCES)
-    loss = table.number("loss_factor", 2.0)
-    given = next((each for each in (loss, material.loss_factor, whole) if each is not None), None)
-    return PartTable(
-        material=material,
-        thickness=table.quantity("thickness", "length") if "thickness" in table.table else None,
-        section=section,
-        z_axis=z_axis,
-        reach=reach,
-        varied=varied,
-        loss_factor=given,
-        tolerance={key: value for key in tolerance.table if (value := tolerance.number(key, 10.0)) is not None},
-    )
-
-
-def _material(table: _Table) -> Material:
-    value = table.table.get("material")
-    where = f"{table.where}.material"
-    if isinstance(value, str):
-        found = user_article.made_of(value, f"{table.source}, {where}")
-    elif isinstance(value, dict):
-        own = _Table(source=table.source, where=where, table=value).known(
-            ("density", "youngs_modulus", "poisson_ratio", "loss_factor")
-        )
-        ratio = value.get("poisson_ratio")
-        if isinstance(ratio, bool) or not isinstance(ratio, int | float):
-            raise own.wrong("poisson_ratio", "a number", "Steel has 0.3")
-        found = Material(
-            name=where,
-            density=own.quantity("density", "density"),
-            youngs_modulus=own.quantity("youngs_modulus", "pressure"),
-            poisson_ratio=float(ratio),
-            loss_factor=own.number("loss_factor", 2.0),
-        )
-    else:
-        remedy = 'Write material = "steel", or { density = "7850 kg/m^3", youngs_modulus = "210 GPa", poisson_ratio = 0.3 }'
-        raise table.wrong("material", "a name or a table", remedy)
-    moduli(found, table.where)
-    return found
-
-
-def _section(table: _Table, material: Material) -> tuple[Callable[[float], Section], float, Array | None, bool]:
-    z_axis = None
-    if "z_axis" in table.table:
-        value = table.table["z_axis"]
-        plain = isinstance(value, list) and len(value) == 3 and all(isinstance(v, int | float) for v in value)
-        if not plain or not 0 < np.linalg.norm(value) < 1e6:
-            raise table.wrong("z_axis", "three numbers that are a direction", "Write it like [0, 0, 1]")
-        z_axis = np.array(value, dtype=np.float64)
-    keys = {key for key in table.table if key != "z_axis"}
-    if keys == {"width", "height"}:
-        width, height = table.quantity("width", "length"), table.quantity("height", "length")
-        return lambda times: rectangle(width, times * height, material), float(np.hypot(width, height) / 2), z_axis, True
-    if keys == {"outer_diameter", "inner_diameter"}:
-        outer, inner = table.quantity("outer_diameter", "length"), table.quantity("inner_diameter", "length", positive=False)
-        tube(outer, inner, material)
-        return lambda times: tube(outer, outer - times * (outer - inner), material), outer / 2, z_axis, inner > 0
-    if keys == {"area", "Iy", "Iz", "J"}:
-        A = table.quantity("area", "area")
-        Iy, Iz, J = (table.quantity(key, "second moment of area") for key in ("Iy", "Iz", "J"))
-        E, G = moduli(material)
-        rho = material.density
-        made = Section(
-            axial=E * A, torsion=G * J, bending_y=E * Iy, bending_z=E * Iz, mass=rho * A, rotary_y=rho * Iy, rotary_z=rho * Iz
-        )
-        return lambda times: made, float(np.sqrt(3 * max(Iy, Iz) / A)), z_axis, False
-    problem = (
-        f"must have width and height, outer_diameter and inner_diameter, or area, Iy, Iz and J, found {', '.join(keys) or 'none'}"
-    )
-    raise BadInput(source=table.source, field=table.where, problem=problem, remedy="Complete one of the three")
-
-
-def _box(table: _Table) -> Array:
-    value = table.table.get("box")
-    if not isinstance(value, list) or len(value) != 2:
-        raise table.wrong("box", "two corners", 'Write it like [["0 mm", "0 mm", "-1 mm"], ["50 mm", "50 mm", "1 mm"]]')
-    corners = [
-        _Table(source=table.source, where=table.where, table={"box": each}).quantities("box", 3 * ("length",)) for each in value
-    ]
-    return np.array([np.minimum(*corners), np.maximum(*corners)])
-
-
-def _stiffness(table: _Table) -> Array:
-    found = table.quantities("stiffness", _SIX)
-    if np.any(found < 0) or not np.any(found > 0):
-        raise table.wrong("stiffness", "six numbers of which none is negative and one positive", "Correct it")
-    return found
-
-
-def _spring(table: _Table) -> Spring:
-    if "between" in table.table:
-        ends = table.table["between"]
-        if "at" in table.table or not isinstance(ends, list) or len(ends) != 2:
-            raise table.wrong("between", "two places, without `at`", 'Write it like between = ["mid-span", "tip"]')
-        two = tuple(_Table(source=table.source, where=table.where, table={"between": end}).at("between") for end in ends)
-        return Spring(at=two, stiffness=_stiffness(table))
-    return Spring(at=(table.at("at"),), stiffness=_stiffness(table))
-
-
-def _joint(table: _Table) -> Joint:
-    parts = table.table.get("between")
-    if not isinstance(parts, list) or len(parts) != 2 or not all(isinstance(part, str) for part in parts) or parts[0] == parts[1]:
-        raise table.wrong("between", "the names of two parts", 'Write it like between = ["deck", "rail"]')
-    return Joint(between=(parts[0], parts[1]), at=table.at("at"), stiffness=_stiffness(table))
-
-
-def _mass(table: _Table) -> PointMass:
-    mass, moments = table.quantity("mass", "mass"), np.zeros(6)
-    if "moments" in table.table:
-        moments = table.quantities("moments", 6 * ("moment of inertia",))
-    inertia = Inertia(parameters=np.array([mass, 0.0, 0.0, 0.0, *moments]))
-    verdict = judge(inertia, 1e-6)
-    if np.any(moments) and not verdict.physical:
-        raise table.wrong("moments", f"those of a body ({verdict.text})", "Write Ixx, Iyy, Izz, Ixy, Ixz, Iyz; Ixy = -∫xy dm")
-    return PointMass(at=table.at("at"), inertia=inertia)
-
-
-def _link(table: _Table) -> Link:
-    at, nodes = table.at("at"), table.table.get("nodes")
-    if not isinstance(at, tuple):
-        raise table.wrong("at", "three coordinates", 'Write it like ["1 m", "0 m", "20 mm"]')
-    if not isinstance(nodes, str):
-        raise table.wrong("nodes", "the name of a group", "Name the nodes that ride on it")
-    return Link(at=at, nodes=nodes)
-
-
-def _stated(table: _Table) -> text.Stated:
-    toml_file.require_table(table.table, source=table.source, where="stated")
-    table.known(("mass", "cog"))
-    cog = table.quantities("cog", 3 * ("length",)) if "cog" in table.table else None
-    if "mass" not in table.table:
-        return text.Stated(cog=cog)
-    mass = toml_file.quantity(table.table["mass"], "mass", source=table.source, field="stated.mass")
-    return text.Stated(mass=table.quantity("mass", "mass"), mass_tolerance=float(mass.std_dev), cog=cog)

@@ -98,12 +98,21 @@ def read(path: Path) -> MeshFile:
         problem = f"it has {path.stat().st_size / 2**30:.3g} GiB, more than {LARGEST_FILE / 2**30:.3g}"
         raise BadInput(source=source, problem=problem, remedy="Write a coarser mesh")
     try:
-        return _checked(reader(path), source)
+        found = reader(path)
+        mesh = found.numbered(source) if isinstance(found, _Raw) else found
     except BadInput:
         raise
     except (ValueError, IndexError, KeyError, OverflowError) as error:  # a field that is no number, a record that is cut off
         problem = f"a record of it cannot be read: {type(error).__name__}, {error}"
         raise BadInput(source=source, problem=problem, remedy=_AGAIN) from None
+    if not mesh.cells or not len(mesh.points):
+        raise BadInput(source=source, problem="it holds no elements that are known here", remedy=_AGAIN)
+    used = np.unique(np.concatenate([cells.nodes.ravel() for cells in mesh.cells.values()]))
+    wrong = used[~(np.abs(mesh.points[used]) < 1e30).all(axis=1)]  # NaN is not below either
+    if len(wrong):
+        problem = f"{len(wrong)} node(s) are nowhere (not finite), the first is {mesh.node_tags[wrong[0]]}"
+        raise BadInput(source=source, field="nodes", problem=problem, remedy=_AGAIN)
+    return mesh
 
 
 Nodes = dict[int, tuple[float, float, float]]
@@ -119,62 +128,49 @@ class _Raw:
     groups: dict[str, list[int]]
     node_groups: dict[str, list[int]]
 
-
-def _checked(found: "_Raw | MeshFile", source: str) -> MeshFile:
-    mesh = _numbered(found, source) if isinstance(found, _Raw) else found
-    if not mesh.cells or not len(mesh.points):
-        raise BadInput(source=source, problem="it holds no elements that are known here", remedy=_AGAIN)
-    used = np.unique(np.concatenate([cells.nodes.ravel() for cells in mesh.cells.values()]))
-    wrong = used[~(np.abs(mesh.points[used]) < 1e30).all(axis=1)]  # NaN is not below either
-    if len(wrong):
-        problem = f"{len(wrong)} node(s) are nowhere (not finite), the first is {mesh.node_tags[wrong[0]]}"
-        raise BadInput(source=source, field="nodes", problem=problem, remedy=_AGAIN)
-    return mesh
-
-
-def _numbered(raw: _Raw, source: str) -> MeshFile:
-    tags = np.array(sorted(raw.nodes), dtype=np.intp)
-    cells, where = {}, {}
-    for kind, elements in raw.elements.items():
-        wanted = 1 if kind == POINT else int(kind.lstrip("abcdefghijklmnopqrstuvwxyz"))
-        short = [tag for tag, nodes in elements.items() if len(nodes) != wanted]
-        if short:
-            problem = f"element {short[0]} has {len(elements[short[0]])} nodes where a {kind} has {wanted}"
-            raise BadInput(source=source, field="elements", problem=problem, remedy=_AGAIN)
-        nodes = np.array(list(elements.values()), dtype=np.int64).reshape(-1, wanted)
-        at = np.minimum(np.searchsorted(tags, nodes), max(len(tags) - 1, 0))
-        lost = np.flatnonzero((tags[at] != nodes).any(axis=1)) if len(tags) else np.arange(len(nodes))
-        if len(lost):
-            problem = f"{len(lost)} element(s) have nodes that the file does not hold, the first is {list(elements)[lost[0]]}"
-            raise BadInput(source=source, field="elements", problem=problem, remedy=_AGAIN)
-        cells[kind] = Cells(kind=kind, tags=np.array(list(elements), dtype=np.int64), nodes=at.astype(np.intp))
-        for index, tag in enumerate(elements):
-            if tag in where:
-                problem = f"two elements have the number {tag}"
-                raise BadInput(source=source, field="elements", problem=problem, remedy="Give each a number of its own")
-            where[tag] = (kind, index)
-    groups: dict[str, dict[str, Integers]] = {}
-    for name, members in raw.groups.items():
-        by_kind: dict[str, list[int]] = {}
-        for tag in dict.fromkeys(members):
-            if tag in where:
-                by_kind.setdefault(where[tag][0], []).append(where[tag][1])
-        if by_kind:
-            groups[name] = {kind: np.array(index, dtype=np.intp) for kind, index in by_kind.items()}
-    place = {tag: index for index, tag in enumerate(tags.tolist())}
-    sets = {
-        name: np.unique([place[tag] for tag in members if tag in place]).astype(np.intp)
-        for name, members in raw.node_groups.items()
-    }
-    points = np.array([raw.nodes[tag] for tag in tags.tolist()], dtype=np.float64).reshape(-1, 3)
-    return MeshFile(
-        source=source,
-        node_tags=tags,
-        points=points,
-        cells=cells,
-        groups=groups,
-        node_groups={name: members for name, members in sets.items() if len(members)},
-    )
+    def numbered(self, source: str) -> MeshFile:
+        tags = np.array(sorted(self.nodes), dtype=np.intp)
+        cells, where = {}, {}
+        for kind, elements in self.elements.items():
+            wanted = 1 if kind == POINT else int(kind.lstrip("abcdefghijklmnopqrstuvwxyz"))
+            short = [tag for tag, nodes in elements.items() if len(nodes) != wanted]
+            if short:
+                problem = f"element {short[0]} has {len(elements[short[0]])} nodes where a {kind} has {wanted}"
+                raise BadInput(source=source, field="elements", problem=problem, remedy=_AGAIN)
+            nodes = np.array(list(elements.values()), dtype=np.int64).reshape(-1, wanted)
+            at = np.minimum(np.searchsorted(tags, nodes), max(len(tags) - 1, 0))
+            lost = np.flatnonzero((tags[at] != nodes).any(axis=1)) if len(tags) else np.arange(len(nodes))
+            if len(lost):
+                problem = f"{len(lost)} element(s) have nodes that the file does not hold, the first is {list(elements)[lost[0]]}"
+                raise BadInput(source=source, field="elements", problem=problem, remedy=_AGAIN)
+            cells[kind] = Cells(kind=kind, tags=np.array(list(elements), dtype=np.int64), nodes=at.astype(np.intp))
+            for index, tag in enumerate(elements):
+                if tag in where:
+                    problem = f"two elements have the number {tag}"
+                    raise BadInput(source=source, field="elements", problem=problem, remedy="Give each a number of its own")
+                where[tag] = (kind, index)
+        groups: dict[str, dict[str, Integers]] = {}
+        for name, members in self.groups.items():
+            by_kind: dict[str, list[int]] = {}
+            for tag in dict.fromkeys(members):
+                if tag in where:
+                    by_kind.setdefault(where[tag][0], []).append(where[tag][1])
+            if by_kind:
+                groups[name] = {kind: np.array(index, dtype=np.intp) for kind, index in by_kind.items()}
+        place = {tag: index for index, tag in enumerate(tags.tolist())}
+        sets = {
+            name: np.unique([place[tag] for tag in members if tag in place]).astype(np.intp)
+            for name, members in self.node_groups.items()
+        }
+        points = np.array([self.nodes[tag] for tag in tags.tolist()], dtype=np.float64).reshape(-1, 3)
+        return MeshFile(
+            source=source,
+            node_tags=tags,
+            points=points,
+            cells=cells,
+            groups=groups,
+            node_groups={name: members for name, members in sets.items() if len(members)},
+        )
 
 
 def _lines(path: Path) -> Iterator[str]:
@@ -535,18 +531,7 @@ def _unpacked(arrays: Mapping[str, np.ndarray], source: str) -> MeshFile:
         name: {kind: np.unique(np.concatenate(index)).astype(np.intp) for kind, index in by.items()}
         for name, by in groups.items()
     }
-    return MeshFile(source=source, node_tags=tags, points=points, cells=cells, groups=_without_doubles(named, cells))
-
-
-def _without_doubles(groups: dict[str, dict[str, Integers]], cells: Mapping[str, Cells]) -> dict[str, dict[str, Integers]]:
-    """MSH 2 writes an element once for each of its groups: those of one number are the same."""
-    for kind, own in cells.items():
-        _, first, inverse = np.unique(own.tags, return_index=True, return_inverse=True)
-        if len(first) < len(own.tags):
-            for by_kind in groups.values():
-                if kind in by_kind:
-                    by_kind[kind] = np.unique(first[inverse[by_kind[kind]]]).astype(np.intp)
-    return groups
+    return MeshFile(source=source, node_tags=tags, points=points, cells=cells, groups=named)
 
 
 READERS: Mapping[str, Callable[[Path], "_Raw | MeshFile"]] = {

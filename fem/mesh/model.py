@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 
 from fem.beam.elements import moduli, timoshenko
 from fem.mesh import description as described
@@ -103,7 +104,13 @@ def structure(found: described.MeshDescription, mesh: files.MeshFile) -> Structu
     """
     blocks = tuple(_blocks(found, mesh))
     blocks, points, tags, sets, cuts = _nodes(found, mesh, blocks)
-    _require_size(found, points)
+    size = float(np.ptp(points, axis=0).max())
+    if not SMALLEST <= size <= LARGEST:
+        fitting = [unit.name for unit in toml_file.UNITS.values() if SMALLEST <= size / found.length * unit.metres <= LARGEST]
+        problem = f"with it the structure is {size:.4g} m long, which none is (1 mm to 5 km)"
+        raise found.refused(
+            "units", problem, f"In {' or '.join(fitting)} it would be of ordinary size" if fitting else "Check the mesh"
+        )
     _require_sound(found, points, blocks)
     elements = _numbered(found, mesh.source, points, tags, blocks, sets)
     stiffness, mass, sections = _assembled(elements)
@@ -122,14 +129,13 @@ def structure(found: described.MeshDescription, mesh: files.MeshFile) -> Structu
         mass[_new(found, name, mass, "masses")] = _symmetric(R.T @ body.inertia.mass_matrix @ R)
     K, M = _sum(stiffness), _sum(mass)
     parts = {name: share for name, share in stiffness.items() if name not in found.parts}
-    _require_joined(made, parts, tuple(supports))
-    free = _rigid(elements, found.reference_point)
+    made.require_joined(parts, tuple(supports))
     where = _own(elements)
     turning = where[:, :3].min(axis=1) >= 0
     finished = Structure(
         stiffness=K,
         mass=M,
-        rigid=free,
+        rigid=elements.rigid(found.reference_point),
         held=made.held if found.support == "base" else np.zeros(0, dtype=np.intp),
         reference_point=found.reference_point,
         points=elements.points[turning],
@@ -146,7 +152,7 @@ def structure(found: described.MeshDescription, mesh: files.MeshFile) -> Structu
         part_tolerances={name: part.tolerance for name, part in found.parts.items() if part.tolerance},
         elements=elements,
     )
-    _require_stated(found, finished)
+    made.require_stated(finished)
     return finished
 
 
@@ -208,7 +214,7 @@ def _blocks(found: described.MeshDescription, mesh: files.MeshFile) -> Iterator[
 
 
 def _require_covered(found: described.MeshDescription, mesh: files.MeshFile, claimed: Mapping[str, Integers]) -> None:
-    """Elements of the highest dimension, and lower ones that hang on no part, must have a material."""
+    """Elements of the highest dimension, and lower ones that hang on no part, must have a material; none is there twice."""
     top = max(files.DIMENSION[kind] for kind in mesh.cells)
     used = np.zeros(len(mesh.points), dtype=bool)
     for kind, owner in claimed.items():
@@ -217,7 +223,15 @@ def _require_covered(found: described.MeshDescription, mesh: files.MeshFile, cla
     for kind, owner in claimed.items():
         if kind == files.POINT:
             continue
-        alone = (owner < 0) & ((files.DIMENSION[kind] == top) | ~used[mesh.cells[kind].nodes].all(axis=1))
+        same = np.unique(np.sort(mesh.cells[kind].nodes, axis=1), axis=0, return_inverse=True)[1].ravel()
+        count = np.bincount(same, weights=owner >= 0)[same]
+        doubled = np.flatnonzero((count > 1) & (owner >= 0))
+        if len(doubled):
+            names, tags = list(found.parts), mesh.cells[kind].tags[doubled]
+            problem = f"{len(doubled)} {kind} elements have the same nodes as another: {files.joined(tags)}"
+            raise found.refused(f"parts.{names[owner[doubled[0]]]}", problem, "An element has one material: write each once")
+        # What has the nodes of an element with a material is that element once more, as MSH 2 writes it for another group
+        alone = (owner < 0) & (count == 0) & ((files.DIMENSION[kind] == top) | ~used[mesh.cells[kind].nodes].all(axis=1))
         if np.any(alone):
             bare[kind] = np.flatnonzero(alone)
     if not bare:
@@ -227,8 +241,8 @@ def _require_covered(found: described.MeshDescription, mesh: files.MeshFile, cla
         for name, kinds in mesh.groups.items()
         if any(len(np.intersect1d(kinds.get(kind, []), index)) for kind, index in bare.items())
     ]
-    count = ", ".join(f"{len(index)} {kind} elements" for kind, index in bare.items())
-    raise _without_material(found, count, f"group {files.joined(groups)}" if groups else "they belong to no group")
+    words = ", ".join(f"{len(index)} {kind} elements" for kind, index in bare.items())
+    raise _without_material(found, words, f"group {files.joined(groups)}" if groups else "they belong to no group")
 
 
 # Nodes: those that are used, in metres; those of two parts that a joint parts are there twice.
@@ -275,17 +289,6 @@ def _nodes(
             points, tags = np.vstack([points, points[common]]), np.append(tags, tags[common])
             cuts[name] = common, twin
     return blocks, points, tags, sets, cuts
-
-
-def _require_size(found: described.MeshDescription, points: Array) -> None:
-    size = float(np.ptp(points, axis=0).max())
-    if SMALLEST <= size <= LARGEST:
-        return
-    fitting = [unit.name for unit in toml_file.UNITS.values() if SMALLEST <= size / found.length * unit.metres <= LARGEST]
-    problem = f"with it the structure is {size:.4g} m long, which none is (1 mm to 5 km)"
-    raise found.refused(
-        "units", problem, f"In {' or '.join(fitting)} it would be of ordinary size" if fitting else "Check the mesh"
-    )
 
 
 def _require_sound(found: described.MeshDescription, points: Array, blocks: Sequence[Block]) -> None:
@@ -406,7 +409,7 @@ class _Welded:
         return coo_array((v, (r, c)), shape=(size, size)).tocsr()
 
 
-def _welded(points: Array, blocks: Sequence[Block], first: Integers, turning: Array) -> _Welded:
+def _welded(points: Array, blocks: Sequence[Block], first: Integers, turning: npt.NDArray[np.bool_]) -> _Welded:
     """How nodes that are `turning` (p,) and belong to solids turn: with the translations of the solids' nodes around them."""
     around: dict[int, list[Integers]] = {}
     for block in blocks:
@@ -455,18 +458,6 @@ def _own(elements: Elements) -> Integers:
     found[:, :3] = elements.own[elements.first[:, None] + SIX[:3]]
     found[elements.turning, 3:] = elements.own[elements.first[elements.turning][:, None] + SIX[3:]]
     return found
-
-
-def _rigid(elements: Elements, reference_point: Array) -> Array:
-    """What each degree of freedom (n,) of the structure does in the six motions of `reference_point`; (n, 6)."""
-    whole = np.zeros((len(elements.own), 6))
-    offsets = elements.points - reference_point
-    for axis, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):
-        rows = elements.first + axis
-        whole[rows, axis] = 1.0
-        whole[rows, 3 + j], whole[rows, 3 + k] = offsets[:, k], -offsets[:, j]
-        whole[elements.first[elements.turning] + 3 + axis, 3 + axis] = 1.0
-    return np.asarray(whole[elements.own >= 0])
 
 
 # Matrices: element by element in batches, the lower half of each, part by part.
@@ -530,7 +521,9 @@ def _beams(elements: Elements, block: Block, part: described.PartTable) -> tuple
     """Stiffness, mass and derivative of stiffness by the logarithm of the thickness of beams; (c, 12, 12) each."""
     if part.section is None:
         raise ValueError(f"`section` of part {block.part} must be given")
-    sections = [part.section(times) for times in (1.0, 1 + STEP, 1 - STEP)] if part.varied else 3 * [part.section(1.0)]
+    sections = (
+        [part.section.times(factor) for factor in (1.0, 1 + STEP, 1 - STEP)] if part.varied else 3 * [part.section.times(1.0)]
+    )
     made: dict[float, tuple[Array, Array, Array]] = {}
     whole = np.zeros((3, len(block.nodes), 12, 12))
     for k, corners in enumerate(elements.points[block.nodes]):
@@ -663,65 +656,67 @@ class _Made:
             return self._point(self.found.places[at], field)
         return np.asarray(self.elements.points[_set(self.found, self.sets, at, field)].mean(axis=0))
 
+    def require_joined(self, springs: Mapping[str, Sparse], supports: Sequence[str]) -> None:
+        """Refuse groups that hang on nothing: where they are, and whether nodes there merely were not merged.
 
-def _require_joined(made: _Made, springs: Mapping[str, Sparse], supports: Sequence[str]) -> None:
-    """Refuse groups that hang on nothing: where they are, and whether nodes there merely were not merged.
+        Elements, links and springs connect the nodes that they have, whatever their stiffness is.
+        """
+        from scipy.sparse import coo_array
+        from scipy.sparse.csgraph import connected_components
+        from scipy.spatial import cKDTree
 
-    Elements, links and springs connect the nodes that they have, whatever their stiffness is.
-    """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import cKDTree
+        found, elements, size = self.found, self.elements, len(self.elements.points)
+        where = _own(elements)
+        node = np.zeros(elements.carried.shape[1], dtype=np.intp)
+        node[where[where >= 0]] = np.nonzero(where >= 0)[0]
+        ends = {name: np.unique(node[np.unique(spring.indices[spring.data != 0])]) for name, spring in springs.items()}
+        together = [block.nodes for block in elements.blocks] + [one[None] for one in ends.values() if len(one)]
+        together += [np.append(self.sets[name], self.sets[link.nodes])[None] for name, link in found.links.items()]
+        pairs = np.vstack([np.column_stack([np.repeat(own[:, 0], own.shape[1]), own.ravel()]) for own in together])
+        body = connected_components(coo_array((np.ones(len(pairs)), pairs.T), shape=(size, size)), directed=False)[1]
+        tied = np.unique(body[np.concatenate([self.interface, *(ends[name] for name in supports)]).astype(np.intp)])
+        if found.support == "free":
+            tied = np.array([np.argmax(np.bincount(body))])
+        loose = np.setdiff1d(body, tied)
+        said = []
+        for k in loose[:3]:
+            nodes = np.flatnonzero(body == k)
+            parts = list(dict.fromkeys(b.part for b in elements.blocks if np.isin(b.nodes, nodes).any()))
+            others = np.flatnonzero(body != k)
+            distance = (
+                cKDTree(elements.points[others]).query(elements.points[nodes])[0] if len(others) and len(nodes) else np.zeros(0)
+            )
+            same = int(np.sum(distance <= COINCIDENT * np.ptp(elements.points, axis=0).max()))
+            near = "" if not len(distance) else f", {1e3 * distance.min():.3g} mm from the nearest other"
+            near = f", {same} of its nodes coincide with others that they are not merged with" if same else near
+            said.append(f"{len(nodes)} nodes of {files.joined(parts) or 'a link'}{near}")
+        if said:
+            to = {"base": "the base", "ground": "the ground", "free": "the rest"}[found.support]
+            more = f"; and {len(loose) - 3} more" if len(loose) > 3 else ""
+            problem = (
+                f"{len(loose)} {'body is' if len(loose) == 1 else 'bodies are'} not connected to {to}: {'; '.join(said)}{more}"
+            )
+            raise found.refused(
+                "parts", problem, "Merge the nodes where parts touch, add a joint or link between them, or hold them"
+            )
 
-    found, elements, size = made.found, made.elements, len(made.elements.points)
-    where = _own(elements)
-    node = np.zeros(elements.carried.shape[1], dtype=np.intp)
-    node[where[where >= 0]] = np.nonzero(where >= 0)[0]
-    ends = {name: np.unique(node[np.unique(spring.indices[spring.data != 0])]) for name, spring in springs.items()}
-    together = [block.nodes for block in elements.blocks] + [one[None] for one in ends.values() if len(one)]
-    together += [np.append(made.sets[name], made.sets[link.nodes])[None] for name, link in found.links.items()]
-    pairs = np.vstack([np.column_stack([np.repeat(own[:, 0], own.shape[1]), own.ravel()]) for own in together])
-    body = connected_components(coo_array((np.ones(len(pairs)), pairs.T), shape=(size, size)), directed=False)[1]
-    tied = np.unique(body[np.concatenate([made.interface, *(ends[name] for name in supports)]).astype(np.intp)])
-    if found.support == "free":
-        tied = np.array([np.argmax(np.bincount(body))])
-    loose = np.setdiff1d(body, tied)
-    said = []
-    for k in loose[:3]:
-        nodes = np.flatnonzero(body == k)
-        parts = list(dict.fromkeys(b.part for b in elements.blocks if np.isin(b.nodes, nodes).any()))
-        others = np.flatnonzero(body != k)
-        distance = (
-            cKDTree(elements.points[others]).query(elements.points[nodes])[0] if len(others) and len(nodes) else np.zeros(0)
-        )
-        same = int(np.sum(distance <= COINCIDENT * np.ptp(elements.points, axis=0).max()))
-        near = "" if not len(distance) else f", {1e3 * distance.min():.3g} mm from the nearest other"
-        near = f", {same} of its nodes coincide with others that they are not merged with" if same else near
-        said.append(f"{len(nodes)} nodes of {files.joined(parts) or 'a link'}{near}")
-    if said:
-        to = {"base": "the base", "ground": "the ground", "free": "the rest"}[found.support]
-        more = f"; and {len(loose) - 3} more" if len(loose) > 3 else ""
-        problem = f"{len(loose)} {'body is' if len(loose) == 1 else 'bodies are'} not connected to {to}: {'; '.join(said)}{more}"
-        raise found.refused("parts", problem, "Merge the nodes where parts touch, add a joint or link between them, or hold them")
-
-
-def _require_stated(found: described.MeshDescription, made: Structure) -> None:
-    stated, M = found.stated, made.rigid_mass
-    if found.support == "ground" and found.interface:
-        return  # what the ground holds is not in the matrices any more
-    if stated.mass is not None and abs(M[0, 0] - stated.mass) > max(text.MASS * stated.mass, 3 * stated.mass_tolerance):
-        problem = (
-            f"the mesh weighs {M[0, 0]:.6g} kg where {stated.mass:.6g} kg are stated, {M[0, 0] / stated.mass:.6g} times as much"
-        )
-        remedy = (
-            "Check units (a length twice as large weighs eight times as much), densities, thicknesses, and whether all is there"
-        )
-        raise BadInput(source=found.source, field="stated.mass", problem=problem, remedy=remedy)
-    cog = found.reference_point + np.array([M[1, 5], M[2, 3], M[0, 4]]) / M[0, 0]
-    size = float(np.ptp(made.points, axis=0).max())
-    if stated.cog is not None and np.linalg.norm(cog - stated.cog) > text.COG * size:
-        there, wanted = (", ".join(f"{1e3 * value:.5g}" for value in point) for point in (cog, stated.cog))
-        problem = f"the mesh has its CoG at ({there}) mm where ({wanted}) mm is stated"
-        raise BadInput(
-            source=found.source, field="stated.cog", problem=problem, remedy="Check the frame, the units and the densities"
-        )
+    def require_stated(self, made: Structure) -> None:
+        """Refuse a mass or a centre of gravity that is not the stated one."""
+        found, stated, M = self.found, self.found.stated, made.rigid_mass
+        if found.support == "ground" and found.interface:
+            return  # what the ground holds is not in the matrices any more
+        if stated.mass is not None and abs(M[0, 0] - stated.mass) > max(text.MASS * stated.mass, 3 * stated.mass_tolerance):
+            ratio = M[0, 0] / stated.mass
+            problem = f"the mesh weighs {M[0, 0]:.6g} kg where {stated.mass:.6g} kg are stated, {ratio:.6g} times as much"
+            remedy = (
+                "Check the unit (lengths twice as large weigh eight times as much), densities, thicknesses, and what is left out"
+            )
+            raise BadInput(source=found.source, field="stated.mass", problem=problem, remedy=remedy)
+        cog = found.reference_point + np.array([M[1, 5], M[2, 3], M[0, 4]]) / M[0, 0]
+        size = float(np.ptp(made.points, axis=0).max())
+        if stated.cog is not None and np.linalg.norm(cog - stated.cog) > text.COG * size:
+            there, wanted = (", ".join(f"{1e3 * value:.5g}" for value in point) for point in (cog, stated.cog))
+            problem = f"the mesh has its CoG at ({there}) mm where ({wanted}) mm is stated"
+            raise BadInput(
+                source=found.source, field="stated.cog", problem=problem, remedy="Check the frame, the units and the densities"
+            )

@@ -96,6 +96,17 @@ class Elements:
         named = names or tuple(f"({', '.join(f'{1e3 * value:.4g}' for value in point)}) mm" for point in found)
         return [self.motion(point, name)[:3] for point, name in zip(found, named, strict=True)]
 
+    def rigid(self, reference_point: Array) -> Array:
+        """What each degree of freedom (n,) of the structure does in the six motions of `reference_point`; (n, 6)."""
+        whole = np.zeros((len(self.own), 6))
+        offsets = self.points - reference_point
+        for axis, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):
+            rows = self.first + axis
+            whole[rows, axis] = 1.0
+            whole[rows, 3 + j], whole[rows, 3 + k] = offsets[:, k], -offsets[:, j]
+            whole[self.first[self.turning] + 3 + axis, 3 + axis] = 1.0
+        return np.asarray(whole[self.own >= 0])
+
     def motion(self, point: Array, name: str, part: str | None = None) -> Sparse:
         """What moves and turns `point` (3,) [m] of the mesh, or of one `part` of it; (6, n) sparse.
 
@@ -211,7 +222,7 @@ class Elements:
             )
             foot = corners[0] + share * (corners[1] - corners[0])
             if section is not None:
-                moved, turned = _along_beam(corners, section(1.0), beam_axes(corners, table.z_axis), share)
+                moved, turned = _along_beam(corners, section.times(1.0), beam_axes(corners, table.z_axis), share)
                 yield self._foot(block.part, tag, point, foot, size, table.reach, nodes, six, moved, turned)
             return
         for triangle, _ in shells.TRIANGLES[block.kind]:

@@ -28,15 +28,6 @@ _SIX_WEIGHTS = np.repeat([0.223381589678011, 0.109951743655322], 3)
 """Dunavant's rule of degree four (Int. J. Num. Meth. Eng. 21, 1985)."""
 
 
-def axes(corners: Array) -> Array:
-    """Rows (c, 3, 3): unit vectors of triangles (c, 3, 3): along the first edge, across in the plane, and the normal."""
-    first = corners[:, 1] - corners[:, 0]
-    normal = np.cross(first, corners[:, 2] - corners[:, 0])
-    x = first / np.linalg.norm(first, axis=1, keepdims=True)
-    z = normal / np.linalg.norm(normal, axis=1, keepdims=True)
-    return np.stack([x, np.cross(z, x), z], axis=1)
-
-
 def areas(corners: Array) -> Array:
     """Area (c,) of triangles (c, 3, 3)."""
     return np.asarray(np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2)
@@ -53,7 +44,10 @@ def matrices(corners: Array, thickness: float, E: float, nu: float, density: flo
     Degrees of freedom are x, y, z and the rotations about them of the first node, of the second ...; membrane stiffness grows
     with the thickness, bending stiffness with its cube.
     """
-    R, D = axes(corners), plane_stress(E, nu)
+    first, D = corners[:, 1] - corners[:, 0], plane_stress(E, nu)
+    normal = np.cross(first, corners[:, 2] - corners[:, 0])
+    x, z = (vector / np.linalg.norm(vector, axis=1, keepdims=True) for vector in (first, normal))
+    R = np.stack([x, np.cross(z, x), z], axis=1)
     flat = np.einsum("cij,ckj->cki", R[:, :2], corners - corners[:, :1])
     turned = np.einsum("ab,cij->caibj", np.eye(6), R).reshape(-1, 18, 18)
     stretched = np.array([[6 * node + dof for dof in (0, 1, 5)] for node in range(3)]).ravel()

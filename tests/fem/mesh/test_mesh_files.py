@@ -117,6 +117,14 @@ def test_overlapping_groups_say_how_many_elements_and_which(meshed: Meshed) -> N
     )
 
 
+def test_an_element_that_is_there_twice_is_named(meshed: Meshed) -> None:
+    points, elements = cube()
+    mesh = abaqus(points, {"p": ("C3D8", [*elements, elements[0]])})
+    refused(meshed, "parts.p`: 2 hex8 elements have the same nodes as another: 1, 3", mesh)
+    other = abaqus(points, {"p": ("C3D8", elements), "all": ("C3D8", elements)})
+    assert_allclose(meshed(other, PART).rigid_mass[0, 0], 7850 * 0.2 * 0.1 * 0.1, rtol=1e-12)
+
+
 def test_groups_that_do_not_touch_are_refused_and_unmerged_nodes_named(meshed: Meshed) -> None:
     points, elements = cube()
     apart = np.vstack([points, points + np.array([0.2, 0, 0])])
@@ -196,6 +204,12 @@ def test_what_a_description_gets_wrong_is_said(meshed: Meshed, words: str, keys:
     points, elements = cube()
     parts = keys.pop("parts", PART)
     refused(meshed, words, abaqus(points, {"p": ("C3D8", elements)}), parts, **keys)
+
+
+def test_a_kind_that_is_misspelt_is_the_nearest_one(tmp_path: Path) -> None:
+    (tmp_path / "x.toml").write_text('format = 1\n[fe_model]\nkind = "mehs"\nfile = "x.inp"\nparts = {}\n')
+    with pytest.raises(BadInput, match=r"must be one of mesh, assembly, found 'mehs'. Did you mean mesh\?"):
+        reading.read(tmp_path / "x.toml")
 
 
 def test_a_shell_needs_its_thickness_and_a_beam_its_section(meshed: Meshed) -> None:
