@@ -35,6 +35,7 @@ class Structure:
     Attributes
     ----------
     stiffness, mass : (n, n) sparse, symmetric, SI, of the unconstrained structure
+    elements : where there is a mesh (`fem.mesh.places.Elements`), what carries a point of it
     rigid : (n, 6) what every degree of freedom does in the six unit motions of the reference point (columns: x, y, z [1 per m],
         alpha, beta, gamma [1 per rad]); stiffness @ rigid = 0
     held : (b,) degrees of freedom that the base carries along
@@ -50,11 +51,11 @@ class Structure:
     places : by name (3, n) sparse, what each degree of freedom moves there along x, y, z; a row is empty where nothing does
     sections : by shell or beam, the shares of `part_stiffness` that grow with the thickness and with its cube
     part_tolerances : by part, standard deviation, relative, of its "modulus", "density", "loss_factor" or "thickness"
-    elements : where there is a mesh (`fem.mesh.places.Elements`), what carries a point of it
     """
 
     stiffness: Sparse
     mass: Sparse
+    elements: Carrier | None = None
     rigid: Array
     held: Integers
     reference_point: Array = field(default_factory=lambda: np.zeros(3))
@@ -70,7 +71,6 @@ class Structure:
     places: Mapping[str, Sparse] = field(default_factory=lambda: MappingProxyType({}))
     sections: Mapping[str, tuple[Sparse, Sparse]] = field(default_factory=lambda: MappingProxyType({}))
     part_tolerances: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
-    elements: Carrier | None = None
 
     def __post_init__(self) -> None:
         freeze(self, rigid=(self.mass.shape[0], 6), reference_point=(3,))
