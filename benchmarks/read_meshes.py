@@ -97,7 +97,9 @@ def exponent(sizes: list[tuple[int, float]]) -> float:
 def main(finest: float = 1.0) -> None:
     part = f"[fe_model.parts.p]\n{STEEL}\n"
     solid, shell = [], []
-    for share in (0.25, 0.5, 1.0):
+    points, elements = bricks((2, 2, 2), (1.0, 1.0, 1.0), "C3D20")
+    seconds(abaqus(points, {"p": ("C3D20", elements)}), part)  # what is imported once belongs to no size
+    for share in (0.1, 0.3, 1.0):
         n = round(20 * finest * share ** (1 / 3))
         points, elements = bricks((n, n, n), (1.0, 1.0, 1.0), "C3D20")
         solid.append(seconds(abaqus(points, {"p": ("C3D20", elements)}), part))
