@@ -9,7 +9,7 @@ rigid node, the underside of a solid, the interface of a user's model. All other
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +21,14 @@ Sparse = Any
 """A `scipy.sparse.csr_array`; SciPy ships no types."""
 
 
+class Carrier(Protocol):
+    """A mesh that knows what moves a point of it."""
+
+    def rows(self, points: npt.ArrayLike, names: tuple[str, ...] = ()) -> list[Sparse]:
+        """What each degree of freedom moves `points` (p, 3) [m] along x, y, z; (3, n) sparse each."""
+        ...
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Structure:
     """Stiffness and mass, and how they follow their base.
@@ -28,6 +36,7 @@ class Structure:
     Attributes
     ----------
     stiffness, mass : (n, n) sparse, symmetric, SI, of the unconstrained structure
+    elements : where there is a mesh (`fem.mesh.places.Elements`), what carries a point of it
     rigid : (n, 6) what every degree of freedom does in the six unit motions of the reference point (columns: x, y, z [1 per m],
         alpha, beta, gamma [1 per rad]); stiffness @ rigid = 0 unless `grounded`; zero where a model has no coordinates
     held : (b,) degrees of freedom that the base carries along; none of a structure that is grounded or free
@@ -48,6 +57,7 @@ class Structure:
 
     stiffness: Sparse
     mass: Sparse
+    elements: Carrier | None = None
     rigid: Array
     held: Integers
     reference_point: Array = field(default_factory=lambda: np.zeros(3))
@@ -103,7 +113,7 @@ ON_NODE = 1e-6
 def place_rows(structure: Structure, points: npt.ArrayLike) -> list[Sparse]:
     """What each degree of freedom moves `points` (p, 3) [m], in the article's frame, along x, y, z: (3, n) sparse each.
 
-    A point rides on the nearest node and turns with it. Where that has no rotations, it follows the rigid motion nearest to those
+    In a mesh the element that holds a point carries it. Else it rides on the nearest node and turns with it. Where that has no rotations, it follows the rigid motion nearest to those
     of the nodes around it, weighted with the inverse square of their distances: on a node it is the node's own.
 
     Raises
@@ -112,6 +122,8 @@ def place_rows(structure: Structure, points: npt.ArrayLike) -> list[Sparse]:
     """
     from scipy.sparse import csr_array
 
+    if structure.elements is not None:
+        return list(structure.elements.rows(points))
     if not len(structure.points):
         raise CheckFailed("The structure knows no coordinates of nodes; state places by their nodes or degrees of freedom.")
     from scipy.spatial import cKDTree

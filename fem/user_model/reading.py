@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from fem.damping import Damping
+from fem.mesh import description as mesh_description
+from fem.mesh import model as mesh_model
 from fem.modes import Modes
 from fem.structure import Structure
 from fem.user_model import frame, matrices, nastran
@@ -193,6 +195,10 @@ def read(path: str | Path) -> Structure | Modes:
 def load(path: str | Path) -> UsersModel:
     """As `read`, with the name and the damping that the user gave."""
     path = Path(path)
+    if path.suffix.lower() == ".toml" and mesh_description.described(path):
+        name, meshed = mesh_model.load(path)
+        factors = meshed.loss_factors
+        return UsersModel(name=name, model=meshed, damping=Damping(loss_factors=factors) if factors else None)
     if path.suffix.lower() == ".toml":
         told = toml_file.require_table(toml_file.read(path).get(TABLE), source=str(path), where=TABLE)
         if told.get("kind") == FRAME:

@@ -1,0 +1,433 @@
+"""The TOML text of a mesh or an assembly: parts with material and section, where it is held, places, springs and masses."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fem.beam.elements import Section, moduli, rectangle, tube
+from fem.user_model import description as text
+from geometry import toml_file, user_article
+from geometry.article import Material
+from geometry.errors import BadInput
+from geometry.frames import Array
+from geometry.inertia import Inertia, judge
+
+KINDS = ("mesh", "assembly")
+"""A mesh with groups, and STEP bodies that are meshed here; a part is a group or a body."""
+
+SUPPORTS = ("base", "ground", "free")
+_KEYS = (
+    *("name", "kind", "units", "file", "support", "interface", "reference_point", "places", "parts", "groups"),
+    *("springs", "joints", "masses", "links", "loss_factor", "size"),
+)
+_PART = ("material", "thickness", "section", "loss_factor", "tolerance")
+TOLERANCES = ("modulus", "density", "loss_factor", "thickness")
+
+At = int | str | tuple[float, float, float]
+"""Where something is: the number of a node, the name of a group, box or place, or coordinates [m]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Profile:
+    """A section as described: `sizes` [m] are width and height, of a `round` one both diameters; or area, Iy, Iz and J."""
+
+    sizes: tuple[float, ...]
+    material: Material
+    round: bool = False
+
+    def times(self, factor: float) -> Section:
+        """The section with its height, or the wall of a tube, `factor` times as thick."""
+        if self.round:
+            outer, inner = self.sizes
+            return tube(outer, max(outer - factor * (outer - inner), 0.0), self.material)
+        if len(self.sizes) == 2:
+            width, height = self.sizes
+            return rectangle(width, factor * height, self.material)
+        (A, Iy, Iz, J), (E, G), rho = self.sizes, moduli(self.material), self.material.density
+        return Section(
+            axial=E * A, torsion=G * J, bending_y=E * Iy, bending_z=E * Iz, mass=rho * A, rotary_y=rho * Iy, rotary_z=rho * Iz
+        )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PartTable:
+    """One part as described.
+
+    Attributes
+    ----------
+    material : elastic
+    thickness : of its shells [m], None where it has none
+    section : of its beams, None where it has none
+    z_axis : (3,) direction of the section's z axis, None for the upright one
+    reach : [m] how far the surface of its beams is from their axis
+    varied : whether its beams have a thickness
+    loss_factor : [1], None where none is known
+    tolerance : relative standard deviations, by `TOLERANCES`
+    """
+
+    material: Material
+    thickness: float | None = None
+    section: Profile | None = None
+    z_axis: Array | None = None
+    reach: float = 0.0
+    varied: bool = False
+    loss_factor: float | None = None
+    tolerance: Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Spring:
+    """Six stiffnesses (6,) [N/m, N m/rad] along and about x, y, z, from `at` to the ground or, of two of them, to each other."""
+
+    at: tuple[At, ...]
+    stiffness: Array
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Joint:
+    """Six stiffnesses (6,) about the place `at`, between the two parts of `between`; nodes that both have are cut in two."""
+
+    between: tuple[str, str]
+    at: At
+    stiffness: Array
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PointMass:
+    """A rigid body of `inertia`, about `at`."""
+
+    at: At
+    inertia: Inertia
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Link:
+    """The nodes of the group `nodes` ride on a point at (3,) [m]."""
+
+    at: tuple[float, float, float]
+    nodes: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MeshDescription:
+    """The content of a description of kind mesh or assembly, in SI.
+
+    Attributes
+    ----------
+    source, name, kind : where the text stands, what the model is called, one of `KINDS`
+    file : mesh or STEP file
+    length : unit of the mesh's coordinates [m]
+    support : one of `SUPPORTS`
+    interface : groups, boxes, links or node numbers that the base carries or the ground holds
+    reference_point : (3,) [m]
+    size : largest edge of an element of an assembly [m], None for what thickness asks for
+    """
+
+    source: str
+    name: str
+    kind: str
+    file: Path
+    length: float
+    support: str
+    interface: tuple[int | str, ...]
+    reference_point: Array
+    size: float | None
+    parts: Mapping[str, PartTable]
+    places: Mapping[str, At]
+    boxes: Mapping[str, Array]
+    springs: Mapping[str, Spring]
+    joints: Mapping[str, Joint]
+    masses: Mapping[str, PointMass]
+    links: Mapping[str, Link]
+    stated: text.Stated
+
+    def refused(self, field: str, problem: str, remedy: str) -> BadInput:
+        """The refusal of a key below ``fe_model``."""
+        return BadInput(source=self.source, field=f"{text.TABLE}.{field}", problem=problem, remedy=remedy)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Table:
+    """A table of the description, read key by key; every refusal says where."""
+
+    source: str
+    where: str
+    table: Mapping[str, Any]
+
+    def wrong(self, key: str, wanted: str, remedy: str) -> BadInput:
+        found = self.table.get(key)
+        problem = f"must be {wanted}, found {found!r}" if key in self.table else "is missing"
+        return BadInput(source=self.source, field=f"{self.where}.{key}", problem=problem, remedy=remedy)
+
+    def known(self, keys: tuple[str, ...]) -> "_Table":
+        toml_file.require_known(self.table, keys, source=self.source, where=self.where)
+        return self
+
+    def tables(self, key: str, keys: tuple[str, ...]) -> dict[str, "_Table"]:
+        """The tables below `key` by name."""
+        where = f"{self.where}.{key}"
+        below = toml_file.require_table(self.table.get(key, {}), source=self.source, where=where)
+        return {
+            name: _Table(
+                source=self.source,
+                where=f"{where}.{name}",
+                table=toml_file.require_table(value, source=self.source, where=f"{where}.{name}"),
+            ).known(keys)
+            for name, value in below.items()
+        }
+
+    def quantity(self, key: str, dimension: str, *, positive: bool = True) -> float:
+        if key not in self.table:
+            raise self.wrong(key, "", f'Write it like "1 {toml_file.SI_UNITS[dimension]}"')
+        value = self._read(self.table[key], dimension, key)
+        if positive and value <= 0:
+            raise self.wrong(key, "positive", "Correct it")
+        return value
+
+    def quantities(self, key: str, dimensions: tuple[str, ...]) -> Array:
+        value = self.table.get(key)
+        if not isinstance(value, list) or len(value) != len(dimensions):
+            example = ", ".join(f'"1 {toml_file.SI_UNITS[each]}"' for each in dimensions)
+            raise self.wrong(key, f"{len(dimensions)} values with their units", f"Write it like [{example}]")
+        return np.array([self._read(each, dimension, key) for each, dimension in zip(value, dimensions, strict=True)])
+
+    def number(self, key: str, below: float) -> float | None:
+        value = self.table.get(key)
+        if key in self.table and (isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < below):
+            raise self.wrong(key, f"a number of at least 0 and below {below:g}", "Correct it")
+        return None if value is None else float(value)
+
+    def at(self, key: str) -> At:
+        """A node's number, a name, or three lengths with their units."""
+        value = self.table.get(key)
+        if (isinstance(value, str) and value.strip()) or (isinstance(value, int) and not isinstance(value, bool)):
+            return value
+        if isinstance(value, list):
+            x, y, z = self.quantities(key, 3 * ("length",)).tolist()
+            return x, y, z
+        remedy = 'Write the number of a node, the name of a group or place, or ["1 m", "0 m", "20 mm"]'
+        raise self.wrong(key, "a place", remedy)
+
+    def part(self, whole: float | None) -> PartTable:
+        material = self.material()
+        section, reach, z_axis, varied = None, 0.0, None, False
+        if "section" in self.table:
+            where = f"{self.where}.section"
+            inner = toml_file.require_table(self.table["section"], source=self.source, where=where)
+            section, reach, z_axis, varied = _Table(source=self.source, where=where, table=inner).section(material)
+        tolerance = _Table(
+            source=self.source,
+            where=f"{self.where}.tolerance",
+            table=toml_file.require_table(self.table.get("tolerance", {}), source=self.source, where=f"{self.where}.tolerance"),
+        ).known(TOLERANCES)
+        loss = self.number("loss_factor", 2.0)
+        given = next((each for each in (loss, material.loss_factor, whole) if each is not None), None)
+        return PartTable(
+            material=material,
+            thickness=self.quantity("thickness", "length") if "thickness" in self.table else None,
+            section=section,
+            z_axis=z_axis,
+            reach=reach,
+            varied=varied,
+            loss_factor=given,
+            tolerance={key: value for key in tolerance.table if (value := tolerance.number(key, 10.0)) is not None},
+        )
+
+    def material(self) -> Material:
+        value = self.table.get("material")
+        where = f"{self.where}.material"
+        if isinstance(value, str):
+            found = user_article.made_of(value, f"{self.source}, {where}")
+        elif isinstance(value, dict):
+            own = _Table(source=self.source, where=where, table=value).known(
+                ("density", "youngs_modulus", "poisson_ratio", "loss_factor")
+            )
+            ratio = value.get("poisson_ratio")
+            if isinstance(ratio, bool) or not isinstance(ratio, int | float):
+                raise own.wrong("poisson_ratio", "a number", "Steel has 0.3")
+            found = Material(
+                name=where,
+                density=own.quantity("density", "density"),
+                youngs_modulus=own.quantity("youngs_modulus", "pressure"),
+                poisson_ratio=float(ratio),
+                loss_factor=own.number("loss_factor", 2.0),
+            )
+        else:
+            remedy = 'Write material = "steel", or { density = "7850 kg/m^3", youngs_modulus = "210 GPa", poisson_ratio = 0.3 }'
+            raise self.wrong("material", "a name or a table", remedy)
+        moduli(found, self.where)
+        return found
+
+    def section(self, material: Material) -> tuple[Profile, float, Array | None, bool]:
+        z_axis = None
+        if "z_axis" in self.table:
+            value = self.table["z_axis"]
+            plain = isinstance(value, list) and len(value) == 3 and all(isinstance(v, int | float) for v in value)
+            if not plain or not 0 < np.linalg.norm(value) < 1e6:
+                raise self.wrong("z_axis", "three numbers that are a direction", "Write it like [0, 0, 1]")
+            z_axis = np.array(value, dtype=np.float64)
+        keys = {key for key in self.table if key != "z_axis"}
+        if keys == {"width", "height"}:
+            width, height = self.quantity("width", "length"), self.quantity("height", "length")
+            return Profile(sizes=(width, height), material=material), float(np.hypot(width, height) / 2), z_axis, True
+        if keys == {"outer_diameter", "inner_diameter"}:
+            outer, inner = self.quantity("outer_diameter", "length"), self.quantity("inner_diameter", "length", positive=False)
+            tube(outer, inner, material)
+            return Profile(sizes=(outer, inner), material=material, round=True), outer / 2, z_axis, inner > 0
+        if keys == {"area", "Iy", "Iz", "J"}:
+            A = self.quantity("area", "area")
+            Iy, Iz, J = (self.quantity(key, "second moment of area") for key in ("Iy", "Iz", "J"))
+            return Profile(sizes=(A, Iy, Iz, J), material=material), float(np.sqrt(3 * max(Iy, Iz) / A)), z_axis, False
+        found = ", ".join(keys) or "none"
+        problem = f"must have width and height, outer_diameter and inner_diameter, or area, Iy, Iz and J, found {found}"
+        raise BadInput(source=self.source, field=self.where, problem=problem, remedy="Complete one of the three")
+
+    def box(self) -> Array:
+        value = self.table.get("box")
+        if not isinstance(value, list) or len(value) != 2:
+            raise self.wrong("box", "two corners", 'Write it like [["0 mm", "0 mm", "-1 mm"], ["50 mm", "50 mm", "1 mm"]]')
+        corners = [
+            _Table(source=self.source, where=self.where, table={"box": each}).quantities("box", 3 * ("length",)) for each in value
+        ]
+        return np.array([np.minimum(*corners), np.maximum(*corners)])
+
+    def stiffness(self) -> Array:
+        found = self.quantities("stiffness", _SIX)
+        if np.any(found < 0) or not np.any(found > 0):
+            raise self.wrong("stiffness", "six numbers of which none is negative and one positive", "Correct it")
+        return found
+
+    def spring(self) -> Spring:
+        if "between" in self.table:
+            ends = self.table["between"]
+            if "at" in self.table or not isinstance(ends, list) or len(ends) != 2:
+                raise self.wrong("between", "two places, without `at`", 'Write it like between = ["mid-span", "tip"]')
+            two = tuple(_Table(source=self.source, where=self.where, table={"between": end}).at("between") for end in ends)
+            return Spring(at=two, stiffness=self.stiffness())
+        return Spring(at=(self.at("at"),), stiffness=self.stiffness())
+
+    def joint(self) -> Joint:
+        parts = self.table.get("between")
+        if (
+            not isinstance(parts, list)
+            or len(parts) != 2
+            or not all(isinstance(part, str) for part in parts)
+            or parts[0] == parts[1]
+        ):
+            raise self.wrong("between", "the names of two parts", 'Write it like between = ["deck", "rail"]')
+        return Joint(between=(parts[0], parts[1]), at=self.at("at"), stiffness=self.stiffness())
+
+    def mass(self) -> PointMass:
+        mass, moments = self.quantity("mass", "mass"), np.zeros(6)
+        if "moments" in self.table:
+            moments = self.quantities("moments", 6 * ("moment of inertia",))
+        inertia = Inertia(parameters=np.array([mass, 0.0, 0.0, 0.0, *moments]))
+        verdict = judge(inertia, 1e-6)
+        if np.any(moments) and not verdict.physical:
+            raise self.wrong("moments", f"those of a body ({verdict.text})", "Write Ixx, Iyy, Izz, Ixy, Ixz, Iyz; Ixy = -∫xy dm")
+        return PointMass(at=self.at("at"), inertia=inertia)
+
+    def link(self) -> Link:
+        at, nodes = self.at("at"), self.table.get("nodes")
+        if not isinstance(at, tuple):
+            raise self.wrong("at", "three coordinates", 'Write it like ["1 m", "0 m", "20 mm"]')
+        if not isinstance(nodes, str):
+            raise self.wrong("nodes", "the name of a group", "Name the nodes that ride on it")
+        return Link(at=at, nodes=nodes)
+
+    def stated(self) -> text.Stated:
+        toml_file.require_table(self.table, source=self.source, where="stated")
+        self.known(("mass", "cog"))
+        cog = self.quantities("cog", 3 * ("length",)) if "cog" in self.table else None
+        if "mass" not in self.table:
+            return text.Stated(cog=cog)
+        mass = toml_file.quantity(self.table["mass"], "mass", source=self.source, field="stated.mass")
+        return text.Stated(mass=self.quantity("mass", "mass"), mass_tolerance=float(mass.std_dev), cog=cog)
+
+    def _read(self, value: Any, dimension: str, key: str) -> float:
+        return float(toml_file.quantity(value, dimension, source=self.source, field=f"{self.where}.{key}").nominal_value)
+
+
+_SIX = (*3 * ("stiffness",), *3 * ("rotational stiffness",))
+
+
+def described(path: Path) -> bool:
+    """Whether `path` is meant as the description of a mesh or an assembly, by the word that its kind is nearest to."""
+    table = toml_file.read(path).get(text.TABLE)
+    kind = table.get("kind") if isinstance(table, dict) else None
+    meant = [toml_file.nearest(each, KINDS) for each in KINDS]
+    return isinstance(kind, str) and toml_file.nearest(kind, (*KINDS, *text.KINDS)) in meant
+
+
+def read(path: Path) -> MeshDescription:
+    """The description in `path`.
+
+    Raises
+    ------
+    BadInput : not TOML, an unknown key (the nearest known one is named), a missing one, a wrong value, an unknown material.
+    """
+    source, whole = str(path), toml_file.read(path)
+    toml_file.require_format(whole, source)
+    toml_file.require_known(whole, ("format", text.TABLE, "stated"), source=source)
+    table = _Table(source=source, where=text.TABLE, table=whole[text.TABLE]).known(_KEYS)
+    toml_file.require_present(table.table, ("kind", "file", "parts"), source=source, where=text.TABLE)
+    kind = toml_file.one_of(table.table["kind"], KINDS, source=source, where=f"{text.TABLE}.kind")
+    loss = table.number("loss_factor", 2.0)
+    support = toml_file.one_of(table.table.get("support", "base"), SUPPORTS, source=source, where=f"{text.TABLE}.support")
+    springs = {name: each.spring() for name, each in table.tables("springs", ("at", "between", "stiffness")).items()}
+    interface = table.table.get("interface", [])
+    if not isinstance(interface, list) or any(isinstance(each, bool) or not isinstance(each, int | str) for each in interface):
+        raise table.wrong("interface", "a list of groups or node numbers", 'Write it like ["foot"]')
+    if support == "base" and not interface and kind == "mesh":
+        raise table.wrong("interface", "the groups that the base carries", 'Write interface = ["foot"], or support = "free"')
+    if support == "free" and (interface or any(len(spring.at) == 1 for spring in springs.values())):
+        key = "interface" if interface else "springs"
+        raise table.wrong(key, "left out of a free structure", 'Leave it out, or write support = "ground"')
+    if support == "ground" and not interface and not any(len(spring.at) == 1 for spring in springs.values()):
+        raise table.wrong("interface", "", "Name the groups that the ground holds, or springs to it")
+    units = table.table.get("units", "mm" if kind == "assembly" else None)
+    if isinstance(units, str) and "-" not in units:
+        length = toml_file.length_unit(units, source, f"{text.TABLE}.units").metres
+    else:
+        length = text.unit_system(units, source).length
+    places = table.tables("parts", _PART)
+    if not places:
+        raise table.wrong("parts", "a table a group", 'Write [fe_model.parts.NAME] with material = "steel"')
+    point = table.quantities("reference_point", 3 * ("length",)) if "reference_point" in table.table else np.zeros(3)
+    named = toml_file.require_table(table.table.get("places", {}), source=source, where=f"{text.TABLE}.places")
+    where = _Table(source=source, where=f"{text.TABLE}.places", table=named)
+    return MeshDescription(
+        source=source,
+        name=str(table.table.get("name") or path.stem),
+        kind=kind,
+        file=_file(table, path),
+        length=length,
+        support=support,
+        interface=tuple(interface),
+        reference_point=point,
+        size=table.quantity("size", "length") if "size" in table.table else None,
+        parts={name: each.part(loss) for name, each in places.items()},
+        places={name: where.at(name) for name in named},
+        boxes={name: each.box() for name, each in table.tables("groups", ("box",)).items()},
+        springs=springs,
+        joints={name: each.joint() for name, each in table.tables("joints", ("between", "at", "stiffness")).items()},
+        masses={name: each.mass() for name, each in table.tables("masses", ("at", "mass", "moments")).items()},
+        links={name: each.link() for name, each in table.tables("links", ("at", "nodes")).items()},
+        stated=_Table(source=source, where="stated", table=whole.get("stated", {})).stated(),
+    )
+
+
+def _file(table: _Table, path: Path) -> Path:
+    name = table.table["file"]
+    if not isinstance(name, str) or not name.strip() or "\0" in name:
+        raise table.wrong("file", "the name of a file", 'Write it like file = "bracket.msh"')
+    there = path.parent / name
+    if not there.resolve().is_relative_to(path.parent.resolve()):
+        raise table.wrong("file", "in the folder of the description or below", "Copy the file beside the description")
+    if not there.is_file():
+        problem = f"there is no file {name!r}"
+        raise BadInput(source=table.source, field=f"{table.where}.file", problem=problem, remedy=f"Looked for {there}")
+    return there

@@ -1,0 +1,554 @@
+"""Mesh files as nodes, elements and named groups: MSH and MED through gmsh in a process of its own, Abaqus, Nastran and UNV text.
+
+gmsh 4.15 does not read ``.inp``, ends its process on ``.unv`` files that it wrote itself, and loses the coordinate systems of
+``.bdf``; those three are read here. It also runs what it takes for a script, so that a file is looked at before it is handed on.
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fem.mesh import solids
+from fem.solid.assembly import session
+from geometry.errors import BadInput
+from geometry.frames import Array, Integers
+
+BEAMS, SHELLS, POINT = ("line2", "line3"), ("tri3", "tri6", "quad4", "quad8"), "point"
+DIMENSION = {POINT: 0, **dict.fromkeys(BEAMS, 1), **dict.fromkeys(SHELLS, 2), **dict.fromkeys(solids.KINDS, 3)}
+"""Dimension of each kind of element; a kind ends with the number of its nodes."""
+
+LARGEST_FILE = 2 * 2**30
+"""Bytes of a mesh file: a million degrees of freedom have a tenth of it."""
+
+TIME_LIMIT = 600.0
+"""Seconds after which gmsh is taken to hang on a file."""
+
+_AGAIN = "Write it again from the program that made it; it may be cut short or damaged"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Cells:
+    """Elements of one kind.
+
+    Attributes
+    ----------
+    kind : a key of `DIMENSION`
+    tags : (c,) numbers of the elements in the file
+    nodes : (c, k) indices of their nodes, corners first, then the middles of edges in the order of Abaqus
+    """
+
+    kind: str
+    tags: Integers
+    nodes: Integers
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MeshFile:
+    """What a mesh file holds, in its own unit of length.
+
+    Attributes
+    ----------
+    source : the file
+    node_tags : (p,) numbers of the nodes, ascending
+    points : (p, 3) where they are
+    cells : elements by kind
+    groups : indices of elements by name and kind
+    node_groups : indices of nodes by name, of sets of nodes; groups of elements have their nodes beside
+    """
+
+    source: str
+    node_tags: Integers
+    points: Array
+    cells: Mapping[str, Cells]
+    groups: Mapping[str, Mapping[str, Integers]]
+    node_groups: Mapping[str, Integers] = field(default_factory=dict)
+
+    @property
+    def names(self) -> list[str]:
+        """All groups."""
+        return list(dict.fromkeys((*self.groups, *self.node_groups)))
+
+    def nodes_of(self, name: str) -> Integers:
+        """Indices of the nodes of the group `name`, ascending."""
+        found = [self.cells[kind].nodes[index].ravel() for kind, index in self.groups.get(name, {}).items()]
+        return np.unique(np.concatenate([self.node_groups.get(name, np.zeros(0, dtype=np.intp)), *found])).astype(np.intp)
+
+
+def read(path: Path) -> MeshFile:
+    """The mesh in `path`, by its ending.
+
+    Raises
+    ------
+    BadInput : another ending, no such file, not of its format, damaged, nodes that are missing or not finite, no elements.
+    """
+    source, reader = str(path), READERS.get(path.suffix.lower())
+    if reader is None:
+        problem = f"its ending {path.suffix!r} is none of {', '.join(ENDINGS)}"
+        raise BadInput(source=source, problem=problem, remedy="Convert it, or correct its ending")
+    if not path.is_file():
+        raise BadInput(source=source, problem="there is no such file", remedy="Check the path")
+    if path.stat().st_size > LARGEST_FILE:
+        problem = f"it has {path.stat().st_size / 2**30:.3g} GiB, more than {LARGEST_FILE / 2**30:.3g}"
+        raise BadInput(source=source, problem=problem, remedy="Write a coarser mesh")
+    try:
+        found = reader(path)
+        mesh = found.numbered(source) if isinstance(found, _Raw) else found
+    except BadInput:
+        raise
+    except (ValueError, IndexError, KeyError, OverflowError) as error:  # a field that is no number, a record that is cut off
+        problem = f"a record of it cannot be read: {type(error).__name__}, {error}"
+        raise BadInput(source=source, problem=problem, remedy=_AGAIN) from None
+    if not mesh.cells or not len(mesh.points):
+        raise BadInput(source=source, problem="it holds no elements that are known here", remedy=_AGAIN)
+    used = np.unique(np.concatenate([cells.nodes.ravel() for cells in mesh.cells.values()]))
+    wrong = used[~(np.abs(mesh.points[used]) < 1e30).all(axis=1)]  # NaN is not below either
+    if len(wrong):
+        problem = f"{len(wrong)} node(s) are nowhere (not finite), the first is {mesh.node_tags[wrong[0]]}"
+        raise BadInput(source=source, field="nodes", problem=problem, remedy=_AGAIN)
+    return mesh
+
+
+Nodes = dict[int, tuple[float, float, float]]
+Elements = dict[str, dict[int, list[int]]]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Raw:
+    """What a reader found: nodes and elements by number, groups of their numbers by name."""
+
+    nodes: Nodes
+    elements: Elements
+    groups: dict[str, list[int]]
+    node_groups: dict[str, list[int]]
+
+    def numbered(self, source: str) -> MeshFile:
+        tags = np.array(sorted(self.nodes), dtype=np.intp)
+        cells, where = {}, {}
+        for kind, elements in self.elements.items():
+            wanted = 1 if kind == POINT else int(kind.lstrip("abcdefghijklmnopqrstuvwxyz"))
+            short = [tag for tag, nodes in elements.items() if len(nodes) != wanted]
+            if short:
+                problem = f"element {short[0]} has {len(elements[short[0]])} nodes where a {kind} has {wanted}"
+                raise BadInput(source=source, field="elements", problem=problem, remedy=_AGAIN)
+            nodes = np.array(list(elements.values()), dtype=np.int64).reshape(-1, wanted)
+            at = np.minimum(np.searchsorted(tags, nodes), max(len(tags) - 1, 0))
+            lost = np.flatnonzero((tags[at] != nodes).any(axis=1)) if len(tags) else np.arange(len(nodes))
+            if len(lost):
+                problem = f"{len(lost)} element(s) have nodes that the file does not hold, the first is {list(elements)[lost[0]]}"
+                raise BadInput(source=source, field="elements", problem=problem, remedy=_AGAIN)
+            cells[kind] = Cells(kind=kind, tags=np.array(list(elements), dtype=np.int64), nodes=at.astype(np.intp))
+            for index, tag in enumerate(elements):
+                if tag in where:
+                    problem = f"two elements have the number {tag}"
+                    raise BadInput(source=source, field="elements", problem=problem, remedy="Give each a number of its own")
+                where[tag] = (kind, index)
+        groups: dict[str, dict[str, Integers]] = {}
+        for name, members in self.groups.items():
+            by_kind: dict[str, list[int]] = {}
+            for tag in dict.fromkeys(members):
+                if tag in where:
+                    by_kind.setdefault(where[tag][0], []).append(where[tag][1])
+            if by_kind:
+                groups[name] = {kind: np.array(index, dtype=np.intp) for kind, index in by_kind.items()}
+        place = {tag: index for index, tag in enumerate(tags.tolist())}
+        sets = {
+            name: np.unique([place[tag] for tag in members if tag in place]).astype(np.intp)
+            for name, members in self.node_groups.items()
+        }
+        points = np.array([self.nodes[tag] for tag in tags.tolist()], dtype=np.float64).reshape(-1, 3)
+        return MeshFile(
+            source=source,
+            node_tags=tags,
+            points=points,
+            cells=cells,
+            groups=groups,
+            node_groups={name: members for name, members in sets.items() if len(members)},
+        )
+
+
+def _lines(path: Path) -> Iterator[str]:
+    with path.open(encoding="utf-8", errors="replace") as file:
+        yield from (line.rstrip("\r\n") for line in file)
+
+
+# Abaqus and CalculiX: *NODE, *ELEMENT, *NSET and *ELSET, in free format.
+
+_ABAQUS = {
+    "tri3": ("CPS3", "CPE3", "S3", "S3R", "STRI3", "STRI65_3", "M3D3", "T3D3", "DS3"),
+    "tri6": ("CPS6", "CPE6", "S6", "STRI65", "M3D6"),
+    "quad4": ("CPS4", "CPS4R", "CPE4", "CPE4R", "S4", "S4R", "S4RS", "S4R5", "M3D4", "M3D4R"),
+    "quad8": ("CPS8", "CPS8R", "CPE8", "CPE8R", "S8", "S8R", "S8R5", "M3D8", "M3D8R"),
+    "tet4": ("C3D4", "C3D4H"),
+    "tet10": ("C3D10", "C3D10M", "C3D10T", "C3D10H", "C3D10HS"),
+    "wedge6": ("C3D6", "C3D6H"),
+    "wedge15": ("C3D15", "C3D15H"),
+    "hex8": ("C3D8", "C3D8R", "C3D8I", "C3D8H", "C3D8IH", "C3D8RH"),
+    "hex20": ("C3D20", "C3D20R", "C3D20RI", "C3D20H", "C3D20RH"),
+    "line2": ("B31", "B31R", "B33", "T3D2", "B21", "B23", "B31OS"),
+    "line3": ("B32", "B32R", "T3D3", "B22"),
+    POINT: ("MASS", "ROTARYI"),
+}
+_ABAQUS_KINDS = {word: kind for kind, words in _ABAQUS.items() for word in words}
+
+
+def _abaqus(path: Path) -> _Raw:
+    nodes: Nodes = {}
+    elements: Elements = {}
+    groups: dict[str, list[int]] = {}
+    node_groups: dict[str, list[int]] = {}
+    keyword, options, kind, pending = "", dict[str, str](), "", list[int]()
+    for line in _lines(path):
+        text = line.strip()
+        if not text or text.startswith("**"):
+            continue
+        if text.startswith("*"):
+            keyword, *words = (word.strip() for word in text[1:].split(","))
+            keyword = keyword.upper()
+            options = {key.strip().upper(): value.strip().strip('"') for key, _, value in (word.partition("=") for word in words)}
+            pending = []
+            if keyword in ("INCLUDE", "INSTANCE"):
+                problem = f"it has *{keyword}, which is not followed"
+                raise BadInput(source=str(path), problem=problem, remedy="Write a flat file with all nodes and elements in it")
+            if keyword == "ELEMENT":
+                word = options.get("TYPE", "").upper()
+                if word not in _ABAQUS_KINDS:
+                    known = ", ".join(sorted(words[0] for words in _ABAQUS.values()))
+                    problem = f"elements of type {word!r} are not known"
+                    raise BadInput(source=str(path), field="*ELEMENT", problem=problem, remedy=f"Known are {known} and their kin")
+                kind = _ABAQUS_KINDS[word]
+            continue
+        fields = [field.strip() for field in text.split(",")]
+        if keyword == "NODE":
+            x, y, z = (float([*fields, "", "", ""][n] or 0.0) for n in (1, 2, 3))
+            _once(nodes, int(fields[0]), (x, y, z), str(path))
+            if "NSET" in options:
+                node_groups.setdefault(options["NSET"], []).append(int(fields[0]))
+        elif keyword == "ELEMENT":
+            pending += [int(field) for field in fields if field]
+            if text.endswith(","):
+                continue
+            tag, *own = pending
+            _once(elements.setdefault(kind, {}), tag, own, str(path))
+            pending = []
+            if "ELSET" in options:
+                groups.setdefault(options["ELSET"], []).append(tag)
+        elif keyword in ("NSET", "ELSET"):
+            table = node_groups if keyword == "NSET" else groups
+            members = table.setdefault(options.get(keyword, ""), [])
+            if "GENERATE" in options:
+                start, stop, step = (int(field) for field in ([field for field in fields if field] + ["1"])[:3])
+                members += range(start, min(stop, start + 5_000_000) + 1, max(step, 1))
+                continue
+            for field in fields:
+                if field.lstrip("-").isdigit():
+                    members.append(int(field))
+                elif field:
+                    members += table.get(field, [])
+    return _Raw(nodes=nodes, elements=elements, groups=groups, node_groups=node_groups)
+
+
+def _once(table: dict[int, Any], tag: int, value: Any, source: str) -> None:
+    if tag in table:
+        raise BadInput(source=source, problem=f"the number {tag} is given twice", remedy="Give each node and element its own")
+    table[tag] = value
+
+
+# Nastran bulk data: grid points and elements, a group for each property (its number, or the name that a comment gives it).
+
+_NASTRAN = {
+    "CTETRA": ("tet4", "tet10"),
+    "CHEXA": ("hex8", "hex20"),
+    "CPENTA": ("wedge6", "wedge15"),
+    "CTRIA3": ("tri3",),
+    "CTRIAR": ("tri3",),
+    "CTRIA6": ("tri6",),
+    "CQUAD4": ("quad4",),
+    "CQUADR": ("quad4",),
+    "CQUAD8": ("quad8",),
+    "CBAR": ("line2",),
+    "CBEAM": ("line2",),
+    "CROD": ("line2",),
+}
+_MIDDLES_LAST = {"hex20": [*range(12), *range(16, 20), *range(12, 16)], "wedge15": [*range(9), *range(12, 15), *range(9, 12)]}
+"""Nastran gives the middles of the upright edges before those of the top."""
+
+
+def _nastran(path: Path) -> _Raw:
+    nodes: Nodes = {}
+    elements: Elements = {}
+    groups: dict[str, list[int]] = {}
+    for card, *fields in _cards(path):
+        if card == "GRID":
+            system = (fields[1] or "0").strip()
+            if system != "0":
+                problem = f"node {fields[0]} stands in the coordinate system {system}"
+                raise BadInput(
+                    source=str(path), field="GRID", problem=problem, remedy="Write the grid points in the basic system"
+                )
+            x, y, z = (_real((fields + 5 * [""])[n]) for n in (2, 3, 4))
+            _once(nodes, int(fields[0]), (x, y, z), str(path))
+        elif card in _NASTRAN:
+            tag, group = int(fields[0]), fields[1] or fields[0]
+            kinds = _NASTRAN[card]
+            most = max(int(kind.lstrip("abcdefghijklmnopqrstuvwxyz")) for kind in kinds)
+            own = [int(field) for field in fields[2 : 2 + most] if field]
+            kind = next(
+                (kind for kind in kinds if kind.endswith(str(len(own))) and not kind[-len(str(len(own))) - 1].isdigit()), ""
+            )
+            if not kind:
+                problem = f"the {card} {tag} has {len(own)} nodes"
+                raise BadInput(source=str(path), field=card, problem=problem, remedy=f"It is read as {' or '.join(kinds)}")
+            order = _MIDDLES_LAST.get(kind, range(len(own)))
+            _once(elements.setdefault(kind, {}), tag, [own[n] for n in order], str(path))
+            groups.setdefault(group, []).append(tag)
+    # What a program without properties writes has one number for a volume, its skin and its edges
+    dimension = {tag: DIMENSION[kind] for kind, own in elements.items() for tag in own}
+    apart: dict[str, list[int]] = {}
+    for name, members in groups.items():
+        top = max(dimension[tag] for tag in members)
+        for tag in members:
+            apart.setdefault(name if dimension[tag] == top else f"{name} {_WORDS[dimension[tag]]}", []).append(tag)
+    return _Raw(nodes=nodes, elements=elements, groups=apart, node_groups={})
+
+
+_WORDS = ("points", "lines", "faces", "volumes")
+
+
+def _cards(path: Path) -> Iterator[list[str]]:
+    """Cards of bulk data as a name and fields: small, large and free format, continued ones put together."""
+    card: list[str] = []
+    for line in _lines(path):
+        text = line.split("$")[0].rstrip()
+        if not text:
+            continue
+        first = text.split(",")[0][:8].strip()
+        if "," in text:
+            fields = [field.strip() for field in text.split(",")]
+            fields = [fields[0], *(fields[1:9] + 8 * [""])[:8]]
+        elif first.endswith("*"):
+            fields = [first, *(text[n : n + 16].strip() for n in range(8, 72, 16))]
+        else:
+            fields = [first, *(text[n : n + 8].strip() for n in range(8, 72, 8))]
+        if fields[0] in ("", "*") or fields[0].startswith("+") or (fields[0].startswith("*") and card):
+            card += fields[1:]
+            continue
+        if card:
+            yield card
+        card = [fields[0].rstrip("*").upper(), *fields[1:]]
+    if card:
+        yield card
+
+
+def _real(text: str) -> float:
+    """``1.5-3`` is 1.5e-3 in Nastran; nothing is zero."""
+    text = text.strip().upper().replace("D", "E")
+    if not text:
+        return 0.0
+    cut = max(text.rfind("+"), text.rfind("-"))
+    return float(f"{text[:cut]}E{text[cut:]}" if cut > 0 and "E" not in text else text)
+
+
+# Universal files: datasets 2411 (nodes), 2412 (elements) and 2467, 2477, 2452, 2435 (groups).
+
+_UNIVERSAL = {
+    "line2": (11, 21, 22),
+    "line3": (24,),
+    "tri3": (41, 51, 61, 74, 91),
+    "tri6": (42, 52, 62, 72, 92),
+    "quad4": (44, 54, 64, 71, 94),
+    "quad8": (45, 55, 65, 75, 95),
+    "tet4": (111,),
+    "tet10": (118,),
+    "wedge6": (112,),
+    "wedge15": (113,),
+    "hex8": (115,),
+    "hex20": (116,),
+    POINT: (161,),
+}
+_UNIVERSAL_KINDS = {number: kind for kind, numbers in _UNIVERSAL.items() for number in numbers}
+_ROUND = {
+    "tri6": [0, 2, 4, 1, 3, 5],
+    "quad8": [0, 2, 4, 6, 1, 3, 5, 7],
+    "tet10": [0, 2, 4, 9, 1, 3, 5, 6, 7, 8],
+    "hex20": [0, 2, 4, 6, 12, 14, 16, 18, 1, 3, 5, 7, 13, 15, 17, 19, 8, 9, 10, 11],
+    "wedge15": [0, 2, 4, 9, 11, 13, 1, 3, 5, 10, 12, 14, 6, 7, 8],
+    "line3": [0, 2, 1],
+}
+"""Corners and middles go round together there: where each of ours stands."""
+
+
+def _universal(path: Path) -> _Raw:
+    nodes: Nodes = {}
+    elements: Elements = {}
+    groups: dict[str, list[int]] = {}
+    node_groups: dict[str, list[int]] = {}
+    for number, lines in _datasets(path):
+        if number == 2411:
+            for head, place in zip(lines[::2], lines[1::2], strict=False):
+                x, y, z = (float(word) for word in place.upper().replace("D", "E").split())
+                _once(nodes, int(head.split()[0]), (x, y, z), str(path))
+        elif number == 2412:
+            rest = iter(lines)
+            for head in rest:
+                tag, code, *_, count = (int(word) for word in head.split())
+                if code in (11, 21, 22, 24):
+                    next(rest, "")
+                own: list[int] = []
+                while len(own) < count and (line := next(rest, None)) is not None:
+                    own += [int(word) for word in line.split()]
+                if code not in _UNIVERSAL_KINDS:
+                    problem = f"elements of type {code} are not known"
+                    remedy = f"Known are {', '.join(map(str, sorted(_UNIVERSAL_KINDS)))}"
+                    raise BadInput(source=str(path), field="2412", problem=problem, remedy=remedy)
+                kind = _UNIVERSAL_KINDS[code]
+                _once(elements.setdefault(kind, {}), tag, [own[n] for n in _ROUND.get(kind, range(count))], str(path))
+        elif number in (2435, 2452, 2467, 2477):
+            rest = iter(lines)
+            for head in rest:
+                count, name, words = int(head.split()[-1]), next(rest, "").strip(), list[int]()
+                while len(words) < 4 * count and (line := next(rest, None)) is not None:
+                    words += [int(word) for word in line.split()]
+                for code, tag in zip(words[::4], words[1::4], strict=False):
+                    table = node_groups if code == 7 else groups
+                    table.setdefault(name, []).append(tag)
+    return _Raw(nodes=nodes, elements=elements, groups=groups, node_groups=node_groups)
+
+
+def _datasets(path: Path) -> Iterator[tuple[int, list[str]]]:
+    inside: list[str] | None = None
+    for line in _lines(path):
+        if line.strip() == "-1":
+            if inside:
+                yield int(inside[0]), inside[1:]
+            inside = [] if inside is None else None
+        elif inside is not None:
+            inside.append(line)
+    if inside:
+        problem = f"the dataset {inside[0].strip()} does not end"
+        raise BadInput(source=str(path), problem=problem, remedy=_AGAIN)
+
+
+# MSH and MED through gmsh: ``python -m fem.mesh.files FILE ANSWER``.
+
+_GMSH = {1: "line2", 2: "tri3", 3: "quad4", 4: "tet4", 5: "hex8", 6: "wedge6", 8: "line3", 9: "tri6", 10: "quad8", 11: "tet10"}
+_GMSH |= {12: "hex20", 15: POINT, 16: "quad8", 17: "hex20", 18: "wedge15"}
+_FROM_GMSH = {
+    "tet10": [0, 1, 2, 3, 4, 5, 6, 7, 9, 8],
+    "hex20": [*range(8), 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15],
+    "wedge15": [*range(6), 6, 9, 7, 12, 14, 13, 8, 10, 11],
+    "quad8": list(range(8)),
+}
+"""Where each of our nodes stands in gmsh; what is in the middle of faces and of the cell is left out."""
+
+_BEGINNINGS = {".msh": (b"$MeshFormat", b"$Comments"), ".med": (b"\x89HDF\r\n\x1a\n",)}
+
+
+def _through_gmsh(path: Path) -> MeshFile:
+    source, ending = str(path), path.suffix.lower()
+    with path.open("rb") as file:
+        beginning = file.read(16)
+    if not beginning.startswith(_BEGINNINGS[ending]):
+        problem = f"it does not begin as a {ending} file does, but with {beginning[:12]!r}"
+        raise BadInput(source=source, problem=problem, remedy="Save it as MSH 4.1 or 2.2, or as MED 4")
+    with tempfile.TemporaryDirectory() as folder:
+        answer = Path(folder, "mesh.npz")
+        command = [sys.executable, "-P", "-m", "fem.mesh.files", str(path.resolve()), str(answer)]
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(entry or os.getcwd() for entry in sys.path)}
+        try:
+            run = subprocess.run(
+                command, cwd=folder, env=environment, capture_output=True, text=True, timeout=TIME_LIMIT, check=False
+            )
+        except subprocess.TimeoutExpired:
+            problem = f"gmsh has not finished with it after {TIME_LIMIT / 60:g} minutes"
+            raise BadInput(source=source, problem=problem, remedy=_AGAIN) from None
+        if not answer.is_file():
+            words = ([line for line in run.stderr.splitlines() if line.strip()] or [f"its process ended with {run.returncode}"])[
+                -1
+            ]
+            raise BadInput(source=source, problem=f"gmsh cannot read it ({words.strip()[:200]})", remedy=_AGAIN)
+        with np.load(answer, allow_pickle=False) as arrays:
+            return _unpacked(dict(arrays), source)
+
+
+def _work(path: str, answer: str) -> None:
+    arrays: dict[str, np.ndarray] = {}
+    with session() as gmsh:
+        gmsh.merge(path)
+        mesh = gmsh.model.mesh
+        tags, coordinates, _ = mesh.getNodes()
+        arrays |= {"tags": tags.astype(np.int64), "points": np.reshape(coordinates, (-1, 3))}
+        blocks: list[str] = []
+        for entity in gmsh.model.getEntities():
+            groups = [int(group) for group in gmsh.model.getPhysicalGroupsForEntity(*entity)]
+            named = [gmsh.model.getPhysicalName(entity[0], group).strip("\0 ") or str(group) for group in groups]
+            for code, elements, nodes in zip(*mesh.getElements(*entity), strict=True):
+                key = str(len(blocks))
+                arrays |= {
+                    f"elements/{key}": elements.astype(np.int64),
+                    f"nodes/{key}": np.reshape(nodes, (len(elements), -1)).astype(np.int64),
+                }
+                blocks.append("\n".join([str(code), *dict.fromkeys(named)]))
+        arrays["blocks"] = np.array(blocks, dtype=np.str_)
+    np.savez(answer, allow_pickle=False, **arrays)
+
+
+def _unpacked(arrays: Mapping[str, np.ndarray], source: str) -> MeshFile:
+    order = np.argsort(arrays["tags"], kind="stable")
+    tags, points = arrays["tags"][order], arrays["points"][order]
+    found: dict[str, list[tuple[Array, Array, list[str]]]] = {}
+    for key, said in enumerate(arrays["blocks"]):
+        code, *names = str(said).split("\n")
+        kind = _GMSH.get(int(code))
+        if kind is None:
+            problem = f"{len(arrays[f'elements/{key}'])} elements of gmsh's type {code} are not known"
+            remedy = "Write lines, triangles, quadrilaterals, tetrahedra, hexahedra or wedges of first or second order"
+            raise BadInput(source=source, field="elements", problem=problem, remedy=remedy)
+        nodes = arrays[f"nodes/{key}"]
+        nodes = nodes[:, _FROM_GMSH.get(kind, range(nodes.shape[1]))]
+        found.setdefault(kind, []).append((arrays[f"elements/{key}"], nodes, names))
+    cells, groups = {}, dict[str, dict[str, list[Integers]]]()
+    for kind, blocks in found.items():
+        first = 0
+        for elements, _, names in blocks:
+            for name in names:
+                groups.setdefault(name, {}).setdefault(kind, []).append(np.arange(first, first + len(elements), dtype=np.intp))
+            first += len(elements)
+        nodes = np.vstack([block[1] for block in blocks])
+        at = np.minimum(np.searchsorted(tags, nodes), max(len(tags) - 1, 0))
+        if not len(tags) or np.any(tags[at] != nodes):
+            raise BadInput(
+                source=source, field="elements", problem="elements have nodes that the file does not hold", remedy=_AGAIN
+            )
+        cells[kind] = Cells(kind=kind, tags=np.concatenate([block[0] for block in blocks]), nodes=at.astype(np.intp))
+    named = {
+        name: {kind: np.unique(np.concatenate(index)).astype(np.intp) for kind, index in by.items()}
+        for name, by in groups.items()
+    }
+    return MeshFile(source=source, node_tags=tags, points=points, cells=cells, groups=named)
+
+
+READERS: Mapping[str, Callable[[Path], "_Raw | MeshFile"]] = {
+    **dict.fromkeys((".msh", ".med"), _through_gmsh),
+    **dict.fromkeys((".bdf", ".nas", ".dat"), _nastran),
+    ".inp": _abaqus,
+    ".unv": _universal,
+}
+ENDINGS = tuple(READERS)
+
+
+def joined(names: Iterable[object], most: int = 5) -> str:
+    """The first of `names`, and how many more there are."""
+    words = [str(name) for name in names]
+    more = f" and {len(words) - most} more" if len(words) > most else ""
+    return ", ".join(words[:most]) + more
+
+
+if __name__ == "__main__":
+    _work(sys.argv[1], sys.argv[2])

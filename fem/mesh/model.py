@@ -1,0 +1,722 @@
+"""From a description and its mesh or STEP file to a `Structure` with parts, places, supports, joints and sections."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from fem.beam.elements import moduli, timoshenko
+from fem.mesh import description as described
+from fem.mesh import files, shells, solids
+from fem.mesh.places import LINE, Block, Elements, beam_axes, fitted
+from fem.solid import assembly, tetrahedra
+from fem.structure import Sparse, Structure
+from fem.user_model import description as text
+from geometry import toml_file
+from geometry.errors import BadInput
+from geometry.frames import Array, Integers, rigid_transformation_6
+
+SMALLEST, LARGEST = 1e-3, 5e3
+"""Largest dimension [m] that a structure may have; beyond, the unit is not believed."""
+
+LARGEST_SIDE = tetrahedra.LARGEST_MESH
+"""Degrees of freedom."""
+
+FLAT = 1e-6
+"""Area or volume of an element, relative to the square or cube of its longest edge, below which it is degenerate."""
+
+COINCIDENT = 1e-6
+"""Distance of two nodes, as a share of the structure's size, below which they are at one place."""
+
+SIX = np.arange(6)
+
+
+def load(path: Path) -> tuple[str, Structure]:
+    """The name and the structure that `path` describes.
+
+    Raises
+    ------
+    BadInput : whatever is wrong with description, mesh or geometry: what, where, how many, what to do.
+    CheckFailed : no valid mesh of an assembly.
+    """
+    found = described.read(path)
+    mesh = _meshed(found) if found.kind == "assembly" else files.read(found.file)
+    return found.name, structure(found, mesh)
+
+
+def _meshed(found: described.MeshDescription) -> files.MeshFile:
+    """Bodies of a STEP file as curved tetrahedra in metres, nodes common where faces touch."""
+    from geometry import cad
+
+    bodies = cad.read(found.file)
+    names = [body.name for body in bodies]
+    for name in found.parts:
+        if name not in names:
+            problem, remedy = (
+                f"{found.file.name} holds no body {name!r}",
+                f"{toml_file.nearest(name, names)}It holds {', '.join(names)}",
+            )
+            raise found.refused(f"parts.{name}", problem, remedy)
+    bare = [name for name in names if name not in found.parts]
+    if bare:
+        raise _without_material(found, f"{len(bare)} of {len(names)} bodies", files.joined(bare))
+
+    def body(one: cad.Body) -> tetrahedra.SolidBody:
+        return tetrahedra.SolidBody(
+            name=one.name,
+            material=found.parts[one.name].material,
+            write=lambda path: cad.write_brep(path, one.solid),
+            fingerprint=cad.brep_digest(one.solid),
+        )
+
+    mesh = tetrahedra.tetrahedra([body(one) for one in bodies], tetrahedra.Sizing(size=found.size))
+    cells = files.Cells(kind="tet10", tags=np.arange(1, len(mesh.cells) + 1), nodes=mesh.cells)
+    groups = {name: {"tet10": np.flatnonzero(mesh.part == k)} for k, name in enumerate(mesh.parts)}
+    lowest = {} if found.interface else {FOOT: assembly.base(mesh)}
+    return files.MeshFile(
+        source=str(found.file),
+        node_tags=np.arange(1, len(mesh.points) + 1),
+        points=mesh.points / found.length,
+        cells={"tet10": cells},
+        groups=groups,
+        node_groups=lowest,
+    )
+
+
+FOOT = "lowest plane"
+"""What the base carries of an assembly that names no interface."""
+
+
+def _without_material(found: described.MeshDescription, what: str, which: str) -> BadInput:
+    return found.refused(
+        "parts", f"{what} have no material: {which}", 'Write [fe_model.parts.NAME] with material = "steel" for each'
+    )
+
+
+def structure(found: described.MeshDescription, mesh: files.MeshFile) -> Structure:
+    """The structure that `found` makes of `mesh`.
+
+    Raises
+    ------
+    BadInput : see `load`.
+    """
+    blocks = tuple(_blocks(found, mesh))
+    blocks, points, tags, sets, cuts = _nodes(found, mesh, blocks)
+    size = float(np.ptp(points, axis=0).max())
+    if not SMALLEST <= size <= LARGEST:
+        fitting = [unit.name for unit in toml_file.UNITS.values() if SMALLEST <= size / found.length * unit.metres <= LARGEST]
+        problem = f"with it the structure is {size:.4g} m long, which none is (1 mm to 5 km)"
+        raise found.refused(
+            "units", problem, f"In {' or '.join(fitting)} it would be of ordinary size" if fitting else "Check the mesh"
+        )
+    _require_sound(found, points, blocks)
+    elements = _numbered(found, mesh.source, points, tags, blocks, sets)
+    stiffness, mass, sections = _assembled(elements)
+    made = _Made(found=found, elements=elements, sets=sets)
+    supports, joints = list[str](), list[str]()
+    for name, spring in found.springs.items():
+        ends = [made.motion(at, f"springs.{name}") for at in spring.at]
+        K = _spring(ends[0] - ends[1] if len(ends) == 2 else ends[0], spring.stiffness)
+        stiffness[_new(found, name, stiffness, "springs")] = K
+        (joints if len(ends) == 2 else supports).append(name)
+    for name, joint in found.joints.items():
+        stiffness[_new(found, name, stiffness, "joints")] = _spring(made.across(name, joint, cuts.get(name)), joint.stiffness)
+        joints.append(name)
+    for name, body in found.masses.items():
+        R = made.motion(body.at, f"masses.{name}")
+        mass[_new(found, name, mass, "masses")] = _symmetric(R.T @ body.inertia.mass_matrix @ R)
+    K, M = _sum(stiffness), _sum(mass)
+    parts = {name: share for name, share in stiffness.items() if name not in found.parts}
+    made.require_joined(parts, tuple(supports))
+    where = _own(elements)
+    turning = where[:, :3].min(axis=1) >= 0
+    finished = Structure(
+        stiffness=K,
+        mass=M,
+        rigid=elements.rigid(found.reference_point),
+        held=made.held if found.support == "base" else np.zeros(0, dtype=np.intp),
+        reference_point=found.reference_point,
+        points=elements.points[turning],
+        translations=where[turning, :3],
+        rotations=where[turning, 3:],
+        part_stiffness=stiffness,
+        part_mass=mass,
+        loss_factors={name: part.loss_factor for name, part in found.parts.items() if part.loss_factor is not None},
+        grounded=found.support == "ground",
+        supports=tuple(supports),
+        joints=tuple(joints),
+        places=made.places(),
+        sections=sections,
+        part_tolerances={name: part.tolerance for name, part in found.parts.items() if part.tolerance},
+        elements=elements,
+    )
+    made.require_stated(finished)
+    return finished
+
+
+def _new(found: described.MeshDescription, name: str, table: Mapping[str, Sparse], key: str) -> str:
+    if name in table:
+        raise found.refused(
+            f"{key}.{name}", "has the name of a part, joint or spring that is there already", "Give it its own name"
+        )
+    return name
+
+
+# Parts: which elements belong to which group, each to one.
+
+
+def _blocks(found: described.MeshDescription, mesh: files.MeshFile) -> Iterator[Block]:
+    claimed = {kind: np.full(len(cells.tags), -1, dtype=np.intp) for kind, cells in mesh.cells.items()}
+    names = list(found.parts)
+    for number, (name, part) in enumerate(found.parts.items()):
+        if name not in mesh.groups:
+            known = list(mesh.groups)
+            remedy = f"{toml_file.nearest(name, known)}Groups of elements are {files.joined(known, 20) or 'none'}"
+            raise found.refused(f"parts.{name}", f"the mesh has no group {name!r}", remedy)
+        kinds = {kind: index for kind, index in mesh.groups[name].items() if kind != files.POINT}
+        for kinds_of, key, given in ((files.SHELLS, "thickness", part.thickness), (files.BEAMS, "section", part.section)):
+            count = sum(len(index) for kind, index in kinds.items() if kind in kinds_of)
+            if count and given is None:
+                what = "shell" if key == "thickness" else "beam"
+                remedy = (
+                    'Write thickness = "3 mm"' if key == "thickness" else 'Write section = { width = "20 mm", height = "40 mm" }'
+                )
+                raise found.refused(f"parts.{name}.{key}", f"is missing, and the group has {count} {what} elements", remedy)
+            if given is not None and not count:
+                raise found.refused(
+                    f"parts.{name}.{key}", "belongs to shells or beams, of which the group has none", "Leave it out"
+                )
+        if not kinds:
+            raise found.refused(
+                f"parts.{name}", "the group holds no lines, faces or volumes", "Name the group that the part is made of"
+            )
+        for kind, index in kinds.items():
+            other = claimed[kind][index]
+            if np.any(other >= 0):
+                doubled = index[other >= 0]
+                problem = (
+                    f"{len(doubled)} {kind} elements belong to {names[other[other >= 0][0]]} as well, "
+                    f"such as element {files.joined(mesh.cells[kind].tags[doubled], 3)}"
+                )
+                raise found.refused(f"parts.{name}", problem, "Let the groups not overlap: an element has one material")
+            claimed[kind][index] = number
+            cells = mesh.cells[kind]
+            halves = [[0, 2], [2, 1]] if kind == "line3" else [list(range(cells.nodes.shape[1]))]
+            yield Block(
+                part=name,
+                kind=LINE if kind == "line3" else kind,
+                tags=np.tile(cells.tags[index], len(halves)),
+                nodes=np.vstack([cells.nodes[index][:, half] for half in halves]),
+            )
+    _require_covered(found, mesh, claimed)
+
+
+def _require_covered(found: described.MeshDescription, mesh: files.MeshFile, claimed: Mapping[str, Integers]) -> None:
+    """Elements of the highest dimension, and lower ones that hang on no part, must have a material; none is there twice."""
+    top = max(files.DIMENSION[kind] for kind in mesh.cells)
+    used = np.zeros(len(mesh.points), dtype=bool)
+    for kind, owner in claimed.items():
+        used[mesh.cells[kind].nodes[owner >= 0]] = True
+    bare = {}
+    for kind, owner in claimed.items():
+        if kind == files.POINT:
+            continue
+        same = np.unique(np.sort(mesh.cells[kind].nodes, axis=1), axis=0, return_inverse=True)[1].ravel()
+        count = np.bincount(same, weights=owner >= 0)[same]
+        doubled = np.flatnonzero((count > 1) & (owner >= 0))
+        if len(doubled):
+            names, tags = list(found.parts), mesh.cells[kind].tags[doubled]
+            problem = f"{len(doubled)} {kind} elements have the same nodes as another: {files.joined(tags)}"
+            raise found.refused(f"parts.{names[owner[doubled[0]]]}", problem, "An element has one material: write each once")
+        # What has the nodes of an element with a material is that element once more, as MSH 2 writes it for another group
+        alone = (owner < 0) & (count == 0) & ((files.DIMENSION[kind] == top) | ~used[mesh.cells[kind].nodes].all(axis=1))
+        if np.any(alone):
+            bare[kind] = np.flatnonzero(alone)
+    if not bare:
+        return
+    groups = [
+        name
+        for name, kinds in mesh.groups.items()
+        if any(len(np.intersect1d(kinds.get(kind, []), index)) for kind, index in bare.items())
+    ]
+    words = ", ".join(f"{len(index)} {kind} elements" for kind, index in bare.items())
+    raise _without_material(found, words, f"group {files.joined(groups)}" if groups else "they belong to no group")
+
+
+# Nodes: those that are used, in metres; those of two parts that a joint parts are there twice.
+
+Sets = dict[str, Integers]
+
+
+def _nodes(
+    found: described.MeshDescription, mesh: files.MeshFile, blocks: tuple[Block, ...]
+) -> tuple[tuple[Block, ...], Array, Integers, Sets, Mapping[str, tuple[Integers, Integers]]]:
+    """Blocks with nodes numbered anew, points [m], their numbers in the file, groups of nodes, and both sides of every joint."""
+    used = np.unique(np.concatenate([block.nodes.ravel() for block in blocks]))
+    number = np.full(len(mesh.points), -1, dtype=np.intp)
+    number[used] = np.arange(len(used))
+    blocks = tuple(replace(block, nodes=number[block.nodes]) for block in blocks)
+    points, tags = mesh.points[used] * found.length, mesh.node_tags[used]
+    sets = {name: own[own >= 0] for name in mesh.names if len(own := number[mesh.nodes_of(name)])}
+    margin = COINCIDENT * float(np.ptp(points, axis=0).max())
+    for name, box in found.boxes.items():
+        inside = np.flatnonzero(((points >= box[0] - margin) & (points <= box[1] + margin)).all(axis=1))
+        if not len(inside):
+            away = np.linalg.norm(np.maximum(0, np.maximum(box[0] - points, points - box[1])), axis=1)
+            nearest = ", ".join(f"{1e3 * value:.5g}" for value in points[np.argmin(away)])
+            problem = f"the box holds no node; the nearest is at ({nearest}) mm, {1e3 * away.min():.4g} mm away"
+            raise found.refused(f"groups.{name}", problem, "Correct its corners, or their unit")
+        sets[name] = inside
+    cuts: dict[str, tuple[Integers, Integers]] = {}
+    for name, joint in found.joints.items():
+        for part in joint.between:
+            if part not in found.parts:
+                known = list(found.parts)
+                problem, remedy = (
+                    f"there is no part {part!r}",
+                    f"{toml_file.nearest(part, known)}Parts are {files.joined(known, 20)}",
+                )
+                raise found.refused(f"joints.{name}", problem, remedy)
+        one, other = (np.unique(np.concatenate([b.nodes.ravel() for b in blocks if b.part == part])) for part in joint.between)
+        common = np.intersect1d(one, other)
+        if len(common):
+            twin = np.arange(len(points), len(points) + len(common))
+            turned = np.arange(len(points) + len(common))
+            turned[common] = twin
+            blocks = tuple(replace(b, nodes=turned[b.nodes]) if b.part == joint.between[1] else b for b in blocks)
+            points, tags = np.vstack([points, points[common]]), np.append(tags, tags[common])
+            cuts[name] = common, twin
+    return blocks, points, tags, sets, cuts
+
+
+def _require_sound(found: described.MeshDescription, points: Array, blocks: Sequence[Block]) -> None:
+    """Refuse elements that are inside out or have no extent, with how many and which."""
+    said = []
+    for block in blocks:
+        corners = points[block.nodes]
+        edge = np.ptp(corners, axis=1).max(axis=1)
+        if block.kind in solids.KINDS:
+            least = np.concatenate(
+                [solids.determinants(block.kind, corners[k : k + 5000]).min(axis=1) for k in range(0, len(corners), 5000)]
+            )
+            flat, inverted = np.abs(least) <= FLAT * edge**3, least < -FLAT * edge**3
+        elif block.kind == LINE:
+            flat = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1) <= COINCIDENT * np.ptp(points, axis=0).max()
+            inverted = np.zeros_like(flat)
+        else:
+            each = [corners[:, triangle] for triangle, _ in shells.TRIANGLES[block.kind]]
+            flat = np.any([shells.areas(own) <= FLAT * edge**2 for own in each], axis=0)
+            normals = [np.cross(own[:, 1] - own[:, 0], own[:, 2] - own[:, 0]) for own in each]
+            inverted = ~flat & np.any([np.sum(normals[0] * normal, axis=1) < 0 for normal in normals], axis=0)
+        for bad, words in ((inverted, "inside out"), (flat, "degenerate (no extent)")):
+            if np.any(bad):
+                said.append(f"{np.sum(bad)} {block.kind} elements of {block.part} are {words}: {files.joined(block.tags[bad])}")
+    if said:
+        remedy = "Mesh it again with smaller elements, or correct the order of their nodes"
+        raise BadInput(source=str(found.file), field="elements", problem="; ".join(said), remedy=remedy)
+
+
+# Degrees of freedom: three at a node of solids, six of shells and beams; links let some ride on others.
+#
+# A shell or beam that ends on a solid is welded to it: its rotations there are those of the solid's elements around the node.
+
+
+def _numbered(
+    found: described.MeshDescription,
+    source: str,
+    points: Array,
+    tags: Integers,
+    blocks: tuple[Block, ...],
+    sets: dict[str, Integers],
+) -> Elements:
+    from scipy.sparse import coo_array, eye_array
+
+    own = len(points)
+    points = np.vstack([points, *(np.array([link.at]) for link in found.links.values())])
+    tags = np.append(tags, np.zeros(len(found.links), dtype=np.intp))
+    turning = np.zeros(len(points), dtype=bool)
+    turning[own:] = True
+    for block in blocks:
+        if block.kind not in solids.KINDS:
+            turning[block.nodes] = True
+    count = np.where(turning, 6, 3)
+    first = np.append(0, np.cumsum(count))[:-1].astype(np.intp)
+    size = int(count.sum())
+    if size > LARGEST_SIDE:
+        problem = f"it makes {size:,} degrees of freedom, {LARGEST_SIDE:,} are allowed"
+        raise found.refused("file", problem, "Write a coarser mesh")
+    keep = np.ones(size, dtype=np.bool_)
+    rows, columns, values = [], [], []
+    for carrier, (name, link) in enumerate(found.links.items(), start=own):
+        riders = _set(found, sets, link.nodes, f"links.{name}.nodes")
+        for rider in riders.tolist():
+            ridden = first[rider] + np.arange(count[rider])
+            if not keep[ridden].all():
+                problem = f"node {tags[rider]} rides on another link already"
+                raise found.refused(f"links.{name}", problem, "Let a node ride on one link only")
+            keep[ridden] = False
+            T = rigid_transformation_6(points[rider] - points[carrier])[: count[rider]]
+            rows.append(np.repeat(ridden, 6))
+            columns.append(np.tile(first[carrier] + SIX, count[rider]))
+            values.append(T.ravel())
+        sets[name] = np.array([carrier], dtype=np.intp)
+    carried = eye_array(size, format="csr")
+    if found.support == "ground":
+        for node in _interface(found, sets, tags).tolist():
+            ground = first[node] + np.arange(count[node])
+            if not keep[ground].all():
+                raise found.refused("interface", f"node {tags[node]} rides on a link", "Hold the link instead")
+            keep[ground] = False
+    turned = _welded(points, blocks, first, turning & keep[first])
+    keep[turned.rows] = False
+    own_dofs = np.where(keep, np.cumsum(keep) - 1, -1)
+    if not keep.all():
+        moved, n = own_dofs, int(keep.sum())
+        plain = np.flatnonzero(keep)
+        r = np.concatenate([plain, *rows])
+        c = np.concatenate([plain, *columns])
+        v = np.concatenate([np.ones(len(plain)), *values])
+        alive = keep[c]
+        carried = coo_array((v[alive], (r[alive], moved[c[alive]])), shape=(size, n)).tocsr()
+        if len(turned.rows):
+            carried = carried + turned.matrix(size) @ carried
+    return Elements(
+        source=source,
+        node_tags=tags,
+        points=points,
+        blocks=blocks,
+        parts=found.parts,
+        first=first,
+        turning=turning,
+        own=own_dofs,
+        carried=carried,
+    )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Welded:
+    """Rotations `rows` (w,) that ride, and the entries by which they do: (row, column, value) each."""
+
+    rows: Integers
+    entries: tuple[Integers, Integers, Array]
+
+    def matrix(self, size: int) -> Sparse:
+        from scipy.sparse import coo_array
+
+        r, c, v = self.entries
+        return coo_array((v, (r, c)), shape=(size, size)).tocsr()
+
+
+def _welded(points: Array, blocks: Sequence[Block], first: Integers, turning: npt.NDArray[np.bool_]) -> _Welded:
+    """How nodes that are `turning` (p,) and belong to solids turn: with the translations of the solids' nodes around them."""
+    around: dict[int, list[Integers]] = {}
+    for block in blocks:
+        if block.kind in solids.KINDS and np.any(touched := turning[block.nodes]):
+            for cell in np.flatnonzero(touched.any(axis=1)).tolist():
+                for node in block.nodes[cell][touched[cell]].tolist():
+                    around.setdefault(node, []).append(block.nodes[cell])
+    rows, columns, values = [np.zeros(0, dtype=np.intp)], [np.zeros(0, dtype=np.intp)], [np.zeros(0)]
+    for node, cells in around.items():
+        others = np.unique(np.concatenate(cells))
+        turns = fitted(points[others], points[node])[3:]
+        dofs = (first[others][:, None] + SIX[:3]).ravel()
+        rows.append(np.repeat(first[node] + SIX[3:], len(dofs)))
+        columns.append(np.tile(dofs, 3))
+        values.append(turns.ravel())
+    r = np.concatenate(rows)
+    return _Welded(rows=np.unique(r), entries=(r, np.concatenate(columns), np.concatenate(values)))
+
+
+def _interface(found: described.MeshDescription, sets: Sets, tags: Integers) -> Integers:
+    names = found.interface or ((FOOT,) if FOOT in sets else ())
+    nodes = [
+        _node(found, tags, name, "interface") if isinstance(name, int) else _set(found, sets, name, "interface") for name in names
+    ]
+    return np.unique(np.concatenate([np.zeros(0, dtype=np.intp), *nodes])).astype(np.intp)
+
+
+def _set(found: described.MeshDescription, sets: Sets, name: str, field: str) -> Integers:
+    if name not in sets:
+        remedy = f"{toml_file.nearest(name, sets)}Groups are {files.joined(sets, 20) or 'none'}"
+        raise found.refused(field, f"the mesh has no group {name!r}", remedy)
+    return sets[name]
+
+
+def _node(found: described.MeshDescription, tags: Integers, number: int, field: str) -> Integers:
+    index = np.flatnonzero((tags == number) & (tags > 0))[:1]
+    if not len(index):
+        problem = f"no element of the parts has a node {number}"
+        raise found.refused(field, problem, f"Nodes are numbered {tags[tags > 0].min()} to {tags.max()}; or give coordinates")
+    return index
+
+
+def _own(elements: Elements) -> Integers:
+    """Degrees of freedom (p, 6) of the structure that are those of each node, -1 where it rides, is held or does not turn."""
+    found = np.full((len(elements.points), 6), -1, dtype=np.intp)
+    found[:, :3] = elements.own[elements.first[:, None] + SIX[:3]]
+    found[elements.turning, 3:] = elements.own[elements.first[elements.turning][:, None] + SIX[3:]]
+    return found
+
+
+# Matrices: element by element in batches, the lower half of each, part by part.
+
+BATCH = 6_000_000
+"""Entries of element matrices at a time: what an assembly needs beside its result."""
+
+STEP = 1e-4
+"""Relative change of a thickness for the derivative of a beam's stiffness, which is then right to its square."""
+
+
+def _assembled(elements: Elements) -> tuple[dict[str, Sparse], dict[str, Sparse], dict[str, tuple[Sparse, Sparse]]]:
+    """Stiffness and mass of each part, and the shares of stiffness that grow with its thickness and with the cube of it."""
+    stiffness, mass, sections = {}, {}, {}
+    for name, part in elements.parts.items():
+        kinds = {"K": _Sum(elements), "M": _Sum(elements), "linear": _Sum(elements), "cubic": _Sum(elements)}
+        E, mu = moduli(part.material, name)
+        nu, density = E / (2 * mu) - 1, part.material.density
+        for block in elements.blocks:
+            if block.part != name:
+                continue
+            if block.kind in solids.KINDS:
+                lam = mu * (E - 2 * mu) / (3 * mu - E)
+                size = 3 * block.nodes.shape[1]
+                for some in _batches(len(block.nodes), size):
+                    nodes = block.nodes[some]
+                    K, M = solids.matrices(block.kind, elements.points[nodes], lam, mu, density)
+                    dofs = (elements.first[nodes][:, :, None] + SIX[:3]).reshape(len(nodes), -1)
+                    kinds["K"].add(dofs, K)
+                    kinds["M"].add(dofs, M)
+            elif block.kind == LINE:
+                dofs = (elements.first[block.nodes][:, :, None] + SIX).reshape(-1, 12)
+                K, M, D = _beams(elements, block, part)
+                kinds["K"].add(dofs, K)
+                kinds["M"].add(dofs, M)
+                if part.varied:
+                    kinds["linear"].add(dofs, (3 * K - D) / 2)
+                    kinds["cubic"].add(dofs, (D - K) / 2)
+            else:
+                for triangle, share in shells.TRIANGLES[block.kind]:
+                    for some in _batches(len(block.nodes), 18):
+                        nodes = block.nodes[some][:, triangle]
+                        flat, bent, M = shells.matrices(elements.points[nodes], part.thickness or 0.0, E, nu, density)
+                        dofs = (elements.first[nodes][:, :, None] + SIX).reshape(len(nodes), -1)
+                        kinds["linear"].add(dofs, share * flat)
+                        kinds["cubic"].add(dofs, share * bent)
+                        kinds["K"].add(dofs, share * (flat + bent))
+                        kinds["M"].add(dofs, share * M)
+        stiffness[name], mass[name] = kinds["K"].whole(), kinds["M"].whole()
+        if kinds["cubic"].there:
+            sections[name] = kinds["linear"].whole(), kinds["cubic"].whole()
+    return stiffness, mass, sections
+
+
+def _batches(count: int, size: int) -> Iterator[slice]:
+    step = max(BATCH // size**2, 1)
+    return (slice(k, k + step) for k in range(0, count, step))
+
+
+def _beams(elements: Elements, block: Block, part: described.PartTable) -> tuple[Array, Array, Array]:
+    """Stiffness, mass and derivative of stiffness by the logarithm of the thickness of beams; (c, 12, 12) each."""
+    if part.section is None:
+        raise ValueError(f"`section` of part {block.part} must be given")
+    sections = (
+        [part.section.times(factor) for factor in (1.0, 1 + STEP, 1 - STEP)] if part.varied else 3 * [part.section.times(1.0)]
+    )
+    made: dict[float, tuple[Array, Array, Array]] = {}
+    whole = np.zeros((3, len(block.nodes), 12, 12))
+    for k, corners in enumerate(elements.points[block.nodes]):
+        length = round(float(np.linalg.norm(corners[1] - corners[0])), 12)
+        if length not in made:
+            plain, more, less = (timoshenko(section, length, block.part) for section in sections)
+            slope = (more.stiffness[block.part] - less.stiffness[block.part]) / (2 * STEP)
+            made[length] = plain.stiffness[block.part], plain.mass, slope
+        try:
+            T = np.kron(np.eye(4), beam_axes(corners, part.z_axis))
+        except ValueError:
+            problem = f"the z axis of its section lies along element {block.tags[k]}"
+            raise BadInput(
+                source=elements.source, field=f"parts.{block.part}.section", problem=problem, remedy="State another z_axis"
+            ) from None
+        for target, local in zip(whole[:, k], made[length], strict=True):
+            target[:] = T.T @ local @ T
+    return whole[0], whole[1], whole[2]
+
+
+class _Sum:
+    """Element matrices added into one of the structure: lower halves, kept degrees of freedom only, links last."""
+
+    def __init__(self, elements: Elements) -> None:
+        self.elements = elements
+        riding = np.diff(elements.carried.indptr) > 0
+        self.linked = bool(np.any(riding & (elements.own < 0)))
+        self.number = np.arange(len(elements.own)) if self.linked else elements.own
+        self.size = len(elements.own) if self.linked else elements.carried.shape[1]
+        self.there = False
+        self.half: Sparse = None
+
+    def add(self, dofs: Integers, blocks: Array) -> None:
+        from scipy.sparse import coo_array
+
+        self.there = True
+        own = self.number[dofs].astype(np.int32)
+        rows = np.broadcast_to(own[:, :, None], blocks.shape)
+        columns = np.broadcast_to(own[:, None, :], blocks.shape)
+        lower = (rows >= columns) & (columns >= 0)
+        added = coo_array((blocks[lower], (rows[lower], columns[lower])), shape=(self.size, self.size)).tocsr()
+        self.half = added if self.half is None else self.half + added
+
+    def whole(self) -> Sparse:
+        from scipy.sparse import csr_array, tril
+
+        if self.half is None:
+            return csr_array((self.elements.carried.shape[1],) * 2)
+        whole = csr_array(self.half + tril(self.half, -1, format="csr").T)
+        if not self.linked:
+            return whole
+        T = self.elements.carried
+        return _symmetric(T.T @ whole @ T)
+
+
+def _symmetric(A: Sparse) -> Sparse:
+    from scipy.sparse import csr_array
+
+    return csr_array((A + A.T) / 2)
+
+
+def _sum(shares: Mapping[str, Sparse]) -> Sparse:
+    first, *others = shares.values()
+    return sum(others, first)
+
+
+def _spring(R: Sparse, stiffness: Array) -> Sparse:
+    """R^T k R for six stiffnesses along and about the axes of the frame."""
+    from scipy.sparse import diags_array
+
+    return _symmetric(R.T @ diags_array(stiffness) @ R)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Made:
+    """Elements with the names that a description gives to places of them."""
+
+    found: described.MeshDescription
+    elements: Elements
+    sets: Sets
+
+    @property
+    def interface(self) -> Integers:
+        """Nodes that the base carries or the ground holds."""
+        return _interface(self.found, self.sets, self.elements.node_tags)
+
+    @property
+    def held(self) -> Integers:
+        """Degrees of freedom that the base carries."""
+        own = _own(self.elements)[self.interface]
+        lost = self.interface[own[:, 0] < 0]
+        if len(lost):
+            problem = f"node {self.elements.node_tags[lost[0]]} rides on a link"
+            raise self.found.refused("interface", problem, "Let the base carry the link instead")
+        return np.setdiff1d(own, [-1])
+
+    def motion(self, at: described.At, field: str) -> Sparse:
+        """What moves and turns the place `at`; (6, n)."""
+        if isinstance(at, tuple):
+            return self.elements.motion(np.array(at), field)
+        if isinstance(at, int):
+            return self.elements.node(int(_node(self.found, self.elements.node_tags, at, field)[0]))
+        if at in self.found.places and self.found.places[at] != at:
+            return self.motion(self.found.places[at], field)
+        nodes = _set(self.found, self.sets, at, field)
+        if len(nodes) == 1:
+            return self.elements.node(int(nodes[0]))
+        return self.elements.mean(nodes, self.elements.points[nodes].mean(axis=0))
+
+    def places(self) -> dict[str, Sparse]:
+        """The user's places, and every group that is one node."""
+        single = {name: self.motion(name, name)[:3] for name, nodes in self.sets.items() if len(nodes) == 1}
+        return single | {name: self.motion(at, f"places.{name}")[:3] for name, at in self.found.places.items()}
+
+    def across(self, name: str, joint: described.Joint, cut: tuple[Integers, Integers] | None) -> Sparse:
+        """What the first part of a joint moves and turns beside the second, about its place; (6, n)."""
+        point = self._point(joint.at, f"joints.{name}.at")
+        if cut is not None:
+            return self.elements.mean(cut[0], point) - self.elements.mean(cut[1], point)
+        one, other = (self.elements.motion(point, f"joints.{name}", part) for part in joint.between)
+        return one - other
+
+    def _point(self, at: described.At, field: str) -> Array:
+        """Coordinates (3,) [m] of a place."""
+        if isinstance(at, tuple):
+            return np.array(at)
+        if isinstance(at, int):
+            return np.asarray(self.elements.points[_node(self.found, self.elements.node_tags, at, field)[0]])
+        if at in self.found.places and self.found.places[at] != at:
+            return self._point(self.found.places[at], field)
+        return np.asarray(self.elements.points[_set(self.found, self.sets, at, field)].mean(axis=0))
+
+    def require_joined(self, springs: Mapping[str, Sparse], supports: Sequence[str]) -> None:
+        """Refuse groups that hang on nothing: where they are, and whether nodes there merely were not merged.
+
+        Elements, links and springs connect the nodes that they have, whatever their stiffness is.
+        """
+        from scipy.sparse import coo_array
+        from scipy.sparse.csgraph import connected_components
+        from scipy.spatial import cKDTree
+
+        found, elements, size = self.found, self.elements, len(self.elements.points)
+        where = _own(elements)
+        node = np.zeros(elements.carried.shape[1], dtype=np.intp)
+        node[where[where >= 0]] = np.nonzero(where >= 0)[0]
+        ends = {name: np.unique(node[np.unique(spring.indices[spring.data != 0])]) for name, spring in springs.items()}
+        together = [block.nodes for block in elements.blocks] + [one[None] for one in ends.values() if len(one)]
+        together += [np.append(self.sets[name], self.sets[link.nodes])[None] for name, link in found.links.items()]
+        pairs = np.vstack([np.column_stack([np.repeat(own[:, 0], own.shape[1]), own.ravel()]) for own in together])
+        body = connected_components(coo_array((np.ones(len(pairs)), pairs.T), shape=(size, size)), directed=False)[1]
+        tied = np.unique(body[np.concatenate([self.interface, *(ends[name] for name in supports)]).astype(np.intp)])
+        if found.support == "free":
+            tied = np.array([np.argmax(np.bincount(body))])
+        loose = np.setdiff1d(body, tied)
+        said = []
+        for k in loose[:3]:
+            nodes = np.flatnonzero(body == k)
+            parts = list(dict.fromkeys(b.part for b in elements.blocks if np.isin(b.nodes, nodes).any()))
+            others = np.flatnonzero(body != k)
+            distance = (
+                cKDTree(elements.points[others]).query(elements.points[nodes])[0] if len(others) and len(nodes) else np.zeros(0)
+            )
+            same = int(np.sum(distance <= COINCIDENT * np.ptp(elements.points, axis=0).max()))
+            near = "" if not len(distance) else f", {1e3 * distance.min():.3g} mm from the nearest other"
+            near = f", {same} of its nodes coincide with others that they are not merged with" if same else near
+            said.append(f"{len(nodes)} nodes of {files.joined(parts) or 'a link'}{near}")
+        if said:
+            to = {"base": "the base", "ground": "the ground", "free": "the rest"}[found.support]
+            more = f"; and {len(loose) - 3} more" if len(loose) > 3 else ""
+            problem = (
+                f"{len(loose)} {'body is' if len(loose) == 1 else 'bodies are'} not connected to {to}: {'; '.join(said)}{more}"
+            )
+            raise found.refused(
+                "parts", problem, "Merge the nodes where parts touch, add a joint or link between them, or hold them"
+            )
+
+    def require_stated(self, made: Structure) -> None:
+        """Refuse a mass or a centre of gravity that is not the stated one."""
+        found, stated, M = self.found, self.found.stated, made.rigid_mass
+        if found.support == "ground" and found.interface:
+            return  # what the ground holds is not in the matrices any more
+        if stated.mass is not None and abs(M[0, 0] - stated.mass) > max(text.MASS * stated.mass, 3 * stated.mass_tolerance):
+            ratio = M[0, 0] / stated.mass
+            problem = f"the mesh weighs {M[0, 0]:.6g} kg where {stated.mass:.6g} kg are stated, {ratio:.6g} times as much"
+            remedy = (
+                "Check the unit (lengths twice as large weigh eight times as much), densities, thicknesses, and what is left out"
+            )
+            raise BadInput(source=found.source, field="stated.mass", problem=problem, remedy=remedy)
+        cog = found.reference_point + np.array([M[1, 5], M[2, 3], M[0, 4]]) / M[0, 0]
+        size = float(np.ptp(made.points, axis=0).max())
+        if stated.cog is not None and np.linalg.norm(cog - stated.cog) > text.COG * size:
+            there, wanted = (", ".join(f"{1e3 * value:.5g}" for value in point) for point in (cog, stated.cog))
+            problem = f"the mesh has its CoG at ({there}) mm where ({wanted}) mm is stated"
+            raise BadInput(
+                source=found.source, field="stated.cog", problem=problem, remedy="Check the frame, the units and the densities"
+            )

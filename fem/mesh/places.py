@@ -1,0 +1,322 @@
+"""Elements of a structure, and what moves a point of them: found by coordinates, carried by the functions of its element."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+import numpy.typing as npt
+
+from fem.beam.elements import IN_XY, IN_XZ, SIGN_XZ, Section, shape_functions
+from fem.mesh import shells, solids
+from fem.mesh.description import PartTable
+from fem.structure import Sparse
+from geometry.errors import BadInput
+from geometry.frames import Array, Integers, rigid_transformation, skew
+
+OUTSIDE = 0.02
+"""Distance from its element, as a share of the element's size, up to which a place counts as lying on the skin of the mesh."""
+
+LINE = "line2"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Block:
+    """Elements of one kind and part: numbers in the file `tags` (c,), indices of their nodes `nodes` (c, k)."""
+
+    part: str
+    kind: str
+    tags: Integers
+    nodes: Integers
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Foot:
+    """The point of an element nearest to another.
+
+    Attributes
+    ----------
+    part, tag : the part it belongs to, and the element's number
+    point : (3,) [m]
+    distance : [m]
+    size : [m] of the element
+    reach : [m] how far the surface of a shell or beam is from the element
+    nodes : (k,) of the element
+    moved : (3, m) what the degrees of freedom `dofs` (m,) move there
+    turned : (3, m) and turn there; None in a solid
+    """
+
+    part: str
+    tag: int
+    point: Array
+    distance: float
+    size: float
+    reach: float
+    nodes: Integers
+    dofs: Integers
+    moved: Array
+    turned: Array | None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Elements:
+    """A mesh that is being made, or has been made, into a structure.
+
+    Attributes
+    ----------
+    source : the file, for messages
+    node_tags : (p,) numbers of nodes in the file, 0 where it has none
+    points : (p, 3) [m]
+    blocks : elements
+    parts : as described
+    first : (p,) first degree of freedom of each node: x, y, z, then three rotations where it is `turning` (p,)
+    own : (m,) which of the structure's n degrees of freedom each of these m is; -1 where it rides on others or is held
+    carried : (m, n) sparse; what the structure's degrees of freedom make of them
+    """
+
+    source: str
+    node_tags: Integers
+    points: Array
+    blocks: tuple[Block, ...]
+    parts: Mapping[str, PartTable]
+    first: Integers
+    turning: npt.NDArray[np.bool_]
+    own: Integers
+    carried: Sparse
+
+    def rows(self, points: npt.ArrayLike, names: tuple[str, ...] = ()) -> list[Sparse]:
+        """What each degree of freedom of the structure moves `points` (p, 3) [m] along x, y, z; (3, n) sparse each.
+
+        Raises
+        ------
+        BadInput : a point outside the mesh; its distance and the nearest point of the mesh are said.
+        """
+        found = np.asarray(points, dtype=np.float64).reshape(-1, 3)
+        named = names or tuple(f"({', '.join(f'{1e3 * value:.4g}' for value in point)}) mm" for point in found)
+        return [self.motion(point, name)[:3] for point, name in zip(found, named, strict=True)]
+
+    def rigid(self, reference_point: Array) -> Array:
+        """What each degree of freedom (n,) of the structure does in the six motions of `reference_point`; (n, 6)."""
+        whole = np.zeros((len(self.own), 6))
+        offsets = self.points - reference_point
+        for axis, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):
+            rows = self.first + axis
+            whole[rows, axis] = 1.0
+            whole[rows, 3 + j], whole[rows, 3 + k] = offsets[:, k], -offsets[:, j]
+            whole[self.first[self.turning] + 3 + axis, 3 + axis] = 1.0
+        return np.asarray(whole[self.own >= 0])
+
+    def motion(self, point: Array, name: str, part: str | None = None) -> Sparse:
+        """What moves and turns `point` (3,) [m] of the mesh, or of one `part` of it; (6, n) sparse.
+
+        Raises
+        ------
+        BadInput : it lies outside.
+        """
+        foot = self.nearest(point, part)
+        if foot.distance > max(OUTSIDE * foot.size, 1.001 * foot.reach):
+            near = ", ".join(f"{1e3 * value:.5g}" for value in foot.point)
+            problem = (
+                f"lies {1e3 * foot.distance:.4g} mm outside {'the mesh' if part is None else f'part {part}'}; "
+                f"the nearest point is ({near}) mm in element {foot.tag} of {foot.part}"
+            )
+            raise BadInput(source=self.source, field=name, problem=problem, remedy="Correct the coordinates, or their unit")
+        moved, turned = foot.moved, foot.turned
+        dofs = foot.dofs
+        if turned is None:
+            turned = fitted(self.points[foot.nodes], foot.point)[3:]
+        else:
+            moved = moved - skew(point - foot.point) @ turned
+        return self._sparse(np.vstack([moved, turned]), dofs)
+
+    def node(self, index: int) -> Sparse:
+        """What moves and turns a node, (6, n); in a solid it turns with the elements at it."""
+        own = self.first[index] + np.arange(6 if self.turning[index] else 3)
+        if self.turning[index]:
+            return self._sparse(np.eye(6), own)
+        beside = [block.nodes[(block.nodes == index).any(axis=1)].ravel() for block in self.blocks]
+        nodes = np.unique(np.concatenate(beside))
+        turned = fitted(self.points[nodes], self.points[index])
+        dofs = np.append(own, (self.first[nodes][:, None] + np.arange(3)).ravel())
+        whole = np.zeros((6, len(dofs)))
+        whole[:3, :3], whole[3:, 3:] = np.eye(3), turned[3:]
+        return self._sparse(whole, dofs)
+
+    def mean(self, nodes: Integers, point: Array) -> Sparse:
+        """The rigid motion of `nodes`, seen at `point` (3,) [m], nearest to what they do; (6, n).
+
+        Rotations of nodes count as displacements at an arm as long as the group is wide.
+
+        Raises
+        ------
+        BadInput : nodes that leave one of the six motions open.
+        """
+        offsets = self.points[nodes] - self.points[nodes].mean(axis=0)
+        wide = float(np.sqrt(np.mean(np.sum(offsets**2, axis=1))))
+        wide = wide or float(np.ptp(self.points, axis=0).max()) * 1e-3
+        blocks, dofs, weights = [], [], []
+        for index in nodes.tolist():
+            T = np.zeros((6, 6))
+            T[:3] = rigid_transformation(self.points[index] - point)
+            T[3:, 3:] = np.eye(3)
+            count = 6 if self.turning[index] else 3
+            blocks.append(T[:count])
+            dofs.append(self.first[index] + np.arange(count))
+            weights.append(np.array([1.0, 1.0, 1.0, wide, wide, wide])[:count])
+        W = np.concatenate(weights)
+        scale = np.array([1.0, 1.0, 1.0, wide, wide, wide])
+        A = W[:, None] * np.vstack(blocks) / scale
+        if np.linalg.svd(A, compute_uv=False)[-1] < 1e-6:
+            problem = f"{len(nodes)} node(s) that lie in a line or a point and do not turn cannot say how they turn"
+            raise BadInput(source=self.source, field="groups", problem=problem, remedy="Name more nodes, or a place in a face")
+        return self._sparse(np.linalg.pinv(A) * W / scale[:, None], np.concatenate(dofs))
+
+    def _sparse(self, rows: Array, dofs: Integers) -> Sparse:
+        from scipy.sparse import csr_array
+
+        where = np.repeat(np.arange(len(rows)), len(dofs)), np.tile(dofs, len(rows))
+        return csr_array(csr_array((rows.ravel(), where), shape=(len(rows), self.carried.shape[0])) @ self.carried)
+
+    def nearest(self, point: Array, part: str | None = None) -> Foot:
+        """The foot of `point` (3,) [m] on the mesh, or on one `part` of it."""
+        bounds, owner = self._boxes
+        away = np.linalg.norm(np.maximum(0, np.maximum(bounds[:, 0] - point, point - bounds[:, 1])), axis=1)
+        if part is not None:
+            away[[self.blocks[k].part != part for k in owner[:, 0]]] = np.inf
+        best: Foot | None = None
+        for k in np.argsort(away, kind="stable"):
+            if best is not None and (away[k] >= best.distance or best.distance == 0):
+                break
+            block = self.blocks[owner[k, 0]]
+            for foot in self._feet(block, int(owner[k, 1]), point):
+                if best is None or foot.distance < best.distance:
+                    best = foot
+        if best is None or not np.isfinite(best.distance):
+            raise ValueError(f"`part` must have elements, found {part!r}")
+        return best
+
+    @cached_property
+    def _boxes(self) -> tuple[Array, Integers]:
+        """Corners (e, 2, 3) of the boxes around all elements, and their block and index in it (e, 2)."""
+        corners = [self.points[block.nodes] for block in self.blocks]
+        bounds = np.vstack([np.stack([each.min(axis=1), each.max(axis=1)], axis=1) for each in corners])
+        owner = [np.column_stack([np.full(len(each), k), np.arange(len(each))]) for k, each in enumerate(corners)]
+        return bounds, np.vstack(owner)
+
+    def _feet(self, block: Block, index: int, point: Array) -> Iterator[Foot]:
+        nodes = block.nodes[index]
+        corners, table = self.points[nodes], self.parts[block.part]
+        size, tag = float(np.ptp(corners, axis=0).max()), int(block.tags[index])
+        if block.kind in solids.KINDS:
+            _, N = solids.located(block.kind, corners, point)
+            foot, dofs = N @ corners, (self.first[nodes][:, None] + np.arange(3)).ravel()
+            moved = np.asarray(np.kron(N, np.eye(3)), dtype=np.float64)
+            yield self._foot(block.part, tag, point, foot, size, 0.0, nodes, dofs, moved, None)
+            return
+        six = (self.first[nodes][:, None] + np.arange(6)).ravel()
+        if block.kind == LINE:
+            section = table.section
+            share = float(
+                np.clip((point - corners[0]) @ (corners[1] - corners[0]) / np.sum((corners[1] - corners[0]) ** 2), 0, 1)
+            )
+            foot = corners[0] + share * (corners[1] - corners[0])
+            if section is not None:
+                moved, turned = _along_beam(corners, section.times(1.0), beam_axes(corners, table.z_axis), share)
+                yield self._foot(block.part, tag, point, foot, size, table.reach, nodes, six, moved, turned)
+            return
+        for triangle, _ in shells.TRIANGLES[block.kind]:
+            own = corners[list(triangle)]
+            L = _on_triangle(own, point)
+            moved = shells.displacement(own[None], L[None])[0, 0]
+            turned = np.hstack([np.hstack([np.zeros((3, 3)), weight * np.eye(3)]) for weight in L])
+            dofs = (self.first[nodes[list(triangle)]][:, None] + np.arange(6)).ravel()
+            yield self._foot(block.part, tag, point, L @ own, size, table.thickness or 0.0, nodes, dofs, moved, turned)
+
+    def _foot(
+        self,
+        part: str,
+        tag: int,
+        point: Array,
+        foot: Array,
+        size: float,
+        reach: float,
+        nodes: Integers,
+        dofs: Integers,
+        moved: Array,
+        turned: Array | None,
+    ) -> Foot:
+        distance = float(np.linalg.norm(point - foot))
+        if distance < 1e-9 * size:
+            distance = 0.0
+        return Foot(
+            part=part,
+            tag=tag,
+            point=foot,
+            distance=distance,
+            size=size,
+            reach=reach,
+            nodes=nodes,
+            dofs=dofs,
+            moved=moved,
+            turned=turned,
+        )
+
+
+def fitted(points: Array, centre: Array) -> Array:
+    """The rigid motion (6, 3 k) about `centre` nearest to what `points` (k, 3) do; a turn that they leave open is none."""
+    T = np.vstack([rigid_transformation(point - centre) for point in points])
+    wide = float(np.abs(points - centre).max()) or 1.0
+    scale = np.array([1.0, 1.0, 1.0, *3 * [1 / wide]])
+    return np.asarray(scale[:, None] * np.linalg.pinv(T * scale, rcond=1e-9))
+
+
+def beam_axes(corners: Array, z_axis: Array | None) -> Array:
+    """Rows (3, 3): a beam's axes from its first end to its second, across, and along its section's z.
+
+    Without a stated `z_axis` that is upright, along the z of the frame, or along x where the beam itself is upright.
+    """
+    along = (corners[1] - corners[0]) / np.linalg.norm(corners[1] - corners[0])
+    wanted = z_axis
+    if wanted is None:
+        wanted = np.array([0.0, 0.0, 1.0]) if abs(along[2]) < 0.99 else np.array([1.0, 0.0, 0.0])
+    z = wanted - along * (along @ wanted)
+    length = np.linalg.norm(z)
+    if length < 1e-6 * np.linalg.norm(wanted):
+        raise ValueError("`z_axis` must not lie along the beam")
+    z = z / length
+    return np.array([along, np.cross(z, along), z])
+
+
+def _along_beam(corners: Array, section: Section, R: Array, share: float) -> tuple[Array, Array]:
+    """What the twelve degrees of freedom of a beam move and turn at `share` of its length, (3, 12) each, in the frame."""
+    length = float(np.linalg.norm(corners[1] - corners[0]))
+    moved, turned = np.zeros((2, 3, 12))
+    ends = np.array([1 - share, share])
+    moved[0, [0, 6]], turned[0, [3, 9]] = ends, ends
+    for dofs, sign, bending, shear, row in (
+        (IN_XY, np.ones(4), section.bending_z, section.shear_y, 1),
+        (IN_XZ, SIGN_XZ, section.bending_y, section.shear_z, 2),
+    ):
+        v, theta = shape_functions(np.array([share]), 12 * bending / (shear * length**2), length)
+        moved[row, dofs] = sign * v[:, 0]
+        turned[3 - row, dofs] = sign * theta[:, 0] * (1 if row == 1 else -1)
+    T = np.kron(np.eye(4), R)
+    return np.asarray(R.T @ moved @ T), np.asarray(R.T @ turned @ T)
+
+
+def _on_triangle(corners: Array, point: Array) -> Array:
+    """Area coordinates (3,) of the point of a triangle (3, 3) nearest to `point`."""
+    inside = np.linalg.lstsq((corners[1:] - corners[0]).T, point - corners[0], rcond=None)[0]
+    L = np.array([1 - inside.sum(), *inside])
+    if L.min() >= 0:
+        return L
+    best, distance = L, np.inf
+    for a, b in combinations(range(3), 2):
+        edge = corners[b] - corners[a]
+        share = float(np.clip((point - corners[a]) @ edge / (edge @ edge), 0, 1))
+        away = float(np.linalg.norm(point - corners[a] - share * edge))
+        if away < distance:
+            best, distance = np.zeros(3), away
+            best[[a, b]] = 1 - share, share
+    return best

@@ -1,0 +1,201 @@
+"""Flat shell triangles: Felippa's membrane with drilling rotations and the discrete Kirchhoff bending of Batoz, in space.
+
+A quadrilateral is the mean of its two divisions into two triangles, which a warped one can be divided into as well. Shells are
+thin: transverse shear is left out, which raises the first frequency of a plate of thickness t and width b by about (3 t / b)².
+"""
+
+import numpy as np
+
+from geometry.frames import Array
+
+TRIANGLES = {
+    "tri3": (((0, 1, 2), 1.0),),
+    "tri6": (((0, 3, 5), 1.0), ((3, 1, 4), 1.0), ((5, 4, 2), 1.0), ((3, 4, 5), 1.0)),
+    "quad4": (((0, 1, 2), 0.5), ((0, 2, 3), 0.5), ((0, 1, 3), 0.5), ((1, 2, 3), 0.5)),
+    "quad8": (
+        *(((0, 4, 7), 1.0), ((1, 5, 4), 1.0), ((2, 6, 5), 1.0), ((3, 7, 6), 1.0)),
+        *(((4, 5, 6), 0.5), ((4, 6, 7), 0.5), ((4, 5, 7), 0.5), ((5, 6, 7), 0.5)),
+    ),
+}
+"""Triangles of each kind of shell element: corners, and the share with which they count."""
+
+_MIDDLES = np.array([[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]])
+"""Area coordinates of a rule that integrates squares on a triangle exactly; each point has a third of the area."""
+
+_OUTER, _INNER = 0.445948490915965, 0.091576213509771
+_SIX = np.array([np.roll([1 - 2 * a, a, a], turn) for a in (_OUTER, _INNER) for turn in range(3)])
+_SIX_WEIGHTS = np.repeat([0.223381589678011, 0.109951743655322], 3)
+"""Dunavant's rule of degree four (Int. J. Num. Meth. Eng. 21, 1985)."""
+
+
+def areas(corners: Array) -> Array:
+    """Area (c,) of triangles (c, 3, 3)."""
+    return np.asarray(np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2)
+
+
+def plane_stress(E: float, nu: float) -> Array:
+    """Elasticity (3, 3) [Pa] between strains xx, yy, gamma xy and stresses of a thin sheet."""
+    return E / (1 - nu**2) * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]])
+
+
+def matrices(corners: Array, thickness: float, E: float, nu: float, density: float) -> tuple[Array, Array, Array]:
+    """Membrane and bending stiffness and mass (c, 18, 18) of triangles (c, 3, 3) [m] of one `thickness` [m].
+
+    Degrees of freedom are x, y, z and the rotations about them of the first node, of the second ...; membrane stiffness grows
+    with the thickness, bending stiffness with its cube.
+    """
+    first, D = corners[:, 1] - corners[:, 0], plane_stress(E, nu)
+    normal = np.cross(first, corners[:, 2] - corners[:, 0])
+    x, z = (vector / np.linalg.norm(vector, axis=1, keepdims=True) for vector in (first, normal))
+    R = np.stack([x, np.cross(z, x), z], axis=1)
+    flat = np.einsum("cij,ckj->cki", R[:, :2], corners - corners[:, :1])
+    turned = np.einsum("ab,cij->caibj", np.eye(6), R).reshape(-1, 18, 18)
+    stretched = np.array([[6 * node + dof for dof in (0, 1, 5)] for node in range(3)]).ravel()
+    bent = np.array([[6 * node + dof for dof in (2, 3, 4)] for node in range(3)]).ravel()
+    membrane, bending = turned[:, stretched], turned[:, bent]
+    K_membrane = _seen(thickness * _membrane(flat, D, nu), membrane)
+    K_bending = _seen(thickness**3 / 12 * _bending(flat, D), bending)
+    return K_membrane, K_bending, _mass(corners, R[:, 2], density * thickness, density * thickness**3 / 12)
+
+
+def displacement(corners: Array, weights: Array) -> Array:
+    """What the eighteen degrees of freedom of triangles (c, 3, 3) move at area coordinates `weights` (q, 3); (c, q, 3, 18).
+
+    A node's motion is carried half way by its own rotation, which makes the field quadratic and continuous across edges (Allman,
+    Computers & Structures 19, 1984, in the plane; the same for bending).
+    """
+    points = np.einsum("qa,cai->cqi", weights, corners)
+    offsets = points[:, :, None] - corners[:, None]
+    N = np.zeros((len(corners), len(weights), 3, 3, 6))
+    for i in range(3):
+        N[..., i, :, i] = weights
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):  # rotation about j moves along i by the offset along k
+        N[..., i, :, 3 + j] = weights * offsets[..., k] / 2
+        N[..., i, :, 3 + k] = -weights * offsets[..., j] / 2
+    return N.reshape(len(corners), len(weights), 3, 18)
+
+
+def _mass(corners: Array, normal: Array, per_area: float, rotary: float) -> Array:
+    """Consistent mass, and the rotary inertia of a fibre through the thickness, which has none about itself."""
+    area = areas(corners)
+    N = displacement(corners, _SIX)
+    M = np.einsum("c,q,cqia,cqib->cab", per_area * area, _SIX_WEIGHTS, N, N, optimize=True)
+    about = np.eye(3) - np.einsum("ci,cj->cij", normal, normal)
+    spread = np.einsum("c,ab,cij->caibj", rotary * area / 12, np.ones((3, 3)) + np.eye(3), about)
+    whole = M.reshape(-1, 3, 6, 3, 6)
+    whole[:, :, 3:, :, 3:] += spread
+    return np.asarray(M)
+
+
+def _bending(flat: Array, D: Array) -> Array:
+    """Discrete Kirchhoff triangle (c, 9, 9) for a thickness of which t³ / 12 is one: w, rotation about x and y of each node.
+
+    Rotations of the normal are quadratic; at nodes and, along the edges, at their middles they follow the slope of a cubic
+    deflection (Batoz, Bathe and Ho, Int. J. Num. Meth. Eng. 15, 1980).
+    """
+    c = len(flat)
+    G = np.zeros((c, 6, 2, 9))  # tilt of the normal (beta_x, beta_y) at corners and middles of edges
+    for node in range(3):
+        G[:, node, 0, 3 * node + 2] = 1.0  # a rotation about y tilts the normal towards x
+        G[:, node, 1, 3 * node + 1] = -1.0
+    for edge, (i, j) in enumerate(((0, 1), (1, 2), (2, 0))):
+        along = flat[:, j] - flat[:, i]
+        length = np.linalg.norm(along, axis=1)
+        s = along / length[:, None]
+        tangent = np.einsum("ci,cj->cij", s, s)
+        # Across the edge the mean of the ends; along it -3 (w_j - w_i) / (2 l) - (their sum) / 4
+        blend = np.eye(2) / 2 - 0.75 * tangent
+        G[:, 3 + edge] = np.einsum("cij,cja->cia", blend, G[:, i] + G[:, j])
+        G[:, 3 + edge, :, 3 * j] -= 1.5 * s / length[:, None]
+        G[:, 3 + edge, :, 3 * i] += 1.5 * s / length[:, None]
+    area, slopes = _slopes(flat)
+    K = np.zeros((c, 9, 9))
+    for L in _MIDDLES:
+        corner = np.array([4 * L[a] - 1 for a in range(3)])[None, :, None] * slopes
+        middle = np.stack([4 * (L[i] * slopes[:, j] + L[j] * slopes[:, i]) for i, j in ((0, 1), (1, 2), (2, 0))], axis=1)
+        d = np.concatenate([corner, middle], axis=1)  # (c, 6, 2) derivatives of the quadratic functions
+        xx, yy = (np.einsum("ca,cak->ck", d[..., i], G[:, :, i]) for i in (0, 1))
+        xy = np.einsum("ca,cak->ck", d[..., 1], G[:, :, 0]) + np.einsum("ca,cak->ck", d[..., 0], G[:, :, 1])
+        B = np.stack([xx, yy, xy], axis=1)
+        K += np.einsum("c,cia,ij,cjb->cab", area / 3, B, D, B, optimize=True)
+    return K
+
+
+def _slopes(flat: Array) -> tuple[Array, Array]:
+    """Area (c,) and gradients (c, 3, 2) of the area coordinates."""
+    x, y = flat[..., 0], flat[..., 1]
+    twice = (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (x[:, 2] - x[:, 0]) * (y[:, 1] - y[:, 0])
+    gradients = [np.stack([y[:, j] - y[:, k], x[:, k] - x[:, j]], axis=1) / twice[:, None] for j, k in ((1, 2), (2, 0), (0, 1))]
+    return np.asarray(twice / 2), np.stack(gradients, axis=1)
+
+
+_Q = np.array([[1.0, 2.0, 1.0], [0.0, 1.0, -1.0], [-1.0, -1.0, -2.0]])
+"""Free numbers beta 1 to 9 of the membrane's higher-order strains; with `ALPHA` and `_stiffer` the optimal ones."""
+
+ALPHA = 1.5
+
+
+def _membrane(flat: Array, D: Array, nu: float) -> Array:
+    """Felippa's optimal membrane triangle (c, 9, 9) of unit thickness: u, v and rotation about the normal of each node.
+
+    The basic stiffness meets constant strain, the higher-order one makes bending in the plane exact for rectangles of two
+    triangles (Felippa, Comput. Methods Appl. Mech. Engrg. 192, 2003, OPT).
+    """
+    x, y, c = flat[..., 0], flat[..., 1], len(flat)
+    area, _ = _slopes(flat)
+
+    def dx(i: int, j: int) -> Array:
+        return np.asarray(x[:, i] - x[:, j])
+
+    def dy(i: int, j: int) -> Array:
+        return np.asarray(y[:, i] - y[:, j])
+
+    L = np.zeros((c, 9, 3))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        L[:, 3 * i, 0] = L[:, 3 * i + 1, 2] = dy(j, k)
+        L[:, 3 * i + 1, 1] = L[:, 3 * i, 2] = dx(k, j)
+        L[:, 3 * i + 2, 0] = ALPHA / 6 * dy(j, k) * (dy(i, k) - dy(j, i))
+        L[:, 3 * i + 2, 1] = ALPHA / 6 * dx(k, j) * (dx(k, i) - dx(i, j))
+        L[:, 3 * i + 2, 2] = ALPHA / 3 * (dx(k, i) * dy(i, k) - dx(i, j) * dy(j, i))
+    L /= 2
+    basic = np.einsum("c,cai,ij,cbj->cab", 1 / area, L, D, L, optimize=True)
+    # Rotations of the corners less that of the whole
+    T = np.zeros((c, 3, 9))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        T[:, :, 3 * i] = (dx(k, j) / (4 * area))[:, None]
+        T[:, :, 3 * i + 1] = (dy(k, j) / (4 * area))[:, None]
+        T[:, i, 3 * i + 2] = 1.0
+    # Natural strains along the edges 21, 32, 13, and Cartesian strains from them
+    edges = ((1, 0), (2, 1), (0, 2))
+    square = np.stack([dx(a, b) ** 2 + dy(a, b) ** 2 for a, b in edges], axis=1)
+    natural = np.stack(
+        [
+            np.stack([dx(a, b) ** 2, dy(a, b) ** 2, dx(a, b) * dy(a, b)], axis=1) / square[:, [n]]
+            for n, (a, b) in enumerate(edges)
+        ],
+        axis=1,
+    )
+    from_natural = np.linalg.inv(natural)
+    E_natural = np.einsum("cia,ij,cjb->cab", from_natural, D, from_natural, optimize=True)
+    # Strains at the corners by beta, each row over the square of its edge
+    turns = [np.array([[_Q.flat[n - 1] for n in row] for row in rows]) for rows in _ROWS]
+    Q = [2 / 3 * (area[:, None, None] / square[:, :, None]) * turn for turn in turns]
+    K = np.zeros((c, 3, 3))
+    for a, b in ((0, 1), (1, 2), (2, 0)):
+        middle = (Q[a] + Q[b]) / 2
+        K += np.einsum("cia,cij,cjb->cab", middle, E_natural, middle, optimize=True)
+    stiffer = 0.75 * max((1 - 4 * nu**2) / 2, 0.01)
+    return np.asarray(basic + stiffer * np.einsum("c,cia,cij,cjb->cab", area, T, K, T, optimize=True))
+
+
+_ROWS = (
+    ((1, 2, 3), (4, 5, 6), (7, 8, 9)),
+    ((9, 7, 8), (3, 1, 2), (6, 4, 5)),
+    ((5, 6, 4), (8, 9, 7), (2, 3, 1)),
+)
+"""Which beta stands where in the strains at the three corners."""
+
+
+def _seen(local: Array, T: Array) -> Array:
+    seen = T.transpose(0, 2, 1) @ local @ T
+    return np.asarray((seen + seen.transpose(0, 2, 1)) / 2)

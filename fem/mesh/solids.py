@@ -1,0 +1,182 @@
+"""Solid elements of a user's mesh: tetrahedra, hexahedra and wedges of first and second order, as isoparametric matrices."""
+
+from functools import cache
+from itertools import product
+
+import numpy as np
+
+from geometry.frames import Array, Integers
+
+# Functions of an element: monomials whose combination is one at one node and zero at the others.
+#
+# An element is known by the places of its nodes in the reference cell and by the powers of its monomials; the inverse of the
+# monomials at the nodes gives the functions (Zienkiewicz and Taylor, The Finite Element Method, volume 1, chapter 8). Nodes stand
+# in the order of Abaqus: corners, then the middles of the edges of the bottom, of the top, and between the two.
+
+_TETRAHEDRON = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+_WEDGE = [[0, 0, -1], [1, 0, -1], [0, 1, -1], [0, 0, 1], [1, 0, 1], [0, 1, 1]]
+_BRICK = [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]
+_TETRAHEDRON_EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
+_WEDGE_EDGES = ((0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5))
+_BRICK_EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
+_CORNERS = {"tet": (_TETRAHEDRON, _TETRAHEDRON_EDGES), "wedge": (_WEDGE, _WEDGE_EDGES), "hex": (_BRICK, _BRICK_EDGES)}
+
+_ALL = list(product(range(3), repeat=3))
+_POWERS = {
+    "tet4": [p for p in _ALL if sum(p) <= 1],
+    "tet10": [p for p in _ALL if sum(p) <= 2],
+    "wedge6": [p for p in _ALL if p[0] + p[1] <= 1 and p[2] <= 1],
+    "wedge15": [p for p in _ALL if p[0] + p[1] <= 2 and (p[2] <= 1 or p[0] + p[1] <= 1) and sum(p) <= 3],
+    "hex8": [p for p in _ALL if max(p) <= 1],
+    "hex20": [p for p in _ALL if sum(power for power in p if power > 1) <= 2],
+}
+KINDS = tuple(_POWERS)
+"""Names of the solid elements, each with the number of its nodes."""
+
+BATCH = 4_000_000
+"""Entries of element matrices at a time, which bounds the memory of an assembly."""
+
+
+def shape(kind: str) -> str:
+    """``tet``, ``wedge`` or ``hex``."""
+    return kind.rstrip("0123456789")
+
+
+@cache
+def local_nodes(kind: str) -> Array:
+    """Places (k, 3) of the nodes of an element of `kind` in its reference cell."""
+    corners, edges = _CORNERS[shape(kind)]
+    X = np.array(corners, dtype=np.float64)
+    return X if len(X) == len(_POWERS[kind]) else np.vstack([X, [(X[a] + X[b]) / 2 for a, b in edges]])
+
+
+@cache
+def _coefficients(kind: str) -> Array:
+    return np.asarray(np.linalg.inv(_monomials(local_nodes(kind), kind)))
+
+
+def _monomials(X: Array, kind: str) -> Array:
+    return np.asarray(np.prod(X[:, None, :] ** np.array(_POWERS[kind]), axis=2))
+
+
+def functions(kind: str, X: Array) -> tuple[Array, Array]:
+    """Values (q, k) and gradients (q, k, 3) of the functions of an element of `kind` at `X` (q, 3) in the reference cell."""
+    powers, C = np.array(_POWERS[kind]), _coefficients(kind)
+    gradients = []
+    for axis in range(3):
+        lower = powers - np.eye(3, dtype=int)[axis] * (powers[:, axis, None] > 0)
+        gradients.append(powers[:, axis] * np.prod(X[:, None, :] ** lower, axis=2) @ C)
+    return np.asarray(_monomials(X, kind) @ C), np.stack(gradients, axis=2)
+
+
+@cache
+def quadrature(kind: str) -> tuple[Array, Array]:
+    """Points (q, 3) and weights (q,) of Gauss, exact for stiffness and mass of an element of `kind` that is not distorted.
+
+    Triangles and tetrahedra are squares and cubes collapsed to a corner (Stroud, Approximate Calculation of Multiple Integrals).
+    """
+    from scipy.special import roots_jacobi
+
+    n = 2 if kind in ("tet4", "wedge6", "hex8") else 3
+
+    def rule(power: int) -> tuple[Array, Array]:
+        x, w = roots_jacobi(n, power, 0)
+        return (1 + x) / 2, w / 2 ** (power + 1)
+
+    through = np.polynomial.legendre.leggauss(n)
+    rules = {"tet": (rule(2), rule(1), rule(0)), "wedge": (rule(1), rule(0), through), "hex": 3 * (through,)}[shape(kind)]
+    x, y, z = (np.array(each) for each in zip(*product(*(points for points, _ in rules)), strict=True))
+    W = np.prod(np.array(list(product(*(weights for _, weights in rules)))), axis=1)
+    if shape(kind) == "tet":
+        x, y, z = x, y * (1 - x), z * (1 - x) * (1 - y)
+    elif shape(kind) == "wedge":
+        x, y = x, y * (1 - x)
+    return np.column_stack([x, y, z]), W
+
+
+def determinants(kind: str, corners: Array) -> Array:
+    """Determinant (c, q) [m³] of the mapping of elements with nodes at `corners` (c, k, 3), at quadrature points and nodes."""
+    X = np.vstack([quadrature(kind)[0], local_nodes(kind)])
+    return np.asarray(np.linalg.det(np.einsum("cki,qkj->cqij", corners, functions(kind, X)[1], optimize=True)))
+
+
+def matrices(kind: str, corners: Array, lam: float, mu: float, density: float) -> tuple[Array, Array]:
+    """Stiffness and mass (c, 3 k, 3 k) of elements of `kind` with nodes at `corners` (c, k, 3) [m].
+
+    `lam`, `mu` are Lamé's constants [Pa], `density` is in kg/m³. Degrees of freedom are x, y, z of the first node, of the second
+    ... The eight-node hexahedron has three incompatible modes that bend it, put away within the element; their gradients are
+    those of its centre, so that constant strain is met in any shape (Taylor, Beresford and Wilson, Int. J. Num. Meth. Eng. 10,
+    1976).
+    """
+    X, W = quadrature(kind)
+    values, reference = functions(kind, X)
+    J = np.einsum("cki,qkj->cqij", corners, reference, optimize=True)
+    volume = np.linalg.det(J) * W
+    gradients = np.einsum("qkj,cqji->cqki", reference, np.linalg.inv(J), optimize=True)
+    k = values.shape[1]
+    if kind == "hex8":
+        centre = np.einsum("cki,kj->cij", corners, functions(kind, np.zeros((1, 3)))[1][0])
+        modes = np.einsum("qm,mj->qmj", -2 * X, np.eye(3))
+        scale = np.linalg.det(centre)[:, None] / np.linalg.det(J)
+        bent = np.einsum("qmj,cji->cqmi", modes, np.linalg.inv(centre)) * scale[:, :, None, None]
+        gradients = np.concatenate([gradients, bent], axis=2)
+    n = gradients.shape[2]
+    weighted = (gradients * volume[:, :, None, None]).reshape(len(corners), len(W), 3 * n)
+    pairs = weighted.transpose(0, 2, 1) @ gradients.reshape(len(corners), len(W), 3 * n)
+    K = lam * pairs
+    blocks = pairs.reshape(-1, n, 3, n, 3)
+    K += mu * blocks.transpose(0, 1, 4, 3, 2).reshape(K.shape)
+    trace = mu * np.einsum("caibi->cab", blocks)
+    whole = K.reshape(-1, n, 3, n, 3)
+    for i in range(3):
+        whole[:, :, i, :, i] += trace
+    if n > k:
+        own, inner = slice(0, 3 * k), slice(3 * k, None)
+        K = K[:, own, own] - K[:, own, inner] @ np.linalg.solve(K[:, inner, inner], K[:, inner, own])
+    scalar = density * np.einsum("cq,qa,qb->cab", volume, values, values, optimize=True)
+    M = np.zeros((len(corners), k, 3, k, 3))
+    for i in range(3):
+        M[:, :, i, :, i] = scalar
+    return K, M.reshape(-1, 3 * k, 3 * k)
+
+
+def located(kind: str, corners: Array, point: Array) -> tuple[Array, Array]:
+    """Place in the reference cell (3,) nearest to `point` (3,) within one element (k, 3), and the functions (k,) there.
+
+    Newton's iteration for the isoparametric map, then put back into the cell.
+    """
+    X = np.full(3, 0.25) if shape(kind) == "tet" else np.array([1 / 3, 1 / 3, 0.0]) if shape(kind) == "wedge" else np.zeros(3)
+    for _ in range(20):
+        values, gradients = functions(kind, X[None])
+        step = np.linalg.lstsq(corners.T @ gradients[0], point - values[0] @ corners, rcond=None)[0]
+        X = np.clip(X + step, -3.0, 3.0)
+        if np.abs(step).max() < 1e-13:
+            break
+    return X, functions(kind, _inside(kind, X)[None])[0][0]
+
+
+def _inside(kind: str, X: Array) -> Array:
+    if shape(kind) == "hex":
+        return np.clip(X, -1, 1)
+    if shape(kind) == "tet":
+        weights = np.maximum(np.append(1 - X.sum(), X), 0)
+        return np.asarray(weights[1:] / weights.sum())
+    weights = np.maximum([1 - X[0] - X[1], X[0], X[1]], 0)
+    return np.append(weights[1:] / weights.sum(), np.clip(X[2], -1, 1))
+
+
+def faces(kind: str) -> tuple[Integers, ...]:
+    """Corner nodes of the faces of an element of `kind`."""
+    corners = local_nodes(kind)[: {"tet": 4, "wedge": 6, "hex": 8}[shape(kind)]]
+    planes = [corners[:, axis] == end for axis in range(3) for end in (-1.0, 1.0)]
+    if shape(kind) == "tet":
+        planes = [*(corners[:, axis] == 0 for axis in range(3)), corners.sum(axis=1) == 1]
+    elif shape(kind) == "wedge":
+        planes = [
+            corners[:, 0] == 0,
+            corners[:, 1] == 0,
+            corners[:, :2].sum(axis=1) == 1,
+            corners[:, 2] == -1,
+            corners[:, 2] == 1,
+        ]
+    return tuple(np.flatnonzero(plane) for plane in planes)

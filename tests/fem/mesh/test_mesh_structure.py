@@ -1,0 +1,279 @@
+"""What a description adds to a mesh (parts, sections, places, supports, joints, links, masses), each by its closed form."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.sparse.linalg import spsolve
+
+from benchmarks.read_meshes import STEEL, abaqus, bricks, plate
+from fem.modes import fixed_base, floating_shift, lowest
+from fem.structure import Structure, hold
+from geometry.errors import BadInput
+
+Meshed = Callable[..., Structure]
+
+E, NU, RHO = 210e9, 0.3, 7850.0
+G = E / 2 / (1 + NU)
+BEAM = 'section = { area = "4e-4 m^2", Iy = "2e-8 m^4", Iz = "1e-8 m^4", J = "2e-8 m^4" }'
+AREA, IY, IZ = 4e-4, 2e-8, 1e-8
+
+
+def chain(n: int = 4, length: float = 1.0) -> str:
+    """Beams along x in two halves, `left` and `right`."""
+    points = np.column_stack([np.linspace(0, length, n + 1), np.zeros((n + 1, 2))])
+    elements = [[k, k + 1] for k in range(1, n + 1)]
+    half = n // 2
+    return abaqus(points, {"left": ("B31", elements[:half]), "right": ("B31", elements[half:])}, {"root": [1], "tip": [n + 1]})
+
+
+HALVES = f"[fe_model.parts.left]\n{STEEL}\n{BEAM}\n[fe_model.parts.right]\n{STEEL}\n{BEAM}\n"
+
+
+def flexibility(structure: Structure, place: str) -> np.ndarray:
+    """What unit forces along x, y, z at a place move there, base or ground held."""
+    held = hold(structure)
+    rows = structure.places[place].toarray()[:, held.free]
+    return np.asarray(rows @ spsolve(held.stiffness.tocsc(), rows.T))
+
+
+def test_parts_add_up_to_the_whole_with_masses_springs_and_joints(meshed: Meshed) -> None:
+    more = """
+        [fe_model.springs.pad]
+        at = "tip"
+        stiffness = ["1e6 N/m", "1e6 N/m", "1e6 N/m", "1e2 N m/rad", "1e2 N m/rad", "1e2 N m/rad"]
+        [fe_model.joints.bolt]
+        between = ["left", "right"]
+        at = ["0.5 m", "0 m", "0 m"]
+        stiffness = ["1e7 N/m", "1e7 N/m", "1e7 N/m", "1e4 N m/rad", "1e4 N m/rad", "1e4 N m/rad"]
+        [fe_model.masses.sensor]
+        at = "tip"
+        mass = "20 g"
+    """
+    structure = meshed(chain(), HALVES, support='support = "ground"\ninterface = ["root"]', more=more)
+    assert structure.grounded
+    assert (structure.supports, structure.joints, len(structure.held)) == (("pad",), ("bolt",), 0)
+    assert set(structure.part_stiffness) == {"left", "right", "pad", "bolt"}
+    assert set(structure.part_mass) == {"left", "right", "sensor"}
+    for whole, shares in ((structure.stiffness, structure.part_stiffness), (structure.mass, structure.part_mass)):
+        assert_allclose(sum(share.toarray() for share in shares.values()), whole.toarray(), rtol=1e-12)
+        for share in shares.values():
+            assert_allclose(share.toarray(), share.toarray().T, rtol=0, atol=0)
+    tip = structure.places["tip"]
+    assert_allclose((tip @ structure.part_mass["sensor"] @ tip.T).toarray(), 0.02 * np.eye(3), rtol=1e-12, atol=1e-15)
+
+
+def test_a_joint_adds_its_compliance_in_all_six_directions(meshed: Meshed) -> None:
+    k = np.array([2e7, 3e6, 4e6, 5e3, 6e3, 7e3])
+    units = (*3 * ("N/m",), *3 * ("N m/rad",))
+    text = ", ".join(f'"{value} {unit}"' for value, unit in zip(k, units, strict=True))
+    joint = f'[fe_model.joints.bolt]\nbetween = ["left", "right"]\nat = ["0.5 m", "0 m", "0 m"]\nstiffness = [{text}]'
+    rigid, jointed = (meshed(chain(), HALVES, support='interface = ["root"]', more=more) for more in ("", joint))
+    arm = 0.5
+    added = [1 / k[0], 1 / k[1] + arm**2 / k[5], 1 / k[2] + arm**2 / k[4]]
+    assert_allclose(np.diag(flexibility(jointed, "tip") - flexibility(rigid, "tip")), added, rtol=1e-7)
+    assert jointed.mass.shape[0] == rigid.mass.shape[0] + 6
+    assert_allclose(jointed.rigid_mass, rigid.rigid_mass, rtol=1e-12, atol=1e-12)
+
+
+def test_a_joint_between_solids_parts_the_common_face_and_carries_what_goes_through_it(meshed: Meshed) -> None:
+    points, elements = bricks((4, 1, 1), (0.4, 0.1, 0.1), "C3D20")
+    mesh = abaqus(points, {"left": ("C3D20", elements[:2]), "right": ("C3D20", elements[2:])})
+    parts = f"[fe_model.parts.left]\n{STEEL}\n[fe_model.parts.right]\n{STEEL}\n"
+    root = '[fe_model.groups.root]\nbox = [["0 m", "0 m", "0 m"], ["0 m", "1 m", "1 m"]]\n'
+    places = '[fe_model.places]\ntip = ["0.4 m", "50 mm", "50 mm"]\n'
+    joint = '[fe_model.joints.seam]\nbetween = ["left", "right"]\nat = ["0.2 m", "50 mm", "50 mm"]\nstiffness = ["1e5 N/m", '
+    joint += '"1e5 N/m", "1e5 N/m", "1e4 N m/rad", "1e4 N m/rad", "1e4 N m/rad"]'
+    bonded, jointed = (meshed(mesh, parts, support='interface = ["root"]', more=root + places + more) for more in ("", joint))
+    assert jointed.mass.shape[0] == bonded.mass.shape[0] + 3 * 8
+    added = np.diag(flexibility(jointed, "tip") - flexibility(bonded, "tip"))
+    assert_allclose(added, [1e-5, 1e-5 + 0.04 / 1e4, 1e-5 + 0.04 / 1e4], rtol=1e-3)
+
+
+def test_springs_to_the_ground_carry_a_free_body_and_a_spring_between_two_places_holds_them_together(meshed: Meshed) -> None:
+    points, elements = bricks((2, 1, 1), (0.2, 0.1, 0.1), "C3D8")
+    stiffness = ", ".join([*3 * ['"100 N/m"'], *3 * ['"1 N m/rad"']])
+    ground = f'[fe_model.springs.s]\nat = ["0.1 m", "50 mm", "50 mm"]\nstiffness = [{stiffness}]'
+    structure = meshed(
+        abaqus(points, {"p": ("C3D8", elements)}), f"[fe_model.parts.p]\n{STEEL}", support='support = "ground"', more=ground
+    )
+    pairs = lowest(structure.stiffness, structure.mass, 6)
+    m = RHO * 0.2 * 0.1 * 0.1
+    inertia = m / 12 * np.array([0.02, 0.05, 0.05])
+    wanted = np.sort(np.sqrt(np.append(np.full(3, 100 / m), 1 / inertia)))
+    assert_allclose(np.sqrt(pairs.values), wanted, rtol=1e-6)
+    apart = abaqus(
+        np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]]),
+        {"left": ("B31", [[1, 2]]), "right": ("B31", [[3, 4]])},
+        {"root": [1], "tip": [4]},
+    )
+    between = f"[fe_model.springs.s]\nbetween = [2, 3]\nstiffness = [{stiffness}]"
+    joined = meshed(apart, HALVES, support='interface = ["root"]', more=between)
+    assert joined.joints == ("s",)
+    assert_allclose(flexibility(joined, "tip")[0, 0], 2 / (E * AREA) + 1 / 100, rtol=1e-9)
+
+
+def test_a_link_is_rigid_and_carries_mass_exactly(meshed: Meshed) -> None:
+    points, elements = bricks((2, 1, 1), (0.2, 0.1, 0.1), "C3D20")
+    mesh, part = abaqus(points, {"p": ("C3D20", elements)}), f"[fe_model.parts.p]\n{STEEL}"
+    link = '[fe_model.groups.end]\nbox = [["0.2 m", "0 m", "0 m"], ["0.2 m", "1 m", "1 m"]]\n'
+    link += '[fe_model.links.hub]\nat = ["0.3 m", "50 mm", "50 mm"]\nnodes = "end"'
+    plain, linked = meshed(mesh, part), meshed(mesh, part, more=link)
+    assert linked.mass.shape[0] == plain.mass.shape[0] - 3 * 8 + 6
+    assert_allclose(linked.rigid_mass, plain.rigid_mass, rtol=1e-12, atol=1e-12)
+    assert_allclose(linked.stiffness @ linked.rigid, 0, atol=1e-12 * abs(linked.stiffness).max())
+    # Points of the face move as the hub does, whatever the structure does
+    u = np.random.default_rng(4).standard_normal(linked.mass.shape[0])
+    elements_of = linked.elements
+    assert elements_of is not None
+    hub, face = (
+        linked.places["hub"] @ u,
+        [row @ u for row in elements_of.rows([[0.2, 0.0, 0.0], [0.2, 0.1, 0.1], [0.2, 0.03, 0.07]])],
+    )
+    turn = u[linked.rotations[np.flatnonzero(linked.rotations[:, 0] >= 0)[0]]]
+    for place, moved in zip([[0.2, 0.0, 0.0], [0.2, 0.1, 0.1], [0.2, 0.03, 0.07]], face, strict=True):
+        assert_allclose(moved, hub + np.cross(turn, np.array(place) - [0.3, 0.05, 0.05]), rtol=1e-9)
+
+
+def test_a_body_at_a_place_turns_with_a_solid(meshed: Meshed) -> None:
+    points, elements = bricks((2, 2, 1), (0.2, 0.2, 0.1), "C3D8")
+    body = '[fe_model.masses.box]\nat = ["0.1 m", "0.1 m", "0.1 m"]\nmass = "3 kg"\n'
+    body += 'moments = ["0.02 kg m^2", "0.03 kg m^2", "0.04 kg m^2", "0 kg m^2", "0 kg m^2", "0.005 kg m^2"]'
+    structure = meshed(abaqus(points, {"p": ("C3D8", elements)}), f"[fe_model.parts.p]\n{STEEL}", more=body)
+    share = structure.rigid.T @ structure.part_mass["box"] @ structure.rigid
+    at = np.array([0.1, 0.1, 0.1])
+    central = np.array([[0.02, 0, 0], [0, 0.03, 0.005], [0, 0.005, 0.04]])
+    assert_allclose(share[3:, 3:], central + 3 * (at @ at * np.eye(3) - np.outer(at, at)), rtol=1e-9, atol=1e-12)
+    assert_allclose(np.diag(share)[:3], 3, rtol=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["C3D4", "C3D10", "C3D6", "C3D15", "C3D8", "C3D20"])
+def test_a_place_in_a_solid_is_carried_by_its_element(meshed: Meshed, kind: str) -> None:
+    points, elements = bricks((2, 2, 2), (1.0, 0.8, 0.6), kind)
+    structure = meshed(abaqus(points, {"p": (kind, elements)}), f"[fe_model.parts.p]\n{STEEL}")
+    rng = np.random.default_rng(5)
+    gradient, inside = rng.standard_normal((3, 3)), rng.uniform(0, 1, (20, 3)) * [1.0, 0.8, 0.6]
+    u = np.zeros(structure.mass.shape[0])
+    quadratic = kind in ("C3D10", "C3D20", "C3D15")
+
+    def field(x: np.ndarray) -> np.ndarray:
+        return np.asarray(x @ gradient.T + (x**2 if quadratic else 0))
+
+    u[structure.translations] = field(structure.points)
+    assert structure.elements is not None
+    found = np.array([rows @ u for rows in structure.elements.rows(inside)])
+    assert_allclose(found, field(inside), rtol=1e-9, atol=1e-9)
+
+
+def test_a_place_on_a_shell_or_beam_moves_with_its_curvature_and_beside_it_with_its_turn(meshed: Meshed) -> None:
+    points, elements = plate(2, 2, (1.0, 1.0), skew=0.2)
+    shell = meshed(abaqus(points, {"p": ("S4", elements)}), f'[fe_model.parts.p]\n{STEEL}\nthickness = "20 mm"')
+    u = np.zeros(shell.mass.shape[0])
+    x, y, _ = shell.points.T
+    u[shell.translations[:, 2]] = 0.5 * x**2 - 0.3 * y**2 + 0.4 * x * y
+    u[shell.rotations[:, 0]], u[shell.rotations[:, 1]] = -0.6 * y + 0.4 * x, -(x + 0.4 * y)
+    assert shell.elements is not None
+    at = np.array([0.31, 0.77, 0.01])
+    moved = shell.elements.rows([at])[0] @ u
+    a, b, _ = at
+    assert_allclose(moved[2], 0.5 * a**2 - 0.3 * b**2 + 0.4 * a * b, rtol=1e-9)
+    assert_allclose(moved[:2], -0.01 * np.array([a + 0.4 * b, -0.6 * b + 0.4 * a]), rtol=0.2, atol=1e-3)
+    beam = meshed(chain(), HALVES)
+    u = np.zeros(beam.mass.shape[0])
+    x = beam.points[:, 0]
+    u[beam.translations[:, 1]], u[beam.rotations[:, 2]] = x**3, 3 * x**2
+    u[beam.translations[:, 2]], u[beam.rotations[:, 1]] = x**2, -2 * x
+    assert beam.elements is not None
+    assert_allclose(beam.elements.rows([[0.41, 0.0, 0.0]])[0] @ u, [0, 0.41**3, 0.41**2], atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["S3", "S4", "S8R"])
+def test_stiffness_of_shells_is_of_first_and_third_power_of_the_thickness(meshed: Meshed, kind: str) -> None:
+    points, elements = plate(2, 2, (1.0, 0.8), "S3" if kind == "S3" else "S4", skew=0.1)
+    if kind == "S8R":  # middles of edges, each there once
+        middle: dict[tuple[int, int], int] = {}
+        grown = [list(quad) for quad in elements]
+        extra = []
+        for quad in grown:
+            for a, b in zip(quad[:4], [*quad[1:4], quad[0]], strict=True):
+                key = (min(a, b), max(a, b))
+                if key not in middle:
+                    middle[key] = len(points) + len(extra) + 1
+                    extra.append((points[a - 1] + points[b - 1]) / 2)
+                quad.append(middle[key])
+        points, elements = np.vstack([points, extra]), grown
+
+    def made(mm: float) -> Structure:
+        return meshed(abaqus(points, {"p": (kind, elements)}), f'[fe_model.parts.p]\n{STEEL}\nthickness = "{mm} mm"')
+
+    one, thicker = made(10), made(13)
+    linear, cubic = one.sections["p"]
+    assert_allclose((linear + cubic).toarray(), one.part_stiffness["p"].toarray(), atol=1e-9 * abs(one.stiffness).max())
+    assert_allclose((1.3 * linear + 1.3**3 * cubic).toarray(), thicker.stiffness.toarray(), atol=1e-9 * abs(one.stiffness).max())
+
+
+def test_the_thickness_of_a_beam_is_its_height_to_first_order(meshed: Meshed) -> None:
+    def made(mm: float) -> Structure:
+        section = f'section = {{ width = "20 mm", height = "{mm} mm" }}\n'
+        return meshed(chain(), "".join(f"[fe_model.parts.{part}]\n{STEEL}\n{section}" for part in ("left", "right")))
+
+    plain, thicker = made(30), made(30 * 1.0001)
+    slope = (thicker.stiffness - plain.stiffness).toarray() / 1e-4
+    wanted = sum((linear + 3 * cubic).toarray() for linear, cubic in plain.sections.values())
+    assert_allclose(slope, wanted, atol=1e-3 * np.abs(wanted).max())
+    assert_allclose(sum((a + b).toarray() for a, b in plain.sections.values()), plain.stiffness.toarray(), rtol=1e-9, atol=1e-3)
+
+
+def test_held_by_the_ground_and_by_a_base_are_one_structure_when_neither_moves(meshed: Meshed) -> None:
+    base = meshed(chain(), HALVES, support='interface = ["root"]')
+    ground = meshed(chain(), HALVES, support='support = "ground"\ninterface = ["root"]')
+    assert ground.mass.shape[0] == base.mass.shape[0] - 6
+    found = np.sqrt(lowest(ground.stiffness, ground.mass, 4).values) / (2 * np.pi)
+    assert_allclose(found, fixed_base(base, 4).frequency, rtol=1e-9)
+
+
+def test_a_part_keeps_its_loss_factor_and_tolerances_and_the_unit_of_length_scales_all(meshed: Meshed) -> None:
+    points, elements = bricks((2, 1, 1), (200.0, 100.0, 50.0), "C3D8")
+    part = f"[fe_model.parts.p]\n{STEEL}\nloss_factor = 0.02\ntolerance = {{ modulus = 0.05, density = 0.01 }}"
+    mm = meshed(abaqus(points, {"p": ("C3D8", elements)}), part, units="mm")
+    m = meshed(abaqus(points / 1000, {"p": ("C3D8", elements)}), part, units="m-kg-N-s")
+    assert mm.loss_factors == {"p": 0.02}
+    assert mm.part_tolerances == {"p": {"modulus": 0.05, "density": 0.01}}
+    assert_allclose(mm.stiffness.toarray(), m.stiffness.toarray(), rtol=1e-9, atol=1e-9 * abs(m.stiffness).max())
+
+
+def test_a_place_outside_says_how_far_and_where_the_mesh_is_nearest(meshed: Meshed) -> None:
+    points, elements = bricks((2, 2, 2), (1.0, 1.0, 1.0), "C3D8")
+    with pytest.raises(
+        BadInput, match=r"places.tip.*lies 200 mm outside the mesh; the nearest point is \(1000, 500, 500\) mm in element"
+    ):
+        meshed(
+            abaqus(points, {"p": ("C3D8", elements)}),
+            f"[fe_model.parts.p]\n{STEEL}",
+            more='[fe_model.places]\ntip = ["1.2 m", "0.5 m", "0.5 m"]',
+        )
+
+
+def test_free_beams_have_six_motions_at_zero(meshed: Meshed) -> None:
+    structure = meshed(chain(), HALVES)
+    pairs = lowest(structure.stiffness, structure.mass, 7, shift=floating_shift(structure.stiffness, structure.mass))
+    assert_allclose(pairs.values[:6], 0, atol=1e-6 * pairs.values[6])
+    first = 4.730040745**2 * np.sqrt(E * IZ / (RHO * AREA))
+    assert_allclose(np.sqrt(pairs.values[6]), first, rtol=0.01)
+
+
+def test_a_beam_that_ends_on_a_solid_is_welded_to_it(meshed: Meshed) -> None:
+    """A block 1000 times as stiff holds the beam as a clamp does; a hinge would leave it to swing."""
+    points, elements = bricks((2, 2, 1), (0.2, 0.2, 0.1), "C3D20")
+    top = int(np.argmin(np.linalg.norm(points - [0.1, 0.1, 0.1], axis=1))) + 1
+    mast = np.column_stack([np.full((8, 2), 0.1), 0.1 + np.linspace(0, 1, 9)[1:]])
+    lines = [[top, len(points) + 1], *([len(points) + k, len(points) + k + 1] for k in range(1, 8))]
+    mesh = abaqus(np.vstack([points, mast]), {"block": ("C3D20", elements), "mast": ("B31", lines)}, {"tip": [len(points) + 8]})
+    parts = f"[fe_model.parts.block]\n{STEEL}\n[fe_model.parts.mast]\n{STEEL}\n{BEAM}\n"
+    ground = '[fe_model.groups.under]\nbox = [["0 m", "0 m", "0 m"], ["1 m", "1 m", "0 m"]]'
+    welded = meshed(mesh, parts, support='interface = ["under"]', more=ground)
+    found = np.diag(flexibility(welded, "tip"))[:2]
+    assert_allclose(found, [1 / (3 * E * IY), 1 / (3 * E * IZ)], rtol=0.02)
+    free = meshed(mesh, parts)
+    assert_allclose(free.stiffness @ free.rigid, 0, atol=1e-12 * abs(free.stiffness).max())
