@@ -126,7 +126,7 @@ def shaken(
     lags = [(k, k * step) for k in range(1, count) if k * step < size]
     alike = sum(2 * (1 - k / count) * (w[:-lag] @ w[lag:] / (w @ w)) ** 2 for k, lag in lags)
     averages = count / (1 + alike)
-    lines = np.fft.rfftfreq(size, 1 / rate)[1:]
+    lines = np.asarray(np.fft.rfftfreq(size, 1 / rate)[1:], dtype=np.float64)
     values, coherence = _averaged(spectra, estimator, source)
     warnings = []
     if averages < 2:
@@ -312,7 +312,7 @@ def struck(found: Sequence[Blow], rate: float, *, decay: float = 0.0, estimator:
         both = np.column_stack([_pulse(one.force[:size]), one.responses[:size]])
         spectra.append(np.fft.rfft(both * window[:, None], axis=0))
     blocks = np.array(spectra)
-    lines = np.fft.rfftfreq(size, 1 / rate)
+    lines = np.asarray(np.fft.rfftfreq(size, 1 / rate), dtype=np.float64)
     level = np.sqrt(np.mean(np.abs(blocks[:, :, 0]) ** 2, axis=0))
     driven = np.flatnonzero(level > REACH * level.max())
     reach = float(lines[driven[-1]])
