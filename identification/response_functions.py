@@ -193,6 +193,9 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
         raise BadInput(source=source, field="files", problem="no function is found", remedy="Name the files that hold them")
     first = min(pieces, key=lambda one: len(one.frequency))
     n, f = len(first.frequency), first.frequency
+    if n < 2:
+        problem = f"it has {n} lines, and at least two are needed"
+        raise BadInput(source=first.source, field="frequency", problem=problem, remedy=files.DAMAGED)
     warnings: list[str] = []
     for one in pieces:
         step, other = float(np.median(np.diff(f))), float(np.median(np.diff(one.frequency)))

@@ -229,6 +229,8 @@ def _mode(block: Dataset, source: str) -> Mode:
         raise refused("is cut short")
     analysis, data, each = (int(column(lines[5], at, 10, int, name, source)) for at in (10, 40, 50))
     numbers = [column(lines[7], at, 13, float, name, source) for at in (0, 13, 26, 39) if lines[7][at : at + 13].strip()]
+    if not numbers:
+        raise refused("states no frequency")
     if analysis == NORMAL_MODE:
         frequency, damping = numbers[0], numbers[2] if len(numbers) > 2 else 0.0
     elif analysis in (COMPLEX_MODE, VELOCITY_MODE) and len(numbers) > 1:
@@ -236,6 +238,8 @@ def _mode(block: Dataset, source: str) -> Mode:
         frequency, damping = size / (2 * np.pi), -numbers[0] / size if size else 0.0
     else:
         raise refused(f"has the analysis type {analysis}, where 2, 3 or 7 (modes) are read", "Export the modes")
+    if not abs(damping) < 1:
+        raise refused(f"has the damping ratio {damping:g}")
     parts = 2 if data in uff.COMPLEX else 1
     if each not in (3, 6) or not 0 < frequency < files.LARGEST:
         raise refused(f"has {each} numbers a node and {frequency:g} Hz, where 3 or 6 and a positive frequency are read")
