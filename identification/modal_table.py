@@ -130,7 +130,10 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     elif shapes is not None and deviation is not None:
         deviation, said = _at_the_scale(shapes, deviation, points)
         warnings += said
-    _require_positive(columns, deviation, source)
+    for name, values in (*columns.items(), ("shapes_deviation", deviation)):
+        if values is not None and name.endswith("deviation") and not np.all(values > 0):
+            problem = f"a standard deviation must be positive, found {values.min():g}"
+            raise BadInput(source=source, field=name, problem=problem, remedy="Leave what is not known out of the table")
     gain = table.get("gain", 0.02)
     if isinstance(gain, bool) or not isinstance(gain, int | float) or not 0 <= gain < 10:
         raise BadInput(source=source, field="gain", problem=f"must be a share such as 0.02, found {gain!r}", remedy="Correct it")
@@ -178,13 +181,6 @@ def _at_the_scale(shapes: Samples, deviation: Array, points: tuple[Point, ...]) 
             names = ", ".join(point.name for point, one in zip(points, at, strict=True) if one)
             said.append(f"mode {k + 1} has no deviation at {names}, to which it was scaled; the median of its others is taken")
     return found, said
-
-
-def _require_positive(columns: Mapping[str, Array], shapes_deviation: Array | None, source: str) -> None:
-    for name, values in (*columns.items(), ("shapes_deviation", shapes_deviation)):
-        if values is not None and name.endswith("deviation") and not np.all(values > 0):
-            problem = f"a standard deviation must be positive, found {values.min():g}"
-            raise BadInput(source=source, field=name, problem=problem, remedy="Leave what is not known out of the table")
 
 
 def _frequencies(table: Mapping[str, Any], source: str, folder: Path) -> dict[str, Array]:
@@ -272,8 +268,8 @@ def _shapes(
         text = text_table.read(folder / str(stated["file"]), str(table.get("separator", "")))
         if "sensor" in stated:
             at = text.column(str(stated["sensor"]), "shapes.sensor")
-            words = [row[at] for row in text.cells]
-            points = [sensors.point(_place(one), source=text.source, field=one, direction=direction) for one in words]
+            words = [f"dof {int(row[at])}" if row[at].isdecimal() else row[at] for row in text.cells]
+            points = [sensors.point(one, source=text.source, field=one, direction=direction) for one in words]
         shapes = _of_columns(text, stated["modes"], modes, "shapes.modes", source)
         if "deviations" in stated:
             deviation = _of_columns(text, stated["deviations"], modes, "shapes.deviations", source).real
@@ -292,10 +288,6 @@ def _shapes(
         problem = f"the shape of mode {int(np.argmin(np.any(shapes != 0, axis=1))) + 1} is zero at every sensor"
         raise BadInput(source=source, field="shapes", problem=problem, remedy="Leave that mode's shape out, or correct it")
     return tuple(points), shapes, deviation
-
-
-def _place(word: str) -> str:
-    return f"dof {int(word)}" if word.isdecimal() else word
 
 
 def _of_columns(text: text_table.TextTable, stated: Any, modes: int, field: str, source: str) -> Samples:

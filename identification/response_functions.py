@@ -225,7 +225,8 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
         raise BadInput(
             source=source,
             field="files",
-            problem=f"of {len(drives)} references and {len(responses)} responses these are missing: {_listed(missing)}",
+            problem=f"of {len(drives)} references and {len(responses)} responses these are missing: {', '.join(missing[:4])}"
+            + (f" and {len(missing) - 4} more" if len(missing) > 4 else ""),
             remedy="Add the file, or make a test of each reference that has other responses",
         )
     values = np.array([[by_pair[d, c].values[:n] for c in responses] for d in drives]).transpose(0, 2, 1)
@@ -245,10 +246,6 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
         band=(float(f[0]), float(f[-1])),
         warnings=tuple(warnings),
     )
-
-
-def _listed(names: Sequence[str], most: int = 4) -> str:
-    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
 
 
 # What functions are, and what they are mistaken for.

@@ -321,7 +321,9 @@ def struck(found: Sequence[Blow], rate: float, *, decay: float = 0.0, estimator:
         coherence = np.ones_like(coherence)
     if len(good) > 2:
         warnings += _poor(blocks, driven, good, source)
-    impulse = np.fft.irfft(_held(values, int(driven[-1])), size, axis=0)
+    held = np.array(values)
+    held[driven[-1] + 1 :] = held[driven[-1]].real  # beyond, a blow drives nothing
+    impulse = np.fft.irfft(held, size, axis=0)
     left = np.abs(impulse[-max(2, size // 20) :]).max(axis=0) / np.abs(impulse[1 : size // 2]).max(axis=0)
     if np.any(left > RINGS):
         rest = f"{100 * left.max():.0f} % of the answer still rings at the end of a block of {size / rate:.3g} s"
@@ -364,10 +366,3 @@ def _poor(blocks: ComplexArray, driven: npt.NDArray[np.intp], good: Sequence[Blo
         for one, far in zip(good, apart, strict=True)
         if far > OUT_OF_LINE * usual and far > 0.03
     ]
-
-
-def _held(values: ComplexArray, last: int) -> ComplexArray:
-    """`values` (n, c) that stay what they are behind the line `last`, beyond which a blow drives nothing."""
-    found = np.array(values)
-    found[last + 1 :] = found[last].real
-    return found
