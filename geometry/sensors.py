@@ -216,7 +216,7 @@ def point(value: Any, *, source: str, field: str, direction: str = "") -> Point:
     if not isinstance(place, str) or not place.strip() or not set(table) <= {"place", "direction", "name", "position"}:
         raise refused(f"must be a point of the structure, found {value!r}")
     stem, _, axis = place.rpartition(":")
-    if along is None and stem and axis.strip().lower() in AXES:
+    if along is None and stem:
         place, along = stem, axis
     along = ("x" if place.strip().startswith("dof ") else direction) if along is None else along
     if isinstance(along, str) and along.strip().lower() not in AXES:

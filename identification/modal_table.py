@@ -12,7 +12,7 @@ from geometry import sensors, toml_file
 from geometry.errors import BadInput
 from geometry.frames import Array, freeze, frozen
 from geometry.sensors import Point
-from identification.files import text_table
+from identification.files import text_table, uff, uff_tests
 from identification.files.files import Samples
 
 FREQUENCY_DEVIATION, DAMPING_DEVIATION, SHAPE_DEVIATION = 0.005, 0.2, 0.05
@@ -76,6 +76,7 @@ KEYS = [
     "kind",
     "title",
     "article",
+    "file",
     "frequencies",
     "damping",
     "shapes",
@@ -98,16 +99,18 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     ``frequencies`` is a list of numbers [Hz] or of texts such as ``"4.06 +/- 0.03 Hz"``, or ``{ file, frequency, deviation,
     damping, damping_deviation }`` with the names of columns. ``shapes`` is a list of a shape a mode, or ``{ file, sensor, modes,
     deviations }``: the column with the sensors, and those of the modes, where ``{}`` stands for the number of the mode.
-    ``sensors`` names the points where the file does not; a sensor that is a whole number is a degree of freedom.
+    ``sensors`` names the points where the file does not; a sensor that is a whole number is a degree of freedom. ``file`` is a
+    universal file with dataset 55 in place of all of these; its ``places`` are names by number of the node.
 
     Raises
     ------
     BadInput : whatever is wrong, by file and key.
     """
     toml_file.require_known(table, KEYS, source=source)
-    toml_file.require_present(table, ("article", "frequencies"), source=source)
+    toml_file.require_present(table, ("article", *(() if "file" in table else ("frequencies",))), source=source)
     warnings: list[str] = []
-    columns = _frequencies(table, source, folder)
+    file = _of_universal(folder / str(table["file"]), table, source) if "file" in table else None
+    columns = _frequencies(table, source, folder) if file is None else file[0]
     frequency = columns["frequency"]
     if not np.all(frequency > 0):
         k = int(np.argmin(frequency > 0))
@@ -119,7 +122,7 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     ):
         if of in columns and name not in columns:
             columns[name] = _deviation(table.get(name), share, columns[of], warnings, f"{name} of {source}", source, name)
-    points, shapes, deviation = _shapes(table, len(frequency), source, folder)
+    points, shapes, deviation = _shapes(table, len(frequency), source, folder) if file is None else (*file[1:], None)
     if shapes is not None and deviation is None:
         largest = np.abs(shapes).max(axis=1, keepdims=True) * np.ones(shapes.shape)
         name = "shapes_deviation"
@@ -127,7 +130,10 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     elif shapes is not None and deviation is not None:
         deviation, said = _at_the_scale(shapes, deviation, points)
         warnings += said
-    _require_positive(columns, deviation, source)
+    for name, values in (*columns.items(), ("shapes_deviation", deviation)):
+        if values is not None and name.endswith("deviation") and not np.all(values > 0):
+            problem = f"a standard deviation must be positive, found {values.min():g}"
+            raise BadInput(source=source, field=name, problem=problem, remedy="Leave what is not known out of the table")
     gain = table.get("gain", 0.02)
     if isinstance(gain, bool) or not isinstance(gain, int | float) or not 0 <= gain < 10:
         raise BadInput(source=source, field="gain", problem=f"must be a share such as 0.02, found {gain!r}", remedy="Correct it")
@@ -177,13 +183,6 @@ def _at_the_scale(shapes: Samples, deviation: Array, points: tuple[Point, ...]) 
     return found, said
 
 
-def _require_positive(columns: Mapping[str, Array], shapes_deviation: Array | None, source: str) -> None:
-    for name, values in (*columns.items(), ("shapes_deviation", shapes_deviation)):
-        if values is not None and name.endswith("deviation") and not np.all(values > 0):
-            problem = f"a standard deviation must be positive, found {values.min():g}"
-            raise BadInput(source=source, field=name, problem=problem, remedy="Leave what is not known out of the table")
-
-
 def _frequencies(table: Mapping[str, Any], source: str, folder: Path) -> dict[str, Array]:
     """``frequency`` and what else is stated of every mode, by name."""
     stated = table["frequencies"]
@@ -192,9 +191,10 @@ def _frequencies(table: Mapping[str, Any], source: str, folder: Path) -> dict[st
         toml_file.require_known(stated, keys, source=source, where="frequencies")
         toml_file.require_present(stated, ("file", "frequency"), source=source, where="frequencies")
         text = text_table.read(toml_file.named_file(str(stated["file"]), folder, source, "file"), str(table.get("separator", "")))
-        called: dict[str, str] = {"deviation": "frequency_deviation"}
         return {
-            called.get(key, key): text.numbers(text.column(str(name), f"frequencies.{key}")).real.astype(np.float64)
+            ("frequency_deviation" if key == "deviation" else str(key)): text.numbers(
+                text.column(str(name), f"frequencies.{key}")
+            ).real.astype(np.float64)
             for key, name in stated.items()
             if key != "file"
         }
@@ -209,6 +209,30 @@ def _frequencies(table: Mapping[str, Any], source: str, folder: Path) -> dict[st
             problem = f"states {len(pairs)} modes, and frequencies {len(columns['frequency'])}"
             raise BadInput(source=source, field=name, problem=problem, remedy="State one of each")
     return columns
+
+
+def _of_universal(path: Path, table: Mapping[str, Any], source: str) -> tuple[dict[str, Array], tuple[Point, ...], Samples]:
+    """Frequencies and damping by name, sensors, and shapes (m, s) of a universal file; axes that no mode has are left out."""
+    if path.suffix.lower() not in uff.ENDINGS:
+        remedy = "Name the columns of a text file under `frequencies` and `shapes`"
+        raise BadInput(source=source, field="file", problem=f"{path.name} is no universal file", remedy=remedy)
+    file = uff_tests.read(path)
+    if not file.modes:
+        raise BadInput(source=str(path), problem="it holds no dataset 55", remedy="Export the modes as dataset 55")
+    nodes = file.modes[0].nodes
+    for k, one in enumerate(file.modes):
+        if one.nodes != nodes:
+            problem = f"mode {k + 1} has other nodes than mode 1"
+            raise BadInput(source=str(path), field="dataset 55", problem=problem, remedy="Export all modes at the same nodes")
+    whole = np.array([one.shape for one in file.modes])
+    there = [(k, axis) for k in range(len(nodes)) for axis in range(3) if np.any(whole[:, k, axis] != 0)]
+    places = toml_file.require_table(table.get("places", {}), source=source, where="places")
+    at = [uff_tests.NodeAxis(node=nodes[k], axis=uff_tests.AXES[axis]) for k, axis in there]
+    points = tuple(uff_tests.point(one, file.nodes, places, "", str(path)) for one in at)
+    columns = {"frequency": np.array([one.frequency for one in file.modes])}
+    if all(one.damping_ratio > 0 for one in file.modes):
+        columns["damping"] = np.array([one.damping_ratio for one in file.modes])
+    return columns, points, np.array([[mode[k, axis] for k, axis in there] for mode in whole])
 
 
 def _pairs(values: Any, dimension: str, source: str, field: str) -> list[tuple[float, float]]:
@@ -244,8 +268,8 @@ def _shapes(
         text = text_table.read(toml_file.named_file(str(stated["file"]), folder, source, "file"), str(table.get("separator", "")))
         if "sensor" in stated:
             at = text.column(str(stated["sensor"]), "shapes.sensor")
-            words = [row[at] for row in text.cells]
-            points = [sensors.point(_place(one), source=text.source, field=one, direction=direction) for one in words]
+            words = [f"dof {int(row[at])}" if row[at].isdecimal() else row[at] for row in text.cells]
+            points = [sensors.point(one, source=text.source, field=one, direction=direction) for one in words]
         shapes = _of_columns(text, stated["modes"], modes, "shapes.modes", source)
         if "deviations" in stated:
             deviation = _of_columns(text, stated["deviations"], modes, "shapes.deviations", source).real
@@ -264,10 +288,6 @@ def _shapes(
         problem = f"the shape of mode {int(np.argmin(np.any(shapes != 0, axis=1))) + 1} is zero at every sensor"
         raise BadInput(source=source, field="shapes", problem=problem, remedy="Leave that mode's shape out, or correct it")
     return tuple(points), shapes, deviation
-
-
-def _place(word: str) -> str:
-    return f"dof {int(word)}" if word.isdecimal() else word
 
 
 def _of_columns(text: text_table.TextTable, stated: Any, modes: int, field: str, source: str) -> Samples:

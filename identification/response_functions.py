@@ -14,7 +14,7 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array, freeze, frozen
 from geometry.sensors import Point
-from identification.files import files, text_table
+from identification.files import files, text_table, uff, uff_tests
 from identification.spectra import response_estimates
 
 QUANTITIES = {"acceleration": "m/s^2/N", "velocity": "m/s/N", "displacement": "m/N"}
@@ -100,6 +100,7 @@ class Piece:
     values : (n,) complex, SI
     coherence : (n,), None where it is not known
     averages : how many; 0 where it is not known
+    quantity : of `QUANTITIES`, where the file says it
     """
 
     source: str
@@ -109,6 +110,7 @@ class Piece:
     values: ComplexArray
     coherence: Array | None = None
     averages: int = 0
+    quantity: str = ""
 
 
 KEYS = [
@@ -160,6 +162,7 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ResponseFun
         pieces, reach, warnings = _of_records(entries, table, source)
     else:
         pieces, reach = [piece for path, entry in entries for piece in _read(path, entry, table, source)], inf
+        quantity = _quantity(pieces, table, quantity, source)
     decay = _number(table.get("records", table), "decay", 0.0, source)
     pieces = [replace(one, values=factor * one.values) for one in pieces]
     whole = assembled(pieces, source)
@@ -190,6 +193,9 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
         raise BadInput(source=source, field="files", problem="no function is found", remedy="Name the files that hold them")
     first = min(pieces, key=lambda one: len(one.frequency))
     n, f = len(first.frequency), first.frequency
+    if n < 2:
+        problem = f"it has {n} lines, and at least two are needed"
+        raise BadInput(source=first.source, field="frequency", problem=problem, remedy=files.DAMAGED)
     warnings: list[str] = []
     for one in pieces:
         step, other = float(np.median(np.diff(f))), float(np.median(np.diff(one.frequency)))
@@ -219,7 +225,8 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
         raise BadInput(
             source=source,
             field="files",
-            problem=f"of {len(drives)} references and {len(responses)} responses these are missing: {_listed(missing)}",
+            problem=f"of {len(drives)} references and {len(responses)} responses these are missing: {', '.join(missing[:4])}"
+            + (f" and {len(missing) - 4} more" if len(missing) > 4 else ""),
             remedy="Add the file, or make a test of each reference that has other responses",
         )
     values = np.array([[by_pair[d, c].values[:n] for c in responses] for d in drives]).transpose(0, 2, 1)
@@ -241,10 +248,6 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
     )
 
 
-def _listed(names: Sequence[str], most: int = 4) -> str:
-    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
-
-
 # What functions are, and what they are mistaken for.
 
 COMPLEX, PAIRS = "complex", "real-imaginary"
@@ -252,7 +255,7 @@ POLAR = ("magnitude-degrees", "magnitude-radians", "decibel-degrees", "decibel-r
 PARTS = (COMPLEX, PAIRS, *POLAR)
 """How a text file writes a complex number."""
 
-UNEVEN_PEAKS = 3.0
+UNEVEN_PEAKS = 1.5
 """How many times as far the dips that all functions have in common may stand out as the peaks."""
 
 
@@ -353,6 +356,8 @@ def _entries(table: Mapping[str, Any], source: str) -> list[dict[str, Any]]:
 
 def _read(path: Path, entry: Mapping[str, Any], table: Mapping[str, Any], source: str) -> list[Piece]:
     """The functions in one file."""
+    if path.suffix.lower() in uff.ENDINGS:
+        return _of_universal(path, table, source)
     drive, responses = points_of(entry, table, source)
     if path.suffix.lower() in SIGNALS:
         frequency, functions = _of_signals(path, entry, responses, source)
@@ -482,6 +487,56 @@ def _record(
     time = text.numbers(axis).real.astype(np.float64)
     rate = files.rate_of_times(time, str(path), text.header[axis] if text.header else "time")
     return rate, text.numbers(force).real.astype(np.float64), np.column_stack([text.numbers(k).real for k in named])
+
+
+def _of_universal(path: Path, table: Mapping[str, Any], source: str) -> list[Piece]:
+    """The response functions of a universal file, which says itself where they were read and in which unit."""
+    if "unit" in table:
+        remedy = "Take `unit` out; dataset 164 of the file says the units"
+        raise BadInput(source=source, field="unit", problem="a universal file states its own", remedy=remedy)
+    file = uff_tests.read(path)
+    if not file.functions:
+        remedy = "Export response functions as dataset 58, or modes as a modal table"
+        raise BadInput(source=str(path), problem="it holds no dataset 58", remedy=remedy)
+    places = toml_file.require_table(table.get("places", {}), source=source, where="places")
+    direction, turned = str(table.get("direction", "")), table.get("inverted", False) is True
+    coherences = {(one.response, one.reference): one.values.real for one in file.functions if one.kind == uff_tests.COHERENCE}
+    found = []
+    for one in file.functions:
+        if one.kind == uff_tests.COHERENCE:
+            continue
+        if one.reference.node == 0 and not one.reference.axis:
+            problem = f"the function of node {one.response.node} names no reference node: where the force acted is missing"
+            raise BadInput(source=str(path), field="reference", problem=problem, remedy="Export it with its reference")
+        if one.inverted and not turned:
+            problem = f"the function of node {one.response.node} is force over {one.quantity}"
+            remedy = "Write inverted = true, or export response over force"
+            raise BadInput(source=str(path), field="functions", problem=problem, remedy=remedy)
+        drive, response = (uff_tests.point(at, file.nodes, places, direction, str(path)) for at in (one.reference, one.response))
+        found.append(
+            Piece(
+                source=str(path),
+                drive=drive,
+                response=response,
+                frequency=one.frequency,
+                values=1 / one.values if turned else one.values,
+                coherence=coherences.get((one.response, one.reference)),
+                quantity=one.quantity,
+            )
+        )
+    return found
+
+
+def _quantity(pieces: Sequence[Piece], table: Mapping[str, Any], stated: str, source: str) -> str:
+    """What all `pieces` are of, by their files where these say it."""
+    said = {one.quantity: one.source for one in pieces if one.quantity}
+    if len(said) > 1:
+        problem = f"functions of {' and of '.join(said)} stand together"
+        raise BadInput(source=source, field="quantity", problem=problem, remedy="Make a test of each")
+    if said and "quantity" in table and stated not in said:
+        problem = f"is {stated}, and {next(iter(said.values()))} says {next(iter(said))}"
+        raise BadInput(source=source, field="quantity", problem=problem, remedy="Correct it")
+    return next(iter(said), stated)
 
 
 def _of_signals(

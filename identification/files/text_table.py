@@ -18,11 +18,11 @@ SEPARATORS = {";": "semicolon", "\t": "tab", ",": "comma", " ": "space"}
 MOST_HEAD = 200
 """Lines before the first row of numbers."""
 
-_COMPLEX = re.compile(
-    r"\(?\s*([-+]?[\d.]+(?:e[-+]?\d+)?)?\s*(?:(\+-|-\+|[-+])?\s*([\d.]+(?:e[-+]?\d+)?)\s*\*?\s*[ij])?\s*\)?", re.IGNORECASE
-)
-_REAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?")
-_NOT_FINITE = re.compile(r"[-+]?(?:nan|inf(?:inity)?)", re.IGNORECASE)
+LONGEST = 80
+"""Characters of a number."""
+
+_FORTRAN = re.compile(r"(?<=\d)[dD](?=[-+]?\d)")
+_SIGNS = {"+-": "-", "-+": "-", "++": "+"}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -85,19 +85,19 @@ class TextTable:
 
 def as_number(text: str) -> complex | None:
     """The number that `text` is, ``1.5``, ``1,5``, ``1+2j``, ``1+-2i``; None where it is none."""
-    text = text.strip().strip('"')
-    if _NOT_FINITE.fullmatch(text):
-        return complex(float(text))
-    if "," in text and "." not in text:
-        text = text.replace(",", ".")
-    if _REAL.fullmatch(text):
-        return complex(float(text.replace("d", "e").replace("D", "e")))
-    found = _COMPLEX.fullmatch(text)
-    if found is None or not (found[1] or found[3]) or (found[1] and found[3] and not found[2]):
+    plain = text.strip().strip('"').replace(" ", "").replace("*", "")
+    if not plain or "_" in plain or len(plain) > LONGEST:
         return None
+    if "," in plain and "." not in plain:
+        plain = plain.replace(",", ".")
+    for twice, sign in _SIGNS.items():
+        plain = plain.replace(twice, sign)
+    plain = _FORTRAN.sub("e", plain)
+    if plain.rstrip(")").endswith(("i", "I")):
+        bracket = ")" if plain.endswith(")") else ""
+        plain = plain.rstrip(")")[:-1] + "j" + bracket
     try:
-        imaginary = float(found[3] or 0.0) * (-1.0 if "-" in (found[2] or "") else 1.0)
-        return complex(float(found[1] or 0.0), imaginary)
+        return complex(plain)
     except ValueError:
         return None
 

@@ -126,7 +126,7 @@ def shaken(
     lags = [(k, k * step) for k in range(1, count) if k * step < size]
     alike = sum(2 * (1 - k / count) * (w[:-lag] @ w[lag:] / (w @ w)) ** 2 for k, lag in lags)
     averages = count / (1 + alike)
-    lines = np.fft.rfftfreq(size, 1 / rate)[1:]
+    lines = np.asarray(np.fft.rfftfreq(size, 1 / rate)[1:], dtype=np.float64)
     values, coherence = _averaged(spectra, estimator, source)
     warnings = []
     if averages < 2:
@@ -312,7 +312,7 @@ def struck(found: Sequence[Blow], rate: float, *, decay: float = 0.0, estimator:
         both = np.column_stack([_pulse(one.force[:size]), one.responses[:size]])
         spectra.append(np.fft.rfft(both * window[:, None], axis=0))
     blocks = np.array(spectra)
-    lines = np.fft.rfftfreq(size, 1 / rate)
+    lines = np.asarray(np.fft.rfftfreq(size, 1 / rate), dtype=np.float64)
     level = np.sqrt(np.mean(np.abs(blocks[:, :, 0]) ** 2, axis=0))
     driven = np.flatnonzero(level > REACH * level.max())
     reach = float(lines[driven[-1]])
@@ -321,7 +321,9 @@ def struck(found: Sequence[Blow], rate: float, *, decay: float = 0.0, estimator:
         coherence = np.ones_like(coherence)
     if len(good) > 2:
         warnings += _poor(blocks, driven, good, source)
-    impulse = np.fft.irfft(_held(values, int(driven[-1])), size, axis=0)
+    held = np.array(values)
+    held[driven[-1] + 1 :] = held[driven[-1]].real  # beyond, a blow drives nothing
+    impulse = np.fft.irfft(held, size, axis=0)
     left = np.abs(impulse[-max(2, size // 20) :]).max(axis=0) / np.abs(impulse[1 : size // 2]).max(axis=0)
     if np.any(left > RINGS):
         rest = f"{100 * left.max():.0f} % of the answer still rings at the end of a block of {size / rate:.3g} s"
@@ -364,10 +366,3 @@ def _poor(blocks: ComplexArray, driven: npt.NDArray[np.intp], good: Sequence[Blo
         for one, far in zip(good, apart, strict=True)
         if far > OUT_OF_LINE * usual and far > 0.03
     ]
-
-
-def _held(values: ComplexArray, last: int) -> ComplexArray:
-    """`values` (n, c) that stay what they are behind the line `last`, beyond which a blow drives nothing."""
-    found = np.array(values)
-    found[last + 1 :] = found[last].real
-    return found

@@ -198,7 +198,11 @@ def of(structure: Nuisances, data: ResponseFunctions) -> tuple[ResponseFunctionT
     if not np.any(kept & (data.frequency >= low) & (data.frequency <= high)):
         problem = f"no line lies within {low:g} to {high:g} Hz"
         raise BadInput(source=data.source, field="band", problem=problem, remedy="Correct it")
-    f, values = data.frequency[kept], data.values[:, kept]
+    f, values, noise = data.frequency[kept], data.values[:, kept], None
+    if data.coherence is not None and data.averages > 1:
+        # |H| sqrt((1 - g²) / (g² averages)), both parts together: J. S. Bendat and A. G. Piersol, Random Data, 2010, section 9.2
+        g = np.clip(np.asarray(data.coherence)[:, kept], 1e-6, 1.0)
+        noise = np.asarray(np.abs(values) * np.sqrt((1 - g) / (g * data.averages)))
     test = ResponseFunctionTest(
         measured=measured(
             data.title,
@@ -208,7 +212,7 @@ def of(structure: Nuisances, data: ResponseFunctions) -> tuple[ResponseFunctionT
             [one.name for one in data.responses],
             band=data.band,
             share=_repeats(data) if data.share is None else data.share,
-            noise=_of_coherence(data)[:, kept] if data.coherence is not None and data.averages > 1 else None,
+            noise=noise,
         ),
         structure=structure,
         responses=data.responses,
@@ -246,15 +250,6 @@ def _repeats(data: ResponseFunctions) -> float:
     if len(both) < 2:
         return 0.0
     return series.repeatability(data.values[both][:, there][:, :, [at[k] for k in both]])
-
-
-def _of_coherence(data: ResponseFunctions) -> Array:
-    """(r, n, c) standard deviation of the functions by their coherence g²: |H| sqrt((1 - g²) / (g² averages)).
-
-    J. S. Bendat and A. G. Piersol, Random Data, 2010, section 9.2, real and imaginary part together.
-    """
-    g = np.clip(np.asarray(data.coherence), 1e-6, 1.0)
-    return np.asarray(np.abs(data.values) * np.sqrt((1 - g) / (g * data.averages)))
 
 
 def measured(

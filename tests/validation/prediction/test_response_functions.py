@@ -10,13 +10,14 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import Point
+from identification.response_functions import ResponseFunctions
 from validation.effects.catalogue import Named
 from validation.effects.stages import Matrices
 from validation.estimation.evaluate import evaluate
 from validation.estimation.problem import Problem
 from validation.model.model import Added, StructureTolerances
 from validation.prediction import effects as prediction_effects
-from validation.prediction import series
+from validation.prediction import response_functions, series
 from validation.prediction.response_functions import ResponseFunctionTest, measured
 
 M, K, ETA = np.diag([2.0, 3.0, 1.5]), 1e4 * np.array([[5.0, -2.0, 0.0], [-2.0, 4.0, -1.0], [0.0, -1.0, 1.0]]), 0.01
@@ -80,18 +81,7 @@ def test_a_structure_answers_at_one_place_to_another_as_the_other_to_the_one() -
 
 
 def test_every_derivative_is_that_of_differences() -> None:
-    test = model(chain()).with_effects(EFFECTS)
-    at = {one.name: one.start + 0.1 * one.tolerance for one in test.parameters}
-    lines = np.arange(0, len(F), 60)
-    exact = test.at(at, lines)
-    assert set(exact.changes) == set(at)
-    for name, change in exact.changes.items():
-        step = 1e-5
-        above, below = (test.at({**at, name: at[name] + side * step}, lines, derivatives=False).rows for side in (1, -1))
-        difference = ((above - below) / (2 * step))[:, :, list(change.channels)]
-        scale = np.abs(difference).max()
-        assert scale > 0
-        assert_allclose(change.rows, difference, rtol=0, atol=1e-5 * scale, err_msg=name)  # the step's third power
+    assert_derivatives(model(chain()).with_effects(EFFECTS))
 
 
 def test_gains_scale_a_channel_and_the_force_all_of_them_the_other_way() -> None:
@@ -170,3 +160,79 @@ def test_what_tells_no_scatter_is_refused() -> None:
         series.noise(np.arange(5.0), np.ones((1, 5, 1)))
     with pytest.raises(ValueError, match="two runs or more"):
         series.repeatability(np.ones((1, 5, 1)))
+
+
+def functions(values: ComplexArray, **options: object) -> ResponseFunctions:
+    """The chain's readings as a test file has them."""
+    given = {"source": "test.toml", "title": "test", "article": "chain", "band": (float(F[0]), float(F[-1]))}
+    points = tuple(Point(place=name) for name in NAMES)
+    return ResponseFunctions(frequency=F, values=values, responses=points, **{"drives": points, **given, **options})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("quantity", "power"), [("velocity", 1), ("displacement", 2)])
+def test_velocity_and_displacement_are_the_acceleration_over_powers_of_i_omega(quantity: str, power: int) -> None:
+    exact = chain() / (2j * np.pi * F[:, None]) ** power
+    (test,) = response_functions.of(model(chain()).structure, functions(exact, quantity=quantity))
+    found = test.at({}, derivatives=False).rows[..., 0]
+    assert_allclose(found, exact, rtol=0, atol=1e-11 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("scale", [3.7, -0.02])
+def test_readings_without_calibration_give_their_scale_with_its_interval_and_every_derivative(scale: float) -> None:
+    rng = np.random.default_rng(6)
+    clean = scale * chain(M + np.diag([0.0, 0.3, 0.0]))
+    noisy = clean * (1 + 0.01 * rng.standard_normal(clean.shape))
+    (test,) = response_functions.of(model(chain()).structure, functions(noisy, scaled=False, share=0.01, decay_rate=0.0))
+    heavier = test.with_effects([added("point-mass:b", 0.0)])
+    assert_derivatives(heavier)
+    found = evaluate(Problem((heavier,))).fitted
+    names = [one.name for one in found.parameters]
+    at = names.index("scale:test")
+    assert found.parameters[at].value(found.offsets[at]) == pytest.approx(scale, rel=4 * np.sqrt(found.covariance[at, at]))
+    assert found.offsets[names.index("point-mass:b")] == pytest.approx(0.3, abs=0.02)
+
+
+def test_an_exponential_window_moves_the_axis_of_prediction_and_its_derivatives() -> None:
+    rate = 2.0
+    (test,) = response_functions.of(model(chain()).structure, functions(chain(), decay_rate=rate))
+    s = 2j * np.pi * F + rate
+    exact = np.array([one**2 * np.linalg.inv(K * (1 + 1j * ETA) + one**2 * M) for one in s]).transpose(2, 0, 1)
+    assert_allclose(test.at({}, derivatives=False).rows[..., 0], exact, rtol=0, atol=1e-11 * np.abs(exact).max())
+    assert_derivatives(test.with_effects(EFFECTS))
+
+
+def test_gains_that_are_unknown_each_by_itself_take_no_shape_for_evidence() -> None:
+    (test,) = response_functions.of(model(chain()).structure, functions(chain(), gain=np.inf))
+    open_ones = [one.name for one in test.parameters if not np.isfinite(one.tolerance)]
+    assert open_ones == [f"accelerometer-gain:{name}" for name in NAMES]
+    assert_derivatives(test)
+    with pytest.raises(BadInput, match="no tolerance"):
+        test.with_effects([added("accelerometer-gain:a", 0.1)])
+
+
+def test_noise_is_that_of_the_coherence_where_it_is_known() -> None:
+    coherence, values = np.full((3, len(F), 3), 0.8), chain()
+    (test,) = response_functions.of(model(values).structure, functions(values, coherence=coherence, averages=10, share=0.0))
+    assert_allclose(test.measured.noise, np.abs(values) * np.sqrt(0.2 / 8), rtol=1e-12)
+
+
+def test_places_that_the_structure_has_not_are_refused() -> None:
+    with pytest.raises(BadInput, match="no such place"):
+        response_functions.of(
+            model(chain()).structure, functions(chain(), drives=tuple(Point(place=n) for n in ("a", "b", "attic")))
+        )
+
+
+def assert_derivatives(test: ResponseFunctionTest) -> None:
+    at = {one.name: one.start + 0.1 * min(one.tolerance, 1.0) for one in test.parameters}
+    lines = np.arange(0, len(F), 60)
+    exact = test.at(at, lines)
+    assert set(at) <= set(exact.changes)
+    for name in at:
+        step = 1e-5
+        above, below = (test.at({**at, name: at[name] + side * step}, lines, derivatives=False).rows for side in (1, -1))
+        change = exact.changes[name]
+        difference = ((above - below) / (2 * step))[:, :, list(change.channels)]
+        scale = np.abs(difference).max()
+        assert scale > 0
+        assert_allclose(change.rows, difference, rtol=0, atol=1e-5 * scale, err_msg=name)  # the step's third power

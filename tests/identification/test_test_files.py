@@ -1,0 +1,428 @@
+"""Tests of any structure as their TOML describes them: every format, every mistake that is told in words, and the real data."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from scipy.signal import fftconvolve
+
+from geometry.errors import BadInput
+from geometry.frames import Array
+from identification import test_file
+from identification.files import files, text_table
+from identification.files.files import Signals
+from identification.modal_table import ModalTable
+from identification.response_functions import ResponseFunctions
+from identification.spectra import response_estimates
+
+F = np.arange(1, 401) * 0.25
+PLACES = ("a", "b")
+
+
+def functions() -> dict[tuple[str, str], Any]:
+    """By drive and response, of two modes: complex accelerances."""
+    omega = 2 * np.pi * F
+    shapes, poles = np.array([[1.0, 0.6], [0.7, -1.0]]), 2 * np.pi * np.array([20.0, 55.0])
+    made = {}
+    for r, drive in enumerate(PLACES):
+        for c, response in enumerate(PLACES):
+            terms = [
+                -(omega**2) * m[r] * m[c] / (w**2 - omega**2 + 0.02j * w * omega) for m, w in zip(shapes, poles, strict=True)
+            ]
+            made[drive, response] = sum(terms)
+    return made
+
+
+def written(folder: Path, name: str, columns: list[Any], *, separator: str = ",", header: str = "", form: str = "{!r}") -> None:
+    rows = [separator.join(form.format(one) for one in row) for row in zip(*columns, strict=True)]
+    (folder / name).write_text("\n".join([header, *rows] if header else rows) + "\n", encoding="utf-8")
+
+
+def described(**more: Any) -> dict[str, Any]:
+    return {"kind": "response-functions", "article": "plate", "direction": "z", "responses": list(PLACES), **more}
+
+
+def read(folder: Path, table: dict[str, Any]) -> ResponseFunctions:
+    found = test_file.read(folder / "test.toml", table)
+    assert isinstance(found, ResponseFunctions)
+    return found
+
+
+def two_files(folder: Path) -> list[dict[str, str]]:
+    of = functions()
+    for drive in PLACES:
+        columns = [F.tolist(), *([complex(one) for one in of[drive, at]] for at in PLACES)]
+        text = [[str(one).strip("()") for one in column] for column in columns]
+        written(folder, f"{drive}.csv", text, separator=";", form="{}")
+    return [{"path": f"{drive}.csv", "drive": drive} for drive in PLACES]
+
+
+def test_complex_numbers_real_and_imaginary_parts_and_magnitudes_with_phases_are_one_test(tmp_path: Path) -> None:
+    of, files_of = functions(), two_files(tmp_path)
+    whole = read(tmp_path, described(files=files_of))
+    exact = np.array([[of[d, c] for c in PLACES] for d in PLACES]).transpose(0, 2, 1)
+    assert_allclose(whole.values, exact, rtol=1e-12)
+    assert_allclose(whole.frequency, F, rtol=1e-15)
+    parts = [part.tolist() for c in PLACES for part in (of["a", c].real, of["a", c].imag)]
+    written(tmp_path, "pairs.csv", [F.tolist(), *parts], header="f,a (Real),a (Imag.),b (Real),b (Imag.)")
+    pairs = read(tmp_path, described(file="pairs.csv", drive="a"))
+    assert_allclose(pairs.values[0], exact[0], rtol=1e-12)
+    polar = [p for c in PLACES for p in ((20 * np.log10(np.abs(of["a", c]))).tolist(), np.degrees(np.angle(of["a", c])).tolist())]
+    written(tmp_path, "polar.csv", [F.tolist(), *polar])
+    decibels = read(tmp_path, described(file="polar.csv", drive="a", parts="decibel-degrees"))
+    assert_allclose(decibels.values[0], exact[0], rtol=1e-9)
+
+
+def test_the_file_itself_is_read_with_its_format_and_fifteen_lines_are_enough(tmp_path: Path) -> None:
+    two_files(tmp_path)
+    text = """format = 1
+kind = "response-functions"
+article = "plate"
+responses = ["a:z", "b:-z"]
+files = [{ path = "a.csv", drive = "a:z" }, { path = "b.csv", drive = "b:-z" }]
+unit = "g/N"
+band = [5, 80]
+gain = "unknown"
+share = 0.02
+"""
+    (tmp_path / "test.toml").write_text(text, encoding="utf-8")
+    found = test_file.read(tmp_path / "test.toml")
+    assert isinstance(found, ResponseFunctions)
+    assert_allclose(found.values[0, :, 0], 9.80665 * functions()["a", "a"], rtol=1e-12)
+    assert found.responses[1].direction.tolist() == [0, 0, -1]  # type: ignore[union-attr]
+    assert (found.band, found.scaled, found.share) == ((5, 80), False, 0.02)
+
+
+def test_vectors_of_matlab_and_hdf5_are_response_functions_too(tmp_path: Path) -> None:
+    of = functions()
+    samples = {"Haa": of["a", "a"], "Hba": of["a", "b"]}
+    for name in ("x.mat", "x.h5"):
+        files.write(tmp_path / name, Signals(source=name, samples=samples, frequency=F))
+        named = described(file=name, drive="a", columns={"a": "Haa", "b": "Hba"})
+        assert_allclose(read(tmp_path, named).values[0, :, 1], of["a", "b"], rtol=1e-12)
+
+
+def universal(path: Path, **changed: Any) -> None:
+    """Written by pyuff, which is other code."""
+    import pyuff
+
+    file = pyuff.UFF(str(path))
+    sets = [
+        pyuff.prepare_164(units_code=5, units_description="mm", temp_mode=1, length=1e3, force=1.0, temp=1.0, temp_offset=1.0)
+    ]
+    sets.append(pyuff.prepare_2411([1, 2], [1, 1], [1, 1], [1, 1], [0.0, 250.0], [0.0, 0.0], [100.0, 100.0]))
+    for (drive, response), H in functions().items():
+        head = {
+            "binary": 0, "func_type": 4, "rsp_node": PLACES.index(response) + 1, "rsp_dir": 3, "ref_dir": -3,
+            "ref_node": PLACES.index(drive) + 1, "data": 1e3 * H, "x": F, "id1": f"{response}/{drive}", "rsp_ent_name": "NONE",
+            "ref_ent_name": "NONE", "abscissa_spacing": 1, "abscissa_min": F[0], "abscissa_inc": F[1] - F[0], "num_pts": len(F),
+            "ordinate_spec_data_type": 12, "orddenom_spec_data_type": 13, "abscissa_spec_data_type": 18, "ord_data_type": 6,
+        }  # fmt: skip
+        sets.append(pyuff.prepare_58(**{**head, **changed}))
+    file.write_sets(sets, mode="overwrite")
+
+
+def test_a_universal_file_brings_places_units_and_references_along(tmp_path: Path) -> None:
+    universal(tmp_path / "test.uff")
+    table = {"kind": "response-functions", "article": "plate", "file": "test.uff", "places": {"2": "tip"}}
+    found = read(tmp_path, table)
+    of = functions()
+    assert_allclose(found.values, np.array([[of[d, c] for c in PLACES] for d in PLACES]).transpose(0, 2, 1), rtol=1e-10)
+    assert [one.place for one in found.drives] == ["node 1", "tip"]
+    assert found.drives[0].direction.tolist() == [0, 0, -1]  # type: ignore[union-attr]
+    assert_allclose(found.responses[1].position, [0.25, 0.0, 0.1])  # type: ignore[arg-type]
+    assert found.quantity == "acceleration"
+
+
+def test_a_universal_file_of_displacements_says_so_and_one_upside_down_too(tmp_path: Path) -> None:
+    table = {"kind": "response-functions", "article": "plate", "file": "test.uff"}
+    universal(tmp_path / "test.uff", ordinate_spec_data_type=8)
+    assert read(tmp_path, table).quantity == "displacement"
+    universal(tmp_path / "test.uff", ordinate_spec_data_type=13, orddenom_spec_data_type=12)
+    with pytest.raises(BadInput, match="force over acceleration"):
+        read(tmp_path, table)
+    universal(tmp_path / "test.uff", ref_node=0, ref_dir=0)
+    with pytest.raises(BadInput, match="reference"):
+        read(tmp_path, table)
+
+
+@pytest.mark.parametrize("complex_modes", [False, True])
+def test_modes_of_a_universal_file_are_a_table(tmp_path: Path, complex_modes: bool) -> None:
+    import pyuff
+
+    z, shape = np.zeros(2), np.array([[1.0, -0.5], [0.3, 1.0]])
+    sets = [pyuff.prepare_2411([7, 9], [1, 1], [1, 1], [1, 1], [0.0, 1.0], z, z)]
+    for k, row in enumerate(shape):
+        pole = 2 * np.pi * (10.0 + k) * (-0.01 + 1j * np.sqrt(1 - 1e-4))
+        kind: dict[str, Any] = {"analysis_type": 2, "freq": 10.0 + k, "modal_damp_vis": 0.01}
+        if complex_modes:
+            row, kind = row * (1 + 0.5j), {"analysis_type": 3, "eig": pole, "modal_a": 1 + 0j, "modal_b": 1 + 0j}
+        sets.append(
+            pyuff.prepare_55(
+                **kind, data_ch=2, spec_data_type=8, load_case=1, mode_n=k + 1, node_nums=[7, 9], r1=0 * row, r2=0 * row, r3=row
+            )
+        )
+    pyuff.UFF(str(tmp_path / "modes.unv")).write_sets(sets, mode="overwrite")
+    found = test_file.read(
+        tmp_path / "t.toml", {"kind": "modal-table", "article": "beam", "file": "modes.unv", "places": {"9": "tip"}}
+    )
+    assert isinstance(found, ModalTable)
+    assert_allclose(found.frequency, [10, 11], rtol=1e-5)  # six digits
+    assert_allclose(found.damping_ratio, 0.01, rtol=1e-4)  # type: ignore[arg-type]
+    assert [(one.place, one.name) for one in found.sensors] == [("node 7", "node-7-z"), ("tip", "tip-z")]
+    assert_allclose(np.asarray(found.shapes), shape * (1 + 0.5j if complex_modes else 1), rtol=1e-5)
+    assert any("deviation" in one for one in found.warnings)
+
+
+REFUSED: dict[str, tuple[dict[str, Any], str]] = {
+    "no file": ({"file": "none.csv", "drive": "a"}, "no such file"),
+    "reference missing": ({"file": "a.csv"}, "reference is missing"),
+    "one reference's file missing": (
+        {"files": [{"path": "a.csv", "drive": "a"}, {"path": "short.csv", "drive": "b", "responses": ["a"]}]},
+        "missing: b-z over b-z",
+    ),
+    "unequal resolution": ({"files": [{"path": "a.csv", "drive": "a"}, {"path": "coarse.csv", "drive": "b"}]}, "apart"),
+    "upside down by its unit": ({"file": "a.csv", "drive": "a", "unit": "N/(m/s^2)"}, "force over acceleration"),
+    "upside down by its looks": (
+        {"files": [{"path": "up-a.csv", "drive": "a"}, {"path": "up-b.csv", "drive": "b"}]},
+        "force over response",
+    ),
+    "magnitude alone": ({"file": "magnitude.csv", "drive": "a"}, "complex"),
+    "decibels alone": ({"file": "decibels.csv", "drive": "a"}, "decibels"),
+    "phase in degrees": ({"file": "polar.csv", "drive": "a"}, "magnitude and phase"),
+    "no direction": ({"file": "a.csv", "drive": "a", "direction": ""}, "direction"),
+    "another axis": ({"file": "a.csv", "drive": "a:w"}, "no axis 'w'"),
+    "unknown key": ({"file": "a.csv", "drive": "a", "bend": [1, 2]}, "band"),
+    "unit of something else": ({"file": "a.csv", "drive": "a", "unit": "K"}, "none of acceleration"),
+    "columns": ({"file": "a.csv", "drive": "a", "responses": ["a", "b", "c"]}, "columns"),
+    "twice": ({"files": [{"path": "a.csv", "drive": "a"}, {"path": "a.csv", "drive": "a"}]}, "as well"),
+    "band": ({"file": "a.csv", "drive": "a", "band": [500, 600]}, "band"),
+    "not finite": ({"file": "nan.csv", "drive": "a"}, "finite"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_be_used_is_refused_in_words(case: str, tmp_path: Path) -> None:
+    two_files(tmp_path)
+    of = functions()
+    for name, chosen in (("short", F[:200]), ("coarse", 2 * F)):
+        count = 1 if name == "short" else 2
+        written(tmp_path, f"{name}.csv", [chosen.tolist(), *[[f"{k}+1j" for k in range(len(chosen))]] * count], form="{}")
+    for drive in PLACES:
+        upside = [[str(complex(one)).strip("()") for one in 1 / of[drive, c]] for c in PLACES]
+        written(tmp_path, f"up-{drive}.csv", [F.tolist(), *upside], form="{}")
+    level = [np.abs(of["a", c]) for c in PLACES]
+    written(tmp_path, "magnitude.csv", [F.tolist(), *(one.tolist() for one in level)])
+    written(tmp_path, "decibels.csv", [F.tolist(), *((20 * np.log10(one) - 60).tolist() for one in level)])
+    polar = [part.tolist() for c in PLACES for part in (np.abs(of["a", c]), np.degrees(np.angle(of["a", c])))]
+    written(tmp_path, "polar.csv", [F.tolist(), *polar])
+    written(tmp_path, "nan.csv", [F.tolist(), *[["nan+0j"] * len(F)] * 2], form="{}")
+    more, said = REFUSED[case]
+    with pytest.raises(BadInput, match=said):
+        read(tmp_path, described(**more))
+
+
+MODES: dict[str, tuple[dict[str, Any], str]] = {
+    "no frequency": ({"frequencies": []}, "list"),
+    "negative": ({"frequencies": [-1.0, 2.0]}, "positive"),
+    "shapes of other modes": ({"frequencies": [1.0], "shapes": [[1, 2], [3, 4]], "sensors": ["a:x", "b:x"]}, "2 modes"),
+    "shapes without sensors": ({"frequencies": [1.0], "shapes": [[1, 2]]}, "0 sensors"),
+    "a zero shape": ({"frequencies": [1.0], "shapes": [[0, 0]], "sensors": ["a:x", "b:x"]}, "zero"),
+    "words": ({"frequencies": [1.0], "shapes": [["x", 0]], "sensors": ["a:x", "b:x"]}, "list of numbers"),
+    "a sensor twice": ({"frequencies": [1.0], "shapes": [[1, 2]], "sensors": ["a:x", "a:x"]}, "twice"),
+    "of another dimension": ({"frequencies": ["3 kg"]}, "frequency"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", MODES)
+def test_a_table_of_modes_that_cannot_be_used_is_refused_in_words(case: str, tmp_path: Path) -> None:
+    more, said = MODES[case]
+    with pytest.raises(BadInput, match=said):
+        test_file.read(tmp_path / "t.toml", {"kind": "modal-table", "article": "beam", **more})
+
+
+def test_a_table_that_is_typed_has_deviations_or_says_that_the_usual_are_taken(tmp_path: Path) -> None:
+    table = {
+        "kind": "modal-table",
+        "article": "beam",
+        "frequencies": ["4.06 +/- 0.03 Hz", "4.55 +/- 0.02 Hz"],
+        "damping": [0.01, 0.02],
+    }
+    found = test_file.read(tmp_path / "t.toml", table)
+    assert isinstance(found, ModalTable)
+    assert_allclose(found.frequency_deviation, [0.03, 0.02], rtol=1e-12)
+    assert_allclose(found.damping_deviation, [0.002, 0.004], rtol=1e-12)  # type: ignore[arg-type]
+    assert len(found.warnings) == 1
+
+
+@given(st.complex_numbers(allow_nan=False, allow_infinity=False, max_magnitude=1e9))
+def test_a_complex_number_is_read_as_python_writes_it(number: complex) -> None:
+    assert text_table.as_number(str(number)) == number
+    assert text_table.as_number(str(number).replace("j", "i").strip("()")) == number
+
+
+@given(st.text(max_size=40))
+def test_no_text_makes_the_reader_of_numbers_fail(text: str) -> None:
+    found = text_table.as_number(text)
+    assert found is None or isinstance(found, complex)
+
+
+# Records of force and response.
+
+RATE = 1024
+
+
+def answer(force: Array, frequency: float = 60.0, zeta: float = 0.01) -> Array:
+    """Displacement of one mode of unit mass, by its impulse response."""
+    w = 2 * np.pi * frequency
+    t = np.arange(len(force)) / RATE
+    h = np.exp(-zeta * w * t) * np.sin(w * np.sqrt(1 - zeta**2) * t) / (w * np.sqrt(1 - zeta**2)) / RATE
+    return np.asarray(fftconvolve(force, h)[: len(force)])
+
+
+def exact(f: Array, decay: float = 0.0, frequency: float = 60.0, zeta: float = 0.01) -> Any:
+    w, s = 2 * np.pi * frequency, 2j * np.pi * f + (1 / decay if decay else 0.0)
+    return 1 / (s**2 + 2 * zeta * w * s + w**2)
+
+
+def test_estimators_of_a_shaker_bracket_the_function_where_each_channel_is_noisy() -> None:
+    rng = np.random.default_rng(0)
+    force = rng.standard_normal(RATE * 120)
+    x = answer(force)
+    noise = 0.5 * x.std() * rng.standard_normal(len(x))
+    level = {}
+    for of in response_estimates.ESTIMATORS:
+        made = response_estimates.shaken(force, (x + noise)[:, None], RATE, block=4.0, estimator=of)
+        away = (made.frequency > 20) & (made.frequency < 50)
+        level[of] = np.median(np.abs(made.values[away, 0] / exact(made.frequency[away])))
+    assert level["H1"] == pytest.approx(1, abs=0.06)
+    assert level["H1"] < level["Hv"] < level["H2"]
+    clean = response_estimates.shaken(force, x[:, None], RATE, block=8.0)
+    near = np.abs(clean.frequency - 60) < 3
+    assert_allclose(clean.values[near, 0], exact(clean.frequency[near]), rtol=0.06)  # leakage of 8 s at this damping
+    assert clean.coherence[near].min() > 0.95
+
+
+def blows_of(zeta: float, count: int = 4) -> tuple[Array, Array]:
+    """Blows 4 s apart, each answered until the next."""
+    force, found = np.zeros(4 * RATE * count), np.zeros(4 * RATE * count)
+    for k in range(count):
+        own = slice(4 * RATE * k, 4 * RATE * (k + 1))
+        force[own.start + 100 : own.start + 105] = (100 + 10 * k) * np.sin(np.pi * np.arange(5) / 4)
+        alone = np.zeros(4 * RATE)
+        alone[:] = force[own]
+        found[own] = answer(alone, zeta=zeta)
+    return force, found
+
+
+@pytest.mark.parametrize(("zeta", "decay"), [(0.01, 0.0), (0.001, 0.6)])
+def test_blows_give_the_function_on_the_axis_to_which_their_window_moves_it(zeta: float, decay: float) -> None:
+    force, x = blows_of(zeta)
+    found = response_estimates.blows(force, x[:, None], RATE, block=3.8)
+    assert [one.fault for one in found] == [""] * 4
+    made = response_estimates.struck(found, RATE, decay=decay)
+    near = np.abs(made.frequency - 60) < 5
+    assert_allclose(made.values[near, 0], exact(made.frequency[near], decay, zeta=zeta), rtol=3e-3)  # what is left at the end
+    assert not made.warnings
+    if decay:
+        short = response_estimates.struck(found, RATE)
+        assert any("still rings" in one for one in short.warnings)
+        assert np.abs(short.values[near, 0]).max() < 0.9 * np.abs(exact(made.frequency[near], zeta=zeta)).max()
+
+
+def test_double_hits_overload_and_blows_beside_their_point_are_said_by_blow() -> None:
+    force, x = blows_of(0.01, count=7)
+    hit = 4 * RATE * 1 + 160
+    force[hit : hit + 5] += 40 * np.sin(np.pi * np.arange(5) / 4)
+    start = 4 * RATE * 2 + 100
+    force[start - 3 : start + 5] = 130.0
+    beside = slice(4 * RATE * 4, 4 * RATE * 5)
+    x = np.array(x)
+    x[beside] *= 0.7
+    found = response_estimates.blows(force, x[:, None], RATE, block=3.8)
+    assert "double hit" in found[1].fault
+    assert "overloaded" in found[2].fault
+    made = response_estimates.struck(found, RATE)
+    assert made.averages == 5
+    assert sum("left out" in one for one in made.warnings) == 2
+    assert any("16.1 s has poor coherence" in one for one in made.warnings)
+    with pytest.raises(BadInput, match="none of 2 blows can be used"):
+        response_estimates.struck(found[1:3], RATE)
+
+
+def test_a_record_without_a_hit_and_a_clipped_channel_are_refused() -> None:
+    rng = np.random.default_rng(3)
+    noise = rng.standard_normal(8 * RATE)
+    with pytest.raises(BadInput, match="no blow"):
+        response_estimates.blows(noise, noise[:, None], RATE)
+    with pytest.raises(BadInput, match="silent"):
+        response_estimates.shaken(0 * noise, noise[:, None], RATE)
+    loud = np.clip(np.convolve(noise, np.ones(30), mode="same"), -4, 4)
+    with pytest.raises(BadInput, match="clipped"):
+        response_estimates.shaken(noise, loud[:, None], RATE)
+
+
+def test_records_in_files_become_functions_with_their_coherence(tmp_path: Path) -> None:
+    rng = np.random.default_rng(4)
+    force = rng.standard_normal(RATE * 40)
+    x = answer(force)
+    time = np.arange(len(force)) / RATE
+    np.savetxt(
+        tmp_path / "a.csv", np.column_stack([time, force, x]), delimiter=",", header="time,force,x", comments="", fmt="%.9g"
+    )
+    files.write(tmp_path / "a.h5", Signals(source="a", samples={"force": force, "x": x}, sampling_rate=RATE))
+    made = []
+    for name, more in (("a.csv", {}), ("a.h5", {"columns": {"response": "x"}})):
+        table = described(file=name, drive="a", responses=["a"], quantity="displacement", records={"block": "4 s"}, **more)
+        made.append(read(tmp_path, table))
+    assert_allclose(made[0].values, made[1].values, rtol=1e-5)
+    assert made[0].coherence is not None
+    assert made[0].averages > 5
+    near = np.abs(made[0].frequency - 30) < 5
+    assert_allclose(made[0].values[0, near, 0], exact(made[0].frequency[near]), rtol=0.03)
+
+
+# The real ones.
+
+
+def test_the_frame_is_read_from_a_table_of_ten_lines(data: Path) -> None:
+    folder = _folder(data, "three_storey_frame")
+    named = {"Experimental.csv": "floor-1", "test_2.csv": "floor-2", "test_3.csv": "floor-3"}
+    entries = [{"path": path, "drive": drive} for path, drive in named.items()]
+    table = described(direction="x", responses=list(named.values()), files=entries, band=[3, 90])
+    found = read(folder, table)
+    assert found.values.shape == (3, len(found.frequency), 3)
+    there = (found.frequency > 60) & (found.frequency < 90)
+    # The mass line: that of the drive point of floor 1 is 5.05 kg, data/README.md
+    assert 1 / np.mean(found.values[0, there, 0].real) == pytest.approx(5.05, rel=0.02)
+
+
+def test_the_frame_with_weights_has_its_peaks_where_they_are_stated(data: Path) -> None:
+    found = read(
+        _folder(data, "shear_building_weights"), described(direction="x", file="FRF.csv", drive="a", responses=["a", "b", "c"])
+    )
+    level = np.abs(found.values[0]).sum(axis=1)
+    for low, high, stated in ((10, 40, 21), (60, 100, 77), (120, 180, 145)):
+        inside = np.flatnonzero((found.frequency > low) & (found.frequency < high))
+        assert found.frequency[inside[np.argmax(level[inside])]] == pytest.approx(stated, abs=1.0)
+
+
+def test_the_shear_building_is_read_from_records(data: Path) -> None:
+    entries = [{"path": f"floor{k}.csv", "responses": [f"floor-{k}"]} for k in (1, 2, 3)]
+    table = described(direction="x", drive="floor-1", files=entries, records={"block": "10 s"}, gain="unknown")
+    found = read(_folder(data, "shear_building"), table)
+    assert not found.scaled
+    level = np.abs(found.values[0]).sum(axis=1)
+    for low, high, stated in ((2, 5, 3.18), (7, 11, 9.09), (11, 16, 13.44)):
+        inside = np.flatnonzero((found.frequency > low) & (found.frequency < high))
+        assert found.frequency[inside[np.argmax(level[inside])]] == pytest.approx(stated, abs=0.15)
+
+
+def _folder(data: Path, name: str) -> Path:
+    if not (data / name).is_dir():
+        pytest.skip(f"{data / name} is absent; data/README.md of the shared folder says where it comes from")
+    return data / name
