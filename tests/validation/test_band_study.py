@@ -1,7 +1,5 @@
 """The band study tells what elasticity makes from what inertia makes: on finite elements, and on a rigid body."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

@@ -4,8 +4,6 @@ The oracle has sixty modes and the static share of all others. Its damping is sc
 hertz, or - "layered" - that of the article's silicone layer in its viscous form, which couples modes far apart.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cache
 

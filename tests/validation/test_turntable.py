@@ -1,7 +1,5 @@
 """Pictures that can be turned: everything stands where its label says."""
 
-from __future__ import annotations
-
 import io
 
 import numpy as np

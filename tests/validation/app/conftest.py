@@ -1,7 +1,5 @@
 """The workbench as a user has it: the command in a process, Chromium before it, and what both leave behind."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 import re

@@ -1,7 +1,5 @@
 """What a window does with clicks that come at a bad moment, without a browser."""
 
-from __future__ import annotations
-
 import asyncio
 import threading
 import time

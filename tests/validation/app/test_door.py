@@ -1,7 +1,5 @@
 """Nobody comes in who was not let in, whatever way they ask."""
 
-from __future__ import annotations
-
 import http.client
 from pathlib import Path
 from typing import Any

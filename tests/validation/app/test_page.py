@@ -1,7 +1,5 @@
 """The page as a person meets it: by mouse and by keyboard, with names in the files that would like to be more than names."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Every window has a process of its own, and none is left when it is closed."""
 
-from __future__ import annotations
-
 import signal
 import subprocess
 from typing import Any

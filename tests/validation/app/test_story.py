@@ -1,7 +1,5 @@
 """The whole story in a real browser, as the workbench was asked for, and pictures of every state under out/."""
 
-from __future__ import annotations
-
 import json
 import zipfile
 from pathlib import Path

@@ -1,7 +1,5 @@
 """When a window's process ends, and when the door does, without any process or browser."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Awaitable, Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`massline compare` to its exit code, on spectra that its own prediction made: what is tested is the way, not physics."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from dataclasses import replace

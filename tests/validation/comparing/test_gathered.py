@@ -1,7 +1,5 @@
 """Campaign folders and measurement files together: told apart, and refused where they contradict each other."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path

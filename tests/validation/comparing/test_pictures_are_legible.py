@@ -1,7 +1,5 @@
 """What stands on the pictures of comparisons and ladders can be read: no words upon words, no curve behind its dots."""
 
-from __future__ import annotations
-
 from itertools import combinations
 from pathlib import Path
 from typing import Any

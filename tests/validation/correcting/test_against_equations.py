@@ -1,7 +1,5 @@
 """Signs and sizes of corrections are those of the measurement chain and of the catalogue's equations, a user's own among them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path

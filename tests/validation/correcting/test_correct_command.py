@@ -1,7 +1,5 @@
 """`massline correct`: a whole new folder in the old one's formats, the old one untouched."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from dataclasses import replace

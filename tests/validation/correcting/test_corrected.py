@@ -1,7 +1,5 @@
 """What a virtual test plants, `corrected` takes out: the copy is the test of the same laboratory without the fault."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Diagnoses made by hand, one of every verdict; nothing is fitted."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """`massline diagnose` from options to exit code: the way, the climb, refusals, one whole run."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from collections.abc import Callable

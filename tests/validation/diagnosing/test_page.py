@@ -1,7 +1,5 @@
 """What an engineer and other programs read of a diagnosis: pages, sentences, JSON, pictures."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from dataclasses import replace

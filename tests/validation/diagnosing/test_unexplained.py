@@ -1,7 +1,5 @@
 """What is left over is told by where it is and what it looks like, and with the size that it has."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

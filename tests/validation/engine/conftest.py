@@ -1,7 +1,5 @@
 """A toy laboratory whose truth is known: two base motions, five pick-ups, eight forces, an article that resonates once."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -38,7 +36,7 @@ class Toy:
     per_run: bool = False
     calls: list[int] = field(default_factory=list)
 
-    def on(self, runs: Sequence[str]) -> Toy:
+    def on(self, runs: Sequence[str]) -> "Toy":
         return replace(self, measured=self.measured.on(runs))
 
     def at(self, offsets, lines=None, *, derivatives=True) -> Predicted:

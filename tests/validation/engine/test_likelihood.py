@@ -1,7 +1,5 @@
 """The likelihood of one data set: residuals, normal equations, common ways, and evidence."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

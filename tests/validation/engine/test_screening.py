@@ -1,7 +1,5 @@
 """What the data, and facts beside them, say of parameters that are not in a fit yet."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The picture of the command line and the figure of report and workbench show the same fall."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`massline model`: a file to start from, for every stack on the FMD and for what is the user's own."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable

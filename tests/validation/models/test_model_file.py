@@ -1,7 +1,5 @@
 """The model file: what is written is read back, what cannot be meant is refused by name, and an edit leaves the rest alone."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import fields
 from math import radians

@@ -1,7 +1,5 @@
 """Whatever stands in a model file, a user reads a model or a sentence; and an edit changes one effect or refuses."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Iterator
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """A model and campaigns that do not belong together say so, by the name of the file and of the field."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Figures show the numbers that went in, in their units, light and dark by the template alone, and take no title for markup."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import log10
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """Effects on a structure: equations, derivatives and bounds."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache

@@ -1,7 +1,5 @@
 """Weighing and pendulum beside the spectra, and effects that leave no body."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Callable
 from pathlib import Path

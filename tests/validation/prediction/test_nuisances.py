@@ -1,7 +1,5 @@
 """What a model declares to know within tolerances: identities, derivatives, and the damping law."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose

@@ -1,7 +1,5 @@
 """A user's own effects and articles."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path

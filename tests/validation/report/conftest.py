@@ -1,7 +1,5 @@
 """One report of a small laboratory, made once: a Cuboid on the FMD, one load cell 8 % too high, weighed, under hostile titles."""
 
-from __future__ import annotations
-
 import re
 from base64 import b64decode
 from collections.abc import Callable, Iterator

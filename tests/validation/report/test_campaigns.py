@@ -1,7 +1,5 @@
 """What was identified is held against its drawing in one frame, or not at all."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

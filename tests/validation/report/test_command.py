@@ -1,7 +1,5 @@
 """`massline report`: bad input is refused by name before anything is computed; an interruption leaves what was there."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The page in a browser: opened from the disk it draws every figure, complains of nothing, asks nobody, and prints light."""
 
-from __future__ import annotations
-
 import re
 from base64 import b64decode
 from collections.abc import Callable

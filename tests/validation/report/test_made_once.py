@@ -1,7 +1,5 @@
 """What a report asks of a model and its data is made once, whichever of its parts asks first."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """Whatever comes from a file is text on the page, and a number of a table keeps all its digits."""
 
-from __future__ import annotations
-
 from hypothesis import given
 from hypothesis import strategies as st
 

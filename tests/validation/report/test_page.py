@@ -1,7 +1,5 @@
 """The page says what the commands say, shows what data have, obeys no title and asks nobody for anything."""
 
-from __future__ import annotations
-
 import json
 import re
 import shlex

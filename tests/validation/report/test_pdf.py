@@ -1,7 +1,5 @@
 """The page on paper: a browser prints all of it; without one the command says what to install before it computes anything."""
 
-from __future__ import annotations
-
 import re
 import zlib
 from collections.abc import Callable
