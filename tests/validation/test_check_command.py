@@ -41,26 +41,12 @@ def folder(written: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(written, tmp_path / "own"))
 
 
-def test_a_sound_campaign_is_printed_and_ends_with_0(run: Run, folder: Path) -> None:
+@pytest.mark.usefixtures("folder")
+def test_a_sound_campaign_ends_with_0_and_its_table_fits_a_page(run):
     code, out, err = run("check", "own")
     assert (code, err) == (main.DONE, "")
-    for words in (
-        "A rigid block: fmd+disc+cuboid",
-        "cover-z1",
-        "sum of 2",
-        "sine-sweep 4-32 Hz",
-        "256 Hz",
-        "6 of 6",
-        "(130, 130, 0)",
-    ):
-        assert words in out
     assert "nothing is wrong with it" in out
-    assert folder.is_dir()
-
-
-@pytest.mark.usefixtures("folder")
-def test_the_table_fits_a_page(run: Run) -> None:
-    assert max(map(len, run("check", "own")[1].splitlines())) <= 132
+    assert max(map(len, out.splitlines())) <= 132
 
 
 def test_an_axis_that_no_run_drives_and_a_run_that_is_another_one_are_named(run: Run, folder: Path) -> None:

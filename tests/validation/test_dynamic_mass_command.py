@@ -25,18 +25,6 @@ def matrices(said: dict[str, Any]) -> np.ndarray:
     return np.array(said["re"]) + 1j * np.array(said["im"])
 
 
-def test_json_is_one_object_in_the_shape_of_the_contract(run: Run) -> None:
-    code, out, err = run("dynamic-mass", "clumod-1", "--model", "beam", "--json")
-    said = json.loads(out)
-    assert (code, err) == (main.DONE, "")
-    assert (said["article"], said["model"], said["about"]) == ("clumod-1", "beam", "article")
-    f, H = np.array(said["frequency_hz"]), matrices(said)
-    assert (f[0], f[-1], len(f)) == (4.0, 32.0, 561)
-    assert H.shape == (561, 6, 6)
-    assert_allclose(np.diff(f), 0.05, rtol=1e-9)
-    assert_allclose(H, H.transpose(0, 2, 1), atol=1e-9 * np.abs(H).max())  # reciprocity
-
-
 def test_at_zero_frequency_it_is_the_rigid_body_about_any_point(run: Run) -> None:
     said = {
         about: json.loads(run("dynamic-mass", "clumod-4", "--json", "--band", "0", "1", "--step", "1", "--about", about)[1])
@@ -67,6 +55,7 @@ def test_the_cuboid_is_flat_and_clumod_is_not(run: Run) -> None:
     assert (diagonal["one"].max(axis=0) / diagonal["one"][0])[:5].min() > 5
     assert flat["peaks"] == []
     assert len(one["peaks"]) >= 5
+    assert (one["frequency_hz"][0], one["frequency_hz"][-1], len(one["frequency_hz"])) == (4.0, 32.0, 561)
 
 
 def test_beside_exudyn_the_curves_agree_off_resonance(run: Run) -> None:
@@ -143,11 +132,7 @@ def test_articles_stand_side_by_side(tmp_path: Path) -> None:
         (["clumod-1", "--out", "."], "--out: no file is named"),
         (["clumod-1", "--model", "bem"], "Did you mean beam?"),
         (["clumod-1", "--against", "bem"], "`--against`"),
-        (["mine.h5", "--model", "solid"], "model of your own already"),
-        (["mine.h5", "--model", "beam"], "model of your own already"),
         (["clumod-1", "--against", "beam"], "the beam model would stand beside itself"),
-        (["clumod-1", "--model", "solid", "--against", "solid"], "Name another model: beam, exudyn"),
-        (["clumod-1", "--model", "mine.h5", "--against", "./mine.h5"], "the ./mine.h5 model would stand beside itself"),
         (["clumod-7"], "no built-in article is called 'clumod-7'"),
         (["clumod-1", "--modes", "0"], "--modes: must lie between 1 and 500, found 0"),
         (["clumod-1", "--modes", "1000"], "found 1000"),
@@ -170,13 +155,6 @@ def test_a_band_beyond_the_modes_kept_is_warned_of(run: Run) -> None:
     assert "the last of 3 modes kept" in err
     assert "--modes" in err
     assert run("dynamic-mass", "clumod-1", "--step", "4")[2] == ""
-
-
-def test_an_undamped_line_on_a_mode_is_a_failed_check_in_words(run: Run) -> None:
-    f = json.loads(run("modes", "clumod-1", "--json", "--count", "1")[1])["frequency_hz"][0]
-    code, _, err = run("dynamic-mass", "clumod-1", "--damping", "0", "--band", repr(f), "40", "--step", "1")
-    assert code in (main.DONE, main.FAILED_CHECK)  # whether rounding hits the pole is luck; a traceback it never is
-    assert "Traceback" not in err
 
 
 def test_the_difference_is_told_apart_off_and_at_resonance() -> None:

@@ -82,14 +82,6 @@ def test_assumed_tolerances_are_called_so_on_paper_too(command: str, name: str) 
     assert "tolerances ASSUMED" in run(command, name).stdout
 
 
-@pytest.mark.parametrize(("command", "name"), [("weigh", "weighing"), ("cog", "cog"), ("pendulum", "pendulum")])
-def test_constructed_readings_are_called_so_and_itemised(command: str, name: str) -> None:
-    out = run(command, f"clumod-4-{name}").stdout
-    assert "constructed, not measured" in out
-    assert "share of variance" in out
-    assert ("cannot separate" in out) is (command == "pendulum")
-
-
 def test_a_file_may_be_a_path_and_json_is_one_object(tmp_path: Path) -> None:
     copy = tmp_path / "mine.toml"
     shipped_text = (

@@ -44,14 +44,6 @@ def test_what_modes_can_carry_is_the_sum_over_all_of_them() -> None:
     assert_allclose(movable(whole.structure), whole.modes.effective_mass.sum(axis=0), rtol=1e-7)  # conjugate gradients
 
 
-def test_the_table_names_what_moves_and_the_published_modes(run: Run) -> None:
-    code, out, _ = run("modes", "clumod-1", "--count", "6")
-    assert code == main.DONE
-    assert "lower-1 z, ends together" in out
-    assert "lowest mode at 11.6 Hz" in out
-    assert "carried by the base itself" in out
-
-
 def test_a_dimension_of_the_users_moves_the_frequencies(run: Run) -> None:
     def bending(*more: str) -> float:
         said = json.loads(run("modes", "clumod-1", "--json", *more)[1])

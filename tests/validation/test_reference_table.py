@@ -1,8 +1,5 @@
 """The paper's tables come out of the data, and a table says what it rests on."""
 
-import re
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -38,10 +35,6 @@ def test_the_papers_deviations_come_out_within_one_unit_of_the_last_printed_digi
     deviation = found.deviation if unit == "mm" else found.deviation_percent
     # Θxx of Table 1 is 1.0375 % and prints as 1.03 %: one unit of the last digit is the paper's own accuracy.
     assert_allclose(deviation or 0.0, float(figure), rtol=0, atol=0.01 * (1 + 1e-9))
-
-
-def test_table_1_prints_theta_xx_rounded_down() -> None:
-    assert_allclose(one_row("clumod-4", MEASURED, 4).deviation_percent or 0, 1.0375, rtol=0, atol=5e-5)
 
 
 def test_the_papers_words_about_its_tolerances_hold_for_the_assumed_ones() -> None:
@@ -99,14 +92,3 @@ def test_the_deviations_do_not_depend_on_a_quarter_turn_of_the_frame() -> None:
     after = before.seen_from(Pose(rotation=rotation_about("z", np.pi / 2)))
     percent = [row(before, MEASURED, 5), row(after, MEASURED, 4)]
     assert_allclose(*[one.deviation_percent for one in percent if one is not None], rtol=1e-12)  # rounding
-
-
-def test_printed_deviations_read_as_figure_and_unit() -> None:
-    for article in ("clumod-4", "clumod-1"):
-        assert all(re.fullmatch(r"-?\d+\.\d\d (%|mm)", text) for text in published.published(article).printed_deviation)
-
-
-def test_an_unstated_value_is_not_compared() -> None:
-    said = table("clumod-4")
-    columns = {**said.columns, MEASURED: replace(said.columns[MEASURED], values=(None,) * 10)}
-    assert row(replace(said, columns=columns), MEASURED, 0) is None

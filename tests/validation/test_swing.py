@@ -170,13 +170,6 @@ Run = Callable[..., tuple[int, str, str]]
 SHORT = ("--cycles", "4", "--rate", "25")
 
 
-def test_it_prints_the_period_every_effect_and_the_inertia(run: Run) -> None:
-    code, out, _ = run("swing", "cuboid", "--radius", "0.1 m", "--damping", "1 %", "--off-centre", "1 mm, 1 mm", *SHORT)
-    assert code == 0
-    for words in ("by Eq. 5", "effect alone", "amplitude", "damping", "off-centre", "all together", "with corrections", "let go"):
-        assert words in out
-
-
 def test_json_holds_what_the_page_does_in_units_that_keys_name(run: Run) -> None:
     code, out, _ = run("swing", "clumod-4", "--axis", "x", "--s1", "0.55 m", "--s2", "0.9 m", "--json", *SHORT)
     found = json.loads(out)

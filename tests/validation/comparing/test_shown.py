@@ -1,6 +1,5 @@
 """The page, the JSON and the pictures of a comparison, and what is said of the four errors."""
 
-import json
 import re
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,15 +10,10 @@ import pytest
 from validation.compare.compare import Comparison, Spot, text
 from validation.estimation.problem import Share
 from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, ExplainedError, absurd, expected_z2, told
-from validation.output import entry, json_text, to_json
+from validation.output import entry, to_json
 from validation.report import compare
 from validation.report.compare import draw
 from validation.report.document import page
-
-
-def _page(found, width: int = 132) -> str:
-    return compare.document(found).text(width)
-
 
 EXPECTED = ExplainedError(measurement=1.0, with_modes=1.0)
 
@@ -44,27 +38,6 @@ the four errors
 
 def test_the_errors_are_printed_each_with_its_meaning_and_verdict(found) -> None:
     assert page("the four errors", [compare.errors(found).grid()], (), 110) == ERRORS
-
-
-def test_the_page_names_the_channel_first_and_what_was_weighed(found) -> None:
-    printed = _page(found)
-    first = next(line for line in printed.splitlines() if line.lstrip().startswith("1 "))
-    assert "fmd-z2 in the alpha sweep, 4-32 Hz, 18 sigma" in first
-    assert "scale.toml: mass [kg]" in printed
-    assert "+5.7" in printed
-    assert "warning: the mounting is assumed." in printed
-
-
-def test_the_json_has_the_keys_that_other_programs_rely_on(found) -> None:
-    written = json.loads(json_text(to_json(found)))
-    assert written["plain_error_percent"] == 1.23
-    assert written["fitted_chi2_per_dof"] == pytest.approx(0.88, rel=1e-12)
-    assert written["tolerance_z2"] == pytest.approx(576.27, rel=1e-12)
-    assert len(written["worst"]) <= 10
-    for one in written["worst"]:
-        assert {"campaign", "run", "channel", "frequency_hz", "sigma", "text"} <= one.keys()
-    assert written["worst"][0]["channel"] == "fmd-z2"
-    assert written["classical"][0]["predicted"] == 33.012
 
 
 def test_every_picture_is_there_and_its_names_stay_in_the_folder(found, tmp_path: Path) -> None:

@@ -42,47 +42,11 @@ def read_by_chain(campaign: Campaign, named: Named | None) -> np.ndarray:
     return values
 
 
-@pytest.mark.parametrize(
-    "effect",
-    [
-        "force-gain:fmd-z2=0.08",
-        "accelerometer-gain:table-x1=-0.05",
-        "force-delay:fmd-x12=1e-3",
-        "accelerometer-delay:cover-y1=-2e-3",
-        "board-delay:cover=1e-3",
-        "board-delay:table=1e-3",
-        "board-delay:force=1e-3",
-        "force-highpass:fmd-z4=0.7",
-        "load-path-shunt:y=0.2",
-        "load-path-shunt:z=0.1",
-        "accelerometer-position:cover-z3:y=0.02",
-        "accelerometer-position:table-x1:z=-0.01",
-        "accelerometer-misalignment:cover-z3:x=0.3",
-        "accelerometer-misalignment:cover-x1:z=-0.2",
-    ],
-)
-def test_what_the_chain_reads_wrong_is_read_right_again(tested: Tested, effect: str) -> None:
-    """The corrected campaign, its table included, is what a chain without the fault reads by that table."""
-    named = parse(effect)
-    faulty = spectra(tested(), read_by_chain(tested(), named))
-    made = corrected(faulty, named).campaign
-    right, scale = read_by_chain(made, None), np.abs(faulty.recordings["r"].values).max(axis=0)
-    assert np.max(np.abs(faulty.recordings["r"].values - read_by_chain(tested(), None)) / scale) > 1e-3
-    np.testing.assert_allclose(made.recordings["r"].values / scale, right / scale, atol=1e-12)
-
-
 def read_by_equation(campaign: Campaign, named: Named, values: np.ndarray) -> np.ndarray:
     change = FAMILIES[named.family].change
     assert change is not None
     reading = ChannelResponse(frequency=LINES, channels=campaign.table.names, rows=values[:, :, None])
     return np.asarray(change(reading, named.targets, named.values).rows[:, :, 0])
-
-
-@pytest.mark.parametrize("effect", ["polarity:fmd-z2", "channel-swap:cover-z1:fmd-x12", "unit:cover-z3=0.102"])
-def test_what_the_catalogue_reads_wrong_is_read_right_again(tested: Tested, effect: str) -> None:
-    clean, named = read_by_chain(tested(), None), parse(effect)
-    made = corrected(spectra(tested(), read_by_equation(tested(), named, clean)), named).campaign
-    np.testing.assert_allclose(made.recordings["r"].values, clean, rtol=1e-14)
 
 
 @pytest.fixture

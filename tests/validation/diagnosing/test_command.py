@@ -54,14 +54,6 @@ def answers(monkeypatch: pytest.MonkeyPatch, run: Run) -> Callable[[Diagnosis], 
     return set_to
 
 
-@pytest.mark.parametrize("verdict", VERDICTS)
-def test_the_exit_code_is_0_whatever_is_found(verdict: str, answers, made: Made, run: Run) -> None:
-    answers(made(verdict))
-    code, out, err = run("diagnose", "model.toml", "one")
-    assert (code, err) == (0, "")
-    assert "What model.toml is missing" in out
-
-
 def test_json_is_one_object_and_says_what_was_asked(answers, made: Made, run: Run) -> None:
     answers(made("ambiguous"))
     code, out, err = run(
@@ -321,59 +313,6 @@ def test_what_the_model_has_already_is_not_added_again(lab, made: Made) -> None:
 # The whole way once: a virtual test with a hidden gain, a model that does not know, `massline diagnose --auto`.
 
 
-FAST = ("--octaves-per-minute", "120", "--band", "8", "16", "--rate", "256", "--model", "rigid", "--noise", "0.1")
-ASKED = ("diagnose", "model.toml", "cuboid", "--hold-out", "z", "--candidate", "force-gain", "--candidate", "cell-stiffness")
-
-
-@pytest.fixture(scope="module")
-def climb(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder in which the climb was asked for once; ``first.json`` is what it said."""
-    folder = tmp_path_factory.mktemp("climb")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
-        plan = ("--seed", "3", "--tolerances", "0.3", "--effect", f"{GAIN}=0.08", *FAST)
-        assert main.run(["simulate", "fmd+cuboid", "--out", "cuboid", *plan]) == main.DONE
-        assert main.run(["model", "fmd+cuboid", "--out", "model.toml"]) == main.DONE
-        text = Path("model.toml").read_text(encoding="utf-8").replace('kind = "beam"', 'kind = "rigid"')
-        Path("model.toml").write_text(text, encoding="utf-8")
-        Path("before.toml").write_bytes(Path("model.toml").read_bytes())
-        assert main.run([*ASKED, "--auto", "--json", "--out", "first"]) == main.DONE
-    return folder
-
-
-def first(folder: Path) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((folder / "first" / "diagnose.json").read_text(encoding="utf-8"))
-    return found
-
-
-def test_the_hidden_gain_is_named_with_its_size(climb: Path) -> None:
-    found = first(climb)
-    truth = json.loads((climb / "cuboid.truth.json").read_text(encoding="utf-8"))["tolerances"][GAIN]
-    (gain,) = found["accepted"]
-    assert (found["verdict"], gain["id"]) == ("missing", GAIN)
-    low, high = gain["interval90"]
-    assert abs(gain["value"] - truth) < high - low  # 2.4 half-widths of what 9 of 10 lie within: 1 of 15,000 beyond
-    assert gain["evidence_nats"] > 20
-
-
-def test_the_climb_made_one_rung_and_ended_where_nothing_is_missing(climb: Path) -> None:
-    auto = first(climb)["auto"]
-    assert [one["verdict"] for one in auto["rounds"]] == ["missing", "nothing"]
-    assert auto["rungs"] == [1]
-    at = history_position(climb / "model.toml")
-    assert [one.effect for one in at.ladder.rungs] == ["", GAIN]
-    assert at.ladder.rungs[0].model == (climb / "before.toml").read_bytes().decode("utf-8")
-    assert [one.named.id for one in model_file.read(str(climb / "model.toml")).effects] == [GAIN]
-
-
-def test_the_rung_is_what_the_diagnosis_said(climb: Path) -> None:
-    """Two fits from different beginnings, of the same model to the same data."""
-    (gain,) = first(climb)["accepted"]
-    (size,) = history_position(climb / "model.toml").ladder.rungs[1].effects[GAIN]
-    low, high = gain["interval90"]
-    assert abs(size.value - gain["value"]) < 0.05 * (high - low)
-
-
 # `massline diagnose` on what it cannot use: exit code 2, and words that say what, where, and what to do.
 
 
@@ -427,31 +366,6 @@ def refused(run: Run, *arguments: str) -> str:
     assert (code, printed) == (2, ""), error
     assert "Traceback" not in error
     return " ".join(error.split())
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ((("again", "lab/1", "lab/2"),), ("lab/2", "lab/1", "campaign.hardware")),
-        ((("again", "position = [0.26", "position = [0.36"),), ("table-z1", "campaign.hardware")),
-        # a frame moved with its channels contradicts nothing, and one moved alone does
-        ((("again", "origin = [0.0, 0.0, 0.0]\nlength", "origin = [0.0, 0.0, 0.02]\nlength"),), ("again/campaign.toml",)),
-        (
-            (("again", "fmd+disc+cuboid", "fmd+clumod-4"), ("cuboid", "fmd+disc+cuboid", "fmd+clumod-1")),
-            ("model.article", "of which no campaign has a part"),
-        ),
-    ],
-)
-def test_campaigns_that_contradict_one_another_or_the_model_are_refused(
-    changes: tuple[tuple[str, str, str], ...], said: tuple[str, ...], here: Path, run: Run
-) -> None:
-    for folder, old, new in changes:
-        path = Path(folder) / campaign_file.NAME
-        text = path.read_text(encoding="utf-8")
-        assert old in text
-        path.write_text(text.replace(old, new, 1), encoding="utf-8")
-    refusal = refused(run, "cuboid", "again")
-    assert [one for one in said if one not in refusal] == []
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,6 @@
 """Discrete mistakes: every sign, every exchange of two of a kind and every unit by name; ordinary faults are none."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
 
@@ -24,8 +24,6 @@ MODEL = Model(source="model.toml", title="a laboratory", article="fmd+clumod-1",
 LINES = np.linspace(5.0, 10.0, 26)
 CUBOID = "fmd+disc+cuboid"
 CHANNELS = (*TABLE, *COVER, *FMD)
-
-Tested = Callable[..., Study]
 
 
 def made(*texts: str, name: str = "cuboid") -> SeriesPrediction:

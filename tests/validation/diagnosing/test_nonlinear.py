@@ -1,6 +1,5 @@
 """Two levels of one axis: linear ones answer alike whatever the model says, and what does not is named with its kind and size."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -19,8 +18,6 @@ from validation.virtual_test.simulate import VirtualTest, simulate
 
 MODEL = Model(source="model.toml", title="a laboratory", article="fmd+clumod-1", cell_stiffness=np.array((4e8, 4e8, 2e9)))
 LINES = np.linspace(5.0, 30.0, 126)
-
-Made = Callable[..., Study]
 
 
 @pytest.fixture(scope="module")

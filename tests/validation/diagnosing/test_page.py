@@ -43,19 +43,6 @@ def test_the_page_of_every_verdict_is_as_it_was_looked_at(verdict: str, made: Ma
     assert printed(made(verdict)) == (PAGES / f"{verdict}.txt").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("verdict", VERDICTS)
-def test_the_verdict_is_the_first_sentence_below_the_title(verdict: str, made: Made) -> None:
-    lines = printed(made(verdict)).splitlines()
-    sentence = diagnosis.headline(made(verdict))
-    assert lines[3].split() == sentence.split()[: len(lines[3].split())]
-    assert sentence.split()[0].strip(":").isupper()
-
-
-@pytest.mark.parametrize("verdict", VERDICTS)
-def test_no_line_is_longer_than_the_terminal(verdict: str, made: Made) -> None:
-    assert max(map(len, printed(made(verdict)).splitlines())) <= WIDTH
-
-
 def test_a_text_that_repeats_the_sentence_is_not_said_twice(made: Made) -> None:
     found = made("missing")
     once = replace(found, text=diagnosis.headline(found))

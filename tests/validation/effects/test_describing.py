@@ -1,7 +1,5 @@
 """What a channel that is not linear reads of a sine: describing functions against sines in time, and against virtual tests."""
 
-from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,13 +7,12 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.sensors import resultants
-from validation.effects.catalogue import FAMILIES, parse, parse_all
+from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import CHANNEL_STAGE
 from validation.effects.families.gap import clipped
 from validation.effects.stages import ChannelResponse
-from validation.virtual_test.plan import RIGID, Plan, exact
-from validation.virtual_test.planted import planted
-from validation.virtual_test.simulate import laboratory, recording, runs
+from validation.virtual_test.plan import Plan, exact
+from validation.virtual_test.simulate import laboratory
 
 POINTS = 4096
 """Of one period: the corner of a clipped sine leaves (1 / POINTS)² in its fundamental."""
@@ -97,36 +94,3 @@ def test_a_run_that_states_no_amplitude_is_taken_for_linear(effect: str) -> None
     quiet = ChannelResponse(frequency=np.array([5.0]), channels=CELLS, rows=np.ones((1, 4, 6), complex))
     assert_allclose(read(effect, quiet), 1.0)
     assert FAMILIES[effect.partition(":")[0]].stage == CHANNEL_STAGE
-
-
-def test_a_saturated_channel_of_a_virtual_test_reads_its_describing_function(sweep_of_z: Callable[..., Any]) -> None:
-    """A slow sweep of a rigid block, level all along: the fundamental loses 3/4 of the share at the peak."""
-    plain, rounded = sweep_of_z(), sweep_of_z("saturation:fmd-z1=0.08")
-    quotient = rounded.lines("fmd-z1") / plain.lines("fmd-z1")
-    assert_allclose(quotient[rounded.below_harmonics].real, 1 - 0.75 * 0.08, atol=0.004)  # ripple of a short sweep's ends
-
-
-@pytest.fixture(scope="module")
-def sweep_of_z():
-    """Spectra of a sweep along z of a rigid block, nothing else drawn; no third harmonic reaches `below_harmonics`."""
-    plan = replace(
-        exact(Plan(article="fmd+disc+cuboid", model=RIGID, band=(8.0, 32.0), octaves_per_minute=10.0, cross=0.0)),
-        quiet=0.2,
-        rate=256.0,
-        simulation_rate=2048.0,
-        ringing=1e-3,
-    )
-
-    class Found:
-        def __init__(self, *effects: str) -> None:
-            own = replace(plan, effects=planted(parse_all(effects)))
-            lab = laboratory(own)
-            self.values = recording(own, lab, next(one for one in runs(own) if one.name == "z")).values
-            self.names = lab.layout.table.names
-            self.frequency = np.fft.rfftfreq(len(self.values), 1 / 256.0)
-            self.below_harmonics = (self.frequency > 10.0) & (self.frequency < 22.0)
-
-        def lines(self, name: str) -> np.ndarray:
-            return np.fft.rfft(self.values[:, self.names.index(name)])
-
-    return Found

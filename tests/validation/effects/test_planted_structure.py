@@ -9,20 +9,14 @@ import numpy.typing as npt
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.base_excitation.rig import Rig, dynamic_mass
 from fem.damping import Damping
 from geometry.articles.locations import locations
-from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
-from geometry.frames import rigid_transformation, rigid_transformation_6, rotation_about
-from geometry.inertia import PARAMETERS, Inertia
+from geometry.frames import rigid_transformation, rotation_about
 from validation.effects.catalogue import parse_all
 from validation.virtual_test.plan import RIGID, Part, Plan, PlantedEffect, exact
 from validation.virtual_test.planted import planted, reaching, require_reaching
 from validation.virtual_test.simulate import ShakerLaboratory, laboratory, simulate
-
-LINES = np.array([4.0, 9.0, 20.0, 32.0])
-OMEGA = (2 * np.pi * LINES)[:, None, None]
 
 Lab = Callable[..., ShakerLaboratory]
 
@@ -38,38 +32,9 @@ def lab() -> Lab:
     return make
 
 
-def article_mass(rig: Rig) -> ComplexArray:
-    """(4, 6, 6) of what stands on the cover plate, about F."""
-    return dynamic_mass(replace(rig, cells=()), LINES).matrix - rig.cover.about(np.zeros(3)).mass_matrix
-
-
-def changed(lab: Lab, article: str, *effects: str, model: str = "beam") -> tuple[ComplexArray, ComplexArray, Rig]:
-    """H without and with `effects`, and the rig without."""
-    before, after = lab(article, model=model), lab(article, *effects, model=model)
-    return article_mass(before.rig), article_mass(after.rig), before.rig
-
-
 def close(found: npt.ArrayLike, expected: npt.ArrayLike, share: float = 1e-9) -> None:
     """Equal to `share` of the largest expected value."""
     assert_allclose(found, expected, rtol=0, atol=share * np.max(np.abs(expected)))
-
-
-def gamma(rig: Rig, article: str, place: str) -> np.ndarray:
-    """(3, 6) what F does to `place` of a rigid article."""
-    return rigid_transformation(rig.seat + locations(article)[place])
-
-
-def resonator(m: float, f: float, zeta: float) -> ComplexArray:
-    """m (omega_a² + 2 i zeta omega_a omega) / (omega_a² - omega² + 2 i zeta omega_a omega) at `LINES`."""
-    a = 2 * np.pi * f
-    holds = a**2 + 2j * zeta * a * OMEGA
-    return np.asarray(m * holds / (holds - OMEGA**2))
-
-
-def test_a_point_mass_is_m_gamma_gamma(lab: Lab) -> None:
-    before, after, rig = changed(lab, "fmd+disc+cuboid", "point-mass:top-1=0.7", model=RIGID)
-    G = gamma(rig, "disc+cuboid", "top-1")
-    close(after - before, np.broadcast_to(0.7 * G.T @ G, before.shape))
 
 
 def test_a_point_mass_lowers_a_mode_by_half_m_phi_squared(lab: Lab) -> None:
@@ -92,44 +57,6 @@ def test_mass_can_be_taken_away_but_not_more_than_there_is(lab: Lab) -> None:
         lab("fmd+disc+cuboid", "point-mass:top=-100", model=RIGID)
 
 
-@pytest.mark.parametrize("parameter", PARAMETERS)
-def test_a_parameter_is_added_about_the_articles_centre_of_gravity(lab: Lab, parameter: str) -> None:
-    before, after, rig = changed(lab, "fmd+clumod-1", f"rigid-inertia:{parameter}=0.02")
-    cog = Inertia.from_mass_matrix(rig.article.reduced.mass[:6, :6]).cog + rig.seat
-    delta = np.array([0.02 * (name == parameter) for name in PARAMETERS])
-    G = rigid_transformation_6(cog)
-    M = Inertia(parameters=delta, reference_point=np.zeros(3)).mass_matrix
-    close(after - before, np.broadcast_to(G.T @ M @ G, before.shape), 1e-7)  # a small difference of large figures
-
-
-@pytest.mark.parametrize(
-    ("direction", "motions"), [("rotation", (3, 4)), ("lateral", (0, 1)), ("vertical", (2,)), ("torsion", (5,))]
-)
-def test_a_joint_gives_by_c_times_its_load(lab: Lab, direction: str, motions: tuple[int, ...]) -> None:
-    """H' = (1 - omega² H C)^-1 H about the joint, which is where the article stands."""
-    value = 1e-6 if direction in ("rotation", "torsion") else 1e-7
-    before, after, rig = changed(lab, "fmd+clumod-1", f"joint-compliance:{direction}={value}")
-    G = np.linalg.inv(rigid_transformation_6(rig.seat))
-    about_joint, compliance = G.T @ before @ G, np.zeros((6, 6))
-    compliance[motions, motions] = value
-    close(G.T @ after @ G, np.linalg.solve(np.eye(6) - OMEGA**2 * about_joint @ compliance, about_joint), 1e-8)
-    assert np.max(np.abs(after - before)) > 1e-4 * np.max(np.abs(before))
-
-
-@pytest.mark.parametrize(("target", "axes"), [("top", (0, 1, 2)), ("top:lateral", (0, 1)), ("top:vertical", (2,))])
-def test_a_cable_holds_by_k_over_omega_squared(lab: Lab, target: str, axes: tuple[int, ...]) -> None:
-    before, after, rig = changed(lab, "fmd+disc+cuboid", f"cable:{target}=2000", model=RIGID)
-    G = gamma(rig, "disc+cuboid", "top")[list(axes)]
-    close(after - before, -2000 * G.T @ G / OMEGA**2, 1e-8)
-
-
-def test_a_turned_article_is_r_h_r(lab: Lab) -> None:
-    before, after, _ = changed(lab, "fmd+clumod-1", "orientation:z=0.3")
-    R = np.kron(np.eye(2), rotation_about("z", 0.3))
-    close(after, R @ before @ R.T)
-    assert np.max(np.abs(after - before)) > 1e-2 * np.max(np.abs(before))
-
-
 def test_a_turned_articles_places_turn_with_it(lab: Lab) -> None:
     before, after = lab("fmd+clumod-1").rig, lab("fmd+clumod-1", "orientation:z=0.3").rig
     R = rotation_about("z", 0.3)
@@ -138,27 +65,8 @@ def test_a_turned_articles_places_turn_with_it(lab: Lab) -> None:
     close(after.article.places["lower-1+"][:, 6:], R @ before.article.places["lower-1+"][:, 6:])
 
 
-def test_a_shifted_article_is_t_h_t_and_the_campaign_does_not_know(lab: Lab) -> None:
-    before, after, rig = changed(lab, "fmd+clumod-1", "mounting-offset:x=0.004")
-    T = np.linalg.inv(rigid_transformation_6(rig.seat)) @ rigid_transformation_6(rig.seat + np.array([0.004, 0.0, 0.0]))
-    close(after, T.T @ before @ T, 1e-8)
-    other = lab("fmd+clumod-1", "mounting-offset:x=0.004")
-    assert_allclose(other.made.rig.seat, rig.seat, rtol=0, atol=0)
-
-
-@pytest.mark.parametrize("axis", ["x", "y", "z"])
-def test_an_appendage_swings_at_the_plate(lab: Lab, axis: str) -> None:
-    before, after, _ = changed(lab, "fmd+clumod-1", f"appendage:{axis}=m:0.05,f:21,zeta:0.01")
-    expected, k = np.zeros_like(before), "xyz".index(axis)
-    expected[:, k, k] = resonator(0.05, 21.0, 0.01)[:, 0, 0]
-    close(after - before, expected, 1e-6)  # a small difference of large figures
-
-
-@pytest.mark.parametrize(("family", "axes"), [("absorber", (0, 1, 2)), ("slosh", (0, 1))])
-def test_a_resonator_at_a_place_swings_there(lab: Lab, family: str, axes: tuple[int, ...]) -> None:
-    before, after, rig = changed(lab, "fmd+disc+cuboid", f"{family}:top-2=m:0.4,f:12,zeta:0.02", model=RIGID)
-    G = gamma(rig, "disc+cuboid", "top-2")[list(axes)]
-    close(after - before, resonator(0.4, 12.0, 0.02) * (G.T @ G), 1e-8)
+def test_of_a_shifted_article_the_campaign_does_not_know(lab):
+    assert_allclose(lab("fmd+clumod-1", "mounting-offset:x=0.004").made.rig.seat, lab("fmd+clumod-1").rig.seat, rtol=0, atol=0)
 
 
 def test_moduli_of_all_parts_together_shift_every_frequency_alike(lab: Lab) -> None:

@@ -87,17 +87,6 @@ def test_the_smallest_size_that_is_told_brings_just_that_evidence():
     assert np.isinf(told.detectable(0.003, 10.0))
 
 
-def test_what_another_parameter_does_as_well_is_told_by_what_is_known_of_that_one_alone(lab):
-    twin = lab.effect("gain:f2", 0.1)  # the column of a tolerance, screened beside that very tolerance
-    toy = lab.toy({})
-    parent = fit(Problem((toy,)), FITTED)
-    (known,) = (one for one in parent.parameters if one.name == "gain:f2")
-    told = in_the_fit(parent)["gain:f2"]
-    assert told.tolerance == known.tolerance
-    assert told.information > 0
-    assert twin.tolerance > known.tolerance
-
-
 def test_a_column_times_a_function_of_frequency_needs_no_derivative_of_its_own(small):
     _, parent, having = small
     of = screened(having, parent, ["offset"])

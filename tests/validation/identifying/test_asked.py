@@ -95,16 +95,6 @@ def test_how_well_a_known_article_is_known_can_be_said(folders: dict[str, str]) 
     assert (usual, poor) == (3e-4, 5e-3)
 
 
-def test_a_tare_on_a_bare_fmd_knows_nothing_on_it(folders: dict[str, str]) -> None:
-    assert ready(IdentifyOptions(campaign=folders["article"], tares=(folders["bare"],))).request.tares[0].known is None
-
-
-def test_a_tare_without_a_mounting_is_taken_to_stand_on_the_cover_plate_and_that_is_said(folders: dict[str, str]) -> None:
-    (said,) = ready(IdentifyOptions(campaign=folders["article"], tares=(folders["unmounted"],))).warnings
-    assert "[mounting] is missing" in said
-    assert "reconstruction" in said
-
-
 @pytest.mark.parametrize(
     ("tare", "taken"), [("tare", True), ("unstated", True), ("other", False), (None, False)], ids=lambda value: str(value)
 )

@@ -56,16 +56,6 @@ def test_a_bare_fmd_has_nothing_on_it(make_campaign: Make) -> None:
     assert known("fmd", make_campaign("fmd")) == (None, ())
 
 
-@pytest.mark.parametrize(
-    ("name", "words"), [("disc+cubiod", "no built-in article"), ("clumod-1", "is not what stands on the FMD")]
-)
-def test_another_article_than_the_tare_has_is_refused(name: str, words: str, make_campaign: Make) -> None:
-    article = "fmd+disc+cuboid" if name == "clumod-1" else f"fmd+{name}"
-    with pytest.raises(BadInput, match=words) as refused:
-        known(name, make_campaign(article))
-    assert refused.value.source == "--known"
-
-
 WEIGHING = """format = 1
 kind = "weighing"
 article = { name = "ARTICLE" }

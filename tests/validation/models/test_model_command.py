@@ -111,10 +111,6 @@ PAGE = (ROOT / "docs" / "model-file.md").read_text(encoding="utf-8")
 EXAMPLE = ROOT / "examples" / "example_series.toml"
 
 
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
-
-
 def test_the_example_says_what_nominal_json_says(data: Path) -> None:
     known, model = json.loads((data / "example_series" / "nominal.json").read_text()), model_file.read(EXAMPLE)
     np.testing.assert_allclose(model.fmd.mass_matrix, known["fmd"]["mass_matrix_about_F"], rtol=1e-6, atol=1e-9)  # 7 digits

@@ -260,7 +260,6 @@ def nothing(of: Model) -> Inertia:
 
 
 LOW, HIGH = 8.0, 16.0
-DRIVEN_LINES = {"start_hz": LOW, "stop_hz": HIGH}
 
 
 @pytest.fixture(scope="module")

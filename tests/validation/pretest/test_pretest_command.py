@@ -1,6 +1,5 @@
 """`massline pretest`: what is printed, what a program reads, what is drawn, and what is refused."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -8,7 +7,6 @@ import pytest
 
 from validation.cli import main
 from validation.identify.pretest import PretestFindings
-from validation.output import to_json
 from validation.report import pretest
 
 Run = Callable[..., tuple[int, str, str]]
@@ -32,33 +30,10 @@ def test_the_page_says_intervals_causes_channels_and_places(tared: PretestFindin
     assert "nan" not in text
 
 
-def test_json_is_one_object_with_units_in_its_keys(tared: PretestFindings) -> None:
-    said = json.loads(json.dumps(to_json(tared)))
-    assert said["article"] == "fmd+disc+cuboid"
-    assert said["tare"] == "fmd"
-    assert len(said["condition"]) == len(said["frequency_hz"]) == 121
-    half = said["self_calibrated"]["half_width95"]
-    assert half["mass_kg"] == pytest.approx(tared.best.half_width[0])
-    assert half["cog_mm"] == pytest.approx(1e3 * tared.best.half_width[1:4])
-    assert set(said["without"]) == set(tared.spectra.table.names)
-    assert [one["name"] for one in said["places"]] == [one.name for one in tared.places]
-    assert said["tolerances"]["gain"] == 0.003
-
-
 def test_the_pictures_are_drawn(tared: PretestFindings, tmp_path: Path, renderer: None) -> None:
     paths = pretest.PretestPage(found=tared).draw(tmp_path)
     assert [path.name for path in paths] == [f"pretest-fmd+disc+cuboid{end}.png" for end in ("", "-shares", "-places")]
     assert all(path.stat().st_size > 20_000 for path in paths)
-
-
-def test_the_command_answers_and_writes(run: Run, tmp_path: Path) -> None:
-    quick = ("--tare", "none", "--band", "6", "9", "--octaves-per-minute", "6", "--no-lost")
-    code, out, _ = run("pretest", "disc+cuboid", *quick, "--json")
-    assert code == main.DONE
-    said = json.loads(out)
-    assert said["without"] == {}
-    assert said["without_tare"] is None
-    assert said["self_calibrated"]["half_width95"]["mass_kg"] > 0
 
 
 @pytest.mark.parametrize(
