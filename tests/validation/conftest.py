@@ -1,5 +1,6 @@
 """What several tests ask for: the command line in this process, and a browser."""
 
+import json
 import re
 from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
@@ -9,6 +10,7 @@ import pytest
 
 from validation.cli import main
 from validation.report import page
+from validation.report.charts import history, static
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -24,6 +26,47 @@ def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.
         return code, printed.out, printed.err
 
     return call
+
+
+@pytest.fixture
+def refused(run: Run) -> Callable[..., str]:
+    """``refused(*arguments)``: the words of a refusal, which answers nothing, shows no traceback and ends with 2."""
+
+    def call(*arguments: str) -> str:
+        code, out, err = run(*arguments)
+        assert (code, out) == (main.BAD_INPUT, ""), err
+        assert "Traceback" not in err
+        return err
+
+    return call
+
+
+@pytest.fixture
+def answer(run: Run) -> Callable[..., Any]:
+    """``answer(*arguments)``: the JSON object that is printed, and is all that is printed."""
+
+    def call(*arguments: str) -> Any:
+        code, out, err = run(*arguments, "--json")
+        assert code == main.DONE, err
+        return json.loads(out)
+
+    return call
+
+
+@pytest.fixture
+def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """The figures that were finished."""
+    figures: list[Any] = []
+    finish = static.finish
+
+    def finished(figure: Any, *arguments: Any) -> None:
+        finish(figure, *arguments)
+        figure.canvas.draw()
+        figures.append(figure)
+
+    for module in (static, history):
+        monkeypatch.setattr(module, "finish", finished)
+    return figures
 
 
 @pytest.fixture(scope="session")

@@ -141,9 +141,8 @@ def test_everything_wrong_with_the_description_is_printed(run: Run, folder: Path
 
 @pytest.mark.parametrize("name", ["nowhere", "", "own/campaign.toml"])
 @pytest.mark.usefixtures("folder")
-def test_what_is_no_campaign_is_refused_in_one_sentence(run: Run, name: str) -> None:
-    code, out, err = run("check", name)
-    assert (code, out) == (main.BAD_INPUT, "")
+def test_what_is_no_campaign_is_refused_in_one_sentence(refused, name: str) -> None:
+    err = refused("check", name)
     assert err.startswith("massline: ")
     assert len(err.splitlines()) == 1
 
@@ -197,12 +196,10 @@ def test_an_article_of_somebody_else_is_not_drawn_and_said(campaign: Campaign) -
     assert "my-satellite.toml is no built-in article" in note
 
 
-def test_figures_of_a_campaign_that_another_program_wrote(run: Run, data: Path) -> None:
+def test_figures_of_a_campaign_that_another_program_wrote(answer, data: Path) -> None:
     """Levels as its campaign.toml asks, cross motion of a few per cent, noise as stated: nothing was planted there."""
     for name in ("fmd+clumod-1", "fmd+disc+cuboid"):
-        code, out, _ = run("check", str(data / "example_series" / name), "--json")
-        said = json.loads(out)
-        assert code == main.DONE
+        said = answer("check", str(data / "example_series" / name))
         for k, one in enumerate(said["runs"]):
             assert_allclose(one["level_m_s2_rad_s2"][k], one["excitation"]["level"], rtol=0.01)
             assert max(np.delete(one["level_share"], k)) < 0.15

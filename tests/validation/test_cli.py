@@ -117,9 +117,6 @@ def test_a_reader_that_leaves_early_meets_silence_and_is_no_failed_check(say: st
     assert process.wait(timeout=60) == main.READER_LEFT == 141
 
 
-# The demo is a list of commands that exist, and it ends at the first that ends otherwise than it should.
-
-
 @pytest.mark.parametrize("step", demo.STEPS, ids=lambda step: step.command)
 def test_every_step_is_a_command_or_an_example_that_exists(step: demo.DemoStep, root: Path) -> None:
     program, what, *_ = shlex.split(step.command)

@@ -1,7 +1,6 @@
 """`massline dynamic-mass`: what is printed, what a program reads, what is drawn and written, and how it ends."""
 
 import csv
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,6 @@ from geometry.dynamic_mass import DynamicMass
 from geometry.frames import rigid_transformation_6
 from validation.cli import main
 from validation.flexible.dynamic_mass import apart, lines, peaks, reference_point
-from validation.report import flexible
 from validation.report.charts.style import DynamicMassCurve, side_by_side
 
 Run = Callable[..., tuple[int, str, str]]
@@ -25,9 +23,9 @@ def matrices(said: dict[str, Any]) -> np.ndarray:
     return np.array(said["re"]) + 1j * np.array(said["im"])
 
 
-def test_at_zero_frequency_it_is_the_rigid_body_about_any_point(run: Run) -> None:
+def test_at_zero_frequency_it_is_the_rigid_body_about_any_point(answer) -> None:
     said = {
-        about: json.loads(run("dynamic-mass", "clumod-4", "--json", "--band", "0", "1", "--step", "1", "--about", about)[1])
+        about: answer("dynamic-mass", "clumod-4", "--band", "0", "1", "--step", "1", "--about", about)
         for about in ("article", "F", "10 -20 300 mm")
     }
     assert [one["about"] for one in said.values()] == ["article", "F", "point"]
@@ -46,9 +44,9 @@ def test_f_is_the_fmd_s_own_origin_and_lies_below_what_stands_on_it() -> None:
     assert_allclose(reference_point("F", "clumod-1")[1], -seat.position)
 
 
-def test_the_cuboid_is_flat_and_clumod_is_not(run: Run) -> None:
+def test_the_cuboid_is_flat_and_clumod_is_not(answer) -> None:
     """Paper, Figs. 7 to 9: straight lines for the Cuboid, resonances for Clumod."""
-    flat, one = (json.loads(run("dynamic-mass", name, "--json")[1]) for name in ("disc+cuboid", "clumod-1"))
+    flat, one = (answer("dynamic-mass", name) for name in ("disc+cuboid", "clumod-1"))
     diagonal = {key: np.abs(matrices(said)[:, range(6), range(6)]) for key, said in (("flat", flat), ("one", one))}
     # the first mode of the block lies a decade above the band, so its amplification is about (32 / 350)², 1 %
     assert (np.ptp(diagonal["flat"], axis=0) / diagonal["flat"][0]).max() < 0.02
@@ -58,17 +56,15 @@ def test_the_cuboid_is_flat_and_clumod_is_not(run: Run) -> None:
     assert (one["frequency_hz"][0], one["frequency_hz"][-1], len(one["frequency_hz"])) == (4.0, 32.0, 561)
 
 
-def test_beside_exudyn_the_curves_agree_off_resonance(run: Run) -> None:
-    code, out, _ = run("dynamic-mass", "clumod-1", "--against", "exudyn", "--json")
-    said = json.loads(out)
-    assert code == main.DONE
+def test_beside_exudyn_the_curves_agree_off_resonance(answer) -> None:
+    said = answer("dynamic-mass", "clumod-1", "--against", "exudyn")
     assert said["against"] == "exudyn"
     # a frequency known to 1e-4 shows as that times 2 f / (f - f_r), some 70 at the edge of a resonance
     assert all(block["off_resonance_percent"] < 0.5 for block in said["apart"])
 
 
-def test_what_is_written_is_what_was_computed(run: Run, tmp_path: Path) -> None:
-    said = json.loads(run("dynamic-mass", "clumod-1", "--json", "--step", "1", "--out", "H.npz")[1])
+def test_what_is_written_is_what_was_computed(run: Run, answer, tmp_path: Path) -> None:
+    said = answer("dynamic-mass", "clumod-1", "--step", "1", "--out", "H.npz")
     assert run("dynamic-mass", "clumod-1", "--step", "1", "--out", "deep/H.csv")[0] == main.DONE
     with np.load(tmp_path / "H.npz", allow_pickle=False) as stored:
         assert_allclose(stored["matrix"], matrices(said), rtol=0, atol=0)
@@ -78,14 +74,6 @@ def test_what_is_written_is_what_was_computed(run: Run, tmp_path: Path) -> None:
     assert header[:3] == ["frequency_hz", "re_x_x", "im_x_x"]
     values = np.array(rows, dtype=float)
     assert_allclose(values[:, 1::2] + 1j * values[:, 2::2], matrices(said).reshape(-1, 36), rtol=0, atol=0)
-
-
-def test_an_interrupted_file_is_not_half_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    H = DynamicMass(frequency=np.array([4.0]), matrix=np.eye(6)[None])
-    monkeypatch.setattr(np, "savez_compressed", lambda *a, **k: (_ for _ in ()).throw(KeyboardInterrupt))
-    with pytest.raises(KeyboardInterrupt):
-        flexible.write(tmp_path / "H.npz", H, "stone")
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_plots_show_curves_and_say_where_they_are(run: Run, tmp_path: Path) -> None:
@@ -141,11 +129,9 @@ def test_articles_stand_side_by_side(tmp_path: Path) -> None:
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )
 def test_bad_input_is_refused_in_words_before_anything_is_written(
-    arguments: list[str], words: str, run: Run, tmp_path: Path
+    arguments: list[str], words: str, refused, tmp_path: Path
 ) -> None:
-    code, out, err = run("dynamic-mass", *arguments)
-    assert (code, out) == (main.BAD_INPUT, "")
-    assert words in err
+    assert words in refused("dynamic-mass", *arguments)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -14,7 +14,7 @@ from fem.beam.articles import load_cells
 from geometry.article import material
 from geometry.articles import built_in
 from geometry.articles.locations import locations
-from geometry.frames import rigid_transformation, rigid_transformation_6
+from geometry.frames import rigid_transformation
 from geometry.routes import inertia
 from validation.cli import main
 from validation.excite.question import Attached, attached
@@ -59,9 +59,6 @@ def swelling(run: Run, at: float, times: float) -> Response:
     return Response(
         sampling_rate=RATE, table=motion.acceleration, cover=motion.acceleration, load=load, cells=np.zeros((len(load), 0, 3))
     )
-
-
-# --- rigs from names ----------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("cells", [False, True], ids=["rigid", "cells"])
@@ -172,9 +169,6 @@ def test_what_is_typed_becomes_springs_along_the_axes_it_names() -> None:
     assert made.options == ("--cells", "--preload", "--flange", "--cable", "--damper")
 
 
-# --- resonances that are passed -----------------------------------------------------------------------------------------------
-
-
 def test_the_amplitude_of_a_swept_sine_is_its_own() -> None:
     run = swept()
     motion = run.motion(RATE, 0.0, None)
@@ -207,9 +201,6 @@ def test_two_resonances_far_apart_are_told_apart() -> None:
     first, second = found.passed(run, modes(8.0, 20.0))
     assert first.amplification == pytest.approx(1.0, abs=0.05)
     assert second.amplification == pytest.approx(9.0, rel=0.05)
-
-
-# --- pictures -----------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("rate", [2.0, 20.0, 200.0])
@@ -327,8 +318,3 @@ def test_the_article_is_drawn_as_exudyn_moves_it_relative_to_the_table_too() -> 
         found.append(turntable.relative_coordinates(made, one.motion, one.response))
     for part in (slice(0, 6), slice(6, None)):
         assert_allclose(found[1][:, part], found[0][:, part], atol=1e-2 * np.abs(found[0][:, part]).max())
-
-
-def test_a_seat_turns_with_the_table() -> None:
-    """What is taken off for the table is its rigid motion at the seat."""
-    assert_allclose(rigid_transformation_6([0, 0, 0.045])[:3, 4], [0.045, 0, 0])

@@ -387,13 +387,6 @@ def test_ctrl_c_in_the_middle_of_a_run_leaves_no_file(run: Run, tmp_path: Path, 
     assert list(tmp_path.iterdir()) == []
 
 
-def test_ctrl_c_while_a_file_is_written_leaves_the_old_one(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "run.npz").write_text("old")
-    monkeypatch.setattr(np, "savez_compressed", lambda *a, **k: (_ for _ in ()).throw(KeyboardInterrupt))
-    assert run("excite", "disc", "--band", "8", "16", *FAST, "--out", "run.npz")[0] == 130
-    assert [path.read_text() for path in tmp_path.iterdir()] == ["old"]
-
-
 @pytest.mark.parametrize(("level", "warned"), [("1", False), ("60", True)])
 def test_a_table_that_turns_beyond_small_motion_is_warned_of(run: Run, level: str, warned: bool) -> None:
     code, out, err = run(

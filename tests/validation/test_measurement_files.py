@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput, CheckFailed
 from validation.classical import files, pendulum, weigh
-from validation.classical.files import Fields, Reduction, read, reference, shipped
+from validation.classical.files import Fields, Reduction, read, shipped
 from validation.cli import predict
 from validation.cli import reference as reference_commands
 from validation.output import to_json
@@ -90,15 +90,6 @@ def test_a_file_may_be_a_path_and_json_is_one_object(tmp_path: Path) -> None:
     copy.write_text(shipped_text, encoding="utf-8")
     assert rows("weigh", str(copy)) == rows("weigh", "clumod-4-weighing.toml")
 
-
-def test_the_reference_of_one_blade_is_table_2() -> None:
-    found = reference("clumod-1")
-    assert_allclose(
-        [found[key].nominal_value for key in ("mass", "cog_z", "Ixx", "Iyy", "Izz")], [32.95, 0.2706, 6.42, 6.0, 0.77]
-    )
-
-
-# --- pendulum files ------------------------------------------------------------------------------------------------------
 
 HEAD = """
 format = 1
@@ -209,14 +200,6 @@ def test_six_general_axes_on_a_torsion_rod_give_the_tensor(tmp_path: Path) -> No
     five = swings.rsplit("[[swing]]", 1)[0]
     with pytest.raises(BadInput, match="do not determine Iyz"):
         reduced(tmp_path, HEAD + rod + five)
-
-
-def test_moments_that_no_body_has_are_said(tmp_path: Path) -> None:
-    rod = '[torsion_rod]\nknown_inertia = "1 kg m^2"\nperiod = "2 s"\n'
-    swings = "".join(
-        f'[[swing]]\nabout = "{a}"\nsuspension = "torsion-rod"\nperiod = "{t} s"\n' for a, t in zip("xyz", (2, 2, 4), strict=True)
-    )
-    assert any("No body has these moments" in note for note in reduced(tmp_path, HEAD + rod + swings).all_notes)
 
 
 def test_a_wide_tolerance_is_called_too_wide_for_first_order(tmp_path: Path) -> None:
@@ -364,22 +347,11 @@ def test_an_amplitude_that_no_ropes_allow_is_refused_by_file_and_field(tmp_path:
     assert (error.source, error.field) == (str(path), "swing[2].amplitude")
 
 
-# The page on classical measurements: its file reduces, its examples say what they claim. All pages run their commands.
-
-
 PAGE = Path(__file__).parents[2] / "docs" / "classical-measurements.md"
 
 
 def blocks(language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
-
-
-def commands() -> list[str]:
-    return [line for block in blocks("sh") for line in block.splitlines() if line.startswith("massline ")]
-
-
-def test_the_page_holds_its_commands() -> None:
-    assert {line.split()[1] for line in commands()} == {"weigh", "cog", "pendulum", "swing"}
 
 
 def test_the_recorded_example_finds_the_body_it_was_integrated_for_only_with_its_corrections(root: Path) -> None:
@@ -397,7 +369,9 @@ def test_the_recorded_example_finds_the_body_it_was_integrated_for_only_with_its
 ROWS = re.findall(r"^\| `(--[^`]+)` \| ([-+.\d]+) \| ([-+.\d]+) \| ([-+.\d]+) \|", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
 
 
-def test_the_page_shows_every_effect_with_its_command() -> None:
+def test_the_page_holds_its_commands_and_shows_every_effect_with_its_own():
+    lines = [line for block in blocks("sh") for line in block.splitlines() if line.startswith("massline ")]
+    assert {line.split()[1] for line in lines} == {"weigh", "cog", "pendulum", "swing"}
     assert len(ROWS) == 12
 
 

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.modes import Modes
 from geometry.articles import built_in
 from geometry.errors import BadInput
 from geometry.frames import Array, rigid_transformation
@@ -48,9 +47,6 @@ def swaying() -> DrawnMode:
     sway = np.outer(body.vertices[:, 2] ** 2, [3.0, 0.0, 0.0])
     moving = MovingBody(name="cube", vertices=body.vertices, faces=body.faces, edges=sharp_edges(body), displacement=sway)
     return DrawnMode(number=3, frequency=12.5, text="sways", bodies=(moving,))
-
-
-# --- the surface rides on the model -------------------------------------------------------------------------------------------
 
 
 def rigid_modes(model: Flexible) -> Array:
@@ -108,9 +104,6 @@ def test_what_is_halved_keeps_its_surface_and_its_edges() -> None:
     assert lengths.max() <= 0.2 * (1 + 1e-6)
 
 
-# --- what is written ----------------------------------------------------------------------------------------------------------
-
-
 def test_all_files_are_there_and_nothing_else(drawn: Path) -> None:
     assert sorted(path.name for path in drawn.iterdir()) == [
         "modes-cuboid-beam-1.gif",
@@ -149,9 +142,6 @@ def test_the_gif_moves_endlessly(drawn: Path) -> None:
 def test_no_mode_is_nothing_to_draw(tmp_path: Path) -> None:
     with pytest.raises(BadInput, match="no mode to draw"):
         mode_sheet("stone", [], tmp_path / "sheet.png")
-
-
-# --- glTF ---------------------------------------------------------------------------------------------------------------------
 
 
 def tree_of(content: bytes) -> tuple[dict[str, Any], bytes]:
@@ -244,20 +234,3 @@ def test_a_mode_that_does_not_move_is_written_at_rest() -> None:
     )
     tree, _ = tree_of(glb("cube", DrawnMode(number=1, frequency=1.0, text="", bodies=(still,))))
     assert tree["accessors"][1]["max"] == [0, 0, 0]
-
-
-def test_modal_data_alone_cannot_be_drawn() -> None:
-    from validation.report.flexible import drawn_modes
-
-    modes = Modes(
-        frequency=np.array([5.0]),
-        damping_ratio=np.array([0.01]),
-        participation=np.zeros((6, 1)),
-        rigid_mass=np.eye(6),
-        residual=np.zeros((6, 6)),
-        reference_point=np.zeros(3),
-        shapes=np.zeros((0, 1)),
-        viscous=np.array([[0.6]]),
-    )
-    with pytest.raises(BadInput, match="no shape that could be drawn"):
-        drawn_modes(Flexible(article="bench", model="own", modes=modes), [1])

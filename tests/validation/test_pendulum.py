@@ -225,9 +225,6 @@ def test_the_corrected_swing_keeps_the_correlation_of_s1_and_s2() -> None:
     assert_allclose(equal.std_dev, 0.0, atol=1e-12 * equal.nominal_value)
 
 
-# The period from counts, lists and records: exact where it can be, honest in its tolerance, refused where it must be.
-
-
 T, ZETA = 3.1, 0.01
 TIME = np.arange(0, 40, 0.02)
 
@@ -326,9 +323,6 @@ def test_the_amplitude_is_the_root_mean_square_of_the_envelope_whatever_part_of_
     found = from_signal(t, envelope * np.cos(2 * np.pi * t) + 0.05 * t, "record")
     assert_allclose(found.amplitude, np.sqrt(np.mean(envelope**2)), rtol=1e-6)
     assert_allclose(found.fitted, envelope * np.cos(2 * np.pi * t) + 0.05 * t, atol=1e-7)
-
-
-# Tensor and CoG from several orientations: identities, propagation, and what cannot be seen.
 
 
 DIAGONALS = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0], [1, 0, 1], [0, 1, 1.0]])

@@ -148,9 +148,6 @@ def test_a_unit_is_spelt_for_programs_as_a_model_file_spells_it() -> None:
     assert to_json(moment())["unit"] == to_json(fact)["unit"] == of_effect == "kg m^2"
 
 
-# Pages are as wide as the reader can see, cut no figure and end no line in spaces.
-
-
 MASS = Row(quantity="mass", value=47.4, tolerance=0.14, unit="kg", dominated_by="relative error of the balance that weighed it")
 
 

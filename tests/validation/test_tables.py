@@ -143,9 +143,6 @@ def test_json_keeps_the_contract_and_says_null_for_what_nobody_states() -> None:
     assert len(value["verdict"]) == len(QUANTITIES)
 
 
-# docs/reference-tables.md shows the tables that the program renders from the published data, to the letter.
-
-
 @pytest.mark.parametrize(("number", "article"), [(1, "clumod-4"), (2, "clumod-1")])
 def test_the_page_shows_the_table_that_the_data_gives(root: Path, number: int, article: str) -> None:
     page = (root / "docs" / "reference-tables.md").read_text(encoding="utf-8")

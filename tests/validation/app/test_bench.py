@@ -50,6 +50,9 @@ def tried(written: str = "force-gain:fmd-z2=0.1", *, followed: bool) -> Any:
     return SimpleNamespace(written=written, traces=(trace,), before_percent=2.0, plain_percent=1.0, facts={}, followed=followed)
 
 
+SLIDER = SimpleNamespace(key="", whole=False, logarithmic=False, low=0.0, high=1.0, per_si=1.0, label="", shown_unit="", start=0)
+
+
 def test_the_answer_says_whether_anything_was_fitted() -> None:
     assert "nothing fitted" in panels._said(tried(followed=False), "the plain fit")
     said = panels._said(tried(followed=True), "the plain fit")
@@ -66,10 +69,7 @@ def test_another_entry_has_its_own_curve_with_the_effect(tmp_path: Path) -> None
 
 
 def test_a_slider_that_is_put_aside_while_it_moves_ends_quietly(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    slider = SimpleNamespace(
-        key="", whole=False, logarithmic=False, low=0.0, high=1.0, per_si=1.0, label="", shown_unit="", start=0
-    )
-    effect = SimpleNamespace(id="x", sliders=(slider,), written=lambda sizes: f"x={sizes}")
+    effect = SimpleNamespace(id="x", sliders=(SLIDER,), written=lambda sizes: f"x={sizes}")
 
     def slow(*_: Any, **__: Any) -> Any:
         time.sleep(0.1)
@@ -94,10 +94,7 @@ def test_a_slider_that_is_put_aside_while_it_moves_ends_quietly(tmp_path: Path, 
 def test_a_slider_that_moves_on_does_not_wait_for_what_is_computed_where_it_rested(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    slider = SimpleNamespace(
-        key="", whole=False, logarithmic=False, low=0.0, high=1.0, per_si=1.0, label="", shown_unit="", start=0
-    )
-    effect = SimpleNamespace(id="x", sliders=(slider,), written=lambda sizes: f"x={sizes['']}")
+    effect = SimpleNamespace(id="x", sliders=(SLIDER,), written=lambda sizes: f"x={sizes['']}")
     resting, go_on, asked = threading.Event(), threading.Event(), []
 
     def what_if(_: Any, written: str, *__: Any, exact: bool = True) -> Any:

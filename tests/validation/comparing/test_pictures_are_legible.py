@@ -8,25 +8,9 @@ import numpy as np
 import pytest
 
 from geometry.dynamic_mass import DynamicMass
-from validation.report.charts import crosscheck, history, static, style
+from validation.report.charts import crosscheck, history, style
 from validation.report.charts.spec import MEASURED, BarChart, BarPanel, Bars
 from validation.report.charts.style import DynamicMassCurve
-
-
-@pytest.fixture
-def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
-    """The figures that were finished."""
-    figures: list[Any] = []
-    finish = static.finish
-
-    def finished(figure: Any, *arguments: Any) -> None:
-        finish(figure, *arguments)
-        figure.canvas.draw()
-        figures.append(figure)
-
-    for module in (static, history):
-        monkeypatch.setattr(module, "finish", finished)
-    return figures
 
 
 def box(of: Any) -> Any:

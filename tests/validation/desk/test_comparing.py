@@ -46,14 +46,6 @@ def test_a_fit_that_did_not_converge_is_said(worked: Any) -> None:
     ]
 
 
-def test_maps_and_curves_are_those_of_the_command(worked: Any, found: Any) -> None:
-    for shown, expected in zip(worked.compared.maps, found.maps, strict=True):
-        assert (shown.rows, shown.runs, shown.axes) == (expected.rows, expected.runs, expected.axes)
-        assert_allclose(shown.sigma, expected.sigma, rtol=1e-5)
-        assert_allclose(shown.pairs.predicted, expected.pairs.predicted, rtol=1e-9)
-        assert_allclose(shown.pairs.measured, expected.pairs.measured, rtol=1e-12)
-
-
 def test_a_comparison_is_there_after_a_reload_and_not_for_another_model(fresh: Callable[[str], Session]) -> None:
     desk = fresh("reloaded")
     assert desk.comparison() is not None

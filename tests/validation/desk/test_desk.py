@@ -26,6 +26,8 @@ def test_a_desk_is_opened_as_it_was_begun(block: Series, tmp_path: Path) -> None
     assert made.asked.band == (8.0, 12.0)
     assert made.asked.hold_out == ("z",)
     assert made.title == "<b>"
+    state = json.loads((made.folder / "desk.json").read_text())
+    assert (state["format"], state["kind"]) == (1, "massline desk")
 
 
 def test_a_run_that_is_held_out_is_no_file_that_happens_to_have_its_name(
@@ -100,8 +102,3 @@ def test_paths_that_cannot_be_said_anew_are_refused(block: Series, tmp_path: Pat
     (tmp_path / "model.toml").write_text(f'{text}[structure]\nkind = "own"\nown = {{ "fmd+box" = "box.h5" }}\n')
     with pytest.raises(BadInput, match="one a line"):
         begun(tmp_path / "d", tmp_path / "model.toml", block.data)
-
-
-def test_a_desk_states_a_format(bare: Session) -> None:
-    state = json.loads((bare.folder / "desk.json").read_text())
-    assert (state["format"], state["kind"]) == (1, "massline desk")

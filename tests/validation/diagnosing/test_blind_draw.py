@@ -25,14 +25,11 @@ from fem.base_excitation.response import Response
 from fem.base_excitation.rig import Rig
 from identification.campaign import Processing
 from validation.effects.catalogue import FAMILIES, parse
-from validation.effects.effect import AMPLITUDE, COVER, FMD, PENDULUM, PROCESSING, STRUCTURE
+from validation.effects.effect import AMPLITUDE, COVER, FMD, PENDULUM, PROCESSING
 from validation.virtual_test import simulate
 from validation.virtual_test.plan import MAINS, NOISE, Plan, Sensed, changed_rig
 from validation.virtual_test.planted import planted
 from validation.virtual_test.simulate import laboratory
-
-# The draw: a seed gives its cases, every family that acts in a linear test is in it, and sizes are multiples of limits.
-
 
 SEED = 7
 
@@ -63,15 +60,6 @@ def test_every_family_that_acts_in_a_linear_test_is_planted_alone(cases: tuple[C
     assert hidden <= {"layer-damping"}  # whose own loss factor, known to 35 %, hides all that the family allows
     linear -= hidden
     assert {one.planted[0].text.partition(":")[0].partition("=")[0] for one in cases if one.kind == SINGLE} == linear
-
-
-def test_eight_effects_of_the_structure_are_among_them_and_those_that_are_hard() -> None:
-    structural = [one for one in CHOICES if one.structural]
-    assert len(structural) >= 8
-    assert len(CHOICES) >= 20
-    assert all(FAMILIES[one.family].side == STRUCTURE for one in structural)
-    hard = {"modulus:mast", "joint-compliance:rotation", "structural-damping:mast", "point-mass:mast-top", "point-mass:lower-1+"}
-    assert hard <= {id for one in structural for id in one.ids}
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -156,9 +144,6 @@ def test_limits_are_medians_over_the_nulls_in_which_an_effect_can_act() -> None:
     assert found == {"force-gain:fmd-z1": 2.0, "appendage:z": 0.1, "modulus:upper-long": 0.3}
 
 
-# Whatever may be drawn of an inertia leaves a body that can be simulated.
-
-
 MULTIPLES = (2.0, 5.0, 15.0)
 
 INERTIA = [one for one in CHOICES if one.family == "rigid-inertia"]
@@ -187,9 +172,6 @@ def test_a_body_is_left_of_every_inertia_that_may_be_drawn(choice: Choice, artic
                 changed_rig(rig(article), planted([parse(f"{id}={sign * size:.5g}")]))
                 made += 1
     assert made
-
-
-# Physics that no family describes does what its sentence says, and nothing at size zero.
 
 
 RATE = 8192.0
@@ -355,15 +337,6 @@ def outcomes(cases: list[Case], scratch: Path) -> dict[str, Outcome]:
 
 def test_every_family_is_drawn_but_that_of_layers_which_four_blades_alone_have() -> None:
     assert sorted(family(one) for one in chosen() if one.kind == SINGLE) == PLANTED_FAMILIES
-
-
-@pytest.mark.proof
-def test_nothing_one_effect_a_pair_and_the_unknown_are_told_apart(tmp_path: Path) -> None:
-    """All claims in one test: the cases are dear, and two processes that share the suite would each diagnose them."""
-    first = {one.kind: one for one in reversed(chosen())}
-    found = outcomes(list(first.values()), tmp_path)
-    assert set(first) == {NULL, SINGLE, PAIR, FOREIGN}
-    assert list(missed(found)) == []
 
 
 @pytest.mark.proof

@@ -29,9 +29,6 @@ from validation.study import Study
 from validation.virtual_test.plan import RIGID, Plan
 from validation.virtual_test.simulate import simulate
 
-# Running a draw loses nothing that is finished, and one broken case ends no other.
-
-
 FAST: dict[str, Any] = {"octaves_per_minute": 120.0, "quiet": 0.2, "model": RIGID, "simulation_rate": 2000.0}
 
 BOOK = Ledger(development=(1, 2), test=9)
@@ -165,9 +162,6 @@ def test_the_hash_of_the_code_is_of_files_that_are_there(monkeypatch: pytest.Mon
     present_code.cache_clear()
 
 
-# What a diagnosis is handed holds neither seed nor truth, and its process knows no draw.
-
-
 CASE = Case(
     name="singles-042",
     kind=SINGLE,
@@ -242,9 +236,6 @@ def test_the_process_that_answers_knows_no_draw_and_no_virtual_test(root: Path) 
     ]
 
 
-# What the hash of the code covers: everything that a figure can come from, and no face.
-
-
 @pytest.fixture(scope="module")
 def covered(root: Path) -> set[str]:
     return {path.relative_to(root).as_posix() for path in hashed(root)}
@@ -273,9 +264,6 @@ def test_all_that_draws_and_asks_imports_is_covered(root: Path, covered: set[str
     files = {(root / to.replace(".", "/")).relative_to(root) for to in reached}
     assert "validation/diagnose/diagnose" in {file.as_posix() for file in files}
     assert {f"{file}.py" for file in files if (root / f"{file}.py").exists()} <= covered
-
-
-# Split samples: halves that share no line, and both ways counted apart.
 
 
 def of(planted: str, over: float, unseen: float) -> Tried:

@@ -1,9 +1,6 @@
 """The score counts what it says it counts, and the page holds what it prints."""
 
-import json
 import re
-from dataclasses import replace
-from math import nan
 from pathlib import Path
 
 import pytest
@@ -23,9 +20,6 @@ from benchmarks.blind.score.line import line
 from benchmarks.blind.score.outcome import Outcome, outcome
 from benchmarks.blind.score.rates import Rate
 from benchmarks.blind.score.rows import Row, rows
-
-# The score counts what it says it counts, on truths and answers that are made up.
-
 
 GAIN = "force-gain:fmd-z2"
 
@@ -260,12 +254,6 @@ def test_the_score_goes_between_the_markers_of_the_page_and_nowhere_else(tmp_pat
         page.write("new", file)
 
 
-def test_an_outcome_is_of_plain_json() -> None:
-    one, other = truth("singles", GAIN), answer("missing", GAIN)
-    assert outcome(json.loads(json.dumps(one)), json.loads(json.dumps(other))) == outcome(one, other)
-    assert replace(outcome(one, other), seconds=nan).first
-
-
 def ranked(first: float, second: float) -> Json:
     """A gain was planted and ranks second; each with its evidence [nats]."""
     found = answer("ambiguous", "load-path-shunt:z", alike=("load-path-shunt:z", GAIN))
@@ -297,9 +285,6 @@ def test_what_the_null_said_that_it_would_name_is_asked_for(said: float | None, 
     null = {**answer("nothing"), "detectable": [] if said is None else [{"id": GAIN, "size": said}]}
     outcomes = scored((truth("singles", GAIN), answer("nothing")), (truth("nulls"), null))
     assert row(outcomes, "of its null said").figure.startswith(count)
-
-
-# The page about the proof says what the program does.
 
 
 @pytest.fixture(scope="module")

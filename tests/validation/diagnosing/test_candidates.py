@@ -15,8 +15,6 @@ from validation.estimation.problem import EFFECT, Parameter
 from validation.estimation.screening import ScoreTest
 from validation.model.model import Added
 
-# Explanations that belong together: by evidence, and by what they do to the channels.
-
 
 def fisher(*columns: np.ndarray) -> np.ndarray:
     J = np.stack(columns, axis=1)
@@ -43,9 +41,6 @@ def test_several_sizes_together_may_do_what_none_of_them_does() -> None:
     N = fisher(c1 - 2 * c2, c1, c2)
     assert share(N, np.zeros(3), 0, [1, 2], []) < 1e-9
     assert share(N, np.zeros(3), 0, [1], []) > 0.1
-
-
-# One column stands for resonators of every frequency.
 
 
 FREQUENCY = np.linspace(4.0, 32.0, 57)
@@ -97,9 +92,6 @@ def test_the_smallest_mass_brings_the_evidence_that_is_asked_for() -> None:
 def test_a_resonator_reaches_the_data_a_seventh_beyond_the_band(f: float, there: bool) -> None:
     low, high = band([FREQUENCY])
     assert (low <= f <= high) is there
-
-
-# A smallest size is told in its unit, from where there is no effect.
 
 
 SURE = ScoreTest(name="x", estimate=0.0, information=1e4)

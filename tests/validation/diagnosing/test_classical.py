@@ -43,9 +43,6 @@ from validation.study import Data, Study
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.simulate import VirtualTest, simulate
 
-# Evidence of one effect of unknown size: against the Gaussian closed form, against quadrature, by its coverage.
-
-
 PLAUSIBLE = 0.5
 LEFT = np.array([0.3, -0.2, 0.5])
 SLOPE = np.array([1.0, 0.4, -2.0])
@@ -129,9 +126,6 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
         inside += found.low <= truth <= found.high
     # truths drawn from what is plausible: exactly 90 % are due; three standard deviations of 300 draws are 5 %
     assert_allclose(inside / count, 0.9, atol=0.05)
-
-
-# Classical measurements diagnosed by themselves: what was planted comes back where it can be told, and its aliases where not.
 
 
 G = 9.81
@@ -420,9 +414,6 @@ def test_ropes_that_stretch_are_among_those_that_no_radius_tells_apart(swing: Sw
     assert {"air-inertia", "rigid-inertia:Izz"} <= set(found.equivalence_class)
     (needed,) = [one for one in found.needed if one.id == "rope-elasticity"]
     assert_allclose(needed.value, 2.0 / 1.5e5, rtol=0.25)  # 0.05 % of the period: 8e-5 of the integration is a sixth of it
-
-
-# Weights and periods beside a campaign: they decide what spectra leave open, contradict by name, and have their own effects.
 
 
 BALANCE = 0.05

@@ -29,9 +29,6 @@ from validation.report import diagnose as report_diagnose
 from validation.study import Options, Study
 from validation.virtual_test.layout import mavis
 
-# `massline diagnose` from options to exit code, on diagnoses made by hand: what is tested is the way, not the answer.
-
-
 Run = Callable[..., tuple[int, str, str]]
 Made = Callable[[str], Diagnosis]
 
@@ -147,9 +144,6 @@ def test_words_of_a_user_are_no_markup(answers, made: Made, run: Run) -> None:
     out = run("diagnose", "model.toml", "one")[1]
     assert "[red]spring[/red] :bomb:" in out
     assert "warning: [bold]x." in out
-
-
-# The climb: what becomes a rung, when it stops, what an interruption leaves. Fits are none of this file's business.
 
 
 GAIN, MASS = "force-gain:fmd-z2", "point-mass:mast-top"
@@ -310,12 +304,6 @@ def test_what_the_model_has_already_is_not_added_again(lab, made: Made) -> None:
     assert len(of.climb().rungs) == 1
 
 
-# The whole way once: a virtual test with a hidden gain, a model that does not know, `massline diagnose --auto`.
-
-
-# `massline diagnose` on what it cannot use: exit code 2, and words that say what, where, and what to do.
-
-
 CELLS = np.array([[0.12, 0.12, 0.0], [-0.12, 0.12, 0.0], [-0.12, -0.12, 0.0], [0.12, -0.12, 0.0]])
 FREQUENCY = np.linspace(4.0, 16.0, 25)
 
@@ -415,9 +403,6 @@ def test_what_needs_a_campaign_is_refused_without_one(more: list[str], here: Pat
     said = refused(run, "clumod-4-weighing", *more)
     assert "there is no campaign among DATA" in said
     assert more[0] in said
-
-
-# `massline diagnose` where no campaign is among the data: the page, the JSON of the contract, refusals.
 
 
 MODEL = """format = 1

@@ -102,9 +102,6 @@ def explained(of: Study, text: str) -> Candidate:
     return Candidate(effects=effects, fit=found, problem=problem)
 
 
-# The forecast in closed form against the same written out, and what is known of parameters carried over to a test.
-
-
 @pytest.fixture
 def rng() -> np.random.Generator:
     return np.random.default_rng(5)
@@ -178,9 +175,6 @@ def test_odds_follow_from_evidence() -> None:
     one, other = known(), replace(known(), log_evidence=np.log(3.0))
     assert_allclose(other.odds(one), 0.75)
     assert_allclose(one.odds(replace(one, log_evidence=-1e6)), 1.0)
-
-
-# Which test tells explanations apart: physics says which must, and fits of what the test reads say how surely.
 
 
 Pair = tuple[Study, Candidate, Candidate]

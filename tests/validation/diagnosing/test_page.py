@@ -1,6 +1,5 @@
 """What an engineer and other programs read of a diagnosis: pages, sentences, JSON, pictures."""
 
-import json
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import combinations
@@ -18,15 +17,11 @@ from validation.effects import practical_units
 from validation.effects.catalogue import parse
 from validation.effects.practical_units import said
 from validation.model.model import Model
-from validation.output import json_text, to_json
+from validation.output import to_json
 from validation.report import diagnose
 from validation.report import diagnose as report_diagnose
-from validation.report.charts import static
 from validation.report.diagnose import grid, rows
 from validation.study import Study
-
-# What an engineer reads: the page of every verdict, line by line.
-
 
 PAGES = Path(__file__).parent / "pages"
 WIDTH = 110
@@ -78,46 +73,10 @@ def test_sentences_name_a_few_and_count_the_rest() -> None:
     assert diagnosis.listed([]) == ""
 
 
-# What other programs rely on.
-
-
-KEYS = {"verdict", "text", "accepted", "ranking", "equivalence_class", "next_measurement", "leftover", "errors"}
-EFFECT = {"id", "value", "unit", "interval90", "evidence_nats", "text"}
-ERRORS = {"plain_before_percent", "plain_after_percent", "heldout_before_percent", "heldout_after_percent"}
-
-
-@pytest.mark.parametrize("verdict", VERDICTS)
-def test_every_verdict_has_the_keys_of_the_contract(verdict: str, made: Callable[[str], Diagnosis]) -> None:
-    found = json.loads(json_text(to_json(made(verdict))))
-    assert found.keys() >= KEYS
-    assert found["errors"].keys() >= ERRORS
-    assert found["verdict"] == verdict
-    for one in (*found["accepted"], *found["ranking"]):
-        assert one.keys() >= EFFECT
-    assert found["leftover"] is None or isinstance(found["leftover"], str)
-
-
-def test_every_number_of_a_cause_is_in_si(made: Callable[[str], Diagnosis]) -> None:
-    (gain,) = json.loads(json_text(to_json(made("missing"))))["accepted"]
-    assert (gain["value"], gain["unit"], gain["evidence_nats"]) == (0.0793, "1", 208.3)
-    assert gain["interval90"] == pytest.approx([0.0793 * 0.97, 0.0793 * 1.03], rel=1e-12)
-    assert gain["written"] == "force-gain:fmd-z2=0.0793"
-    assert gain["values"][0]["interval90"] == gain["interval90"]
-
-
 def test_settings_of_any_kind_are_json(made: Callable[[str], Diagnosis]) -> None:
     found = to_json(made("missing"))["settings"]
     assert found == {"method": "full-record", "band_hz": [4.0, 32.0], "worth_nats": {"": 8.0}, "lines": 560}
     assert to_json({"a": np.inf, "b": (None, True, {1})}) == {"a": None, "b": [None, True, [1]]}
-
-
-def test_both_fits_with_every_parameter_are_told(made: Callable[[str], Diagnosis]) -> None:
-    found = to_json(made("missing"))
-    assert found["before"]["fitted"]["parameters"]["force-gain:fmd-z1"]["offset"] == pytest.approx(24 * 0.003, rel=1e-12)
-    assert found["after"]["fitted"]["log_evidence_nats"] == -691.7
-
-
-# No sentence of a diagnosis says more than was looked at; fits are none of this file's business.
 
 
 BENCH = Study(model=Model(source="model.toml", title="m", article="fmd+cuboid"), campaigns=(), made=())
@@ -259,9 +218,6 @@ def test_each_of_several_is_confirmed_by_what_the_catalogue_knows(made: Made) ->
     assert told == [f"to confirm {one.id}: {one.confirmed_by}" for one in both]
 
 
-# Sizes as a laboratory says them.
-
-
 @pytest.mark.parametrize(
     ("family", "key", "unit", "values", "expected"),
     [
@@ -296,9 +252,6 @@ def test_a_degree_follows_its_figure_at_once() -> None:
     assert practical_units.one("orientation", "", "rad", 0.05) == "+2.86°"
     assert practical_units.one("appendage", "f", "Hz", 21.0) == "21.0 Hz"
     assert practical_units.one("fmd-compliance", "", "1", 10.0) == "10.0"
-
-
-# Smallest sizes for people: grouped as the catalogue is, in units of a laboratory.
 
 
 FOUND = (
@@ -348,24 +301,6 @@ def test_smallest_sizes_stand_in_the_order_of_the_catalogue_units_apart_as_a_lab
 )
 def test_figures_keep_two_digits_and_no_zeros_in_front(value: float, unit: str, text: str) -> None:
     assert said(value, unit) == text
-
-
-# What stands on the pictures of a diagnosis can be read: everything on the page, no words upon words.
-
-
-@pytest.fixture
-def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
-    """The figures that were finished."""
-    figures: list[Any] = []
-    finish = static.finish
-
-    def finished(figure: Any, *arguments: Any) -> None:
-        finish(figure, *arguments)
-        figure.canvas.draw()
-        figures.append(figure)
-
-    monkeypatch.setattr(static, "finish", finished)
-    return figures
 
 
 def box(of: Any) -> Any:

@@ -54,9 +54,6 @@ from validation.model import model_file
 from validation.model.model import Added
 from validation.study import Study, read_data
 
-# What a search fits, of all that a straight line promises.
-
-
 LOUD = tuple(
     f"{family}:{target}=0.1" for family in ("force-gain", "force-delay", "force-highpass") for target in ("fmd-z1", "fmd-z2")
 )
@@ -276,9 +273,6 @@ def test_a_round_without_a_fit_says_why() -> None:
     )
 
 
-# Effects that were found first are asked once more beside those that were found later.
-
-
 TOP, HUB, BLADE, LOSS = "point-mass:mast-top", "point-mass:hub-4", "modulus:lower-1", "structural-damping:lower-1"
 GONE = "cable:mast-top:lateral"
 """Stands for a resonator that a fit drives out of the band."""
@@ -439,9 +433,6 @@ def test_logarithms_count_from_the_sizes_of_the_models_that_they_go_to() -> None
     assert _offsets_in(problem, fit) == pytest.approx({"a": 0.1 - log(2), "b": 0.2})
 
 
-# An effect that tolerances have paid for is found from where they are declared.
-
-
 TORSION, SIZE = "joint-compliance:torsion", 1.8e-5
 """[rad/(N m)] Of the flange; it moves the torsion of mast and blade by fifty times what is declared of a frequency."""
 
@@ -550,9 +541,6 @@ def test_sizes_grow_by_half_octaves_about_what_is_plausible_within_bounds() -> N
 )
 def test_effects_of_one_size_that_is_fitted_have_such_a_way(text: str, fixed: bool, there: bool) -> None:
     assert can_restart(Added(named=parse(text), fixed=fixed)) is there
-
-
-# How a fit stands against those of nulls: misfit, price and a single tolerance each refuse it alone.
 
 
 FREEDOM, COUNT = 5000, 100

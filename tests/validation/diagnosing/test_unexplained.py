@@ -121,9 +121,6 @@ def left(state: State) -> Left:
     return made
 
 
-# What is left over is told by where it is and what it looks like, and with the size that it has.
-
-
 def entry(of, i: int, j: int, course) -> np.ndarray:
     dH = np.zeros_like(of.H)
     dH[:, i, j] = course

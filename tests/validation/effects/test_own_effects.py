@@ -1,6 +1,5 @@
 """A user's own effects: found, checked, refused in words with the user's line, and used like any other."""
 
-import json
 import subprocess
 import sys
 from collections.abc import Callable
@@ -20,8 +19,6 @@ from validation.effects.catalogue import FAMILIES, SOURCES, parse
 from validation.effects.effect import Family, SizeSpec
 from validation.effects.stages import ChannelResponse
 from validation.virtual_test.planted import planted
-
-EXAMPLE = "force-lowpass:fmd-z2=1e-3"
 
 WHOLE = """
 from dataclasses import replace
@@ -272,12 +269,3 @@ def test_a_broken_folder_ends_with_2_and_no_traceback(
     assert run.returncode == main.BAD_INPUT
     assert "line 2, `x = 1 / 0`, raised ZeroDivisionError" in run.stderr
     assert "Traceback" not in run.stderr
-
-
-def test_a_users_effect_is_planted_and_stands_in_the_truth(
-    root: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    arguments = ["simulate", "fmd+cuboid", "--effects-from", str(root / "examples" / "effects"), "--effect", EXAMPLE]
-    assert main.run([*arguments, "--octaves-per-minute", "120", "--out", str(tmp_path / "c")]) == main.DONE
-    truth = json.loads((tmp_path / "c.truth.json").read_text(encoding="utf-8"))
-    assert "force-lowpass:fmd-z2" in json.dumps(truth)

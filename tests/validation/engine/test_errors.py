@@ -10,7 +10,7 @@ from geometry.errors import CheckFailed
 from validation.estimation.evaluate import evaluate, residuals, share, squares
 from validation.estimation.fit import fit
 from validation.estimation.likelihood import floor_of
-from validation.estimation.problem import AT_MOST, FITTED, PLAIN, Problem, chosen
+from validation.estimation.problem import AT_MOST, FITTED, PLAIN, Predicted, Problem, chosen
 
 
 def error(toy, offsets=()):
@@ -37,14 +37,7 @@ def test_eight_per_cent_on_one_of_four_forces_that_share_a_load_read_four(lab, k
         noise=only.noise[..., kept],
     )
 
-    class Kept:
-        measured, parameters = only, toy.parameters
-
-        def at(self, offsets, lines=None, *, derivatives=True):
-            found = toy.at(offsets, lines, derivatives=False)
-            return replace(found, rows=found.rows[:, kept])
-
-    found = error(Kept())
+    found = error(replace(toy, measured=only, twist=lambda said, *_: Predicted(rows=said.rows[:, kept], changes={})))
     assert_allclose(found.by_channel["f3"], 100 * 0.08 / np.sqrt(3 + 1.08**2), rtol=1e-3)  # noise is small, and taken off
     others = found.percent / found.by_channel["f3"]
     assert others < 1 + 1e-3 if known else 1 < others < 1.2  # where inputs are latent, others hear a little of it
@@ -66,14 +59,8 @@ def test_several_data_sets_weigh_by_their_lines(lab):
 
 
 def test_a_model_that_breaks_down_is_said_so_with_the_data_set(lab):
-    class Broken:
-        measured, parameters = lab.toy({}).measured, ()
-
-        def at(self, offsets, lines=None, *, derivatives=True):
-            raise np.linalg.LinAlgError("a stiffness turned negative")
-
     with pytest.raises(CheckFailed, match="the model of one breaks down: a stiffness turned negative"):
-        squares(Broken(), {})
+        squares(replace(lab.toy({}), twist=lab.breaking(lambda offsets: True)), {})
 
 
 def test_the_scale_of_the_data_does_not_matter(lab):
@@ -91,20 +78,14 @@ def test_an_error_of_an_acceleration_shows_in_the_forces_that_it_predicts(lab):
 def test_too_few_channels_for_latent_inputs_are_refused(lab):
     """Two latent inputs and two channels: nothing is left to hold either against."""
 
-    class Two:
-        def __init__(self, known):
-            toy = lab.toy({}, known=known)
-            m = toy.measured
-            few = replace(m, channels=m.channels[:2], judged=m.judged[:2], values=m.values[..., :2], noise=m.noise[..., :2])
-            self.toy, self.measured, self.parameters = toy, few, toy.parameters
-
-        def at(self, offsets, lines=None, *, derivatives=True):
-            found = self.toy.at(offsets, lines, derivatives=False)
-            return replace(found, rows=found.rows[:, :2])
+    def two(known):
+        m = (toy := lab.toy({}, known=known)).measured
+        few = replace(m, channels=m.channels[:2], judged=m.judged[:2], values=m.values[..., :2], noise=m.noise[..., :2])
+        return replace(toy, measured=few, twist=lambda said, *_: Predicted(rows=said.rows[:, :2], changes={}))
 
     with pytest.raises(CheckFailed, match="the 2 inputs cannot be told without channel 1"):
-        squares(Two(known=False), {})
-    assert squares(Two(known=True), {})
+        squares(two(known=False), {})
+    assert squares(two(known=True), {})
 
 
 def test_a_gain_of_eight_per_cent_shows_in_the_plain_error_and_goes_when_it_is_added(lab):
@@ -137,9 +118,6 @@ def test_the_nominal_error_is_of_the_model_as_it_stands(lab):
     toy = lab.toy(truth, parameters=(*lab.LABORATORY, effect), seed=None)
     assert evaluate(Problem((toy,))).nominal.percent < 1e-6
     assert evaluate(Problem((lab.toy(truth, acting=(effect,), seed=None),))).nominal.percent > 1.0
-
-
-# Residuals have the deviation that is predicted of them
 
 
 @pytest.mark.parametrize("known", [False, True], ids=["latent", "known"])
@@ -201,9 +179,6 @@ def test_lines_of_the_fits_may_be_asked_for_alone(lab):
     (few,), (all_lines,) = residuals(problem, {}, every_line=False), residuals(problem, {})
     assert_allclose(few.values, all_lines.values[:, problem.lines["one"]], rtol=1e-12)
     assert_allclose(few.sigma, all_lines.sigma[:, problem.lines["one"]], rtol=1e-12)
-
-
-# A problem is the union of its data sets, which must agree about what they share
 
 
 def test_parameters_of_the_same_name_are_one(lab):

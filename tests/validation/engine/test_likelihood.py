@@ -102,9 +102,6 @@ def test_the_floor_follows_the_level_and_not_below_a_share_of_what_such_channels
     assert_allclose(floor_of(replace(toy.measured, values=3 * toy.measured.values)), 3 * floor, rtol=1e-12)
 
 
-# Normal equations by the common way, held against those of every column by itself
-
-
 LINES, CHANNELS, INPUTS, QUANTITIES, RUNS = 7, 9, 2, 3, 2
 LOADED = (3, 4, 5, 6, 8)
 
@@ -190,9 +187,6 @@ def test_rows_that_runs_do_not_share_go_no_common_way(predicted: Predict, drawn)
     assert ways(changes, sorted(of.changes), CHANNELS) is not None
 
 
-# Evidence says whether a parameter is worth having, and for a linear model it is exact
-
-
 def linear(lab, truth, tolerances):
     """Everything is known but offsets of gains, in which a prediction with known inputs is linear."""
     effects = [lab.effect(name, tolerance) for name, tolerance in tolerances.items()]
@@ -250,23 +244,15 @@ def test_a_parameter_of_which_the_data_say_nothing_costs_nothing(lab):
     assert child.by_name["nobody"] == 0.0
 
 
-class Noisier:
-    """The toy with noise that is not that of the data."""
-
-    def __init__(self, toy, factor):
-        self.toy, self.measured, self.parameters, self.factor = toy, toy.measured, toy.parameters, factor
-
-    def at(self, offsets, lines=None, *, derivatives=True):
-        found = self.toy.at(offsets, lines, derivatives=derivatives)
-        lines = slice(None) if lines is None else lines
-        return Predicted(rows=found.rows, changes=found.changes, noise=self.factor * self.measured.noise[:, lines])
-
-
 @pytest.mark.parametrize("known", [False, True], ids=["latent", "known"])
 def test_noise_that_is_not_that_of_the_data_is_less_probable_both_ways(lab, known):
     """Where noise is an effect, the normalisation of the likelihood decides: too much of it is as wrong as too little."""
     toy = lab.toy({}, known=known)
-    evidence = {factor: fit(Problem((Noisier(toy, factor),)), PLAIN, floor=0.0).log_evidence for factor in (0.5, 1.0, 2.0)}
+
+    def noisier(factor):
+        return replace(toy, twist=lambda said, _, lines: replace(said, noise=factor * toy.measured.noise[:, lines]))
+
+    evidence = {factor: fit(Problem((noisier(factor),)), PLAIN, floor=0.0).log_evidence for factor in (0.5, 1.0, 2.0)}
     assert evidence[1.0] > evidence[0.5] + 100
     assert evidence[1.0] > evidence[2.0] + 100
     assert_allclose(evidence[1.0], fit(Problem((toy,)), PLAIN, floor=0.0).log_evidence, rtol=1e-12)

@@ -129,9 +129,6 @@ def test_where_nothing_is_fitted_misfit_is_told_as_it_stands(lab):
     assert not unfitted(problem, FITTED, {}).converged
 
 
-# What is screened in closed form is what a fit finds, by data and by facts alike
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Weight:
     """``value = sum(slope * offset) +- sd``."""

@@ -73,11 +73,6 @@ def test_an_effect_on_the_modes_is_the_effect_on_the_masses() -> None:
     assert_allclose(found, heavier, rtol=0, atol=1e-11 * np.abs(heavier).max())
 
 
-def test_a_structure_answers_at_one_place_to_another_as_the_other_to_the_one() -> None:
-    rows = model(chain()).at({}, derivatives=False).rows[..., 0]
-    assert_allclose(rows, rows.transpose(2, 1, 0), rtol=0, atol=1e-11 * np.abs(rows).max())
-
-
 def test_every_derivative_is_that_of_differences() -> None:
     test = model(chain()).with_effects(EFFECTS)
     at = {one.name: one.start + 0.1 * one.tolerance for one in test.parameters}

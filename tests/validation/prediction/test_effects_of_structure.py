@@ -297,9 +297,6 @@ def test_channels_carry_derivatives_through_and_add_their_own() -> None:
     np.testing.assert_allclose(changes["one"], sign * before)
 
 
-# A fit may give an effect what its family allows, and no more; that it is not there is always allowed
-
-
 WORDS = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
 
 

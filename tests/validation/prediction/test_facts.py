@@ -137,9 +137,6 @@ def test_the_fmd_is_not_weighed_by_a_model(model: Any, tmp_path: Path) -> None:
         facts(model(), [str(path)])
 
 
-# Masses and inertias that leave no body are refused before anything is fitted, and those that leave one are not
-
-
 ANY = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
 
 MakeCampaign = Callable[[str], Campaign]

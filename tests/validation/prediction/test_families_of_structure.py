@@ -316,9 +316,6 @@ def test_named_effects_carry_their_sizes() -> None:
     }
 
 
-# Friction by harmonic balance against a virtual test that exudyn integrates: what a sweep sees of a part that slips
-
-
 MASS, LEVEL = 2.0, 2.5
 """[kg] of the loose part, [m/s²] of the sweep."""
 

@@ -200,9 +200,6 @@ def test_the_inertia_of_the_whole_is_in_the_first_six_coordinates() -> None:
     np.testing.assert_allclose(found.mass, structure("clumod-4").rigid_mass[0, 0], rtol=1e-12)
 
 
-# Condensation of small matrices that were drawn: identities, and every derivative against differences
-
-
 FEW_LINES = np.array([3.0, 9.0, 11.0, 40.0])
 SIZE = 11
 

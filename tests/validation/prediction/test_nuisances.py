@@ -175,9 +175,6 @@ def test_a_held_structure_has_no_participation() -> None:
     assert m.stiffness[0, 0] > held.stiffness[0, 0]
 
 
-# The law of damping: right at resonance whatever it is, and between the two beside it
-
-
 @pytest.fixture(scope="module")
 def of():
     return made("clumod-1", None)

@@ -65,9 +65,6 @@ def test_it_acts_wherever_its_place_exists_and_nowhere_else(faulty: Any, predict
     assert DAMPED not in of.at({DAMPED: 40.0}, np.array([0])).changes
 
 
-# An article of one's own in a model file: a drawing is a rigid body or a solid model, and weighs what its drawing says
-
-
 SIZES = np.array([0.16, 0.07, 0.10])
 DENSITY = 2700.0
 

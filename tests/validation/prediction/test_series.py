@@ -256,9 +256,6 @@ def nothing(of: Model) -> Inertia:
     return moving_part(of).scaled(1e-12)
 
 
-# Lines that no run drives are neither fitted nor judged, unless a band is asked for
-
-
 LOW, HIGH = 8.0, 16.0
 
 

@@ -1,15 +1,11 @@
 """`massline pretest`: what is printed, what a program reads, what is drawn, and what is refused."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from validation.cli import main
 from validation.identify.pretest import PretestFindings
 from validation.report import pretest
-
-Run = Callable[..., tuple[int, str, str]]
 
 
 def test_the_page_says_intervals_causes_channels_and_places(tared: PretestFindings) -> None:
@@ -55,14 +51,11 @@ def test_the_pictures_are_drawn(tared: PretestFindings, tmp_path: Path, renderer
         (("clumod-1", "--damping", "-1"), "damping"),
     ],
 )
-def test_what_cannot_be_planned_is_refused_in_words(run: Run, arguments: tuple[str, ...], said: str) -> None:
-    code, out, err = run("pretest", *arguments)
-    assert (code, out) == (main.BAD_INPUT, "")
-    assert said in err
-    assert "Traceback" not in err
+def test_what_cannot_be_planned_is_refused_in_words(refused, arguments: tuple[str, ...], said: str) -> None:
+    assert said in refused("pretest", *arguments)
 
 
-def test_sensors_that_tell_no_base_motion_are_refused(run: Run, root: Path, tmp_path: Path) -> None:
+def test_sensors_that_tell_no_base_motion_are_refused(refused, root: Path, tmp_path: Path) -> None:
     import runpy
     from dataclasses import replace
 
@@ -75,6 +68,4 @@ def test_sensors_that_tell_no_base_motion_are_refused(run: Run, root: Path, tmp_
         for name, one in made.recordings.items()
     }
     campaign_file.write(tmp_path / "few", replace(made, table=made.table.subset(kept), recordings=recordings))
-    code, _, err = run("pretest", "clumod-1", "--sensors", str(tmp_path / "few"))
-    assert code == main.BAD_INPUT
-    assert "x" in err
+    assert "x" in refused("pretest", "clumod-1", "--sensors", str(tmp_path / "few"))

@@ -12,24 +12,18 @@ from validation.report.parts import Report
 Run = Callable[..., tuple[int, str, str]]
 
 
-def test_another_ending_is_refused(run: Run, series: Any) -> None:
-    code, _, said = run("report", str(series.model), str(series.campaign), "--out", "report.docx")
-    assert code == 2
-    assert ".html" in said
-
-
-def test_a_folder_that_is_not_there_is_refused(run: Run, series: Any) -> None:
-    code, _, said = run("report", str(series.model), str(series.campaign), "--out", "/no-such-place/deeper/report.html")
-    assert code == 2
-    assert "/no-such-place" in said
-
-
-@pytest.mark.parametrize("name", ["none.toml", "../none.toml"])
-def test_a_model_that_is_not_there_is_refused(run: Run, series: Any, name: str) -> None:
-    code, _, said = run("report", name, str(series.campaign), "--out", "report.html")
-    assert code == 2
-    assert "none.toml" in said
-    assert not Path("report.html").exists()
+@pytest.mark.parametrize(
+    ("model", "out", "words"),
+    [
+        (None, "report.docx", ".html"),
+        (None, "/no-such-place/deeper/report.html", "/no-such-place"),
+        ("none.toml", "report.html", "none.toml"),
+        ("../none.toml", "report.html", "none.toml"),
+    ],
+)
+def test_a_model_that_is_not_there_and_a_place_or_an_ending_that_cannot_be_are_refused(model, out, words, refused, series):
+    assert words in refused("report", model or str(series.model), str(series.campaign), "--out", out)
+    assert not Path(out).exists()
 
 
 def test_without_a_name_it_goes_under_out_after_the_model(

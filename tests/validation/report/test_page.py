@@ -107,10 +107,8 @@ def test_causes_are_those_of_diagnose(read: Any, report: Report) -> None:
     assert before[2:] == told
 
 
-def test_identified_inertia_is_that_of_identify(read: Any, series: Any, run: Run) -> None:
-    code, out, _ = run("identify", str(series.campaign), "--no-study", "--json")
-    assert code == 0
-    said = json.loads(out)
+def test_identified_inertia_is_that_of_identify(read: Any, series: Any, answer) -> None:
+    said = answer("identify", str(series.campaign), "--no-study")
     table = next(one for one in read.tables if one.caption.startswith("fmd+cuboid: mass, CoG and inertia,"))
     mass = table.row("Mass m")
     best = said[said["result"].replace("-", "_")]

@@ -2,7 +2,6 @@
 
 import re
 import zlib
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +9,6 @@ import pytest
 
 from geometry.errors import BadInput, CheckFailed
 from validation.report import page as report_page
-
-Run = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture(scope="module")
@@ -82,10 +79,9 @@ def test_without_a_browser_it_says_what_to_install(monkeypatch: pytest.MonkeyPat
         report_page.browser_path()
 
 
-def test_a_named_browser_that_is_none_is_refused_before_anything_is_read(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_named_browser_that_is_none_is_refused_before_anything_is_read(refused, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(report_page.BROWSER, "no-such-browser")
-    code, _, said = run("report", "none.toml", "nowhere", "--pdf")
-    assert code == 2
+    said = refused("report", "none.toml", "nowhere", "--pdf")
     assert "MASSLINE_BROWSER" in said
     assert "no-such-browser" in said
 

@@ -56,8 +56,6 @@ def test_a_driven_beam_is_reciprocal_and_loses_energy() -> None:
     assert np.all(np.diagonal(H, axis1=1, axis2=2).imag < 0)  # force lags behind acceleration
 
 
-# Ritz's method falls towards the truth as the degree rises, and meets the one frequency that has a closed form.
-
 E, NU, RHO, SIDE, THICKNESS = 200e9, 0.3, 8000.0, 10.0, 0.05
 
 

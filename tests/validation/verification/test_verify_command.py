@@ -31,13 +31,6 @@ def test_the_whole_table_passes(whole: dict[str, Any]) -> None:
     assert len({row["family"] for row in whole["rows"]}) == len(FAMILIES)
 
 
-def test_every_row_says_where_its_reference_comes_from(whole: dict[str, Any]) -> None:
-    for row in whole["rows"]:
-        assert set(row) == {"family", "what", "reference", "source", "value", "unit", "error", "error_is", "bar", "pass"}
-        assert row["what"]
-        assert row["source"]
-
-
 def test_the_page_shows_the_table_of_today(root: Path, whole: dict[str, Any]) -> None:
     # to the letter but for the last digits of what was computed, and for the size of mere rounding
     page = (root / "docs" / "verification.md").read_text(encoding="utf-8")
