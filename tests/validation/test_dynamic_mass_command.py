@@ -1,8 +1,6 @@
 """`massline dynamic-mass`: what is printed, what a program reads, what is drawn and written, and how it ends."""
 
 import csv
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,14 +14,12 @@ from validation.cli import main
 from validation.flexible.dynamic_mass import apart, lines, peaks, reference_point
 from validation.report.charts.style import DynamicMassCurve, side_by_side
 
-Run = Callable[..., tuple[int, str, str]]
-
 
 def matrices(said: dict[str, Any]) -> np.ndarray:
     return np.array(said["re"]) + 1j * np.array(said["im"])
 
 
-def test_at_zero_frequency_it_is_the_rigid_body_about_any_point(answer) -> None:
+def test_at_zero_frequency_it_is_the_rigid_body_about_any_point_and_f_is_the_origin_of_the_fmd(answer):
     said = {
         about: answer("dynamic-mass", "clumod-4", "--band", "0", "1", "--step", "1", "--about", about)
         for about in ("article", "F", "10 -20 300 mm")
@@ -36,15 +32,12 @@ def test_at_zero_frequency_it_is_the_rigid_body_about_any_point(answer) -> None:
         T = rigid_transformation_6(-point)
         assert_allclose(matrices(one)[0], T.T @ rigid @ T, atol=1e-9 * np.abs(rigid).max())  # rounding
     assert said["article"]["reference_point_mm"] == [0, 0, 0]
-
-
-def test_f_is_the_fmd_s_own_origin_and_lies_below_what_stands_on_it() -> None:
     seat = built_in("fmd").seat
     assert reference_point("F", "fmd+clumod-1")[1].tolist() == [0, 0, 0]
     assert_allclose(reference_point("F", "clumod-1")[1], -seat.position)
 
 
-def test_the_cuboid_is_flat_and_clumod_is_not(answer) -> None:
+def test_the_cuboid_is_flat_and_clumod_is_not(answer):
     """Paper, Figs. 7 to 9: straight lines for the Cuboid, resonances for Clumod."""
     flat, one = (answer("dynamic-mass", name) for name in ("disc+cuboid", "clumod-1"))
     diagonal = {key: np.abs(matrices(said)[:, range(6), range(6)]) for key, said in (("flat", flat), ("one", one))}
@@ -56,14 +49,14 @@ def test_the_cuboid_is_flat_and_clumod_is_not(answer) -> None:
     assert (one["frequency_hz"][0], one["frequency_hz"][-1], len(one["frequency_hz"])) == (4.0, 32.0, 561)
 
 
-def test_beside_exudyn_the_curves_agree_off_resonance(answer) -> None:
+def test_beside_exudyn_the_curves_agree_off_resonance(answer):
     said = answer("dynamic-mass", "clumod-1", "--against", "exudyn")
     assert said["against"] == "exudyn"
     # a frequency known to 1e-4 shows as that times 2 f / (f - f_r), some 70 at the edge of a resonance
     assert all(block["off_resonance_percent"] < 0.5 for block in said["apart"])
 
 
-def test_what_is_written_is_what_was_computed(run: Run, answer, tmp_path: Path) -> None:
+def test_what_is_written_is_what_was_computed(run, answer, tmp_path):
     said = answer("dynamic-mass", "clumod-1", "--step", "1", "--out", "H.npz")
     assert run("dynamic-mass", "clumod-1", "--step", "1", "--out", "deep/H.csv")[0] == main.DONE
     with np.load(tmp_path / "H.npz", allow_pickle=False) as stored:
@@ -76,7 +69,7 @@ def test_what_is_written_is_what_was_computed(run: Run, answer, tmp_path: Path) 
     assert_allclose(values[:, 1::2] + 1j * values[:, 2::2], matrices(said).reshape(-1, 36), rtol=0, atol=0)
 
 
-def test_plots_show_curves_and_say_where_they_are(run: Run, tmp_path: Path) -> None:
+def test_plots_show_curves_and_say_where_they_are(run, tmp_path):
     from PIL import Image
 
     code, _, err = run("dynamic-mass", "clumod-1", "--plot", "--step", "0.5")
@@ -90,7 +83,7 @@ def test_plots_show_curves_and_say_where_they_are(run: Run, tmp_path: Path) -> N
         assert pixels[:6].min() > 240  # nothing is cut off at the edge
 
 
-def test_articles_stand_side_by_side(tmp_path: Path) -> None:
+def test_articles_stand_side_by_side(tmp_path):
     from PIL import Image
 
     from validation.flexible.model import FlexibleOptions, flexible
@@ -128,14 +121,12 @@ def test_articles_stand_side_by_side(tmp_path: Path) -> None:
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )
-def test_bad_input_is_refused_in_words_before_anything_is_written(
-    arguments: list[str], words: str, refused, tmp_path: Path
-) -> None:
+def test_bad_input_is_refused_in_words_before_anything_is_written(arguments, words, refused, tmp_path):
     assert words in refused("dynamic-mass", *arguments)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_band_beyond_the_modes_kept_is_warned_of(run: Run) -> None:
+def test_a_band_beyond_the_modes_kept_is_warned_of(run):
     code, _, err = run("dynamic-mass", "clumod-1", "--modes", "3", "--step", "4")
     assert code == main.DONE
     assert "the last of 3 modes kept" in err
@@ -143,7 +134,7 @@ def test_a_band_beyond_the_modes_kept_is_warned_of(run: Run) -> None:
     assert run("dynamic-mass", "clumod-1", "--step", "4")[2] == ""
 
 
-def test_the_difference_is_told_apart_off_and_at_resonance() -> None:
+def test_the_difference_is_told_apart_off_and_at_resonance():
     f = lines((4.0, 20.0), 0.5)
     first = np.tile(np.eye(6, dtype=complex), (len(f), 1, 1))
     second = first.copy()
@@ -159,7 +150,7 @@ def test_the_difference_is_told_apart_off_and_at_resonance() -> None:
     assert heavy[2].off_resonance == pytest.approx(0.005)
 
 
-def test_a_peak_is_where_the_mode_is() -> None:
+def test_a_peak_is_where_the_mode_is():
     f = lines((4.0, 32.0), 0.05)
     H = np.zeros((len(f), 6, 6), dtype=complex)
     H[:, range(6), range(6)] = 1.0
@@ -170,7 +161,7 @@ def test_a_peak_is_where_the_mode_is() -> None:
     assert peak.magnitude == pytest.approx(50.0, rel=0.02)  # 1 / (2 zeta)
 
 
-def test_figures_of_resonances_stand_clear_of_a_panels_title(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_figures_of_resonances_stand_clear_of_a_panels_title(monkeypatch, tmp_path):
     """Clumod's first mode is so near the left end of the band that its figure lies below the title."""
     from matplotlib.figure import Figure
 

@@ -6,7 +6,6 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from ctypes.util import find_library
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -80,9 +79,7 @@ def nearest(image: npt.NDArray[np.uint8], colour: str, within: float) -> npt.NDA
 
 
 @given(seeds, st.tuples(*[st.floats(0.05, 2)] * 3), st.floats(0.1, 100))
-def test_a_homogeneous_ellipsoid_is_its_own_equivalent_ellipsoid(
-    seed: int, semi_axes: tuple[float, float, float], mass: float
-) -> None:
+def test_a_homogeneous_ellipsoid_is_its_own_equivalent_ellipsoid(seed, semi_axes, mass):
     """I1 = m/5 (b² + c²): the textbook's moments of an ellipsoid, in any attitude and place."""
     a, b, c = semi_axes
     tensor = mass / 5 * np.diag([b * b + c * c, a * a + c * c, a * a + b * b])
@@ -93,7 +90,7 @@ def test_a_homogeneous_ellipsoid_is_its_own_equivalent_ellipsoid(
 
 
 @given(seeds)
-def test_what_is_stretched_onto_it_lies_on_its_surface(seed: int) -> None:
+def test_what_is_stretched_onto_it_lies_on_its_surface(seed):
     ellipsoid = equivalent_ellipsoid(of_brick((0.2, 0.3, 0.5)).placed(pose(seed)))
     unit = np.random.default_rng(seed).normal(size=(20, 3))
     unit /= np.linalg.norm(unit, axis=1)[:, None]
@@ -102,9 +99,7 @@ def test_what_is_stretched_onto_it_lies_on_its_surface(seed: int) -> None:
 
 
 @given(seeds, st.sampled_from([(0.2, 0.3, 0.5), (0.3, 0.3, 0.5), (0.5, 0.5, 0.3), (0.4, 0.4, 0.4)]))
-def test_drawn_axes_are_principal_and_right_handed_also_where_moments_are_equal(
-    seed: int, size: tuple[float, float, float]
-) -> None:
+def test_drawn_axes_are_principal_and_right_handed_also_where_moments_are_equal(seed, size):
     inertia = of_brick(size).placed(pose(seed))
     ellipsoid = equivalent_ellipsoid(inertia)
     assert_allclose(ellipsoid.axes.T @ inertia.tensor_cog @ ellipsoid.axes, np.diag(ellipsoid.moments), rtol=0, atol=1e-9)
@@ -112,18 +107,15 @@ def test_drawn_axes_are_principal_and_right_handed_also_where_moments_are_equal(
     assert len(ellipsoid.equal) == 3 - len(set(size))
 
 
-def test_axes_that_are_free_to_turn_lie_along_the_frame() -> None:
+def test_axes_that_are_free_to_turn_lie_along_the_frame_and_the_ellipsoid_of_a_rod_is_a_line():
     assert_allclose(equivalent_ellipsoid(of_brick((0.3, 0.3, 0.1))).axes, np.eye(3), rtol=0, atol=1e-12)
     assert_allclose(equivalent_ellipsoid(of_brick((0.3, 0.3, 0.3))).axes, np.eye(3), rtol=0)
-
-
-def test_the_ellipsoid_of_a_rod_is_a_line() -> None:
     rod = equivalent_ellipsoid(Inertia.from_cog(1.0, np.zeros(3), np.diag([0.0, 1 / 12, 1 / 12])))
     assert_allclose(rod.semi_axes, [np.sqrt(5 / 12), 0, 0], rtol=1e-12, atol=1e-9)
 
 
 @given(seeds)
-def test_everything_fits_into_the_picture_and_touches_its_margin(seed: int) -> None:
+def test_everything_fits_into_the_picture_and_touches_its_margin(seed):
     points = np.random.default_rng(seed).normal(size=(30, 3)) * [1.0, 2.0, 0.3]
     view = fitted(points, (400, 300), margin=20)
     pixels = view.pixel(points)
@@ -132,17 +124,13 @@ def test_everything_fits_into_the_picture_and_touches_its_margin(seed: int) -> N
     assert_allclose(gap.min(), 20, rtol=0, atol=1e-6)
 
 
-def test_up_is_up_and_x_runs_to_the_right() -> None:
+def test_up_is_up_x_runs_to_the_right_and_a_length_across_the_line_of_sight_is_true_to_scale():
     view = fitted(CORNERS, (400, 300), margin=20)
     origin, x, z = view.pixel(np.zeros(3)), view.pixel([1, 0, 0]), view.pixel([0, 0, 1])
     assert x[0] > origin[0]
     assert_allclose(z[0], origin[0], rtol=0, atol=1e-9)
     assert z[1] < origin[1]
     assert_allclose(np.cross(view.right, view.up), view.towards, rtol=0, atol=1e-12)
-
-
-def test_a_length_across_the_line_of_sight_is_true_to_scale_wherever_it_lies() -> None:
-    view = fitted(CORNERS, (400, 300), margin=20)
     for place in CORNERS:
         ends = view.pixel(np.array([place, place + 0.1 * view.right]))
         assert_allclose(np.linalg.norm(np.diff(ends, axis=0)), 0.1 / view.scale, rtol=1e-9)
@@ -150,7 +138,7 @@ def test_a_length_across_the_line_of_sight_is_true_to_scale_wherever_it_lies() -
 
 @pytest.mark.usefixtures("renderer")
 @pytest.mark.parametrize("place", ["cog", "left lower corner", "right upper corner"])
-def test_a_mark_is_set_where_vtk_draws_what_it_marks(place: str) -> None:
+def test_a_mark_is_set_where_vtk_draws_what_it_marks(place):
     """A small red ball at the CoG of a brick and at its corners: the middle of its pixels against our own projection."""
     size, foot = (0.2, 0.3, 0.5), (0.1, -0.2, 0.05)
     ellipsoid = equivalent_ellipsoid(of_brick(size, foot))
@@ -166,7 +154,7 @@ def test_a_mark_is_set_where_vtk_draws_what_it_marks(place: str) -> None:
 
 
 @pytest.mark.usefixtures("renderer")
-def test_each_material_and_each_axis_is_seen_in_its_own_colour() -> None:
+def test_each_material_and_each_axis_is_seen_in_its_own_colour():
     bodies = [brick((0.1, 0.1, 0.1), (0.15 * i, 0, 0), material=name) for i, name in enumerate(("steel", "silicone", "brass"))]
     image, view = small_scene(bodies)
     for body in bodies:
@@ -178,7 +166,7 @@ def test_each_material_and_each_axis_is_seen_in_its_own_colour() -> None:
 
 
 @pytest.mark.usefixtures("renderer")
-def test_what_is_not_counted_is_fainter_than_what_is() -> None:
+def test_what_is_not_counted_is_fainter_than_what_is():
     counted, _ = small_scene([brick((0.1, 0.1, 0.1)), brick((0.1, 0.1, 0.1), (0.2, 0, 0))])
     ghost, view = small_scene([brick((0.1, 0.1, 0.1)), brick((0.1, 0.1, 0.1), (0.2, 0, 0), counted=False)])
     x, y = np.round(view.pixel([0.25, 0.05, 0.05])).astype(int)
@@ -188,7 +176,7 @@ def test_what_is_not_counted_is_fainter_than_what_is() -> None:
 
 
 @pytest.mark.usefixtures("renderer")
-def test_one_can_look_into_a_body() -> None:
+def test_one_can_look_into_a_body():
     """A block of silicone inside a block of steel: its hue is sensed from outside."""
     shell, core = brick((0.3, 0.3, 0.3)), brick((0.2, 0.2, 0.2), (0.05, 0.05, 0.05), material="silicone")
     image, view = small_scene([shell, core])
@@ -210,9 +198,7 @@ def small_scene(bodies: list[DrawnBody]) -> tuple[npt.NDArray[np.uint8], Project
 
 
 @pytest.mark.usefixtures("renderer")
-def test_a_picture_of_an_article_is_written_whole_quietly_and_repeatably(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_picture_of_an_article_is_written_whole_quietly_and_repeatably(tmp_path, capfd):
     from geometry import routes
     from geometry.articles import built_in
 
@@ -232,7 +218,7 @@ def test_a_picture_of_an_article_is_written_whole_quietly_and_repeatably(
 
 
 @pytest.mark.parametrize(("height", "shown"), [(0.0, True), (0.1, True), (50.0, False)])
-def test_the_frames_origin_is_in_the_picture_unless_it_would_make_the_article_small(height: float, shown: bool) -> None:
+def test_the_frames_origin_is_in_the_picture_unless_it_would_make_the_article_small(height, shown):
     size, foot = (0.2, 0.1, 0.4), (0.0, 0.0, height)
     view = view_of([brick(size, foot)], equivalent_ellipsoid(of_brick(size, foot)))
     origin = view.pixel(np.zeros(3))
@@ -240,24 +226,21 @@ def test_the_frames_origin_is_in_the_picture_unless_it_would_make_the_article_sm
     assert 0.4 / view.scale > 0.5 * view.size[1]
 
 
-def test_an_impossible_inertia_is_not_drawn(tmp_path: Path) -> None:
+def test_an_impossible_inertia_and_a_picture_without_counted_bodies_are_not_drawn(tmp_path):
     impossible = Inertia.from_cog(1.0, np.zeros(3), np.diag([1.0, 1.0, 3.0]))
     with pytest.raises(BadInput, match="picture of brick: `inertia`: no body has these parameters"):
         picture("brick", [brick((1, 1, 1))], impossible, tmp_path / "brick.png")
     assert not list(tmp_path.iterdir())
-
-
-def test_a_picture_without_counted_bodies_is_not_drawn(tmp_path: Path) -> None:
     with pytest.raises(BadInput, match="no body counts"):
         picture("ghost", [brick((1, 1, 1), counted=False)], of_brick((1, 1, 1)), tmp_path / "ghost.png")
 
 
 @pytest.mark.usefixtures("renderer")
-def test_a_failed_writing_leaves_the_old_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failed_writing_leaves_the_old_picture(tmp_path, monkeypatch):
     old = tmp_path / "brick.png"
     old.write_text("old")
 
-    def full(*_: object, **__: object) -> None:
+    def full(*_, **__):
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr("matplotlib.figure.Figure.savefig", full)
@@ -267,25 +250,28 @@ def test_a_failed_writing_leaves_the_old_picture(tmp_path: Path, monkeypatch: py
 
 
 @pytest.mark.parametrize("name", ["brick", "brick.gif", "brick.png.txt"])
-def test_a_format_that_cannot_be_written_is_refused_before_anything_is_drawn(tmp_path: Path, name: str) -> None:
+def test_a_format_that_cannot_be_written_is_refused_before_anything_is_drawn(tmp_path, name):
     with pytest.raises(BadInput, match=r"a picture ends in \.png, \.jpg, \.jpeg, found"):
         picture("brick", [brick((1, 1, 1))], of_brick((1, 1, 1)), tmp_path / name)
 
 
 @pytest.mark.usefixtures("renderer")
-def test_names_that_a_user_chose_are_written_as_they_are(tmp_path: Path) -> None:
+def test_names_that_a_user_chose_are_written_as_they_are(tmp_path):
     """A file called ``a$b$`` is not mathematics, and a long path or forty materials do not break the page."""
     bodies = [brick((0.1, 0.1, 0.1), (0.11 * i, 0, 0), material=f"$alloy_{{{i} unfinished") for i in range(40)]
     picture("/a/very/long/path" * 10 + "$x$.step", bodies, of_brick((4.4, 0.1, 0.1)), tmp_path / "x.jpg", note="$ {long} " * 300)
     assert imread(tmp_path / "x.jpg").shape == (1200, 1600, 3)
 
 
-def test_a_long_name_loses_its_middle() -> None:
+def test_a_long_name_loses_its_middle_and_a_principal_axis_is_named_when_it_is_one_of_the_frame():
     assert shortened("abcdefghij", 10) == "abcdefghij"
     assert shortened("abcdefghijk", 9) == "abcd…hijk"
+    assert direction(np.array([0.0, 0.0, 1.0])) == "along $z$"
+    assert direction(np.array([-1.0, 0.0, 0.0])) == "along −$x$"
+    assert direction(np.array([0.6, -0.8, 0.0])) == "(0.600, −0.800, 0.000)"
 
 
-def test_a_drawn_body_is_a_copy_that_cannot_be_changed_and_refuses_what_is_no_mesh() -> None:
+def test_a_drawn_body_is_a_copy_that_cannot_be_changed_and_refuses_what_is_no_mesh():
     vertices = CORNERS.copy()
     body = DrawnBody(name="brick", material="steel", vertices=vertices, faces=FACES)
     vertices[0] = 9.0
@@ -315,7 +301,7 @@ def refused() -> None:
 
 @pytest.mark.usefixtures("forgetful")
 @pytest.mark.skipif(find_library("OSMesa") is not None, reason="VTK falls back on OSMesa, which is installed here")
-def test_a_machine_without_opengl_is_told_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_machine_without_opengl_is_told_what_to_install(monkeypatch):
     """EGL is told that no vendor's library exists; VTK left alone ends with a segmentation fault."""
     monkeypatch.setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/nowhere.json")
     refused()
@@ -323,16 +309,14 @@ def test_a_machine_without_opengl_is_told_what_to_install(monkeypatch: pytest.Mo
 
 @pytest.mark.usefixtures("forgetful")
 @pytest.mark.parametrize(("code", "patience"), [("import os; os.abort()", 60), ("import time; time.sleep(60)", 0.1)])
-def test_a_driver_that_crashes_or_hangs_does_not_take_us_with_it(
-    monkeypatch: pytest.MonkeyPatch, code: str, patience: float
-) -> None:
+def test_a_driver_that_crashes_or_hangs_does_not_take_us_with_it(monkeypatch, code, patience):
     monkeypatch.setattr(scene, "TRIAL", code)
     monkeypatch.setattr(scene, "PATIENCE", patience)
     refused()
 
 
 @pytest.mark.usefixtures("renderer")
-def test_the_environment_is_left_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_environment_is_left_as_it_was(monkeypatch):
     monkeypatch.setenv("EGL_LOG_LEVEL", "warning")
     before = dict(os.environ)
     with scene.off_screen():
@@ -341,7 +325,7 @@ def test_the_environment_is_left_as_it_was(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 @pytest.mark.usefixtures("renderer")
-def test_nothing_is_said_without_a_screen() -> None:
+def test_nothing_is_said_without_a_screen():
     """A process of its own without DISPLAY: neither VTK nor Mesa writes to standard error."""
     code = (
         "from validation.report.scenes.scene import shot\n"
@@ -356,7 +340,7 @@ def test_nothing_is_said_without_a_screen() -> None:
     assert (ended.returncode, ended.stdout, ended.stderr) == (0, "", "")
 
 
-def test_a_contact_sheet_puts_pictures_two_abreast(tmp_path: Path) -> None:
+def test_a_contact_sheet_puts_pictures_two_abreast(tmp_path):
     from matplotlib.image import imsave
 
     shades = [(255, 0, 0), (0, 255, 0), (0, 0, 255)]
@@ -370,7 +354,7 @@ def test_a_contact_sheet_puts_pictures_two_abreast(tmp_path: Path) -> None:
         assert_allclose(sheet[row, column], shade, rtol=0)
 
 
-def test_a_contact_sheet_says_which_picture_it_cannot_read(tmp_path: Path) -> None:
+def test_a_contact_sheet_says_which_picture_it_cannot_read(tmp_path):
     (tmp_path / "text.png").write_text("no picture")
     for path in (tmp_path / "text.png", tmp_path / "absent.png"):
         with pytest.raises(BadInput, match=f"{path.name}: this is no picture that can be read"):
@@ -384,17 +368,11 @@ def test_a_contact_sheet_says_which_picture_it_cannot_read(tmp_path: Path) -> No
     ("value", "text"),
     [(47.23, "47.230"), (0.0307129, "0.030713"), (-20.144, "−20.144"), (0.0, "0"), (1.5e-7, "1.5000e−07"), (123456.7, "123457")],
 )
-def test_figures_keep_five_significant_digits(value: float, text: str) -> None:
+def test_figures_keep_five_significant_digits(value, text):
     assert significant(value, 5) == text
 
 
-def test_a_principal_axis_is_named_when_it_is_one_of_the_frame_and_spelt_out_otherwise() -> None:
-    assert direction(np.array([0.0, 0.0, 1.0])) == "along $z$"
-    assert direction(np.array([-1.0, 0.0, 0.0])) == "along −$x$"
-    assert direction(np.array([0.6, -0.8, 0.0])) == "(0.600, −0.800, 0.000)"
-
-
-def test_a_material_keeps_its_colour_and_strangers_get_different_ones() -> None:
+def test_a_material_keeps_its_colour_and_strangers_get_different_ones():
     assert colours(["steel", "oak"]) == {"steel": MATERIALS["steel"], "oak": MATERIALS["oak"]}
     assert colours(["unobtainium", "steel", "adamant"]) == {
         "adamant": OTHERS[0],
@@ -405,13 +383,13 @@ def test_a_material_keeps_its_colour_and_strangers_get_different_ones() -> None:
 
 @given(seeds, st.sampled_from([6, 40]))
 @example(85, 6)
-def test_labels_do_not_cover_one_another_however_many_there_are(seed: int, many: int) -> None:
+def test_labels_do_not_cover_one_another_however_many_there_are(seed, many):
     places = arranged(crowd(seed, many))
     assert not covered(places, np.array([26.0, 30.0]))
 
 
 @given(seeds)
-def test_labels_stay_in_the_room_while_there_is_a_place_in_it(seed: int) -> None:
+def test_labels_stay_in_the_room_while_there_is_a_place_in_it(seed):
     """Anchors at the room's left edge; half of the labels would like to stand outside of it."""
     room = (np.array([200.0, 150.0]), (240.0, 300.0))
     places = np.array(arranged(crowd(seed, 6), room=room))
@@ -419,7 +397,7 @@ def test_labels_stay_in_the_room_while_there_is_a_place_in_it(seed: int) -> None
     assert np.all(np.abs(places - room[0]) <= (np.array(room[1]) - [26, 30]) / 2 + 1e-9)
 
 
-def test_labels_without_a_place_in_the_room_stand_outside_of_it_rather_than_on_one_another() -> None:
+def test_labels_without_a_place_in_the_room_stand_outside_of_it_rather_than_on_one_another():
     places = arranged(crowd(0, 3), room=(np.array([100.0, 100.0]), (30.0, 34.0)))
     assert not covered(places, np.array([26.0, 30.0]))
 

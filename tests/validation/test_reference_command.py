@@ -43,28 +43,25 @@ def body(inertia: dict[str, Any]) -> Inertia:
     return inertia_of([inertia["mass_kg"], *cog, *inertia["moi_cog_kgm2"], *inertia["poi_cog_kgm2"]])
 
 
-def test_the_cuboid_is_its_block_less_its_threads(answer) -> None:
+def test_the_cuboid_is_its_block_less_its_threads(answer):
     mass = answer("reference", "cuboid")["articles"]["cuboid"]["routes"]["occ"]["mass_kg"]
     # Closed form: 160 x 70 x 400 mm and four holes of 6.8 mm, 20 mm deep, at 2700 kg/m³.
     assert_allclose(mass, 2700 * (0.16 * 0.07 * 0.4 - 4 * np.pi / 4 * 0.0068**2 * 0.02), rtol=1e-12)
 
 
-def test_the_users_frame_moves_and_turns_every_route(answer) -> None:
+def test_the_users_frame_moves_and_turns_every_route_and_a_file_says_the_same_as_the_line(answer, tmp_path):
     own, theirs = (
         answer("reference", "cuboid", *more)["articles"]["cuboid"]["routes"]["occ"]
         for more in ((), ("--frame", "10 0 45 mm; z 90 deg"))
     )
     assert_allclose(theirs["cog_mm"], [0, 10, own["cog_mm"][2] - 45], rtol=0, atol=1e-9)  # rounding
     assert_allclose(theirs["moi_cog_kgm2"], np.array(own["moi_cog_kgm2"])[[1, 0, 2]], rtol=1e-12)  # rounding
-
-
-def test_a_frame_file_says_the_same_as_the_line(answer, tmp_path: Path) -> None:
     (tmp_path / "f.toml").write_text('[frame]\norigin = "10 0 45 mm"\nrotation = "z 90 deg"\n', encoding="utf-8")
     line, file = (answer("reference", "cuboid", "--frame", f) for f in ("10 0 45 mm; z 90 deg", "f.toml"))
     assert line["articles"]["cuboid"]["routes"] == file["articles"]["cuboid"]["routes"]
 
 
-def test_out_holds_what_would_have_been_printed(run: Run, tmp_path: Path) -> None:
+def test_out_holds_what_would_have_been_printed(run, tmp_path):
     printed = run("reference", "disc", "--format", "csv")[1]
     code, out, _ = run("reference", "disc", "--format", "csv", "--out", "deep/table.csv")
     assert (code, out) == (main.DONE, "")
@@ -72,7 +69,7 @@ def test_out_holds_what_would_have_been_printed(run: Run, tmp_path: Path) -> Non
     assert len(list(csv.reader(printed.splitlines()))) == 31
 
 
-def test_routes_that_disagree_are_a_failed_check_after_everything_is_printed(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_routes_that_disagree_are_a_failed_check_after_everything_is_printed(run, monkeypatch):
     from geometry import routes
 
     right = routes.inertia
@@ -112,7 +109,7 @@ def test_routes_that_disagree_are_a_failed_check_after_everything_is_printed(run
         *((("reference", "fmd", "--set", setting), words) for setting, words in SETTINGS.items()),
     ],
 )
-def test_bad_input_ends_with_2_and_a_remedy(refused, arguments: tuple[str, ...], words: str) -> None:
+def test_bad_input_ends_with_2_and_a_remedy(refused, arguments, words):
     assert words in refused(*arguments)
 
 
@@ -134,7 +131,7 @@ def test_a_right_result_is_within_in_every_row_and_a_wrong_one_names_its_rows(sc
     assert err == "" if not outside else "Mass m (+10.00 %" in err
 
 
-def test_the_papers_table_2_comes_out(run: Run) -> None:
+def test_the_papers_table_2_comes_out(run):
     code, out, err = run("validate", "clumod-1-table2", "--against", "clumod-1", "--reference", "published", "--json")
     rows = json.loads(out)["rows"]
     assert code == main.FAILED_CHECK
@@ -148,7 +145,7 @@ def test_the_papers_table_2_comes_out(run: Run) -> None:
     assert "MoI Θyy (+15.50 %" in err
 
 
-def test_the_users_own_mesh_is_an_article(run: Run, tmp_path: Path) -> None:
+def test_the_users_own_mesh_is_an_article(run, tmp_path):
     import trimesh
 
     trimesh.creation.box(extents=(160, 70, 400)).export(tmp_path / "box.stl")
@@ -159,7 +156,7 @@ def test_the_users_own_mesh_is_an_article(run: Run, tmp_path: Path) -> None:
     assert_allclose(routes["trimesh"]["mass_kg"], 2700 * 0.16 * 0.07 * 0.4, rtol=1e-6)  # STL holds single precision
 
 
-def test_a_warning_names_its_file_once_and_is_said_once(run: Run, tmp_path: Path) -> None:
+def test_a_warning_names_its_file_once_and_is_said_once(run, tmp_path):
     import trimesh
 
     apart = trimesh.creation.box(extents=(10, 10, 10)).apply_translation((50, 0, 0))
@@ -175,7 +172,7 @@ def test_a_warning_names_its_file_once_and_is_said_once(run: Run, tmp_path: Path
         assert err.split("2 separate")[0] == "massline: two.stl: "
 
 
-def test_the_chord_error_of_the_users_step_follows_the_option_and_is_stated(answer, tmp_path: Path) -> None:
+def test_the_chord_error_of_the_users_step_follows_the_option_and_is_stated(answer, tmp_path):
     from geometry.articles import built_in
     from geometry.cad import solid, write_step
 
@@ -187,7 +184,7 @@ def test_the_chord_error_of_the_users_step_follows_the_option_and_is_stated(answ
     assert_allclose(own["chord_m"], 1e-4 * np.sqrt(2 * 0.351**2 + 0.0145**2), rtol=1e-3)  # OCC's box has a small gap
 
 
-def test_a_changed_dimension_reaches_every_route_and_is_said(answer) -> None:
+def test_a_changed_dimension_reaches_every_route_and_is_said(answer):
     plain, changed = (answer("reference", "fmd", *more)["articles"]["fmd"] for more in ((), ("--set", MOVING)))
     # a tenth more of each of four steel cells of 80 x 10 mm moves
     more = 4 * 0.1 * 7850 * np.pi / 4 * 0.08**2 * 0.01
@@ -198,14 +195,14 @@ def test_a_changed_dimension_reaches_every_route_and_is_said(answer) -> None:
     assert changed["footnotes"][0] == "Dimensions changed: fmd.load_cell.moving_fraction = 0.6."
 
 
-def test_published_values_are_said_to_be_those_of_the_unchanged_article(run: Run) -> None:
+def test_published_values_are_said_to_be_those_of_the_unchanged_article(run):
     code, out, err = run("reference", "clumod-1", "--set", "clumod.blade.lower-1.length_mm=1090", "--format", "markdown")
     assert code == main.DONE, err
     said = "Dimensions changed: clumod.blade.lower-1.length_mm = 1090; published and measured values are those of the unchanged"
     assert said in out
 
 
-def test_a_change_acts_where_its_part_is_and_says_where_it_does_nothing(run: Run, refused) -> None:
+def test_a_change_acts_where_its_part_is_and_says_where_it_does_nothing(run, refused):
     changes = ("--set", "disc.height_mm=20", "--set", "fmd.mounting_plate.size_mm=1")
     assert "only a number can be changed" in refused("reference", "disc", "fmd", "--json", *changes)
     code, out, _ = run(
@@ -217,7 +214,7 @@ def test_a_change_acts_where_its_part_is_and_says_where_it_does_nothing(run: Run
     assert "without effect on its inertia: disc.fmd_bolts.circle_mm." in articles["disc"]["footnotes"][0]
 
 
-def test_a_drawing_that_cannot_be_fails_the_check_of_the_routes(run: Run, tmp_path: Path) -> None:
+def test_a_drawing_that_cannot_be_fails_the_check_of_the_routes(run, tmp_path):
     """Threads so wide that they reach through the Cuboid's sides: the spatial algebra subtracts more than there is."""
     (tmp_path / "r.json").write_text(json.dumps(inertia_json(Inertia.from_cog(12.0, [0, 0, 0.2], np.eye(3)))), encoding="utf-8")
     for command in (("reference", "cuboid"), ("validate", "r.json", "--against", "cuboid")):
@@ -226,7 +223,7 @@ def test_a_drawing_that_cannot_be_fails_the_check_of_the_routes(run: Run, tmp_pa
         assert "cuboid: occ and pinocchio disagree" in err or "cuboid: trimesh and pinocchio disagree" in err
 
 
-def test_validate_holds_a_result_against_the_changed_article(run: Run, answer, tmp_path: Path) -> None:
+def test_validate_holds_a_result_against_the_changed_article(run, answer, tmp_path):
     routes = answer("reference", "fmd", "--set", MOVING)["articles"]["fmd"]["routes"]
     (tmp_path / "r.json").write_text(json.dumps(inertia_json(body(routes["occ"]))), encoding="utf-8")
     assert run("validate", "r.json", "--against", "fmd")[0] == main.FAILED_CHECK
@@ -236,32 +233,32 @@ def test_validate_holds_a_result_against_the_changed_article(run: Run, answer, t
     assert answer("validate", "r.json", "--against", "fmd", "--set", MOVING)["changes"]
 
 
-def test_view_writes_a_picture(run: Run, tmp_path: Path, renderer: None) -> None:
+def test_view_writes_a_picture(run, tmp_path, renderer):
     code, _, err = run("reference", "cuboid", "--view")
     assert code == main.DONE, err
     assert (tmp_path / "out" / "cuboid.png").stat().st_size > 10_000
 
 
 @pytest.mark.parametrize("arguments", [("clumod-4", "--set", "clumod.blade.lower-1.z_mm=920"), ("fmd+fmd",)])
-def test_bodies_that_run_through_one_another_fail_the_check(run: Run, arguments: tuple[str, ...]) -> None:
+def test_bodies_that_run_through_one_another_fail_the_check(run, arguments):
     code, out, err = run("reference", *arguments, "--chord", "100 um")
     assert code == main.FAILED_CHECK
     assert "bodies overlap: " in err
     assert "Mass m [kg]" in out
 
 
-def test_a_picture_stays_in_its_folder_whatever_its_article_is_called() -> None:
+def test_a_picture_stays_in_its_folder_whatever_its_article_is_called():
     assert file_name("../../../tmp/x/evil") == "tmp-x-evil"
     assert file_name("..") == "article"
     assert file_name("fmd+disc+cuboid") == "fmd+disc+cuboid"
 
 
 @pytest.mark.parametrize(("text", "size"), [("0.1 um", 1e-7), ("100 mm", 0.1), ("2 um", 2e-6)])
-def test_a_chord_error_between_the_bounds_is_taken_as_it_is(text: str, size: float) -> None:
+def test_a_chord_error_between_the_bounds_is_taken_as_it_is(text, size):
     assert reading(text, None, None, ()).chord == pytest.approx(size, rel=1e-12)
 
 
-def test_a_file_name_at_the_head_of_a_footnote_keeps_its_letters(run: Run, tmp_path: Path) -> None:
+def test_a_file_name_at_the_head_of_a_footnote_keeps_its_letters(run, tmp_path):
     faces = "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
     (tmp_path / "my.obj").write_text(f"v 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 0 100\n{faces}", encoding="utf-8")
     said = {**inertia_json(Inertia.from_cog(12.0, [0, 0, 0.2], np.eye(3))), "article": "rig"}

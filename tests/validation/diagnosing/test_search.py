@@ -77,20 +77,17 @@ def ids(found: list[Screened]) -> list[str]:
     return [one.id for one in found]
 
 
-def test_what_promises_little_is_not_fitted() -> None:
+def test_what_promises_little_and_of_one_family_more_than_some_are_not_fitted():
     found = screened(*LOUD[:3], evidence=WORTH_A_FIT + 1.5)
     assert _most_promising(found) == found[:2]
     assert _most_promising([]) == []
-
-
-def test_of_one_family_no_more_than_some_are_fitted() -> None:
     gains = [f"force-gain:fmd-{one}=0.1" for one in ("z1", "z2", "z3", "z4", "x12")]
     chosen = _most_promising(screened(*gains, "force-delay:fmd-z1=0.001"))
     assert Counter(one.added.named.family for one in chosen) == {"force-gain": FITS_OF_A_FAMILY, "force-delay": 1}
     assert ids(chosen)[:FITS_OF_A_FAMILY] == ids(screened(*gains))[:FITS_OF_A_FAMILY]
 
 
-def test_the_structure_is_asked_though_many_channels_promise_more() -> None:
+def test_the_structure_is_asked_though_many_channels_promise_more():
     structure = ("modulus:mast=0.1", "point-mass:mast-top=0.1", "rigid-inertia:m=0.1")
     assert all(FAMILIES[parse(one).family].side == STRUCTURE for one in structure)
     assert not any(FAMILIES[parse(one).family].side == STRUCTURE for one in LOUD)
@@ -108,7 +105,7 @@ def tried(text: str) -> CandidateFit:
     return CandidateFit(id=hypothesis.effects[0].named.id, candidate=hypothesis, evidence=100.0, goodness=nobody)
 
 
-def test_one_oscillator_under_two_names_is_fitted_under_both_at_the_sizes_of_the_first() -> None:
+def test_one_oscillator_under_two_names_is_fitted_under_both_at_the_sizes_of_the_first():
     menu = [
         Added(named=parse(f"{where}=m:0.001,f:1000,zeta:0.02"))
         for where in ("slosh:mast-top", "absorber:mast-top", "absorber:hub-4", "appendage:x")
@@ -120,7 +117,7 @@ def test_one_oscillator_under_two_names_is_fitted_under_both_at_the_sizes_of_the
     assert _rivals([best, tried("absorber:mast-top=m:0.1,f:5,zeta:0.01")], menu[:2], []) == []  # fitted already
 
 
-def test_the_rivals_of_a_resonator_stand_at_other_places_too_the_most_promising_first() -> None:
+def test_the_rivals_of_a_resonator_stand_at_other_places_too_the_most_promising_first():
     best = tried("absorber:hub-3=m:0.1,f:5,zeta:0.01")
     places = ("hub-4", "hub-2", "hub-1", "flange", "top")
     found = screened("slosh:mast-top=m:1,f:5,zeta:0.01", *(f"absorber:{one}=m:1,f:5,zeta:0.01" for one in places))
@@ -129,7 +126,7 @@ def test_the_rivals_of_a_resonator_stand_at_other_places_too_the_most_promising_
     assert all(one.named.values == best.added.named.values for one in rivals)
 
 
-def test_where_another_place_is_better_the_others_are_asked_once_more_at_its_sizes() -> None:
+def test_where_another_place_is_better_the_others_are_asked_once_more_at_its_sizes():
     best, worse, other = (tried(f"absorber:{one}=m:0.{k},f:5,zeta:0.01") for k, one in enumerate(("hub-2", "hub-1", "top"), 1))
     slosh = tried("slosh:hub-2=m:0.1,f:5,zeta:0.01")
     again = _rivals([best, worse, slosh, other], [], [], again=True)
@@ -137,7 +134,7 @@ def test_where_another_place_is_better_the_others_are_asked_once_more_at_its_siz
     assert all(one.named.values == best.added.named.values for one in again)
 
 
-def test_of_two_fits_of_one_candidate_the_better_counts() -> None:
+def test_of_two_fits_of_one_candidate_the_better_counts():
     first, second, other = ended(MASSES[0], 10.0), ended(MASSES[0], 30.0), ended(MASSES[1], 20.0)
     assert ranked([first, second, other]) == [second, other]
 
@@ -145,13 +142,13 @@ def test_of_two_fits_of_one_candidate_the_better_counts() -> None:
 BAND: Any = SimpleNamespace(made=[SimpleNamespace(measured=SimpleNamespace(frequency=np.array([4.0, 32.0])))])
 
 
-def test_a_resonator_that_left_the_band_gives_way_to_springs_and_masses() -> None:
+def test_a_resonator_that_left_the_band_gives_way_to_springs_and_masses():
     gone, there = tried("slosh:mast-top=m:0.9,f:1.1,zeta:0.01"), tried("slosh:hub-4=m:0.9,f:9,zeta:0.01")
     springs = [f"cable:{one}:lateral=50" for one in ("mast-top", "hub-4", "hub-3")]
     found = screened("slosh:mast-top=m:1,f:4,zeta:0.01", "slosh:hub-3=m:1,f:4,zeta:0.01", *springs)
     asked: list[list[str]] = []
 
-    def fits(some: Sequence[Screened]) -> list[CandidateFit]:
+    def fits(some):
         asked.append(ids(list(some)))
         return [gone, there] if some == found else [tried(f"{one.id}=1") for one in some]
 
@@ -194,8 +191,8 @@ MASSES = tuple(f"point-mass:{one}=0.1" for one in ("mast-top", "hub-3", "hub-4",
 
 
 def test_what_kept_less_than_half_of_the_best_promise_is_tried_afresh_and_taken_where_better(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    monkeypatch,
+):
     fits = [ended(MASSES[0], 40.0), ended(MASSES[1], 30.0)]
     best_first, asked = unstuck(monkeypatch, fits, (70.0, 90.0), 200.0)
     assert asked == [fits[1].id]  # 40 are more than half of 70, and 30 less than half of 90
@@ -204,7 +201,7 @@ def test_what_kept_less_than_half_of_the_best_promise_is_tried_afresh_and_taken_
     assert (asked, [one.evidence for one in worse]) == ([fits[0].id], [40.0])
 
 
-def test_only_the_most_promising_are_tried_afresh(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_the_most_promising_are_tried_afresh(monkeypatch):
     fits = [ended(one, 1.0) for one in MASSES]
     _, asked = unstuck(monkeypatch, fits, (100.0, 400.0, 300.0, 200.0), 0.0)
     assert asked == [fits[1].id, fits[2].id, fits[3].id]
@@ -212,7 +209,7 @@ def test_only_the_most_promising_are_tried_afresh(monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.parametrize(("here", "best"), [(True, False), (False, True)])
-def test_nothing_is_tried_afresh_where_nothing_need_be_missing(monkeypatch: pytest.MonkeyPatch, here: bool, best: bool) -> None:
+def test_nothing_is_tried_afresh_where_nothing_need_be_missing(monkeypatch, here, best):
     best_first, asked = unstuck(
         monkeypatch, [ended(MASSES[0], 1.0, best), ended(MASSES[1], 2.0, best)], (100.0, 100.0), 5.0, here
     )
@@ -221,8 +218,8 @@ def test_nothing_is_tried_afresh_where_nothing_need_be_missing(monkeypatch: pyte
 
 
 def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_asks_for_less(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    monkeypatch,
+):
     monkeypatch.setattr(search, "fit_with", lambda bench, at, added: added.named.id)
     monkeypatch.setattr(search, "candidate_fit", lambda at, id: ended(f"{id}=0.1", 1.0))
     found = screened("structural-damping:mast=0.02", "force-gain:fmd-z2=0.02", evidence=15.0)
@@ -239,9 +236,7 @@ def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_ask
 
 
 @pytest.mark.parametrize(("straight", "again", "kept"), [(60.0, 90.0, 60.0), (10.0, 90.0, 90.0), (10.0, 5.0, 10.0)])
-def test_a_rival_that_keeps_less_than_half_of_what_the_best_does_is_fitted_afresh(
-    monkeypatch: pytest.MonkeyPatch, straight: float, again: float, kept: float
-) -> None:
+def test_a_rival_that_keeps_less_than_half_of_what_the_best_does_is_fitted_afresh(monkeypatch, straight, again, kept):
     best, rival = ended(MASSES[0], 100.0), Added(named=parse(MASSES[1]))
     promised = screened(MASSES[0])
     monkeypatch.setattr(search, "goodness_of_fit", lambda fit, problem: SimpleNamespace(null=True, misfit=1.0))
@@ -263,7 +258,7 @@ def a_round(found: Sequence[Screened], left_band: tuple[str, ...] = ()) -> Searc
     return SearchStep(at=nobody, goodness=nobody, screened=tuple(found), tried=(), added="", left_band=left_band)
 
 
-def test_a_round_without_a_fit_says_why() -> None:
+def test_a_round_without_a_fit_says_why():
     assert a_round(screened("cable:mast-top:lateral=50", evidence=2.25)).text == (
         "no candidate is worth a fit: cable:mast-top:lateral promises most, 2.2 nats, where 8 are asked for"
     )
@@ -330,12 +325,11 @@ TWO = (found((HUB, 5200.0), (TOP, 4900.0), at=ALONE), found((BLADE, 130.0), at=h
 """The first took the wrong place, before the blade was known to be soft."""
 
 
-def test_a_single_effect_is_not_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_place_that_is_better_beside_what_was_found_later_is_taken_and_a_single_effect_not_asked_again(
+    monkeypatch,
+):
     at = hypothesis(HUB, evidence=5200.0)
     assert asked(monkeypatch, at, TWO[:1], {}) == (at, (), [])
-
-
-def test_a_place_that_is_better_beside_what_was_found_later_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     at = hypothesis(HUB, BLADE, evidence=5330.0)
     known = {(BLADE,): 30.0, tuple(sorted((TOP, BLADE))): 5360.0, (TOP,): 4900.0}
     ended, (first, second), fitted = asked(monkeypatch, at, TWO, known)
@@ -348,7 +342,7 @@ def test_a_place_that_is_better_beside_what_was_found_later_is_taken(monkeypatch
     assert replace(first, at=ALONE).text == f"{TOP} brings 5330.0 nats alone, and {HUB} only 5300.0"
 
 
-def test_what_stays_the_best_stays_as_it_was_fitted(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_stays_the_best_stays_as_it_was_fitted(monkeypatch):
     at = hypothesis(HUB, BLADE, evidence=5330.0)
     known = {(BLADE,): 30.0, tuple(sorted((TOP, BLADE))): 5320.0, (HUB,): 5200.0}
     ended, again, _ = asked(monkeypatch, at, TWO, known)
@@ -357,7 +351,7 @@ def test_what_stays_the_best_stays_as_it_was_fitted(monkeypatch: pytest.MonkeyPa
     assert diagnose.indistinguishable_ids(at.effects, [*TWO, *again]) == ()
 
 
-def test_what_is_not_needed_any_more_goes(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_not_needed_any_more_goes(monkeypatch):
     at = hypothesis(HUB, BLADE, evidence=5330.0)
     known = {(BLADE,): 5330.0 - EVIDENCE_THRESHOLD + 1, (): 0.0}
     ended, again, fitted = asked(monkeypatch, at, TWO, known)
@@ -367,7 +361,7 @@ def test_what_is_not_needed_any_more_goes(monkeypatch: pytest.MonkeyPatch) -> No
     ]  # asked alone, where it is
 
 
-def test_what_took_a_place_beside_something_that_goes_is_asked_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_took_a_place_beside_something_that_goes_is_asked_alone(monkeypatch):
     """Beside the blade both places were as good; without it the class is another, and the verdict that of what is left."""
     at = hypothesis(HUB, BLADE, evidence=5330.0)
     known = {(BLADE,): 30.0, tuple(sorted((TOP, BLADE))): 5333.0, (TOP,): 5332.0, (HUB,): 4000.0, (): 0.0}
@@ -383,9 +377,7 @@ def test_what_took_a_place_beside_something_that_goes_is_asked_alone(monkeypatch
 
 
 @pytest.mark.parametrize(("other", "worth"), [(LOSS, 19.0), (GONE, 500.0)])
-def test_no_name_is_taken_that_is_not_worth_it_or_does_not_stay_what_it_is(
-    monkeypatch: pytest.MonkeyPatch, other: str, worth: float
-) -> None:
+def test_no_name_is_taken_that_is_not_worth_it_or_does_not_stay_what_it_is(monkeypatch, other, worth):
     first = found((BLADE, 7.0), (other, 6.5), at=ALONE)
     at = hypothesis(BLADE, HUB, evidence=5207.0)
     known = {(HUB,): 5200.0, tuple(sorted((other, HUB))): 5200.0 + worth, (BLADE,): 7.0}
@@ -395,8 +387,8 @@ def test_no_name_is_taken_that_is_not_worth_it_or_does_not_stay_what_it_is(
     assert [one.added for one in again] == [BLADE, HUB]
 
 
-def test_what_has_nothing_to_be_held_against_stays(monkeypatch: pytest.MonkeyPatch) -> None:
-    def breaks(problem: object, free: object, offsets: object) -> None:
+def test_what_has_nothing_to_be_held_against_stays(monkeypatch):
+    def breaks(problem, free, offsets):
         raise CheckFailed("the model breaks down")
 
     monkeypatch.setattr(search, "nearby", breaks)
@@ -404,7 +396,7 @@ def test_what_has_nothing_to_be_held_against_stays(monkeypatch: pytest.MonkeyPat
     assert search.backward_elimination(BENCH, at, TWO, lambda what, share: None) == (at, ())
 
 
-def test_only_what_brought_a_good_part_and_is_not_there_is_a_rival(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_what_brought_a_good_part_and_is_not_there_is_a_rival(monkeypatch):
     others = [(f"point-mass:{one}", 100.0) for one in ("flange", "hub-1", "hub-2", "hub-3", "hub-4", "mast-top")]
     one = found((TOP, 110.0), (BLADE, 105.0), *others[:5], ("rigid-inertia:m", 110 * RIVAL_SHARE - 1), at=ALONE)
     worth = {tuple(sorted((BLADE, id))): 90.0 for id, _ in others} | {(BLADE,): 50.0, (TOP,): 50.0, (BLADE, TOP): 150.0}
@@ -416,15 +408,15 @@ def test_only_what_brought_a_good_part_and_is_not_there_is_a_rival(monkeypatch: 
 
 
 @pytest.mark.parametrize(("other", "same"), [("absorber:hub-4=m:1,f:9,zeta:0.1", True), ("cable:hub-4:lateral=50", False)])
-def test_a_resonator_begins_at_the_sizes_of_the_one_that_was_found(other: str, same: bool) -> None:
+def test_a_resonator_begins_at_the_sizes_of_the_one_that_was_found(other, same):
     best = Added(named=parse("slosh:mast-top=m:0.002,f:19,zeta:0.02"))
     begins = search._at_sizes(Added(named=parse(other)), best)
     assert (begins.named.values == best.named.values) is same
     assert begins.named.id == other.partition("=")[0]
 
 
-def test_logarithms_count_from_the_sizes_of_the_models_that_they_go_to() -> None:
-    def parameter(name: str, nominal: float, logarithmic: bool) -> Parameter:
+def test_logarithms_count_from_the_sizes_of_the_models_that_they_go_to():
+    def parameter(name, nominal, logarithmic):
         return Parameter(name=name, kind=EFFECT, nominal=nominal, unit="kg", tolerance=1.0, logarithmic=logarithmic)
 
     old = (parameter("a", 2.0, True), parameter("b", 2.0, False), parameter("gone", 1.0, True))
@@ -440,7 +432,7 @@ DRIVEN = ("--octaves-per-minute", "60", "--band", "4", "32", "--seed", "5")
 
 
 @pytest.fixture(scope="module")
-def soft(tmp_path_factory: pytest.TempPathFactory) -> Study:
+def soft(tmp_path_factory) -> Study:
     """Clumod with one blade on a flange that gives, and a model that does not know."""
     folder = tmp_path_factory.mktemp("afresh")
     model, campaign = folder / "model.toml", folder / "blade"
@@ -451,39 +443,37 @@ def soft(tmp_path_factory: pytest.TempPathFactory) -> Study:
 
 
 @pytest.fixture(scope="module")
-def paid(soft: Study) -> Candidate:
+def paid(soft) -> Candidate:
     """The model as it is, fitted to that: tolerances pay."""
     return Candidate(effects=(), fit=soft.all_free(), problem=soft.problem())
 
 
 @pytest.fixture(scope="module")
-def torsion(soft: Study) -> Added:
+def torsion(soft) -> Added:
     return next(one for one in candidates(soft, only=["joint-compliance"]) if one.named.id == TORSION)
 
 
 @pytest.fixture(scope="module")
-def stuck(soft: Study, paid: Candidate, torsion: Added) -> Candidate:
+def stuck(soft, paid, torsion) -> Candidate:
     """The effect added where the tolerances stand."""
     return fit_with(soft, paid, torsion)
 
 
 @pytest.fixture(scope="module")
-def restarted(soft: Study, paid: Candidate, torsion: Added) -> Candidate:
+def restarted(soft, paid, torsion) -> Candidate:
     """The effect added from where they are declared."""
     return restarted_from_priors(soft, paid, torsion)
 
 
 @pytest.mark.proof
-def test_from_where_tolerances_have_paid_no_step_leads_there_and_from_home_one_does(
-    paid: Candidate, stuck: Candidate, restarted: Candidate
-) -> None:
+def test_from_where_tolerances_have_paid_no_step_leads_there_and_from_home_one_does(paid, stuck, restarted):
     assert stuck.effects[-1].named.values[""] < 0.5 * SIZE
     assert restarted.effects[-1].named.values[""] == pytest.approx(SIZE, rel=0.03)
     assert restarted.fit.cost < min(stuck.fit.cost, paid.fit.cost) - 1000
 
 
 @pytest.mark.proof
-def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(soft: Study, paid: Candidate) -> None:
+def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(soft, paid):
     said: list[str] = []
     explained, rounds = stepwise_search(soft, paid, candidates(soft, only=[TORSION]), lambda what, share: said.append(what))
     assert f"trying {TORSION} afresh" in said
@@ -493,7 +483,7 @@ def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(soft: Study, pa
 
 
 @pytest.mark.proof
-def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft: Study, restarted: Candidate) -> None:
+def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft, restarted):
     mast = next(one for one in candidates(soft, only=["modulus"]) if one.named.id == "modulus:mast")
     both = restarted_from_priors(soft, restarted, mast)
     assert [one.named.id for one in both.effects] == [TORSION, "modulus:mast"]
@@ -503,9 +493,7 @@ def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft: St
 
 
 @pytest.mark.proof
-def test_tolerances_that_come_home_never_cost_more_and_keep_what_was_found(
-    soft: Study, paid: Candidate, restarted: Candidate
-) -> None:
+def test_tolerances_that_come_home_never_cost_more_and_keep_what_was_found(soft, paid, restarted):
     again = restarted_from_priors(soft, restarted)
     assert again.fit.cost <= restarted.fit.cost + 1e-6
     assert again.effects[-1].named.values[""] == pytest.approx(SIZE, rel=0.03)
@@ -513,11 +501,11 @@ def test_tolerances_that_come_home_never_cost_more_and_keep_what_was_found(
 
 
 @pytest.mark.proof
-def test_from_home_a_size_that_had_not_come_through_does(soft: Study, stuck: Candidate) -> None:
+def test_from_home_a_size_that_had_not_come_through_does(soft, stuck):
     assert restarted_from_priors(soft, stuck).fit.cost < stuck.fit.cost - 1000
 
 
-def test_sizes_grow_by_half_octaves_about_what_is_plausible_within_bounds() -> None:
+def test_sizes_grow_by_half_octaves_about_what_is_plausible_within_bounds():
     one = Parameter(name="x", unit="kg", tolerance=2.0, kind=EFFECT, low=-0.5, high=100.0)
     found = sizes(one)
     assert np.all((found > -0.5) & (found < 100.0))
@@ -539,7 +527,7 @@ def test_sizes_grow_by_half_octaves_about_what_is_plausible_within_bounds() -> N
         ("pendulum-damping=0.1", False, False),
     ],
 )
-def test_effects_of_one_size_that_is_fitted_have_such_a_way(text: str, fixed: bool, there: bool) -> None:
+def test_effects_of_one_size_that_is_fitted_have_such_a_way(text, fixed, there):
     assert can_restart(Added(named=parse(text), fixed=fixed)) is there
 
 
@@ -564,7 +552,7 @@ def fitted(*, misfit: float = 0.9, z: np.ndarray | None = None) -> Fit:
 
 
 @pytest.fixture
-def noisy(monkeypatch: pytest.MonkeyPatch) -> Any:
+def noisy(monkeypatch) -> Any:
     """A problem whose likelihood allows for noise and as much again of a floor."""
     noise = np.ones((1, 4, 2))
     seen = SimpleNamespace(noise=noise, floor=noise / FLOOR)
@@ -581,11 +569,11 @@ def one_far(z: float) -> np.ndarray:
     return np.concatenate([[z], np.full(COUNT - 1, 0.9)])
 
 
-def test_the_misfit_of_a_null_is_the_share_of_noise_in_what_is_allowed_for(noisy: Any) -> None:
+def test_the_misfit_of_a_null_is_the_share_of_noise_in_what_is_allowed_for(noisy):
     assert_allclose(goodness_of_fit(fitted(), noisy).limit, 0.53, rtol=1e-12)  # 3 sd of 2 % each
 
 
-def test_an_estimate_of_the_noise_makes_chi2_larger_by_its_variance_as_drawn_ones_do(noisy: Any) -> None:
+def test_an_estimate_of_the_noise_makes_chi2_larger_by_its_variance_as_drawn_ones_do(noisy):
     """Half of the variance is noise, estimated to 20 % at every line."""
     noisy.predictions = (of_spread(0.0, 0.2),)
     estimates = 1 + 0.2 * np.random.default_rng(1).standard_normal(1_000_000)
@@ -594,7 +582,7 @@ def test_an_estimate_of_the_noise_makes_chi2_larger_by_its_variance_as_drawn_one
     assert_allclose(noise_alone / 0.5, drawn, rtol=1e-3)
 
 
-def test_noise_that_short_silences_tell_widens_the_limit(noisy: Any) -> None:
+def test_noise_that_short_silences_tell_widens_the_limit(noisy):
     """Two data sets of one size: 3 % and 4 % of each are 2.5 % of both."""
     noisy.predictions = (of_spread(0.03), of_spread(0.04))
     assert_allclose(
@@ -602,7 +590,7 @@ def test_noise_that_short_silences_tell_widens_the_limit(noisy: Any) -> None:
     )
 
 
-def test_a_fit_within_noise_that_pays_what_is_due_is_that_of_a_null(noisy: Any) -> None:
+def test_a_fit_within_noise_that_pays_what_is_due_is_that_of_a_null(noisy):
     of = fitted(misfit=0.49)
     found = goodness_of_fit(of, noisy)
     assert found.null
@@ -612,7 +600,7 @@ def test_a_fit_within_noise_that_pays_what_is_due_is_that_of_a_null(noisy: Any) 
     assert found.excess(of) == pytest.approx(0.5 * 0.01 * COUNT)  # no misfit, and a hundredth more than is due
 
 
-def test_misfit_alone_refuses(noisy: Any) -> None:
+def test_misfit_alone_refuses(noisy):
     limit = goodness_of_fit(fitted(), noisy).limit
     below, above = (goodness_of_fit(fitted(misfit=factor * limit), noisy) for factor in (0.999, 1.001))
     assert (below.null, above.null) == (True, False)
@@ -620,7 +608,7 @@ def test_misfit_alone_refuses(noisy: Any) -> None:
     assert ";" not in above.text
 
 
-def test_price_alone_refuses(noisy: Any) -> None:
+def test_price_alone_refuses(noisy):
     """Every tolerance a little too far, none of them by much."""
     from scipy.stats import chi2
 
@@ -635,14 +623,11 @@ def test_price_alone_refuses(noisy: Any) -> None:
     assert ";" not in above.text
 
 
-def test_one_tolerance_alone_refuses(noisy: Any) -> None:
+def test_one_tolerance_alone_refuses_and_everything_that_refuses_is_said(noisy):
     below, above = (goodness_of_fit(fitted(misfit=0.4, z=one_far(-factor * ABSURD)), noisy) for factor in (0.999, 1.001))
     assert (below.null, above.null) == (True, False)
     assert above.likely > UNLIKELY
     assert above.text.startswith("a tolerance stands at 4.8 z")
-
-
-def test_everything_that_refuses_is_said(noisy: Any) -> None:
     found = goodness_of_fit(fitted(misfit=2.0, z=np.full(COUNT, 6.0)), noisy)
     assert found.text.count(";") == 2
     assert not found.null

@@ -56,7 +56,7 @@ def targets_of(family: Family, words: Vocabulary) -> list[tuple[str, ...]]:
 
 
 @pytest.mark.parametrize("family", EVERY, ids=by_name)
-def test_a_family_says_all_that_a_reader_needs(family: Family) -> None:
+def test_a_family_says_all_that_a_reader_needs(family):
     for field in catalogue.WORDS:
         assert getattr(family, field).strip(), f"{family.name}: {field}"
     assert family.mistaken_for
@@ -68,7 +68,7 @@ def test_a_family_says_all_that_a_reader_needs(family: Family) -> None:
 
 
 @pytest.mark.parametrize("family", EVERY, ids=by_name)
-def test_sizes_are_sane(family: Family) -> None:
+def test_sizes_are_sane(family):
     fitted = [size for size in family.sizes if size.plausible]
     assert fitted or family.side in (MISTAKE, "processing")
     for size in family.sizes:
@@ -80,7 +80,7 @@ def test_sizes_are_sane(family: Family) -> None:
 
 
 @pytest.mark.parametrize("family", WITH_EQUATION, ids=by_name)
-def test_an_equation_changes_nothing_without_its_effect_and_something_with_it(family: Family) -> None:
+def test_an_equation_changes_nothing_without_its_effect_and_something_with_it(family):
     catalogue.require_usable(family, family.name)
     example = parse(family.example.split(", or ")[0])
     before = catalogue.trials()[family.stage]
@@ -95,7 +95,7 @@ def _within(family: Family, values):
 
 
 @pytest.mark.parametrize("family", [one for one in WITH_EQUATION if one.stage == CHANNEL_STAGE], ids=by_name)
-def test_equations_of_channels_add(family: Family) -> None:
+def test_equations_of_channels_add(family):
     example, reading = parse(family.example.split(", or ")[0]), catalogue.trials()[CHANNEL_STAGE]
     values = _within(family, example.values)
     other = np.roll(reading.rows, 1, axis=0)
@@ -107,7 +107,7 @@ def test_equations_of_channels_add(family: Family) -> None:
 
 
 @pytest.mark.parametrize("family", IN_CHAIN, ids=by_name)
-def test_what_is_opened_is_a_parameter_of_the_chain_for_every_target(family: Family, table, words: Vocabulary) -> None:
+def test_what_is_opened_is_a_parameter_of_the_chain_for_every_target(family, table, words):
     """`accelerometer-position` along a pick-up's own axis, and `-misalignment` about it, change nothing and are none."""
     blind = {f"{family.name}:{c}:{c.split('-')[1][0]}" for c in (*TABLE, *COVER)} if "axis" in family.targets else set()
     wanted = {":".join((family.name, *targets)) for targets in targets_of(family, words)}
@@ -119,7 +119,7 @@ def test_what_is_opened_is_a_parameter_of_the_chain_for_every_target(family: Fam
 
 
 @pytest.mark.parametrize("family", IN_CHAIN, ids=by_name)
-def test_an_opened_parameter_gets_wider_than_its_tolerance_which_is_that_of_the_chain(family: Family, table) -> None:
+def test_an_opened_parameter_gets_wider_than_its_tolerance_which_is_that_of_the_chain(family, table):
     stated, assumed = (
         {one.tolerance for one in chain(table, stiffness=stiffness).parameters if one.family == family.name}
         for stiffness in (np.array([4e8, 4e8, 2e9]), None)
@@ -128,21 +128,15 @@ def test_an_opened_parameter_gets_wider_than_its_tolerance_which_is_that_of_the_
     assert family.tolerance in (stated or {0.0})
 
 
-def test_what_depends_on_the_level_is_known_as_such() -> None:
+def test_what_depends_on_the_level_is_known_and_targets_everywhere_are_those_of_22_channels():
     assert {name for name, family in FAMILIES.items() if family.side == AMPLITUDE} == {"friction", "gap", "saturation"}
-
-
-def test_targets_that_are_the_same_everywhere_are_those_of_22_channels() -> None:
     assert len((*TABLE, *COVER, *FMD)) == 22
     assert len(FIXED["cell and axis"]) == 12
 
 
-def test_every_family_is_asked_for_more_than_chance_and_less_than_a_clear_fault_brings() -> None:
+def test_every_family_is_asked_for_more_than_chance_a_loss_factor_for_more_than_a_gain():
     assert set(WORTH_OF) <= set(FAMILIES)
     assert all(3.0 < evidence_threshold(family) < 30.0 for family in FAMILIES)  # above 20 to 1
-
-
-def test_a_loss_factor_is_asked_for_more_than_a_gain_and_a_modulus_for_less() -> None:
     assert (
         evidence_threshold("modulus")
         < evidence_threshold("force-gain")

@@ -43,15 +43,12 @@ def test_eight_per_cent_on_one_of_four_forces_that_share_a_load_read_four(lab, k
     assert others < 1 + 1e-3 if known else 1 < others < 1.2  # where inputs are latent, others hear a little of it
 
 
-def test_squares_of_channels_add_and_runs_average(lab):
+def test_squares_of_channels_add_runs_average_and_data_sets_weigh_by_their_lines(lab):
     found = error(lab.toy(lab.drawn(1), name="one", runs=4))
     assert_allclose(np.sum(np.square(list(found.by_channel.values()))), found.percent**2, rtol=1e-12)
     assert_allclose(np.mean(np.square(list(found.by_run.values()))), found.percent**2, rtol=1e-12)
     assert set(found.by_channel) == set(lab.FORCES)
     assert set(found.by_run) == {f"one/r{k}" for k in (1, 2, 3, 4)}
-
-
-def test_several_data_sets_weigh_by_their_lines(lab):
     one, two = lab.toy(lab.drawn(1), name="one", runs=1, lines=30), lab.toy(lab.drawn(2), name="two", runs=2, lines=60)
     found = share([*squares(one, {}), *squares(two, {})])
     parts = found.by_data_set["one"] ** 2 * 30 + found.by_data_set["two"] ** 2 * 120
@@ -63,14 +60,11 @@ def test_a_model_that_breaks_down_is_said_so_with_the_data_set(lab):
         squares(replace(lab.toy({}), twist=lab.breaking(lambda offsets: True)), {})
 
 
-def test_the_scale_of_the_data_does_not_matter(lab):
+def test_an_error_of_an_acceleration_shows_in_the_forces_and_the_scale_of_the_data_does_not_matter(lab):
     toy = lab.toy(lab.drawn(1))
     larger = replace(toy, measured=replace(toy.measured, values=7 * toy.measured.values, noise=7 * toy.measured.noise))
     assert_allclose(error(larger).percent, error(toy).percent, rtol=1e-9)
-
-
-def test_an_error_of_an_acceleration_shows_in_the_forces_that_it_predicts(lab):
-    """Four of five pick-ups outvote it, but not quite."""
+    # Four of five pick-ups outvote it, but not quite.
     found = error(lab.toy({"gain:a1": 0.1}, seed=None))
     assert 0.1 < found.percent < 10.0
 
@@ -157,11 +151,15 @@ def test_a_fault_stands_out_in_its_own_channel(lab):
     assert np.median(sigmas) < 2
 
 
-def test_what_was_fitted_no_longer_excuses_a_residual(lab):
+def test_what_was_fitted_no_longer_excuses_a_residual_and_lines_of_the_fits_may_be_asked_for_alone(lab):
     toy = lab.toy(lab.drawn(4))
     problem = Problem((toy,))
     (plain,), (fitted,) = residuals(problem, fit(problem, PLAIN)), residuals(problem, fit(problem, FITTED))
     assert np.all(fitted.sigma < plain.sigma)
+    problem = Problem((lab.toy({}, lines=300),)).thinned()
+    (few,), (all_lines,) = residuals(problem, {}, every_line=False), residuals(problem, {})
+    assert_allclose(few.values, all_lines.values[:, problem.lines["one"]], rtol=1e-12)
+    assert_allclose(few.sigma, all_lines.sigma[:, problem.lines["one"]], rtol=1e-12)
 
 
 def test_inputs_and_levels_are_told(lab):
@@ -172,19 +170,6 @@ def test_inputs_and_levels_are_told(lab):
     latent = lab.toy({}, known=False)
     (estimated,) = residuals(Problem((latent,)), {})
     assert_allclose(estimated.inputs, toy.measured.inputs, atol=2e-3)  # the same draw; noise of pick-ups is 2e-4
-
-
-def test_lines_of_the_fits_may_be_asked_for_alone(lab):
-    problem = Problem((lab.toy({}, lines=300),)).thinned()
-    (few,), (all_lines,) = residuals(problem, {}, every_line=False), residuals(problem, {})
-    assert_allclose(few.values, all_lines.values[:, problem.lines["one"]], rtol=1e-12)
-    assert_allclose(few.sigma, all_lines.sigma[:, problem.lines["one"]], rtol=1e-12)
-
-
-def test_parameters_of_the_same_name_are_one(lab):
-    one, two = lab.toy({}, name="one"), lab.toy({}, name="two", seed=1)
-    names = [p.name for p in Problem((one, two)).parameters]
-    assert names == [*(p.name for p in one.parameters), "frequency:two"]
 
 
 @pytest.mark.parametrize(
@@ -209,9 +194,12 @@ def test_facts_share_the_parameters_too(lab):
         Problem((lab.toy({}, name="one"),), (Weight(),))
 
 
-def test_two_data_sets_of_one_name_are_refused(lab):
+def test_parameters_of_the_same_name_are_one_and_two_data_sets_of_one_name_are_refused(lab):
     with pytest.raises(ValueError, match="'one' twice"):
         Problem((lab.toy({}, name="one"), lab.toy({}, name="one", seed=3)))
+    one, two = lab.toy({}, name="one"), lab.toy({}, name="two", seed=1)
+    names = [p.name for p in Problem((one, two)).parameters]
+    assert names == [*(p.name for p in one.parameters), "frequency:two"]
 
 
 def test_lines_are_thinned_by_the_data_alone_and_denser_where_they_turn(lab):
@@ -227,11 +215,8 @@ def test_lines_are_thinned_by_the_data_alone_and_denser_where_they_turn(lab):
     np.testing.assert_array_equal(Problem((other,)).thinned().lines["one"], Problem((toy,)).thinned().lines["one"])
 
 
-def test_few_lines_stay_as_they_are(lab):
+def test_few_lines_stay_as_they_are_and_stages_before_the_last_take_fewer_of_enough(lab):
     np.testing.assert_array_equal(chosen(lab.toy({}, lines=60).measured), np.arange(60))
-
-
-def test_stages_before_the_last_take_fewer_lines_where_enough_are_left(lab):
     problem = Problem((lab.toy({}, lines=60), lab.toy({}, name="two", lines=59)))
     lines = problem.sparser(3).lines
     np.testing.assert_array_equal(lines["one"], np.arange(0, 60, 3))

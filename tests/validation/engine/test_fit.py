@@ -154,29 +154,23 @@ def test_a_child_whose_own_start_breaks_down_is_found_from_its_parent(lab):
     assert_allclose(child.by_name["offset"], 0.3, atol=0.01)
 
 
-def test_tolerances_of_the_measurement_are_not_touched_by_a_plain_fit(lab):
+def test_what_was_fitted_is_priced_in_squares_of_tolerances_which_a_plain_fit_does_not_touch(lab):
+    found = fit(Problem((lab.toy(TRUTH),)), FITTED)
+    priced = [p for p in found.parameters if p.kind in ("sensor", "declared")]
+    assert found.tolerances == len(priced) == 15
+    assert_allclose(found.tolerance_z2, sum((found.by_name[p.name] / p.tolerance) ** 2 for p in priced), rtol=1e-12)
     found = fit(Problem((lab.toy(TRUTH),)), PLAIN)
     assert {p.kind for p in found.parameters} == {"identified", "declared"}
     assert found.tolerances == 2
 
 
-def test_what_was_fitted_is_priced_in_squares_of_tolerances(lab):
-    found = fit(Problem((lab.toy(TRUTH),)), FITTED)
-    priced = [p for p in found.parameters if p.kind in ("sensor", "declared")]
-    assert found.tolerances == len(priced) == 15
-    assert_allclose(found.tolerance_z2, sum((found.by_name[p.name] / p.tolerance) ** 2 for p in priced), rtol=1e-12)
-
-
-def test_a_baseline_that_does_not_converge_is_refused_with_the_reason(lab):
+def test_a_baseline_that_does_not_converge_or_breaks_down_is_refused_with_the_reason(lab):
     def wrong(said, *_):
         """Its derivatives have the wrong sign."""
         return replace(said, changes={name: replace(one, rows=-one.rows) for name, one in said.changes.items()})
 
     with pytest.raises(CheckFailed, match=r"4 parameters did not converge.*mass|4 parameters did not converge.*inertia"):
         fit(Problem((replace(lab.toy(TRUTH), twist=wrong),)), PLAIN)
-
-
-def test_a_model_that_breaks_down_where_the_fit_begins_is_refused(lab):
     with pytest.raises(CheckFailed, match="breaks down where its fit begins: a stiffness turned negative"):
         fit(Problem((replace(lab.toy(TRUTH), twist=lab.breaking(lambda offsets: True)),)), PLAIN)
 
@@ -281,14 +275,12 @@ def test_facts_count(lab):
     assert found.degrees_of_freedom == fit(Problem(problem.predictions), PLAIN).degrees_of_freedom + 1
 
 
-def test_progress_ends_at_all_and_never_goes_back(lab):
+def test_progress_ends_at_all_never_goes_back_and_an_interrupt_ends_a_fit_at_once(lab):
     told: list[float] = []
     fit(Problem((lab.toy(TRUTH),)), FITTED, progress=told.append)
     assert told == sorted(told)
     assert told[-1] == 1.0
 
-
-def test_an_interrupt_ends_a_fit_at_once(lab):
     def stop(share):
         raise KeyboardInterrupt
 
@@ -346,14 +338,11 @@ def test_no_amplitude_is_begun_that_the_data_want_negative(lab):
     assert begin["appendage[m]"] == 0.0
 
 
-def test_the_beginning_stays_where_nothing_is_better(lab):
+def test_the_beginning_stays_where_nothing_is_better_and_several_sizes_span_a_grid(lab):
     effects = (lab.effect("appendage[m]", 0.3), lab.effect("appendage[f]", 0.5, nominal=20.0, logarithmic=True))
     problem = Problem((lab.toy({"mass": 0.01}, parameters=(*lab.LABORATORY, *effects), seed=None),))
     begin = start(problem, ["appendage[f]"], base={"mass": 0.01})
     assert_allclose(begin["appendage[m]"], 0.0, atol=1e-6)
-
-
-def test_several_sizes_span_a_grid_and_places_may_be_given(lab):
     problem = Problem((lab.toy({"mass": 0.2, "frequency:one": 0.04}, seed=None),))
     places = {"mass": [0.0, 0.2], "frequency:one": [-0.04, 0.0, 0.04]}
     begin = start(problem, ["mass", "frequency:one"], places=places)

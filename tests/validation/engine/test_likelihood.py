@@ -151,7 +151,7 @@ def plainly(predicted: Predicted) -> Predicted:
 
 @pytest.mark.parametrize("known", [False, True])
 @pytest.mark.parametrize("others", [0, 2])
-def test_what_goes_a_common_way_makes_the_same_normal_equations(predicted: Predict, seen, known: bool, others: int) -> None:
+def test_what_goes_a_common_way_makes_the_same_normal_equations(predicted, seen, known, others):
     of, read = predicted(others=others), seen(known)
     names = ["nowhere", *sorted(of.changes)]  # one that does not act here, and kinds mixed
     assert ways(of.changes, names[1:], CHANNELS) is not None
@@ -164,7 +164,7 @@ def test_what_goes_a_common_way_makes_the_same_normal_equations(predicted: Predi
         assert not ours[run].matrix[0].any()
 
 
-def test_normal_equations_are_those_of_the_whitened_columns(predicted: Predict, seen) -> None:
+def test_normal_equations_are_those_of_the_whitened_columns(predicted, seen):
     of, read = predicted(), seen(False)
     names = sorted(of.changes)
     for k, run in enumerate(read.runs):
@@ -175,12 +175,9 @@ def test_normal_equations_are_those_of_the_whitened_columns(predicted: Predict, 
         assert_allclose(found.gradient, -(flat.conj().T @ r.ravel()).real, rtol=1e-9, atol=1e-9 * np.abs(found.gradient).max())
 
 
-def test_many_that_go_ways_of_their_own_are_not_worth_it(predicted: Predict) -> None:
+def test_many_with_ways_of_their_own_and_rows_that_runs_do_not_share_go_no_common_way(predicted, drawn):
     of = predicted(others=FEW + 1)
     assert ways(of.changes, sorted(of.changes), CHANNELS) is None
-
-
-def test_rows_that_runs_do_not_share_go_no_common_way(predicted: Predict, drawn) -> None:
     of = predicted()
     changes = {**of.changes, "bent": Change(channels=(1,), rows=drawn(RUNS, LINES, 1, INPUTS))}
     assert ways(changes, sorted(changes), CHANNELS) is None

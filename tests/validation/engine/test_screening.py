@@ -1,7 +1,6 @@
 """What the data, and facts beside them, say of parameters that are not in a fit yet."""
 
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -117,13 +116,10 @@ def test_a_trial_never_costs_more_than_its_parent(lab):
         assert_allclose(found.by_name["offset"], 0.5, atol=0.01)
 
 
-def test_a_way_straight_down_ends_where_the_fit_ends(lab):
+def test_a_way_straight_down_ends_where_the_fit_ends_and_unfitted_misfit_is_told_as_it_stands(lab):
     problem = Problem((lab.toy({**lab.drawn(6), "mass": 0.03}),))
     whole = fit(problem, PLAIN)
     assert_allclose(nearby(problem, PLAIN, fit(problem, FITTED).by_name).cost, whole.cost, rtol=1e-4)
-
-
-def test_where_nothing_is_fitted_misfit_is_told_as_it_stands(lab):
     problem = Problem((lab.toy({"mass": 0.05}),))
     assert unfitted(problem, FITTED, {}).chi2 > 10 * unfitted(problem, FITTED, {"mass": 0.05}).chi2
     assert not unfitted(problem, FITTED, {}).converged
@@ -145,7 +141,7 @@ class Weight:
 
 
 @pytest.mark.parametrize("sd", [1e9, 2e-4, 2e-5])
-def test_a_fact_tells_what_it_tells_the_fit(lab: Any, sd: float) -> None:
+def test_a_fact_tells_what_it_tells_the_fit(lab, sd):
     truth, effect = {**lab.drawn(4), "offset": 1e-3}, lab.effect("offset", 1.0)
     right = lab.toy(truth, parameters=(*lab.LABORATORY, effect))
     without = lab.toy(truth, acting=(effect,))
@@ -162,7 +158,7 @@ def test_a_fact_tells_what_it_tells_the_fit(lab: Any, sd: float) -> None:
     assert_allclose(told.evidence(1.0), gain, atol=0.05 + 0.02 * abs(gain))
 
 
-def test_a_fact_alone_tells_of_what_no_channel_sees(lab: Any) -> None:
+def test_a_fact_alone_tells_of_what_no_channel_sees(lab):
     truth, unseen = lab.drawn(4), lab.effect("unseen", 2.0)
     toy = lab.toy(truth)
     weight = Weight(value=3.0, sd=0.5, slopes={"unseen": 1.0}, parameters=(unseen,))

@@ -1,11 +1,8 @@
 """`massline identify` from folder to result, on a rigid block whose inertia is known: short sweeps, no elastic terms."""
 
 import json
-import runpy
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 from numpy.testing import assert_allclose
@@ -20,19 +17,13 @@ from validation.cli import main
 from validation.identify.identify import IdentifyOptions, ready
 from validation.report import identify as report_identify
 
-Run = Callable[..., tuple[int, str, str]]
 QUICK = ("--modes", "0", "--no-study", "--band", "5", "25")
 
 
 @pytest.fixture(scope="module")
-def example(root: Path) -> dict[str, Any]:
-    return runpy.run_path(str(root / "examples" / "own_campaign.py"))
-
-
-@pytest.fixture(scope="module")
-def series(example: dict[str, Any], tmp_path_factory: pytest.TempPathFactory) -> Path:
+def series(own_campaign, tmp_path_factory) -> Path:
     """The block of the example, the same called an FMD with nothing on it, one run twice instead of another, other hardware."""
-    made: Campaign = example["campaign"]()
+    made: Campaign = own_campaign["campaign"]()
     place = tmp_path_factory.mktemp("series")
     campaign_file.write(place / "block", made)
     campaign_file.write(place / "bare", replace(made, article="fmd"))
@@ -42,13 +33,13 @@ def series(example: dict[str, Any], tmp_path_factory: pytest.TempPathFactory) ->
 
 
 @pytest.fixture(scope="module")
-def done(series: Path) -> Identification:
+def done(series) -> Identification:
     """The driver's own result on the block."""
     return identify(ready(IdentifyOptions(campaign=str(series / "block"), modes="0", band=(5.0, 25.0), study=False)).request)
 
 
 @pytest.fixture
-def driven(done: Identification, monkeypatch: pytest.MonkeyPatch) -> None:
+def driven(done, monkeypatch) -> None:
     """The driver answers every request with what it found on the block."""
     monkeypatch.setattr(
         "validation.identify.identify.identify",
@@ -57,15 +48,12 @@ def driven(done: Identification, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def block(example: dict[str, Any]) -> Inertia:
-    body: Inertia = example["BLOCK"]
-    return body
+def block(own_campaign) -> Inertia:
+    return own_campaign["BLOCK"]
 
 
 @pytest.mark.usefixtures("driven")
-def test_a_rigid_block_is_found_within_its_intervals_and_everything_is_kept(
-    series: Path, block: Inertia, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_rigid_block_is_found_within_its_intervals_and_everything_is_kept(series, block, run, tmp_path, monkeypatch):
     monkeypatch.setattr(
         report_identify, "full", lambda title, curves, path, note: path.touch()
     )  # 72 panels; test_shown draws them
@@ -86,7 +74,7 @@ def test_a_rigid_block_is_found_within_its_intervals_and_everything_is_kept(
 
 
 @pytest.mark.usefixtures("driven")
-def test_a_tare_makes_it_the_article_alone_in_its_own_frame(series: Path, answer, block: Inertia) -> None:
+def test_a_tare_makes_it_the_article_alone_in_its_own_frame(series, answer, block):
     printed = answer("identify", str(series / "block"), "--tare", str(series / "bare"), *QUICK)
     assert (printed["article"], printed["origin"]) == ("disc+cuboid", "article")
     assert_allclose(printed["inertia"]["cog_mm"][2], 1e3 * block.cog[2] - 45, atol=1)
@@ -94,28 +82,23 @@ def test_a_tare_makes_it_the_article_alone_in_its_own_frame(series: Path, answer
 
 
 @pytest.mark.usefixtures("driven")
-def test_a_frame_of_the_users_own_moves_the_cog_and_is_kept_for_validate(series: Path, block: Inertia, answer) -> None:
+def test_a_frame_of_the_users_own_moves_the_cog_and_is_kept_for_validate(series, block, answer):
     printed = answer("identify", str(series / "block"), *QUICK, "--frame", "0 0 100 mm; z 90 deg")
     assert_allclose(printed["inertia"]["cog_mm"], [0, 0, 0], atol=2)
     assert_allclose(printed["inertia"]["moi_cog_kgm2"][0], block.moments_cog[1], rtol=0.02)
     assert printed["frame"]["origin"] == "0 0 0.1 m"
 
 
-def test_a_motion_that_no_run_drives_is_named(series: Path, refused) -> None:
+def test_a_motion_that_no_run_drives_and_a_band_too_narrow_for_the_study_are_named(series, refused):
     err = refused("identify", str(series / "twice"), *QUICK)
     assert "twice: `run`: no run drives gamma; runs x and gamma are the same recording" in " ".join(err.split())
-
-
-def test_a_band_too_narrow_for_the_study_is_refused_by_its_option(series: Path, refused) -> None:
     err = refused("identify", str(series / "block"), "--band", "5", "5.5")
     assert err.startswith("massline: --band: 5 to 5.5 Hz is too narrow for the band study")
     assert "--no-study" in err
 
 
-def test_a_joint_fit_that_fails_does_not_hide_the_plain_result(
-    series: Path, answer, done: Identification, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fails(*_: object, **__: object) -> None:
+def test_a_joint_fit_that_fails_does_not_hide_the_plain_result(series, answer, done, monkeypatch):
+    def fails(*_, **__):
         raise CheckFailed("it does not settle")
 
     monkeypatch.setattr(identification_identify, "calibrated", fails)
@@ -131,7 +114,7 @@ def test_a_joint_fit_that_fails_does_not_hide_the_plain_result(
 
 
 @pytest.mark.usefixtures("driven")
-def test_other_hardware_is_refused_without_being_asked_for_and_said_with_it(series: Path, run: Run, refused) -> None:
+def test_other_hardware_is_refused_without_being_asked_for_and_said_with_it(series, run, refused):
     asked = ("identify", str(series / "block"), "--tare", str(series / "other"), *QUICK)
     err = refused(*asked)
     assert "lab/2" in err
@@ -141,8 +124,8 @@ def test_other_hardware_is_refused_without_being_asked_for_and_said_with_it(seri
     assert "on other hardware, which takes no FMD off: its moving part is in the result" in " ".join(out.split())
 
 
-def test_ctrl_c_leaves_no_half_written_folder(series: Path, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupted(*_: object) -> None:
+def test_ctrl_c_leaves_no_half_written_folder(series, run, tmp_path, monkeypatch):
+    def interrupted(*_):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("validation.identify.identify.identify", interrupted)

@@ -1,9 +1,7 @@
 """The page, the JSON and the pictures of an identification, and that `massline validate` reads what was printed."""
 
 import json
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,15 +14,12 @@ from validation.reference.statement import QUANTITIES
 from validation.report import identify
 from validation.report.identify import IdentificationPictures
 
-Write = Callable[..., Path]
-Run = Callable[..., tuple[int, str, str]]
-
 
 def _page(found: IdentificationFindings, width: int = 132) -> str:
     return identify.IdentificationPage(found=found).document().text(width)
 
 
-def test_the_page_shows_both_ways_side_by_side_and_what_moved(found: IdentificationFindings) -> None:
+def test_the_page_shows_both_ways_side_by_side_and_what_moved(found):
     mass = next(line for line in _page(found).splitlines() if line.lstrip().startswith("Mass m"))
     plain, better = (one.values[0] for one in found.results)
     assert f"{plain:.2f}" in mass
@@ -48,11 +43,11 @@ def test_the_page_shows_both_ways_side_by_side_and_what_moved(found: Identificat
         "from the article's own origin",
     ],
 )
-def test_the_page_says(words: str, found: IdentificationFindings) -> None:
+def test_the_page_says(words, found):
     assert words in " ".join(_page(found, 200).split())
 
 
-def test_page_and_json_say_how_the_block_bootstrap_agrees(found: IdentificationFindings) -> None:
+def test_page_and_json_say_how_the_block_bootstrap_agrees(found):
     assert "Block bootstrap" not in _page(found)
     assert to_json(found)["self_calibrated"]["bootstrap_over_parametric_sd"] is None
     one = found.result
@@ -62,7 +57,7 @@ def test_page_and_json_say_how_the_block_bootstrap_agrees(found: IdentificationF
     assert to_json(with_it)["self_calibrated"]["bootstrap_over_parametric_sd"]["mass_kg"] == pytest.approx(1.3)
 
 
-def test_crosses_compare_with_the_interval_of_the_difference(found: IdentificationFindings) -> None:
+def test_crosses_compare_with_the_interval_of_the_difference(found):
     assert found.study is not None
     what = "no elastic terms"
     alone = IdentificationPictures(found=found).band_map(found.study, what, 0).half_width
@@ -73,7 +68,7 @@ def test_crosses_compare_with_the_interval_of_the_difference(found: Identificati
     assert_allclose(alone, scale * found.result.half_width[0], rtol=1e-12)
 
 
-def test_where_the_better_way_failed_the_plain_result_is_shown(found: IdentificationFindings) -> None:
+def test_where_the_better_way_failed_the_plain_result_is_shown(found):
     plain, better = found.results
     failed = replace(found, results=(plain, replace(better, identified=replace(better.identified, converged=False))))
     assert failed.result is plain
@@ -82,14 +77,11 @@ def test_where_the_better_way_failed_the_plain_result_is_shown(found: Identifica
     assert "verdict on the plain result" in " ".join(_page(failed).split())
 
 
-def test_elastic_terms_are_listed_by_frequency(found: IdentificationFindings) -> None:
+def test_elastic_terms_are_listed_by_frequency_and_a_page_of_80_columns_cuts_no_figure(found):
     grid = next(one for one in identify.IdentificationPage(found=found).document().grids() if one.header[0].startswith("elastic"))
     shown = [float(line[0]) for line in grid.lines]
     assert shown == sorted(shown)
     assert len(shown) == 3
-
-
-def test_a_page_of_80_columns_cuts_no_figure(found: IdentificationFindings) -> None:
     narrow = _page(found, 80)
     for quantity, value in zip(QUANTITIES, found.result.values, strict=True):
         assert any(quantity.label in line for line in narrow.splitlines()), quantity.label
@@ -97,21 +89,21 @@ def test_a_page_of_80_columns_cuts_no_figure(found: IdentificationFindings) -> N
     assert max(map(len, narrow.splitlines())) <= 80
 
 
-def test_without_a_tare_the_page_says_that_the_fmd_is_in_the_result(found: IdentificationFindings) -> None:
+def test_without_a_tare_the_page_says_that_the_fmd_is_in_the_result(found):
     bare = replace(found, request=replace(found.request, tares=()), origin="F")
     text = " ".join(_page(bare).split())
     assert "no tare, so the FMD's moving part is in the result" in text
     assert "CoG from F, the centre of the force-measuring plane" in text
 
 
-def test_validate_takes_the_interval_for_the_tolerance(result_file: Write, run: Run, found: IdentificationFindings) -> None:
+def test_validate_takes_the_interval_for_the_tolerance(result_file, run, found):
     code, out, _ = run("validate", str(result_file()), "--against", "clumod-1", "--json")
     rows = json.loads(out)["rows"]
     assert code == 0
     assert_allclose([row["tolerance"] for row in rows], found.result.half_width * [q.per_si for q in QUANTITIES], rtol=1e-9)
 
 
-def test_validate_reads_a_frame_of_the_users_own(result_file: Write, run: Run, found: IdentificationFindings) -> None:
+def test_validate_reads_a_frame_of_the_users_own(result_file, run, found):
     frame = Pose(position=np.array([0.05, 0.0, 0.3]), rotation=rotation_about("z", 0.4) @ rotation_about("x", 0.2))
     seen = tuple(reported(one.identified, Pose(position=np.array([0.0, 0.0, 0.045])) @ frame) for one in found.results)
     path = result_file(results=seen, frame=frame)
@@ -121,7 +113,7 @@ def test_validate_reads_a_frame_of_the_users_own(result_file: Write, run: Run, f
     assert run("validate", str(wrong), "--against", "clumod-1")[0] == 1
 
 
-def test_every_picture_is_drawn_and_is_no_empty_page(found: IdentificationFindings, tmp_path: Path) -> None:
+def test_every_picture_is_drawn_and_those_without_evidence_are_left_out(found, tmp_path):
     from PIL import Image
 
     paths = IdentificationPictures(found=found).draw(tmp_path)
@@ -131,8 +123,5 @@ def test_every_picture_is_drawn_and_is_no_empty_page(found: IdentificationFindin
         with Image.open(path) as picture:
             assert min(picture.size) > 450
             assert len(picture.convert("RGB").getcolors(1 << 24) or ()) > 50, path.name
-
-
-def test_pictures_without_evidence_are_left_out(found: IdentificationFindings, tmp_path: Path) -> None:
     bare = replace(found, lines=None, residuals=None, study=None, spectra=None, dynamic_mass=None)
     assert [path.name for path in IdentificationPictures(found=bare).draw(tmp_path)] == ["identify-clumod-1-shares.png"]

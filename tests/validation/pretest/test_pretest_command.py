@@ -1,14 +1,11 @@
 """`massline pretest`: what is printed, what a program reads, what is drawn, and what is refused."""
 
-from pathlib import Path
-
 import pytest
 
-from validation.identify.pretest import PretestFindings
 from validation.report import pretest
 
 
-def test_the_page_says_intervals_causes_channels_and_places(tared: PretestFindings) -> None:
+def test_the_page_says_intervals_causes_channels_and_places(tared):
     text = pretest.PretestPage(found=tared).document().text(150)
     for said in (
         "Pretest of fmd+disc+cuboid: 6 runs",
@@ -26,7 +23,7 @@ def test_the_page_says_intervals_causes_channels_and_places(tared: PretestFindin
     assert "nan" not in text
 
 
-def test_the_pictures_are_drawn(tared: PretestFindings, tmp_path: Path, renderer: None) -> None:
+def test_the_pictures_are_drawn(tared, tmp_path, renderer):
     paths = pretest.PretestPage(found=tared).draw(tmp_path)
     assert [path.name for path in paths] == [f"pretest-fmd+disc+cuboid{end}.png" for end in ("", "-shares", "-places")]
     assert all(path.stat().st_size > 20_000 for path in paths)
@@ -51,11 +48,11 @@ def test_the_pictures_are_drawn(tared: PretestFindings, tmp_path: Path, renderer
         (("clumod-1", "--damping", "-1"), "damping"),
     ],
 )
-def test_what_cannot_be_planned_is_refused_in_words(refused, arguments: tuple[str, ...], said: str) -> None:
+def test_what_cannot_be_planned_is_refused_in_words(refused, arguments, said):
     assert said in refused("pretest", *arguments)
 
 
-def test_sensors_that_tell_no_base_motion_are_refused(refused, root: Path, tmp_path: Path) -> None:
+def test_sensors_that_tell_no_base_motion_are_refused(refused, root, tmp_path):
     import runpy
     from dataclasses import replace
 

@@ -64,7 +64,7 @@ class Series:
 
 
 @pytest.fixture(scope="session")
-def series(tmp_path_factory: pytest.TempPathFactory) -> Series:
+def series(tmp_path_factory) -> Series:
     """The laboratory's files."""
     folder = tmp_path_factory.mktemp("laboratory")
     model, campaign, scale = folder / "cuboid.toml", folder / "gain", folder / "scale.toml"
@@ -77,7 +77,7 @@ def series(tmp_path_factory: pytest.TempPathFactory) -> Series:
 
 
 @pytest.fixture(scope="session")
-def report(series: Series) -> Report:
+def report(series) -> Report:
     """Compared, diagnosed, identified and drawn; the ladder is made by hand."""
     with pytest.MonkeyPatch.context() as patch:  # pictures of articles and sensors have tests of their own, and take longest
         for module, name in ((reference, "draw"), (identify, "draw_sensors")):
@@ -89,7 +89,7 @@ def report(series: Series) -> Report:
 
 
 @pytest.fixture(scope="session")
-def page(report: Report, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def page(report, tmp_path_factory) -> Path:
     """The report as a file."""
     path = tmp_path_factory.mktemp("page") / "report.html"
     write(report, path)
@@ -200,7 +200,7 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="session")
-def read(page: Path) -> Page:
+def read(page) -> Page:
     """The page, parsed."""
     return Page(page.read_text("utf-8"))
 
@@ -239,7 +239,7 @@ def _opened(browser: Any, path: Path, **options: Any) -> Iterator[Opened]:
 
 
 @pytest.fixture(scope="session")
-def opened(chromium: Any) -> Callable[..., Any]:
+def opened(chromium) -> Callable[..., Any]:
     """``with opened(path, **options) as page``: the page in a tab of its own."""
     return lambda path, **options: _opened(chromium, path, **options)
 

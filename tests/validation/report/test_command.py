@@ -1,15 +1,11 @@
 """`massline report`: bad input is refused by name before anything is computed; an interruption leaves what was there."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from validation.report import page
-from validation.report.parts import Report
-
-Run = Callable[..., tuple[int, str, str]]
 
 
 @pytest.mark.parametrize(
@@ -26,9 +22,7 @@ def test_a_model_that_is_not_there_and_a_place_or_an_ending_that_cannot_be_are_r
     assert not Path(out).exists()
 
 
-def test_without_a_name_it_goes_under_out_after_the_model(
-    run: Run, series: Any, report: Report, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_a_name_it_goes_under_out_after_the_model(run, series, report, monkeypatch):
     monkeypatch.setattr(page, "reported", lambda asked: report)
     monkeypatch.setattr(page, "html", lambda *_: "<!DOCTYPE html>")
     code, out, said = run("report", str(series.model), *series.data)
@@ -37,13 +31,11 @@ def test_without_a_name_it_goes_under_out_after_the_model(
     assert Path("out/cuboid-report.html").read_text("utf-8").startswith("<!DOCTYPE html>")
 
 
-def test_an_interruption_leaves_the_page_that_was_there(
-    run: Run, series: Any, report: Report, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_interruption_leaves_the_page_that_was_there(run, series, report, monkeypatch):
     Path("report.html").write_text("the page before")
     monkeypatch.setattr(page, "reported", lambda asked: report)
 
-    def interrupted(*_: object) -> str:
+    def interrupted(*_):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(page, "html", interrupted)
@@ -53,8 +45,8 @@ def test_an_interruption_leaves_the_page_that_was_there(
     assert Path("report.html").read_text() == "the page before"
 
 
-def test_the_diagnosis_can_be_left_out(series: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    def never(*_: object) -> None:
+def test_the_diagnosis_can_be_left_out(series, monkeypatch):
+    def never(*_):
         raise AssertionError
 
     monkeypatch.setattr(page, "compared", lambda *_, **__: "compared")

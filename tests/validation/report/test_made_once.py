@@ -1,20 +1,16 @@
 """What a report asks of a model and its data is made once, whichever of its parts asks first."""
 
-from typing import Any
-
-import pytest
-
 from validation import study
 from validation.report import page
 
 
-def test_a_report_makes_spectra_once_and_fits_all_parameters_once(series: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_report_makes_spectra_once_and_fits_all_parameters_once(series, monkeypatch):
     counted = {"predictions": 0, "evaluate": 0, "fit": 0}
 
-    def counting(name: str) -> None:
+    def counting(name):
         of = getattr(study, name)
 
-        def called(*given: Any, **more: Any) -> Any:
+        def called(*given, **more):
             counted[name] += 1
             return of(*given, **more)
 

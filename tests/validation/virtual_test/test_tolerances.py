@@ -8,10 +8,10 @@ from numpy.testing import assert_allclose
 from geometry.sensors import Tolerances
 from validation.virtual_test.plan import Plan, Scatter
 from validation.virtual_test.shaker import nominal_fmd
-from validation.virtual_test.simulate import VirtualTest, laboratory
+from validation.virtual_test.simulate import laboratory
 
 
-def test_what_is_drawn_has_the_size_of_its_tolerance_and_grows_with_it() -> None:
+def test_what_is_drawn_has_the_size_of_its_tolerance_and_grows_with_it():
     """Of 400 laboratories; a standard deviation from 400 draws lies within 10 % of its own (nearly three of its errors)."""
     plan, of = Plan(article="fmd"), Tolerances()
     layout = laboratory(plan).layout
@@ -33,7 +33,7 @@ def test_what_is_drawn_has_the_size_of_its_tolerance_and_grows_with_it() -> None
     assert np.all([chain.angle["cover-z2"][2] == 0 for chain in chains])  # a turn about its own direction is none
 
 
-def test_the_fmd_of_any_seed_is_a_body_within_its_tolerance() -> None:
+def test_the_fmd_of_any_seed_is_a_body_within_its_tolerance():
     plan = Plan(article="fmd")
     nominal = nominal_fmd(plan)
     found = [replace(plan, seed=seed).drawn_moving_part(nominal) for seed in range(400)]
@@ -46,7 +46,7 @@ def test_the_fmd_of_any_seed_is_a_body_within_its_tolerance() -> None:
         assert moments[2] < moments[0] + moments[1]
 
 
-def test_no_tolerance_at_all_draws_nothing(exact_test: VirtualTest) -> None:
+def test_no_tolerance_at_all_draws_nothing(exact_test):
     drawn_figures = exact_test.truth["tolerances"]
     relative = drawn_figures["fmd-inertia"]
     figures = [value for name, value in drawn_figures.items() if name != "fmd-inertia"]
