@@ -78,9 +78,7 @@ def test_a_bug_is_not_dressed_up_as_a_mistake_of_the_user(probe):
         main.run(["probe"])
 
 
-def test_a_misspelt_command_and_an_unknown_option_are_bad_input_and_the_right_one_is_suggested(
-    capsys,
-):
+def test_a_misspelt_command_and_an_unknown_option_are_bad_input_and_the_right_one_is_suggested(capsys):
     assert main.run(["pendulm"]) == main.BAD_INPUT == 2
     assert "Did you mean 'pendulum'?" in capsys.readouterr().err
     assert main.run(["--jsn"]) == main.BAD_INPUT

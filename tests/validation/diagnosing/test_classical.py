@@ -70,9 +70,7 @@ def _gaussian(precision: np.ndarray) -> tuple[float, float, float]:
     return 0.5 * pull**2 * width - 0.5 * np.log(1 + PLAUSIBLE**2 * information), pull * width, np.sqrt(width)
 
 
-def test_an_effect_in_proportion_weighs_what_two_gaussians_do_and_of_one_sign_what_the_other_would_have_wasted(
-    precision,
-):
+def test_an_effect_in_proportion_weighs_what_two_gaussians_do_and_of_one_sign_what_the_other_would_have_wasted(precision):
     evidence, mean, sd = _gaussian(precision)
     found = weighed(linear(), PLAUSIBLE, LEFT, precision)
     # beyond six standard deviations lies a part in 1e9 of the prior; the trapezoidal rule is as good, interpolated quantiles less

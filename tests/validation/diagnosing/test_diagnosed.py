@@ -66,9 +66,7 @@ def test_where_nothing_is_missing_nothing_is_named_and_the_smallest_sizes_are_to
     assert sound.before is sound.after
 
 
-def test_what_is_missing_is_named_with_its_size_and_evidence_and_its_errors_fall_on_data_that_no_fit_has_seen(
-    faulty,
-):
+def test_what_is_missing_is_named_with_its_size_and_evidence_and_its_errors_fall_on_data_that_no_fit_has_seen(faulty):
     (gain,) = faulty.accepted
     assert faulty.verdict in (MISSING, AMBIGUOUS)
     assert gain.id == GAIN
@@ -122,9 +120,7 @@ def test_where_two_levels_differ_nothing_linear_is_fitted(unlike, monkeypatch):
     assert "along x" in found.text
 
 
-def test_amplitudes_as_good_as_each_other_are_a_class_and_one_that_explains_little_is_not_named(
-    unlike,
-):
+def test_amplitudes_as_good_as_each_other_are_a_class_and_one_that_explains_little_is_not_named(unlike):
     found = unlike(cause("friction:flange:x=2", 100.0), cause("gap:3=10", 97.0), cause("gap:4=10", 60.0))
     assert (found.accepted, found.equivalence_class) == ((), ("friction:flange:x", "gap:3"))
     assert len(found.ranking) == 3

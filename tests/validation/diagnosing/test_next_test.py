@@ -111,9 +111,7 @@ def normal(d: np.ndarray, J: np.ndarray) -> Normal:
     return Normal(cost=0.5 * float(d @ d), gradient=J.T @ d, matrix=J.T @ J)
 
 
-def test_the_forecast_is_the_quadratic_form_written_out_and_four_times_as_sure_of_a_difference_twice_as_large(
-    rng,
-):
+def test_the_forecast_is_the_quadratic_form_written_out_and_four_times_as_sure_of_a_difference_twice_as_large(rng):
     J, L, d = rng.standard_normal((40, 6)), rng.standard_normal((6, 4)), rng.standard_normal(40)
     S = np.eye(40) + J @ L @ L.T @ J.T
     assert_allclose(nats(normal(d, J), L), 0.5 * d @ np.linalg.solve(S, d), rtol=1e-10)

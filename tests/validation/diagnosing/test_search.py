@@ -190,9 +190,7 @@ def unstuck(
 MASSES = tuple(f"point-mass:{one}=0.1" for one in ("mast-top", "hub-3", "hub-4", "hub-1"))
 
 
-def test_what_kept_less_than_half_of_the_best_promise_is_tried_afresh_and_taken_where_better(
-    monkeypatch,
-):
+def test_what_kept_less_than_half_of_the_best_promise_is_tried_afresh_and_taken_where_better(monkeypatch):
     fits = [ended(MASSES[0], 40.0), ended(MASSES[1], 30.0)]
     best_first, asked = unstuck(monkeypatch, fits, (70.0, 90.0), 200.0)
     assert asked == [fits[1].id]  # 40 are more than half of 70, and 30 less than half of 90
@@ -217,9 +215,7 @@ def test_nothing_is_tried_afresh_where_nothing_need_be_missing(monkeypatch, here
     assert [one.evidence for one in best_first] == [2.0, 1.0]
 
 
-def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_asks_for_less(
-    monkeypatch,
-):
+def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_asks_for_less(monkeypatch):
     monkeypatch.setattr(search, "fit_with", lambda bench, at, added: added.named.id)
     monkeypatch.setattr(search, "candidate_fit", lambda at, id: ended(f"{id}=0.1", 1.0))
     found = screened("structural-damping:mast=0.02", "force-gain:fmd-z2=0.02", evidence=15.0)
@@ -325,9 +321,7 @@ TWO = (found((HUB, 5200.0), (TOP, 4900.0), at=ALONE), found((BLADE, 130.0), at=h
 """The first took the wrong place, before the blade was known to be soft."""
 
 
-def test_a_place_that_is_better_beside_what_was_found_later_is_taken_and_a_single_effect_not_asked_again(
-    monkeypatch,
-):
+def test_a_place_that_is_better_beside_what_was_found_later_is_taken_and_a_single_effect_not_asked_again(monkeypatch):
     at = hypothesis(HUB, evidence=5200.0)
     assert asked(monkeypatch, at, TWO[:1], {}) == (at, (), [])
     at = hypothesis(HUB, BLADE, evidence=5330.0)

@@ -49,9 +49,7 @@ def drawn(affine) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return error, considered, noise
 
 
-def test_95_per_cent_intervals_cover_about_95_per_cent_and_those_of_noise_alone_do_not(
-    drawn,
-):
+def test_95_per_cent_intervals_cover_about_95_per_cent_and_those_of_noise_alone_do_not(drawn):
     error, considered, _ = drawn
     covered = np.mean(np.abs(error) < 1.96 * considered)
     assert 0.90 <= covered <= 0.99  # 150 draws: 0.95 within 2.5 standard deviations of 0.018

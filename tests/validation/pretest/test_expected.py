@@ -41,9 +41,7 @@ def test_gains_of_eight_load_cell_channels_leave_the_mass_an_eighth_of_their_var
     assert_allclose(found.without["fmd-z1"][0], NORMAL_95 * 0.01 / np.sqrt(7) * whole, rtol=0.03)
 
 
-def test_without_exact_pickups_on_the_table_the_scale_of_acceleration_is_as_unknown_as_that_of_force(
-    ask,
-):
+def test_without_exact_pickups_on_the_table_the_scale_of_acceleration_is_as_unknown_as_that_of_force(ask):
     found = findings(ask(tolerances=only(gain="1%", table_gain="100%"), noise="off"))
     whole = sum(routes.inertia(built_in(name)).mass for name in ("fmd", "disc+cuboid"))
     assert_allclose(found.best.half_width[0], NORMAL_95 * 0.01 * np.sqrt(2 / 8) * whole, rtol=0.03)

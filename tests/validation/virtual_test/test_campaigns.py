@@ -140,9 +140,7 @@ def test_what_does_not_stand_on_the_fmd_is_refused(article):
         simulate(Plan(article=article))
 
 
-def test_a_record_too_slow_for_the_sweep_and_an_article_that_never_stops_ringing_are_refused(
-    elastic_plan,
-):
+def test_a_record_too_slow_for_the_sweep_and_an_article_that_never_stops_ringing_are_refused(elastic_plan):
     with pytest.raises(BadInput, match="pass-band"):
         simulate(Plan(article="fmd", rate=80.0))
     with pytest.raises(CheckFailed, match="Give it damping"):
