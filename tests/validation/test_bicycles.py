@@ -32,7 +32,7 @@ def test_every_published_quantity_and_its_uncertainty_come_out(bicycle, example,
         assert_allclose([ours.n, ours.s], [theirs.n, theirs.s], rtol=1e-10, err_msg=name)
 
 
-def test_the_published_cog_is_the_mean_of_intersections_and_not_the_least_squares_point(example, data):
+def test_the_published_cog_is_the_mean_of_intersections_and_three_axes_see_the_planar_tensor_where_two_do_not(example, data):
     m = example.read(data / "bicycle_pendulum" / "BrowserMeasured.txt")
     betas = np.radians([90 - m["gamma"].n - m[f"alphaB{i}"].n for i in "123"])
     normals = np.column_stack([np.sin(betas), np.cos(betas)])
@@ -40,9 +40,6 @@ def test_the_published_cog_is_the_mean_of_intersections_and_not_the_least_square
     corners = np.array(meeting_point(normals, list(offsets)))
     fitted = np.linalg.lstsq(normals, offsets, rcond=None)[0]
     assert 1e-3 < np.linalg.norm(corners - fitted) < 5e-3
-
-
-def test_three_axes_in_the_plane_see_the_planar_tensor_and_two_do_not():
     angles = np.radians([0, 40, 100])
     axes = np.column_stack([np.cos(angles), 0 * angles, -np.sin(angles)])
     assert set(tensor_from_axes(axes, [1.0, 1.1, 1.2], PLANAR)) == set(PLANAR)

@@ -53,7 +53,7 @@ def test_an_axis_that_no_run_drives_and_a_run_that_is_another_one_are_named(run,
     assert "run beta says that it drives beta, but it drives x" in said
 
 
-def test_an_inverted_channel_is_suspected_by_name(run, campaign, tmp_path):
+def test_an_inverted_channel_is_suspected_by_name_and_five_runs_name_the_axis_that_is_missing(run, campaign, tmp_path):
     k = campaign.table.names.index("cover-z1")
     sign = np.where(np.arange(len(campaign.table)) == k, -1.0, 1.0)
     turned = {name: replace(one, values=one.values * sign) for name, one in campaign.recordings.items()}
@@ -61,9 +61,6 @@ def test_an_inverted_channel_is_suspected_by_name(run, campaign, tmp_path):
     code, out, _ = run("check", "turned")
     assert code == main.FAILED_CHECK
     assert "cover-z1" in next(text for text in out.split("warning: ") if "it looks as if" in text)
-
-
-def test_five_runs_name_the_axis_that_is_missing(run, campaign, tmp_path):
     left = {name: one for name, one in campaign.recordings.items() if name != "beta"}
     campaign_file.write(tmp_path / "five", replace(campaign, runs=[r for r in campaign.runs if r.name in left], recordings=left))
     code, out, _ = run("check", "five")

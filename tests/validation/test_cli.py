@@ -78,14 +78,11 @@ def test_a_bug_is_not_dressed_up_as_a_mistake_of_the_user(probe):
         main.run(["probe"])
 
 
-def test_a_misspelt_command_and_an_unknown_option_are_bad_input_and_the_right_one_is_suggested(capsys):
+def test_a_misspelt_command_and_an_unknown_option_are_bad_input_and_help_lists_every_command(capsys):
     assert main.run(["pendulm"]) == main.BAD_INPUT == 2
     assert "Did you mean 'pendulum'?" in capsys.readouterr().err
     assert main.run(["--jsn"]) == main.BAD_INPUT
     assert "--jsn" in capsys.readouterr().err
-
-
-def test_help_lists_every_command(capsys):
     assert main.run(["--help"]) == main.DONE
     help_text = capsys.readouterr().out
     assert all(f"  {command} " in help_text for command in main.COMMANDS)
@@ -128,15 +125,12 @@ def _steps(monkeypatch: pytest.MonkeyPatch, code: int, *steps: demo.DemoStep) ->
     return heard
 
 
-def test_it_runs_every_step_in_order(monkeypatch, capsys):
+def test_it_runs_every_step_in_order_and_stops_at_the_first_that_fails(monkeypatch, capsys):
     steps = demo.DemoStep(title="One", command="massline a 'b c'"), demo.DemoStep(title="Two", command="massline d")
     heard = _steps(monkeypatch, DONE, *steps)
     assert demo.main() == DONE
     assert heard == [["a", "b c"], ["d"]]
     assert "1/2  One\n$ massline a 'b c'" in capsys.readouterr().out
-
-
-def test_it_stops_at_the_first_step_that_fails(monkeypatch, capsys):
     steps = demo.DemoStep(title="One", command="massline a"), demo.DemoStep(title="Two", command="massline b")
     heard = _steps(monkeypatch, FAILED_CHECK, *steps)
     assert demo.main() == FAILED_CHECK
@@ -144,15 +138,12 @@ def test_it_stops_at_the_first_step_that_fails(monkeypatch, capsys):
     assert "`massline a` ended with exit code 1" in capsys.readouterr().err
 
 
-def test_a_step_whose_point_is_a_failed_check_must_fail(monkeypatch):
+def test_a_step_whose_point_is_a_failed_check_must_fail_and_one_without_data_is_passed_over(monkeypatch, capsys, tmp_path):
     step = demo.DemoStep(title="One", command="massline a", ends=FAILED_CHECK)
     _steps(monkeypatch, FAILED_CHECK, step)
     assert demo.main() == DONE
     _steps(monkeypatch, DONE, step)
     assert demo.main() == FAILED_CHECK
-
-
-def test_a_step_whose_data_are_absent_is_passed_over_in_words(monkeypatch, capsys, tmp_path):
     heard = _steps(monkeypatch, DONE, demo.DemoStep(title="One", command="massline a", needs=tmp_path / "nowhere"))
     assert demo.main() == DONE
     assert heard == []

@@ -37,7 +37,7 @@ def test_at_zero_frequency_it_is_the_rigid_body_about_any_point_and_f_is_the_ori
     assert_allclose(reference_point("F", "clumod-1")[1], -seat.position)
 
 
-def test_the_cuboid_is_flat_and_clumod_is_not(answer):
+def test_the_cuboid_is_flat_clumod_is_not_and_beside_exudyn_the_curves_agree_off_resonance(answer):
     """Paper, Figs. 7 to 9: straight lines for the Cuboid, resonances for Clumod."""
     flat, one = (answer("dynamic-mass", name) for name in ("disc+cuboid", "clumod-1"))
     diagonal = {key: np.abs(matrices(said)[:, range(6), range(6)]) for key, said in (("flat", flat), ("one", one))}
@@ -47,9 +47,6 @@ def test_the_cuboid_is_flat_and_clumod_is_not(answer):
     assert flat["peaks"] == []
     assert len(one["peaks"]) >= 5
     assert (one["frequency_hz"][0], one["frequency_hz"][-1], len(one["frequency_hz"])) == (4.0, 32.0, 561)
-
-
-def test_beside_exudyn_the_curves_agree_off_resonance(answer):
     said = answer("dynamic-mass", "clumod-1", "--against", "exudyn")
     assert said["against"] == "exudyn"
     # a frequency known to 1e-4 shows as that times 2 f / (f - f_r), some 70 at the edge of a resonance

@@ -122,16 +122,13 @@ def test_the_level_of_a_sweep_is_that_of_its_band_and_not_of_its_soft_start(rate
     assert found.peak > 1.2 * found.realised
 
 
-def test_cross_motion_is_the_largest_share_of_any_other_axis():
+def test_cross_motion_is_the_largest_share_of_any_other_axis_and_places_ride_on_the_article():
     run = swept()
     table = np.zeros((3, 6))
     table[0, 0], table[1, 2], table[2, 5] = 2.5, -0.05, 0.3  # of nominal levels 2.5, 2.5 and 6
     still = np.zeros((3, 6))
     response = Response(sampling_rate=RATE, table=table, cover=still, load=still, cells=np.zeros((3, 0, 3)))
     assert cross_share(run, response) == pytest.approx(0.05, rel=1e-12)
-
-
-def test_places_ride_on_the_article():
     made = mounted("fmd+clumod-1", "beam", FlexibleOptions(count=4), Attached())
     known = locations("clumod-1")
     assert set(made.rig.article.places) == set(known)

@@ -43,14 +43,11 @@ def interrupted_at_once(reached: list[str]) -> None:
         reached.append("the next line")
 
 
-def test_an_import_is_finished_before_it_is_interrupted(module):
+def test_an_import_is_finished_before_it_is_interrupted_and_outside_an_interruption_is_immediate(module):
     imported: list[Any] = []
     with pytest.raises(KeyboardInterrupt):
         imported_and_interrupted(module, imported)
     assert [one.finished for one in imported] == [499500]
-
-
-def test_outside_an_import_an_interruption_is_immediate():
     reached: list[str] = []
     with pytest.raises(KeyboardInterrupt):
         interrupted_at_once(reached)

@@ -80,13 +80,17 @@ def test_assumed_tolerances_are_called_so_on_paper_too(command, name):
     assert "tolerances ASSUMED" in run(command, name).stdout
 
 
-def test_a_file_may_be_a_path_and_json_is_one_object(tmp_path):
+def test_a_file_may_be_a_path_and_equal_distances_positions_and_one_radius_are_the_same_pendulum(tmp_path):
     copy = tmp_path / "mine.toml"
     shipped_text = (
         Path(import_module("validation").__file__ or "").parent / "reference" / "in_print" / "clumod-4-weighing.toml"
     ).read_text()
     copy.write_text(shipped_text, encoding="utf-8")
     assert rows("weigh", str(copy)) == rows("weigh", "clumod-4-weighing.toml")
+    by_distance = SWING.replace('radius = "0.3 m"', 's1 = "0.3 m"\ns2 = "30 cm"')
+    by_place = SWING.replace('radius = "0.3 m"', 'positions_along = "z"\npositions = ["0.9 m", "300 mm"]')
+    values = [moment(tmp_path, text) for text in (SWING, by_distance, by_place)]
+    assert_allclose(values, values[0], rtol=1e-12)
 
 
 HEAD = """
@@ -115,13 +119,6 @@ def reduced(tmp_path: Path, text: str, off: tuple[str, ...] = ()) -> Reduction:
 
 def moment(tmp_path: Path, swing: str, off: tuple[str, ...] = ()) -> float:
     return float(reduced(tmp_path, HEAD + swing, off).results["Izz"].nominal_value)
-
-
-def test_equal_distances_equal_positions_and_one_radius_are_the_same_pendulum(tmp_path):
-    by_distance = SWING.replace('radius = "0.3 m"', 's1 = "0.3 m"\ns2 = "30 cm"')
-    by_place = SWING.replace('radius = "0.3 m"', 'positions_along = "z"\npositions = ["0.9 m", "300 mm"]')
-    values = [moment(tmp_path, text) for text in (SWING, by_distance, by_place)]
-    assert_allclose(values, values[0], rtol=1e-12)
 
 
 def test_every_way_to_time_a_swing_gives_one_period(tmp_path):
@@ -159,7 +156,7 @@ def test_damping_of_a_recorded_signal_is_taken_off_without_being_asked(tmp_path)
     assert_allclose(found.terms["Izz"]["damping"], -(0.05**2), rtol=1e-6)
 
 
-def test_swings_about_one_axis_and_their_corrections_are_averaged_but_not_what_they_share(tmp_path):
+def test_swings_about_one_axis_are_averaged_but_not_what_they_share_and_the_cog_is_an_input_like_any_other(tmp_path):
     one, two = reduced(tmp_path, HEAD + SWING), reduced(tmp_path, HEAD + SWING + SWING)
     assert_allclose(two.results["Izz"].nominal_value, one.results["Izz"].nominal_value, rtol=1e-13)
     alone, averaged = rows_of_budget(one), rows_of_budget(two)
@@ -167,9 +164,6 @@ def test_swings_about_one_axis_and_their_corrections_are_averaged_but_not_what_t
     assert_allclose(averaged["period"], alone["period"] / np.sqrt(2), rtol=1e-12)
     both = reduced(tmp_path, HEAD + SWING + 'damping = "5 %"\n' + SWING)
     assert_allclose(both.terms["Izz"]["damping"], -(0.05**2) / 2, rtol=1e-12)
-
-
-def test_the_position_of_the_cog_is_an_input_like_any_other(tmp_path):
     swing = SWING.replace('radius = "0.3 m"', 'positions_along = "z"\npositions = ["0.1 m", "0.8 m"]')
     entries = rows_of_budget(reduced(tmp_path, HEAD + swing))
     # d(s1 s2)/dc / (s1 s2) = 1/s1 - 1/s2 = 1/0.5 - 1/0.2

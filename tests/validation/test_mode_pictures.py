@@ -99,15 +99,12 @@ def test_what_is_halved_keeps_its_surface_and_its_edges():
     assert lengths.max() <= 0.2 * (1 + 1e-6)
 
 
-def test_all_files_are_there_and_nothing_else(drawn):
+def test_all_files_are_there_and_the_sheet_shows_bodies_in_the_colours_of_their_motion(drawn):
     assert sorted(path.name for path in drawn.iterdir()) == [
         "modes-cuboid-beam-1.gif",
         "modes-cuboid-beam-1.glb",
         "modes-cuboid-beam.png",
     ]
-
-
-def test_the_sheet_shows_bodies_in_the_colours_of_their_motion(drawn):
     from PIL import Image
 
     with Image.open(drawn / "modes-cuboid-beam.png") as sheet:

@@ -25,16 +25,13 @@ def clumod() -> Flexible:
     return flexible("clumod-1", "beam", FlexibleOptions(count=12))
 
 
-def test_no_axis_carries_more_than_the_rigid_body(answer):
+def test_no_axis_carries_more_than_the_rigid_body_and_what_modes_can_carry_is_the_sum_of_all(answer):
     said = answer("modes", "clumod-4", "--count", "60")
     carried = np.sum(said["effective_mass"], axis=0)
     assert np.all(carried <= np.array(said["effective_mass_of_all_modes"]) * (1 + 1e-9))  # rounding
     assert np.all(np.array(said["effective_mass_of_all_modes"]) <= np.array(said["rigid_mass"]) * (1 + 1e-9))
     rigid = routes.inertia(built_in("clumod-4"))
     assert_allclose(said["rigid_mass"], np.diag(rigid.mass_matrix), rtol=1e-3)  # the bar of the beam model's inertia
-
-
-def test_what_modes_can_carry_is_the_sum_over_all_of_them_and_clusters_are_close_neighbours():
     whole = flexible("cuboid", "beam", FlexibleOptions(count=500))
     assert len(whole.modes.frequency) == len(whole.structure.free)
     assert_allclose(movable(whole.structure), whole.modes.effective_mass.sum(axis=0), rtol=1e-7)  # conjugate gradients
@@ -103,15 +100,12 @@ def test_of_a_file_it_is_said_first_whether_it_can_be_read_and_then_which_model_
         assert "ends in .txt cannot be read" in run("modes", "notes.txt", "--model", model)[2]
 
 
-def test_a_claim_in_print_fails_when_a_mode_is_elsewhere_and_is_open_without_enough_modes():
+def test_a_claim_in_print_fails_when_a_mode_is_elsewhere_and_beside_exudyn_the_frequencies_are_its_own(answer):
     as_printed = np.array([5.70, 6.3, 6.4, 7.0, 12.2, 12.3, 12.3, 12.4, 12.7, 12.8, 15.5, 38.5])
     assert [claim.holds for claim in claims("clumod-4", as_printed)] == [True] * 4
     assert [claim.holds for claim in claims("clumod-4", as_printed * 1.02)] == [False, False, False, True]
     assert [claim.holds for claim in claims("clumod-4", as_printed[:8])] == [True, None, None, None]
     assert claims("cuboid", as_printed) == ()
-
-
-def test_beside_exudyn_the_frequencies_are_its_own(answer):
     said = answer("modes", "clumod-1", "--against", "exudyn", "--count", "5")
     assert said["against"]["model"] == "exudyn"
     # exudyn extrapolates from two of its own meshes, the beam has one: 1e-3 is ten times what is seen, and far below a bar of 1 %
@@ -119,8 +113,11 @@ def test_beside_exudyn_the_frequencies_are_its_own(answer):
     assert "agree in all 5 modes" in said["against"]["text"]
 
 
-def test_a_model_without_shapes_says_so_when_they_are_wanted(refused):
+def test_a_model_without_shapes_says_so_and_one_whose_modes_do_not_swing_is_refused(refused, bracket, tmp_path):
     assert "no shape that could be drawn" in refused("modes", "clumod-1", "--model", "exudyn", "--count", "3", "--shapes")
+    err = refused("modes", with_matrix(bracket, tmp_path, "viscous", 1e-2))
+    assert "damped.npz: `viscous`" in err
+    assert "damping ratio" in err
 
 
 @pytest.fixture(scope="module")
@@ -140,12 +137,6 @@ def with_matrix(bracket: Path, folder: Path, name: str, share: float) -> str:
         arrays = dict(stored)
     np.savez(folder / "damped.npz", **arrays, **{name: share * arrays["stiffness"]})
     return str(folder / "damped.npz")
-
-
-def test_a_model_of_the_users_whose_modes_do_not_swing_is_refused(bracket, refused, tmp_path):
-    err = refused("modes", with_matrix(bracket, tmp_path, "viscous", 1e-2))
-    assert "damped.npz: `viscous`" in err
-    assert "damping ratio" in err
 
 
 def test_a_comparison_of_different_bodies_begins_with_saying_so(bracket, run, answer):
@@ -188,7 +179,7 @@ def altered(model: Flexible, shapes: Array, frequency: Array | None = None) -> F
     return replace(model, model="solid", modes=replace(model.modes, shapes=shapes, frequency=f))
 
 
-def test_a_model_beside_itself_is_the_same_whatever_signs_and_lengths_its_shapes_have(model):
+def test_a_model_beside_itself_is_the_same_whatever_its_signs_and_modes_are_matched_by_shape(model):
     found = compared(model, model)
     assert_allclose(found.mac, np.eye(12), atol=1e-9)  # orthogonality of the eigen-solution
     assert found.partner.tolist() == list(range(12))
@@ -196,9 +187,6 @@ def test_a_model_beside_itself_is_the_same_whatever_signs_and_lengths_its_shapes
     assert "agree in all 12 modes" in ModesBeside(found=found).where_they_part()
     found = compared(model, altered(model, model.modes.shapes * np.linspace(-3, -1, 12)))
     assert_allclose(found.mac, np.eye(12), atol=1e-9)
-
-
-def test_modes_are_matched_by_shape_when_two_have_changed_places(model):
     order = [1, 0, *range(2, 12)]
     found = compared(model, altered(model, model.modes.shapes[:, order]))
     assert found.partner.tolist() == order

@@ -192,7 +192,7 @@ def test_a_compound_period_of_a_point_mass_leaves_nothing_and_the_known_rod_is_a
     assert_allclose(rod_inertia(mass=2.0, length=0.0, diameter=4.0), 2.0, rtol=1e-14)
 
 
-def test_the_torsion_rod_weighs_one_inertia_against_another_its_damping_taken_off():
+def test_the_torsion_rod_weighs_one_inertia_against_another_and_the_corrected_swing_keeps_correlations():
     stiffness = torsion_stiffness(known_inertia=0.5, period=1.9)
     assert_allclose(torsion_pendulum(stiffness=stiffness, period=1.9), 0.5, rtol=1e-14)
     assert_allclose(torsion_pendulum(stiffness=stiffness, period=3.8), 2.0, rtol=1e-14)
@@ -200,9 +200,6 @@ def test_the_torsion_rod_weighs_one_inertia_against_another_its_damping_taken_of
     assert_allclose(
         damped.inertia(Terms(damping=exact(0.1))).nominal_value, torsion_pendulum(stiffness=2.0, period=1.0), rtol=1e-14
     )
-
-
-def test_the_corrected_swing_keeps_the_correlation_of_s1_and_s2():
     # s1 + s2 fixed by the rope places, the CoG between them uncertain: d(s1 s2)/dc = s2 - s1, nothing when they are equal
     cog = tagged(0.6, 0.01, "position of the CoG")
     equal = rope_pendulum(mass=exact(MASS), gravity=exact(G), s1=cog - 0.3, s2=0.9 - cog, length=exact(2.0), period=exact(1.0))
@@ -219,13 +216,10 @@ def decay(time: np.ndarray, period: float = T, zeta: float = ZETA, amplitude: fl
     return amplitude * np.exp(-rate * time) * np.cos(2 * np.pi * time / period + 0.3)
 
 
-def test_more_cycles_make_the_stop_watch_better_in_proportion():
+def test_more_cycles_make_the_stop_watch_better_and_a_clean_record_gives_period_damping_and_amplitude_to_rounding():
     few, many = (from_cycles(n, tagged(n * T, 0.2, "time"), "file") for n in (5, 50))
     assert_allclose([few.nominal_value, many.nominal_value], T, rtol=1e-14)
     assert_allclose(few.std_dev / many.std_dev, 10, rtol=1e-12)
-
-
-def test_a_clean_record_gives_period_damping_and_amplitude_to_rounding_however_it_is_sampled():
     found = from_signal(TIME, decay(TIME) + 0.002 * TIME + 2, "file")
     assert_allclose([found.period.nominal_value, found.damping_ratio.nominal_value], [T, ZETA], rtol=1e-9)
     rate = ZETA / np.sqrt(1 - ZETA**2) * 2 * np.pi / T

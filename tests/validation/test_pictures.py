@@ -166,18 +166,14 @@ def test_each_material_and_each_axis_is_seen_in_its_own_colour():
 
 
 @pytest.mark.usefixtures("renderer")
-def test_what_is_not_counted_is_fainter_than_what_is():
+def test_what_is_not_counted_is_fainter_than_what_is_and_one_can_look_into_a_body():
     counted, _ = small_scene([brick((0.1, 0.1, 0.1)), brick((0.1, 0.1, 0.1), (0.2, 0, 0))])
     ghost, view = small_scene([brick((0.1, 0.1, 0.1)), brick((0.1, 0.1, 0.1), (0.2, 0, 0), counted=False)])
     x, y = np.round(view.pixel([0.25, 0.05, 0.05])).astype(int)
     near = np.s_[y - 3 : y + 4, x - 3 : x + 4]
     assert ghost[near].mean() > counted[near].mean() + 40
     assert ghost[near].mean() < 254
-
-
-@pytest.mark.usefixtures("renderer")
-def test_one_can_look_into_a_body():
-    """A block of silicone inside a block of steel: its hue is sensed from outside."""
+    # A block of silicone inside a block of steel: its hue is sensed from outside.
     shell, core = brick((0.3, 0.3, 0.3)), brick((0.2, 0.2, 0.2), (0.05, 0.05, 0.05), material="silicone")
     image, view = small_scene([shell, core])
     x, y = np.round(view.pixel([0.15, 0.15, 0.15])).astype(int)

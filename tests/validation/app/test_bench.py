@@ -53,14 +53,11 @@ def tried(written: str = "force-gain:fmd-z2=0.1", *, followed: bool) -> Any:
 SLIDER = SimpleNamespace(key="", whole=False, logarithmic=False, low=0.0, high=1.0, per_si=1.0, label="", shown_unit="", start=0)
 
 
-def test_the_answer_says_whether_anything_was_fitted():
+def test_the_answer_says_whether_anything_was_fitted_and_another_entry_has_its_own_curve(tmp_path):
     assert "nothing fitted" in panels._said(tried(followed=False), "the plain fit")
     said = panels._said(tried(followed=True), "the plain fit")
     assert "nothing" not in said
     assert "fitted anew beside it" in said
-
-
-def test_another_entry_has_its_own_curve_with_the_effect(tmp_path):
     of = bench(tmp_path, campaign="a", load=2, motion=2)
     of.tried = tried(followed=True)
     of.state.load, of.state.motion = 1, 4

@@ -41,13 +41,10 @@ def upgrade(bench: Any, path: str, **headers: str) -> int:
     return answer(bench, path, **asked, **headers).status
 
 
-def test_without_the_token_nothing_is_shown_and_nothing_is_started(bench):
+def test_without_the_token_nothing_is_shown_or_started_and_it_is_good_once_and_leaves_no_trace(bench, cookie):
     for path in ("/", "/w/abcdefgh/", "/w/abcdefgh/index.html", "/?token=", "/?token=wrong", "/anything"):
         assert answer(bench, path).status == 401, path
     assert len(bench.windows()) <= 1  # the one that stands ready
-
-
-def test_a_token_is_good_once_and_leaves_no_trace_in_the_address(bench, cookie):
     assert answer(bench, f"/?token={bench.token}").status == 401
     again = answer(bench, f"/?token={bench.token}", Cookie=cookie)  # a reload of the first page, by the browser that was let in
     assert (again.status, again.getheader("Location")) == (303, "/")
@@ -72,13 +69,10 @@ def test_another_origin_is_refused_by_http_and_by_websocket(bench, cookie, origi
     assert upgrade(bench, "/w/abcdefgh/ws", Origin=named, Cookie=cookie) == 403
 
 
-def test_what_changes_something_must_say_where_it_comes_from_and_a_websocket_needs_the_cookie(bench, cookie):
+def test_what_changes_something_must_say_where_it_comes_from_a_websocket_needs_the_cookie_and_a_window_is_no_path(bench, cookie):
     assert answer(bench, "/w/abcdefgh/files", method="POST", Cookie=cookie).status == 403
     assert upgrade(bench, "/w/abcdefgh/ws", Cookie=cookie) == 403
     assert upgrade(bench, "/w/abcdefgh/ws", Origin=f"http://{bench.host}") == 401
-
-
-def test_a_window_is_no_path(bench, cookie):
     for name in ("..", "%2e%2e", "..%2f..%2fetc", "short", "x" * 65):
         assert answer(bench, f"/w/{name}/", Cookie=cookie).status in (400, 404), name
     assert len(bench.windows()) <= 1
@@ -118,7 +112,7 @@ def test_the_browser_is_led_by_a_file_that_nobody_else_reads(chromium, start_app
     bench.interrupted()
 
 
-def test_every_answer_forbids_the_browser_what_a_foreign_file_could_try(bench, cookie):
+def test_every_answer_forbids_what_a_foreign_file_could_try_and_a_windows_own_port_answers_the_door_only(bench, cookie, until):
     for response in (answer(bench), answer(bench, Cookie=cookie), answer(bench, "/nothing", Cookie=cookie)):
         policy = str(response.getheader("Content-Security-Policy"))
         assert "default-src 'none'" in policy
@@ -126,9 +120,6 @@ def test_every_answer_forbids_the_browser_what_a_foreign_file_could_try(bench, c
         assert response.getheader("X-Content-Type-Options") == "nosniff"
         assert response.getheader("X-Frame-Options") == "DENY"
         assert response.getheader("Server") is None
-
-
-def test_a_windows_own_port_answers_the_door_only(bench, cookie, until):
     assert until(lambda: len(bench.windows()) == 1)  # the one that stands ready
     place = str(answer(bench, "/", Cookie=cookie).getheader("Location"))
     assert answer(bench, f"{place}index.html", Cookie=cookie).status == 200

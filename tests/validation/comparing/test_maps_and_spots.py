@@ -45,15 +45,12 @@ def test_the_worst_spot_names_the_channel_in_which_an_effect_is_hidden(by_hand, 
     assert [one.row for one in found].count(channel) == 1  # one spot, however many lines and runs it covers
 
 
-def test_a_resonance_elsewhere_is_a_moment_that_follows_its_mode(by_hand):
+def test_a_resonance_elsewhere_is_a_moment_that_follows_its_mode_and_without_tolerances_deviations_are_residuals(by_hand):
     found = spots(by_hand, by_hand.test(by_hand.drawn(1), own=12.2, seed=1))
     assert found[0].row == "t_y"
     assert found[0].run == "beta"
     assert found[0].course == "follows the first mast mode"
     assert 11.5 < found[0].band[0] <= found[0].frequency <= found[0].band[1] < 12.7
-
-
-def test_without_tolerances_deviations_of_channels_are_the_residuals_of_the_engine(by_hand):
     bare = by_hand.without_tolerances(by_hand.test({"force-gain:fmd-z2": 0.02}, seed=2))
     (left,) = residuals(Problem((bare,)), {})
     of = mapped(bare, {}, by_hand.nothing_fitted(Problem((bare,))), left.inputs, by_hand.RIG)

@@ -31,15 +31,12 @@ CLOSE = (
 )
 
 
-def test_figures_of_nearly_equal_errors_do_not_stand_on_each_other(drawn, tmp_path):
+def test_figures_of_nearly_equal_errors_do_not_stand_on_each_other_and_no_line_strikes_them(drawn, tmp_path):
     history.draw_fall("m.toml: errors from rung to rung", CLOSE, tmp_path / "fall.png")
     for axes in drawn[0].axes:
         texts = [box(text).padded(-1.5) for text in axes.texts]  # the box of a text is taller than its letters
         assert len(texts) >= 4
         assert not [pair for pair in combinations(texts, 2) if pair[0].overlaps(pair[1])]
-
-
-def test_a_figure_is_not_struck_by_the_line_above_it(drawn, tmp_path):
     history.draw_fall("m.toml", CLOSE[:2], tmp_path / "fall.png")
     upper = drawn[0].axes[0]
     (text,) = [one for one in upper.texts if one.get_text() == "3.02"]

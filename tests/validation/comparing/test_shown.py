@@ -79,14 +79,11 @@ def test_an_fmd_within_reason_is_not_named_where_the_price_is_too_high(evaluatio
     assert "force-gain:fmd-z2 at +3.0 z" in said.text
 
 
-def test_what_modes_let_expect_of_the_plain_error_is_told_where_it_counts(evaluation):
+def test_what_modes_and_tolerances_let_expect_is_told_where_it_counts(evaluation):
     of = evaluation()
     said = told(of, ExplainedError(measurement=0.97, with_modes=6.1), 2.0)[1].text
     assert said.startswith("tolerances of the measurement let expect 0.97 %, with those of the modes up to 6.1 %")
     assert "modes" not in told(of, EXPECTED, 2.0)[1].text
-
-
-def test_what_tolerances_are_expected_to_cost_is_how_many_the_data_tell(evaluation):
     fit = evaluation().fitted
     shares = 1 - np.array([1e-5, 1e-6, 1e-6]) / np.array([0.025, 0.003, 0.003]) ** 2
     assert expected_z2(fit) == pytest.approx(shares.sum(), rel=1e-12)
@@ -105,7 +102,7 @@ def test_a_fit_that_does_not_hold_on_unseen_runs_is_doubted_but_not_where_tolera
     assert told(null, replace(expected, measurement=0.3), 2.0)[3].verdict == DOUBTFUL
 
 
-def test_a_configuration_never_seen_is_told_beside_the_verdict_and_does_not_change_it(evaluation):
+def test_a_configuration_never_seen_is_told_beside_the_verdict_and_a_spot_as_an_engineer_would(evaluation):
     of = evaluation()
     series = replace(of, held_out_configurations=Share(percent=79.0), held_out_configurations_nominal=Share(percent=18.0))
     here, there = told(of, EXPECTED, 2.0)[3], told(series, EXPECTED, 2.0)[3]
@@ -114,6 +111,12 @@ def test_a_configuration_never_seen_is_told_beside_the_verdict_and_does_not_chan
     alone = told(replace(series, held_out=None), EXPECTED, 2.0)[3]
     assert (alone.figure, alone.verdict) == ("–", "")
     assert "79 %" in alone.text
+    assert text(MOMENT) == (
+        "moment about y in the y-sweep of fmd+clumod-1, 11-13 Hz, 9.2 sigma, 4.1 % of the dynamic mass, "
+        "follows the first mast mode; also in the beta sweep, fmd+clumod-4"
+    )
+    runs = tuple(("fmd+clumod-1", name, 5.0) for name in ("x", "z", "alpha", "gamma"))
+    assert text(replace(MOMENT, elsewhere=runs)).endswith("; also in the x-sweep, the z-sweep, the alpha sweep and 1 more")
 
 
 MOMENT = Spot(
@@ -130,15 +133,6 @@ MOMENT = Spot(
     course="follows the first mast mode",
     elsewhere=(("fmd+clumod-1", "beta", 5.0), ("fmd+clumod-4", "y", 4.5)),
 )
-
-
-def test_a_spot_is_told_as_an_engineer_would():
-    assert text(MOMENT) == (
-        "moment about y in the y-sweep of fmd+clumod-1, 11-13 Hz, 9.2 sigma, 4.1 % of the dynamic mass, "
-        "follows the first mast mode; also in the beta sweep, fmd+clumod-4"
-    )
-    runs = tuple(("fmd+clumod-1", name, 5.0) for name in ("x", "z", "alpha", "gamma"))
-    assert text(replace(MOMENT, elsewhere=runs)).endswith("; also in the x-sweep, the z-sweep, the alpha sweep and 1 more")
 
 
 @pytest.mark.parametrize(("band", "said"), [((12.1, 12.4), "12.1-12.4 Hz"), ((7.0, 7.0), "7.0 Hz")])

@@ -157,7 +157,7 @@ def along(*directions: tuple[float, float, float]) -> tuple[Place, ...]:
     return tuple(Place(position=np.zeros(3), direction=np.array(one)) for one in directions)
 
 
-def test_a_shunt_is_refused_where_it_is_not_exact():
+def test_a_shunt_is_refused_where_it_is_not_exact_and_a_slanted_cell_lost_the_share_along_the_axis():
     shunt = parse("load-path-shunt:x=0.1")
     mixed = force_table({"name": "sum", "places": along((1, 0, 0), (0, 1, 0))})
     with pytest.raises(BadInput, match="sum adds up cells of several directions, which lost different shares"):
@@ -167,14 +167,11 @@ def test_a_shunt_is_refused_where_it_is_not_exact():
         corrected(moment, shunt)
     with pytest.raises(BadInput, match="no load cell measures along x"):
         corrected(force_table({"name": "z", "places": along((0, 0, 1))}), shunt)
-
-
-def test_a_slanted_cell_lost_the_share_along_the_axis():
     slanted = force_table({"name": "a", "places": along((0.6, 0.0, 0.8))})
     assert corrected(slanted, parse("load-path-shunt:x=0.1")).did == f"multiplied by {1 / (1 - 0.036):.6g}"
 
 
-def test_a_shift_by_whole_samples_moves_them_a_drift_meets_no_other_end_and_what_is_constant_stays():
+def test_a_shift_by_whole_samples_moves_them_what_is_constant_stays_and_a_cut_record_is_wrong_at_its_ends_alone():
     signal = np.random.default_rng(3).standard_normal((500, 2)).cumsum(axis=0)
     moved = through(signal, 100.0, advanced(0.07))
     np.testing.assert_allclose(moved[:-7], signal[7:], atol=1e-11)  # rounding of a walk that goes up to some tens
@@ -182,10 +179,7 @@ def test_a_shift_by_whole_samples_moves_them_a_drift_meets_no_other_end_and_what
     moved = through(ramp, 1000.0, advanced(0.0003))
     np.testing.assert_allclose(moved[100:-100], ramp[100:-100] + 0.0003, atol=1e-8)
     np.testing.assert_allclose(through(np.full((100, 1), 3.0), 50.0, advanced(0.01)), 3.0, rtol=1e-13)
-
-
-def test_a_record_that_is_cut_off_is_wrong_at_its_ends_alone():
-    """A sine that goes on beyond the record: its continuation bends at the ends, and what that does fades within some samples."""
+    # A sine that goes on beyond the record: its continuation bends at the ends, and what that does fades within some samples.
     time = np.arange(4000) / 500.0
     errors = np.abs(
         through(np.sin(2 * np.pi * 11 * time)[:, None], 500.0, advanced(0.0004))[:, 0] - np.sin(2 * np.pi * 11 * (time + 0.0004))

@@ -85,7 +85,7 @@ def test_adding_that_fails_when_its_rung_is_written_goes_back_and_says_so(climbe
     _stands_as_before(desk, text)
 
 
-def test_work_that_ended_with_its_window_leaves_the_rung_that_it_wrote(climbed, fresh):
+def test_work_that_ended_with_its_window_leaves_its_rung_and_adding_that_is_cancelled_before_says_nothing(climbed, fresh):
     desk = fresh("reopened")
     text = desk.model.read_text()
     for name in ("model.toml", "model.ladder.json"):
@@ -95,9 +95,6 @@ def test_work_that_ended_with_its_window_leaves_the_rung_that_it_wrote(climbed, 
     found = workers.recovered(desk)
     assert "back on rung 0" in found.said
     _stands_as_before(desk, text)
-
-
-def test_adding_that_is_cancelled_before_says_nothing(fresh):
     desk = fresh("early")
     text = desk.model.read_text()
     assert workers.start(desk, workers.ADD, effect="force-gain:fmd-z2").cancel().said == ""

@@ -37,15 +37,12 @@ def test_a_run_that_is_held_out_is_no_file_that_happens_to_have_its_name(block, 
     assert made.asked.hold_out == ("z", str(Path(block.data[0]).resolve()))
 
 
-def test_what_a_page_keeps_is_there_after_a_reload_unless_it_is_damaged(bare):
+def test_what_a_page_keeps_is_there_after_a_reload_unless_damaged_and_a_full_folder_is_no_new_desk(bare, block):
     assert bare.view() == {}
     bare.keep_view({"entry": [2, 4], "campaign": "é"})
     assert opened(bare.folder).view() == {"entry": [2, 4], "campaign": "é"}
     (bare.folder / "view.json").write_text("{")
     assert bare.view() == {}
-
-
-def test_a_folder_that_holds_something_is_no_new_desk(bare, block):
     with pytest.raises(BadInput, match="not empty"):
         begun(bare.folder, block.model, block.data)
 
@@ -57,21 +54,15 @@ def test_a_damaged_desk_says_so(bare, text):
         opened(bare.folder)
 
 
-def test_where_no_desk_is_none_is_opened(tmp_path):
+def test_where_no_desk_is_none_is_opened_two_of_one_model_stay_apart_and_what_is_no_model_begins_none(tmp_path, block):
     with pytest.raises(BadInput, match="no desk here"):
         opened(tmp_path)
     assert not session.is_session(tmp_path)
-
-
-def test_two_desks_of_one_model_do_not_disturb_each_other(block, tmp_path):
     before = Path(block.model).read_bytes()
     one, other = (begun(tmp_path / name, block.model, block.data) for name in ("one", "other"))
     one.model.write_text(one.model.read_text() + "\n# mine\n")
     assert other.model.read_bytes() == before == Path(block.model).read_bytes()
     assert one.found != other.found
-
-
-def test_a_model_that_is_none_begins_no_desk(block, tmp_path):
     (tmp_path / "model.toml").write_text("[model")
     with pytest.raises(BadInput, match="TOML"):
         begun(tmp_path / "d", tmp_path / "model.toml", block.data)

@@ -75,15 +75,10 @@ def test_whoever_asks_while_it_is_cancelled_hears_of_no_failure(bare, monkeypatc
     assert [one.state for one in heard] == [RUNNING]
 
 
-def test_one_job_a_desk_at_a_time(bare):
+def test_one_job_a_desk_at_a_time_and_a_worker_that_dies_is_an_error_in_words(bare):
     worker = workers.start(bare, COMPARE)
     with pytest.raises(BadInput, match="at work already"):
         workers.start(bare, DIAGNOSE)
-    worker.cancel()
-
-
-def test_a_worker_that_dies_is_an_error_in_words(bare):
-    worker = workers.start(bare, COMPARE)
     at_work(worker)
     os.kill(worker.pid or 0, signal.SIGKILL)
     found = worker.wait(5)
@@ -128,14 +123,11 @@ def test_progress_is_heard(worked):
     assert {"fitting", "maps"} <= set(worked.heard)
 
 
-def test_a_failure_that_nobody_foresaw_is_told_and_written_down(bare):
+def test_a_failure_that_nobody_foresaw_is_told_and_written_down_and_a_damaged_desk_told(bare):
     found = workers.start(bare, ADD).wait(60)  # nobody says which effect
     assert found.state == FAILED
     assert "nobody foresaw" in found.error
     assert "KeyError" in (bare.folder / "job.log").read_text()
-
-
-def test_a_desk_that_is_damaged_is_told_in_words(bare):
     (bare.folder / "desk.json").write_text("{")
     found = workers.start(bare, COMPARE).wait(60)
     assert found.state == FAILED

@@ -129,16 +129,13 @@ def test_what_does_not_fit_is_refused_with_what_came_before_counted(tmp_path):
     assert (found.folder / "c").exists()
 
 
-def test_a_dropped_series_is_told_apart(tmp_path, block):
+def test_a_dropped_series_is_told_apart_and_a_campaign_without_its_folder_is_one(tmp_path, block):
     root = Path(block.model).parent
     files = [path for path in root.rglob("*") if path.is_file()]
     found = received(tmp_path, [Handed(name=f"s/{path.relative_to(root).as_posix()}", content=path) for path in files])
     assert found.faults == ()
     assert found.models == (str(found.folder / "s" / "model.toml"),)
     assert found.data == (str(found.folder / "s" / "fmd+cuboid"),)
-
-
-def test_a_campaign_dropped_without_its_folder_is_one(tmp_path, block):
     folder, model = Path(block.data[0]), Path(block.model)
     found = received(tmp_path, [Handed(name=path.name, content=path) for path in (model, *folder.iterdir())])
     assert found.data == (str(found.folder),)

@@ -51,7 +51,7 @@ def test_sensors_stand_where_the_campaign_says_and_one_that_is_none_is_refused(d
         scene3d.scene(desk, "fmd+clumod-2")
 
 
-def test_the_nearest_mode_is_told_in_octaves_and_what_has_none_has_no_shape(found, desk):
+def test_the_nearest_mode_is_told_in_octaves_its_shape_moves_the_mast_and_leaves_its_foot(found, desk):
     frequencies = [one.frequency for one in found.modes_of(MAST)]
     number = scene3d.nearest(found, MAST, 1.02 * frequencies[1])
     assert number == 1
@@ -59,9 +59,6 @@ def test_the_nearest_mode_is_told_in_octaves_and_what_has_none_has_no_shape(foun
     for number in (-1, 99):
         with pytest.raises(BadInput, match="found"):
             scene3d.shape(desk, found, MAST, number)
-
-
-def test_a_shape_moves_the_mast_and_leaves_its_foot(desk, found):
     one = scene3d.shape(desk, found, MAST, 0)
     assert one.frequency == found.modes_of(MAST)[0].frequency
     sizes = {body.name: body.size.max() for body in one.bodies}

@@ -78,7 +78,7 @@ def by_least_squares(one: SeriesPrediction, tested: whatif.ReadyCampaign, offset
 
 
 @pytest.mark.parametrize("effect", TRIED)
-def test_released_it_is_the_prediction(table, predicted, effect):
+def test_released_it_is_the_prediction_and_dragged_the_same_where_every_line_can_be_afforded(table, predicted, effect):
     shown = what_if(table, effect, 2, 4)
     assert shown.exact
     for trace, one, tested in zip(shown.traces, predicted(effect), table.tested, strict=True):
@@ -86,11 +86,7 @@ def test_released_it_is_the_prediction(table, predicted, effect):
         assert_allclose(trace.matrix, expected, rtol=1e-7, atol=1e-8 * np.abs(expected).max())  # 6 x 6 inverted twice
         assert np.array_equal(trace.after, trace.matrix[:, 2, 4])
         assert trace.reached or np.array_equal(trace.before, trace.after)
-
-
-@pytest.mark.parametrize("effect", TRIED)
-def test_dragged_it_is_the_same_where_every_line_can_be_afforded(table, effect):
-    """Sizes pass through the parameters of a fit there, which costs no more than rounding."""
+    # Sizes pass through the parameters of a fit there, which costs no more than rounding.
     dragged, released = (what_if(replace(table, pace=1e-9), effect, 4, 4, exact=exact) for exact in (False, True))
     assert dragged.exact
     for one, other in zip(dragged.traces, released.traces, strict=True):
@@ -137,23 +133,17 @@ def test_the_right_size_brings_the_error_down_and_a_wrong_sign_up(fitted):
     assert alone.plain_percent > alone.before_percent
 
 
-def test_what_follows_a_slider_arrives_where_it_is_released(fitted):
+def test_what_follows_a_slider_begins_where_the_comparison_ended_and_arrives_at_the_prediction(fitted, worked):
     sizes = (0.02, 0.04, 0.06, 0.08)
     dragged = [what_if(fitted, f"force-gain:fmd-z2={size}", 2, 2, exact=False).plain_percent for size in sizes]
     released = what_if(fitted, "force-gain:fmd-z2=0.08", 2, 2).plain_percent
     assert dragged == sorted(dragged, reverse=True)
     assert dragged[-1] == pytest.approx(released, rel=0.3)
-
-
-def test_released_it_is_the_prediction_at_the_offsets_that_it_says(fitted):
     shown = what_if(fitted, "force-gain:fmd-z2=0.08", 2, 2)
     effects = (Added(named=parse("force-gain:fmd-z2=0.08", fitted.words), fixed=True),)
     (tested,) = fitted.tested
     expected = by_least_squares(tested.prediction.with_effects(effects), tested, shown.offsets)
     assert_allclose(shown.traces[0].matrix, expected, rtol=1e-7, atol=1e-8 * np.abs(expected).max())
-
-
-def test_it_begins_where_the_comparison_ended(worked, fitted):
     assert fitted.at == whatif.FITTED
     shown = what_if(fitted, "force-gain:fmd-z2=0", 0, 0)
     assert shown.before_percent == pytest.approx(worked.compared.summary["plain_error_percent"], rel=1e-9)
@@ -301,24 +291,18 @@ def answered(of: Asked, lines: Lines) -> SampledPrediction:
     return SampledPrediction(measured=of.measured, parameters=(), lines=lines, said=of.at({}, lines, derivatives=False))
 
 
-def test_some_of_the_lines_are_those_of_the_prediction(asked):
+def test_some_lines_and_errors_of_some_runs_are_those_of_the_prediction_and_nothing_else_is_said(asked):
     there = answered(asked, np.array([0, 2, 3, 7])).at({}, np.array([2, 7]), derivatives=False)
     wanted = asked.at({}, np.array([2, 7]))
     assert_array_equal(there.rows, wanted.rows)
     assert_array_equal(there.noise, wanted.noise)
     assert not there.changes
-
-
-def test_errors_of_some_runs_are_those_of_the_prediction(asked):
     every = np.arange(LINES)
     (of_y,) = evaluate.squares(answered(asked, every).on(("y",)), {}, np.array([1, 4]))
     whole = evaluate.squares(asked, {}, np.array([1, 4]))  # type: ignore[arg-type]
     assert of_y.run == "y"
     # how far silent channels are trusted is told by all runs together, so that a run alone errs a trifle otherwise
     np.testing.assert_allclose(of_y.values, whole[1].values, rtol=0.02)
-
-
-def test_nothing_is_said_that_was_not_asked(asked):
     some = answered(asked, np.array([0, 2]))
     with pytest.raises(ValueError, match="asked"):
         some.at({}, np.array([1]), derivatives=False)

@@ -105,14 +105,11 @@ def test_both_of_a_pair_are_five_times_their_limit_and_more_and_not_of_one_kind(
         assert all(planted.multiple >= 5 for planted in one.planted)
 
 
-def test_what_is_left_out_is_left_out_by_every_name_that_it_has(cases):
+def test_what_is_left_out_has_no_other_name_every_fault_its_null_and_each_campaign_a_sweep_held_out(cases):
     for one in (one for one in cases if one.kind == LEFT_OUT):
         assert one.leave_out[0] == parse(one.planted[0].text, words()).family
         assert set(one.leave_out) <= set(FAMILIES)
     assert not any(name.startswith(foreign.PREFIX) for name in FAMILIES)
-
-
-def test_every_faulty_series_has_a_null_of_its_own_laboratory(cases):
     nulls = {one.name: one for one in cases if one.kind == NULL}
     faulty = [one for one in cases if one.kind != NULL]
     assert len({one.null for one in faulty}) == len(faulty)
@@ -121,9 +118,6 @@ def test_every_faulty_series_has_a_null_of_its_own_laboratory(cases):
         assert (one.laboratory, one.articles, one.hold_out) == (null.laboratory, null.articles, null.hold_out)
     assert COUNTS[NULL] == len(nulls)
     assert all(one.null == one.name for one in nulls.values())
-
-
-def test_one_sweep_of_each_campaign_is_held_out_each_of_another_axis(cases):
     for one in cases:
         articles, axes = zip(*(name.split("/") for name in one.hold_out), strict=True)
         assert articles == one.articles
@@ -205,18 +199,14 @@ def ratio(name: str, channel: str, size: float, sensed: Sensed) -> complex:
     return phasor(after.values[:, sensed.column(channel)]) / phasor(sensed.values[:, sensed.column(channel)])
 
 
-def test_a_rising_gain_rises_with_the_square_of_frequency(sensed):
+def test_a_rising_gain_rises_with_frequency_squared_a_loose_cell_resonates_and_a_drift_goes_through_nothing(
+    sensed,
+):
     found = ratio("rising-gain", "cover-z3", 0.2, sensed)
     assert found == pytest.approx(1 + 0.2 * (FREQUENCY / foreign.TOP_OF_BAND) ** 2, rel=1e-4)  # central differences at 8 kHz
-
-
-def test_a_loose_cell_adds_a_resonance(sensed):
     f = FREQUENCY / 19.0
     expected = 1 + 0.01 * (1 / (1 - f**2 + 2j * 0.03 * f) - 1)
     assert ratio("loose-cell", "fmd-z1", 0.01, sensed) == pytest.approx(expected, rel=1e-4)  # it has rung up within 4 s
-
-
-def test_a_gain_drifts_from_half_below_to_half_above(sensed):
     after = effect("drift", "fmd-z1", 0.2).signals(sensed)
     k = sensed.column("fmd-z1")
     moved = after.values[:, k] / np.where(sensed.values[:, k] == 0, np.inf, sensed.values[:, k])

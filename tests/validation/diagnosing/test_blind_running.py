@@ -176,7 +176,7 @@ def handed(tmp_path_factory) -> Sealed:
     return folder, sealed(CASE, folder, driven=FAST)
 
 
-def test_no_file_of_the_folder_holds_seed_truth_name_or_kind(handed):
+def test_no_file_of_the_folder_holds_the_truth_and_settings_and_model_say_what_the_laboratory_knows(handed):
     folder, truth = handed
     drawn = truth["planted"][0]["sizes"][""]
     secrets = [b"918273645", b"force-gain", b"singles", b"nulls", repr(drawn).encode(), b"truth", b"seed"]
@@ -186,9 +186,6 @@ def test_no_file_of_the_folder_holds_seed_truth_name_or_kind(handed):
         content = path.read_bytes()
         assert not [one for one in secrets if one in content or one.decode() in str(path.relative_to(folder))], path
     assert b"polarity" in (folder / SETTINGS).read_bytes()  # what is left out must be said, and such a search finds it
-
-
-def test_settings_and_model_that_are_handed_over_say_what_there_is_and_what_the_laboratory_knows(handed):
     settings = json.loads((handed[0] / SETTINGS).read_text())
     assert settings == {"data": [CUBOID], "hold_out": [f"{CUBOID}/y"], "leave_out": ["polarity"]}
     found, expected = model_file.read(handed[0] / MODEL), known()
@@ -196,18 +193,15 @@ def test_settings_and_model_that_are_handed_over_say_what_there_is_and_what_the_
     np.testing.assert_array_equal(found.cell_stiffness, expected.cell_stiffness)
 
 
-def test_the_true_size_is_what_was_planted_on_top_of_what_the_laboratory_has(handed, tmp_path):
+def test_the_true_size_is_what_was_planted_on_top_of_what_the_laboratory_has_and_is_in_the_campaign(handed, tmp_path):
     stated = handed[1]["planted"][0]
     plain = sealed(replace(CASE, planted=(Planted(text="force-gain:fmd-z2=0"),)), tmp_path / "series", driven=FAST)
     drawn = plain["planted"][0]["sizes"][""]
     assert drawn != 0
     assert stated["id"] == "force-gain:fmd-z2"
     assert stated["sizes"][""] == pytest.approx((1 + drawn) * 1.075 - 1)
-
-
-def test_the_campaign_that_is_handed_over_has_the_effect_in_it(handed, tmp_path):
-    sealed(replace(CASE, planted=()), tmp_path / "series", driven=FAST)
-    with_it, without = (campaign_file.read(folder / CUBOID).recordings["z"] for folder in (handed[0], tmp_path / "series"))
+    sealed(replace(CASE, planted=()), tmp_path / "without", driven=FAST)
+    with_it, without = (campaign_file.read(folder / CUBOID).recordings["z"] for folder in (handed[0], tmp_path / "without"))
     k = with_it.names.index("fmd-z2")
     level = np.sqrt(np.mean(with_it.values**2, axis=0))
     moved = np.sqrt(np.mean((with_it.values - without.values) ** 2, axis=0)) / level

@@ -74,12 +74,9 @@ def test_a_right_claim_is_the_first_or_in_the_class_of_the_first(given, claimed,
     assert (one.claimed, one.first, one.inside, one.extra) == (claimed, first, inside, False)
 
 
-def test_a_swap_is_the_same_either_way():
+def test_a_swap_is_the_same_either_way_and_more_claims_than_effects_are_extra():
     one = outcome(truth("singles", "channel-swap:fmd-z1:fmd-z2"), answer("mistake", "channel-swap:fmd-z2:fmd-z1"))
     assert one.first
-
-
-def test_more_claims_than_effects_are_extra():
     assert outcome(truth("singles", GAIN), answer("several", GAIN, "modulus:mast")).extra
     pair = outcome(truth("pairs", *BOTH), answer("several", *reversed(BOTH)))
     assert not pair.extra
@@ -197,15 +194,12 @@ def test_classes_are_measured_by_their_median_and_their_largest():
     assert row(outcomes, "size of that class").figure == "median 1, 90th percentile 1.9"
 
 
-def test_a_time_belongs_to_the_screen_and_its_ratio_to_the_page():
+def test_a_time_belongs_to_the_screen_its_ratio_to_the_page_and_nothing_is_met_while_nothing_is_counted():
     outcomes = scored((truth("nulls"), answer("nothing")))
     assert row(outcomes, "over that of reading").figure == "3.0"
     (private,) = [one for one in rows(outcomes) if one.private]
     assert private.figure == "6.0 s"
     assert "6.0 s" not in page.text(rows(outcomes), by_family(outcomes), "")
-
-
-def test_nothing_is_met_or_missed_while_nothing_is_counted():
     assert [one.met for one in rows([]) if one.bar] == [None] * sum(bool(one.bar) for one in rows([]))
 
 
@@ -263,12 +257,9 @@ def test_what_is_less_than_a_nat_behind_the_first_is_tied_with_it(behind, tied):
     assert row(outcomes, "not more than 1 nat").figure.startswith(tied)
 
 
-def test_nothing_is_tied_with_a_claim_that_another_round_ranks():
+def test_nothing_is_tied_with_a_claim_of_another_round_and_a_factor_counts_from_one():
     found = {**ranked(50.0, 49.5), "accepted": [_claim("force-delay:fmd-z1", 0.1)]}
     assert row(scored((truth("singles", GAIN), found)), "not more than 1 nat").figure.startswith("0 of 1")
-
-
-def test_a_factor_counts_from_one():
     planted = truth("singles", "fmd-compliance:lateral")
     planted["planted"][0]["sizes"] = {"": 1.05}
     assert outcome(planted, answer("nothing")).size == pytest.approx(0.05)
@@ -294,15 +285,12 @@ def test_the_score_has_its_place_and_every_physics_that_no_family_describes_is_t
     assert len(told.split(",")) == len(PHYSICS)
 
 
-def test_the_kinds_and_their_numbers_are_those_of_the_draw(text):
+def test_the_kinds_their_numbers_and_the_limits_of_the_study_are_told_as_they_are(text):
     stated = dict(re.findall(r"^\| ([a-z-]+) \| .* \| (?:about )?(\d+) \|$", text, re.MULTILINE))
     assert {kind: int(stated[kind]) for kind in (NULL, PAIR, LEFT_OUT, FOREIGN)} == {
         kind: COUNTS[kind] for kind in (NULL, PAIR, LEFT_OUT, FOREIGN)
     }
     assert abs(len(draw(1, (SINGLE,))) - int(stated[SINGLE])) <= 5
-
-
-def test_the_limits_of_the_study_are_told(text):
     for figure, size in {
         "1.5 %": 0.015,
         "0.1 kg": 0.1,

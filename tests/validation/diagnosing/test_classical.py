@@ -263,13 +263,10 @@ def test_stretch_and_a_heavier_body_stay_aliases_on_any_ropes(clumod, write):
     assert "load" in best.test or "mass" in best.test
 
 
-def test_a_stated_amplitude_that_is_corrected_for_is_no_effect_any_more(clumod, write):
+def test_a_stated_amplitude_that_is_corrected_for_is_no_effect_any_more_and_two_effects_are_both_named(clumod, write):
     found = only_classical(clumod, [write({"pendulum-amplitude": 0.3}, (0, 3), stated=True, corrected=True)])
     assert found.verdict == NOTHING
     assert "pendulum-amplitude" not in by_id(found)
-
-
-def test_two_effects_at_once_are_both_named(clumod, write):
     both = {"pendulum-amplitude": 0.3, "off-centre-suspension": 0.03}
     found = only_classical(clumod, [write(both, (0, 1, 2, 3), stated=True)])
     assert found.verdict == SEVERAL
@@ -328,14 +325,11 @@ def test_a_weight_alone_says_how_much_and_not_where(clumod, tmp_path, body):
     assert wrong.tolerances < -50
 
 
-def test_candidates_of_a_pendulum_are_those_that_were_not_taken_off(clumod, write):
+def test_candidates_of_a_pendulum_are_those_not_taken_off_and_not_in_the_model_already(clumod, write):
     plain = pendulum_candidates(facts(clumod, [write({})]))
     assert {one.named.family for one in plain} == set(SIZES)
     taken = pendulum_candidates(facts(clumod, [write({}, stated=True, corrected=True)]))
     assert {one.named.family for one in taken} == set(SIZES) - {"pendulum-amplitude"}
-
-
-def test_what_the_model_has_already_is_not_missing(clumod, write):
     known = tuple(Added(named=one) for one in parse_all(["off-centre-suspension=0.03"]))
     found = only_classical(replace(clumod, effects=known), [write({"off-centre-suspension": 0.03}, (0, 1, 2))])
     assert found.verdict == NOTHING
@@ -501,7 +495,7 @@ def test_what_is_weighed_is_named(made, fitted, cuboid):
     assert_allclose(found.added.named.value, 0.1, atol=0.02)
 
 
-def test_a_weight_that_contradicts_the_campaign_is_named_with_both_figures(made, fitted, cuboid):
+def test_a_weight_that_contradicts_the_campaign_is_named_with_what_settles_it_and_one_that_agrees_is_not(made, fitted, cuboid):
     of = made(weighing(cuboid[0] + 1.0))
     base = standing(of, fitted)
     (text,) = contradictions(of, base, base)
@@ -512,17 +506,9 @@ def test_a_weight_that_contradicts_the_campaign_is_named_with_both_figures(made,
     assert_allclose(one.measured, cuboid[0] + 1.0, atol=1e-6)
     # the truth is the drawing within a part in a thousand of scatter: the campaign says so within its own tolerance
     assert abs(one.said - cuboid[0]) < 4 * one.said_sd
-
-
-def test_a_fault_of_the_measurement_that_settles_it_is_said(made, fitted, cuboid):
-    of = made(weighing(cuboid[0] + 1.0))
-    base = standing(of, fitted)
     named = parse("gravity=1")
     (text,) = contradictions(of, base, Candidate(effects=(Added(named=named),), fit=base.fit, problem=base.problem))
     assert text.endswith("; with gravity they still disagree")
-
-
-def test_a_weight_that_agrees_says_nothing(made, fitted, cuboid):
     of = made(weighing(cuboid[0]))
     base = standing(of, fitted)
     assert contradictions(of, base, base) == ()

@@ -127,12 +127,9 @@ ORDINARY = (
 )
 
 
-def test_nothing_is_wrong_with_an_ordinary_laboratory_and_ordinary_faults_are_no_mistakes(right):
+def test_ordinary_laboratories_and_faults_are_no_mistakes_and_campaigns_that_contradict_are_refused(right):
     assert mistakes(bench(made(*ORDINARY))) == ()
     assert mistakes(bench(right)) == ()
-
-
-def test_campaigns_that_contradict_one_another_are_refused_in_words(right):
     other = replace(right, tested=replace(right.tested, measured=replace(right.measured, name="again")))
     with pytest.raises(CheckFailed, match=r"in again fmd-z2 reads as expected times -1, in cuboid it is as the file says"):
         mistakes(bench(right, wrong(other, "polarity:fmd-z2")))

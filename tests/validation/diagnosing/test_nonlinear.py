@@ -70,15 +70,13 @@ def _saturated(of: Recording, channel: str, share: float, peak: float) -> Record
     return replace(of, values=values)
 
 
-def test_linear_runs_answer_alike_and_no_model_is_asked_where_all_six_axes_were_driven(linear):
+def test_linear_runs_answer_alike_without_a_model_where_all_six_axes_were_driven_and_one_axis_is_enough(linear, tested):
     assert differing_levels(linear) == ()
     wrong = replace(linear, model=replace(MODEL, effects=effects("rigid-inertia:m=20", "force-gain:fmd-z2=0.3")))
     assert differing_levels(wrong) == ()
     told, as_told = (differing_levels(bent(one, "friction:flange:x=2")) for one in (linear, wrong))
     assert [one.sigma for one in as_told] == pytest.approx([one.sigma for one in told], rel=1e-9)
 
-
-def test_a_single_axis_at_two_levels_is_enough(linear, tested):
     def alone(of):
         return replace(of, made=tuple(one.on(("z", "z-at-0.5")) for one in of.made))
 

@@ -35,16 +35,13 @@ def test_the_page_of_every_verdict_is_as_it_was_looked_at(verdict, made):
     assert printed(made(verdict)) == (PAGES / f"{verdict}.txt").read_text(encoding="utf-8")
 
 
-def test_a_text_that_repeats_the_sentence_is_not_said_twice_and_a_name_nearly_found_is_said(made):
+def test_nothing_is_said_twice_a_name_nearly_found_is_said_and_what_was_accepted_before_a_class_is_certain(made):
     found = made("missing")
     once = replace(found, text=diagnosis.headline(found))
     assert diagnose.document(once).opening == (diagnosis.headline(found),)
     assert "The closest is point-mass:mast-top, +198.0 g" in " ".join(printed(made("nothing")).split())
     far = replace(made("nothing"), ranking=tuple(replace(one, evidence=1.0) for one in made("nothing").ranking))
     assert "The closest" not in printed(far)
-
-
-def test_what_was_accepted_before_a_class_of_several_is_named_as_certain(made):
     found = replace(made("several"), verdict="ambiguous", equivalence_class=("point-mass:mast-top", "rigid-inertia:m"))
     said = diagnosis.headline(found)
     assert said.startswith("MISSING IS force-gain:fmd-z2, +7.93 % (+7.69 to +8.17), and then one of these")
@@ -60,14 +57,11 @@ def test_what_is_missing_beside_a_mistake_is_told_apart(made):
     )
 
 
-def test_sentences_name_a_few_and_count_the_rest():
+def test_sentences_name_a_few_and_count_the_rest_and_settings_of_any_kind_are_json(made):
     assert diagnosis.listed(["a"]) == "a"
     assert diagnosis.listed(["a", "b"], "or") == "a or b"
     assert diagnosis.listed(list("abcdef")) == "a, b, c, d and 2 more"
     assert diagnosis.listed([]) == ""
-
-
-def test_settings_of_any_kind_are_json(made):
     found = to_json(made("missing"))["settings"]
     assert found == {"method": "full-record", "band_hz": [4.0, 32.0], "worth_nats": {"": 8.0}, "lines": 560}
     assert to_json({"a": np.inf, "b": (None, True, {1})}) == {"a": None, "b": [None, True, [1]]}

@@ -117,16 +117,13 @@ def test_one_oscillator_under_two_names_is_fitted_under_both_at_the_sizes_of_the
     assert _rivals([best, tried("absorber:mast-top=m:0.1,f:5,zeta:0.01")], menu[:2], []) == []  # fitted already
 
 
-def test_the_rivals_of_a_resonator_stand_at_other_places_too_the_most_promising_first():
+def test_the_rivals_of_a_resonator_stand_at_other_places_too_and_are_asked_once_more_at_the_sizes_of_a_better_one():
     best = tried("absorber:hub-3=m:0.1,f:5,zeta:0.01")
     places = ("hub-4", "hub-2", "hub-1", "flange", "top")
     found = screened("slosh:mast-top=m:1,f:5,zeta:0.01", *(f"absorber:{one}=m:1,f:5,zeta:0.01" for one in places))
     rivals = _rivals([best], [], found)
     assert [one.named.id for one in rivals] == [f"absorber:{one}" for one in places[:3]]
     assert all(one.named.values == best.added.named.values for one in rivals)
-
-
-def test_where_another_place_is_better_the_others_are_asked_once_more_at_its_sizes():
     best, worse, other = (tried(f"absorber:{one}=m:0.{k},f:5,zeta:0.01") for k, one in enumerate(("hub-2", "hub-1", "top"), 1))
     slosh = tried("slosh:hub-2=m:0.1,f:5,zeta:0.01")
     again = _rivals([best, worse, slosh, other], [], [], again=True)
@@ -336,17 +333,13 @@ def test_a_place_that_is_better_beside_what_was_found_later_is_taken_and_a_singl
     assert replace(first, at=ALONE).text == f"{TOP} brings 5330.0 nats alone, and {HUB} only 5300.0"
 
 
-def test_what_stays_the_best_stays_as_it_was_fitted(monkeypatch):
+def test_what_stays_the_best_stays_as_it_was_fitted_and_what_is_not_needed_any_more_goes(monkeypatch):
     at = hypothesis(HUB, BLADE, evidence=5330.0)
     known = {(BLADE,): 30.0, tuple(sorted((TOP, BLADE))): 5320.0, (HUB,): 5200.0}
     ended, again, _ = asked(monkeypatch, at, TWO, known)
     assert ended is at
     assert [one.reconsidered for one in again] == [one.added for one in again] == [HUB, BLADE]
     assert diagnose.indistinguishable_ids(at.effects, [*TWO, *again]) == ()
-
-
-def test_what_is_not_needed_any_more_goes(monkeypatch):
-    at = hypothesis(HUB, BLADE, evidence=5330.0)
     known = {(BLADE,): 5330.0 - EVIDENCE_THRESHOLD + 1, (): 0.0}
     ended, again, fitted = asked(monkeypatch, at, TWO, known)
     assert (effect_ids(ended), fitted) == ({BLADE}, [])
@@ -563,21 +556,15 @@ def one_far(z: float) -> np.ndarray:
     return np.concatenate([[z], np.full(COUNT - 1, 0.9)])
 
 
-def test_the_misfit_of_a_null_is_the_share_of_noise_in_what_is_allowed_for(noisy):
+def test_the_misfit_of_a_null_is_the_share_of_noise_and_an_estimate_of_the_noise_widens_its_limit(noisy):
     assert_allclose(goodness_of_fit(fitted(), noisy).limit, 0.53, rtol=1e-12)  # 3 sd of 2 % each
-
-
-def test_an_estimate_of_the_noise_makes_chi2_larger_by_its_variance_as_drawn_ones_do(noisy):
-    """Half of the variance is noise, estimated to 20 % at every line."""
+    # Half of the variance is noise, estimated to 20 % at every line.
     noisy.predictions = (of_spread(0.0, 0.2),)
     estimates = 1 + 0.2 * np.random.default_rng(1).standard_normal(1_000_000)
     drawn = np.mean(1 / (estimates + 1)) / np.mean(estimates / (estimates + 1))
     noise_alone = goodness_of_fit(fitted(), noisy).limit / (1 + SCATTER * np.sqrt(2 / FREEDOM))
     assert_allclose(noise_alone / 0.5, drawn, rtol=1e-3)
-
-
-def test_noise_that_short_silences_tell_widens_the_limit(noisy):
-    """Two data sets of one size: 3 % and 4 % of each are 2.5 % of both."""
+    # Two data sets of one size: 3 % and 4 % of each are 2.5 % of both.
     noisy.predictions = (of_spread(0.03), of_spread(0.04))
     assert_allclose(
         goodness_of_fit(fitted(), noisy).limit, 0.5 * (1 + SCATTER * np.hypot(np.sqrt(2 / FREEDOM), 0.025)), rtol=1e-12

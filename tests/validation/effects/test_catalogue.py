@@ -128,13 +128,10 @@ def test_an_opened_parameter_gets_wider_than_its_tolerance_which_is_that_of_the_
     assert family.tolerance in (stated or {0.0})
 
 
-def test_what_depends_on_the_level_is_known_and_targets_everywhere_are_those_of_22_channels():
+def test_what_depends_on_the_level_is_known_and_every_family_is_asked_for_more_than_chance():
     assert {name for name, family in FAMILIES.items() if family.side == AMPLITUDE} == {"friction", "gap", "saturation"}
     assert len((*TABLE, *COVER, *FMD)) == 22
     assert len(FIXED["cell and axis"]) == 12
-
-
-def test_every_family_is_asked_for_more_than_chance_a_loss_factor_for_more_than_a_gain():
     assert set(WORTH_OF) <= set(FAMILIES)
     assert all(3.0 < evidence_threshold(family) < 30.0 for family in FAMILIES)  # above 20 to 1
     assert (

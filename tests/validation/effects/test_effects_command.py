@@ -74,14 +74,11 @@ def test_a_users_effects_are_listed_with_the_file_they_come_from(run, root):
     assert found["force-lowpass"] == str(folder / "force_lowpass.py")
 
 
-def test_the_page_of_the_catalogue_is_what_the_code_writes(root, tmp_path):
+def test_the_page_of_the_catalogue_is_what_the_code_writes_and_its_example_is_about_thirty_lines(root, tmp_path):
     written = tmp_path / "effects.md"
     subprocess.run([sys.executable, "-P", "-m", "validation.report.effects", str(written)], cwd=root, check=True)
     again = "write it again: python -m validation.report.effects"
     assert written.read_text(encoding="utf-8") == (root / effects.PAGE).read_text(encoding="utf-8"), again
-
-
-def test_the_example_of_an_effect_of_ones_own_finds_its_equation_and_size_in_about_thirty_lines(root):
     worst, found = runpy.run_path(str(root / "examples" / "own_effect.py"))["main"](Console(quiet=True))
     assert worst < 2e-3  # noise is off; the bilinear rule and the ends of a short sweep are left
     assert found == pytest.approx(1e-3, rel=0.02)

@@ -85,12 +85,9 @@ def test_what_is_not_understood_is_refused_with_what_to_write(text, says):
     assert refused.value.source == "--effect"
 
 
-def test_an_effect_is_named_once():
+def test_an_effect_is_named_once_and_a_test_of_other_channels_has_other_targets():
     with pytest.raises(BadInput, match="`force-gain:fmd-z1`: is given twice"):
         parse_all(["force-gain:fmd-z1=0.1", "polarity:fmd-z1", "force-gain:fmd-z1=0.2"])
-
-
-def test_a_test_of_other_channels_has_other_targets():
     words = Vocabulary(accelerometers=("a1",), forces=("f1",), places=())
     assert parse("force-gain:f1=0.1", words).target == "f1"
     with pytest.raises(BadInput, match=r"no force channel is called 'fmd-z1'\. Known are f1"):

@@ -173,15 +173,12 @@ def test_one_half_of_gravity_leaves_g_over_omega_squared(recorder, plain, effect
     assert np.max(np.abs(expected - motion)) > 1e-3 * np.max(np.abs(motion))
 
 
-def test_both_halves_of_gravity_off_are_both_on_and_swapped_channels_hold_each_other(recorder, plain):
+def test_both_halves_of_gravity_off_are_both_on_swaps_hold_each_other_and_a_flexible_plate_rides_on_the_force(recorder, plain):
     assert_array_equal(recorder("gravity=0", "accelerometer-tilt=0").values, plain.values)
     found, names = recorder("channel-swap:cover-z1:fmd-x12"), list(plain.table.names)
     one, other = names.index("cover-z1"), names.index("fmd-x12")
     assert_array_equal(found.values[:, [one, other]], plain.values[:, [other, one]])
     untouched(found, plain, "cover-z1", "fmd-x12")
-
-
-def test_a_flexible_cover_plate_rides_on_the_vertical_force(recorder, plain):
     found = recorder("cover-plate-flexibility=2e-9")
     bending = -(plain.omega**2) * 2e-9 * plain.loads()[:, F_Z]
     names = [f"cover-z{k}" for k in range(1, 5)]
@@ -212,15 +209,12 @@ def test_more_noise_is_white_independent_and_adds_by_variances(recorder, plain):
     assert_allclose(rms, [0.03, 0.05], rtol=4 / np.sqrt(2 * len(clean.values)))
 
 
-def test_mains_hum_in_every_channel_at_50_hz(recorder, plain):
+def test_mains_hum_is_in_every_channel_at_50_hz_and_effects_add_to_what_was_drawn(recorder, plain):
     added = recorder("mains=10").values - plain.values
     amplitude = np.sqrt(2) * np.std(added, axis=0)  # at this rate the fundamental is all of it
     assert_allclose(amplitude, [0.03] * 14 + [2.0] * 8, rtol=0.01)  # a whole number of periods but for one
     spectrum = np.abs(np.fft.rfft(added[:, 0]))
     assert np.argmax(spectrum) / (len(added) / RATE) == pytest.approx(50.0, abs=0.5 * RATE / len(added) + 0.1)
-
-
-def test_effects_add_to_what_was_drawn(recorder):
     drawn = {"tolerances": Tolerances()}
     before, after = recorder(**drawn), recorder("force-gain:fmd-z2=0.08", **drawn)
     k = before.column("fmd-z2")

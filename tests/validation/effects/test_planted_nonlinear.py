@@ -55,7 +55,7 @@ def test_what_never_slips_or_lifts_is_linear(sweep):
     assert_allclose((shear(stuck) - 2.0 * stuck["cover-x1"])[:n], shear(plain)[:n], rtol=0, atol=STEP * size)
 
 
-def test_a_loose_part_is_dragged_by_its_slip_force_at_every_level(sweep):
+def test_a_loose_part_is_dragged_by_its_slip_force_and_a_cell_that_lifts_pulls_no_more_than_its_preload(sweep):
     dragged = []
     for level in (1.0, 2.0):
         plain, slipping = sweep("x", level=level), sweep("x", "friction:flange:x=1", level=level)
@@ -63,9 +63,6 @@ def test_a_loose_part_is_dragged_by_its_slip_force_at_every_level(sweep):
         dragged.append(np.sqrt(2) * np.std((shear(slipping) - shear(plain))[: n // 2]))
     assert dragged[0] == pytest.approx(dragged[1], rel=0.1)  # of a linear part it would be twice as much
     assert dragged[0] == pytest.approx(1.0, rel=0.35)  # between a sine and a square of 1 N, at the ends of the sweep less
-
-
-def test_a_cell_that_lifts_pulls_no_more_than_its_preload_and_the_others_take_over(sweep):
     plain, lifting = sweep("z"), sweep("z", "gap:1=5")
     assert np.min(plain["fmd-z1"]) < -20.0
     assert -5.8 < np.min(lifting["fmd-z1"]) < -4.5  # the anti-alias filter swings at the corner, by a tenth

@@ -78,7 +78,7 @@ def test_a_heavily_damped_mode_and_a_mass_line_stay_as_they_are():
     assert_allclose((S @ soft)[10:-10], soft[10:-10], rtol=1e-3)
 
 
-def test_splines_between_lines_converge_with_the_fourth_power_of_their_distance():
+def test_splines_between_lines_converge_with_the_fourth_power_and_full_records_are_left_alone():
     def at(finer):
         lines = 11.5 + np.arange(32 * finer + 1) * 0.05 / finer
         return (operator(lines, 2 / 60, BLOCK / RATE) @ mode(lines, 0.0035))[10 * finer : 22 * finer : finer]
@@ -86,9 +86,6 @@ def test_splines_between_lines_converge_with_the_fourth_power_of_their_distance(
     errors = [np.max(np.abs(at(finer) - at(16))) for finer in (1, 2, 4)]
     assert errors[0] < 0.05 * np.max(np.abs(mode(np.array([RESONANCE]), 0.0035)))
     assert errors[1] / errors[2] > 10  # 16 from afar; the coarsest lines see the mode with four points
-
-
-def test_full_records_and_runs_that_state_no_sweep_are_left_alone():
     H = np.random.default_rng(1).standard_normal((4, 6, 6)).astype(complex)
     plain = MountedDynamicMass(frequency=np.arange(4) + 5.0, matrix=H)
     for stage in (plain, replace(plain, block=14.5), replace(plain, sweep_rate=0.03)):

@@ -43,7 +43,7 @@ def test_eight_per_cent_on_one_of_four_forces_that_share_a_load_read_four(lab, k
     assert others < 1 + 1e-3 if known else 1 < others < 1.2  # where inputs are latent, others hear a little of it
 
 
-def test_squares_of_channels_add_runs_average_and_data_sets_weigh_by_their_lines(lab):
+def test_squares_of_channels_add_data_sets_weigh_by_their_lines_and_one_that_breaks_down_is_named(lab):
     found = error(lab.toy(lab.drawn(1), name="one", runs=4))
     assert_allclose(np.sum(np.square(list(found.by_channel.values()))), found.percent**2, rtol=1e-12)
     assert_allclose(np.mean(np.square(list(found.by_run.values()))), found.percent**2, rtol=1e-12)
@@ -53,9 +53,6 @@ def test_squares_of_channels_add_runs_average_and_data_sets_weigh_by_their_lines
     found = share([*squares(one, {}), *squares(two, {})])
     parts = found.by_data_set["one"] ** 2 * 30 + found.by_data_set["two"] ** 2 * 120
     assert_allclose(found.percent**2, parts / 150, rtol=1e-12)
-
-
-def test_a_model_that_breaks_down_is_said_so_with_the_data_set(lab):
     with pytest.raises(CheckFailed, match="the model of one breaks down: a stiffness turned negative"):
         squares(replace(lab.toy({}), twist=lab.breaking(lambda offsets: True)), {})
 
@@ -194,16 +191,13 @@ def test_facts_share_the_parameters_too(lab):
         Problem((lab.toy({}, name="one"),), (Weight(),))
 
 
-def test_parameters_of_the_same_name_are_one_and_two_data_sets_of_one_name_are_refused(lab):
+def test_parameters_of_one_name_are_one_and_lines_are_thinned_by_the_data_alone_unless_they_are_few(lab):
     with pytest.raises(ValueError, match="'one' twice"):
         Problem((lab.toy({}, name="one"), lab.toy({}, name="one", seed=3)))
     one, two = lab.toy({}, name="one"), lab.toy({}, name="two", seed=1)
     names = [p.name for p in Problem((one, two)).parameters]
     assert names == [*(p.name for p in one.parameters), "frequency:two"]
-
-
-def test_lines_are_thinned_by_the_data_alone_and_denser_where_they_turn(lab):
-    """The same lines whatever the model, so that parent and child are compared on the same data."""
+    # The same lines whatever the model, so that parent and child are compared on the same data.
     toy = lab.toy({}, lines=800, motion=(1.0, 0.1))
     lines = chosen(toy.measured)
     assert len(lines) <= AT_MOST
@@ -213,9 +207,6 @@ def test_lines_are_thinned_by_the_data_alone_and_denser_where_they_turn(lab):
     assert np.diff(f[lines])[np.abs(f[lines][:-1] - 12.0) < 1.0].mean() < 0.6 * np.diff(f[lines])[f[lines][:-1] > 20.0].mean()
     other = replace(toy, parameters=(*toy.parameters, lab.effect("offset", 1.0, start=3.0)))
     np.testing.assert_array_equal(Problem((other,)).thinned().lines["one"], Problem((toy,)).thinned().lines["one"])
-
-
-def test_few_lines_stay_as_they_are_and_stages_before_the_last_take_fewer_of_enough(lab):
     np.testing.assert_array_equal(chosen(lab.toy({}, lines=60).measured), np.arange(60))
     problem = Problem((lab.toy({}, lines=60), lab.toy({}, name="two", lines=59)))
     lines = problem.sparser(3).lines

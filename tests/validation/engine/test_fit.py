@@ -79,15 +79,12 @@ def test_declared_parameters_of_a_plain_fit_stop_at_their_bounds_and_the_others_
     assert_allclose(free.by_name["frequency:one"], 0.08, atol=1e-3)
 
 
-def test_what_is_known_of_a_parameter_at_its_bound_counts(lab):
+def test_what_is_known_of_a_parameter_at_its_bound_counts_and_it_is_let_go_when_the_data_pull_it_back(lab):
     problem = Problem((lab.toy({**TRUTH, "frequency:one": 0.08}, seed=None),))
     found = fit(problem, PLAIN)
     assert found.by_name["frequency:one"] == 0.05
     everything = cost_of(problem, found.parameters, 0.01)
     assert_allclose(found.cost, everything.total(found.offsets)[0].cost, rtol=1e-12)
-
-
-def test_a_parameter_at_a_bound_is_let_go_when_the_data_pull_it_back(lab):
     problem = Problem((lab.toy(TRUTH, seed=None),))
     cost = cost_of(problem, problem.free(PLAIN), 0.01, plain=True)
     end = direct(cost, {"frequency:one": 0.05}, lambda share: None)
@@ -191,7 +188,7 @@ def test_a_child_never_costs_more_than_its_parent(lab, kinds, size):
     assert (parent.cost - child.cost > 100) is (size > 0)
 
 
-def test_a_child_that_finds_nothing_keeps_its_parents_point(lab):
+def test_a_child_that_finds_nothing_keeps_its_parents_point_and_is_converged_there(lab):
     without, having = with_offset(lab, {**TRUTH, "offset": 0.3})
     parent = fit(Problem((without,)), PLAIN)
     broken = replace(having, twist=lab.breaking(lambda offsets: offsets.get("offset", 0.0)))
@@ -199,9 +196,6 @@ def test_a_child_that_finds_nothing_keeps_its_parents_point(lab):
     assert not child.converged
     assert {**child.by_name, "offset": 0.0} == {**parent.by_name, "offset": 0.0}
     assert_allclose(child.cost, parent.cost, rtol=1e-12)
-
-
-def test_a_child_that_finds_nothing_better_is_converged_where_its_parent_was(lab):
     without, having = with_offset(lab, TRUTH)
     parent = fit(Problem((without,)), PLAIN)
     assert fit(Problem((having,)), PLAIN, start=parent).converged

@@ -68,7 +68,7 @@ def test_no_latent_input_changes_the_residual_and_a_known_one_does(lab, away):
         assert same is (not known)
 
 
-def test_normal_equations_of_runs_add(lab, away):
+def test_normal_equations_of_runs_add_and_a_parameter_that_does_not_act_has_no_part(lab, away):
     toy = lab.toy({}, lines=10)
     names = [p.name for p in toy.parameters]
     seen = observed(toy.measured, np.arange(10))
@@ -77,10 +77,6 @@ def test_normal_equations_of_runs_add(lab, away):
     alone = total(normals(seen, toy.at(away), names, 0.0).values(), len(names))
     assert_allclose(total(parts, len(names)).matrix, alone.matrix, rtol=1e-12)
     assert whole.cost < alone.cost  # a floor forgives
-
-
-def test_a_parameter_that_does_not_act_has_no_part(lab):
-    toy = lab.toy({}, lines=10)
     found = normals(observed(toy.measured, np.arange(10)), toy.at({}), ["nobody", "mass"], FLOOR)["r1"]
     assert found.gradient[0] == 0.0
     assert not found.matrix[0].any()

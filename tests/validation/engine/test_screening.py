@@ -50,7 +50,7 @@ def beside_a_mass_that_is_wrong(lab, parameters):
     return parent, screened(having, parent, ["offset"])
 
 
-def test_what_is_identified_and_stands_at_a_bound_makes_up_for_others_as_if_it_were_free(lab):
+def test_what_is_identified_at_a_bound_makes_up_for_others_as_if_free_and_an_effect_there_stays(lab):
     parent, at_bound = beside_a_mass_that_is_wrong(lab, bounded(lab, IDENTIFIED))
     assert parent.by_name["mass"] == pytest.approx(0.01, abs=1e-9)
     _, free = beside_a_mass_that_is_wrong(lab, lab.LABORATORY)
@@ -58,16 +58,13 @@ def test_what_is_identified_and_stands_at_a_bound_makes_up_for_others_as_if_it_w
     assert not np.any(free.step)
     assert_allclose(at_bound.told()["offset"].estimate, free.told()["offset"].estimate, rtol=0.05)
     assert_allclose(at_bound.told()["offset"].information, free.told()["offset"].information, rtol=0.2)
-
-
-def test_an_effect_at_its_bound_stays_there(lab):
     parent, at_bound = beside_a_mass_that_is_wrong(lab, bounded(lab, EFFECT))
     assert parent.by_name["mass"] == pytest.approx(0.01, abs=1e-9)
     assert "mass" not in {one.name for one in at_bound.free}
     assert not np.any(at_bound.step)
 
 
-def test_a_tolerance_that_leaves_its_bounds_gains_what_a_fit_gains(lab):
+def test_a_tolerance_that_leaves_its_bounds_gains_what_a_fit_gains_and_the_smallest_size_told_just_that_evidence(lab):
     truth = {"gain:f2": 0.02}
     toy = lab.toy(truth)
     parent = fit(Problem((toy,)), FITTED)
@@ -76,9 +73,6 @@ def test_a_tolerance_that_leaves_its_bounds_gains_what_a_fit_gains(lab):
     told = in_the_fit(parent)["gain:f2"]
     assert_allclose(told.evidence(0.1), there.log_evidence - parent.log_evidence, atol=0.05)
     assert_allclose(told.estimate, there.by_name["gain:f2"], rtol=1e-3)
-
-
-def test_the_smallest_size_that_is_told_brings_just_that_evidence():
     told = ScoreTest(name="x", estimate=0.0, information=1e4, tolerance=0.003)
     size = told.detectable(0.1, 10.0)
     assert_allclose(ScoreTest(name="x", estimate=size, information=1e4, tolerance=0.003).evidence(0.1), 10.0, rtol=1e-9)
@@ -86,7 +80,7 @@ def test_the_smallest_size_that_is_told_brings_just_that_evidence():
     assert np.isinf(told.detectable(0.003, 10.0))
 
 
-def test_a_column_times_a_function_of_frequency_needs_no_derivative_of_its_own(small):
+def test_a_column_times_a_function_of_frequency_needs_no_derivative_and_summed_lines_say_the_same_sooner(small):
     _, parent, having = small
     of = screened(having, parent, ["offset"])
     f = of.products[0].frequency
@@ -95,10 +89,6 @@ def test_a_column_times_a_function_of_frequency_needs_no_derivative_of_its_own(s
     assert_allclose(turned.estimate, plain.estimate / 2, rtol=1e-9)
     beside = of.shaped("offset", {0: 1j * np.ones(len(f))})
     assert beside.evidence(1.0) < plain.evidence(1.0) / 10  # the fault is real
-
-
-def test_lines_that_are_summed_say_the_same_sooner(small):
-    _, parent, having = small
     by_line, summed = (screened(having, parent, ["offset"], by_line=each).told()["offset"] for each in (True, False))
     assert_allclose(summed.estimate, by_line.estimate, rtol=1e-9)
     assert_allclose(summed.information, by_line.information, rtol=1e-9)

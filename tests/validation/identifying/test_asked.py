@@ -98,7 +98,7 @@ def test_a_band_that_reaches_beyond_the_sweeps_is_said(folders):
     assert "drive 4 to 32 Hz only" in said
 
 
-def test_tolerances_and_stiffness_arrive_in_si(folders):
+def test_tolerances_and_stiffness_arrive_in_si_and_a_weighing_of_the_article_alone_needs_a_tare(folders, root):
     asked = IdentifyOptions(
         campaign=folders["article"], tolerances=("gain=0.2 %", "position=0.3 mm", "delay=5 us"), cell_stiffness=(1e8, 1e8, 4e8)
     )
@@ -107,9 +107,6 @@ def test_tolerances_and_stiffness_arrive_in_si(folders):
     assert asdict(request.tolerances) == pytest.approx(asdict(wanted), rel=1e-12)
     assert request.cell_stiffness.tolist() == [1e8, 1e8, 4e8]
     assert request.modes is None
-
-
-def test_a_weighing_of_the_article_alone_needs_a_tare(folders, root):
     weighing = str(root / "examples" / "clumod-1-weighing.toml")
     (fact,) = ready(IdentifyOptions(campaign=folders["article"], tares=(folders["tare"],), classical=(weighing,))).request.facts
     assert fact.value == pytest.approx(32.955, abs=0.001)

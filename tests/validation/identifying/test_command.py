@@ -74,15 +74,11 @@ def test_a_rigid_block_is_found_within_its_intervals_and_everything_is_kept(seri
 
 
 @pytest.mark.usefixtures("driven")
-def test_a_tare_makes_it_the_article_alone_in_its_own_frame(series, answer, block):
+def test_a_tare_makes_it_the_article_alone_in_its_own_frame_or_in_one_that_is_kept_for_validate(series, answer, block):
     printed = answer("identify", str(series / "block"), "--tare", str(series / "bare"), *QUICK)
     assert (printed["article"], printed["origin"]) == ("disc+cuboid", "article")
     assert_allclose(printed["inertia"]["cog_mm"][2], 1e3 * block.cog[2] - 45, atol=1)
     assert printed["settings"]["tares"][0]["known"] is None
-
-
-@pytest.mark.usefixtures("driven")
-def test_a_frame_of_the_users_own_moves_the_cog_and_is_kept_for_validate(series, block, answer):
     printed = answer("identify", str(series / "block"), *QUICK, "--frame", "0 0 100 mm; z 90 deg")
     assert_allclose(printed["inertia"]["cog_mm"], [0, 0, 0], atol=2)
     assert_allclose(printed["inertia"]["moi_cog_kgm2"][0], block.moments_cog[1], rtol=0.02)

@@ -119,14 +119,11 @@ def test_on_exact_data_every_band_gives_the_article_in_its_own_frame(of, clumod)
     assert_allclose(drawn.reference / size, about_cog(clumod) / size, atol=1e-6)
 
 
-def test_without_elastic_terms_the_band_makes_the_result(of, clumod):
+def test_without_elastic_terms_the_band_makes_the_result_and_a_verdict_says_when_narrower_ones_lead_elsewhere(of, clumod):
     rigid = identify.maps(_identification(clumod.placed(MOUNTED), 0), of, MOUNTED)
     assert list(rigid.maps) == ["no elastic terms"]
     moments = rigid.maps["no elastic terms"][..., 4]
     assert np.ptp(moments) > 0.1 * clumod.moments_cog[0]
-
-
-def test_a_verdict_says_when_narrower_bands_lead_elsewhere_and_a_study_that_says_nothing_changes_none(of):
     told = dict.fromkeys(PARAMETERS, "trustworthy")
     assert identify.verdicts(told, of, rigid=False) == told
     said = identify.verdicts(told, of, rigid=True)

@@ -77,7 +77,7 @@ def test_where_the_better_way_failed_the_plain_result_is_shown(found):
     assert "verdict on the plain result" in " ".join(_page(failed).split())
 
 
-def test_elastic_terms_are_listed_by_frequency_and_a_page_of_80_columns_cuts_no_figure(found):
+def test_elastic_terms_are_listed_by_frequency_no_figure_is_cut_and_without_a_tare_the_fmd_is_said_to_be_in_it(found):
     grid = next(one for one in identify.IdentificationPage(found=found).document().grids() if one.header[0].startswith("elastic"))
     shown = [float(line[0]) for line in grid.lines]
     assert shown == sorted(shown)
@@ -87,23 +87,17 @@ def test_elastic_terms_are_listed_by_frequency_and_a_page_of_80_columns_cuts_no_
         assert any(quantity.label in line for line in narrow.splitlines()), quantity.label
         assert np.isfinite(value)
     assert max(map(len, narrow.splitlines())) <= 80
-
-
-def test_without_a_tare_the_page_says_that_the_fmd_is_in_the_result(found):
     bare = replace(found, request=replace(found.request, tares=()), origin="F")
     text = " ".join(_page(bare).split())
     assert "no tare, so the FMD's moving part is in the result" in text
     assert "CoG from F, the centre of the force-measuring plane" in text
 
 
-def test_validate_takes_the_interval_for_the_tolerance(result_file, run, found):
+def test_validate_takes_the_interval_for_the_tolerance_and_reads_a_frame_of_the_users_own(result_file, run, found):
     code, out, _ = run("validate", str(result_file()), "--against", "clumod-1", "--json")
     rows = json.loads(out)["rows"]
     assert code == 0
     assert_allclose([row["tolerance"] for row in rows], found.result.half_width * [q.per_si for q in QUANTITIES], rtol=1e-9)
-
-
-def test_validate_reads_a_frame_of_the_users_own(result_file, run, found):
     frame = Pose(position=np.array([0.05, 0.0, 0.3]), rotation=rotation_about("z", 0.4) @ rotation_about("x", 0.2))
     seen = tuple(reported(one.identified, Pose(position=np.array([0.0, 0.0, 0.045])) @ frame) for one in found.results)
     path = result_file(results=seen, frame=frame)

@@ -13,7 +13,7 @@ from validation.model.model import Model
 from validation.study import Study
 
 
-def test_the_formula_is_the_covariance_of_what_is_drawn():
+def test_the_formula_is_the_covariance_of_what_is_drawn_and_without_tolerances_what_noise_leaves():
     rng = np.random.default_rng(3)
     J, tolerance = rng.standard_normal((40, 5)), np.array([np.inf, np.inf, 0.7, 0.3, 2.0])
     estimated = np.array([True, True, False, False, False])
@@ -24,9 +24,6 @@ def test_the_formula_is_the_covariance_of_what_is_drawn():
     C = covariance(J.T @ J, estimated, tolerance)
     # 20,000 draws tell a variance to 1 %
     assert_allclose(np.cov(found), C, rtol=0.05, atol=0.02 * np.sqrt(C[0, 0] * C[1, 1]))
-
-
-def test_without_tolerances_it_is_what_noise_leaves():
     J = np.random.default_rng(4).standard_normal((10, 3))
     estimated = np.array([True, True, False])
     assert_allclose(covariance(J.T @ J, estimated, np.zeros(3)), np.linalg.inv(J[:, :2].T @ J[:, :2]), rtol=1e-12)
@@ -108,14 +105,11 @@ def test_what_must_be_identified_takes_part_but_is_no_effect(kind, effects, affi
     assert found.effects == effects
 
 
-def test_tolerances_of_the_measurement_take_no_part_and_of_several_sizes_one_told_apart_is_enough(affine):
+def test_tolerances_of_the_measurement_take_no_part_and_an_effect_that_moves_no_channel_is_not_noticed(affine):
     assert alias(affine((effect("a"), effect("b", kind=SENSOR)), {}, alike=[("a", "b")]), "a", ["a"]) is None
     problem = affine((effect("a[m]"), effect("a[f]"), effect("b")), {}, alike=[("a[m]", "b")])
     assert alias(problem, "a", ["a[m]", "a[f]"]) is None
     assert alias(problem, "a", ["a[m]"]) is not None
-
-
-def test_an_effect_that_moves_no_channel_is_not_noticed(affine):
     problem = affine(tuple(map(effect, "ab")), {})
     (one,) = problem.predictions
     one.slopes["b"] *= 0.0  # type: ignore[attr-defined]

@@ -46,16 +46,13 @@ def test_the_text_of_a_model_comes_back_byte_by_byte(tmp_path_factory, text):
     assert history.read(path).rung(0).model == text
 
 
-def test_a_person_reads_the_model_line_by_line(ladder):
+def test_a_person_reads_the_model_line_by_line_and_figures_that_are_not_there_are_null(ladder):
     table = json.loads(history.text(ladder, "model.toml"))
     assert table["format"] == 1
     assert table["rungs"][1]["model"] == ["a = 2"]
     assert table["rungs"][1]["errors"]["plain_percent"] == 4.1
     assert table["rungs"][1]["effects"]["force-gain:fmd-z2"] == [{"key": "", "value": 0.0801, "sd": 0.0013, "unit": "1"}]
     assert_allclose(table["rungs"][1]["inertia"][0]["identified"]["cog_mm"], 1e3 * ladder.rung(1).bodies[0].values[1:4])
-
-
-def test_figures_that_are_not_there_are_null_and_no_json_of_our_own(ladder):
     nowhere = replace(ladder.rung(1), gain=float("-inf"), errors=replace(_errors(ladder), log_evidence=float("nan")))
     text = history.text(Ladder(rungs=(ladder.rung(0), nowhere), current=0), "model.toml")
     assert json.loads(text, parse_constant=lambda word: pytest.fail(word))["rungs"][1]["evidence_gain_nats"] is None

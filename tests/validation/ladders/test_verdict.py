@@ -31,15 +31,12 @@ def told(rung: MakeRung, before: Errors, after: Errors, *, gain: float = 30.0, s
     return " ".join(verdict(old, new, {"": 0.003}, {"": 0.0}))
 
 
-def test_an_effect_that_explains_here_and_there_is_worth_a_parameter(rung):
+def test_an_effect_that_explains_here_and_there_is_worth_a_parameter_and_a_wrong_one_is_told_by_what_does_not_fall(rung):
     said = told(rung, errors(4.0, 4.2), errors(0.5, 0.6))
     assert "It is worth a parameter: the evidence rises by 30.0 nats" in said
     assert "falls from 4 % to 0.5 % on the data it was fitted to" in said
     assert "It falls from 4.2 % to 0.6 % on data that were held out" in said
     assert "Its size is 0.08 ± 0.0039 (95 %)." in said
-
-
-def test_a_wrong_one_and_what_holds_only_where_it_was_fitted_are_told_by_what_does_not_fall(rung):
     said = told(rung, errors(4.0, 4.2), errors(3.99, 4.21), gain=0.4)
     assert "It is not worth a parameter: the evidence rises by 0.4 nats" in said
     assert said.count("does not fall") == 2
@@ -96,14 +93,11 @@ def test_the_ladder_and_compare_judge_a_fit_alike(z, tolerance, told_share, rung
     assert ("pay for it" in told(rung, errors(4.0, 4.2), new)) == absurd(of)
 
 
-def test_fits_that_did_not_converge_come_first_and_folds_that_rose_are_named(rung):
+def test_fits_that_did_not_converge_come_first_folds_that_rose_are_named_and_evidence_is_needed(rung):
     before, after = ({"run x": 1.3, "run y": 1.3}, {"run x": 0.7, "run y": 2.6})
     said = told(rung, errors(2.0, 1.3, by_fold=before), errors(1.0, 1.9, by_fold=after))
     assert "1 fell and 1 rose, most of all run y: 1.3 % before and 2.6 % after" in said
     assert told(rung, errors(2.0, 2.0), errors(1.0, 1.0, converged=False)).startswith("A fit did not converge")
-
-
-def test_without_evidence_nothing_is_worth_a_parameter(rung):
     assert is_worth_adding(rung(1, 0, gain=9.0))
     assert not is_worth_adding(rung(1, 0, gain=5.0))
     assert not is_worth_adding(replace(rung(1, 0), gain=None))

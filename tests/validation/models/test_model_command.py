@@ -30,16 +30,13 @@ def test_every_stack_on_the_fmd_has_one(run, article):
     assert printed.count("#") > 20
 
 
-def test_it_is_written_and_not_written_over(run, refused):
+def test_a_model_is_written_not_written_over_and_a_model_file_is_written_anew(run, refused):
     assert run("model", "fmd+clumod-1", "--out", "lab.toml")[::2] == (0, "massline: wrote lab.toml.\n")
     Path("lab.toml").write_text(Path("lab.toml").read_text().replace("delay_s = 2e-05 ", "delay_s = 5e-05 # ours"))
     assert "lab.toml: `--out`: it is there already" in refused("model", "fmd+clumod-4", "--out", "lab.toml")
     assert model_file.read("lab.toml").tolerances.delay == 5e-5
     assert run("model", "fmd+clumod-4", "--out", "lab.toml", "--force")[0] == 0
     assert model_file.read("lab.toml").article == "fmd+clumod-4"
-
-
-def test_a_model_file_is_written_anew(run):
     Path("mine.toml").write_text(
         "format = 1\n[model]\narticle = 'fmd+clumod-1'\n[[effect]]\nid = 'force-gain:fmd-z2'\nvalue = 0.08\nsd = 0.01\n"
     )
@@ -49,7 +46,7 @@ def test_a_model_file_is_written_anew(run):
     assert dict(model_file.of_text(printed, "m").effects[0].deviation) == {"": 0.01}
 
 
-def test_a_model_in_json_becomes_one_that_can_be_edited(run):
+def test_a_model_in_json_becomes_one_that_can_be_edited_and_figures_of_the_drawing_stand_in_its_comments(run):
     text, added = '{"format": 1, "model": {"article": "fmd"}}', Added(named=parse("polarity:fmd-z1"))
     Path("lab.json").write_text(text)
     with pytest.raises(BadInput, match=r"massline model lab\.json --out FILE\.toml writes it as TOML"):
@@ -57,10 +54,7 @@ def test_a_model_in_json_becomes_one_that_can_be_edited(run):
     assert run("model", "lab.json", "--out", "lab.toml")[0] == 0
     edited = model_file.with_effect(Path("lab.toml").read_text(), added)
     assert model_file.of_text(edited, "lab.toml").effects[0].named.id == "polarity:fmd-z1"
-
-
-def test_figures_of_the_drawing_can_be_taken_from_their_comment(run):
-    """Taking the signs # away and the drawing out makes it a statement of one's own."""
+    # Taking the signs # away and the drawing out makes it a statement of one's own.
     text = run("model", "fmd")[1].replace('inertia = "drawing"\n', "")
     for key in ("mass_kg", "cog_mm", "moi_cog_kgm2", "poi_cog_kgm2"):
         text = text.replace(f"# {key}", key)

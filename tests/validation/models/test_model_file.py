@@ -241,22 +241,16 @@ def test_an_own_model_is_found_from_the_folder_of_the_file_and_of_no_known_kind_
         model_file.of_text(text, "lab.toml")
 
 
-def test_a_new_effect_comes_last_and_all_before_it_stays():
+def test_a_new_effect_comes_last_and_a_new_value_leaves_comments_and_order_that_of_a_resonator_too():
     edited = model_file.with_effect(BY_HAND, added("unit:cover-z3=g"))
     assert edited.startswith(BY_HAND)
     assert [one.named.id for one in model_file.of_text(edited, "m").effects][-1] == "unit:cover-z3"
     assert model_file.without_effect(edited, "unit:cover-z3") == BY_HAND
-
-
-def test_a_new_value_leaves_comments_and_order():
     edited = model_file.with_effect(BY_HAND, added("force-gain:fmd-z2=0.0785", _=0.0021))
     before, after = BY_HAND.splitlines(), edited.splitlines()
     assert [line for line in after if line not in before] == ["value = 0.0785          # by fit", "sd = 0.0021"]
     assert [line for line in before if line not in after] == ["value = 0.08          # by fit"]
     assert [line for line in after if line in before] == [line for line in before if line in after]
-
-
-def test_a_resonator_keeps_its_comments_too():
     new = added("appendage:z=m:0.06,f:22,zeta:0.02", m=0.001, f=0.2)
     edited = model_file.with_effect(BY_HAND, new)
     assert "value = { m = 0.06, f = 22.0, zeta = 0.02 }   # resonator" in edited
@@ -266,16 +260,13 @@ def test_a_resonator_keeps_its_comments_too():
     assert edited.endswith("# nothing follows\n")
 
 
-def test_without_an_effect_the_others_keep_their_comments():
+def test_without_an_effect_the_others_keep_their_comments_and_the_order_of_edits_does_not_matter():
     edited = model_file.without_effect(BY_HAND, "force-gain:fmd-z2")
     assert [one.named.id for one in model_file.of_text(edited, "m").effects] == ["appendage:z"]
     assert "# a loose cover, perhaps\n[[effect]]             # second" in edited
     assert "# --- what we found" in edited
     assert "dropped" not in edited
     assert [line for line in edited.splitlines() if line not in BY_HAND.splitlines()] == []
-
-
-def test_the_order_of_edits_does_not_matter_to_what_is_left():
     text = model_file.text(everything())
     for id in ("appendage:z", "polarity:fmd-z1", "force-gain:fmd-z2", "friction:flange:x"):
         text = model_file.without_effect(text, id)

@@ -54,7 +54,7 @@ def test_one_model_serves_a_whole_series_of_which_one_has_the_part():
     require_pair(model("modulus:upper-long=0.1"), [campaign(), campaign("fmd+clumod-4")])
 
 
-def test_what_is_not_stated_or_the_users_own_fits_and_so_do_fewer_channels_alone():
+def test_what_is_not_stated_or_the_users_own_fits_and_what_acts_on_an_article_needs_one():
     require_pair(model(hardware=""), [campaign()])
     require_pair(model(), [campaign(hardware="")])
     own = model("point-mass:antenna=0.1", "modulus:boom=0.1", article="fmd+satellite", own={"fmd+satellite": "s.h5"})
@@ -62,9 +62,6 @@ def test_what_is_not_stated_or_the_users_own_fits_and_so_do_fewer_channels_alone
     require_pair(model("point-mass:antenna=0.1", article="fmd+satellite", own={"satellite": "s.h5"}), [campaign("fmd+satellite")])
     fewer = TABLE.subset(range(14, len(TABLE)))
     require_pair(model(), [campaign(table=fewer)])
-
-
-def test_what_acts_on_an_article_needs_one():
     error = refused(model("appendage:z=m:0.1,f:20,zeta:0.01", article="fmd"), campaign("fmd"))
     assert "nothing stands on the cover plate: fmd" in error.problem
     require_pair(model("force-gain:fmd-z1=0.1", article="fmd"), [campaign("fmd")])
@@ -167,7 +164,7 @@ def test_a_channel_that_is_another_is_named(changes, says):
     assert says in refused(model(), campaign(), campaign("fmd+clumod-4", table=other)).problem
 
 
-def test_a_moved_and_a_turned_channel_are_named():
+def test_a_moved_and_a_turned_channel_are_named_and_the_same_places_in_another_frame_are_the_same():
     first = TABLE.channels[TABLE.names.index("cover-z1")]
     moved = with_channel("cover-z1", places=shifted(first, (0.01, 0.0, 0.0)))
     assert "cover-z1 lies at " in refused(model(), campaign(), campaign("fmd+clumod-4", table=moved)).problem
@@ -175,9 +172,6 @@ def test_a_moved_and_a_turned_channel_are_named():
     assert "cover-z1 points along (0, 0, 1)" in refused(model(), campaign(), campaign("fmd+clumod-4", table=turned)).problem
     double = with_channel("cover-z1", places=first.places * 2)
     assert "adds up 1 places" in refused(model(), campaign(), campaign("fmd+clumod-4", table=double)).problem
-
-
-def test_the_same_places_in_another_frame_are_the_same():
     by = (0.5, -0.2, 1.0)
     channels = tuple(replace(c, places=shifted(c, by)) for c in TABLE.channels)
     elsewhere = replace(TABLE, channels=channels, origin=TABLE.origin + np.array(by))

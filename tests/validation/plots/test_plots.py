@@ -106,28 +106,20 @@ LINES = UsedLines(frequency=F, condition=1 + F / 10, limit=3.0, kept=(F < 20).as
 
 
 @pytest.mark.parametrize("name", FIGURES)
-def test_dark_differs_from_light_by_the_template_alone(name):
+def test_dark_differs_by_the_template_alone_panels_say_their_units_and_names_from_files_are_no_markup(name):
     light, dark = FIGURES[name](False), FIGURES[name](True)
     assert interactive.figure_json(light) == interactive.figure_json(dark)
     assert light.layout.template.layout.paper_bgcolor != dark.layout.template.layout.paper_bgcolor
     assert '"template"' not in interactive.figure_json(light)
-
-
-@pytest.mark.parametrize("name", FIGURES)
-def test_every_panel_says_its_units(name):
     layout = FIGURES[name](False).layout
     said = [layout[key].title.text for key in layout if key.startswith(("xaxis", "yaxis")) and layout[key].title.text]
     said += [note.text for note in layout.annotations]
     assert any("[" in text and "]" in text for text in said)
-
-
-@pytest.mark.parametrize("name", FIGURES)
-def test_names_from_files_are_no_markup(name):
     text = interactive.figure_json(FIGURES[name](False)).encode().decode("unicode_escape")
     assert not [one for one in ("<b>", "<mast>", "<i>", "<u>", "<s>") if one in text]
 
 
-def test_an_overlay_shows_magnitude_and_phase_of_its_entry():
+def test_an_overlay_shows_magnitude_and_phase_of_its_entry_which_stays_where_it_is_in_a_little_noise():
     figure = maps.overlay(pairs(), 3, 5, further={"with it": 2 * pairs().predicted})
     by_name = {trace.name: trace for trace in figure.data if trace.showlegend and trace.yaxis == "y"}
     H = pairs().predicted[:, 3, 5]
@@ -138,9 +130,6 @@ def test_an_overlay_shows_magnitude_and_phase_of_its_entry():
     assert_allclose(np.exp(1j * np.radians(phase.y)), H / np.abs(H), atol=1e-4)
     assert (by_name["predicted"].x0, by_name["predicted"].dx) == (4.0, 0.5)
     assert "kg m²" in figure.layout.yaxis.title.text
-
-
-def test_a_negative_entry_with_a_little_noise_has_a_phase_that_stays_where_it_is():
     noise = np.random.default_rng(0).normal(scale=0.02, size=100)
     shown = interactive.phase(-1.0 + 1j * noise)
     assert np.ptp(shown) < 10
@@ -152,15 +141,12 @@ def test_units_of_the_entries(entry, unit):
     assert style.unit(*entry) == unit
 
 
-def test_an_entry_that_symmetry_makes_nothing_neither_sets_the_scale_nor_shows_a_phase():
+def test_an_entry_that_symmetry_makes_nothing_shows_no_phase_and_a_map_keeps_its_worst_cell():
     figure = maps.overlay(pairs(), 0, 2)
     low, _ = figure.layout.yaxis.range
     assert low > log10(1e-3)
     phase = next(trace for trace in figure.data if trace.name == "predicted" and trace.yaxis == "y2")
     assert np.isnan(phase.y).all()
-
-
-def test_a_map_keeps_its_worst_cell_and_leaves_unchecked_rows_empty():
     heat = maps.channel_map(channel_map()).data[0]
     assert tuple(heat.y) == maps.labels(channel_map()) == ("fmd-z1", "fmd-z2", "force along x")
     assert tuple(heat.customdata[1, 20]) == (7.5, F[20])

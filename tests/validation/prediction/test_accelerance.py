@@ -85,7 +85,7 @@ def test_every_derivative_is_that_of_differences():
         assert_allclose(change.rows, difference, rtol=0, atol=1e-5 * scale, err_msg=name)  # the step's third power
 
 
-def test_gains_scale_channels_the_force_the_other_way_and_runs_take_their_drive_points_with_them():
+def test_gains_scale_channels_the_force_the_other_way_and_a_known_effect_is_no_parameter_and_acts():
     test = model(chain())
     plain = test.at({}, derivatives=False).rows
     found = test.at({"accelerometer-gain:b": 0.1, "force-gain:force": 0.25}, derivatives=False).rows
@@ -93,9 +93,6 @@ def test_gains_scale_channels_the_force_the_other_way_and_runs_take_their_drive_
     alone = test.on(("c",))
     assert alone.measured.runs == ("c",)
     assert_allclose(alone.at({}, derivatives=False).rows[0], test.at({}, derivatives=False).rows[2], rtol=1e-13)
-
-
-def test_a_known_effect_is_no_parameter_and_acts():
     test = model(chain()).with_effects([replace(added("modulus:springs", 0.1), fixed=True)])
     assert "modulus:springs" not in {one.name for one in test.parameters}
     free = model(chain()).at({"modulus:springs": np.log(1.1)}, derivatives=False).rows

@@ -258,16 +258,13 @@ def test_derivatives_of_a_whole_model_are_its_differences():
         )
 
 
-def test_fixed_effects_act_and_are_no_parameters():
+def test_fixed_effects_act_and_are_no_parameters_and_opened_ones_leave_their_tolerance():
     of, free = model("clumod-1"), added("point-mass:mast-top=0.5")
     fixed = tuple(replace(one, fixed=True) for one in free)
     assert {one.name for one in of.parameters(free)} - {one.name for one in of.parameters(fixed)} == {"point-mass:mast-top"}
     H, changes = of.dynamic_mass(fixed)
     np.testing.assert_array_equal(H, of.dynamic_mass(free)[0])
     assert "point-mass:mast-top" not in changes
-
-
-def test_an_opened_parameter_leaves_its_tolerance_and_starts_where_the_model_has_it():
     of, effects = model("clumod-1"), added("modulus:mast=0.05")
     (one,) = (parameter for parameter in of.parameters(effects) if parameter.name == "modulus:mast")
     assert (one.kind, one.tolerance) == ("effect", FAMILIES["modulus"].sizes[0].plausible)

@@ -62,14 +62,11 @@ def compound(tmp_path) -> Callable[[float], str]:
     return made
 
 
-def test_published_values_are_met_by_the_reconstruction(model):
+def test_published_values_are_met_by_the_reconstruction_and_a_point_mass_weighs_and_shifts(model, added):
     """To what `massline reference` shows: tolerances of the mass, of the crane and of the pendulum."""
     found = {one.name: one.residual({})[0] for one in facts(model(), SHIPPED)}
     assert len(found) == 5
     assert max(abs(z) for z in found.values()) < 2 * NORMAL_95, found
-
-
-def test_a_point_mass_weighs_and_shifts(model, added):
     plain, loaded = (facts(model(effects=effects), SHIPPED[:2]) for effects in ((), added("point-mass:mast-top=0.5")))
     name = "point-mass:mast-top"
     (m0, z0), (m1, z1) = ([(one.residual({name: 0.5})[0] * one.deviation + one.value) for one in of] for of in (plain, loaded))

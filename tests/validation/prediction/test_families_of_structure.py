@@ -154,7 +154,7 @@ def test_a_resonator_is_the_equation_of_the_catalogue():
         np.testing.assert_allclose(found[k], expected, rtol=1e-10, atol=1e-10)
 
 
-def test_slosh_swings_sideways_only():
+def test_slosh_swings_sideways_only_and_a_cable_that_does_not_give_holds_its_place():
     rigid = Matrices(
         base=6, mass=BODY.about(np.zeros(3)).mass_matrix, **nothing(6), places={"tip": rigid_transformation(np.zeros(3))}
     )
@@ -164,9 +164,6 @@ def test_slosh_swings_sideways_only():
     np.testing.assert_allclose(added[:, 0], added[:, 1], rtol=1e-12)
     assert np.abs(added[:, 0]).min() > 1e-3
     np.testing.assert_allclose(added[:, 2:], 0, atol=1e-12)
-
-
-def test_a_cable_that_does_not_give_holds_its_place():
     change = equation("cable")
     answered = dynamic_mass.dynamic_mass(change(stiff(), ("tip", "vertical"), {"": 1e12}), LINES)
     moved = np.einsum("k,knj->nj", stiff().places["tip"][2], answered.right)
@@ -205,7 +202,7 @@ def test_two_joints_in_series_give_the_sum_of_their_compliance_and_none_takes_en
     assert not np.any(on_body("joint-compliance", "torsion", stage=lossless, size=1e-5).imag)
 
 
-def test_a_quarter_turn_swaps_the_axes_and_four_are_none():
+def test_a_quarter_turn_swaps_the_axes_a_turned_article_is_its_turned_inertia_and_an_offset_another_seat():
     H = on_body("orientation", "z", size=np.pi / 2)
     np.testing.assert_allclose(H[:, 1, 1], NOMINAL[:, 0, 0], rtol=1e-12)
     np.testing.assert_allclose(H[:, 3, 3], NOMINAL[:, 4, 4], rtol=1e-12)
@@ -214,17 +211,11 @@ def test_a_quarter_turn_swaps_the_axes_and_four_are_none():
     for _ in range(4):
         stage = change(stage, ("z",), {"": np.pi / 2})
     np.testing.assert_allclose(stage.matrix, NOMINAL, rtol=1e-12, atol=1e-12)
-
-
-def test_a_turned_article_is_its_turned_inertia():
     angle = 0.3
     c, s = np.cos(angle), np.sin(angle)
     rigid = replace(mounted(), matrix=np.broadcast_to(BODY.about(np.zeros(3)).mass_matrix.astype(np.complex128), (4, 6, 6)))
     expected = BODY.about(np.zeros(3)).rotated([[c, -s, 0], [s, c, 0], [0, 0, 1]]).mass_matrix
     np.testing.assert_allclose(on_body("orientation", "z", stage=rigid, size=angle)[0], expected, rtol=1e-12, atol=1e-12)
-
-
-def test_an_offset_is_another_seat():
     moved = on_body("mounting-offset", "y", size=0.004)
     as_drawn, beside = (rigid_transformation_6(seat) for seat in (SEAT, np.add(SEAT, [0, 0.004, 0])))
     np.testing.assert_allclose(as_drawn.T @ moved @ as_drawn, beside.T @ NOMINAL @ beside, rtol=1e-12, atol=1e-12)

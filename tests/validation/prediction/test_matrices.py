@@ -102,13 +102,10 @@ def test_a_mass_at_a_place_is_what_the_heavier_structure_is(place):
     assert apart(dynamic_mass.dynamic_mass(replace(m, mass=m.mass + 0.5 * phi.T @ phi), LINES).matrix, truth) < CHANGED
 
 
-def test_parts_share_the_whole_stiffness_and_sheets_of_one_material_are_one_part():
+def test_parts_share_the_whole_stiffness_and_a_rigid_body_is_its_mass_matrix():
     m = made("clumod-4")
     assert set(m.parts) == {"mast", "lower-1", "lower-2", "upper-long", "upper-short", "upper-short-silicone"}
     np.testing.assert_allclose(sum(m.parts.values()), m.stiffness, atol=1e-9 * np.abs(m.stiffness).max())
-
-
-def test_a_rigid_body_is_its_mass_matrix_and_its_places_ride_on_it():
     body = inertia(built_in("cuboid"))
     m = prediction_structure.of_inertia(body, {"top": [0.0, 0.0, 0.4]})
     found = dynamic_mass.dynamic_mass(m, LINES).matrix
@@ -132,7 +129,7 @@ def test_a_structure_about_another_point_is_the_same_about_the_origin():
     assert apart(dynamic_mass.dynamic_mass(found, LINES).matrix, expected) < 1e-9
 
 
-def test_a_model_twice_as_large_of_the_same_material_scales():
+def test_a_model_twice_as_large_of_the_same_material_scales_and_modes_of_other_damping_are_refused():
     """Lengths x s: masses x s³, inertia x s⁵, frequencies / s; the axes of rotations count no length."""
     s, whole = 2.0, structure("clumod-1")
     found = prediction_structure.of_structure(
@@ -141,6 +138,10 @@ def test_a_model_twice_as_large_of_the_same_material_scales():
     length = np.repeat([1.0, s], 3)
     expected = s**3 * np.outer(length, length) * dynamic_mass.dynamic_mass(made("clumod-1"), LINES).matrix
     assert apart(dynamic_mass.dynamic_mass(found, LINES / s).matrix, expected) < NOMINAL
+    with pytest.raises(ValueError, match="that of `modes`"):
+        prediction_structure.of_structure(structure("clumod-1"), modes("clumod-1", RATIO))
+    with pytest.raises(ValueError, match="shapes"):
+        prediction_structure.of_structure(structure("clumod-1"), replace(modes("clumod-1", LOSSES), shapes=np.zeros((0, 30))))
 
 
 def scaled(whole: Structure, s: float) -> Structure:
@@ -160,13 +161,6 @@ def scaled(whole: Structure, s: float) -> Structure:
         points=s * whole.points,
         part_stiffness=parts,
     )
-
-
-def test_modes_of_other_damping_and_without_shapes_are_refused():
-    with pytest.raises(ValueError, match="that of `modes`"):
-        prediction_structure.of_structure(structure("clumod-1"), modes("clumod-1", RATIO))
-    with pytest.raises(ValueError, match="shapes"):
-        prediction_structure.of_structure(structure("clumod-1"), replace(modes("clumod-1", LOSSES), shapes=np.zeros((0, 30))))
 
 
 def test_a_held_structure_answers_a_force_as_the_whole_one_does():

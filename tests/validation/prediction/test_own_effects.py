@@ -118,13 +118,10 @@ def test_a_drawing_taken_for_rigid_is_its_closed_form_and_one_that_gives_a_solid
     assert there.frequency[0] > 3000
 
 
-def test_a_drawing_without_material_is_refused_by_its_file(folder, campaign):
+def test_a_drawing_without_material_is_refused_by_its_file_and_one_written_anew_is_read_anew(folder, campaign, refreshed):
     model = replace(model_file.read(folder / "rigid.toml"), own={"fmd+block": str(folder / "block.step")})
     with pytest.raises(BadInput, match=r"block\.step: `material`: no material is given"):
         mounted_article(model, campaign)
-
-
-def test_a_file_that_is_written_anew_is_read_anew(folder, campaign, refreshed):
     model = model_file.read(folder / "rigid.toml")
     before = mounted_article(model, campaign).matrices
     text = (folder / "article.toml").read_text()

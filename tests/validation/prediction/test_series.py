@@ -122,16 +122,13 @@ def test_a_structural_effect_acts_where_its_part_is(ordinary, predicted, added):
     assert moved[0] == 0 < 0.1 < moved[1]
 
 
-def test_runs_can_be_chosen_and_data_sets_have_names_of_their_own(ordinary, predicted):
+def test_runs_can_be_chosen_data_sets_have_names_and_of_a_rigid_article_the_dynamic_mass_is_its_inertia(ordinary, predicted):
     (of,) = predicted(ordinary(CUBOID, "rigid"))
     some = of.on(["y", "beta"])
     assert some.measured.runs == ("y", "beta")
     assert_allclose(some.at({}).rows, of.at({}).rows, rtol=0, atol=0)
     test = ordinary(CUBOID, "rigid")
     assert len({of.measured.name for of in predicted(test, test)}) == 2
-
-
-def test_of_a_rigid_article_the_dynamic_mass_is_its_inertia(ordinary, predicted):
     test = ordinary(CUBOID, "rigid")
     (of,) = predicted(test, kind="rigid")
     H = of.dynamic_mass({})
@@ -274,7 +271,7 @@ def test_what_is_wrong_with_a_record_is_passed_on_and_lines_are_those_that_the_r
     assert "drive 8 to 16 Hz" in said
 
 
-def test_a_band_that_is_asked_for_decides_else_what_all_runs_and_the_processing_have_in_common(campaign, model):
+def test_a_band_that_is_asked_for_decides_else_what_all_have_in_common_and_nothing_in_common_is_refused(campaign, model):
     (of,) = predictions(model(), [campaign], band=(6.0, 20.0))
     assert_allclose(_ends(of), (6.0, 20.0))
     assert not _left_out(of)
@@ -284,41 +281,32 @@ def test_a_band_that_is_asked_for_decides_else_what_all_runs_and_the_processing_
     (of,) = predictions(model(), [replace(campaign, processing=Processing(start=LOW, stop=HIGH, step=0.5))])
     assert_allclose(_ends(of), (LOW, HIGH))
     assert not _left_out(of)
+    apart = _saying(campaign, x={"start_hz": 4.0, "stop_hz": 10.0}, y={"start_hz": 12.0, "stop_hz": 16.0})
+    with pytest.raises(BadInput, match=r"x drives 4 to 10 Hz.*--band"):
+        predictions(model(), [apart])
+    (of,) = predictions(model(), [apart], band=(LOW, HIGH))
+    assert_allclose(_ends(of), (LOW, HIGH))
 
 
-def test_where_no_run_says_so_its_level_tells_what_it_drives(campaign, model):
+def test_where_no_run_says_so_its_level_tells_what_it_drives_but_nothing_takes_all_lines_away(campaign, model):
     """The spectrum of a fast sweep has no sharp ends: within about two lobes, of a hertz."""
     (of,) = predictions(model(), [_silent(campaign)])
     assert_allclose(_ends(of), (LOW, HIGH), atol=2.0)
     assert np.all(np.isin(np.arange(180, 321), np.round(of.measured.frequency / 0.05)))
     (said,) = _left_out(of)
     assert "10 times the noise" in said
-
-
-def test_a_run_that_drives_nothing_does_not_take_all_lines_away_without_a_word(campaign, model):
     still = campaign.recordings["y"]
     noise = np.random.default_rng(0).standard_normal(still.values.shape) * still.values[:40].std(axis=0)
     dead = replace(campaign, recordings={**campaign.recordings, "y": replace(still, values=noise)})
     (of,) = predictions(model(), [_saying(dead, y=None)])
     assert_allclose(_ends(of), (LOW, HIGH))
     assert any("all lines are kept" in said and "y state" in said for said in of.tested.remarks)
-
-
-def test_noise_that_nobody_knows_leaves_no_line_out(campaign, model):
     recordings = {
         name: Recording(names=one.names, values=np.ones((5, len(one.names))) + 0j, frequency=np.arange(4.0, 9.0), source=name)
         for name, one in campaign.recordings.items()
     }
     (of,) = predictions(model(), [_silent(replace(campaign, recordings=recordings))])
     assert_allclose(_ends(of), (4.0, 8.0))
-
-
-def test_runs_that_drive_nothing_in_common_are_refused(campaign, model):
-    apart = _saying(campaign, x={"start_hz": 4.0, "stop_hz": 10.0}, y={"start_hz": 12.0, "stop_hz": 16.0})
-    with pytest.raises(BadInput, match=r"x drives 4 to 10 Hz.*--band"):
-        predictions(model(), [apart])
-    (of,) = predictions(model(), [apart], band=(LOW, HIGH))
-    assert_allclose(_ends(of), (LOW, HIGH))
 
 
 # A series that another program wrote, ordinary tolerances and nothing planted, beside the nominal model of its laboratory

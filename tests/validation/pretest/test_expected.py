@@ -31,7 +31,7 @@ def only(**sizes: str) -> tuple[str, ...]:
     return (*EXACT, *(f"{name}={value}" for name, value in sizes.items()))
 
 
-def test_gains_of_eight_load_cell_channels_leave_the_mass_an_eighth_of_their_variance(ask):
+def test_gains_of_eight_load_cells_leave_the_mass_an_eighth_of_their_variance_and_pickups_as_much_unless_exact(ask):
     """Eight channels weigh the whole set-up each in its own unit; the table's exact accelerometers calibrate all others."""
     found = findings(ask(tolerances=only(gain="1%"), noise="off", lost=True))
     whole = sum(routes.inertia(built_in(name)).mass for name in ("fmd", "disc+cuboid"))
@@ -39,9 +39,6 @@ def test_gains_of_eight_load_cell_channels_leave_the_mass_an_eighth_of_their_var
     assert_allclose(found.best.half_width[0], NORMAL_95 * 0.01 / np.sqrt(8) * whole, rtol=0.03)
     # seven are left, and the cells' known stiffness says what the eighth would have read
     assert_allclose(found.without["fmd-z1"][0], NORMAL_95 * 0.01 / np.sqrt(7) * whole, rtol=0.03)
-
-
-def test_without_exact_pickups_on_the_table_the_scale_of_acceleration_is_as_unknown_as_that_of_force(ask):
     found = findings(ask(tolerances=only(gain="1%", table_gain="100%"), noise="off"))
     whole = sum(routes.inertia(built_in(name)).mass for name in ("fmd", "disc+cuboid"))
     assert_allclose(found.best.half_width[0], NORMAL_95 * 0.01 * np.sqrt(2 / 8) * whole, rtol=0.03)
@@ -56,7 +53,7 @@ def test_the_values_are_those_of_the_article_and_the_fit_of_exact_data_has_no_mi
     assert tared.best.identified.misfit < 1e-2
 
 
-def test_less_knowledge_never_narrows_an_interval_nor_does_the_plain_way_which_says_what_it_loses(tared):
+def test_less_knowledge_never_narrows_an_interval_and_a_tare_on_a_known_fmd_changes_nothing(tared, ask):
     assert np.all(tared.untared >= tared.best.half_width * (1 - 1e-6))
     assert tared.untared[0] > 5 * tared.best.half_width[0]  # an FMD that is known to 5 %
     assert set(tared.without) == set(tared.spectra.table.names)
@@ -66,10 +63,7 @@ def test_less_knowledge_never_narrows_an_interval_nor_does_the_plain_way_which_s
     assert np.all(tared.plain.half_width[:4] > tared.best.half_width[:4])
     assert tared.lost["cover-z1"] == ""
     assert "what its cells carry" in tared.lost["fmd-z1"]
-
-
-def test_a_tare_on_the_fmd_as_it_was_known_before_gives_what_no_tare_gives(tared, ask):
-    """The same information by another way: the FMD's prior as a block of its own, or added to the joint matrix."""
+    # The same information by another way: the FMD's prior as a block of its own, or added to the joint matrix.
     assert tared.untared is not None
     assert_allclose(findings(ask()).best.half_width, tared.untared, rtol=1e-3)  # ended within a hundredth of its interval
 
@@ -87,16 +81,13 @@ def test_shares_add_up_and_name_what_was_left_open(tared, ask):
     assert alone["accelerometer-position"][PARAMETERS.index("Ixx")] > 0.5
 
 
-def test_single_axis_sweeps_without_cross_motion_have_the_condition_number_one(ask):
+def test_single_axis_sweeps_without_cross_motion_have_condition_number_one_and_more_runs_narrow_what_noise_leaves(ask):
     from validation.identify.pretest import planned
 
     clean = planned(ask(cross=0.0).plan)
     assert_allclose(clean.condition, 1.0, rtol=1e-9)
     crossed = planned(ask(cross=0.2).plan).condition
     assert crossed.min() > 1.03
-
-
-def test_more_runs_and_higher_levels_narrow_what_noise_leaves(ask):
     noisy = {"tolerances": EXACT, "noise": "50"}
     base, loud = (findings(ask(level=level, **noisy)).best.half_width for level in (0.2, 1.0))
     # noise far above the floor: five times the level, a fifth of the interval - less what is known of the residual before
@@ -169,15 +160,11 @@ def test_a_place_on_the_held_flange_is_rigid_and_a_tip_is_not():
     assert next(iter(found)) == "flange"  # the most rigid first
 
 
-def test_elastic_motion_falls_with_the_square_of_the_frequency():
+def test_elastic_motion_falls_with_the_square_of_the_frequency_and_up_to_and_within_are_those_of_the_lines():
     model = flexible("disc+cuboid", "beam", FlexibleOptions(count=20))
     top = {"top": locations("disc+cuboid")["top"]}
     (low,), (high,) = (judged(model, top, SEAT, np.array([f, f + 0.01]), 0.01) for f in (2.0, 4.0))
     assert_allclose(high.at_start / low.at_start, 4.0, rtol=0.02)  # the first mode lies at some 100 Hz or more
-
-
-def test_up_to_and_within_are_those_of_the_lines():
-    model = flexible("disc+cuboid", "beam", FlexibleOptions(count=20))
     lines, top = np.linspace(4, 60, 225), {"top": locations("disc+cuboid")["top"]}
     (found,) = judged(model, top, SEAT, lines, 0.01)
     assert found.up_to is not None
@@ -187,7 +174,7 @@ def test_up_to_and_within_are_those_of_the_lines():
     assert_allclose(found.within, np.mean(lines <= found.up_to))
 
 
-def test_the_rigid_height_of_an_axis_grows_with_what_is_allowed():
+def test_the_rigid_height_of_an_axis_grows_with_what_is_allowed_and_coarse_lines_hold_every_eigenfrequency():
     model = flexible("clumod-1", "beam", FlexibleOptions(count=20))
     lines = np.linspace(4, 9, 21)
     heights = [rigid_height(model, 1.6, SEAT, lines, limit) for limit in (0.01, 0.05, 0.5)]
@@ -195,10 +182,6 @@ def test_the_rigid_height_of_an_axis_grows_with_what_is_allowed():
     assert heights[1] is not None
     assert SEAT[2] < heights[0] < heights[1]
     assert rigid_height(model, 1.6, SEAT, lines, 1e6) is None
-
-
-def test_coarse_lines_hold_every_eigenfrequency_of_the_band():
-    model = flexible("clumod-1", "beam", FlexibleOptions(count=20))
     lines = coarse_lines(np.linspace(4, 32, 561), model.modes)
     own = model.modes.frequency[model.modes.frequency < 32]
     assert set(own) <= set(lines)

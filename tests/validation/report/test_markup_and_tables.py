@@ -27,13 +27,10 @@ def test_a_text_makes_no_element_and_with_back_quotes_none_but_code(text):
     assert "<" not in made
 
 
-def test_what_is_safe_stays_and_what_is_not_does_not():
+def test_what_is_safe_stays_and_a_number_keeps_its_digits_and_shows_those_that_mean_something():
     assert joined("a < b", tag("b", "c")) == "a &lt; b<b>c</b>"
     assert tag("input", class_="wide", hidden=True, data_value=None) == '<input class="wide" hidden>'
     assert isinstance(joined("a"), Safe)
-
-
-def test_a_number_keeps_its_digits_and_shows_those_that_mean_something():
     assert toleranced(12.087654321, 0.0123) == Number(value=12.087654321, text="12.088")
     assert number(-0.5, "+.2f") == Number(value=-0.5, text="−0.50")
     assert number(None) == number(float("nan")) == number(float("inf")) == NOTHING

@@ -117,14 +117,11 @@ def test_the_reference_is_that_of_reference_with_the_weighing_beside_it(read, ru
     assert_allclose(outside[5], (12.09 - mass[2]) / 0.01, atol=0.01)
 
 
-def test_the_ladder_shows_every_rung(read, report):
+def test_the_ladder_shows_every_rung_and_where_everything_comes_from_is_said(read, report, series):
     rungs = read.table("Rungs")
     assert [row[0] for row in rungs.rows[1:]] == ["0", "1 (here)"]
     assert [row[4] for row in rungs.values[1:]] == [4.1, 0.7]
     assert rungs.values[2][9] == 174.3
-
-
-def test_where_everything_comes_from_is_said(read, report, series):
     from validation.history.history import digest
 
     inputs = read.table("Inputs")

@@ -38,13 +38,10 @@ def test_it_has_pages_its_headings_are_bookmarks_and_figures_are_drawings(printe
     assert unpacked(printed).count(b" c\n") > 2000  # curves: texts and tables alone have about two hundred
 
 
-def test_a_browser_that_says_nothing_is_told_of(page, tmp_path):
+def test_a_browser_that_says_nothing_is_told_of_and_one_that_hangs_is_ended(page, tmp_path, monkeypatch):
     with pytest.raises(CheckFailed, match="did not print"):
         report_page.print_to(page, tmp_path / "report.pdf", "/bin/true")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_browser_that_hangs_is_ended(page, tmp_path, monkeypatch):
     script = tmp_path / "browser"
     script.write_text("#!/bin/sh\nexec sleep 60\n")
     script.chmod(0o755)
