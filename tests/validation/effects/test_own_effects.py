@@ -209,11 +209,14 @@ def test_what_is_no_folder_of_effects_is_refused(folder, tmp_path):
         catalogue.load(tmp_path / "file")
 
 
-def test_an_equation_or_a_plant_that_fails_later_or_is_not_there_is_told_in_words(folder):
+def test_an_equation_that_fails_later_is_told_in_words(folder):
     (family,) = catalogue.load(folder(mine=changed('1 + values[""]', '1 + (values[""] if values[""] < 0.2 else [][0])')))
     reading = ChannelResponse(frequency=np.array([5.0]), channels=("fmd-z2",), rows=np.ones((1, 1, 6), complex))
     with pytest.raises(BadInput, match=r"mine\.py: `change`: line 7, .* raised IndexError: list index out of range"):
         family.change(reading, ("fmd-z2",), {"": 0.3})
+
+
+def test_a_plant_that_fails_is_told_in_words(folder):
     plant = "    plant=at('record', lambda named: lambda sensed: sensed.nothing),\n)"
     text = "from validation.effects.plants import at\n" + WHOLE.rstrip().removesuffix(")") + plant
     (family,) = catalogue.load(folder(mine=text))
@@ -221,6 +224,9 @@ def test_an_equation_or_a_plant_that_fails_later_or_is_not_there_is_told_in_word
     assert effect.id == "drift-of-gain:fmd-z2"
     with pytest.raises(BadInput, match=r"`plant`: line \d+, .* raised AttributeError: 'int' object has no attribute 'nothing'"):
         effect.record(3)
+
+
+def test_one_without_a_plant_cannot_be_simulated_and_says_so(folder):
     catalogue.load(folder(mine=WHOLE.replace("side=FORCES", "side=PROCESSING").replace("FORCES,", "PROCESSING,")))
     with pytest.raises(BadInput, match="its family says no `plant`"):
         planted([parse("drift-of-gain:fmd-z2=0.1")])

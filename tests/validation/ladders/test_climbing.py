@@ -112,13 +112,16 @@ def test_rungs_made_meanwhile_stay_numbered_before_and_branches_at_the_foot_are_
     assert [branch + str(one.number) for branch, one in ladder.tree()] == ["0", "├─ 1", "│  ├─ 3", "│  └─ 4", "└─ 2"]
 
 
-def test_two_that_begin_at_once_share_the_first_rung_and_other_data_make_another(model, rung):
+def test_two_that_begin_at_once_share_the_first_rung(model, rung):
     one = other = history_position(model)
     climbed(kept(one, rung(0, None, one.text)), rung(1, 0, "a = 2"))
     at = kept(other, rung(0, None, other.text))
     assert at.rung.number == 0
     climbed(at, rung(1, 0, "a = 3"))
     assert [(each.number, each.parent) for each in history_position(model).ladder.rungs] == [(0, None), (1, 0), (2, 0)]
+
+
+def test_a_rung_on_other_data_is_another_rung(model, rung):
     at = history_position(model)
     kept(at, rung(0, None, at.text))
     kept(at, rung(0, None, at.text, conditions=Conditions(band=(4.0, 20.0))))
