@@ -21,22 +21,6 @@ from geometry.frames import Pose
 from geometry.inertia import Inertia
 from validation.report.charts.style import AXES, MATERIALS, OTHERS, Label, arranged, colours
 from validation.report.scenes import scene
-from validation.report.scenes.scene import (
-    Arrow,
-    DrawnBody,
-    Ellipsoid,
-    Projection,
-    contact_sheet,
-    direction,
-    drawn_bodies,
-    equivalent_ellipsoid,
-    fitted,
-    picture,
-    rendered,
-    shortened,
-    significant,
-    view_of,
-)
 
 seeds = st.integers(0, 2**32 - 1)
 CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
@@ -44,9 +28,9 @@ SQUARES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4],
 FACES = np.array([triangle for a, b, c, d in SQUARES for triangle in ([a, b, c], [a, c, d])])
 
 
-def brick(size: tuple[float, float, float], foot: tuple[float, float, float] = (0, 0, 0), **how: object) -> DrawnBody:
+def brick(size: tuple[float, float, float], foot: tuple[float, float, float] = (0, 0, 0), **how: object) -> scene.DrawnBody:
     """A box of `size` [m] whose lowest corner is at `foot` [m]."""
-    return DrawnBody(
+    return scene.DrawnBody(
         name=str(how.get("name", "brick")),
         material=str(how.get("material", "steel")),
         vertices=CORNERS * size + foot,
@@ -84,14 +68,14 @@ def test_a_homogeneous_ellipsoid_is_its_own_equivalent_ellipsoid(seed, semi_axes
     a, b, c = semi_axes
     tensor = mass / 5 * np.diag([b * b + c * c, a * a + c * c, a * a + b * b])
     where = pose(seed)
-    ellipsoid = equivalent_ellipsoid(Inertia.from_cog(mass, np.zeros(3), tensor).placed(where))
+    ellipsoid = scene.equivalent_ellipsoid(Inertia.from_cog(mass, np.zeros(3), tensor).placed(where))
     assert_allclose(np.sort(ellipsoid.semi_axes), np.sort(semi_axes), rtol=1e-6)
     assert_allclose(ellipsoid.centre, where.position, rtol=0, atol=1e-9)
 
 
 @given(seeds)
 def test_what_is_stretched_onto_it_lies_on_its_surface(seed):
-    ellipsoid = equivalent_ellipsoid(of_brick((0.2, 0.3, 0.5)).placed(pose(seed)))
+    ellipsoid = scene.equivalent_ellipsoid(of_brick((0.2, 0.3, 0.5)).placed(pose(seed)))
     unit = np.random.default_rng(seed).normal(size=(20, 3))
     unit /= np.linalg.norm(unit, axis=1)[:, None]
     along = (ellipsoid.stretched(unit) - ellipsoid.centre) @ ellipsoid.axes
@@ -101,23 +85,23 @@ def test_what_is_stretched_onto_it_lies_on_its_surface(seed):
 @given(seeds, st.sampled_from([(0.2, 0.3, 0.5), (0.3, 0.3, 0.5), (0.5, 0.5, 0.3), (0.4, 0.4, 0.4)]))
 def test_drawn_axes_are_principal_and_right_handed_also_where_moments_are_equal(seed, size):
     inertia = of_brick(size).placed(pose(seed))
-    ellipsoid = equivalent_ellipsoid(inertia)
+    ellipsoid = scene.equivalent_ellipsoid(inertia)
     assert_allclose(ellipsoid.axes.T @ inertia.tensor_cog @ ellipsoid.axes, np.diag(ellipsoid.moments), rtol=0, atol=1e-9)
     assert_allclose(np.linalg.det(ellipsoid.axes), 1, rtol=1e-12)
     assert len(ellipsoid.equal) == 3 - len(set(size))
 
 
 def test_axes_that_are_free_to_turn_lie_along_the_frame_and_the_ellipsoid_of_a_rod_is_a_line():
-    assert_allclose(equivalent_ellipsoid(of_brick((0.3, 0.3, 0.1))).axes, np.eye(3), rtol=0, atol=1e-12)
-    assert_allclose(equivalent_ellipsoid(of_brick((0.3, 0.3, 0.3))).axes, np.eye(3), rtol=0)
-    rod = equivalent_ellipsoid(Inertia.from_cog(1.0, np.zeros(3), np.diag([0.0, 1 / 12, 1 / 12])))
+    assert_allclose(scene.equivalent_ellipsoid(of_brick((0.3, 0.3, 0.1))).axes, np.eye(3), rtol=0, atol=1e-12)
+    assert_allclose(scene.equivalent_ellipsoid(of_brick((0.3, 0.3, 0.3))).axes, np.eye(3), rtol=0)
+    rod = scene.equivalent_ellipsoid(Inertia.from_cog(1.0, np.zeros(3), np.diag([0.0, 1 / 12, 1 / 12])))
     assert_allclose(rod.semi_axes, [np.sqrt(5 / 12), 0, 0], rtol=1e-12, atol=1e-9)
 
 
 @given(seeds)
 def test_everything_fits_into_the_picture_and_touches_its_margin(seed):
     points = np.random.default_rng(seed).normal(size=(30, 3)) * [1.0, 2.0, 0.3]
-    view = fitted(points, (400, 300), margin=20)
+    view = scene.fitted(points, (400, 300), margin=20)
     pixels = view.pixel(points)
     gap = np.minimum(pixels, np.array(view.size) - pixels).min(axis=0)
     assert np.all(gap > 20 - 1e-6)
@@ -125,7 +109,7 @@ def test_everything_fits_into_the_picture_and_touches_its_margin(seed):
 
 
 def test_up_is_up_x_runs_to_the_right_and_a_length_across_the_line_of_sight_is_true_to_scale():
-    view = fitted(CORNERS, (400, 300), margin=20)
+    view = scene.fitted(CORNERS, (400, 300), margin=20)
     origin, x, z = view.pixel(np.zeros(3)), view.pixel([1, 0, 0]), view.pixel([0, 0, 1])
     assert x[0] > origin[0]
     assert_allclose(z[0], origin[0], rtol=0, atol=1e-9)
@@ -141,12 +125,12 @@ def test_up_is_up_x_runs_to_the_right_and_a_length_across_the_line_of_sight_is_t
 def test_a_mark_is_set_where_vtk_draws_what_it_marks(place):
     """A small red ball at the CoG of a brick and at its corners: the middle of its pixels against our own projection."""
     size, foot = (0.2, 0.3, 0.5), (0.1, -0.2, 0.05)
-    ellipsoid = equivalent_ellipsoid(of_brick(size, foot))
-    view = fitted(brick(size, foot).vertices, (480, 360), margin=30)
+    ellipsoid = scene.equivalent_ellipsoid(of_brick(size, foot))
+    view = scene.fitted(brick(size, foot).vertices, (480, 360), margin=30)
     corners = {"left lower corner": brick(size, foot).vertices[0], "right upper corner": brick(size, foot).vertices[-1]}
     point, half = corners.get(place, ellipsoid.centre), 0.01 * view.towards
-    image = rendered(
-        view, [brick(size, foot)], ellipsoid, [Arrow(start=point - half, end=point + half, radius=0.01, colour="#ff0000")]
+    image = scene.rendered(
+        view, [brick(size, foot)], ellipsoid, [scene.Arrow(start=point - half, end=point + half, radius=0.01, colour="#ff0000")]
     )
     rows, columns = np.nonzero(nearest(image, "#ff0000", 0.15))
     assert len(rows) > 50
@@ -180,17 +164,17 @@ def test_what_is_not_counted_is_fainter_than_what_is_and_one_can_look_into_a_bod
     assert nearest(image[y - 2 : y + 3, x - 2 : x + 3], MATERIALS["silicone"], 0.6).mean() > 0.9
 
 
-def small_scene(bodies: list[DrawnBody]) -> tuple[npt.NDArray[np.uint8], Projection]:
+def small_scene(bodies: list[scene.DrawnBody]) -> tuple[npt.NDArray[np.uint8], scene.Projection]:
     """Bodies with three axes far from them and an ellipsoid too small to be seen; 320 x 240 pixels."""
     points = np.concatenate([body.vertices for body in bodies])
-    view = fitted(points, (320, 240), margin=60)
+    view = scene.fitted(points, (320, 240), margin=60)
     corner = view.centre + view.scale * (-150 * view.right - 110 * view.up)
     arrows = [
-        Arrow(start=corner, end=corner + 60 * view.scale * axis, radius=2 * view.scale, colour=colour)
+        scene.Arrow(start=corner, end=corner + 60 * view.scale * axis, radius=2 * view.scale, colour=colour)
         for axis, colour in zip(np.eye(3), AXES, strict=True)
     ]
-    ball = Ellipsoid(centre=corner, axes=np.eye(3), moments=np.ones(3), semi_axes=np.full(3, 1e-6))
-    return rendered(view, bodies, ball, arrows), view
+    ball = scene.Ellipsoid(centre=corner, axes=np.eye(3), moments=np.ones(3), semi_axes=np.full(3, 1e-6))
+    return scene.rendered(view, bodies, ball, arrows), view
 
 
 @pytest.mark.usefixtures("renderer")
@@ -199,9 +183,9 @@ def test_a_picture_of_an_article_is_written_whole_quietly_and_repeatably(tmp_pat
     from geometry.articles import built_in
 
     article = built_in("fmd")
-    bodies, inertia = drawn_bodies(article, chord=2e-3), routes.inertia(article)
+    bodies, inertia = scene.drawn_bodies(article, chord=2e-3), routes.inertia(article)
     for name in ("once.png", "again.png"):
-        picture("fmd", bodies, inertia, tmp_path / "new" / name, note=article.note)
+        scene.picture("fmd", bodies, inertia, tmp_path / "new" / name, note=article.note)
     assert capfd.readouterr() == ("", "")
     assert sorted(entry.name for entry in (tmp_path / "new").iterdir()) == ["again.png", "once.png"]
     assert (tmp_path / "new" / "once.png").read_bytes() == (tmp_path / "new" / "again.png").read_bytes()
@@ -216,7 +200,7 @@ def test_a_picture_of_an_article_is_written_whole_quietly_and_repeatably(tmp_pat
 @pytest.mark.parametrize(("height", "shown"), [(0.0, True), (0.1, True), (50.0, False)])
 def test_the_frames_origin_is_in_the_picture_unless_it_would_make_the_article_small(height, shown):
     size, foot = (0.2, 0.1, 0.4), (0.0, 0.0, height)
-    view = view_of([brick(size, foot)], equivalent_ellipsoid(of_brick(size, foot)))
+    view = scene.view_of([brick(size, foot)], scene.equivalent_ellipsoid(of_brick(size, foot)))
     origin = view.pixel(np.zeros(3))
     assert np.all((origin >= 0) & (origin <= view.size)) == shown
     assert 0.4 / view.scale > 0.5 * view.size[1]
@@ -225,10 +209,10 @@ def test_the_frames_origin_is_in_the_picture_unless_it_would_make_the_article_sm
 def test_an_impossible_inertia_and_a_picture_without_counted_bodies_are_not_drawn(tmp_path):
     impossible = Inertia.from_cog(1.0, np.zeros(3), np.diag([1.0, 1.0, 3.0]))
     with pytest.raises(BadInput, match="picture of brick: `inertia`: no body has these parameters"):
-        picture("brick", [brick((1, 1, 1))], impossible, tmp_path / "brick.png")
+        scene.picture("brick", [brick((1, 1, 1))], impossible, tmp_path / "brick.png")
     assert not list(tmp_path.iterdir())
     with pytest.raises(BadInput, match="no body counts"):
-        picture("ghost", [brick((1, 1, 1), counted=False)], of_brick((1, 1, 1)), tmp_path / "ghost.png")
+        scene.picture("ghost", [brick((1, 1, 1), counted=False)], of_brick((1, 1, 1)), tmp_path / "ghost.png")
 
 
 @pytest.mark.usefixtures("renderer")
@@ -241,44 +225,46 @@ def test_a_failed_writing_leaves_the_old_picture(tmp_path, monkeypatch):
 
     monkeypatch.setattr("matplotlib.figure.Figure.savefig", full)
     with pytest.raises(OSError, match="No space left"):
-        picture("brick", [brick((1, 1, 1))], of_brick((1, 1, 1)), old)
+        scene.picture("brick", [brick((1, 1, 1))], of_brick((1, 1, 1)), old)
     assert [entry.read_text() for entry in tmp_path.iterdir()] == ["old"]
 
 
 @pytest.mark.parametrize("name", ["brick", "brick.gif", "brick.png.txt"])
 def test_a_format_that_cannot_be_written_is_refused_before_anything_is_drawn(tmp_path, name):
     with pytest.raises(BadInput, match=r"a picture ends in \.png, \.jpg, \.jpeg, found"):
-        picture("brick", [brick((1, 1, 1))], of_brick((1, 1, 1)), tmp_path / name)
+        scene.picture("brick", [brick((1, 1, 1))], of_brick((1, 1, 1)), tmp_path / name)
 
 
 @pytest.mark.usefixtures("renderer")
 def test_names_that_a_user_chose_are_written_as_they_are(tmp_path):
     """A file called ``a$b$`` is not mathematics, and a long path or forty materials do not break the page."""
     bodies = [brick((0.1, 0.1, 0.1), (0.11 * i, 0, 0), material=f"$alloy_{{{i} unfinished") for i in range(40)]
-    picture("/a/very/long/path" * 10 + "$x$.step", bodies, of_brick((4.4, 0.1, 0.1)), tmp_path / "x.jpg", note="$ {long} " * 300)
+    scene.picture(
+        "/a/very/long/path" * 10 + "$x$.step", bodies, of_brick((4.4, 0.1, 0.1)), tmp_path / "x.jpg", note="$ {long} " * 300
+    )
     assert imread(tmp_path / "x.jpg").shape == (1200, 1600, 3)
 
 
 def test_a_long_name_loses_its_middle_and_a_principal_axis_is_named_when_it_is_one_of_the_frame():
-    assert shortened("abcdefghij", 10) == "abcdefghij"
-    assert shortened("abcdefghijk", 9) == "abcd…hijk"
-    assert direction(np.array([0.0, 0.0, 1.0])) == "along $z$"
-    assert direction(np.array([-1.0, 0.0, 0.0])) == "along −$x$"
-    assert direction(np.array([0.6, -0.8, 0.0])) == "(0.600, −0.800, 0.000)"
+    assert scene.shortened("abcdefghij", 10) == "abcdefghij"
+    assert scene.shortened("abcdefghijk", 9) == "abcd…hijk"
+    assert scene.direction(np.array([0.0, 0.0, 1.0])) == "along $z$"
+    assert scene.direction(np.array([-1.0, 0.0, 0.0])) == "along −$x$"
+    assert scene.direction(np.array([0.6, -0.8, 0.0])) == "(0.600, −0.800, 0.000)"
 
 
 def test_a_drawn_body_is_a_copy_that_cannot_be_changed_and_refuses_what_is_no_mesh():
     vertices = CORNERS.copy()
-    body = DrawnBody(name="brick", material="steel", vertices=vertices, faces=FACES)
+    body = scene.DrawnBody(name="brick", material="steel", vertices=vertices, faces=FACES)
     vertices[0] = 9.0
     assert body.vertices[0, 0] == 0.0
     for array in (body.vertices, body.faces):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1
     with pytest.raises(ValueError, match="`faces` must be"):
-        DrawnBody(name="brick", material="steel", vertices=CORNERS, faces=FACES + 1)
+        scene.DrawnBody(name="brick", material="steel", vertices=CORNERS, faces=FACES + 1)
     with pytest.raises(ValueError, match="`vertices` must"):
-        DrawnBody(name="brick", material="steel", vertices=CORNERS * np.nan, faces=FACES)
+        scene.DrawnBody(name="brick", material="steel", vertices=CORNERS * np.nan, faces=FACES)
 
 
 @pytest.fixture
@@ -343,7 +329,7 @@ def test_a_contact_sheet_puts_pictures_two_abreast(tmp_path):
     paths = [tmp_path / f"{i}.png" for i in range(3)]
     for path, shade in zip(paths, shades, strict=True):
         imsave(path, np.full((120, 160, 3), shade, dtype=np.uint8))
-    contact_sheet(paths, tmp_path / "sheet.png")
+    scene.contact_sheet(paths, tmp_path / "sheet.png")
     sheet = np.round(255 * imread(tmp_path / "sheet.png")[..., :3])
     assert sheet.shape == (1200, 1600, 3)
     for (row, column), shade in zip([(300, 400), (300, 1200), (900, 400), (900, 1200)], [*shades, (255, 255, 255)], strict=True):
@@ -354,9 +340,9 @@ def test_a_contact_sheet_says_which_picture_it_cannot_read(tmp_path):
     (tmp_path / "text.png").write_text("no picture")
     for path in (tmp_path / "text.png", tmp_path / "absent.png"):
         with pytest.raises(BadInput, match=f"{path.name}: this is no picture that can be read"):
-            contact_sheet([path], tmp_path / "sheet.png")
+            scene.contact_sheet([path], tmp_path / "sheet.png")
     with pytest.raises(BadInput, match="no picture was given"):
-        contact_sheet([], tmp_path / "sheet.png")
+        scene.contact_sheet([], tmp_path / "sheet.png")
     assert not (tmp_path / "sheet.png").exists()
 
 
@@ -365,7 +351,7 @@ def test_a_contact_sheet_says_which_picture_it_cannot_read(tmp_path):
     [(47.23, "47.230"), (0.0307129, "0.030713"), (-20.144, "−20.144"), (0.0, "0"), (1.5e-7, "1.5000e−07"), (123456.7, "123457")],
 )
 def test_figures_keep_five_significant_digits(value, text):
-    assert significant(value, 5) == text
+    assert scene.significant(value, 5) == text
 
 
 def test_a_material_keeps_its_colour_and_strangers_get_different_ones():

@@ -16,34 +16,6 @@ from validation.cli import main
 from validation.diagnose import diagnose, search
 from validation.diagnose.candidates import candidates
 from validation.diagnose.diagnosis import Candidate, Screened
-from validation.diagnose.search import (
-    ABSURD,
-    FITS_OF_A_FAMILY,
-    FITS_OF_A_STEP,
-    FITS_OF_THE_STRUCTURE,
-    NULL_MARGIN,
-    RESTARTS,
-    RIVAL_SHARE,
-    RIVALS,
-    SCATTER,
-    UNLIKELY,
-    WORTH_A_FIT,
-    CandidateFit,
-    SearchStep,
-    _fits_in_band,
-    _local_fits,
-    _most_promising,
-    _offsets_in,
-    _rivals,
-    can_restart,
-    fit_with,
-    goodness_of_fit,
-    in_band,
-    ranked,
-    restarted_from_priors,
-    sizes,
-    stepwise_search,
-)
 from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, STRUCTURE, evidence_threshold
 from validation.estimation.fit import FLOOR
@@ -78,31 +50,31 @@ def ids(found: list[Screened]) -> list[str]:
 
 
 def test_what_promises_little_and_of_one_family_more_than_some_are_not_fitted():
-    found = screened(*LOUD[:3], evidence=WORTH_A_FIT + 1.5)
-    assert _most_promising(found) == found[:2]
-    assert _most_promising([]) == []
+    found = screened(*LOUD[:3], evidence=search.WORTH_A_FIT + 1.5)
+    assert search._most_promising(found) == found[:2]
+    assert search._most_promising([]) == []
     gains = [f"force-gain:fmd-{one}=0.1" for one in ("z1", "z2", "z3", "z4", "x12")]
-    chosen = _most_promising(screened(*gains, "force-delay:fmd-z1=0.001"))
-    assert Counter(one.added.named.family for one in chosen) == {"force-gain": FITS_OF_A_FAMILY, "force-delay": 1}
-    assert ids(chosen)[:FITS_OF_A_FAMILY] == ids(screened(*gains))[:FITS_OF_A_FAMILY]
+    chosen = search._most_promising(screened(*gains, "force-delay:fmd-z1=0.001"))
+    assert Counter(one.added.named.family for one in chosen) == {"force-gain": search.FITS_OF_A_FAMILY, "force-delay": 1}
+    assert ids(chosen)[: search.FITS_OF_A_FAMILY] == ids(screened(*gains))[: search.FITS_OF_A_FAMILY]
 
 
 def test_the_structure_is_asked_though_many_channels_promise_more():
     structure = ("modulus:mast=0.1", "point-mass:mast-top=0.1", "rigid-inertia:m=0.1")
     assert all(FAMILIES[parse(one).family].side == STRUCTURE for one in structure)
     assert not any(FAMILIES[parse(one).family].side == STRUCTURE for one in LOUD)
-    chosen = _most_promising(screened(*LOUD, *structure))
-    assert len(LOUD) == FITS_OF_A_STEP
-    assert ids(chosen) == ids(screened(*LOUD, *structure))[: FITS_OF_A_STEP + FITS_OF_THE_STRUCTURE]
+    chosen = search._most_promising(screened(*LOUD, *structure))
+    assert len(LOUD) == search.FITS_OF_A_STEP
+    assert ids(chosen) == ids(screened(*LOUD, *structure))[: search.FITS_OF_A_STEP + search.FITS_OF_THE_STRUCTURE]
     leading = screened(*structure[:2], *LOUD, structure[2])
-    assert len(_most_promising(leading)) == FITS_OF_A_STEP  # no more where it leads anyway
+    assert len(search._most_promising(leading)) == search.FITS_OF_A_STEP  # no more where it leads anyway
 
 
-def tried(text: str) -> CandidateFit:
+def tried(text: str) -> search.CandidateFit:
     """A fit that ended there."""
     nobody: Any = None
     hypothesis = Candidate(effects=(Added(named=parse(text)),), fit=nobody, problem=nobody)
-    return CandidateFit(id=hypothesis.effects[0].named.id, candidate=hypothesis, evidence=100.0, goodness=nobody)
+    return search.CandidateFit(id=hypothesis.effects[0].named.id, candidate=hypothesis, evidence=100.0, goodness=nobody)
 
 
 def test_one_oscillator_under_two_names_is_fitted_under_both_at_the_sizes_of_the_first():
@@ -111,29 +83,29 @@ def test_one_oscillator_under_two_names_is_fitted_under_both_at_the_sizes_of_the
         for where in ("slosh:mast-top", "absorber:mast-top", "absorber:hub-4", "appendage:x")
     ]
     best = tried("slosh:mast-top=m:0.1,f:5,zeta:0.01")
-    (twin,) = _rivals([best], [*menu, Added(named=parse("point-mass:mast-top=0"))], [])
+    (twin,) = search._rivals([best], [*menu, Added(named=parse("point-mass:mast-top=0"))], [])
     assert twin.named.id == "absorber:mast-top"
     assert twin.named.values == best.added.named.values
-    assert _rivals([best, tried("absorber:mast-top=m:0.1,f:5,zeta:0.01")], menu[:2], []) == []  # fitted already
+    assert search._rivals([best, tried("absorber:mast-top=m:0.1,f:5,zeta:0.01")], menu[:2], []) == []  # fitted already
 
 
 def test_the_rivals_of_a_resonator_stand_at_other_places_too_and_are_asked_once_more_at_the_sizes_of_a_better_one():
     best = tried("absorber:hub-3=m:0.1,f:5,zeta:0.01")
     places = ("hub-4", "hub-2", "hub-1", "flange", "top")
     found = screened("slosh:mast-top=m:1,f:5,zeta:0.01", *(f"absorber:{one}=m:1,f:5,zeta:0.01" for one in places))
-    rivals = _rivals([best], [], found)
+    rivals = search._rivals([best], [], found)
     assert [one.named.id for one in rivals] == [f"absorber:{one}" for one in places[:3]]
     assert all(one.named.values == best.added.named.values for one in rivals)
     best, worse, other = (tried(f"absorber:{one}=m:0.{k},f:5,zeta:0.01") for k, one in enumerate(("hub-2", "hub-1", "top"), 1))
     slosh = tried("slosh:hub-2=m:0.1,f:5,zeta:0.01")
-    again = _rivals([best, worse, slosh, other], [], [], again=True)
+    again = search._rivals([best, worse, slosh, other], [], [], again=True)
     assert [one.named.id for one in again] == [worse.id, other.id]
     assert all(one.named.values == best.added.named.values for one in again)
 
 
 def test_of_two_fits_of_one_candidate_the_better_counts():
     first, second, other = ended(MASSES[0], 10.0), ended(MASSES[0], 30.0), ended(MASSES[1], 20.0)
-    assert ranked([first, second, other]) == [second, other]
+    assert search.ranked([first, second, other]) == [second, other]
 
 
 BAND: Any = SimpleNamespace(made=[SimpleNamespace(measured=SimpleNamespace(frequency=np.array([4.0, 32.0])))])
@@ -149,25 +121,25 @@ def test_a_resonator_that_left_the_band_gives_way_to_springs_and_masses():
         asked.append(ids(list(some)))
         return [gone, there] if some == found else [tried(f"{one.id}=1") for one in some]
 
-    kept, told = _fits_in_band(BAND, found, fits)
+    kept, told = search._fits_in_band(BAND, found, fits)
     instead = [one.partition("=")[0] for one in springs[:2]]
     assert [one.id for one in kept] == [there.id, *instead]
     assert told == (gone.id,)
     assert asked == [ids(found), instead]
-    assert in_band(BAND, tried("cable:mast-top:lateral=5000"))  # no resonator: it stays wherever it ends
-    assert _fits_in_band(BAND, found, lambda some: [there]) == ([there], ())
+    assert search.in_band(BAND, tried("cable:mast-top:lateral=5000"))  # no resonator: it stays wherever it ends
+    assert search._fits_in_band(BAND, found, lambda some: [there]) == ([there], ())
 
 
 def stands(null: bool) -> Any:
     return SimpleNamespace(null=null)
 
 
-def ended(text: str, evidence: float, null: bool = False) -> CandidateFit:
+def ended(text: str, evidence: float, null: bool = False) -> search.CandidateFit:
     return replace(tried(text), evidence=evidence, goodness=stands(null))
 
 
 def unstuck(
-    monkeypatch: pytest.MonkeyPatch, of: Sequence[CandidateFit], promises: Sequence[float], gain: float, null: bool = False
+    monkeypatch: pytest.MonkeyPatch, of: Sequence[search.CandidateFit], promises: Sequence[float], gain: float, null: bool = False
 ) -> Any:
     """What comes of fits of such promises where a fit afresh ends `gain` [nats] off each; and which were."""
     found = [replace(screened(f"{one.id}=1")[0], evidence=promise) for one, promise in zip(of, promises, strict=True)]
@@ -200,7 +172,7 @@ def test_only_the_most_promising_are_tried_afresh(monkeypatch):
     fits = [ended(one, 1.0) for one in MASSES]
     _, asked = unstuck(monkeypatch, fits, (100.0, 400.0, 300.0, 200.0), 0.0)
     assert asked == [fits[1].id, fits[2].id, fits[3].id]
-    assert len(asked) == RESTARTS
+    assert len(asked) == search.RESTARTS
 
 
 @pytest.mark.parametrize(("here", "best"), [(True, False), (False, True)])
@@ -216,15 +188,20 @@ def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_ask
     monkeypatch.setattr(search, "fit_with", lambda bench, at, added: added.named.id)
     monkeypatch.setattr(search, "candidate_fit", lambda at, id: ended(f"{id}=0.1", 1.0))
     found = screened("structural-damping:mast=0.02", "force-gain:fmd-z2=0.02", evidence=15.0)
-    assert evidence_threshold("structural-damping") - NULL_MARGIN > 15.0 > 14.0 > evidence_threshold("force-gain") - NULL_MARGIN
+    assert (
+        evidence_threshold("structural-damping") - search.NULL_MARGIN
+        > 15.0
+        > 14.0
+        > evidence_threshold("force-gain") - search.NULL_MARGIN
+    )
     nobody: Any = None
-    tried_ones = _local_fits(nobody, nobody, stands(null=True), found, lambda what, share: None)
+    tried_ones = search._local_fits(nobody, nobody, stands(null=True), found, lambda what, share: None)
     assert [one.id for one in tried_ones] == ["force-gain:fmd-z2"]
     asked = evidence_threshold("force-gain")
     for short, count in ((0.9, 1), (1.1, 0)):  # a nat is what a straight line may err
         near = screened("force-gain:fmd-z2=0.02", evidence=asked - short)
-        assert len(_local_fits(nobody, nobody, stands(null=True), near, lambda what, share: None)) == count
-    both = _local_fits(nobody, nobody, stands(null=False), found, lambda what, share: None)
+        assert len(search._local_fits(nobody, nobody, stands(null=True), near, lambda what, share: None)) == count
+    both = search._local_fits(nobody, nobody, stands(null=False), found, lambda what, share: None)
     assert [one.id for one in both] == ["structural-damping:mast", "force-gain:fmd-z2"]
 
 
@@ -245,10 +222,10 @@ def test_a_rival_that_keeps_less_than_half_of_what_the_best_does_is_fitted_afres
     assert [(one.id, one.evidence) for one in step.tried] == [(best.id, 100.0), (rival.named.id, kept)]
 
 
-def a_round(found: Sequence[Screened], left_band: tuple[str, ...] = ()) -> SearchStep:
+def a_round(found: Sequence[Screened], left_band: tuple[str, ...] = ()) -> search.SearchStep:
     """In which no fit is left."""
     nobody: Any = None
-    return SearchStep(at=nobody, goodness=nobody, screened=tuple(found), tried=(), added="", left_band=left_band)
+    return search.SearchStep(at=nobody, goodness=nobody, screened=tuple(found), tried=(), added="", left_band=left_band)
 
 
 def test_a_round_without_a_fit_says_why():
@@ -276,17 +253,18 @@ def hypothesis(*effect_ids: str, evidence: float) -> Candidate:
     return Candidate(effects=tuple(Added(named=parse(f"{id}=0.3")) for id in effect_ids), fit=fit, problem=NOBODY)
 
 
-def found(*brought: tuple[str, float], at: Candidate) -> SearchStep:
+def found(*brought: tuple[str, float], at: Candidate) -> search.SearchStep:
     """A round from `at` that tried these, the best first, and took that."""
     tried = tuple(
-        CandidateFit(id=id, candidate=hypothesis(id, evidence=nats), evidence=nats, goodness=STANDS) for id, nats in brought
+        search.CandidateFit(id=id, candidate=hypothesis(id, evidence=nats), evidence=nats, goodness=STANDS)
+        for id, nats in brought
     )
-    return SearchStep(at=at, goodness=NOBODY, screened=(), tried=tried, added=tried[0].id)
+    return search.SearchStep(at=at, goodness=NOBODY, screened=(), tried=tried, added=tried[0].id)
 
 
 def asked(
-    monkeypatch: pytest.MonkeyPatch, at: Candidate, before: Sequence[SearchStep], worth: Mapping[tuple[str, ...], float]
-) -> tuple[Candidate, tuple[SearchStep, ...], list[str]]:
+    monkeypatch: pytest.MonkeyPatch, at: Candidate, before: Sequence[search.SearchStep], worth: Mapping[tuple[str, ...], float]
+) -> tuple[Candidate, tuple[search.SearchStep, ...], list[str]]:
     """What comes of it where fits of effects end at the evidence `worth`; and what was fitted instead."""
     fitted: list[str] = []
 
@@ -385,11 +363,11 @@ def test_what_has_nothing_to_be_held_against_stays(monkeypatch):
 
 def test_only_what_brought_a_good_part_and_is_not_there_is_a_rival(monkeypatch):
     others = [(f"point-mass:{one}", 100.0) for one in ("flange", "hub-1", "hub-2", "hub-3", "hub-4", "mast-top")]
-    one = found((TOP, 110.0), (BLADE, 105.0), *others[:5], ("rigid-inertia:m", 110 * RIVAL_SHARE - 1), at=ALONE)
+    one = found((TOP, 110.0), (BLADE, 105.0), *others[:5], ("rigid-inertia:m", 110 * search.RIVAL_SHARE - 1), at=ALONE)
     worth = {tuple(sorted((BLADE, id))): 90.0 for id, _ in others} | {(BLADE,): 50.0, (TOP,): 50.0, (BLADE, TOP): 150.0}
     known = found((BLADE, 100.0), at=hypothesis(TOP, evidence=50.0))
     _, _, fitted = asked(monkeypatch, hypothesis(TOP, BLADE, evidence=150.0), (one, known), worth)
-    assert fitted == [id for id, _ in others[:RIVALS]]
+    assert fitted == [id for id, _ in others[: search.RIVALS]]
     few = replace(one, tried=(one.tried[0], one.tried[-1]))
     assert asked(monkeypatch, hypothesis(TOP, BLADE, evidence=150.0), (few, known), worth)[2] == []
 
@@ -409,7 +387,7 @@ def test_logarithms_count_from_the_sizes_of_the_models_that_they_go_to():
     old = (parameter("a", 2.0, True), parameter("b", 2.0, False), parameter("gone", 1.0, True))
     fit: Any = SimpleNamespace(parameters=old, offsets=np.array([0.1, 0.2, 0.3]))
     problem: Any = SimpleNamespace(by_name={"a": parameter("a", 4.0, True), "b": parameter("b", 2.0, False)})
-    assert _offsets_in(problem, fit) == pytest.approx({"a": 0.1 - log(2), "b": 0.2})
+    assert search._offsets_in(problem, fit) == pytest.approx({"a": 0.1 - log(2), "b": 0.2})
 
 
 TORSION, SIZE = "joint-compliance:torsion", 1.8e-5
@@ -443,13 +421,13 @@ def torsion(soft) -> Added:
 @pytest.fixture(scope="module")
 def stuck(soft, paid, torsion) -> Candidate:
     """The effect added where the tolerances stand."""
-    return fit_with(soft, paid, torsion)
+    return search.fit_with(soft, paid, torsion)
 
 
 @pytest.fixture(scope="module")
 def restarted(soft, paid, torsion) -> Candidate:
     """The effect added from where they are declared."""
-    return restarted_from_priors(soft, paid, torsion)
+    return search.restarted_from_priors(soft, paid, torsion)
 
 
 @pytest.mark.proof
@@ -462,7 +440,9 @@ def test_from_where_tolerances_have_paid_no_step_leads_there_and_from_home_one_d
 @pytest.mark.proof
 def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(soft, paid):
     said: list[str] = []
-    explained, rounds = stepwise_search(soft, paid, candidates(soft, only=[TORSION]), lambda what, share: said.append(what))
+    explained, rounds = search.stepwise_search(
+        soft, paid, candidates(soft, only=[TORSION]), lambda what, share: said.append(what)
+    )
     assert f"trying {TORSION} afresh" in said
     assert [one.named.id for one in explained.effects] == [TORSION]
     assert explained.effects[0].named.values[""] == pytest.approx(SIZE, rel=0.03)
@@ -472,7 +452,7 @@ def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(soft, paid):
 @pytest.mark.proof
 def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft, restarted):
     mast = next(one for one in candidates(soft, only=["modulus"]) if one.named.id == "modulus:mast")
-    both = restarted_from_priors(soft, restarted, mast)
+    both = search.restarted_from_priors(soft, restarted, mast)
     assert [one.named.id for one in both.effects] == [TORSION, "modulus:mast"]
     assert both.effects[0].named.values[""] == pytest.approx(SIZE, rel=0.03)
     assert abs(both.effects[1].named.values[""]) < 0.05
@@ -481,27 +461,27 @@ def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft, re
 
 @pytest.mark.proof
 def test_tolerances_that_come_home_never_cost_more_and_keep_what_was_found(soft, paid, restarted):
-    again = restarted_from_priors(soft, restarted)
+    again = search.restarted_from_priors(soft, restarted)
     assert again.fit.cost <= restarted.fit.cost + 1e-6
     assert again.effects[-1].named.values[""] == pytest.approx(SIZE, rel=0.03)
-    assert restarted_from_priors(soft, paid).fit.cost <= paid.fit.cost + 1e-6
+    assert search.restarted_from_priors(soft, paid).fit.cost <= paid.fit.cost + 1e-6
 
 
 @pytest.mark.proof
 def test_from_home_a_size_that_had_not_come_through_does(soft, stuck):
-    assert restarted_from_priors(soft, stuck).fit.cost < stuck.fit.cost - 1000
+    assert search.restarted_from_priors(soft, stuck).fit.cost < stuck.fit.cost - 1000
 
 
 def test_sizes_grow_by_half_octaves_about_what_is_plausible_within_bounds():
     one = Parameter(name="x", unit="kg", tolerance=2.0, kind=EFFECT, low=-0.5, high=100.0)
-    found = sizes(one)
+    found = search.sizes(one)
     assert np.all((found > -0.5) & (found < 100.0))
     assert np.all(found != 0)
     positive = found[found > 0]
     assert_allclose(positive[1:] / positive[:-1], np.sqrt(2))
     assert positive[0] == 2.0 / 64
     assert found[found < 0].min() > -0.5
-    sided = sizes(replace(one, low=0.0, high=4e-6, tolerance=1e-6))
+    sided = search.sizes(replace(one, low=0.0, high=4e-6, tolerance=1e-6))
     assert 0 < sided.min() < sided.max() < 4e-6
 
 
@@ -515,7 +495,7 @@ def test_sizes_grow_by_half_octaves_about_what_is_plausible_within_bounds():
     ],
 )
 def test_effects_of_one_size_that_is_fitted_have_such_a_way(text, fixed, there):
-    assert can_restart(Added(named=parse(text), fixed=fixed)) is there
+    assert search.can_restart(Added(named=parse(text), fixed=fixed)) is there
 
 
 FREEDOM, COUNT = 5000, 100
@@ -557,23 +537,25 @@ def one_far(z: float) -> np.ndarray:
 
 
 def test_the_misfit_of_a_null_is_the_share_of_noise_and_an_estimate_of_the_noise_widens_its_limit(noisy):
-    assert_allclose(goodness_of_fit(fitted(), noisy).limit, 0.53, rtol=1e-12)  # 3 sd of 2 % each
+    assert_allclose(search.goodness_of_fit(fitted(), noisy).limit, 0.53, rtol=1e-12)  # 3 sd of 2 % each
     # Half of the variance is noise, estimated to 20 % at every line.
     noisy.predictions = (of_spread(0.0, 0.2),)
     estimates = 1 + 0.2 * np.random.default_rng(1).standard_normal(1_000_000)
     drawn = np.mean(1 / (estimates + 1)) / np.mean(estimates / (estimates + 1))
-    noise_alone = goodness_of_fit(fitted(), noisy).limit / (1 + SCATTER * np.sqrt(2 / FREEDOM))
+    noise_alone = search.goodness_of_fit(fitted(), noisy).limit / (1 + search.SCATTER * np.sqrt(2 / FREEDOM))
     assert_allclose(noise_alone / 0.5, drawn, rtol=1e-3)
     # Two data sets of one size: 3 % and 4 % of each are 2.5 % of both.
     noisy.predictions = (of_spread(0.03), of_spread(0.04))
     assert_allclose(
-        goodness_of_fit(fitted(), noisy).limit, 0.5 * (1 + SCATTER * np.hypot(np.sqrt(2 / FREEDOM), 0.025)), rtol=1e-12
+        search.goodness_of_fit(fitted(), noisy).limit,
+        0.5 * (1 + search.SCATTER * np.hypot(np.sqrt(2 / FREEDOM), 0.025)),
+        rtol=1e-12,
     )
 
 
 def test_a_fit_within_noise_that_pays_what_is_due_is_that_of_a_null(noisy):
     of = fitted(misfit=0.49)
-    found = goodness_of_fit(of, noisy)
+    found = search.goodness_of_fit(of, noisy)
     assert found.null
     assert found.text == ""
     assert_allclose(found.prior_penalty, COUNT / expected_z2(of), rtol=1e-12)
@@ -582,8 +564,8 @@ def test_a_fit_within_noise_that_pays_what_is_due_is_that_of_a_null(noisy):
 
 
 def test_misfit_alone_refuses(noisy):
-    limit = goodness_of_fit(fitted(), noisy).limit
-    below, above = (goodness_of_fit(fitted(misfit=factor * limit), noisy) for factor in (0.999, 1.001))
+    limit = search.goodness_of_fit(fitted(), noisy).limit
+    below, above = (search.goodness_of_fit(fitted(misfit=factor * limit), noisy) for factor in (0.999, 1.001))
     assert (below.null, above.null) == (True, False)
     assert above.text.startswith("chi² per degree of freedom")
     assert ";" not in above.text
@@ -593,22 +575,27 @@ def test_price_alone_refuses(noisy):
     """Every tolerance a little too far, none of them by much."""
     from scipy.stats import chi2
 
-    z = np.sqrt(chi2.isf(UNLIKELY, 0.99 * COUNT) / COUNT)
-    below, above = (goodness_of_fit(fitted(misfit=0.4, z=np.full(COUNT, factor * z)), noisy) for factor in (0.999, 1.001))
+    z = np.sqrt(chi2.isf(search.UNLIKELY, 0.99 * COUNT) / COUNT)
+    below, above = (search.goodness_of_fit(fitted(misfit=0.4, z=np.full(COUNT, factor * z)), noisy) for factor in (0.999, 1.001))
     assert (below.null, above.null) == (True, False)
     assert above.largest < 2
     assert above.text.startswith("the tolerances pay")
-    due, of = goodness_of_fit(fitted(misfit=0.4), noisy), np.sqrt(np.array([155.0, 165.0]) / COUNT)
+    due, of = search.goodness_of_fit(fitted(misfit=0.4), noisy), np.sqrt(np.array([155.0, 165.0]) / COUNT)
     assert due.null
-    assert [goodness_of_fit(fitted(misfit=0.4, z=np.full(COUNT, one)), noisy).null for one in of] == [True, False]  # 1 in 10,000
+    assert [search.goodness_of_fit(fitted(misfit=0.4, z=np.full(COUNT, one)), noisy).null for one in of] == [
+        True,
+        False,
+    ]  # 1 in 10,000
     assert ";" not in above.text
 
 
 def test_one_tolerance_alone_refuses_and_everything_that_refuses_is_said(noisy):
-    below, above = (goodness_of_fit(fitted(misfit=0.4, z=one_far(-factor * ABSURD)), noisy) for factor in (0.999, 1.001))
+    below, above = (
+        search.goodness_of_fit(fitted(misfit=0.4, z=one_far(-factor * search.ABSURD)), noisy) for factor in (0.999, 1.001)
+    )
     assert (below.null, above.null) == (True, False)
-    assert above.likely > UNLIKELY
+    assert above.likely > search.UNLIKELY
     assert above.text.startswith("a tolerance stands at 4.8 z")
-    found = goodness_of_fit(fitted(misfit=2.0, z=np.full(COUNT, 6.0)), noisy)
+    found = search.goodness_of_fit(fitted(misfit=2.0, z=np.full(COUNT, 6.0)), noisy)
     assert found.text.count(";") == 2
     assert not found.null

@@ -71,12 +71,11 @@ def test_a_file_is_found_keeps_its_equation_and_can_be_typed(folder):
 
 def test_reading_leaves_no_trace_happens_once_and_what_a_file_prints_does_not_mix_with_answers(folder, capsys):
     count = "\nwith open(__file__[:-2] + 'log', 'a') as log:\n    log.write('x')\n"
-    where = folder(mine=WHOLE + count)
+    where = folder(mine="print('hello')\n" + WHOLE + count)
     first = catalogue.load(where)
     assert catalogue.load(where / ".." / where.name) == first
     assert (where / "mine.log").read_text() == "x"
     assert {path.name for path in where.iterdir()} == {"mine.py", "mine.log"}
-    catalogue.load(folder(mine="print('hello')\n" + WHOLE))
     assert capsys.readouterr() == ("", "hello\n")
 
 
