@@ -1,20 +1,29 @@
 """What several tests ask for: the command line in this process, and a browser."""
 
+import json
 import re
+import runpy
 from collections.abc import Callable, Collection, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+from geometry.dynamic_mass import MOTIONS
+from identification.campaign import Campaign, Recording
+from identification.campaign import Run as CampaignRun
 from validation.cli import main
 from validation.report import page
+from validation.report.charts import history, static
+from validation.virtual_test.layout import mavis
 
 Run = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
+def run(capsys, tmp_path, monkeypatch) -> Run:
     """``run(*arguments)`` in an empty folder: exit code, standard output, standard error."""
     monkeypatch.chdir(tmp_path)
 
@@ -26,8 +35,80 @@ def run(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.
     return call
 
 
+@pytest.fixture
+def refused(run) -> Callable[..., str]:
+    """``refused(*arguments)``: the words of a refusal, which answers nothing, shows no traceback and ends with 2."""
+
+    def call(*arguments: str) -> str:
+        code, out, err = run(*arguments)
+        assert (code, out) == (main.BAD_INPUT, ""), err
+        assert "Traceback" not in err
+        return err
+
+    return call
+
+
+@pytest.fixture
+def answer(run) -> Callable[..., Any]:
+    """``answer(*arguments)``: the JSON object that is printed, and is all that is printed."""
+
+    def call(*arguments: str) -> Any:
+        code, out, err = run(*arguments, "--json")
+        assert code == main.DONE, err
+        return json.loads(out)
+
+    return call
+
+
+@pytest.fixture
+def drawn(monkeypatch) -> list[Any]:
+    """The figures that were finished."""
+    figures: list[Any] = []
+    finish = static.finish
+
+    def finished(figure: Any, *arguments: Any) -> None:
+        finish(figure, *arguments)
+        figure.canvas.draw()
+        figures.append(figure)
+
+    for module in (static, history):
+        monkeypatch.setattr(module, "finish", finished)
+    return figures
+
+
 @pytest.fixture(scope="session")
-def chromium(browser_path: str) -> Iterator[Any]:
+def own_campaign(root) -> dict[str, Any]:
+    """What the example of a campaign of one's own defines: ``campaign()`` and its ``BLOCK``."""
+    return runpy.run_path(str(root / "examples" / "own_campaign.py"))
+
+
+CELLS = np.array([[0.12, 0.12, 0.0], [-0.12, 0.12, 0.0], [-0.12, -0.12, 0.0], [0.12, -0.12, 0.0]])
+LINES = np.linspace(4.0, 16.0, 25)
+
+
+@pytest.fixture(scope="session")
+def meaningless() -> Callable[..., Campaign]:
+    """``meaningless(runs, **changes)``: spectra that mean nothing, of the virtual shaker's 22 channels."""
+
+    def made(runs: Collection[str] = MOTIONS, **changes: Any) -> Campaign:
+        table, rng = mavis(CELLS, {}).table, np.random.default_rng(0)
+        drawn = rng.standard_normal((2, len(runs), len(LINES), len(table)))
+        values = zip(runs, drawn[0] + 1j * drawn[1], strict=True)
+        campaign = Campaign(
+            title="test",
+            article="fmd+disc+cuboid",
+            hardware="lab/1",
+            table=table,
+            runs=tuple(CampaignRun(name=name, file="", axis=name) for name in runs),
+            recordings={name: Recording(names=table.names, values=own, frequency=LINES, source=name) for name, own in values},
+        )
+        return replace(campaign, **changes)
+
+    return made
+
+
+@pytest.fixture(scope="session")
+def chromium(browser_path) -> Iterator[Any]:
     """A browser without a window, one for all tests of a process: playwright stands but one."""
     from playwright.sync_api import sync_playwright
 
@@ -51,7 +132,7 @@ def elsewhere() -> Callable[[str], list[str]]:
 
 
 @pytest.fixture(scope="session")
-def leaves_by_no_click(script: Callable[[str], str]) -> Callable[[Any, Collection[str]], None]:
+def leaves_by_no_click(script) -> Callable[[Any, Collection[str]], None]:
     """``leaves_by_no_click(page, schemes)``: above every figure are the named buttons alone; whichever is pressed,
     no window opens, nothing but `schemes` is asked for, and no link, form or frame leads away."""
 

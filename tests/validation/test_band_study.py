@@ -1,7 +1,5 @@
 """The band study tells what elasticity makes from what inertia makes: on finite elements, and on a rigid body."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 
@@ -53,33 +51,29 @@ def rigid(noise: float) -> DynamicMass:
     return noisy(flat, noise)
 
 
-def test_with_elastic_terms_one_blade_is_trusted_and_without_it_is_flagged() -> None:
+def test_with_elastic_terms_one_blade_is_trusted_without_it_is_flagged_and_the_truth_lies_within_the_spread():
     with_terms, without = of_one_blade().verdicts(), of_one_blade().verdicts(rigid=True)
     assert all(with_terms[name].startswith("trustworthy") for name in PARAMETERS), dict(with_terms)
     assert all(without[name].startswith("dominated by elasticity") for name in ELASTIC), dict(without)
-
-
-def test_the_true_inertia_lies_within_the_spread_of_the_bands() -> None:
     true = Inertia.from_mass_matrix(articles.structure("clumod-1").rigid_mass).parameters
     found = of_one_blade()
     away = np.abs(found.fitted.parameters - true)
     assert np.all(away <= 2 * found.spread() + 3 * np.sqrt(np.diag(found.fitted.covariance)))
 
 
-def test_a_rigid_body_is_trusted_the_rigid_way_and_every_cell_says_so() -> None:
+def test_a_rigid_body_is_trusted_the_rigid_way_but_not_in_poor_bands_and_those_without_width_are_refused():
     found = study(rigid(0.001), starts=[4.0, 8.0], stops=[16.0, 32.0], counts=[])
     assert found.counts == (0,)
     assert all(text.startswith("trustworthy") for text in found.verdicts(rigid=True).values())
     for cell in found.cells:
         assert np.all(np.abs(cell.parameters - body().parameters) < 5 * cell.deviation)
-
-
-def test_bands_too_poor_to_tell_are_called_not_identifiable() -> None:
     found = study(rigid(0.5), starts=[4.0, 5.0], stops=[8.0, 9.0], counts=[])
     assert found.verdicts()["Ixy"].startswith("not identifiable from this data")
+    with pytest.raises(BadInput, match="no band ends above"):
+        study(rigid(0.001), starts=[20.0], stops=[21.0])
 
 
-def test_the_maps_have_a_place_for_every_band_and_number_and_are_empty_where_none_was_fitted() -> None:
+def test_the_maps_have_a_place_for_every_band_and_number_and_are_empty_where_none_was_fitted():
     found = study(rigid(0.001), starts=[4.0, 15.0], stops=[16.0, 32.0], counts=[])
     assert found.quantities.shape == (2, 2, 1, 7)
     assert_allclose(found.quantities[0, 1, 0, 0], body().mass, rtol=1e-3)
@@ -88,7 +82,7 @@ def test_the_maps_have_a_place_for_every_band_and_number_and_are_empty_where_non
     assert found.map().shape == (2, 2, 1, 10)
 
 
-def test_a_fit_that_exists_is_not_made_again_and_progress_ends_at_one() -> None:
+def test_a_fit_that_exists_is_not_made_again_and_progress_ends_at_one():
     told: list[float] = []
     again = study(
         one_blade(), fitted=of_one_blade().fitted, starts=[4.0], stops=[20.0, 32.0], counts=[4, 5], progress=told.append
@@ -97,8 +91,3 @@ def test_a_fit_that_exists_is_not_made_again_and_progress_ends_at_one() -> None:
     assert told == sorted(told)
     assert told[-1] == 1.0
     assert again.counts == (0, 4, 5)
-
-
-def test_bands_without_width_are_refused() -> None:
-    with pytest.raises(BadInput, match="no band ends above"):
-        study(rigid(0.001), starts=[20.0], stops=[21.0])

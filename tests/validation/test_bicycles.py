@@ -1,7 +1,6 @@
 """Real data: four bicycles measured by others come out as they published them."""
 
 import importlib.util
-from pathlib import Path
 from types import ModuleType
 
 import numpy as np
@@ -15,7 +14,7 @@ BICYCLES = ["Browser", "Fisher", "Pista", "Yellow"]
 
 
 @pytest.fixture(scope="module")
-def example(root: Path) -> ModuleType:
+def example(root) -> ModuleType:
     spec = importlib.util.spec_from_file_location("bicycles", root / "examples" / "bicycles.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -23,7 +22,7 @@ def example(root: Path) -> ModuleType:
 
 
 @pytest.mark.parametrize("bicycle", BICYCLES)
-def test_every_published_quantity_and_its_uncertainty_come_out(bicycle: str, example: ModuleType, data: Path) -> None:
+def test_every_published_quantity_and_its_uncertainty_come_out(bicycle, example, data):
     rows = example.comparison(data / "bicycle_pendulum", bicycle)
     assert {"IBxx", "IBxz", "IByy", "IBzz", "IHxx", "IHxz", "IHyy", "IHzz", "IFxx", "IFyy", "IRxx", "IRyy", "xB", "zH"} <= {
         r[0] for r in rows
@@ -33,7 +32,7 @@ def test_every_published_quantity_and_its_uncertainty_come_out(bicycle: str, exa
         assert_allclose([ours.n, ours.s], [theirs.n, theirs.s], rtol=1e-10, err_msg=name)
 
 
-def test_the_published_cog_is_the_mean_of_intersections_and_not_the_least_squares_point(example: ModuleType, data: Path) -> None:
+def test_the_published_cog_is_the_mean_of_intersections_and_three_axes_see_the_planar_tensor_where_two_do_not(example, data):
     m = example.read(data / "bicycle_pendulum" / "BrowserMeasured.txt")
     betas = np.radians([90 - m["gamma"].n - m[f"alphaB{i}"].n for i in "123"])
     normals = np.column_stack([np.sin(betas), np.cos(betas)])
@@ -41,9 +40,6 @@ def test_the_published_cog_is_the_mean_of_intersections_and_not_the_least_square
     corners = np.array(meeting_point(normals, list(offsets)))
     fitted = np.linalg.lstsq(normals, offsets, rcond=None)[0]
     assert 1e-3 < np.linalg.norm(corners - fitted) < 5e-3
-
-
-def test_three_axes_in_the_plane_see_the_planar_tensor_and_two_do_not() -> None:
     angles = np.radians([0, 40, 100])
     axes = np.column_stack([np.cos(angles), 0 * angles, -np.sin(angles)])
     assert set(tensor_from_axes(axes, [1.0, 1.1, 1.2], PLANAR)) == set(PLANAR)
@@ -51,7 +47,7 @@ def test_three_axes_in_the_plane_see_the_planar_tensor_and_two_do_not() -> None:
         tensor_from_axes(axes[:2], [1.0, 1.1], PLANAR)
 
 
-def test_the_example_prints_a_table_a_bicycle(example: ModuleType, data: Path) -> None:
+def test_the_example_prints_a_table_a_bicycle(example, data):
     from click.testing import CliRunner
 
     result = CliRunner().invoke(example.main, ["--data", str(data)])

@@ -101,13 +101,10 @@ def faulty() -> Compared:
     return compared(replace(exact(PLAN), effects=planned), lambda _: FAULTS)
 
 
-def test_at_the_truth_the_chain_reads_what_was_recorded(ordinary: Compared, faulty: Compared) -> None:
+def test_at_the_truth_the_chain_reads_what_was_recorded_and_nominal_it_does_not(ordinary, faulty):
     for one in (ordinary, faulty):
         left = one.left(one.truth)
         assert all(left[group] < AGREED[group] for group in AGREED), left
-
-
-def test_nominal_it_does_not(ordinary: Compared, faulty: Compared) -> None:
     for one in (ordinary, faulty):
         left = one.left({})
         assert all(left[group] > 30 * AGREED[group] for group in AGREED), left
@@ -120,12 +117,12 @@ DRAWN = (
 
 
 @pytest.mark.parametrize("family", DRAWN)
-def test_every_family_of_the_tolerances_counts_and_has_the_right_sign(ordinary: Compared, family: str) -> None:
+def test_every_family_of_the_tolerances_counts_and_has_the_right_sign(ordinary, family):
     _require_right(ordinary, [name for name in ordinary.truth if name.partition(":")[0] == family])
 
 
 @pytest.mark.parametrize("name", FAULTS)
-def test_every_fault_counts_and_has_the_right_sign(faulty: Compared, name: str) -> None:
+def test_every_fault_counts_and_has_the_right_sign(faulty, name):
     _require_right(faulty, [name])
 
 

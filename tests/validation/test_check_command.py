@@ -1,9 +1,7 @@
 """`massline check`: what is printed, what a program reads, what is drawn, and how it ends."""
 
 import json
-import runpy
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,51 +17,34 @@ from identification.campaign import Campaign
 from validation.cli import main
 from validation.report.scenes import setups
 
-Run = Callable[..., tuple[int, str, str]]
+
+@pytest.fixture(scope="module")
+def campaign(own_campaign) -> Campaign:
+    return own_campaign["campaign"]()
 
 
 @pytest.fixture(scope="module")
-def campaign(root: Path) -> Campaign:
-    made: Campaign = runpy.run_path(str(root / "examples" / "own_campaign.py"))["campaign"]()
-    return made
-
-
-@pytest.fixture(scope="module")
-def written(campaign: Campaign, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def written(campaign, tmp_path_factory) -> Path:
     whole = tmp_path_factory.mktemp("written") / "own"
     campaign_file.write(whole, campaign)
     return whole
 
 
 @pytest.fixture
-def folder(written: Path, tmp_path: Path) -> Path:
+def folder(written, tmp_path) -> Path:
     """The example's campaign; the command runs in the folder above it."""
     return Path(shutil.copytree(written, tmp_path / "own"))
 
 
-def test_a_sound_campaign_is_printed_and_ends_with_0(run: Run, folder: Path) -> None:
+@pytest.mark.usefixtures("folder")
+def test_a_sound_campaign_ends_with_0_and_its_table_fits_a_page(run):
     code, out, err = run("check", "own")
     assert (code, err) == (main.DONE, "")
-    for words in (
-        "A rigid block: fmd+disc+cuboid",
-        "cover-z1",
-        "sum of 2",
-        "sine-sweep 4-32 Hz",
-        "256 Hz",
-        "6 of 6",
-        "(130, 130, 0)",
-    ):
-        assert words in out
     assert "nothing is wrong with it" in out
-    assert folder.is_dir()
+    assert max(map(len, out.splitlines())) <= 132
 
 
-@pytest.mark.usefixtures("folder")
-def test_the_table_fits_a_page(run: Run) -> None:
-    assert max(map(len, run("check", "own")[1].splitlines())) <= 132
-
-
-def test_an_axis_that_no_run_drives_and_a_run_that_is_another_one_are_named(run: Run, folder: Path) -> None:
+def test_an_axis_that_no_run_drives_and_a_run_that_is_another_one_are_named(run, folder):
     shutil.copy(folder / "x.h5", folder / "beta.h5")
     code, out, _ = run("check", "own")
     assert code == main.BAD_INPUT
@@ -72,7 +53,7 @@ def test_an_axis_that_no_run_drives_and_a_run_that_is_another_one_are_named(run:
     assert "run beta says that it drives beta, but it drives x" in said
 
 
-def test_an_inverted_channel_is_suspected_by_name(run: Run, campaign: Campaign, tmp_path: Path) -> None:
+def test_an_inverted_channel_is_suspected_by_name_and_five_runs_name_the_axis_that_is_missing(run, campaign, tmp_path):
     k = campaign.table.names.index("cover-z1")
     sign = np.where(np.arange(len(campaign.table)) == k, -1.0, 1.0)
     turned = {name: replace(one, values=one.values * sign) for name, one in campaign.recordings.items()}
@@ -80,9 +61,6 @@ def test_an_inverted_channel_is_suspected_by_name(run: Run, campaign: Campaign, 
     code, out, _ = run("check", "turned")
     assert code == main.FAILED_CHECK
     assert "cover-z1" in next(text for text in out.split("warning: ") if "it looks as if" in text)
-
-
-def test_five_runs_name_the_axis_that_is_missing(run: Run, campaign: Campaign, tmp_path: Path) -> None:
     left = {name: one for name, one in campaign.recordings.items() if name != "beta"}
     campaign_file.write(tmp_path / "five", replace(campaign, runs=[r for r in campaign.runs if r.name in left], recordings=left))
     code, out, _ = run("check", "five")
@@ -91,7 +69,7 @@ def test_five_runs_name_the_axis_that_is_missing(run: Run, campaign: Campaign, t
 
 
 @pytest.mark.usefixtures("folder")
-def test_json_is_one_object_with_every_figure(run: Run) -> None:
+def test_json_is_one_object_with_every_figure(run):
     code, out, err = run("check", "own", "--json")
     said = json.loads(out)
     assert (code, err) == (main.DONE, "")
@@ -107,7 +85,7 @@ def test_json_is_one_object_with_every_figure(run: Run) -> None:
     assert {one["rank"] for one in said["observability"].values()} == {6}
 
 
-def test_warnings_end_with_1_and_are_printed(run: Run, folder: Path) -> None:
+def test_warnings_end_with_1_and_are_printed(run, folder):
     with h5py.File(folder / "x.h5", "a") as file:
         samples = file["channels/cover-x1"][()]
         del file["channels/cover-x1"]
@@ -121,7 +99,7 @@ def test_warnings_end_with_1_and_are_printed(run: Run, folder: Path) -> None:
     assert json.loads(out)["usable"]
 
 
-def test_a_loud_channel_is_said(run: Run, campaign: Campaign, tmp_path: Path) -> None:
+def test_a_loud_channel_is_said(run, campaign, tmp_path):
     quiet = tuple(replace(c, noise_rms=0.1) if c.name == "fmd-z1" else c for c in campaign.table.channels)
     campaign_file.write(tmp_path / "own", replace(campaign, table=replace(campaign.table, channels=quiet)))
     code, out, _ = run("check", "own")
@@ -129,7 +107,7 @@ def test_a_loud_channel_is_said(run: Run, campaign: Campaign, tmp_path: Path) ->
     assert "fmd-z1 reads 2.8 times" in " ".join(out.split()) or "fmd-z1 reads 2.9 times" in " ".join(out.split())
 
 
-def test_every_problem_is_printed_and_ends_with_2(run: Run, folder: Path) -> None:
+def test_every_problem_is_printed_and_ends_with_2(run, folder):
     (folder / "x.h5").unlink()
     (folder / "y.h5").write_bytes(b"nonsense")
     code, out, _ = run("check", "own")
@@ -143,7 +121,7 @@ def test_every_problem_is_printed_and_ends_with_2(run: Run, folder: Path) -> Non
     assert [one["read"] for one in said["runs"]] == [False, False, True, True, True, True]
 
 
-def test_everything_wrong_with_the_description_is_printed(run: Run, folder: Path) -> None:
+def test_everything_wrong_with_the_description_is_printed(run, folder):
     text = (folder / "campaign.toml").read_text(encoding="utf-8")
     text = text.replace("format = 1", "format = 9").replace('axis = "y"', 'axis = "yy"')
     (folder / "campaign.toml").write_text(text, encoding="utf-8")
@@ -155,14 +133,13 @@ def test_everything_wrong_with_the_description_is_printed(run: Run, folder: Path
 
 @pytest.mark.parametrize("name", ["nowhere", "", "own/campaign.toml"])
 @pytest.mark.usefixtures("folder")
-def test_what_is_no_campaign_is_refused_in_one_sentence(run: Run, name: str) -> None:
-    code, out, err = run("check", name)
-    assert (code, out) == (main.BAD_INPUT, "")
+def test_what_is_no_campaign_is_refused_in_one_sentence(refused, name):
+    err = refused("check", name)
     assert err.startswith("massline: ")
     assert len(err.splitlines()) == 1
 
 
-def test_spectra_are_described_without_levels(run: Run, campaign: Campaign, tmp_path: Path) -> None:
+def test_spectra_are_described_without_levels(run, campaign, tmp_path):
     from identification.campaign import Recording
     from identification.spectra.line_spectra import full_record
 
@@ -180,7 +157,7 @@ def test_spectra_are_described_without_levels(run: Run, campaign: Campaign, tmp_
 
 
 @pytest.mark.usefixtures("folder", "renderer")
-def test_view_draws_a_map_under_out(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_view_draws_a_map_under_out(run, tmp_path, monkeypatch):
     from PIL import Image
 
     from validation.report.scenes import setups
@@ -195,7 +172,7 @@ def test_view_draws_a_map_under_out(run: Run, tmp_path: Path, monkeypatch: pytes
         assert np.sum(np.all(np.abs(pixels - [red, green, blue]) < 12, axis=-1)) > 100
 
 
-def test_an_article_without_fmd_is_drawn_where_it_is_mounted(campaign: Campaign) -> None:
+def test_an_article_without_fmd_is_drawn_where_it_is_mounted_and_one_of_somebody_else_is_not(campaign):
     alone = replace(campaign, article="cuboid", mounting=Pose(position=np.array([0.0, 0.0, 0.25])))
     bodies, note = setups.bodies_of(alone)
     lowest = min(body.vertices[:, 2].min() for body in bodies)
@@ -203,20 +180,15 @@ def test_an_article_without_fmd_is_drawn_where_it_is_mounted(campaign: Campaign)
     assert_allclose(lowest, 0.25, rtol=0, atol=1e-12)
     assert min(body.vertices[:, 2].min() for body in on_fmd) < 0
     assert "cuboid as built in" in note
-
-
-def test_an_article_of_somebody_else_is_not_drawn_and_said(campaign: Campaign) -> None:
     bodies, note = setups.bodies_of(replace(campaign, article="my-satellite.toml"))
     assert bodies == ()
     assert "my-satellite.toml is no built-in article" in note
 
 
-def test_figures_of_a_campaign_that_another_program_wrote(run: Run, data: Path) -> None:
+def test_figures_of_a_campaign_that_another_program_wrote(answer, data):
     """Levels as its campaign.toml asks, cross motion of a few per cent, noise as stated: nothing was planted there."""
     for name in ("fmd+clumod-1", "fmd+disc+cuboid"):
-        code, out, _ = run("check", str(data / "example_series" / name), "--json")
-        said = json.loads(out)
-        assert code == main.DONE
+        said = answer("check", str(data / "example_series" / name))
         for k, one in enumerate(said["runs"]):
             assert_allclose(one["level_m_s2_rad_s2"][k], one["excitation"]["level"], rtol=0.01)
             assert max(np.delete(one["level_share"], k)) < 0.15

@@ -19,7 +19,7 @@ Install = Callable[[Callable[[], object]], None]
 
 
 @pytest.fixture
-def probe(monkeypatch: pytest.MonkeyPatch) -> Install:
+def probe(monkeypatch) -> Install:
     """``probe(action)`` makes `action` the body of a command called probe."""
 
     def install(action: Callable[[], object]) -> None:
@@ -39,7 +39,7 @@ def raising(error: BaseException) -> Callable[[], None]:
     return action
 
 
-def test_a_command_that_returns_is_done_or_ends_early_with_its_own_exit_code(probe: Install) -> None:
+def test_a_command_that_returns_is_done_or_ends_early_with_its_own_exit_code(probe):
     probe(lambda: None)
     assert main.run(["probe"]) == main.DONE == 0
     probe(lambda: click.get_current_context().exit(1))
@@ -63,9 +63,7 @@ def test_a_command_that_returns_is_done_or_ends_early_with_its_own_exit_code(pro
     ],
     ids=lambda value: type(value).__name__ if isinstance(value, BaseException) else "",
 )
-def test_a_failure_ends_with_its_exit_code_and_says_why(
-    error: BaseException, code: int, words: str, probe: Install, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_failure_ends_with_its_exit_code_and_says_why(error, code, words, probe, capsys):
     probe(raising(error))
     assert main.run(["probe"]) == code
     captured = capsys.readouterr()
@@ -74,36 +72,30 @@ def test_a_failure_ends_with_its_exit_code_and_says_why(
     assert captured.out == ""
 
 
-def test_a_bug_is_not_dressed_up_as_a_mistake_of_the_user(probe: Install) -> None:
+def test_a_bug_is_not_dressed_up_as_a_mistake_of_the_user(probe):
     probe(raising(ZeroDivisionError()))
     with pytest.raises(ZeroDivisionError):
         main.run(["probe"])
 
 
-def test_a_misspelt_command_is_bad_input_and_the_right_one_is_suggested(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_misspelt_command_and_an_unknown_option_are_bad_input_and_help_lists_every_command(capsys):
     assert main.run(["pendulm"]) == main.BAD_INPUT == 2
     assert "Did you mean 'pendulum'?" in capsys.readouterr().err
-
-
-def test_an_unknown_option_is_bad_input(capsys: pytest.CaptureFixture[str]) -> None:
     assert main.run(["--jsn"]) == main.BAD_INPUT
     assert "--jsn" in capsys.readouterr().err
-
-
-def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert main.run(["--help"]) == main.DONE
     help_text = capsys.readouterr().out
     assert all(f"  {command} " in help_text for command in main.COMMANDS)
 
 
-def test_a_terminal_without_the_sign_does_not_stop_the_run(massline: Callable[..., subprocess.CompletedProcess[str]]) -> None:
+def test_a_terminal_without_the_sign_does_not_stop_the_run(massline):
     run = massline("Θ", env={**os.environ, "PYTHONIOENCODING": "latin-1"})
     assert run.returncode == main.BAD_INPUT
     assert "No such command '?'" in run.stderr
 
 
 @pytest.mark.parametrize("say", ["click.echo", "__import__('rich.console').console.Console().print"])
-def test_a_reader_that_leaves_early_meets_silence_and_is_no_failed_check(say: str) -> None:
+def test_a_reader_that_leaves_early_meets_silence_and_is_no_failed_check(say):
     talker = (
         "import sys, types, click; from validation.cli import main as cli; m = types.ModuleType('validation.cli.talk');"
         f"say = {say}; m.talk_command = click.Command('talk', callback=lambda: [say('x' * 99) for _ in range(9999)]);"
@@ -117,11 +109,8 @@ def test_a_reader_that_leaves_early_meets_silence_and_is_no_failed_check(say: st
     assert process.wait(timeout=60) == main.READER_LEFT == 141
 
 
-# The demo is a list of commands that exist, and it ends at the first that ends otherwise than it should.
-
-
 @pytest.mark.parametrize("step", demo.STEPS, ids=lambda step: step.command)
-def test_every_step_is_a_command_or_an_example_that_exists(step: demo.DemoStep, root: Path) -> None:
+def test_every_step_is_a_command_or_an_example_that_exists(step, root):
     program, what, *_ = shlex.split(step.command)
     assert what in COMMANDS if program == "massline" else (program == "python" and (root / what).is_file())
 
@@ -136,15 +125,12 @@ def _steps(monkeypatch: pytest.MonkeyPatch, code: int, *steps: demo.DemoStep) ->
     return heard
 
 
-def test_it_runs_every_step_in_order(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_it_runs_every_step_in_order_and_stops_at_the_first_that_fails(monkeypatch, capsys):
     steps = demo.DemoStep(title="One", command="massline a 'b c'"), demo.DemoStep(title="Two", command="massline d")
     heard = _steps(monkeypatch, DONE, *steps)
     assert demo.main() == DONE
     assert heard == [["a", "b c"], ["d"]]
     assert "1/2  One\n$ massline a 'b c'" in capsys.readouterr().out
-
-
-def test_it_stops_at_the_first_step_that_fails(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     steps = demo.DemoStep(title="One", command="massline a"), demo.DemoStep(title="Two", command="massline b")
     heard = _steps(monkeypatch, FAILED_CHECK, *steps)
     assert demo.main() == FAILED_CHECK
@@ -152,33 +138,26 @@ def test_it_stops_at_the_first_step_that_fails(monkeypatch: pytest.MonkeyPatch, 
     assert "`massline a` ended with exit code 1" in capsys.readouterr().err
 
 
-def test_a_step_whose_point_is_a_failed_check_must_fail(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_step_whose_point_is_a_failed_check_must_fail_and_one_without_data_is_passed_over(monkeypatch, capsys, tmp_path):
     step = demo.DemoStep(title="One", command="massline a", ends=FAILED_CHECK)
     _steps(monkeypatch, FAILED_CHECK, step)
     assert demo.main() == DONE
     _steps(monkeypatch, DONE, step)
     assert demo.main() == FAILED_CHECK
-
-
-def test_a_step_whose_data_are_absent_is_passed_over_in_words(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
     heard = _steps(monkeypatch, DONE, demo.DemoStep(title="One", command="massline a", needs=tmp_path / "nowhere"))
     assert demo.main() == DONE
     assert heard == []
     assert "nowhere is absent" in capsys.readouterr().out
 
 
-def test_a_script_runs_in_a_process_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_script_runs_in_a_process_of_its_own(monkeypatch, tmp_path):
     script = tmp_path / "script.py"
     script.write_text("import sys; sys.exit(3)")
     _steps(monkeypatch, DONE, demo.DemoStep(title="One", command=f"python {script}"))
     assert demo.main() == 3
 
 
-def test_its_last_words_say_where_the_report_lies_and_how_to_open_the_workbench(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_its_last_words_say_where_the_report_of_a_step_lies_and_how_to_open_the_workbench(monkeypatch, capsys):
     _steps(monkeypatch, DONE)
     assert demo.main() == DONE
     said = capsys.readouterr().out
@@ -187,7 +166,4 @@ def test_its_last_words_say_where_the_report_lies_and_how_to_open_the_workbench(
     program, what, model, *data = line.removeprefix("Workbench:").split()
     assert (Path(program).name, what, model) == ("massline", "app", demo.MODEL)
     assert all(any(folder in step.command for step in PLANNED) for folder in data)
-
-
-def test_the_report_of_which_the_last_words_speak_is_written_by_a_step() -> None:
     assert any(step.command.startswith("massline report") and demo.REPORT in step.command for step in PLANNED)

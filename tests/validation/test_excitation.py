@@ -13,7 +13,7 @@ from fem.base_excitation.rig import LoadCell
 from fem.beam.articles import load_cells
 from geometry.article import material
 from geometry.articles import built_in, locations
-from geometry.frames import rigid_transformation, rigid_transformation_6
+from geometry.frames import rigid_transformation
 from geometry.routes import inertia
 from validation.cli import main
 from validation.excite.question import Attached, attached
@@ -60,18 +60,15 @@ def swelling(run: Run, at: float, times: float) -> Response:
     )
 
 
-# --- rigs from names ----------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("cells", [False, True], ids=["rigid", "cells"])
 @pytest.mark.parametrize("article", ["fmd", "fmd+clumod-1", "fmd+disc+cuboid", "clumod-4"])
-def test_whatever_stands_on_the_table_weighs_what_its_drawing_says_about_f(article: str, cells: bool) -> None:
+def test_whatever_stands_on_the_table_weighs_what_its_drawing_says_about_f(article, cells):
     made = mounted(article, "beam", FlexibleOptions(count=4), Attached(cells=cells and article.startswith("fmd")))
     expected = inertia(built_in(article)).mass_matrix
     assert_allclose(rig_modes(made.rig).rigid_mass, expected, atol=1e-9 * np.abs(expected).max())  # rounding
 
 
-def test_on_stiff_cells_the_article_keeps_its_own_resonances_and_none_rises() -> None:
+def test_on_stiff_cells_the_article_keeps_its_own_resonances_and_none_rises():
     """The cells give, so that every resonance is lower than on the rigid cover plate (Rayleigh), if by little."""
     on_cells, alone = (
         rig_modes(mounted("fmd+clumod-1", "beam", FlexibleOptions(count=6), Attached(cells=cells)).rig).frequency[:4]
@@ -81,7 +78,7 @@ def test_on_stiff_cells_the_article_keeps_its_own_resonances_and_none_rises() ->
     assert_allclose(on_cells, alone, rtol=0.02)
 
 
-def test_the_fmd_swings_on_its_cells_as_a_mass_on_four_springs_that_lose_what_their_material_does() -> None:
+def test_the_fmd_swings_on_its_cells_as_a_mass_on_four_springs_that_lose_what_their_material_does():
     """Along z through its CoG: 2 pi f = sqrt(4 k / m), zeta = eta / 2, both of the steel of the cells (assumed)."""
     found = rig_modes(mounted("fmd", "beam", FlexibleOptions(), Attached(cells=True)).rig)
     mass, k = inertia(built_in("fmd")).mass, load_cells()[0, 2]
@@ -94,7 +91,7 @@ def test_the_fmd_swings_on_its_cells_as_a_mass_on_four_springs_that_lose_what_th
 
 
 @pytest.mark.parametrize(("article", "joints"), [("clumod-1", 0), ("fmd+clumod-1", 6)])
-def test_what_carries_static_answers_is_no_resonance(article: str, joints: int) -> None:
+def test_what_carries_static_answers_is_no_resonance(article, joints):
     """The article's own modes and the six of the cover plate on its cells are; up to six carriers are told from them."""
     made = mounted(article, "beam", FlexibleOptions(count=5), Attached(cells=joints > 0)).rig
     found = rig_modes(made)
@@ -103,7 +100,7 @@ def test_what_carries_static_answers_is_no_resonance(article: str, joints: int) 
 
 
 @pytest.mark.parametrize("axis", [0, 1])
-def test_the_lateral_load_of_a_cell_is_the_larger_of_x_and_y(axis: int) -> None:
+def test_the_lateral_load_of_a_cell_is_the_larger_of_x_and_y(axis):
     forces = np.zeros((3, 1, 3))
     forces[1, 0, axis], forces[2, 0, 1 - axis], forces[:, 0, 2] = -7.0, 3.0, (1.0, 50.0, -9.0)
     found = CellLoad.of(1, forces[:, 0], LoadCell(position=np.zeros(3), stiffness=np.ones(3)))
@@ -111,7 +108,7 @@ def test_the_lateral_load_of_a_cell_is_the_larger_of_x_and_y(axis: int) -> None:
 
 
 @pytest.mark.parametrize("rate", [20.0, 120.0])
-def test_the_level_of_a_sweep_is_that_of_its_band_and_not_of_its_soft_start(rate: float) -> None:
+def test_the_level_of_a_sweep_is_that_of_its_band_and_not_of_its_soft_start(rate):
     """In the band the acceleration is A (1 + (k / omega)² / 2), k the growth of the frequency (`Sweep`)."""
     run = swept(rate)
     motion = run.motion(8192.0, 0.0, None)
@@ -124,16 +121,13 @@ def test_the_level_of_a_sweep_is_that_of_its_band_and_not_of_its_soft_start(rate
     assert found.peak > 1.2 * found.realised
 
 
-def test_cross_motion_is_the_largest_share_of_any_other_axis() -> None:
+def test_cross_motion_is_the_largest_share_of_any_other_axis_and_places_ride_on_the_article():
     run = swept()
     table = np.zeros((3, 6))
     table[0, 0], table[1, 2], table[2, 5] = 2.5, -0.05, 0.3  # of nominal levels 2.5, 2.5 and 6
     still = np.zeros((3, 6))
     response = Response(sampling_rate=RATE, table=table, cover=still, load=still, cells=np.zeros((3, 0, 3)))
     assert cross_share(run, response) == pytest.approx(0.05, rel=1e-12)
-
-
-def test_places_ride_on_the_article() -> None:
     made = mounted("fmd+clumod-1", "beam", FlexibleOptions(count=4), Attached())
     known = locations("clumod-1")
     assert set(made.rig.article.places) == set(known)
@@ -142,7 +136,7 @@ def test_places_ride_on_the_article() -> None:
     assert_allclose(made.rig.seat, built_in("fmd").seat.position)  # type: ignore[union-attr]
 
 
-def test_a_loose_part_weighs_on_the_flange_while_it_is_held() -> None:
+def test_a_loose_part_weighs_on_the_flange_while_it_is_held():
     options = dict.fromkeys(("preload", "flange", "cable", "damper"), ())
     loose = attached(cells=False, friction=["x=5,mass:3", "y=4"], **options)
     made, bare = (
@@ -152,7 +146,7 @@ def test_a_loose_part_weighs_on_the_flange_while_it_is_held() -> None:
     assert_allclose(made - bare, 5.0 * seat.T @ seat, atol=1e-12)
 
 
-def test_what_is_typed_becomes_springs_along_the_axes_it_names() -> None:
+def test_what_is_typed_becomes_springs_along_the_axes_it_names():
     made = attached(
         cells=True,
         preload=["2 kN"],
@@ -171,10 +165,7 @@ def test_what_is_typed_becomes_springs_along_the_axes_it_names() -> None:
     assert made.options == ("--cells", "--preload", "--flange", "--cable", "--damper")
 
 
-# --- resonances that are passed -----------------------------------------------------------------------------------------------
-
-
-def test_the_amplitude_of_a_swept_sine_is_its_own() -> None:
+def test_the_amplitude_of_a_swept_sine_is_its_own():
     run = swept()
     motion = run.motion(RATE, 0.0, None)
     inside = (motion.time > run.sweep.time_at(4.5)) & (motion.time < run.sweep.time_at(30.0))
@@ -182,7 +173,7 @@ def test_the_amplitude_of_a_swept_sine_is_its_own() -> None:
 
 
 @pytest.mark.parametrize("times", [3.0, 20.0])
-def test_a_load_that_swells_at_a_resonance_is_found_there_with_its_size(times: float) -> None:
+def test_a_load_that_swells_at_a_resonance_is_found_there_with_its_size(times):
     run = swept()
     (found,) = Amplitudes.of(swelling(run, 10.0, times), run, MASS * np.eye(6)).passed(run, modes(10.0))
     assert (found.mode, found.frequency, found.axis) == (1, 10.0, 0)
@@ -192,27 +183,20 @@ def test_a_load_that_swells_at_a_resonance_is_found_there_with_its_size(times: f
     assert found.peak_frequency == pytest.approx(10.0, abs=0.1)
 
 
-def test_what_lies_outside_the_band_or_does_not_show_along_the_axis_is_not_listed() -> None:
+def test_two_resonances_far_apart_are_told_apart_and_what_lies_outside_or_does_not_show_is_not_listed():
     run = swept()
     response = swelling(run, 10.0, 2.0)
     found = Amplitudes.of(response, run, MASS * np.eye(6))
     assert [p.frequency for p in found.passed(run, modes(2.0, 10.0, 40.0))] == [10.0]
     assert found.passed(run, modes(10.0, share=1e-5)) == ()
-
-
-def test_two_resonances_far_apart_are_told_apart() -> None:
-    run = swept()
     found = Amplitudes.of(swelling(run, 20.0, 9.0), run, MASS * np.eye(6))
     first, second = found.passed(run, modes(8.0, 20.0))
     assert first.amplification == pytest.approx(1.0, abs=0.05)
     assert second.amplification == pytest.approx(9.0, rel=0.05)
 
 
-# --- pictures -----------------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("rate", [2.0, 20.0, 200.0])
-def test_from_frame_to_frame_the_drive_goes_on_by_whole_cycles_and_a_tenth(rate: float) -> None:
+def test_from_frame_to_frame_the_drive_goes_on_by_whole_cycles_and_a_tenth(rate):
     sweep = Sweep(axis="x", start=8.0, stop=16.0, rate=rate)
     begin, end = (float(sweep.time_at(f)) for f in (9.0, 15.0))
     times = turntable.strobe(sweep, begin, end, peak=(begin + end) / 2)
@@ -239,7 +223,7 @@ def needle(model: Flexible, shapes: np.ndarray) -> tuple[Moved, ...]:
 
 
 @pytest.fixture(scope="module")
-def drawn(renderer: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+def drawn(renderer, tmp_path_factory) -> Iterator[Path]:
     """The folder that a plot and an animation were written into."""
     fast = ("--band", "10", "20", "--octaves-per-minute", "60", "--ring-down", "1 s", "--modes", "8", "--rate", "256")
     with pytest.MonkeyPatch.context() as patch:
@@ -254,7 +238,7 @@ def drawn(renderer: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[
 
 
 @pytest.mark.parametrize(("low", "high"), [(30.0, 500.0), (80.0, 900.0), (110.0, 130.0), (2.0, 190.0), (1.1, 700.0)])
-def test_an_axis_of_few_decades_has_at_least_three_figures(low: float, high: float) -> None:
+def test_an_axis_of_few_decades_has_at_least_three_figures(low, high):
     figure = new_figure(4.0, 3.0)
     axes = figure.add_subplot()
     axes.plot([0.0, 1.0], [low, high])
@@ -267,7 +251,7 @@ def test_an_axis_of_few_decades_has_at_least_three_figures(low: float, high: flo
 
 
 @pytest.mark.parametrize("name", ["excite-fmd+clumod-1-linear-beta.png", "excite-clumod-1-linear-x.png"])
-def test_the_picture_shows_curves_on_white_and_nothing_is_cut_off(name: str, drawn: Path) -> None:
+def test_the_picture_shows_curves_on_white_and_nothing_is_cut_off(name, drawn):
     from PIL import Image
 
     with Image.open(drawn / name) as picture:
@@ -277,7 +261,7 @@ def test_the_picture_shows_curves_on_white_and_nothing_is_cut_off(name: str, dra
         assert edge.min() > 240
 
 
-def test_the_animation_moves_and_names_the_frequency(drawn: Path) -> None:
+def test_the_animation_moves_and_names_the_frequency(drawn):
     from PIL import Image
 
     with Image.open(drawn / "excite-fmd+clumod-1-linear-beta.gif") as picture:
@@ -291,7 +275,7 @@ def test_the_animation_moves_and_names_the_frequency(drawn: Path) -> None:
     assert (np.abs(frames[1] - frames[0])[724:].sum(axis=2) > 60).sum() > 200
 
 
-def test_the_article_is_drawn_as_exudyn_moves_it_relative_to_the_table_too() -> None:
+def test_the_article_is_drawn_as_exudyn_moves_it_relative_to_the_table_too():
     """Both routes keep coordinates of their own; drawn, the article bends by the same amount."""
     from validation.excite.question import ExciteOptions, drive
     from validation.excite.runs import ready
@@ -326,8 +310,3 @@ def test_the_article_is_drawn_as_exudyn_moves_it_relative_to_the_table_too() -> 
         found.append(turntable.relative_coordinates(made, one.motion, one.response))
     for part in (slice(0, 6), slice(6, None)):
         assert_allclose(found[1][:, part], found[0][:, part], atol=1e-2 * np.abs(found[0][:, part]).max())
-
-
-def test_a_seat_turns_with_the_table() -> None:
-    """What is taken off for the table is its rigid motion at the seat."""
-    assert_allclose(rigid_transformation_6([0, 0, 0.045])[:3, 4], [0.045, 0, 0])

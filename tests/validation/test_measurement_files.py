@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput, CheckFailed
 from validation.classical import files, pendulum, weigh
-from validation.classical.files import Fields, Reduction, read, reference, shipped
+from validation.classical.files import Fields, Reduction, read, shipped
 from validation.cli import predict
 from validation.cli import reference as reference_commands
 from validation.output import to_json
@@ -38,14 +38,14 @@ def rows(command: str, *arguments: str) -> dict[str, dict[str, Any]]:
 
 
 @pytest.mark.parametrize("name", shipped())
-def test_every_shipped_file_says_what_it_is_and_where_it_comes_from(name: str) -> None:
+def test_every_shipped_file_says_what_it_is_and_where_it_comes_from(name):
     fields = read(name, KINDS)
     assert fields.text("title")
     assert fields.text("origin").startswith(("published: Table", "constructed, not measured"))
 
 
 @pytest.mark.parametrize(("command", "kinds"), [("weigh", ("weighing",)), ("cog", ("crane-cog",)), ("pendulum", ("pendulum",))])
-def test_a_command_offers_the_shipped_files_that_it_can_reduce_and_no_others(command: str, kinds: tuple[str, ...]) -> None:
+def test_a_command_offers_the_shipped_files_that_it_can_reduce_and_no_others(command, kinds):
     remedy = str(run(command, "nothing").exception)
     fitting = shipped((*kinds, "results"))
     assert all(name in remedy for name in fitting)
@@ -61,9 +61,7 @@ def test_a_command_offers_the_shipped_files_that_it_can_reduce_and_no_others(com
         ("pendulum", "clumod-4-published", "clumod-4-pendulum", {"MoI xx": "Ixx", "MoI yy": "Iyy", "MoI zz": "Izz"}),
     ],
 )
-def test_table_1_comes_out_of_the_published_file_and_of_the_constructed_readings(
-    command: str, published: str, readings: str, names: dict[str, str]
-) -> None:
+def test_table_1_comes_out_of_the_published_file_and_of_the_constructed_readings(command, published, readings, names):
     printed, reduced = rows(command, published, "--against", "clumod-4"), rows(command, readings, "--against", "clumod-4")
     for quantity, key in names.items():
         value, percent = TABLE_1[key]
@@ -78,35 +76,22 @@ def test_table_1_comes_out_of_the_published_file_and_of_the_constructed_readings
 
 
 @pytest.mark.parametrize(("command", "name"), [("weigh", "clumod-4-published"), ("pendulum", "clumod-4-published")])
-def test_assumed_tolerances_are_called_so_on_paper_too(command: str, name: str) -> None:
+def test_assumed_tolerances_are_called_so_on_paper_too(command, name):
     assert "tolerances ASSUMED" in run(command, name).stdout
 
 
-@pytest.mark.parametrize(("command", "name"), [("weigh", "weighing"), ("cog", "cog"), ("pendulum", "pendulum")])
-def test_constructed_readings_are_called_so_and_itemised(command: str, name: str) -> None:
-    out = run(command, f"clumod-4-{name}").stdout
-    assert "constructed, not measured" in out
-    assert "share of variance" in out
-    assert ("cannot separate" in out) is (command == "pendulum")
-
-
-def test_a_file_may_be_a_path_and_json_is_one_object(tmp_path: Path) -> None:
+def test_a_file_may_be_a_path_and_equal_distances_positions_and_one_radius_are_the_same_pendulum(tmp_path):
     copy = tmp_path / "mine.toml"
     shipped_text = (
         Path(import_module("validation").__file__ or "").parent / "reference" / "in_print" / "clumod-4-weighing.toml"
     ).read_text()
     copy.write_text(shipped_text, encoding="utf-8")
     assert rows("weigh", str(copy)) == rows("weigh", "clumod-4-weighing.toml")
+    by_distance = SWING.replace('radius = "0.3 m"', 's1 = "0.3 m"\ns2 = "30 cm"')
+    by_place = SWING.replace('radius = "0.3 m"', 'positions_along = "z"\npositions = ["0.9 m", "300 mm"]')
+    values = [moment(tmp_path, text) for text in (SWING, by_distance, by_place)]
+    assert_allclose(values, values[0], rtol=1e-12)
 
-
-def test_the_reference_of_one_blade_is_table_2() -> None:
-    found = reference("clumod-1")
-    assert_allclose(
-        [found[key].nominal_value for key in ("mass", "cog_z", "Ixx", "Iyy", "Izz")], [32.95, 0.2706, 6.42, 6.0, 0.77]
-    )
-
-
-# --- pendulum files ------------------------------------------------------------------------------------------------------
 
 HEAD = """
 format = 1
@@ -136,14 +121,7 @@ def moment(tmp_path: Path, swing: str, off: tuple[str, ...] = ()) -> float:
     return float(reduced(tmp_path, HEAD + swing, off).results["Izz"].nominal_value)
 
 
-def test_equal_distances_equal_positions_and_one_radius_are_the_same_pendulum(tmp_path: Path) -> None:
-    by_distance = SWING.replace('radius = "0.3 m"', 's1 = "0.3 m"\ns2 = "30 cm"')
-    by_place = SWING.replace('radius = "0.3 m"', 'positions_along = "z"\npositions = ["0.9 m", "300 mm"]')
-    values = [moment(tmp_path, text) for text in (SWING, by_distance, by_place)]
-    assert_allclose(values, values[0], rtol=1e-12)
-
-
-def test_every_way_to_time_a_swing_gives_one_period(tmp_path: Path) -> None:
+def test_every_way_to_time_a_swing_gives_one_period(tmp_path):
     time = np.arange(0, 60, 0.05)
     record = np.column_stack([time, np.cos(2 * np.pi * time / 2.08)])
     np.savetxt(tmp_path / "record.csv", record, delimiter=",", header="time,signal", comments="")
@@ -157,7 +135,7 @@ def test_every_way_to_time_a_swing_gives_one_period(tmp_path: Path) -> None:
     assert_allclose(values, values[0], rtol=1e-8)  # the record is read back from 18 digits, its fit is good to 1e-9
 
 
-def test_corrections_are_switched_by_the_file_and_by_the_command(tmp_path: Path) -> None:
+def test_corrections_are_switched_by_the_file_and_by_the_command(tmp_path):
     sizes = 'amplitude = "0.2 rad"\ndamping = "5 %"\nrope_mass = "0.3 kg"\n'
     whole = reduced(tmp_path, HEAD + SWING + sizes)
     assert set(whole.terms["Izz"]) == {"amplitude", "damping", "rope-mass"}
@@ -170,7 +148,7 @@ def test_corrections_are_switched_by_the_file_and_by_the_command(tmp_path: Path)
     assert_allclose(whole.terms["Izz"]["damping"], -(0.05**2), rtol=0.01)
 
 
-def test_damping_of_a_recorded_signal_is_taken_off_without_being_asked(tmp_path: Path) -> None:
+def test_damping_of_a_recorded_signal_is_taken_off_without_being_asked(tmp_path):
     time = np.arange(0, 60, 0.05)
     wave = np.exp(-0.05 * 2 * np.pi / 2.08 / np.sqrt(1 - 0.05**2) * time) * np.cos(2 * np.pi * time / 2.08)
     np.savetxt(tmp_path / "record.csv", np.column_stack([time, wave]), delimiter=",")
@@ -178,20 +156,14 @@ def test_damping_of_a_recorded_signal_is_taken_off_without_being_asked(tmp_path:
     assert_allclose(found.terms["Izz"]["damping"], -(0.05**2), rtol=1e-6)
 
 
-def test_swings_about_one_axis_are_averaged_and_what_they_share_does_not_average_out(tmp_path: Path) -> None:
+def test_swings_about_one_axis_are_averaged_but_not_what_they_share_and_the_cog_is_an_input_like_any_other(tmp_path):
     one, two = reduced(tmp_path, HEAD + SWING), reduced(tmp_path, HEAD + SWING + SWING)
     assert_allclose(two.results["Izz"].nominal_value, one.results["Izz"].nominal_value, rtol=1e-13)
     alone, averaged = rows_of_budget(one), rows_of_budget(two)
     assert_allclose(averaged["mass"], alone["mass"], rtol=1e-12)
     assert_allclose(averaged["period"], alone["period"] / np.sqrt(2), rtol=1e-12)
-
-
-def test_corrections_of_averaged_swings_are_averaged(tmp_path: Path) -> None:
     both = reduced(tmp_path, HEAD + SWING + 'damping = "5 %"\n' + SWING)
     assert_allclose(both.terms["Izz"]["damping"], -(0.05**2) / 2, rtol=1e-12)
-
-
-def test_the_position_of_the_cog_is_an_input_like_any_other(tmp_path: Path) -> None:
     swing = SWING.replace('radius = "0.3 m"', 'positions_along = "z"\npositions = ["0.1 m", "0.8 m"]')
     entries = rows_of_budget(reduced(tmp_path, HEAD + swing))
     # d(s1 s2)/dc / (s1 s2) = 1/s1 - 1/s2 = 1/0.5 - 1/0.2
@@ -204,7 +176,7 @@ def rows_of_budget(reduction: Reduction) -> dict[str, float]:
     return {entry["input"]: entry["contribution_si"] / value for entry in budget}
 
 
-def test_six_general_axes_on_a_torsion_rod_give_the_tensor(tmp_path: Path) -> None:
+def test_six_general_axes_on_a_torsion_rod_give_the_tensor(tmp_path):
     tensor = np.array([[2.0, 0.1, -0.2], [0.1, 1.5, 0.05], [-0.2, 0.05, 1.0]])
     rod = '[torsion_rod]\nknown_inertia = "1 kg m^2"\nperiod = "2 s"\n'
     swings = ""
@@ -219,15 +191,7 @@ def test_six_general_axes_on_a_torsion_rod_give_the_tensor(tmp_path: Path) -> No
         reduced(tmp_path, HEAD + rod + five)
 
 
-def test_moments_that_no_body_has_are_said(tmp_path: Path) -> None:
-    rod = '[torsion_rod]\nknown_inertia = "1 kg m^2"\nperiod = "2 s"\n'
-    swings = "".join(
-        f'[[swing]]\nabout = "{a}"\nsuspension = "torsion-rod"\nperiod = "{t} s"\n' for a, t in zip("xyz", (2, 2, 4), strict=True)
-    )
-    assert any("No body has these moments" in note for note in reduced(tmp_path, HEAD + rod + swings).all_notes)
-
-
-def test_a_wide_tolerance_is_called_too_wide_for_first_order(tmp_path: Path) -> None:
+def test_a_wide_tolerance_is_called_too_wide_for_first_order(tmp_path):
     wide = reduced(tmp_path, HEAD + SWING.replace("0.01 s", "0.4 s"))
     assert any("period exceeds 10 %" in note for note in wide.all_notes)
 
@@ -278,7 +242,7 @@ period = "2.08 s"
         (SWING, SWING.replace('"ropes"', '"torsion-rod"').replace('rope_length = "2 m"\nradius = "0.3 m"\n', ""), "torsion_rod"),
     ],
 )
-def test_bad_pendulum_files_are_refused_in_words(old: str, new: str, words: str, tmp_path: Path) -> None:
+def test_bad_pendulum_files_are_refused_in_words(old, new, words, tmp_path):
     text = HEAD + SWING
     assert old in text
     with pytest.raises(BadInput) as refusal:
@@ -288,7 +252,7 @@ def test_bad_pendulum_files_are_refused_in_words(old: str, new: str, words: str,
 
 
 @pytest.mark.parametrize("content", ["", "# nothing\n", "a,b\nc,d\n", "1,2,3\n4,5,6\n", "1,2\n3\n", "\x00\x01"])
-def test_records_that_are_no_two_columns_are_refused(content: str, tmp_path: Path) -> None:
+def test_records_that_are_no_two_columns_are_refused(content, tmp_path):
     (tmp_path / "record.csv").write_text(content, encoding="utf-8")
     with pytest.raises(BadInput):
         reduced(tmp_path, HEAD + SWING.replace('period = "2.08 +/- 0.01 s"', 'signal = "record.csv"'))
@@ -303,7 +267,7 @@ def test_records_that_are_no_two_columns_are_refused(content: str, tmp_path: Pat
         ("pendulum", ["clumod-4-pendulum", "--without", "air"], "Known are amplitude, damping, rope-mass"),
     ],
 )
-def test_what_does_not_exist_is_refused_with_what_does(command: str, arguments: list[str], words: str) -> None:
+def test_what_does_not_exist_is_refused_with_what_does(command, arguments, words):
     result = run(command, *arguments)
     assert isinstance(result.exception, BadInput)
     assert words in str(result.exception)
@@ -319,7 +283,7 @@ def places(table: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
 
 
 @pytest.mark.parametrize("name", shipped())
-def test_any_wrong_thing_in_any_place_is_refused_or_reduced_but_never_breaks(name: str) -> None:
+def test_any_wrong_thing_in_any_place_is_refused_or_reduced_but_never_breaks(name):
     fields = read(name, KINDS)
     for path in places(fields.table):
         for odd in ODD:
@@ -346,23 +310,20 @@ def impossible_body(folder: Path) -> str:
     return str(path)
 
 
-def test_moments_that_no_body_has_fail_the_run_when_they_are_printed(tmp_path: Path) -> None:
+def test_moments_that_no_body_has_fail_the_run_when_they_are_printed_reduced_or_published(tmp_path):
     paper, machine = run("pendulum", impossible_body(tmp_path)), run("pendulum", impossible_body(tmp_path), "--json")
     assert isinstance(paper.exception, CheckFailed)
     assert isinstance(machine.exception, CheckFailed)
     assert "No body has these moments" in str(paper.exception)
     assert "MoI xx" in paper.stdout
     assert any("No body has these moments" in note for note in json.loads(machine.stdout)["notes"])
-
-
-def test_printed_moments_that_no_body_has_fail_the_run_too(tmp_path: Path) -> None:
     path = tmp_path / "r.toml"
     moments = "\n".join(f'[{key}]\nvalue = "{value} kg m^2"' for key, value in {"Ixx": 1, "Iyy": 1, "Izz": 3}.items())
     path.write_text(f'format = 1\nkind = "results"\n{moments}\n', encoding="utf-8")
     assert isinstance(run("pendulum", str(path)).exception, CheckFailed)
 
 
-def test_an_amplitude_that_no_ropes_allow_is_refused_by_file_and_field(tmp_path: Path) -> None:
+def test_an_amplitude_that_no_ropes_allow_is_refused_by_file_and_field(tmp_path):
     path = Path(impossible_body(tmp_path))
     text = path.read_text(encoding="utf-8").split("[[swing]]")
     text[2] = '\namplitude = "4 rad"' + re.sub(r"(?m)^amplitude.*$", "", text[2])
@@ -372,9 +333,6 @@ def test_an_amplitude_that_no_ropes_allow_is_refused_by_file_and_field(tmp_path:
     assert (error.source, error.field) == (str(path), "swing[2].amplitude")
 
 
-# The page on classical measurements: its file reduces, its examples say what they claim. All pages run their commands.
-
-
 PAGE = Path(__file__).parents[2] / "docs" / "classical-measurements.md"
 
 
@@ -382,18 +340,10 @@ def blocks(language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
 
 
-def commands() -> list[str]:
-    return [line for block in blocks("sh") for line in block.splitlines() if line.startswith("massline ")]
-
-
-def test_the_page_holds_its_commands() -> None:
-    assert {line.split()[1] for line in commands()} == {"weigh", "cog", "pendulum", "swing"}
-
-
-def test_the_recorded_example_finds_the_body_it_was_integrated_for_only_with_its_corrections(root: Path) -> None:
+def test_the_recorded_example_finds_the_body_it_was_integrated_for_only_with_its_corrections(root):
     command = reference_commands.pendulum_command
 
-    def value(*more: str) -> float:
+    def value(*more):
         result = CliRunner().invoke(command, [str(root / "examples" / "clumod-4-upright.toml"), "--json", *more])
         return float(json.loads(result.stdout)["rows"][0]["value"])
 
@@ -405,12 +355,14 @@ def test_the_recorded_example_finds_the_body_it_was_integrated_for_only_with_its
 ROWS = re.findall(r"^\| `(--[^`]+)` \| ([-+.\d]+) \| ([-+.\d]+) \| ([-+.\d]+) \|", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
 
 
-def test_the_page_shows_every_effect_with_its_command() -> None:
+def test_the_page_holds_its_commands_and_shows_every_effect_with_its_own():
+    lines = [line for block in blocks("sh") for line in block.splitlines() if line.startswith("massline ")]
+    assert {line.split()[1] for line in lines} == {"weigh", "cog", "pendulum", "swing"}
     assert len(ROWS) == 12
 
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row[0])
-def test_figures_beside_a_command_are_those_it_prints(row: tuple[str, ...]) -> None:
+def test_figures_beside_a_command_are_those_it_prints(row):
     words = [
         "clumod-4",
         "--cycles",

@@ -10,12 +10,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.modes import Modes
 from geometry.articles import built_in
 from geometry.errors import BadInput
-from geometry.frames import Array, rigid_transformation
+from geometry.frames import rigid_transformation
 from validation.cli import main
-from validation.flexible.model import Flexible, FlexibleOptions, flexible, nearest_part
+from validation.flexible.model import FlexibleOptions, flexible, nearest_part
 from validation.flexible.modes import displacement, has_rotations
 from validation.report.scenes.motion import CYCLE, REACH, DrawnMode, MovingBody, bendable, glb, mode_sheet, sharp_edges
 from validation.report.scenes.scene import DrawnBody
@@ -24,7 +23,7 @@ FRAMES = 4
 
 
 @pytest.fixture(scope="module")
-def drawn(renderer: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+def drawn(renderer, tmp_path_factory) -> Iterator[Path]:
     """The folder that ``massline modes cuboid --shapes --mode 1`` wrote into."""
     with pytest.MonkeyPatch.context() as patch:
         folder = tmp_path_factory.mktemp("shapes")
@@ -50,25 +49,17 @@ def swaying() -> DrawnMode:
     return DrawnMode(number=3, frequency=12.5, text="sways", bodies=(moving,))
 
 
-# --- the surface rides on the model -------------------------------------------------------------------------------------------
-
-
-def rigid_modes(model: Flexible) -> Array:
-    """The six rigid motions of the base as if they were shapes (N, 6)."""
-    return np.asarray(model.structure.rigid)
-
-
 @pytest.mark.parametrize("name", ["clumod-4", "disc+cuboid"])
-def test_a_rigid_motion_of_a_beam_model_carries_every_point_rigidly(name: str) -> None:
+def test_a_rigid_motion_of_a_beam_model_carries_every_point_rigidly(name):
     model = flexible(name, "beam", FlexibleOptions(count=1))
     assert model.structure is not None
     article = built_in(name)
     points = np.random.default_rng(1).uniform([-0.6, -0.6, 0], [0.6, 0.6, 1.6], (200, 3))
-    moved = displacement(model.structure, rigid_modes(model), article, points, nearest_part(article, points))
+    moved = displacement(model.structure, np.asarray(model.structure.rigid), article, points, nearest_part(article, points))
     assert_allclose(moved, [rigid_transformation(point) for point in points], atol=1e-9)  # rounding of metres
 
 
-def test_points_on_the_axis_of_a_blade_move_as_its_nodes_do() -> None:
+def test_points_on_the_axis_of_a_blade_move_as_its_nodes_do():
     model = flexible("clumod-4", "beam", FlexibleOptions(count=6))
     assert has_rotations(model.structure)
     article = built_in("clumod-4")
@@ -80,7 +71,7 @@ def test_points_on_the_axis_of_a_blade_move_as_its_nodes_do() -> None:
     assert_allclose(moved, expected, atol=1e-9 * np.abs(expected).max())  # rounding
 
 
-def test_the_layers_of_a_sandwich_move_together_and_the_mast_ends_where_it_is_held() -> None:
+def test_the_layers_of_a_sandwich_move_together_and_the_mast_ends_where_it_is_held():
     model = flexible("clumod-4", "beam", FlexibleOptions(count=1))
     assert model.structure is not None
     article = built_in("clumod-4")
@@ -96,7 +87,7 @@ def test_the_layers_of_a_sandwich_move_together_and_the_mast_ends_where_it_is_he
     assert_allclose(layers[2], layers[0], rtol=1e-6)
 
 
-def test_what_is_halved_keeps_its_surface_and_its_edges() -> None:
+def test_what_is_halved_keeps_its_surface_and_its_edges():
     import pyvista
 
     fine = bendable(cube(), 0.2)
@@ -108,18 +99,12 @@ def test_what_is_halved_keeps_its_surface_and_its_edges() -> None:
     assert lengths.max() <= 0.2 * (1 + 1e-6)
 
 
-# --- what is written ----------------------------------------------------------------------------------------------------------
-
-
-def test_all_files_are_there_and_nothing_else(drawn: Path) -> None:
+def test_all_files_are_there_and_the_sheet_shows_bodies_in_the_colours_of_their_motion(drawn):
     assert sorted(path.name for path in drawn.iterdir()) == [
         "modes-cuboid-beam-1.gif",
         "modes-cuboid-beam-1.glb",
         "modes-cuboid-beam.png",
     ]
-
-
-def test_the_sheet_shows_bodies_in_the_colours_of_their_motion(drawn: Path) -> None:
     from PIL import Image
 
     with Image.open(drawn / "modes-cuboid-beam.png") as sheet:
@@ -132,7 +117,7 @@ def test_the_sheet_shows_bodies_in_the_colours_of_their_motion(drawn: Path) -> N
     assert border.min() > 250  # nothing is clipped at the edge of the sheet
 
 
-def test_the_gif_moves_endlessly(drawn: Path) -> None:
+def test_the_gif_moves_endlessly(drawn):
     from PIL import Image
 
     with Image.open(drawn / "modes-cuboid-beam-1.gif") as gif:
@@ -146,12 +131,9 @@ def test_the_gif_moves_endlessly(drawn: Path) -> None:
     assert np.abs(frames[0] - frames[1]).max() > 100
 
 
-def test_no_mode_is_nothing_to_draw(tmp_path: Path) -> None:
+def test_no_mode_is_nothing_to_draw(tmp_path):
     with pytest.raises(BadInput, match="no mode to draw"):
         mode_sheet("stone", [], tmp_path / "sheet.png")
-
-
-# --- glTF ---------------------------------------------------------------------------------------------------------------------
 
 
 def tree_of(content: bytes) -> tuple[dict[str, Any], bytes]:
@@ -166,7 +148,7 @@ def tree_of(content: bytes) -> tuple[dict[str, Any], bytes]:
     return json.loads(content[20 : 20 + size]), content[28 + size :]
 
 
-def test_every_slice_of_the_file_lies_within_it_and_says_its_bounds() -> None:
+def test_every_slice_of_the_file_lies_within_it_and_says_its_bounds():
     tree, binary = tree_of(glb("cube", swaying()))
     widths = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}
     sizes = {5126: 4, 5125: 4, 5121: 1}
@@ -182,7 +164,7 @@ def test_every_slice_of_the_file_lies_within_it_and_says_its_bounds() -> None:
     assert tree["asset"]["extras"]["frequency_hz"] == 12.5
 
 
-def test_another_program_reads_the_body_at_rest_with_its_colours(tmp_path: Path) -> None:
+def test_another_program_reads_the_body_at_rest_with_its_colours(tmp_path):
     import trimesh
 
     (tmp_path / "cube.glb").write_bytes(glb("cube", swaying()))
@@ -194,7 +176,7 @@ def test_another_program_reads_the_body_at_rest_with_its_colours(tmp_path: Path)
     assert_allclose(scene.bounds, [[0, 0, -1], [1, 1, 0]], atol=1e-6)
 
 
-def test_vtk_plays_the_animation_as_the_mode_swings(tmp_path: Path) -> None:
+def test_vtk_plays_the_animation_as_the_mode_swings(tmp_path):
     """An oracle that knows nothing of our writer: VTK applies the weights of the animation to the morph targets."""
     import pyvista
     from vtkmodules.vtkIOGeometry import vtkGLTFReader
@@ -211,7 +193,7 @@ def test_vtk_plays_the_animation_as_the_mode_swings(tmp_path: Path) -> None:
     reader.SetFrameRate(120)
     reader.UpdateInformation()
 
-    def points(time: float) -> Array:
+    def points(time):
         reader.UpdateTimeStep(time)
         return np.vstack([leaf.points for leaf in leaves(pyvista.wrap(reader.GetOutput()))])
 
@@ -233,7 +215,7 @@ def leaves(block: Any) -> Iterator[Any]:
             yield entry
 
 
-def test_a_mode_that_does_not_move_is_written_at_rest() -> None:
+def test_a_mode_that_does_not_move_is_written_at_rest():
     mode = swaying()
     still = MovingBody(
         name="cube",
@@ -244,20 +226,3 @@ def test_a_mode_that_does_not_move_is_written_at_rest() -> None:
     )
     tree, _ = tree_of(glb("cube", DrawnMode(number=1, frequency=1.0, text="", bodies=(still,))))
     assert tree["accessors"][1]["max"] == [0, 0, 0]
-
-
-def test_modal_data_alone_cannot_be_drawn() -> None:
-    from validation.report.flexible import drawn_modes
-
-    modes = Modes(
-        frequency=np.array([5.0]),
-        damping_ratio=np.array([0.01]),
-        participation=np.zeros((6, 1)),
-        rigid_mass=np.eye(6),
-        residual=np.zeros((6, 6)),
-        reference_point=np.zeros(3),
-        shapes=np.zeros((0, 1)),
-        viscous=np.array([[0.6]]),
-    )
-    with pytest.raises(BadInput, match="no shape that could be drawn"):
-        drawn_modes(Flexible(article="bench", model="own", modes=modes), [1])

@@ -50,9 +50,7 @@ def statement_of(inertia: Inertia, about: np.ndarray, form: str, sign: str) -> d
     st.sampled_from(["cog", "first_moment"]),
     st.sampled_from([statement.MATRIX_ENTRY, statement.POSITIVE_INTEGRAL]),
 )
-def test_the_same_body_about_any_point_in_any_frame_with_any_sign_does_not_deviate(
-    about: tuple[float, ...], origin: tuple[float, ...], turns: tuple[float, ...], form: str, sign: str
-) -> None:
+def test_the_same_body_about_any_point_in_any_frame_with_any_sign_does_not_deviate(about, origin, turns, form, sign):
     rotation = rotation_about("z", turns[0]) @ rotation_about("x", turns[1]) @ rotation_about("y", turns[2])
     frame = Pose(position=np.array(origin), rotation=rotation)
     table = {"inertia": statement_of(BODY.placed(frame.inverse), np.array(about), form, sign)}
@@ -64,21 +62,21 @@ def test_the_same_body_about_any_point_in_any_frame_with_any_sign_does_not_devia
 
 
 @pytest.mark.parametrize("coordinate", ["2.1e-149 m", "-3.1e-17 m", "0e400 m"])
-def test_a_coordinate_that_is_the_rounding_of_a_zero_is_a_zero_of_few_digits(coordinate: str) -> None:
+def test_a_coordinate_that_is_the_rounding_of_a_zero_is_a_zero_of_few_digits(coordinate):
     table = {"inertia": {"mass": "2 kg", "cog": [coordinate, "0 m", "0 m"]}}
     stated = statement.read(table, "test", IDENTITY).values[1]
     assert stated.value == 0
     assert (stated.decimals or 0) <= 15
 
 
-def test_products_read_with_the_wrong_sign_deviate() -> None:
+def test_products_read_with_the_wrong_sign_deviate():
     table = {"inertia": statement_of(BODY, np.zeros(3), "cog", "matrix-entry")}
     table["inertia"]["products_sign"] = "positive-integral"
     check = cross_check(statement.read(table, "test", IDENTITY), route_statement("occ", BODY))
     assert {row.quantity for row in check.outside} >= {"PoI Θxy", "PoI Θxz", "PoI Θyz"}
 
 
-def test_a_moment_about_a_distant_point_inherits_the_tolerance_of_the_cog() -> None:
+def test_a_moment_about_a_distant_point_inherits_the_tolerance_of_the_cog():
     table = {
         "inertia": {
             "about": "0 0 -1 m",
@@ -93,12 +91,14 @@ def test_a_moment_about_a_distant_point_inherits_the_tolerance_of_the_cog() -> N
     assert values[7] is None, "no products are stated"
 
 
-def test_what_would_need_an_unstated_value_is_unstated() -> None:
+def test_what_would_need_an_unstated_value_is_unstated_and_the_papers_own_result_ships():
     table = {"inertia": {"about": "0 0 1 m", "moments": ["3 kg m²", "3 kg m²", "1 kg m²"], "mass": "2 kg"}}
     assert [v is None for v in statement.read(table, "test", IDENTITY).values] == [False] + [True] * 9
+    result = read_result("clumod-1-table2", article="clumod-1").statement
+    assert [v is None for v in result.values] == [False] * 7 + [True] * 3
 
 
-def test_a_covariance_counts_what_its_values_share() -> None:
+def test_a_covariance_counts_what_its_values_share():
     table = {"inertia": statement_of(BODY, np.zeros(3), "first_moment", "matrix-entry")}
     m, mz = BODY.mass, BODY.first_moment[2]
     # Mass and first moment wrong by one common factor: the CoG does not move.
@@ -109,7 +109,7 @@ def test_a_covariance_counts_what_its_values_share() -> None:
     assert (values[3].tolerance or 1) < 1e-6 * mz, "1.96 standard deviations of nothing"
 
 
-def test_an_interval_counts_with_its_farther_end(tmp_path: Path) -> None:
+def test_an_interval_counts_with_its_farther_end(tmp_path):
     path = tmp_path / "r.toml"
     path.write_text('format = 1\n[inertia]\nmass = "10 kg"\n[interval95]\nmass = ["9.5 kg", "10.2 kg"]\n', encoding="utf-8")
     mass = read_result(str(path), article="cuboid").statement.values[0]
@@ -127,12 +127,12 @@ def written(folder: Path, value: object) -> str:
 
 
 @pytest.mark.parametrize("value", [inertia_json(BODY), identified(), identified(interval95={"mass_kg": [32.0, 34.0]})])
-def test_what_massline_prints_can_be_handed_back(tmp_path: Path, value: dict[str, Any]) -> None:
+def test_what_massline_prints_can_be_handed_back(tmp_path, value):
     result = read_result(written(tmp_path, value), article="clumod-1").statement
     assert_allclose(result.inertia.parameters, BODY.parameters, rtol=0, atol=1e-12)  # rounding
 
 
-def test_a_cog_from_f_needs_to_know_where_f_is(tmp_path: Path) -> None:
+def test_a_cog_from_f_needs_to_know_where_f_is(tmp_path):
     value = identified(origin="F")
     name = written(tmp_path, value)
     with pytest.raises(BadInput, match="clumod-1 does not say where F is"):
@@ -146,7 +146,7 @@ def test_a_cog_from_f_needs_to_know_where_f_is(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("about", "against"), [("disc", "clumod-1"), ("nonsense", "cuboid"), ("cuboid", "my.step"), ("", "disc"), (5, "my.step")]
 )
-def test_a_result_about_another_article_is_refused(tmp_path: Path, about: object, against: str) -> None:
+def test_a_result_about_another_article_is_refused(tmp_path, about, against):
     name = written(tmp_path, identified(article=about))
     with pytest.raises(BadInput, match=f"about {about}, held against {against}") as caught:
         read_result(name, article=against)
@@ -154,11 +154,11 @@ def test_a_result_about_another_article_is_refused(tmp_path: Path, about: object
 
 
 @pytest.mark.parametrize(("about", "against"), [("Disc", "disc"), ("fmd + disc", "fmd+disc"), ("rig", "some/Rig.step")])
-def test_a_result_about_the_same_article_in_other_letters_is_read(tmp_path: Path, about: str, against: str) -> None:
+def test_a_result_about_the_same_article_in_other_letters_is_read(tmp_path, about, against):
     assert read_result(written(tmp_path, identified(article=about)), article=against).warnings == ()
 
 
-def test_a_result_about_another_name_of_the_users_own_is_said(tmp_path: Path) -> None:
+def test_a_result_about_another_name_of_the_users_own_is_said(tmp_path):
     (warning,) = read_result(written(tmp_path, identified(article="rig")), article="my.step").warnings
     assert "about rig, held against my.step" in warning
 
@@ -207,7 +207,7 @@ def test_a_result_about_another_name_of_the_users_own_is_said(tmp_path: Path) ->
         ("format = 1\n[inertia", "is not TOML"),
     ],
 )
-def test_a_file_that_cannot_be_meant_is_refused_in_words(tmp_path: Path, text: str, words: str) -> None:
+def test_a_file_that_cannot_be_meant_is_refused_in_words(tmp_path, text, words):
     path = tmp_path / "r.toml"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(BadInput) as caught:
@@ -230,7 +230,7 @@ def test_a_file_that_cannot_be_meant_is_refused_in_words(tmp_path: Path, text: s
         ('{"mass_kg": 1, "cog_mm": [0,0,0], "moi_cog_kgm2": [1,1,1], "poi_cog_kgm2": [0,0,0], "about": "F"}', "found 'F'"),
     ],
 )
-def test_json_that_cannot_be_meant_is_refused_in_words(tmp_path: Path, text: str, words: str) -> None:
+def test_json_that_cannot_be_meant_is_refused_in_words(tmp_path, text, words):
     path = tmp_path / "r.json"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(BadInput) as caught:
@@ -247,7 +247,7 @@ def checked(moments: list[str], products: list[str] | None) -> tuple[bool | None
     return check.physical, check.passed
 
 
-def test_parameters_that_no_body_has_are_a_failed_check_not_bad_input() -> None:
+def test_parameters_that_no_body_has_are_a_failed_check_not_bad_input():
     assert checked(["1 kg m²", "1 kg m²", "3 kg m²"], ["0 kg m²"] * 3) == (False, False)
     # No product can mend a diagonal that breaks the triangle inequality.
     assert checked(["1 kg m²", "1 kg m²", "3 kg m²"], None) == (False, False)
@@ -257,11 +257,6 @@ def test_parameters_that_no_body_has_are_a_failed_check_not_bad_input() -> None:
     assert checked(["1 kg m²"] * 3, None) == (None, True)
 
 
-def test_the_papers_own_result_ships_as_a_result_file() -> None:
-    result = read_result("clumod-1-table2", article="clumod-1").statement
-    assert [v is None for v in result.values] == [False] * 7 + [True] * 3
-
-
 @pytest.mark.parametrize("rotation", [[0, -1, 0, 1, 0, 0, 0, 0, 1], [[0, -1, 0], [1, 0, 0], [0, 0, 1]], "z 90 deg"])
-def test_a_rotation_is_the_same_as_a_list_as_rows_and_as_a_turn(rotation: object) -> None:
+def test_a_rotation_is_the_same_as_a_list_as_rows_and_as_a_turn(rotation):
     assert_allclose(pose_of({"rotation": rotation}, "test").rotation, rotation_about("z", np.pi / 2), rtol=0, atol=1e-15)

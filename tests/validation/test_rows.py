@@ -1,7 +1,6 @@
 """A row's arithmetic, its verdict, its renderings, and pages as wide as the reader can see."""
 
 import io
-import json
 import sys
 
 import pytest
@@ -17,14 +16,12 @@ from validation.output import PIPED_WIDTH, page_width, print_pages, rounded, to_
 from validation.reference.statement import Row, add_figures, rows_table
 from validation.report.reference import budget_table
 
-CONTRACT = ["quantity", "value", "tolerance", "unit", "reference", "deviation_percent", "within", "dominated_by"]
-
 
 def row(value: float = 47.4, tolerance: float | None = 0.05, reference: float | None = 47.23, **more: float) -> Row:
     return Row(quantity="mass", value=value, tolerance=tolerance, unit="kg", reference=reference, dominated_by="balance", **more)
 
 
-def test_the_deviation_is_relative_to_the_reference_as_in_table_1() -> None:
+def test_the_deviation_is_relative_to_the_reference_as_in_table_1():
     # Table 1 prints two decimals: half a unit of the last is the tolerance
     assert_allclose(row().deviation_percent, 0.36, atol=0.005)
 
@@ -32,37 +29,28 @@ def test_the_deviation_is_relative_to_the_reference_as_in_table_1() -> None:
 @pytest.mark.parametrize(
     ("own", "others", "within"), [(0.16, None, False), (0.18, None, True), (0.12, 0.13, True), (None, None, False)]
 )
-def test_the_verdict_takes_both_tolerances_in_quadrature(own: float | None, others: float | None, within: bool) -> None:
+def test_the_verdict_takes_both_tolerances_in_quadrature(own, others, within):
     judged = Row(quantity="mass", value=47.4, tolerance=own, unit="kg", reference=47.23, reference_tolerance=others)
     assert judged.within is within
 
 
 @given(st.floats(-1e6, 1e6), st.floats(1e-3, 1e3))
-def test_value_and_reference_may_change_places_without_changing_the_verdict(value: float, tolerance: float) -> None:
+def test_value_and_reference_may_change_places_without_changing_the_verdict(value, tolerance):
     there, back = row(value, tolerance, 1.0), row(1.0, tolerance, value)
     assert there.within == back.within
 
 
-def test_without_a_reference_nothing_contradicts_and_nothing_is_invented() -> None:
+def test_without_a_reference_nothing_is_invented_and_a_zero_one_still_has_a_verdict():
     alone = row(reference=None)
     assert alone.within
     assert alone.deviation_percent is None
     assert alone.deviation_in_tolerances is None
-
-
-def test_a_zero_reference_has_no_deviation_in_per_cent_but_still_a_verdict() -> None:
     offset = row(value=-5.45, tolerance=1.0, reference=0.0)
     assert offset.deviation_percent is None
     assert not offset.within
 
 
-def test_json_carries_the_contract_first_and_is_strict_json() -> None:
-    entry = to_json(row())
-    assert list(entry)[:8] == CONTRACT
-    assert json.loads(json.dumps(entry, allow_nan=False)) == entry
-
-
-def test_json_tells_a_row_that_agrees_from_one_that_was_compared_with_nothing() -> None:
+def test_json_tells_a_row_that_agrees_from_one_that_was_compared_with_nothing():
     entries = to_json([row(tolerance=1.0), row(reference=None), row(reference=0.0)])
     assert [(entry["within"], entry["compared"]) for entry in entries] == [(True, True), (True, False), (False, True)]
 
@@ -83,7 +71,7 @@ def test_json_tells_a_row_that_agrees_from_one_that_was_compared_with_nothing() 
         (0.0, 0.01, "0.000"),
     ],
 )
-def test_a_value_is_printed_with_the_digits_its_tolerance_leaves_it(value: float, tolerance: float, text: str) -> None:
+def test_a_value_is_printed_with_the_digits_its_tolerance_leaves_it(value, tolerance, text):
     assert rounded(value, tolerance) == text
 
 
@@ -107,7 +95,7 @@ def moment() -> Row:
 
 
 @pytest.mark.parametrize("width", [80, 100, 160])
-def test_no_figure_unit_or_heading_is_cut_on_any_usual_terminal(width: int) -> None:
+def test_no_figure_unit_or_heading_is_cut_on_any_usual_terminal(width):
     page = printed(rows_table([moment()], "A [title]\nconstructed, not measured"), width)
     for text in (
         "A [title]",
@@ -126,7 +114,7 @@ def test_no_figure_unit_or_heading_is_cut_on_any_usual_terminal(width: int) -> N
     assert max(map(len, page.splitlines())) <= width
 
 
-def test_what_makes_a_result_no_measurement_stands_in_another_colour_below_the_title() -> None:
+def test_what_makes_a_result_no_measurement_stands_in_another_colour_below_the_title():
     title = rows_table([row()], "Clumod, weighed\nconstructed, not measured").title
     assert isinstance(title, Text)
     assert [(title.plain[span.start : span.end], str(span.style)) for span in title.spans] == [
@@ -135,19 +123,16 @@ def test_what_makes_a_result_no_measurement_stands_in_another_colour_below_the_t
     ]
 
 
-def test_a_row_that_is_not_within_stands_out_also_in_colour() -> None:
+def test_a_row_that_is_not_within_stands_out_and_a_budget_prints_its_unit_and_any_name_of_an_input():
     lines = rows_table([row(), row(tolerance=0.2)]).rows
     assert [line.style for line in lines] == ["bold red", None]
-
-
-def test_a_budget_prints_its_unit_and_any_name_of_an_input() -> None:
     item = Item(name="rope [left] :smile:", value=2.0, tolerance=0.005, contribution=0.051, share=0.054)
     page = printed(budget_table([item], "Tolerance of MoI xx", "kg m²", 1.0), 120)
     assert "[kg m²]" in page
     assert "rope [left] :smile:" in page
 
 
-def test_a_unit_is_spelt_for_programs_as_a_model_file_spells_it() -> None:
+def test_a_unit_is_spelt_for_programs_as_a_model_file_spells_it():
     """Effects, rows of measurements and facts of a comparison go into the same programs."""
     from validation.compare.compare import FactComparison
     from validation.effects.catalogue import FAMILIES
@@ -157,23 +142,18 @@ def test_a_unit_is_spelt_for_programs_as_a_model_file_spells_it() -> None:
     assert to_json(moment())["unit"] == to_json(fact)["unit"] == of_effect == "kg m^2"
 
 
-# Pages are as wide as the reader can see, cut no figure and end no line in spaces.
-
-
 MASS = Row(quantity="mass", value=47.4, tolerance=0.14, unit="kg", dominated_by="relative error of the balance that weighed it")
 
 
 @pytest.mark.parametrize(("columns", "width"), [("72", 72), ("", PIPED_WIDTH), ("0", PIPED_WIDTH), ("wide", PIPED_WIDTH)])
 @pytest.mark.usefixtures("capsys")
-def test_a_pipe_is_as_wide_as_columns_says(columns: str, width: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_pipe_is_as_wide_as_columns_says(columns, width, monkeypatch):
     monkeypatch.setenv("COLUMNS", columns)
     assert page_width() == width
 
 
 @pytest.mark.parametrize("columns", ["20", "80", "200"])
-def test_words_wrap_figures_stay_whole_and_no_line_ends_in_spaces(
-    columns: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_words_wrap_figures_stay_whole_and_no_line_ends_in_spaces(columns, monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", columns)
     print_pages([rows_table([MASS], "A [title]\nconstructed, not measured")])
     page = capsys.readouterr().out
@@ -183,9 +163,7 @@ def test_words_wrap_figures_stay_whole_and_no_line_ends_in_spaces(
     assert all(line == line.rstrip() for line in page.splitlines())
 
 
-def test_a_column_of_figures_is_never_narrower_than_its_figures(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_column_of_figures_is_never_narrower_than_its_figures(monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", "20")
     table = Table()
     for _ in range(6):
@@ -196,7 +174,7 @@ def test_a_column_of_figures_is_never_narrower_than_its_figures(
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "utf-8"])
-def test_the_line_under_the_title_stands_alone_in_any_encoding(encoding: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_line_under_the_title_stands_alone_in_any_encoding(encoding, monkeypatch):
     written = io.BytesIO()
     out = io.TextIOWrapper(written, encoding=encoding, errors="replace")
     monkeypatch.setattr(sys, "stdout", out)

@@ -31,17 +31,19 @@ def said(inertia: Inertia, missing: tuple[int, ...] = (), tolerance: float | Non
 
 @settings(max_examples=40, deadline=None)
 @given(poses)
-def test_a_statement_seen_from_a_frame_is_the_body_placed_in_it(frame: Pose) -> None:
+def test_a_statement_seen_from_a_frame_is_the_body_placed_in_it(frame):
     seen = seen_from(said(BODY), frame)
     # Rounding only: lengths of a few metres, moments of tens of kg m².
     assert_allclose(seen.inertia.parameters, BODY.placed(frame.inverse).parameters, rtol=0, atol=1e-11)
 
 
-def test_ten_values_and_the_body_are_the_same() -> None:
+def test_ten_values_and_the_body_are_the_same_and_without_moments_there_is_none():
     assert_allclose(inertia_of(about_cog(BODY)).parameters, BODY.parameters, rtol=0, atol=1e-14)
+    with pytest.raises(ValueError, match="MoI Θxx not stated"):
+        _ = said(BODY, missing=(4,)).inertia
 
 
-def test_a_shift_keeps_what_is_stated_and_a_turn_loses_what_needs_the_products() -> None:
+def test_a_shift_keeps_what_is_stated_and_a_turn_loses_what_needs_the_products():
     partial = said(BODY, missing=(7, 8, 9))
     shifted = seen_from(partial, Pose(position=np.array([1.0, 2.0, 3.0])))
     assert [v is None for v in shifted.values] == [False] * 7 + [True] * 3
@@ -50,20 +52,15 @@ def test_a_shift_keeps_what_is_stated_and_a_turn_loses_what_needs_the_products()
     assert [v is None for v in turned.values] == [False] * 4 + [True, True, False] + [True] * 3
 
 
-def test_a_quarter_turn_swaps_the_moments_of_a_partial_statement() -> None:
+def test_a_quarter_turn_swaps_the_moments_of_a_partial_statement():
     turned = seen_from(said(BODY, missing=(7, 8, 9)), Pose(rotation=rotation_about("z", np.pi / 2)))
     stated = [v.value for v in turned.values if v is not None]
     # The cosine of 90 degrees leaves 1e-17 of the other moment.
     assert_allclose(stated[4:], np.array(BODY.moments_cog)[[1, 0, 2]], rtol=1e-14)
 
 
-def test_a_turn_by_45_degrees_combines_two_equal_independent_tolerances() -> None:
+def test_a_turn_by_45_degrees_combines_two_equal_independent_tolerances():
     turned = seen_from(said(BODY, tolerance=0.01), Pose(rotation=rotation_about("z", np.pi / 4)))
     # Closed form: x' = (x + y) / sqrt(2), so 0.01 again; xx' = (xx + yy) / 2 + xy, so 0.01 sqrt(1/4 + 1/4 + 1).
     found = [v.tolerance for v in turned.values if v is not None]
     assert_allclose(found[1:5], [0.01, 0.01, 0.01, 0.01 * np.sqrt(1.5)], rtol=1e-8)  # accuracy of central differences
-
-
-def test_a_statement_without_moments_is_no_body() -> None:
-    with pytest.raises(ValueError, match="MoI Θxx not stated"):
-        _ = said(BODY, missing=(4,)).inertia

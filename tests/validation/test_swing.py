@@ -2,7 +2,6 @@
 
 import json
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,7 +21,6 @@ from validation.classical.swing import (
     DIED_AWAY,
     MOST_DAMPING,
     SMALL,
-    Record,
     Setup,
     Words,
     recorded,
@@ -49,29 +47,7 @@ def pendulum(radii: tuple[float, ...] = (0.3,), off: tuple[float, float] = (0.0,
     return Setup(**given, radii=radii, off_centre=off, suspension=suspension, **({"cycles": 8.0} | recorder))
 
 
-def errors(record: Record) -> tuple[float, float]:
-    """Of the inertia by Eq. 5 alone and with corrections, relative."""
-    return record.plain / record.setup.reference - 1, record.corrected / record.setup.reference - 1
-
-
-@pytest.mark.parametrize(("amplitude", "percent"), [(0.1, 0.069), (0.2, 0.275)])
-def test_a_finite_amplitude_lengthens_the_period_as_the_physics_notes_say(amplitude: float, percent: float) -> None:
-    found = recorded(pendulum(amplitude=amplitude))
-    assert_allclose(100 * found.shift, percent, atol=1.5e-3)  # printed to 0.001, and the method
-    plain, corrected = errors(found)
-    assert_allclose(plain, 2 * found.shift, rtol=0.01)  # (1 + x)² - 1
-    assert abs(corrected) < 2 * METHOD
-
-
-def test_damping_of_5_per_cent_lengthens_the_period_by_0_125_per_cent() -> None:
-    found = recorded(pendulum(damping_ratio=0.05))
-    # the physics notes say 0.126; exudyn and 1/sqrt(1 - ζ²) say 0.1252
-    assert_allclose(100 * found.shift, 100 * (1 / np.sqrt(1 - 0.05**2) - 1), atol=100 * METHOD)
-    assert_allclose(found.decay.damping_ratio.nominal_value, 0.05, rtol=1e-4)
-    assert abs(errors(found)[1]) < 2 * METHOD
-
-
-def test_ropes_of_300_g_lengthen_the_period_by_0_06_in_two_links_and_by_0_04_per_cent_in_many() -> None:
+def test_ropes_of_300_g_lengthen_the_period_by_0_06_in_two_links_and_by_0_04_per_cent_in_many():
     shift = {links: 100 * recorded(pendulum(rope_mass=0.3, links=links)).shift for links in (2, 4, 8)}
     assert_allclose(shift[2], 0.062, atol=1e-3)
     uniform = (64 * shift[8] - 16 * shift[4]) / 48  # the error of lumps falls with the square of their number
@@ -79,54 +55,29 @@ def test_ropes_of_300_g_lengthen_the_period_by_0_06_in_two_links_and_by_0_04_per
     assert_allclose((shift[2] - shift[4]) / (shift[4] - shift[8]), 4, rtol=0.05)
 
 
-def test_the_rope_mass_term_takes_off_what_eight_links_do_but_for_their_lumps() -> None:
-    plain, corrected = errors(recorded(pendulum(rope_mass=0.3, links=8)))
-    assert plain > 7e-4
-    assert 0 < corrected < 0.06 * plain  # 0.0035 % of 0.079 %
-
-
-def test_eq_5_is_exact_for_two_ropes_at_s1_and_s2() -> None:
+def test_eq_5_is_exact_for_two_ropes_and_noise_comes_from_its_seed():
     for radii in ((0.3, 0.3), (0.3, 0.9)):
         assert_allclose(recorded(pendulum(radii)).shift, 0, atol=METHOD)
+    one, same, other = (recorded(pendulum(amplitude=0.1, noise=1e-3, seed=seed, cycles=3)).signal for seed in (1, 1, 2))
+    assert np.array_equal(one, same)
+    assert not np.array_equal(one, other)
 
 
-def test_on_two_unequal_sides_the_amplitude_term_leaves_a_part_that_grows_with_the_square() -> None:
-    once, twice = (errors(recorded(pendulum((0.3, 0.9), amplitude=a))) for a in (0.1, 0.2))
-    assert 0.1 < once[1] / once[0] < 0.2  # an approximation, as its equation says: more is left the heavier the body pitches
-    assert_allclose(twice[1] / once[1], 4, rtol=0.06)
-
-
-@pytest.mark.parametrize("stiffness", [1e5, 1e6])
-def test_ropes_that_stretch_cost_the_inertia_their_strain(stiffness: float) -> None:
-    strain = 47.23 * 9.81 / 3 / stiffness
-    plain, corrected = errors(recorded(pendulum(stiffness=stiffness)))
-    assert_allclose(plain, strain, atol=2 * METHOD)
-    assert_allclose(corrected, plain, atol=1e-6)  # Eq. 5 does not know
-
-
-def test_a_cog_off_centre_costs_the_inertia_e_squared_over_s_squared() -> None:
-    plain, _ = errors(recorded(pendulum(off=(0.006, 0.008))))
-    assert_allclose(plain, 1 / (1 - 0.01**2 / 0.3**2) - 1, atol=2 * METHOD)
-    # between two ropes it is s1 s2 that is mistaken
-    plain, _ = errors(recorded(pendulum((0.3, 0.9), off=(0.01, 0.0))))
-    assert_allclose(plain, 0.3 * 0.9 / (0.31 * 0.89) - 1, atol=2 * METHOD)
-
-
-def test_a_dying_twist_is_corrected_by_the_root_mean_square_of_its_peaks() -> None:
+def test_a_dying_twist_is_corrected_by_the_root_mean_square_of_its_peaks():
     found = recorded(pendulum(amplitude=0.2, damping_ratio=0.005))
-    plain, corrected = errors(found)
+    plain, corrected = (found.plain / found.setup.reference - 1, found.corrected / found.setup.reference - 1)
     assert plain > 4e-3
     assert abs(corrected) < 0.01 * plain  # the fit weighs the early, large swings a little more than their mean square
 
 
-def test_every_effect_alone_adds_up_to_all_of_them_as_far_as_they_are_small() -> None:
+def test_every_effect_alone_adds_up_to_all_of_them_as_far_as_they_are_small():
     setup = pendulum(amplitude=0.05, rope_mass=0.3, links=4, stiffness=1e6, off=(0.005, 0.0))
     found = simulated(setup)
     assert [s.name for s in found.shifts] == ["amplitude", "rope-mass", "rope-stretch", "off-centre"]
     assert_allclose(sum(s.period for s in found.shifts), found.record.shift, rtol=0.05, atol=4 * METHOD)
 
 
-def test_what_is_written_is_read_and_reduced_to_what_was_told(tmp_path: Path) -> None:
+def test_what_is_written_is_read_and_reduced_to_what_was_told(tmp_path):
     found = recorded(pendulum((0.3, 0.5), amplitude=0.1, rope_mass=0.2, links=2, noise=1e-3, seed=3))
     path = write(tmp_path, found.setup, found.swing, found.signal, found.decay)
     again = classical_pendulum.reduce(read(str(path), ("pendulum",)))
@@ -138,13 +89,7 @@ def test_what_is_written_is_read_and_reduced_to_what_was_told(tmp_path: Path) ->
     )
 
 
-def test_noise_comes_from_its_seed() -> None:
-    one, same, other = (recorded(pendulum(amplitude=0.1, noise=1e-3, seed=seed, cycles=3)).signal for seed in (1, 1, 2))
-    assert np.array_equal(one, same)
-    assert not np.array_equal(one, other)
-
-
-def test_three_cycles_asked_for_are_three_cycles_recorded_however_the_body_pitches() -> None:
+def test_three_cycles_asked_for_are_three_cycles_recorded_however_the_body_pitches():
     steep = Inertia.from_cog(47.23, np.zeros(3), np.diag([20.1, 20.4, 2.289]))
     test = replace(pendulum((0.3, 0.9), amplitude=0.5, cycles=3.0), inertia=steep)
     found = recorded(test)
@@ -153,7 +98,7 @@ def test_three_cycles_asked_for_are_three_cycles_recorded_however_the_body_pitch
 
 
 @pytest.mark.parametrize("cycles", [3.0, 8.0, 20.0, 100.0])
-def test_the_heaviest_damping_that_is_let_in_is_found_again_in_a_clean_record(cycles: float) -> None:
+def test_the_heaviest_damping_that_is_let_in_is_found_again_in_a_clean_record(cycles):
     zeta = min(MOST_DAMPING, np.sqrt(DIED_AWAY / cycles))
     require_recordable(pendulum(cycles=cycles, damping_ratio=0.999 * zeta))
     with pytest.raises(BadInput, match=r"damping_ratio.*Use"):
@@ -163,24 +108,11 @@ def test_the_heaviest_damping_that_is_let_in_is_found_again_in_a_clean_record(cy
     assert_allclose(from_signal(t, y, "clean").damping_ratio.nominal_value, zeta, rtol=1e-6)
 
 
-# `massline swing`: what it prints, what it writes, and how it refuses.
-
-
-Run = Callable[..., tuple[int, str, str]]
 SHORT = ("--cycles", "4", "--rate", "25")
 
 
-def test_it_prints_the_period_every_effect_and_the_inertia(run: Run) -> None:
-    code, out, _ = run("swing", "cuboid", "--radius", "0.1 m", "--damping", "1 %", "--off-centre", "1 mm, 1 mm", *SHORT)
-    assert code == 0
-    for words in ("by Eq. 5", "effect alone", "amplitude", "damping", "off-centre", "all together", "with corrections", "let go"):
-        assert words in out
-
-
-def test_json_holds_what_the_page_does_in_units_that_keys_name(run: Run) -> None:
-    code, out, _ = run("swing", "clumod-4", "--axis", "x", "--s1", "0.55 m", "--s2", "0.9 m", "--json", *SHORT)
-    found = json.loads(out)
-    assert code == 0
+def test_json_holds_what_the_page_does_in_units_that_keys_name(answer):
+    found = answer("swing", "clumod-4", "--axis", "x", "--s1", "0.55 m", "--s2", "0.9 m", *SHORT)
     assert found["ropes"] == 2
     assert set(found["period_shift_percent"]) == {"amplitude", "all"}
     reference = found["moi_kgm2"]["reference"]
@@ -191,16 +123,14 @@ def test_json_holds_what_the_page_does_in_units_that_keys_name(run: Run) -> None
     assert found["files"] == []
 
 
-def test_what_it_writes_goes_through_massline_pendulum(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_it_writes_goes_through_massline_pendulum(run, answer, monkeypatch):
     monkeypatch.setattr(setups, "draw_swing", lambda *_, **__: [])
     code, out, err = run("swing", "cuboid", "--radius", "0.1 m", "--out", "there", "--json", "--noise", "1 mrad", *SHORT)
     assert code == 0
     assert "massline pendulum there/pendulum.toml" in err
     told = json.loads(out)
     assert told["files"] == ["there/record.csv", "there/pendulum.toml"]
-    code, out, _ = run("pendulum", "there/pendulum.toml", "--json")
-    reduced = json.loads(out)
-    assert code == 0
+    reduced = answer("pendulum", "there/pendulum.toml")
     assert_allclose(reduced["rows"][0]["value"], told["moi_kgm2"]["corrected"], rtol=1e-12)
     assert "simulated by exudyn" in reduced["origin"]
 
@@ -248,23 +178,18 @@ def test_what_it_writes_goes_through_massline_pendulum(run: Run, monkeypatch: py
         (("--out", "../nowhere/deep"), "--out: ../nowhere/deep cannot be written"),
     ],
 )
-def test_what_cannot_be_is_refused_by_the_option_that_asked_for_it(run: Run, words: tuple[str, ...], said: str) -> None:
-    code, out, err = run("swing", "cuboid", *words)
-    assert (code, out) == (2, "")
-    assert said in err
+def test_what_cannot_be_is_refused_by_the_option_that_asked_for_it(refused, words, said):
+    assert said in refused("swing", "cuboid", *words)
 
 
 @pytest.mark.parametrize("option", ["--plot", "--animate"])
-def test_pictures_that_could_not_be_written_are_refused_before_anything_swings(run: Run, option: str) -> None:
+def test_pictures_that_could_not_be_written_are_refused_before_anything_swings(refused, option):
     Path("out").write_text("not a folder")
-    code, _, err = run("swing", "cuboid", option)
-    assert code == 2
-    assert f"{option}: out cannot be written" in err
+    assert f"{option}: out cannot be written" in refused("swing", "cuboid", option)
 
 
-def test_a_record_in_which_noise_drowns_the_swing_is_refused_as_any_record_would_be(run: Run) -> None:
-    code, _, err = run("swing", "cuboid", "--radius", "0.1 m", "--amplitude", "1 mrad", "--noise", "1 mrad", *SHORT)
-    assert code == 2
+def test_a_record_in_which_noise_drowns_the_swing_is_refused_as_any_record_would_be(refused):
+    err = refused("swing", "cuboid", "--radius", "0.1 m", "--amplitude", "1 mrad", "--noise", "1 mrad", *SHORT)
     assert "--noise: its record cannot be reduced: no decaying sinusoid" in err
 
 
@@ -283,10 +208,8 @@ def test_a_record_in_which_noise_drowns_the_swing_is_refused_as_any_record_would
     ],
     ids=lambda given: given[0] if isinstance(given, tuple) else "",
 )
-def test_what_a_refusal_advises_passes_the_door(
-    run: Run, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], unit: str
-) -> None:
-    def passed(*_: object) -> None:
+def test_what_a_refusal_advises_passes_the_door(run, monkeypatch, words, unit):
+    def passed(*_):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(rope_pendulum._RopeBuilder, "build", passed)
@@ -297,8 +220,8 @@ def test_what_a_refusal_advises_passes_the_door(
     assert code == 130, err
 
 
-def test_ctrl_c_leaves_no_file(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupted(self: Watch, system: object, time: float) -> bool:
+def test_ctrl_c_leaves_no_file(run, monkeypatch):
+    def interrupted(self, system, time):
         self.stopped = KeyboardInterrupt()
         return False
 
@@ -309,9 +232,7 @@ def test_ctrl_c_leaves_no_file(run: Run, monkeypatch: pytest.MonkeyPatch) -> Non
     assert not Path("there").exists()
 
 
-def test_the_picture_and_the_animation_show_the_pendulum_moving(
-    run: Run, renderer: None, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_picture_and_the_animation_show_the_pendulum_moving(run, renderer, monkeypatch):
     import numpy as np
     from PIL import Image
 
@@ -335,7 +256,7 @@ def test_the_picture_and_the_animation_show_the_pendulum_moving(
     assert said_about(Path("there/swing-cuboid-z.png")) == ""
 
 
-def test_a_clean_record_raises_no_alarm_and_a_large_dying_swing_says_what_is_left(run: Run) -> None:
+def test_a_clean_record_raises_no_alarm_and_a_large_dying_swing_says_what_is_left(run):
     _, clean, _ = run("swing", "cuboid", "--radius", "0.1 m", *SHORT)
     assert "leaves over" not in clean
     _, dying, _ = run("swing", "cuboid", "--radius", "0.1 m", "--amplitude", "1 rad", "--damping", "3 %", *SHORT)
@@ -343,8 +264,8 @@ def test_a_clean_record_raises_no_alarm_and_a_large_dying_swing_says_what_is_lef
     assert "changes with the amplitude" in " ".join(dying.split())
 
 
-def test_ropes_through_the_article_are_said_with_the_height_that_clears_it() -> None:
-    def said(*, height: str) -> str:
+def test_ropes_through_the_article_are_said_with_the_height_that_clears_it():
+    def said(*, height):
         texts = {"length": "2 m", "amplitude": "0.1 rad", "height": height}
         recorder = {"off_centre": None, "links": None, "start": "twist", "cycles": 3.0, "rate": 25.0, "seed": 0}
         test = setup("clumod-4", Words(texts=texts, ropes=3, axis="z", along=None, **recorder), ArticleOptions())

@@ -44,29 +44,28 @@ def fields(text: str, more: str = "") -> Fields:
     return Fields(source="file.toml", place="", table=table)
 
 
-def test_the_tolerance_of_a_weighing_is_resolution_digit_and_relative_error_in_quadrature() -> None:
+def test_a_weighing_adds_resolution_digit_and_relative_error_in_quadrature_and_repeated_averages_all_but_the_last():
     mass = weigh.reduce(fields(WEIGHING)).results["mass"]
     assert_allclose(mass.nominal_value, 47.40, rtol=1e-14)
     # gross and tare each: half of 20 g, and one digit of 20 g; once 0.05 % of the net mass
     assert_allclose(mass.std_dev, np.sqrt(2 * 0.01**2 + 2 * 0.02**2 + (0.0005 * 47.4) ** 2), rtol=1e-12)
-
-
-def test_repeating_a_weighing_averages_everything_but_the_relative_error() -> None:
     again = '[[reading]]\ngross = "48.62 kg"\ntare = "1.22 kg"\n' * 99
     mass = weigh.reduce(fields(WEIGHING, again)).results["mass"]
     assert_allclose(mass.std_dev, np.sqrt((2 * 0.01**2 + 2 * 0.02**2) / 100 + (0.0005 * 47.4) ** 2), rtol=1e-9)
 
 
-def test_scatter_of_the_readings_is_an_item_of_its_own() -> None:
+def test_scatter_of_the_readings_is_an_item_and_the_rope_carries_what_the_balance_does_not():
     mass = weigh.reduce(fields(WEIGHING, '[[reading]]\ngross = "48.82 kg"\ntare = "1.22 kg"\n')).results["mass"]
     scatter = {item.name: item.contribution for item in itemised(mass)}["scatter of the readings"]
     assert_allclose(scatter, 0.1, rtol=1e-3)  # two readings 0.2 kg apart: 0.2/sqrt(2)/sqrt(2), times the gain 1
+    reduced = weigh.reduce_cog(fields('gravity = "10 m/s^2"\n' + CRANE))
+    assert_allclose(reduced.results["rope_force"].nominal_value, 172.8, rtol=1e-13)
 
 
 AIR = 'air_density = "1.2 kg/m^3"\nweights_density = "8000 kg/m^3"\narticle_density = "2700 kg/m^3"\n'
 
 
-def test_buoyancy_is_off_until_it_is_asked_for_and_balances_the_forces_then() -> None:
+def test_buoyancy_is_off_until_it_is_asked_for_and_balances_the_forces_then():
     off = weigh.reduce(fields(WEIGHING, "[buoyancy]\n" + AIR))
     on = weigh.reduce(fields(WEIGHING, "[buoyancy]\napply = true\n" + AIR))
     shown, mass = off.results["mass"].nominal_value, on.results["mass"].nominal_value
@@ -77,9 +76,7 @@ def test_buoyancy_is_off_until_it_is_asked_for_and_balances_the_forces_then() ->
 
 
 @given(st.floats(-0.3, 0.3), st.floats(-0.1, 0.1), st.floats(-0.1, 0.1), st.floats(0.1, 1.4), st.floats(1.5, 2.0))
-def test_the_lever_recovers_the_cog_of_a_body_whose_statics_are_solved_numerically(
-    lean: float, rope_offset: float, support_offset: float, cog: float, rope: float
-) -> None:
+def test_the_lever_recovers_the_cog_of_a_body_whose_statics_are_solved_numerically(lean, rope_offset, support_offset, cog, rope):
     mass, support = 47.4, 0.031
     turn = np.array([[np.cos(lean), -np.sin(lean)], [np.sin(lean), np.cos(lean)]])
     places = [turn @ p for p in ((support, support_offset), (rope, rope_offset), (cog, 0.0))]
@@ -93,25 +90,17 @@ def test_the_lever_recovers_the_cog_of_a_body_whose_statics_are_solved_numerical
     assert_allclose(found.nominal_value, cog, rtol=1e-9)
 
 
-def test_without_offsets_the_inclination_does_not_matter() -> None:
+def test_without_offsets_the_inclination_does_not_matter_and_with_them_its_tolerance_counts():
     level, leaning = (
         weigh.reduce_cog(fields(CRANE, f'inclination = "{angle}"')).results["cog_z"] for angle in ("0 deg", "20 +/- 5 deg")
     )
     assert_allclose([leaning.nominal_value, leaning.std_dev], [level.nominal_value, level.std_dev], rtol=1e-13)
-
-
-def test_with_offsets_the_tolerance_of_the_inclination_counts() -> None:
     reduced = weigh.reduce_cog(fields(CRANE, 'inclination = "0 +/- 1 deg"\nsupport_offset = "-100 mm"'))
     part = {item.name: item.contribution for item in itemised(reduced.results["cog_z"])}["inclination"]
     assert_allclose(part, 30.12 / 47.4 * 0.1 * np.radians(1), rtol=1e-12)
 
 
-def test_the_rope_carries_what_the_balance_does_not() -> None:
-    reduced = weigh.reduce_cog(fields('gravity = "10 m/s^2"\n' + CRANE))
-    assert_allclose(reduced.results["rope_force"].nominal_value, 172.8, rtol=1e-13)
-
-
-def test_tolerances_of_the_lever_are_those_of_monte_carlo() -> None:
+def test_tolerances_of_the_lever_are_those_of_monte_carlo():
     given_ = {"mass": (47.4, 0.05), "reading": (30.12, 0.03), "rope": (1.6, 5e-4), "support": (0.031, 5e-4)}
     found = cog_height(**{name: tagged(*pair, name) for name, pair in given_.items()})
     rng = np.random.default_rng(3)
@@ -144,7 +133,7 @@ def test_tolerances_of_the_lever_are_those_of_monte_carlo() -> None:
         ('mass = "47.40 +/- 0.05 kg"', "", "article.mass"),
     ],
 )
-def test_bad_weighings_and_crane_tests_are_refused_in_words(old: str, new: str, words: str) -> None:
+def test_bad_weighings_and_crane_tests_are_refused_in_words(old, new, words):
     text, reduce = (WEIGHING, weigh.reduce) if old in WEIGHING else (CRANE, weigh.reduce_cog)
     assert old in text
     with pytest.raises(BadInput) as refusal:

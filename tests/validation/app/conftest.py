@@ -1,7 +1,5 @@
 """The workbench as a user has it: the command in a process, Chromium before it, and what both leave behind."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 import re
@@ -108,7 +106,7 @@ def until(claim: Callable[[], bool], seconds: float = 15.0) -> bool:
 
 
 @pytest.fixture(scope="session")
-def start_app(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Workbench]]:
+def start_app(tmp_path_factory) -> Iterator[Callable[..., Workbench]]:
     """`massline app` with arguments, in a folder of its own; ended with the tests."""
     running: list[Workbench] = []
 
@@ -141,7 +139,7 @@ def start_app(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[...
 
 
 @pytest.fixture(scope="session")
-def series(tmp_path_factory: pytest.TempPathFactory, massline: Any) -> tuple[str, str]:
+def series(tmp_path_factory, massline) -> tuple[str, str]:
     """A model, and the smallest test with something in it that the model does not know."""
     folder = tmp_path_factory.mktemp("series")
     quick = ("--tolerances", "0.3", "--noise", "0.1", "--octaves-per-minute", "120", "--rate", "256", "--band", "8", "16")
@@ -163,7 +161,7 @@ class Heard:
 
 
 @pytest.fixture(scope="module")
-def visit(chromium: Any) -> Iterator[Callable[..., Any]]:
+def visit(chromium) -> Iterator[Callable[..., Any]]:
     """A new browser, as if on another machine, with a page in it; its console must stay clean and it must ask nobody else."""
     contexts: list[tuple[Any, Heard, str]] = []
 
@@ -219,7 +217,7 @@ PAPER = {"light": "#ffffff", "dark": "#171b22"}
 
 
 @pytest.fixture(scope="session")
-def looked(script: Any, shot: Any) -> Callable[[Any, str], None]:
+def looked(script, shot) -> Callable[[Any, str], None]:
     """``looked(page, state)``: light and dark on a laptop, and once on a large screen, every text stands out, every control has
     a name and nothing has to be scrolled sideways; a picture is kept of each. It ends with the other colours: the next state
     begins with them."""
@@ -242,7 +240,7 @@ def looked(script: Any, shot: Any) -> Callable[[Any, str], None]:
 
 
 @pytest.fixture(autouse=True)
-def _loops_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
+def _loops_of_their_own(monkeypatch) -> None:
     """The browser's driver has a loop running in this thread for all of the session: others run in a thread of their own."""
     run = asyncio.run
 

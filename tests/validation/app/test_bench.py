@@ -1,7 +1,5 @@
 """What a window does with clicks that come at a bad moment, without a browser."""
 
-from __future__ import annotations
-
 import asyncio
 import threading
 import time
@@ -52,14 +50,14 @@ def tried(written: str = "force-gain:fmd-z2=0.1", *, followed: bool) -> Any:
     return SimpleNamespace(written=written, traces=(trace,), before_percent=2.0, plain_percent=1.0, facts={}, followed=followed)
 
 
-def test_the_answer_says_whether_anything_was_fitted() -> None:
+SLIDER = SimpleNamespace(key="", whole=False, logarithmic=False, low=0.0, high=1.0, per_si=1.0, label="", shown_unit="", start=0)
+
+
+def test_the_answer_says_whether_anything_was_fitted_and_another_entry_has_its_own_curve(tmp_path):
     assert "nothing fitted" in panels._said(tried(followed=False), "the plain fit")
     said = panels._said(tried(followed=True), "the plain fit")
     assert "nothing" not in said
     assert "fitted anew beside it" in said
-
-
-def test_another_entry_has_its_own_curve_with_the_effect(tmp_path: Path) -> None:
     of = bench(tmp_path, campaign="a", load=2, motion=2)
     of.tried = tried(followed=True)
     of.state.load, of.state.motion = 1, 4
@@ -67,19 +65,16 @@ def test_another_entry_has_its_own_curve_with_the_effect(tmp_path: Path) -> None
     assert np.array_equal(matrix[:, 1, 4], np.full(3, 10.0))
 
 
-def test_a_slider_that_is_put_aside_while_it_moves_ends_quietly(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    slider = SimpleNamespace(
-        key="", whole=False, logarithmic=False, low=0.0, high=1.0, per_si=1.0, label="", shown_unit="", start=0
-    )
-    effect = SimpleNamespace(id="x", sliders=(slider,), written=lambda sizes: f"x={sizes}")
+def test_a_slider_that_is_put_aside_while_it_moves_ends_quietly(tmp_path, monkeypatch):
+    effect = SimpleNamespace(id="x", sliders=(SLIDER,), written=lambda sizes: f"x={sizes}")
 
-    def slow(*_: Any, **__: Any) -> Any:
+    def slow(*_, **__):
         time.sleep(0.1)
         return tried(followed=True)
 
     monkeypatch.setattr(whatif, "what_if", slow)
 
-    async def story() -> None:
+    async def story():
         of = bench(tmp_path, campaign="a", effect={"id": "x"})
         of.effects, of.table, of.sizes = {"x": effect}, object(), {"": 0.0}  # type: ignore[assignment, dict-item]
         await panels.drag(of, "", 300)
@@ -93,23 +88,18 @@ def test_a_slider_that_is_put_aside_while_it_moves_ends_quietly(tmp_path: Path, 
     run(story)
 
 
-def test_a_slider_that_moves_on_does_not_wait_for_what_is_computed_where_it_rested(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    slider = SimpleNamespace(
-        key="", whole=False, logarithmic=False, low=0.0, high=1.0, per_si=1.0, label="", shown_unit="", start=0
-    )
-    effect = SimpleNamespace(id="x", sliders=(slider,), written=lambda sizes: f"x={sizes['']}")
+def test_a_slider_that_moves_on_does_not_wait_for_what_is_computed_where_it_rested(tmp_path, monkeypatch):
+    effect = SimpleNamespace(id="x", sliders=(SLIDER,), written=lambda sizes: f"x={sizes['']}")
     resting, go_on, asked = threading.Event(), threading.Event(), []
 
-    def what_if(_: Any, written: str, *__: Any, exact: bool = True) -> Any:
+    def what_if(_, written, *__, exact=True):
         asked.append((written, exact))
         if exact:
             resting.set()
             assert go_on.wait(10)
         return tried(written, followed=True)
 
-    async def nothing(_: WindowState) -> None:
+    async def nothing(_):
         pass
 
     monkeypatch.setattr(whatif, "what_if", what_if)
@@ -117,7 +107,7 @@ def test_a_slider_that_moves_on_does_not_wait_for_what_is_computed_where_it_rest
     monkeypatch.setattr(panels, "keep", lambda _: None)
     monkeypatch.setattr(panels, "RESTS", 0.05)
 
-    async def story() -> None:
+    async def story():
         of = bench(tmp_path, campaign="a", load=2, motion=2, effect={"id": "x"})
         of.effects, of.table, of.sizes = {"x": effect}, SimpleNamespace(at="the plain fit"), {"": 0.0}  # type: ignore[assignment, dict-item]
         await panels.drag(of, "", 300)
@@ -152,18 +142,16 @@ class Worker:
 
 
 @pytest.mark.parametrize(("said", "told"), [("", "nothing has changed."), ("rung 1 stays on the ladder",) * 2])
-def test_a_cancelled_add_is_told_as_the_desk_left_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, said: str, told: str
-) -> None:
+def test_a_cancelled_add_is_told_as_the_desk_left_it(tmp_path, monkeypatch, said, told):
     stood: list[WindowState] = []
 
-    async def stands(of: WindowState) -> None:
+    async def stands(of):
         stood.append(of)
 
     monkeypatch.setattr(panels, "stands", stands)
     monkeypatch.setattr(workers, "start", lambda *_, **__: Worker(said))
 
-    async def story() -> None:
+    async def story():
         of = bench(tmp_path, effect={"id": "x"})
         of.session, of.effects = object(), {"x": SimpleNamespace(written=lambda _: "x=1")}  # type: ignore[assignment, dict-item]
         await panels.add(of)
@@ -176,15 +164,15 @@ def test_a_cancelled_add_is_told_as_the_desk_left_it(
     run(story)
 
 
-def test_a_mended_file_is_dropped_again_under_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_mended_file_is_dropped_again_under_its_name(tmp_path, monkeypatch):
     opened: list[str] = []
 
-    async def taken(of: WindowState, _: Any) -> None:
+    async def taken(of, _):
         opened.append(Path(of.state.model_path).read_text(encoding="utf-8"))
 
     monkeypatch.setattr(panels, "_opened", taken)
 
-    async def story() -> None:
+    async def story():
         of = bench(tmp_path, data_paths="/somewhere")
         for text in (b"model = 1", b"model = 2"):
             await transfer.arrived(of, [Handed(name="s/model.toml", content=text)])
@@ -197,10 +185,10 @@ def test_a_mended_file_is_dropped_again_under_its_name(tmp_path: Path, monkeypat
     run(story)
 
 
-def test_clicks_do_not_wait_behind_figures(tmp_path: Path) -> None:
+def test_clicks_do_not_wait_behind_figures(tmp_path):
     (tmp_path / "a.png").write_bytes(b"png")
 
-    async def story() -> None:
+    async def story():
         of = bench(tmp_path)
         of.session = SimpleNamespace(folder=tmp_path, draw=lambda *_: time.sleep(0.5) or (tmp_path / "a.png",))  # type: ignore[assignment]
         drawing_them = asyncio.ensure_future(transfer.figures(of))
@@ -213,14 +201,14 @@ def test_clicks_do_not_wait_behind_figures(tmp_path: Path) -> None:
     run(story)
 
 
-def test_a_click_on_the_map_goes_to_the_worst_line_of_its_column(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    async def drawn(_: WindowState) -> None:
+def test_a_click_on_the_map_goes_to_the_worst_line_of_its_column(tmp_path, monkeypatch):
+    async def drawn(_):
         pass
 
     monkeypatch.setattr(panels, "drawn", drawn)
     monkeypatch.setattr(panels, "nearest", drawn)
 
-    async def story() -> None:
+    async def story():
         of = bench(tmp_path, campaign="a", map_kind="pairs")
         of.compared = SimpleNamespace(map=lambda _: SimpleNamespace(data_set="a"))  # type: ignore[assignment]
         await panels.cell(of, {"x": 10.0, "y": "zβ", "custom": [7.1, 10.4]})
@@ -231,14 +219,12 @@ def test_a_click_on_the_map_goes_to_the_worst_line_of_its_column(tmp_path: Path,
     run(story)
 
 
-def test_modes_far_from_what_was_clicked_say_so() -> None:
+def test_modes_far_from_what_was_clicked_say_so():
     assert panels.apart(8.0, 8.4) == ""
     assert "8 Hz" in panels.apart(8.0, 351.0)
 
 
-def test_what_nobody_saved_is_kept_where_the_terminal_says(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, series: tuple[str, str]
-) -> None:
+def test_what_nobody_saved_is_kept_where_the_terminal_says(tmp_path, monkeypatch, series):
     from validation.app.session import begun
 
     desk = begun(tmp_path / "home" / "abc" / "desk-0", series[0], [series[1]])

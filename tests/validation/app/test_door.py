@@ -1,7 +1,5 @@
 """Nobody comes in who was not let in, whatever way they ask."""
 
-from __future__ import annotations
-
 import http.client
 from pathlib import Path
 from typing import Any
@@ -25,12 +23,12 @@ def answer(bench: Any, path: str = "/", method: str = "GET", **headers: str) -> 
 
 
 @pytest.fixture(scope="module")
-def bench(start_app: Any) -> Any:
+def bench(start_app) -> Any:
     return start_app("--stay")
 
 
 @pytest.fixture(scope="module")
-def cookie(bench: Any) -> str:
+def cookie(bench) -> str:
     """The cookie that the token is good for, once."""
     response = answer(bench, f"/?token={bench.token}")
     assert response.status == 303
@@ -43,13 +41,10 @@ def upgrade(bench: Any, path: str, **headers: str) -> int:
     return answer(bench, path, **asked, **headers).status
 
 
-def test_without_the_token_nothing_is_shown_and_nothing_is_started(bench: Any) -> None:
+def test_without_the_token_nothing_is_shown_or_started_and_it_is_good_once_and_leaves_no_trace(bench, cookie):
     for path in ("/", "/w/abcdefgh/", "/w/abcdefgh/index.html", "/?token=", "/?token=wrong", "/anything"):
         assert answer(bench, path).status == 401, path
     assert len(bench.windows()) <= 1  # the one that stands ready
-
-
-def test_a_token_is_good_once_and_leaves_no_trace_in_the_address(bench: Any, cookie: str) -> None:
     assert answer(bench, f"/?token={bench.token}").status == 401
     again = answer(bench, f"/?token={bench.token}", Cookie=cookie)  # a reload of the first page, by the browser that was let in
     assert (again.status, again.getheader("Location")) == (303, "/")
@@ -58,7 +53,7 @@ def test_a_token_is_good_once_and_leaves_no_trace_in_the_address(bench: Any, coo
 @pytest.mark.parametrize(
     "host", ["evil.example", "evil.example:{port}", "127.0.0.1", "127.0.0.1:1", "localhost.evil.example:{port}", ""]
 )
-def test_another_host_is_not_served(bench: Any, cookie: str, host: str) -> None:
+def test_another_host_is_not_served(bench, cookie, host):
     named = host.format(port=bench.port)
     assert answer(bench, "/", Host=named, Cookie=cookie).status == 403
     assert upgrade(bench, "/w/abcdefgh/ws", Host=named, Cookie=cookie, Origin=f"http://{named}") == 403
@@ -67,29 +62,23 @@ def test_another_host_is_not_served(bench: Any, cookie: str, host: str) -> None:
 @pytest.mark.parametrize(
     "origin", ["http://evil.example", "https://{host}", "http://127.0.0.1:1", "null", "http://{host}.evil.example"]
 )
-def test_another_origin_is_refused_by_http_and_by_websocket(bench: Any, cookie: str, origin: str) -> None:
+def test_another_origin_is_refused_by_http_and_by_websocket(bench, cookie, origin):
     named = origin.format(host=bench.host)
     assert answer(bench, "/", Origin=named, Cookie=cookie).status == 403
     assert answer(bench, "/w/abcdefgh/files", method="POST", Origin=named, Cookie=cookie).status == 403
     assert upgrade(bench, "/w/abcdefgh/ws", Origin=named, Cookie=cookie) == 403
 
 
-def test_what_changes_something_must_say_where_it_comes_from(bench: Any, cookie: str) -> None:
+def test_what_changes_something_must_say_where_it_comes_from_a_websocket_needs_the_cookie_and_a_window_is_no_path(bench, cookie):
     assert answer(bench, "/w/abcdefgh/files", method="POST", Cookie=cookie).status == 403
     assert upgrade(bench, "/w/abcdefgh/ws", Cookie=cookie) == 403
-
-
-def test_a_websocket_without_the_cookie_is_refused(bench: Any) -> None:
     assert upgrade(bench, "/w/abcdefgh/ws", Origin=f"http://{bench.host}") == 401
-
-
-def test_a_window_is_no_path(bench: Any, cookie: str) -> None:
     for name in ("..", "%2e%2e", "..%2f..%2fetc", "short", "x" * 65):
         assert answer(bench, f"/w/{name}/", Cookie=cookie).status in (400, 404), name
     assert len(bench.windows()) <= 1
 
 
-def test_a_page_of_another_server_at_this_host_starts_nothing(bench: Any, cookie: str) -> None:
+def test_a_page_of_another_server_at_this_host_starts_nothing(bench, cookie):
     before = bench.windows()
     for site in ("same-site", "cross-site"):
         for path in ("/", "/w/aaaaaaaa1/", "/w/aaaaaaaa2/plotly.js"):
@@ -98,7 +87,7 @@ def test_a_page_of_another_server_at_this_host_starts_nothing(bench: Any, cookie
     assert set(bench.windows()) <= set(before) | set(bench.windows()[:1])
 
 
-def test_at_port_80_and_on_the_new_protocol_a_host_is_known() -> None:
+def test_at_port_80_and_on_the_new_protocol_a_host_is_known():
     from validation.app.server import ListeningAddress
 
     assert ListeningAddress(host="127.0.0.1", port=80).answers_to("127.0.0.1")
@@ -108,9 +97,7 @@ def test_at_port_80_and_on_the_new_protocol_a_host_is_known() -> None:
     assert not ListeningAddress(host="127.0.0.1", port=8080).answers_to("127.0.0.1:80")
 
 
-def test_the_browser_is_led_by_a_file_that_nobody_else_reads(
-    chromium: Any, start_app: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_browser_is_led_by_a_file_that_nobody_else_reads(chromium, start_app, tmp_path, monkeypatch):
     from validation.app.server import leading
 
     bench = start_app("--stay")
@@ -125,7 +112,7 @@ def test_the_browser_is_led_by_a_file_that_nobody_else_reads(
     bench.interrupted()
 
 
-def test_every_answer_forbids_the_browser_what_a_foreign_file_could_try(bench: Any, cookie: str) -> None:
+def test_every_answer_forbids_what_a_foreign_file_could_try_and_a_windows_own_port_answers_the_door_only(bench, cookie, until):
     for response in (answer(bench), answer(bench, Cookie=cookie), answer(bench, "/nothing", Cookie=cookie)):
         policy = str(response.getheader("Content-Security-Policy"))
         assert "default-src 'none'" in policy
@@ -133,9 +120,6 @@ def test_every_answer_forbids_the_browser_what_a_foreign_file_could_try(bench: A
         assert response.getheader("X-Content-Type-Options") == "nosniff"
         assert response.getheader("X-Frame-Options") == "DENY"
         assert response.getheader("Server") is None
-
-
-def test_a_windows_own_port_answers_the_door_only(bench: Any, cookie: str, until: Any) -> None:
     assert until(lambda: len(bench.windows()) == 1)  # the one that stands ready
     place = str(answer(bench, "/", Cookie=cookie).getheader("Location"))
     assert answer(bench, f"{place}index.html", Cookie=cookie).status == 200
@@ -156,9 +140,7 @@ def listening(pid: int) -> int:
     raise AssertionError(f"process {pid} listens nowhere")
 
 
-def test_the_cookie_is_shared_with_no_other_door_read_by_no_script_and_sent_by_no_other_site(
-    bench: Any, cookie: str, start_app: Any
-) -> None:
+def test_the_cookie_is_shared_with_no_other_door_read_by_no_script_and_sent_by_no_other_site(bench, cookie, start_app):
     other = start_app("--stay")
     assert answer(other, "/", Cookie=cookie).status == 401
     given = str(answer(other, f"/?token={other.token}").getheader(COOKIE))

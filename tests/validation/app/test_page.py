@@ -1,7 +1,5 @@
 """The page as a person meets it: by mouse and by keyboard, with names in the files that would like to be more than names."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from pathlib import Path
@@ -26,7 +24,7 @@ def hertz(page: Any, figure: str) -> float:
 
 
 @pytest.fixture(scope="module")
-def bench(start_app: Any, series: tuple[str, str], tmp_path_factory: pytest.TempPathFactory) -> Any:
+def bench(start_app, series, tmp_path_factory) -> Any:
     """A workbench on data whose folder and title would like to be HTML and a template."""
     model, data = series
     folder = tmp_path_factory.mktemp("evil") / EVIL
@@ -37,7 +35,7 @@ def bench(start_app: Any, series: tuple[str, str], tmp_path_factory: pytest.Temp
 
 
 @pytest.fixture(scope="module")
-def page(bench: Any, visit: Any) -> Any:
+def page(bench, visit) -> Any:
     """A window in which the comparison is made."""
     opened = visit(bench)
     opened.locator("#map[data-drawn]").wait_for()
@@ -45,7 +43,7 @@ def page(bench: Any, visit: Any) -> Any:
     return opened
 
 
-def test_names_of_dropped_files_go_nowhere(page: Any, bench: Any) -> None:
+def test_names_of_dropped_files_go_nowhere(page, bench):
     page.get_by_role("button", name="Open another").click()
     names = ["../../../evil.toml", "/etc/evil.toml", "..\\evil.toml", "a/../../evil.toml", "ok\u0000evil.toml", EVIL + ".toml"]
     send = """async (names) => {
@@ -64,7 +62,7 @@ def test_names_of_dropped_files_go_nowhere(page: Any, bench: Any) -> None:
     page.locator("#map[data-drawn]").wait_for()
 
 
-def test_names_in_a_campaign_are_text(page: Any, bench: Any) -> None:
+def test_names_in_a_campaign_are_text(page, bench):
     assert EVIL in page.inner_text("header")
     page.locator(".note", has_text=f"{EVIL} of fmd+cuboid").wait_for()
     assert page.locator("img").count() == 0
@@ -72,7 +70,7 @@ def test_names_in_a_campaign_are_text(page: Any, bench: Any) -> None:
     assert page.title() == "massline"
 
 
-def test_the_keyboard_reaches_everything_and_shows_where_it_is(page: Any) -> None:
+def test_the_keyboard_reaches_everything_and_shows_where_it_is(page):
     page.set_viewport_size({"width": 1366, "height": 768})
     page.evaluate("document.activeElement?.blur()")
     reached = []
@@ -92,7 +90,7 @@ def label(page: Any) -> str:
     return str(page.evaluate("document.activeElement.getAttribute('aria-label') ?? ''"))
 
 
-def test_arrow_keys_go_from_entry_to_entry_and_enter_shows_one(page: Any) -> None:
+def test_arrow_keys_go_from_entry_to_entry_and_enter_shows_one(page):
     page.get_by_role("button", name="H yy: force along y").focus()
     for key, wanted in (("ArrowRight", "yz"), ("ArrowDown", "zz"), ("Home", "zx"), ("ArrowLeft", "zx"), ("ArrowUp", "yx")):
         page.keyboard.press(key)
@@ -111,7 +109,7 @@ def test_arrow_keys_go_from_entry_to_entry_and_enter_shows_one(page: Any) -> Non
     assert page.locator('.picker [tabindex="0"]').count() == 1
 
 
-def test_arrow_keys_choose_a_tab_that_says_what_it_controls(page: Any) -> None:
+def test_arrow_keys_choose_a_tab_that_says_what_it_controls(page):
     page.get_by_role("tab", name="Where it fails").focus()
     for key, name in (("ArrowRight", "What is missing"), ("End", "What if"), ("ArrowRight", "Where it fails")):
         page.keyboard.press(key)
@@ -122,7 +120,7 @@ def test_arrow_keys_choose_a_tab_that_says_what_it_controls(page: Any) -> None:
         assert page.locator(f"#{panel}[role=tabpanel]").count() == 1, panel
 
 
-def test_any_cell_and_any_frequency_is_marked_told_and_picked_by_keyboard(page: Any, script: Any, shot: Any) -> None:
+def test_any_cell_and_any_frequency_is_marked_told_and_picked_by_keyboard(page, script, shot):
     page.locator("#map").focus()
     page.keyboard.press("Home")
     worst = page.locator("#map .place-words").inner_text()
@@ -148,7 +146,7 @@ def test_any_cell_and_any_frequency_is_marked_told_and_picked_by_keyboard(page: 
     assert not page.locator(".place:visible").count()
 
 
-def test_the_structure_turns_by_keyboard_and_by_hand(page: Any) -> None:
+def test_the_structure_turns_by_keyboard_and_by_hand(page):
     canvas = page.locator("canvas.view")
     page.locator("canvas[data-shown]").wait_for()
     shown = int(canvas.get_attribute("data-shown"))
@@ -164,7 +162,7 @@ def test_the_structure_turns_by_keyboard_and_by_hand(page: Any) -> None:
     page.wait_for_function("(shown) => Number(document.querySelector('canvas.view').dataset.shown) > shown", arg=shown)
 
 
-def test_a_slider_moves_the_curve_and_comes_to_rest_at_every_line(page: Any, shot: Any) -> None:
+def test_a_slider_moves_the_curve_and_comes_to_rest_at_every_line(page, shot):
     page.get_by_role("tab", name="What if").click()
     page.locator("#try").fill("force-gain:fmd-z1")
     page.locator(".v-list-item", has_text="force-gain:fmd-z1").first.click()
@@ -181,7 +179,7 @@ def test_a_slider_moves_the_curve_and_comes_to_rest_at_every_line(page: Any, sho
     page.wait_for_function("() => !document.querySelector('#overlay').data.some((one) => (one.name ?? '').startsWith('with '))")
 
 
-def test_a_long_computation_can_be_cancelled_and_leaves_nothing(page: Any, bench: Any, until: Any) -> None:
+def test_a_long_computation_can_be_cancelled_and_leaves_nothing(page, bench, until):
     windows = bench.descendants()
     page.get_by_role("tab", name="What is missing").click()
     page.locator("#diagnose").click()
@@ -204,12 +202,12 @@ SCRIPTS = """async () => {
 """Every script that the page has run, as it came."""
 
 
-def test_no_click_leads_out_of_the_house(page: Any, leaves_by_no_click: Any) -> None:
+def test_no_click_leads_out_of_the_house(page, leaves_by_no_click):
     page.locator("#map[data-drawn]").wait_for()
     leaves_by_no_click(page, {"http", "data", "blob"})  # `visit` holds that it is this machine which is asked
 
 
-def test_no_script_of_the_page_holds_a_foreign_address(page: Any, elsewhere: Any) -> None:
+def test_no_script_of_the_page_holds_a_foreign_address(page, elsewhere):
     scripts = dict(page.evaluate(SCRIPTS))
     assert {one.rpartition("/")[2].partition("?")[0] for one in scripts} >= {"plotly.js", "vue.global.js", "massline.js"}
     assert all(scripts.values())

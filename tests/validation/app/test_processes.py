@@ -1,7 +1,5 @@
 """Every window has a process of its own, and none is left when it is closed."""
 
-from __future__ import annotations
-
 import signal
 import subprocess
 from typing import Any
@@ -14,9 +12,7 @@ def number(page: Any) -> Any:
     return page.locator("#band")
 
 
-def test_two_windows_do_not_disturb_each_other_a_reload_keeps_the_state_and_a_duplicated_tab_gets_its_own(
-    start_app: Any, visit: Any
-) -> None:
+def test_two_windows_do_not_disturb_each_other_a_reload_keeps_the_state_and_a_duplicated_tab_gets_its_own(start_app, visit):
     bench = start_app("--stay")
     first = visit(bench)
     number(first).fill("12")
@@ -49,35 +45,24 @@ def at_work(start_app: Any, visit: Any, until: Any, series: tuple[str, str]) -> 
     return bench, page, bench.descendants()
 
 
-def test_closing_the_page_of_a_window_at_work_leaves_no_process(
-    start_app: Any, visit: Any, until: Any, alive: Any, series: tuple[str, str]
-) -> None:
+@pytest.mark.parametrize("ending", ["the page is closed", "ctrl-c", "the door is killed"])
+def test_however_it_ends_every_window_and_its_work_are_gone(ending, start_app, visit, until, alive, series):
     bench, page, every = at_work(start_app, visit, until, series)
-    page.close()
-    assert bench.process.wait(timeout=20) == 0
+    if ending == "the page is closed":
+        page.close()
+        assert bench.process.wait(timeout=20) == 0
+    else:
+        page.context.close()
+    if ending == "ctrl-c":
+        assert bench.interrupted() == 0
+    if ending == "the door is killed":
+        bench.process.send_signal(signal.SIGKILL)
+        bench.process.wait()
+        assert until(lambda: not any(alive(one) for one in every), 5)
     assert not any(alive(one) for one in every)
 
 
-def test_ctrl_c_takes_every_window_and_its_work_with_it(
-    start_app: Any, visit: Any, until: Any, alive: Any, series: tuple[str, str]
-) -> None:
-    bench, page, every = at_work(start_app, visit, until, series)
-    page.context.close()
-    assert bench.interrupted() == 0
-    assert not any(alive(one) for one in every)
-
-
-def test_a_killed_door_takes_every_window_and_its_work_with_it(
-    start_app: Any, visit: Any, until: Any, alive: Any, series: tuple[str, str]
-) -> None:
-    bench, page, every = at_work(start_app, visit, until, series)
-    page.context.close()
-    bench.process.send_signal(signal.SIGKILL)
-    bench.process.wait()
-    assert until(lambda: not any(alive(one) for one in every), 5)
-
-
-def test_a_port_that_is_taken_is_said_in_words(start_app: Any, massline: Any) -> None:
+def test_a_port_that_is_taken_is_said_in_words(start_app, massline):
     bench = start_app("--stay")
     done: subprocess.CompletedProcess[str] = massline("app", "--no-browser", "--port", str(bench.port))
     assert done.returncode == 2
@@ -93,7 +78,7 @@ def test_a_port_that_is_taken_is_said_in_words(start_app: Any, massline: Any) ->
         (["--example", "blok"], "Known are block"),
     ],
 )
-def test_what_cannot_be_opened_is_said_before_anything_is_served(massline: Any, arguments: list[str], said: str) -> None:
+def test_what_cannot_be_opened_is_said_before_anything_is_served(massline, arguments, said):
     done: subprocess.CompletedProcess[str] = massline("app", "--no-browser", *arguments)
     assert (done.returncode, done.stdout) == (2, "")
     assert said in done.stderr

@@ -1,7 +1,5 @@
 """The whole story in a real browser, as the workbench was asked for, and pictures of every state under out/."""
 
-from __future__ import annotations
-
 import json
 import zipfile
 from pathlib import Path
@@ -18,9 +16,7 @@ def percent(page: Any, name: str) -> float:
 
 
 @pytest.mark.proof
-def test_open_the_example_compare_click_diagnose_add_undo_and_save(
-    start_app: Any, visit: Any, tmp_path: Path, script: Any, looked: Any, shot: Any, chromium: Any
-) -> None:
+def test_open_the_example_compare_click_diagnose_add_undo_and_save(start_app, visit, tmp_path, script, looked, shot, chromium):
     page = visit(start_app())
     assert "Drag a folder" in page.inner_text("main")
     page.get_by_label("Model file").fill("/nowhere/model.toml")
@@ -75,7 +71,7 @@ def test_open_the_example_compare_click_diagnose_add_undo_and_save(
     page.locator('[data-rung="1"][aria-pressed="true"]').wait_for()
     page.locator("#falling[data-drawn]").wait_for()
     assert not page.evaluate("document.querySelector('#overlay').data.some((one) => (one.name ?? '').startsWith('with '))")
-    assert left_unasked(page) is False
+    assert bool(page.evaluate(LEFT)) is False
     page.locator("th", has_text="before").wait_for()
     after = percent(page, "plain error"), percent(page, "held-out error")
     assert after[0] < before[0] / 2
@@ -120,11 +116,6 @@ def test_open_the_example_compare_click_diagnose_add_undo_and_save(
 
 
 LEFT = "window.dispatchEvent(new Event('beforeunload', { cancelable: true }))"
-
-
-def left_unasked(page: Any) -> bool:
-    """Whether the browser would leave the page without a question."""
-    return bool(page.evaluate(LEFT))
 
 
 def saved(page: Any, path: Path) -> Path:

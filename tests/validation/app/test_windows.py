@@ -1,7 +1,5 @@
 """When a window's process ends, and when the door does, without any process or browser."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Awaitable, Callable
 from pathlib import Path
@@ -36,12 +34,12 @@ def story(tmp_path: Path, told: Callable[[Quick], Awaitable[None]]) -> Any:
 
 
 @pytest.fixture(autouse=True)
-def _soon(monkeypatch: pytest.MonkeyPatch) -> None:
+def _soon(monkeypatch) -> None:
     monkeypatch.setattr(server, "LINGERS", 0.1)
 
 
-def test_a_reload_that_takes_its_time_keeps_the_process(tmp_path: Path) -> None:
-    async def told(all_of_them: Quick) -> None:
+def test_a_reload_that_takes_its_time_keeps_the_process(tmp_path):
+    async def told(all_of_them):
         window = await all_of_them.window(name := all_of_them.new())
         all_of_them.page_opened(window)
         all_of_them.page_closed(window)
@@ -56,8 +54,8 @@ def test_a_reload_that_takes_its_time_keeps_the_process(tmp_path: Path) -> None:
     story(tmp_path, told)
 
 
-def test_a_window_that_is_about_to_start_keeps_the_door(tmp_path: Path) -> None:
-    async def told(all_of_them: Quick) -> None:
+def test_a_window_that_is_about_to_start_keeps_the_door(tmp_path):
+    async def told(all_of_them):
         starting = asyncio.ensure_future(all_of_them.window(all_of_them.new()))
         await asyncio.sleep(0)
         assert all_of_them.any_alive()
@@ -66,8 +64,8 @@ def test_a_window_that_is_about_to_start_keeps_the_door(tmp_path: Path) -> None:
     story(tmp_path, told)
 
 
-def test_the_door_waits_its_whole_time_from_the_last_page_on(tmp_path: Path) -> None:
-    async def told(all_of_them: Quick) -> None:
+def test_the_door_waits_its_whole_time_from_the_last_page_on(tmp_path):
+    async def told(all_of_them):
         ended = asyncio.Event()
         lingers = server._Linger(0.3, all_of_them, ended)
         lingers.begin()
@@ -80,10 +78,10 @@ def test_the_door_waits_its_whole_time_from_the_last_page_on(tmp_path: Path) -> 
     story(tmp_path, told)
 
 
-def test_only_so_many_windows_are_open(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_so_many_windows_are_open(tmp_path, monkeypatch):
     monkeypatch.setattr(server, "MOST", 2)
 
-    async def told(all_of_them: Quick) -> None:
+    async def told(all_of_them):
         for _ in range(2):
             await all_of_them.window(all_of_them.new())
         with pytest.raises(errors.CheckFailed, match="close one"):

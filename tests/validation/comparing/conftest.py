@@ -1,7 +1,5 @@
 """A laboratory made by hand: the 22 channels of the virtual shaker over a body with one bending mode, nothing simulated."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -62,7 +60,7 @@ class ByHand:
         chained = () if self.known else self.of.parameters
         return (*own, *(Parameter(name=one.name, unit=one.unit, tolerance=one.tolerance) for one in chained))
 
-    def on(self, runs: Sequence[str]) -> ByHand:
+    def on(self, runs: Sequence[str]) -> "ByHand":
         return replace(self, measured=self.measured.on(runs))
 
     def at(self, offsets: Mapping[str, float], lines=None, *, derivatives: bool = True) -> Predicted:

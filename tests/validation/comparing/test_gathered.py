@@ -1,26 +1,17 @@
 """Campaign folders and measurement files together: told apart, and refused where they contradict each other."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
-import numpy as np
 import pytest
 
-from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from identification import campaign_file
-from identification.campaign import Campaign, Recording, Run
 from validation.estimation.problem import Problem
 from validation.model.model import Model
 from validation.model.model_file import of_text
 from validation.model.model_file import text as model_text
 from validation.study import Data, read_data, resolved_names
-from validation.virtual_test.layout import mavis
-
-CELLS = np.array([[0.12, 0.12, 0.0], [-0.12, 0.12, 0.0], [-0.12, -0.12, 0.0], [0.12, -0.12, 0.0]])
 
 
 @pytest.fixture
@@ -29,21 +20,9 @@ def model() -> Model:
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Callable[..., str]:
+def folder(tmp_path, meaningless) -> Callable[..., str]:
     def write(name: str, article: str = "fmd+clumod-1", hardware: str = "lab/1") -> str:
-        table, rng = mavis(CELLS, {}).table, np.random.default_rng(0)
-        campaign = Campaign(
-            title=name,
-            article=article,
-            hardware=hardware,
-            table=table,
-            runs=tuple(Run(name=axis, file="", axis=axis) for axis in MOTIONS),
-            recordings={
-                axis: Recording(names=table.names, values=rng.standard_normal((64, len(table))), sampling_rate=100.0, source=axis)
-                for axis in MOTIONS
-            },
-        )
-        campaign_file.write(tmp_path / name, campaign)
+        campaign_file.write(tmp_path / name, meaningless(title=name, article=article, hardware=hardware))
         return str(tmp_path / name)
 
     return write
@@ -67,48 +46,42 @@ def refused(paths: list[str], model: Model) -> str:
     return str(error.value)
 
 
-def test_folders_are_campaigns_and_files_are_measurements(folder, model: Model, tmp_path: Path) -> None:
+def test_folders_are_campaigns_and_files_are_measurements(folder, model, tmp_path):
     (tmp_path / "scale.toml").write_text(WEIGHING)
     found = read_data([folder("one"), str(tmp_path / "scale.toml")], model)
     assert [one.article for one in found.campaigns] == ["fmd+clumod-1"]
     assert found.classical == (str(tmp_path / "scale.toml"),)
 
 
-def test_the_truth_beside_a_simulated_campaign_is_no_data(folder, model: Model, tmp_path: Path) -> None:
+def test_the_truth_beside_a_simulated_campaign_is_no_data(folder, model, tmp_path):
     truth = tmp_path / "one.truth.json"
     truth.write_text('{"kind": "virtual test"}', encoding="utf-8")
     with pytest.raises(BadInput, match=r"this is the truth beside a simulated campaign.*Leave it out"):
         read_data([folder("one"), str(truth)], model)
 
 
-def test_the_same_folder_twice_is_refused_however_it_is_written(folder, model: Model) -> None:
+def test_the_same_folder_twice_is_refused_however_it_is_written(folder, model):
     one = folder("one")
     assert "is the same as" in refused([one, f"{one}/../one"], model)
     assert "named twice" in refused([one, one], model)
 
 
-def test_one_article_on_two_fmds_is_refused_by_name(folder, model: Model) -> None:
+def test_one_article_on_two_fmds_is_refused_by_name(folder, model):
     said = refused([folder("one"), folder("two", hardware="lab/2")], model)
     assert "lab/1" in said
     assert "lab/2" in said
 
 
-def test_measurements_alone_are_not_enough(model: Model, tmp_path: Path) -> None:
+def test_what_is_no_campaign_is_refused_with_what_to_name(model, tmp_path, folder):
     (tmp_path / "scale.toml").write_text(WEIGHING)
     assert "no campaign" in refused([str(tmp_path / "scale.toml")], model)
-
-
-def test_what_is_not_there_is_refused_with_what_is_nearest(folder, model: Model, tmp_path: Path) -> None:
     one = folder("campaign-one")
     assert f"Did you mean {one}" in refused([str(tmp_path / "campaign-oen")], model)
-
-
-def test_the_description_of_a_campaign_is_refused_for_its_folder(folder, model: Model) -> None:
     one = folder("one")
     assert f"Name its folder, {one}" in refused([f"{one}/campaign.toml"], model)
 
 
-def test_a_campaign_may_be_held_out_by_its_folder(by_hand, folder) -> None:
+def test_a_campaign_may_be_held_out_by_its_folder(by_hand, folder):
     one = campaign_file.read(folder("one"))
     data = Data(campaigns=(replace(one, recordings={}),))
     problem = Problem((by_hand.test(name="one"),))

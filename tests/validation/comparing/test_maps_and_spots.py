@@ -22,7 +22,7 @@ def spots(by_hand, test):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_where_nothing_is_hidden_nothing_stands_out(by_hand, seed: int) -> None:
+def test_where_nothing_is_hidden_nothing_stands_out(by_hand, seed):
     found = spots(by_hand, by_hand.test(by_hand.drawn(seed), seed=seed))
     assert found[0].sigma < STANDS_OUT
 
@@ -36,7 +36,7 @@ HIDDEN = {
 
 
 @pytest.mark.parametrize("name", HIDDEN)
-def test_the_worst_spot_names_the_channel_in_which_an_effect_is_hidden(by_hand, name: str) -> None:
+def test_the_worst_spot_names_the_channel_in_which_an_effect_is_hidden(by_hand, name):
     size, channel, course = HIDDEN[name]
     found = spots(by_hand, by_hand.test({**by_hand.drawn(1), name: size}, seed=1))
     assert found[0].row == channel
@@ -45,15 +45,12 @@ def test_the_worst_spot_names_the_channel_in_which_an_effect_is_hidden(by_hand, 
     assert [one.row for one in found].count(channel) == 1  # one spot, however many lines and runs it covers
 
 
-def test_a_resonance_elsewhere_is_a_moment_that_follows_its_mode(by_hand) -> None:
+def test_a_resonance_elsewhere_is_a_moment_that_follows_its_mode_and_without_tolerances_deviations_are_residuals(by_hand):
     found = spots(by_hand, by_hand.test(by_hand.drawn(1), own=12.2, seed=1))
     assert found[0].row == "t_y"
     assert found[0].run == "beta"
     assert found[0].course == "follows the first mast mode"
     assert 11.5 < found[0].band[0] <= found[0].frequency <= found[0].band[1] < 12.7
-
-
-def test_without_tolerances_deviations_of_channels_are_the_residuals_of_the_engine(by_hand) -> None:
     bare = by_hand.without_tolerances(by_hand.test({"force-gain:fmd-z2": 0.02}, seed=2))
     (left,) = residuals(Problem((bare,)), {})
     of = mapped(bare, {}, by_hand.nothing_fitted(Problem((bare,))), left.inputs, by_hand.RIG)
@@ -61,14 +58,14 @@ def test_without_tolerances_deviations_of_channels_are_the_residuals_of_the_engi
     assert_allclose(of.expected[..., : of.channels], left.sigma, rtol=1e-7)
 
 
-def test_the_error_of_a_force_is_in_the_load_that_its_cell_carries(by_hand) -> None:
+def test_the_error_of_a_force_is_in_the_load_that_its_cell_carries(by_hand):
     """Two per cent too much on one of the vertical cells: the vertical force has all of it."""
     of = by_hand.mapped(by_hand.test({"force-gain:fmd-z2": 0.02}, seed=None))
     z, cell = of.runs.index("z"), of.rows.index("fmd-z2")
     assert_allclose(of.deviation[z, :, of.rows.index("f_z")], 0.02 * of.reading[z, :, cell], rtol=1e-6)
 
 
-def test_the_measured_dynamic_mass_is_that_of_identification(by_hand) -> None:
+def test_the_measured_dynamic_mass_is_that_of_identification(by_hand):
     test = by_hand.test(by_hand.drawn(3), seed=3)
     of, measured = by_hand.mapped(test), test.measured
     order = [measured.channels.index(name) for name in by_hand.RIG.table.names]
@@ -86,14 +83,14 @@ def test_the_measured_dynamic_mass_is_that_of_identification(by_hand) -> None:
     assert_allclose(of.pairs.predicted, by_hand.dynamic_mass(measured.frequency), rtol=1e-6, atol=1e-6)
 
 
-def test_pairs_scatter_over_laboratories_as_they_are_expected_to(by_hand) -> None:
+def test_pairs_scatter_over_laboratories_as_they_are_expected_to(by_hand):
     """Eight laboratories with some fifty tolerances that matter tell the mean square to about a seventh."""
     ratios = [by_hand.mapped(by_hand.test(by_hand.drawn(k), seed=k)).pairs.sigma for k in range(20, 28)]
     assert_allclose(np.mean(np.square(ratios)), 1.0, atol=0.3)
 
 
 @pytest.mark.parametrize("name", ["force-gain:fmd-z2", "accelerometer-gain:cover-x1", "force-crosstalk:zx"])
-def test_a_single_tolerance_makes_the_plain_error_that_it_explains(by_hand, name: str) -> None:
+def test_a_single_tolerance_makes_the_plain_error_that_it_explains(by_hand, name):
     """No noise, one tolerance off by a tenth of itself: on every line expected and found are one figure, to its second order."""
     (tolerance,) = (one.tolerance for one in by_hand.test(seed=None).parameters if one.name == name)
     test = by_hand.test({name: 0.1 * tolerance}, seed=None)
@@ -110,7 +107,7 @@ def test_a_single_tolerance_makes_the_plain_error_that_it_explains(by_hand, name
     assert_allclose(of_a_mode.explained_with_modes, of.explained, rtol=1e-12)
 
 
-def test_over_laboratories_the_plain_error_is_what_tolerances_explain_however_loud_the_noise(by_hand) -> None:
+def test_over_laboratories_the_plain_error_is_what_tolerances_explain_however_loud_the_noise(by_hand):
     """Twelve of them tell the mean square to about a fifth.
 
     Of one blade in simulated null series (with the Cuboid, eight octaves a minute, seeds 1, 2, 3) the plain error is 0.88, 0.87
@@ -127,7 +124,7 @@ def test_over_laboratories_the_plain_error_is_what_tolerances_explain_however_lo
     assert_allclose(np.mean(ratios), 1.0, atol=0.5)
 
 
-def test_what_a_plain_fit_makes_of_a_tolerance_is_in_what_is_expected_of_its_residuals(by_hand) -> None:
+def test_what_a_plain_fit_makes_of_a_tolerance_is_in_what_is_expected_of_its_residuals(by_hand):
     """A gain off by a third of its tolerance, no noise: the fitted mass answers, and to first order what is left is known."""
     name, size = "force-gain:fmd-z2", 0.001
     test = by_hand.fitting_mass(by_hand.test({name: size}, seed=None))
@@ -159,7 +156,7 @@ def _made(seed: int) -> tuple[np.ndarray, ...]:
     return some(LINES, CHANNELS), A, covariance(rng.uniform(0.1, 0.4, (LINES, CHANNELS)), V)
 
 
-def test_a_channel_is_predicted_from_all_others_as_a_fit_without_it_predicts_it() -> None:
+def test_a_channel_is_predicted_from_all_others_as_a_fit_without_it_predicts_it():
     y, A, S = _made(1)
     found, _ = left_over(y, A, S, None)
     for n, c in np.ndindex(LINES, CHANNELS):
@@ -171,7 +168,7 @@ def test_a_channel_is_predicted_from_all_others_as_a_fit_without_it_predicts_it(
         assert_allclose(found.value[n, c], y[n, c] - said, rtol=1e-9)
 
 
-def test_known_inputs_leave_a_channel_to_its_correlation_with_the_others() -> None:
+def test_known_inputs_leave_a_channel_to_its_correlation_with_the_others():
     y, A, S = _made(2)
     u = np.ones((LINES, INPUTS), dtype=complex)
     found, chi2 = left_over(y, A, S, u)
@@ -181,7 +178,7 @@ def test_known_inputs_leave_a_channel_to_its_correlation_with_the_others() -> No
     assert_allclose(chi2, np.einsum("ni,nij,nj->n", e.conj(), P, e).real, rtol=1e-9)
 
 
-def test_errors_scatter_as_they_are_expected_to() -> None:
+def test_errors_scatter_as_they_are_expected_to():
     """Draws of noise and tolerances; 4000 of them tell a standard deviation to about 1 %."""
     rng, count = np.random.default_rng(3), 4000
     _, A, S = _made(4)
@@ -193,7 +190,7 @@ def test_errors_scatter_as_they_are_expected_to() -> None:
     assert_allclose(chi2.mean(), CHANNELS - INPUTS, rtol=0.05)
 
 
-def test_an_error_of_loads_is_free_of_the_inputs_and_scatters_as_expected() -> None:
+def test_an_error_of_loads_is_free_of_the_inputs_and_scatters_as_expected():
     rng, count = np.random.default_rng(5), 4000
     _, A, S = _made(6)
     judged, R = np.array([False] * 4 + [True] * 3), np.array([[1.0, 1.0, 0.0], [0.0, 1.0, -1.0]])
@@ -205,7 +202,7 @@ def test_an_error_of_loads_is_free_of_the_inputs_and_scatters_as_expected() -> N
     assert_allclose(np.sqrt(np.mean(np.abs(found.value) ** 2, axis=0)) / found.expected[0], 1.0, atol=0.05)
 
 
-def test_a_channel_that_nothing_checks_deviates_by_nothing_and_is_never_surprising() -> None:
+def test_a_channel_that_nothing_checks_deviates_by_nothing_and_is_never_surprising():
     y = np.array([[1.0, 2.0, 5.0 + 0j]])
     A = np.array([[[1, 0], [1, 0], [0, 1.0 + 0j]]])
     found, _ = left_over(y, A, np.eye(3, dtype=complex)[None], None)

@@ -1,34 +1,15 @@
 """What stands on the pictures of comparisons and ladders can be read: no words upon words, no curve behind its dots."""
 
-from __future__ import annotations
-
 from itertools import combinations
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from geometry.dynamic_mass import DynamicMass
-from validation.report.charts import crosscheck, history, static, style
+from validation.report.charts import crosscheck, history, style
 from validation.report.charts.spec import MEASURED, BarChart, BarPanel, Bars
 from validation.report.charts.style import DynamicMassCurve
-
-
-@pytest.fixture
-def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
-    """The figures that were finished."""
-    figures: list[Any] = []
-    finish = static.finish
-
-    def finished(figure: Any, *arguments: Any) -> None:
-        finish(figure, *arguments)
-        figure.canvas.draw()
-        figures.append(figure)
-
-    for module in (static, history):
-        monkeypatch.setattr(module, "finish", finished)
-    return figures
 
 
 def box(of: Any) -> Any:
@@ -50,15 +31,12 @@ CLOSE = (
 )
 
 
-def test_figures_of_nearly_equal_errors_do_not_stand_on_each_other(drawn: list[Any], tmp_path: Path) -> None:
+def test_figures_of_nearly_equal_errors_do_not_stand_on_each_other_and_no_line_strikes_them(drawn, tmp_path):
     history.draw_fall("m.toml: errors from rung to rung", CLOSE, tmp_path / "fall.png")
     for axes in drawn[0].axes:
         texts = [box(text).padded(-1.5) for text in axes.texts]  # the box of a text is taller than its letters
         assert len(texts) >= 4
         assert not [pair for pair in combinations(texts, 2) if pair[0].overlaps(pair[1])]
-
-
-def test_a_figure_is_not_struck_by_the_line_above_it(drawn: list[Any], tmp_path: Path) -> None:
     history.draw_fall("m.toml", CLOSE[:2], tmp_path / "fall.png")
     upper = drawn[0].axes[0]
     (text,) = [one for one in upper.texts if one.get_text() == "3.02"]
@@ -68,7 +46,7 @@ def test_a_figure_is_not_struck_by_the_line_above_it(drawn: list[Any], tmp_path:
     assert np.all(height > over.y1)
 
 
-def test_a_branch_of_chi_squared_that_stands_apart_has_its_name(drawn: list[Any], tmp_path: Path) -> None:
+def test_a_branch_of_chi_squared_that_stands_apart_has_its_name(drawn, tmp_path):
     apart = (CLOSE[0], CLOSE[1], rung(2, 0, 1, (3.0, 2.9, 3.05, 0.2, 1.0), here=False))
     history.draw_fall("m.toml", apart, tmp_path / "fall.png")
     lower = drawn[0].axes[1]
@@ -76,7 +54,7 @@ def test_a_branch_of_chi_squared_that_stands_apart_has_its_name(drawn: list[Any]
     assert (1, 0.2) in at
 
 
-def test_everything_stays_on_the_page(drawn: list[Any], tmp_path: Path) -> None:
+def test_everything_stays_on_the_page(drawn, tmp_path):
     for count in (1, 3, 8):
         way = [rung(k, k - 1 if k else None, k, (3.0, 2.0, 2.5, 0.9, 1.0)) for k in range(count)]
         history.draw_fall("m.toml", way, tmp_path / "fall.png")
@@ -88,7 +66,7 @@ def test_everything_stays_on_the_page(drawn: list[Any], tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["cuboid on the FMD", "the long name of an article with sixty letters in it, on the FMD"])
-def test_the_legend_of_the_errors_stands_below_the_title(name: str, drawn: list[Any], tmp_path: Path) -> None:
+def test_the_legend_of_the_errors_stands_below_the_title(name, drawn, tmp_path):
     rows = ("nominal", "plain", "plain, held out")
     bars = Bars(name="errors", rows=rows, values=(1.0, 1.0, 1.0), words=("1 %",) * 3, roles="good")
     panel = BarPanel(label="%", rows=rows, bars=(bars,), limit=0.9)
@@ -106,7 +84,7 @@ class _NoModes:
     effective_mass = np.zeros((0, 6))
 
 
-def test_what_is_predicted_is_drawn_above_the_dots_and_labels_leave_neighbours_alone(drawn: list[Any], tmp_path: Path) -> None:
+def test_what_is_predicted_is_drawn_above_the_dots_and_labels_leave_neighbours_alone(drawn, tmp_path):
     frequency = np.linspace(8.0, 16.0, 50)
     mass = DynamicMass(frequency=frequency, matrix=np.broadcast_to(2e-3 * np.eye(6) + 0j, (50, 6, 6)) * frequency[:, None, None])
     look: dict[str, Any] = {"mass": mass, "rigid": np.zeros((6, 6)), "modes": _NoModes()}

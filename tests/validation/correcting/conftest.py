@@ -31,7 +31,7 @@ PLAN = Plan(
 
 
 @pytest.fixture(scope="session")
-def tested() -> Callable[..., Campaign]:
+def tested():
     """``tested("force-gain:fmd-z2=0.08")``: the test with these faults; the same laboratory every time."""
     return cache(lambda *effects: _made(PLAN, effects))
 

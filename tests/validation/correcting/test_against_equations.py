@@ -1,7 +1,5 @@
 """Signs and sizes of corrections are those of the measurement chain and of the catalogue's equations, a user's own among them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -18,9 +16,6 @@ from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES, Named, parse
 from validation.effects.effect import CHANNEL_STAGE, FORCES, Family, SizeSpec
 from validation.effects.stages import ChannelResponse
-
-Tested = Callable[..., Campaign]
-Run = Callable[..., tuple[int, str, str]]
 
 LINES = np.linspace(5.0, 30.0, 6)
 MASS = np.diag([40.0, 41.0, 42.0, 3.0, 3.5, 0.8]).astype(complex)
@@ -44,35 +39,6 @@ def read_by_chain(campaign: Campaign, named: Named | None) -> np.ndarray:
     return values
 
 
-@pytest.mark.parametrize(
-    "effect",
-    [
-        "force-gain:fmd-z2=0.08",
-        "accelerometer-gain:table-x1=-0.05",
-        "force-delay:fmd-x12=1e-3",
-        "accelerometer-delay:cover-y1=-2e-3",
-        "board-delay:cover=1e-3",
-        "board-delay:table=1e-3",
-        "board-delay:force=1e-3",
-        "force-highpass:fmd-z4=0.7",
-        "load-path-shunt:y=0.2",
-        "load-path-shunt:z=0.1",
-        "accelerometer-position:cover-z3:y=0.02",
-        "accelerometer-position:table-x1:z=-0.01",
-        "accelerometer-misalignment:cover-z3:x=0.3",
-        "accelerometer-misalignment:cover-x1:z=-0.2",
-    ],
-)
-def test_what_the_chain_reads_wrong_is_read_right_again(tested: Tested, effect: str) -> None:
-    """The corrected campaign, its table included, is what a chain without the fault reads by that table."""
-    named = parse(effect)
-    faulty = spectra(tested(), read_by_chain(tested(), named))
-    made = corrected(faulty, named).campaign
-    right, scale = read_by_chain(made, None), np.abs(faulty.recordings["r"].values).max(axis=0)
-    assert np.max(np.abs(faulty.recordings["r"].values - read_by_chain(tested(), None)) / scale) > 1e-3
-    np.testing.assert_allclose(made.recordings["r"].values / scale, right / scale, atol=1e-12)
-
-
 def read_by_equation(campaign: Campaign, named: Named, values: np.ndarray) -> np.ndarray:
     change = FAMILIES[named.family].change
     assert change is not None
@@ -80,15 +46,8 @@ def read_by_equation(campaign: Campaign, named: Named, values: np.ndarray) -> np
     return np.asarray(change(reading, named.targets, named.values).rows[:, :, 0])
 
 
-@pytest.mark.parametrize("effect", ["polarity:fmd-z2", "channel-swap:cover-z1:fmd-x12", "unit:cover-z3=0.102"])
-def test_what_the_catalogue_reads_wrong_is_read_right_again(tested: Tested, effect: str) -> None:
-    clean, named = read_by_chain(tested(), None), parse(effect)
-    made = corrected(spectra(tested(), read_by_equation(tested(), named, clean)), named).campaign
-    np.testing.assert_allclose(made.recordings["r"].values, clean, rtol=1e-14)
-
-
 @pytest.fixture
-def grown(monkeypatch: pytest.MonkeyPatch) -> Callable[[Family], None]:
+def grown(monkeypatch) -> Callable[[Family], None]:
     """``grown(family)``: it is in the catalogue while the test runs."""
     return lambda family: monkeypatch.setitem(catalogue._found, family.name, family)
 
@@ -116,7 +75,7 @@ def leaking(reading: ChannelResponse, targets: tuple[str, ...], values: dict[str
     return replace(reading, rows=rows)
 
 
-def test_a_users_own_equation_is_inverted(tested: Tested, grown: Callable[[Family], None]) -> None:
+def test_a_users_own_equation_is_inverted(tested, grown):
     grown(own(leaking))
     clean, named = read_by_chain(tested(), None), Named(family="mine", targets=("fmd-z1",), values={"": 0.3})
     faulty = spectra(tested(), read_by_equation(tested(), named, clean))
@@ -125,8 +84,8 @@ def test_a_users_own_equation_is_inverted(tested: Tested, grown: Callable[[Famil
     np.testing.assert_allclose(made.campaign.recordings["r"].values, clean, rtol=1e-12)
 
 
-def test_what_leaks_in_from_a_channel_that_is_right_is_taken_out(tested: Tested, grown: Callable[[Family], None]) -> None:
-    def leaking_alone(reading: ChannelResponse, targets: tuple[str, ...], values: dict[str, float]) -> ChannelResponse:
+def test_what_leaks_in_from_a_channel_that_is_right_is_taken_out(tested, grown):
+    def leaking_alone(reading, targets, values):
         rows = np.array(reading.rows)
         k = reading.column(targets[0])
         rows[:, k + 1] += values[""] * rows[:, k]
@@ -139,8 +98,8 @@ def test_what_leaks_in_from_a_channel_that_is_right_is_taken_out(tested: Tested,
     np.testing.assert_allclose(made.campaign.recordings["r"].values, clean, rtol=1e-12)
 
 
-def test_an_equation_that_leaves_nothing_cannot_be_inverted(tested: Tested, grown: Callable[[Family], None]) -> None:
-    def dead(reading: ChannelResponse, targets: tuple[str, ...], values: dict[str, float]) -> ChannelResponse:
+def test_an_equation_that_leaves_nothing_cannot_be_inverted(tested, grown):
+    def dead(reading, targets, values):
         rows = np.array(reading.rows)
         rows[reading.frequency > 20, reading.column(targets[0])] = 0.0
         return replace(reading, rows=rows)
@@ -151,7 +110,7 @@ def test_an_equation_that_leaves_nothing_cannot_be_inverted(tested: Tested, grow
         corrected(spectra(tested(), read_by_chain(tested(), None)), named)
 
 
-def test_the_example_of_ones_own_is_taken_out_of_a_record(tested: Tested, root: Path, grown: Callable[[Family], None]) -> None:
+def test_the_example_of_ones_own_is_taken_out_of_a_record(tested, root, grown):
     """Planted by the bilinear rule at 2048 Hz, which is off by (2 pi 32/2048)²/12 of omega tau = 0.2 at 32 Hz: 2e-4."""
     grown(catalogue.own_family(root / "examples" / "effects" / "force_lowpass.py"))
     effect = "force-lowpass:fmd-z2=1e-3"
@@ -164,49 +123,21 @@ def test_the_example_of_ones_own_is_taken_out_of_a_record(tested: Tested, root: 
         assert after < 3e-4 * np.abs(right).max()
 
 
-FILE = """
-from dataclasses import replace
-from validation.effects.effect import CHANNEL_STAGE, FORCES, Family, SizeSpec
-
-def change(reading, targets, values):
-    rows = reading.rows.copy()
-    rows[:, reading.column(targets[0])] *= values[""]
-    return replace(reading, rows=rows)
-
-FAMILY = Family(
-    name="worn-cell",
-    side=FORCES,
-    what="a worn cell",
-    targets=("force channel",),
-    sizes=(SizeSpec(unit="1", low=0.1, high=2.0, null=1.0, plausible=0.1),),
-    example="worn-cell:fmd-z2=0.5",
-    stage=CHANNEL_STAGE,
-    change=change,
-    equation="y' = v y",
-    confirmed_by="another cell",
-    reference="our workshop",
-    sentence="The cell of {target} is worn.",
-)
-"""
-
-
-def test_ones_own_effects_take_part_in_both_commands(tested: Tested, run: Run) -> None:
+def test_ones_own_effects_take_part_in_both_commands(tested, run, refused, root):
     """``--effects-from`` comes before what it is needed for; the catalogue of this process is left as it was."""
-    campaign = tested()
+    own, effect, campaign = str(root / "examples" / "effects"), "force-lowpass:fmd-z2=1e-3", tested()
     kept = campaign.runs[0]
-    campaign_file.write("test", replace(campaign, runs=(kept,), recordings={kept.name: campaign.recordings[kept.name]}))
-    Path("mine").mkdir()
-    Path("mine/worn_cell.py").write_text(FILE)
-    Path("mine.toml").write_text("format = 1\n[model]\narticle = 'fmd'\n[[effect]]\nid = 'worn-cell:fmd-z2'\nvalue = 0.5\n")
-    code, _, said = run("model", "mine.toml")
-    assert (code, "no effect is called 'worn-cell'" in said) == (2, True)
+    single = replace(campaign, runs=(kept,), recordings={kept.name: campaign.recordings[kept.name]})
+    campaign_file.write("test", single)
+    Path("mine.toml").write_text("format = 1\n[model]\narticle = 'fmd'\n[[effect]]\nid = 'force-lowpass:fmd-z2'\nvalue = 1e-3\n")
+    assert "no effect is called 'force-lowpass'" in refused("model", "mine.toml")
     try:
-        code, printed, _ = run("model", "mine.toml", "--effects-from", "mine")
-        assert (code, "# a worn cell\n[[effect]]" in printed) == (0, True)
-        assert run("correct", "test", "worn-cell:fmd-z2=0.5", "--out", "clean", "--effects-from", "mine")[0] == 0
-        doubled = campaign_file.read("clean").recordings[kept.name]
-        before = campaign.recordings[kept.name].channel("fmd-z2")
-        np.testing.assert_allclose(doubled.channel("fmd-z2"), 2 * before, atol=1e-12 * np.abs(before).max())
+        code, printed, _ = run("model", "mine.toml", "--effects-from", own)
+        assert (code, 'id = "force-lowpass:fmd-z2"' in printed) == (0, True)
+        assert run("correct", "test", effect, "--out", "clean", "--effects-from", own)[0] == 0
+        found = campaign_file.read("clean").recordings[kept.name].channel("fmd-z2")
+        right = corrected(single, parse(effect)).campaign.recordings[kept.name].channel("fmd-z2")
+        np.testing.assert_allclose(found, right, atol=1e-12 * np.abs(right).max())
     finally:
-        for path in [path for path in catalogue._files if path.name == "worn_cell.py"]:
+        for path in [path for path in catalogue._files if str(path).startswith(own)]:
             catalogue._forget(catalogue._files.pop(path))

@@ -1,8 +1,5 @@
 """What a virtual test plants, `corrected` takes out: the copy is the test of the same laboratory without the fault."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -15,8 +12,6 @@ from identification.campaign import Campaign, Recording
 from identification.spectra.line_spectra import full_record
 from validation.correct import CORRECTIONS, advanced, corrected, through
 from validation.effects.catalogue import FAMILIES, Named, parse
-
-Tested = Callable[..., Campaign]
 
 LINES = np.arange(8.0, 32.0, 0.25)
 
@@ -61,17 +56,17 @@ def largest_difference(one: Campaign, other: Campaign, *, lines: bool = False) -
         ("force-highpass:fmd-x12=0.3", True, HIGHPASS),
     ],
 )
-def test_what_is_planted_is_taken_out(tested: Tested, effect: str, lines: bool, tolerance: float) -> None:
+def test_what_is_planted_is_taken_out(tested, effect, lines, tolerance):
     clean, faulty = tested(), tested(effect)
     assert largest_difference(clean, faulty, lines=lines) > 1e-3
     assert largest_difference(clean, corrected(faulty, parse(effect)).campaign, lines=lines) < tolerance
 
 
 @pytest.mark.parametrize("effect", ["accelerometer-position:cover-z3:x=0.01", "accelerometer-misalignment:cover-z3:x=0.02"])
-def test_where_a_pick_up_really_is_makes_the_cover_plate_rigid_again(exactly: Tested, effect: str) -> None:
+def test_where_a_pick_up_really_is_makes_the_cover_plate_rigid_again(exactly, effect):
     """Eight channels see six motions: with true places and directions nothing is left over."""
 
-    def left(campaign: Campaign) -> float:
+    def left(campaign):
         chosen = campaign.table.select(group="cover")
         G = motion_rows([campaign.table.channels[k] for k in chosen], campaign.table.origin)
         beside = np.eye(len(chosen)) - G @ np.linalg.pinv(G)
@@ -86,16 +81,13 @@ def test_where_a_pick_up_really_is_makes_the_cover_plate_rigid_again(exactly: Te
     assert largest_difference(faulty, made) == 0.0
 
 
-def test_two_faults_are_taken_out_one_after_the_other(tested: Tested) -> None:
+def test_faults_are_taken_out_one_after_the_other_and_other_channels_stay_to_the_last_bit(tested):
     effects = ("force-gain:fmd-z2=0.08", "force-delay:fmd-z2=200e-6")
     made = tested(*effects)
     for effect in effects:
         made = corrected(made, parse(effect)).campaign
     assert largest_difference(tested(), made) < TRANSFORMED
     assert made.notes.count("corrected: ") == 2
-
-
-def test_channels_that_are_not_named_stay_to_the_last_bit(tested: Tested) -> None:
     for effect in ("force-delay:fmd-z2=200e-6", "board-delay:cover=1e-4", "force-gain:fmd-z2=0.08", "force-highpass:fmd-z1=0.3"):
         before = tested()
         made = corrected(before, parse(effect))
@@ -105,22 +97,19 @@ def test_channels_that_are_not_named_stay_to_the_last_bit(tested: Tested) -> Non
             np.testing.assert_array_equal(recording.values[:, others], before.recordings[name].values[:, others])
 
 
-def test_all_else_is_said_as_before(tested: Tested) -> None:
+def test_all_else_is_said_as_before_and_a_noise_floor_goes_with_its_channel(tested):
     before = tested()
     made = corrected(before, parse("force-gain:fmd-z2=0.08")).campaign
     assert made.notes == f"{before.notes}; corrected: force-gain:fmd-z2=0.08 taken out (multiplied by 0.925926)"
     for key in ("title", "article", "hardware", "runs", "mounting", "gravity", "processing", "source"):
         assert getattr(made, key) == getattr(before, key)
-
-
-def test_a_stated_noise_floor_goes_with_its_channel(tested: Tested) -> None:
     table = tested().table
     noisy = replace(tested(), table=replace(table, channels=tuple(replace(c, noise_rms=0.1) for c in table.channels)))
     made = corrected(noisy, parse("force-gain:fmd-z2=0.25")).campaign.table
     assert {c.name: c.noise_rms for c in made.channels if c.noise_rms != 0.1} == {"fmd-z2": pytest.approx(0.08, rel=1e-15)}
 
 
-def test_spectra_at_rest_keep_what_a_high_pass_left_nothing_of() -> None:
+def test_spectra_at_rest_keep_what_a_high_pass_left_nothing_of():
     place = Place(position=np.zeros(3), direction=np.array([0.0, 0.0, 1.0]))
     table = ChannelTable(channels=(Channel(name="f", quantity="force", group="fmd", places=(place,)),))
     recording = Recording(names=("f",), values=np.ones((3, 1), dtype=complex), frequency=np.array([0.0, 1.0, 2.0]))
@@ -130,7 +119,7 @@ def test_spectra_at_rest_keep_what_a_high_pass_left_nothing_of() -> None:
 
 
 @pytest.mark.parametrize("family", [name for name in FAMILIES if name not in CORRECTIONS])
-def test_what_no_record_can_be_rid_of_says_why(tested: Tested, family: str) -> None:
+def test_what_no_record_can_be_rid_of_says_why(tested, family):
     named = parse(FAMILIES[family].example)
     with pytest.raises(BadInput, match="cannot be taken out of a record: ") as refused:
         corrected(tested(), named)
@@ -139,7 +128,7 @@ def test_what_no_record_can_be_rid_of_says_why(tested: Tested, family: str) -> N
 
 
 @pytest.mark.parametrize("family", CORRECTIONS)
-def test_the_example_of_the_catalogue_can_be_corrected(tested: Tested, family: str) -> None:
+def test_the_example_of_the_catalogue_can_be_corrected(tested, family):
     named = parse(FAMILIES[family].example.partition(", or ")[0])
     assert set(corrected(tested(), named).channels) <= set(tested().table.names)
 
@@ -147,14 +136,16 @@ def test_the_example_of_the_catalogue_can_be_corrected(tested: Tested, family: s
 @pytest.mark.parametrize(
     "effect", ["force-gain:fmd-z1=0", "unit:fmd-z1=1", "force-delay:fmd-z1=0", "accelerometer-position:cover-z1:x=0"]
 )
-def test_no_fault_is_nothing_to_correct(tested: Tested, effect: str) -> None:
+def test_no_fault_is_nothing_to_correct(tested, effect):
     with pytest.raises(BadInput, match="nothing to correct: this is the size of no effect"):
         corrected(tested(), parse(effect))
 
 
-def test_a_turn_about_its_own_direction_is_nothing_to_correct(tested: Tested) -> None:
+def test_a_turn_about_its_own_direction_and_a_board_without_channels_are_nothing_to_correct(tested):
     with pytest.raises(BadInput, match="a turn about z, along which it measures, changes nothing"):
         corrected(tested(), parse("accelerometer-misalignment:cover-z3:z=0.02"))
+    with pytest.raises(BadInput, match="it has no channel of the group table"):
+        corrected(force_table({"name": "z", "places": along((0, 0, 1))}), parse("board-delay:table=1e-4"))
 
 
 def force_table(*channels: dict[str, Any]) -> Campaign:
@@ -166,7 +157,7 @@ def along(*directions: tuple[float, float, float]) -> tuple[Place, ...]:
     return tuple(Place(position=np.zeros(3), direction=np.array(one)) for one in directions)
 
 
-def test_a_shunt_is_refused_where_it_is_not_exact() -> None:
+def test_a_shunt_is_refused_where_it_is_not_exact_and_a_slanted_cell_lost_the_share_along_the_axis():
     shunt = parse("load-path-shunt:x=0.1")
     mixed = force_table({"name": "sum", "places": along((1, 0, 0), (0, 1, 0))})
     with pytest.raises(BadInput, match="sum adds up cells of several directions, which lost different shares"):
@@ -176,39 +167,22 @@ def test_a_shunt_is_refused_where_it_is_not_exact() -> None:
         corrected(moment, shunt)
     with pytest.raises(BadInput, match="no load cell measures along x"):
         corrected(force_table({"name": "z", "places": along((0, 0, 1))}), shunt)
-
-
-def test_a_slanted_cell_lost_the_share_along_the_axis() -> None:
     slanted = force_table({"name": "a", "places": along((0.6, 0.0, 0.8))})
     assert corrected(slanted, parse("load-path-shunt:x=0.1")).did == f"multiplied by {1 / (1 - 0.036):.6g}"
 
 
-def test_a_board_without_channels_is_nothing_to_correct() -> None:
-    with pytest.raises(BadInput, match="it has no channel of the group table"):
-        corrected(force_table({"name": "z", "places": along((0, 0, 1))}), parse("board-delay:table=1e-4"))
-
-
-def test_a_shift_by_whole_samples_moves_them() -> None:
+def test_a_shift_by_whole_samples_moves_them_what_is_constant_stays_and_a_cut_record_is_wrong_at_its_ends_alone():
     signal = np.random.default_rng(3).standard_normal((500, 2)).cumsum(axis=0)
     moved = through(signal, 100.0, advanced(0.07))
     np.testing.assert_allclose(moved[:-7], signal[7:], atol=1e-11)  # rounding of a walk that goes up to some tens
-
-
-def test_a_record_that_is_cut_off_is_wrong_at_its_ends_alone() -> None:
-    """A sine that goes on beyond the record: its continuation bends at the ends, and what that does fades within some samples."""
+    ramp = np.linspace(0.0, 1.0, 1001)[:, None]
+    moved = through(ramp, 1000.0, advanced(0.0003))
+    np.testing.assert_allclose(moved[100:-100], ramp[100:-100] + 0.0003, atol=1e-8)
+    np.testing.assert_allclose(through(np.full((100, 1), 3.0), 50.0, advanced(0.01)), 3.0, rtol=1e-13)
+    # A sine that goes on beyond the record: its continuation bends at the ends, and what that does fades within some samples.
     time = np.arange(4000) / 500.0
     errors = np.abs(
         through(np.sin(2 * np.pi * 11 * time)[:, None], 500.0, advanced(0.0004))[:, 0] - np.sin(2 * np.pi * 11 * (time + 0.0004))
     )
     assert errors[200:-200].max() < 1e-6
     assert errors.max() < 1e-2
-
-
-def test_a_drifting_record_does_not_meet_its_own_other_end() -> None:
-    ramp = np.linspace(0.0, 1.0, 1001)[:, None]
-    moved = through(ramp, 1000.0, advanced(0.0003))
-    np.testing.assert_allclose(moved[100:-100], ramp[100:-100] + 0.0003, atol=1e-8)
-
-
-def test_what_is_constant_stays() -> None:
-    np.testing.assert_allclose(through(np.full((100, 1), 3.0), 50.0, advanced(0.01)), 3.0, rtol=1e-13)

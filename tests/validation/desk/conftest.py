@@ -3,7 +3,6 @@
 import shutil
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import pytest
 
@@ -55,7 +54,7 @@ class Worked:
 
 
 @pytest.fixture(scope="session")
-def worked(block: Series, tmp_path_factory: pytest.TempPathFactory) -> Worked:
+def worked(block, tmp_path_factory) -> Worked:
     """Not to be changed: `fresh` gives copies of it."""
     desk = begun(tmp_path_factory.mktemp("desks") / "one", block.model, block.data, title="one")
     heard: list[str] = []
@@ -64,7 +63,7 @@ def worked(block: Series, tmp_path_factory: pytest.TempPathFactory) -> Worked:
 
 
 @pytest.fixture
-def fresh(worked: Worked) -> Callable[[str], Session]:
+def fresh(worked) -> Callable[[str], Session]:
     """``fresh(name)``: a copy of that desk beside it."""
 
     def copy(name: str) -> Session:
@@ -76,6 +75,6 @@ def fresh(worked: Worked) -> Callable[[str], Session]:
 
 
 @pytest.fixture
-def bare(block: Series, tmp_path: Path) -> Session:
+def bare(block, tmp_path) -> Session:
     """A desk on which nothing was done yet."""
     return begun(tmp_path / "desk", block.model, block.data)

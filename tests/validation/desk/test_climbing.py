@@ -4,10 +4,8 @@ import json
 import shlex
 import shutil
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -25,7 +23,7 @@ from validation.report import page
 
 
 @pytest.fixture(scope="module")
-def climbed(worked: Any, tmp_path_factory: pytest.TempPathFactory) -> Session:
+def climbed(worked, tmp_path_factory) -> Session:
     """A copy of the desk, on which a worker added what was missing."""
     from validation.app.session import opened
 
@@ -36,14 +34,14 @@ def climbed(worked: Any, tmp_path_factory: pytest.TempPathFactory) -> Session:
     return desk
 
 
-def test_a_comparison_makes_rung_0_with_identified_inertia(worked: Any) -> None:
+def test_a_comparison_makes_rung_0_with_identified_inertia(worked):
     at = worked.desk.ladder()
     assert at.rung.number == 0
     assert at.rung.bodies[0].article == "cuboid"
     assert at.rung.errors.plain == pytest.approx(worked.compared.summary["plain_error_percent"])
 
 
-def test_adding_moves_error_curve_and_inertia_and_undo_brings_all_back(worked: Any, climbed: Session) -> None:
+def test_adding_moves_error_curve_and_inertia_and_undo_brings_all_back(worked, climbed):
     before, at, after = worked.compared, climbed.ladder(), climbed.comparison()
     assert at.rung.parent == 0
     assert at.rung.effect == "force-gain:fmd-z2"
@@ -63,7 +61,7 @@ def test_adding_moves_error_curve_and_inertia_and_undo_brings_all_back(worked: A
 
 
 @pytest.mark.proof
-def test_adding_that_is_cancelled_when_its_rung_is_written_goes_back_and_says_so(fresh: Callable[[str], Session]) -> None:
+def test_adding_that_is_cancelled_when_its_rung_is_written_goes_back_and_says_so(fresh):
     desk = fresh("cancelled")
     text = desk.model.read_text()
     worker = workers.start(desk, workers.ADD, effect="force-gain:fmd-z2")
@@ -77,9 +75,7 @@ def test_adding_that_is_cancelled_when_its_rung_is_written_goes_back_and_says_so
     assert desk.go_to(1).text != text
 
 
-def test_adding_that_fails_when_its_rung_is_written_goes_back_and_says_so(
-    climbed: Session, fresh: Callable[[str], Session]
-) -> None:
+def test_adding_that_fails_when_its_rung_is_written_goes_back_and_says_so(climbed, fresh):
     desk = fresh("failed")
     text = desk.model.read_text()
     (desk.folder / "found" / digest(climbed.ladder().ladder.rung(1).model)).write_text("in the way")
@@ -89,7 +85,7 @@ def test_adding_that_fails_when_its_rung_is_written_goes_back_and_says_so(
     _stands_as_before(desk, text)
 
 
-def test_work_that_ended_with_its_window_leaves_the_rung_that_it_wrote(climbed: Session, fresh: Callable[[str], Session]) -> None:
+def test_work_that_ended_with_its_window_leaves_its_rung_and_adding_that_is_cancelled_before_says_nothing(climbed, fresh):
     desk = fresh("reopened")
     text = desk.model.read_text()
     for name in ("model.toml", "model.ladder.json"):
@@ -99,9 +95,6 @@ def test_work_that_ended_with_its_window_leaves_the_rung_that_it_wrote(climbed: 
     found = workers.recovered(desk)
     assert "back on rung 0" in found.said
     _stands_as_before(desk, text)
-
-
-def test_adding_that_is_cancelled_before_says_nothing(fresh: Callable[[str], Session]) -> None:
     desk = fresh("early")
     text = desk.model.read_text()
     assert workers.start(desk, workers.ADD, effect="force-gain:fmd-z2").cancel().said == ""
@@ -115,7 +108,7 @@ def _stands_as_before(desk: Session, text: str) -> None:
     assert desk.comparison() is not None
 
 
-def test_the_users_model_has_no_ladder_until_it_is_saved(worked: Any, climbed: Session) -> None:
+def test_the_users_model_has_no_ladder_until_it_is_saved(worked, climbed):
     users = Path(worked.desk.asked.model)
     assert not users.with_name("model.ladder.json").exists()
     mine = users.with_name("mine.toml")
@@ -134,14 +127,14 @@ def test_the_users_model_has_no_ladder_until_it_is_saved(worked: Any, climbed: S
     assert [one.named.id for one in added] == ["force-gain:fmd-z2"]
 
 
-def test_a_ladder_that_is_not_there_cannot_be_had(bare: Session) -> None:
+def test_a_ladder_that_is_not_there_cannot_be_had(bare):
     with pytest.raises(BadInput, match="none yet"):
         bare.ladder_text()
     with pytest.raises(BadInput, match="no ladder"):
         bare.undo()
 
 
-def test_a_diagnosis_told_again_says_the_same(worked: Any) -> None:
+def test_a_diagnosis_told_again_says_the_same(worked):
     said, again = json.loads((worked.desk.found / "diagnose.json").read_text()), worked.desk.diagnosis()
     told = to_json(again)
     assert told["ranking"] == said["ranking"]
@@ -153,13 +146,13 @@ def test_a_diagnosis_told_again_says_the_same(worked: Any) -> None:
         assert largest_z(fit) == pytest.approx(said[when]["fitted"]["largest_z"])
 
 
-def test_a_diagnosis_that_is_damaged_is_none(fresh: Callable[[str], Session]) -> None:
+def test_a_diagnosis_that_is_damaged_is_none(fresh):
     desk = fresh("undiagnosed")
     (desk.found / "diagnose.json").write_text("[1]")
     assert desk.diagnosis() is None
 
 
-def test_an_effect_is_explained_with_what_was_found_of_it(worked: Any) -> None:
+def test_an_effect_is_explained_with_what_was_found_of_it(worked):
     found = whatif.explained(worked.desk, "force-gain:fmd-z2")
     assert found.sizes[""] == pytest.approx(0.08, abs=0.01)
     assert " % (+" in found.found
@@ -170,7 +163,7 @@ def test_an_effect_is_explained_with_what_was_found_of_it(worked: Any) -> None:
     assert found.written.startswith("force-gain:fmd-z2=0.0")
 
 
-def test_an_effect_that_was_not_tried_is_explained_by_the_catalogue(bare: Session) -> None:
+def test_an_effect_that_was_not_tried_is_explained_by_the_catalogue(bare):
     found = whatif.explained(bare, "appendage:z=m:0.3,f:21,zeta:0.02")
     assert (found.sizes, found.evidence, found.aliases, found.separating) == ({}, None, (), ())
     assert found.written == "appendage:z=m:0.3,f:21,zeta:0.02"
@@ -179,9 +172,7 @@ def test_an_effect_that_was_not_tried_is_explained_by_the_catalogue(bare: Sessio
         whatif.explained(bare, "nonsense")
 
 
-def test_a_report_names_the_users_files_and_the_whole_command_line(
-    block: Any, tmp_path: Path, climbed: Session, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_report_names_the_users_files_and_the_whole_command_line(block, tmp_path, climbed, monkeypatch):
     """A director signs it, and the folder of the desk is gone by then."""
     own = str(tmp_path / "effects")
     monkeypatch.setattr(page, "SOURCES", {"mine": f"{own}/mine.py"})
@@ -200,7 +191,7 @@ def test_a_report_names_the_users_files_and_the_whole_command_line(
     assert shlex.split(made.provenance(made.read_model(), diagnosed=False).command)[-1] == "--no-diagnosis"
 
 
-def test_files_that_a_browser_handed_over_are_named_as_it_named_them(block: Any, tmp_path: Path) -> None:
+def test_files_that_a_browser_handed_over_are_named_as_it_named_them(block, tmp_path):
     root = Path(block.model).parent
     files = [path for path in root.rglob("*") if path.is_file()]
     names = [f"my series/{path.relative_to(root).as_posix()}" for path in files]
@@ -212,7 +203,7 @@ def test_files_that_a_browser_handed_over_are_named_as_it_named_them(block: Any,
     assert [one.path for one in found.inputs] == shown
 
 
-def test_a_report_is_written_from_what_was_found(worked: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_report_is_written_from_what_was_found(worked, tmp_path, monkeypatch):
     """The parts that are drawn anew are proved with the report; here they stand for nothing."""
     from validation.report import page, parts
 

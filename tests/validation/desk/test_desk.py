@@ -7,8 +7,7 @@ import pytest
 
 from geometry.errors import BadInput
 from validation.app import session
-from validation.app.opening import Series
-from validation.app.session import Session, begun, moved, opened
+from validation.app.session import begun, moved, opened
 from validation.model import model_file
 
 OWN = """
@@ -20,17 +19,17 @@ kind = "own"
 """
 
 
-def test_a_desk_is_opened_as_it_was_begun(block: Series, tmp_path: Path) -> None:
+def test_a_desk_is_opened_as_it_was_begun(block, tmp_path):
     made = begun(tmp_path / "d", block.model, block.data, hold_out=("z",), band=(8, 12), method="full-record", title="<b>")
     assert opened(tmp_path / "d") == made
     assert made.asked.band == (8.0, 12.0)
     assert made.asked.hold_out == ("z",)
     assert made.title == "<b>"
+    state = json.loads((made.folder / "desk.json").read_text())
+    assert (state["format"], state["kind"]) == (1, "massline desk")
 
 
-def test_a_run_that_is_held_out_is_no_file_that_happens_to_have_its_name(
-    block: Series, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_run_that_is_held_out_is_no_file_that_happens_to_have_its_name(block, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "z").mkdir()
     (tmp_path / "here").symlink_to(block.data[0])
@@ -38,51 +37,39 @@ def test_a_run_that_is_held_out_is_no_file_that_happens_to_have_its_name(
     assert made.asked.hold_out == ("z", str(Path(block.data[0]).resolve()))
 
 
-def test_what_a_page_keeps_is_there_after_a_reload(bare: Session) -> None:
+def test_what_a_page_keeps_is_there_after_a_reload_unless_damaged_and_a_full_folder_is_no_new_desk(bare, block):
     assert bare.view() == {}
     bare.keep_view({"entry": [2, 4], "campaign": "é"})
     assert opened(bare.folder).view() == {"entry": [2, 4], "campaign": "é"}
-
-
-def test_a_view_that_is_damaged_is_none(bare: Session) -> None:
     (bare.folder / "view.json").write_text("{")
     assert bare.view() == {}
-
-
-def test_a_folder_that_holds_something_is_no_new_desk(bare: Session, block: Series) -> None:
     with pytest.raises(BadInput, match="not empty"):
         begun(bare.folder, block.model, block.data)
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{", '{"kind": "massline desk"}', '{"kind": "massline desk", "format": 1}'])
-def test_a_damaged_desk_says_so(bare: Session, text: str) -> None:
+def test_a_damaged_desk_says_so(bare, text):
     (bare.folder / "desk.json").write_text(text)
     with pytest.raises(BadInput, match="desk"):
         opened(bare.folder)
 
 
-def test_where_no_desk_is_none_is_opened(tmp_path: Path) -> None:
+def test_where_no_desk_is_none_is_opened_two_of_one_model_stay_apart_and_what_is_no_model_begins_none(tmp_path, block):
     with pytest.raises(BadInput, match="no desk here"):
         opened(tmp_path)
     assert not session.is_session(tmp_path)
-
-
-def test_two_desks_of_one_model_do_not_disturb_each_other(block: Series, tmp_path: Path) -> None:
     before = Path(block.model).read_bytes()
     one, other = (begun(tmp_path / name, block.model, block.data) for name in ("one", "other"))
     one.model.write_text(one.model.read_text() + "\n# mine\n")
     assert other.model.read_bytes() == before == Path(block.model).read_bytes()
     assert one.found != other.found
-
-
-def test_a_model_that_is_none_begins_no_desk(block: Series, tmp_path: Path) -> None:
     (tmp_path / "model.toml").write_text("[model")
     with pytest.raises(BadInput, match="TOML"):
         begun(tmp_path / "d", tmp_path / "model.toml", block.data)
     assert not session.is_session(tmp_path / "d")
 
 
-def test_the_users_own_models_are_found_from_the_working_copy(block: Series, tmp_path: Path) -> None:
+def test_the_users_own_models_are_found_from_the_working_copy(block, tmp_path):
     """Only the path changes: a comment behind it, and every other line, stay."""
     (tmp_path / "models").mkdir()
     (tmp_path / "models" / "box.h5").write_bytes(b"")
@@ -94,14 +81,9 @@ def test_the_users_own_models_are_found_from_the_working_copy(block: Series, tmp
     assert moved(made.model.read_text(), made.model, tmp_path / "model.toml") == text
 
 
-def test_paths_that_cannot_be_said_anew_are_refused(block: Series, tmp_path: Path) -> None:
+def test_paths_that_cannot_be_said_anew_are_refused(block, tmp_path):
     (tmp_path / "box.h5").write_bytes(b"")
     text = Path(block.model).read_text().split("[structure]")[0].replace('"fmd+cuboid"', '"fmd+box"')
     (tmp_path / "model.toml").write_text(f'{text}[structure]\nkind = "own"\nown = {{ "fmd+box" = "box.h5" }}\n')
     with pytest.raises(BadInput, match="one a line"):
         begun(tmp_path / "d", tmp_path / "model.toml", block.data)
-
-
-def test_a_desk_states_a_format(bare: Session) -> None:
-    state = json.loads((bare.folder / "desk.json").read_text())
-    assert (state["format"], state["kind"]) == (1, "massline desk")

@@ -6,13 +6,12 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from geometry.errors import BadInput
 from validation.app import workers
-from validation.app.session import Session, opened
+from validation.app.session import opened
 from validation.app.workers import ADD, CANCELLED, COMPARE, DIAGNOSE, DONE, FAILED, RUNNING, Job, Worker
 
 ORPHANED = """
@@ -43,12 +42,7 @@ def at_work(worker: Worker) -> Job:
     return found
 
 
-def hidden(desk: Session) -> list[Path]:
-    """Files that something had begun to write."""
-    return list(desk.folder.rglob(".*"))
-
-
-def test_a_worker_tells_its_end(worked: Any) -> None:
+def test_a_worker_tells_its_end(worked):
     assert worked.job.state == DONE
     assert worked.job.share == 1.0
     assert worked.job.error == ""
@@ -57,7 +51,7 @@ def test_a_worker_tells_its_end(worked: Any) -> None:
     assert workers.job(worked.desk) == worked.job
 
 
-def test_cancel_ends_the_process_within_a_second_and_leaves_nothing(bare: Session) -> None:
+def test_cancel_ends_the_process_within_a_second_and_leaves_nothing(bare):
     worker = workers.start(bare, COMPARE)
     assert at_work(worker).state == RUNNING
     began = time.monotonic()
@@ -66,12 +60,12 @@ def test_cancel_ends_the_process_within_a_second_and_leaves_nothing(bare: Sessio
     assert not is_there(worker.pid)
     assert found.state == CANCELLED
     assert workers.job(bare) == found
-    assert hidden(bare) == []
+    assert list(bare.folder.rglob(".*")) == []
     assert bare.comparison() is None
     assert worker.cancel() == found
 
 
-def test_whoever_asks_while_it_is_cancelled_hears_of_no_failure(bare: Session, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_whoever_asks_while_it_is_cancelled_hears_of_no_failure(bare, monkeypatch):
     """A window asks every moment, and cancels in another thread."""
     worker = workers.start(bare, COMPARE)
     at_work(worker)
@@ -81,15 +75,10 @@ def test_whoever_asks_while_it_is_cancelled_hears_of_no_failure(bare: Session, m
     assert [one.state for one in heard] == [RUNNING]
 
 
-def test_one_job_a_desk_at_a_time(bare: Session) -> None:
+def test_one_job_a_desk_at_a_time_and_a_worker_that_dies_is_an_error_in_words(bare):
     worker = workers.start(bare, COMPARE)
     with pytest.raises(BadInput, match="at work already"):
         workers.start(bare, DIAGNOSE)
-    worker.cancel()
-
-
-def test_a_worker_that_dies_is_an_error_in_words(bare: Session) -> None:
-    worker = workers.start(bare, COMPARE)
     at_work(worker)
     os.kill(worker.pid or 0, signal.SIGKILL)
     found = worker.wait(5)
@@ -98,14 +87,14 @@ def test_a_worker_that_dies_is_an_error_in_words(bare: Session) -> None:
     assert workers.job(bare) == found
 
 
-def test_what_cannot_be_done_is_told_in_the_words_of_the_verb(bare: Session) -> None:
+def test_what_cannot_be_done_is_told_in_the_words_of_the_verb(bare):
     found = workers.start(bare, DIAGNOSE, candidates=["nonsense"]).wait(60)
     assert found.state == FAILED
     assert "no effect is called 'nonsense'" in found.error
     assert "Traceback" not in found.error
 
 
-def test_a_worker_ends_with_whoever_started_it(bare: Session, tmp_path: Path) -> None:
+def test_a_worker_ends_with_whoever_started_it(bare, tmp_path):
     script = tmp_path / "start.py"
     script.write_text(ORPHANED)
     with subprocess.Popen([sys.executable, script, bare.folder], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as one:
@@ -121,30 +110,24 @@ def test_a_worker_ends_with_whoever_started_it(bare: Session, tmp_path: Path) ->
     assert (workers.recovered(opened(bare.folder)) or Job(kind="", asked={})).state == CANCELLED
 
 
-def test_a_file_that_says_nonsense_is_no_job(bare: Session) -> None:
+def test_a_file_that_says_nonsense_is_no_job_and_there_are_no_other_kinds(bare):
     assert workers.job(bare) is None
     bare.job.write_text('{"kind": 1}')
     assert workers.job(bare) is None
     assert workers.recovered(bare) is None
-
-
-def test_there_are_no_other_kinds(bare: Session) -> None:
     with pytest.raises(ValueError, match="compare, diagnose"):
         workers.start(bare, "dance")
 
 
-def test_progress_is_heard(worked: Any) -> None:
+def test_progress_is_heard(worked):
     assert {"fitting", "maps"} <= set(worked.heard)
 
 
-def test_a_failure_that_nobody_foresaw_is_told_and_written_down(bare: Session) -> None:
+def test_a_failure_that_nobody_foresaw_is_told_and_written_down_and_a_damaged_desk_told(bare):
     found = workers.start(bare, ADD).wait(60)  # nobody says which effect
     assert found.state == FAILED
     assert "nobody foresaw" in found.error
     assert "KeyError" in (bare.folder / "job.log").read_text()
-
-
-def test_a_desk_that_is_damaged_is_told_in_words(bare: Session) -> None:
     (bare.folder / "desk.json").write_text("{")
     found = workers.start(bare, COMPARE).wait(60)
     assert found.state == FAILED

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from geometry.errors import BadInput
-from validation.app.opening import Fault, Handed, Series, faults, of_error, received, sorted_out
+from validation.app.opening import Fault, Handed, faults, of_error, received, sorted_out
 
 MALICIOUS = (
     "../evil.toml",
@@ -35,7 +35,7 @@ MALICIOUS = (
 
 
 @pytest.mark.parametrize("name", MALICIOUS)
-def test_a_malicious_name_goes_nowhere(tmp_path: Path, name: str) -> None:
+def test_a_malicious_name_goes_nowhere(tmp_path, name):
     folder = tmp_path / "deep" / "desk"
     found = received(folder, [Handed(name=name, content=b"x")])
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
@@ -57,7 +57,7 @@ HIDDEN = (
 
 
 @pytest.mark.parametrize("name", HIDDEN)
-def test_what_a_system_hides_beside_the_users_files_is_passed_over_in_words(tmp_path: Path, name: str) -> None:
+def test_what_a_system_hides_beside_the_users_files_is_passed_over_in_words(tmp_path, name):
     found = received(tmp_path / "desk", [Handed(name="a/x.h5", content=b"1"), Handed(name=name, content=b"2")])
     assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["x.h5"]
     (fault,) = found.faults
@@ -67,14 +67,14 @@ def test_what_a_system_hides_beside_the_users_files_is_passed_over_in_words(tmp_
 
 
 @pytest.mark.parametrize("name", ["a/../.ssh/config", "../.x", "/.x"])
-def test_a_hidden_name_that_climbs_is_still_refused(tmp_path: Path, name: str) -> None:
+def test_a_hidden_name_that_climbs_is_still_refused(tmp_path, name):
     found = received(tmp_path / "deep" / "desk", [Handed(name=name, content=b"x")])
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
     assert found.faults[0].grave
 
 
 @pytest.mark.parametrize("name", ["s/model.toml", "S/Model.toml"])
-def test_a_file_that_was_mended_takes_the_place_of_the_one_before(tmp_path: Path, block: Series, name: str) -> None:
+def test_a_file_that_was_mended_takes_the_place_of_the_one_before(tmp_path, block, name):
     """Handed over whole, with what did not change."""
     root = Path(block.model).parent
     others = [path for path in root.rglob("*") if path.is_file() and path.name != "model.toml"]
@@ -88,28 +88,10 @@ def test_a_file_that_was_mended_takes_the_place_of_the_one_before(tmp_path: Path
     assert not [one for one in faults(again.models[0], again.data) if one.grave]
 
 
-def test_the_model_that_was_handed_over_last_comes_first(tmp_path: Path, block: Series) -> None:
+def test_folders_are_kept_and_the_model_that_was_handed_over_last_comes_first(tmp_path, block):
     received(tmp_path, [Handed(name="a/model.toml", content=b"[model")])
     found = received(tmp_path, [Handed(name="b/model.toml", content=Path(block.model))])
     assert [Path(path).parent.name for path in found.models] == ["b", "a"]
-
-
-def test_a_file_that_replaces_another_counts_once(tmp_path: Path) -> None:
-    received(tmp_path, [Handed(name="a", content=b"x" * 60)], limit=100)
-    found = received(tmp_path, [Handed(name="a", content=b"y" * 80), Handed(name="b", content=b"x" * 20)], limit=100)
-    assert found.faults == ()
-    assert (found.folder / "a").read_bytes() == b"y" * 80
-
-
-@given(name=st.text(alphabet=st.sampled_from("ab./\\:.. \x00\u202e~$%"), max_size=24))
-def test_no_name_leaves_the_folder(tmp_path_factory: pytest.TempPathFactory, name: str) -> None:
-    around = tmp_path_factory.mktemp("around")
-    received(around / "desk", [Handed(name=name, content=b"x")])
-    files = [path for path in around.rglob("*") if path.is_file()]
-    assert all(path.resolve().is_relative_to(around / "desk" / "given") for path in files)
-
-
-def test_folders_are_kept(tmp_path: Path) -> None:
     (tmp_path / "there").write_bytes(b"two")
     handed = [Handed(name="series/one/x.h5", content=b"one"), Handed(name="series\\one\\y.h5", content=tmp_path / "there")]
     found = received(tmp_path / "desk", handed)
@@ -118,37 +100,49 @@ def test_folders_are_kept(tmp_path: Path) -> None:
     assert (found.folder / "series" / "one" / "y.h5").read_bytes() == b"two"
 
 
+def test_a_file_that_replaces_another_counts_once(tmp_path):
+    received(tmp_path, [Handed(name="a", content=b"x" * 60)], limit=100)
+    found = received(tmp_path, [Handed(name="a", content=b"y" * 80), Handed(name="b", content=b"x" * 20)], limit=100)
+    assert found.faults == ()
+    assert (found.folder / "a").read_bytes() == b"y" * 80
+
+
+@given(name=st.text(alphabet=st.sampled_from("ab./\\:.. \x00\u202e~$%"), max_size=24))
+def test_no_name_leaves_the_folder(tmp_path_factory, name):
+    around = tmp_path_factory.mktemp("around")
+    received(around / "desk", [Handed(name=name, content=b"x")])
+    files = [path for path in around.rglob("*") if path.is_file()]
+    assert all(path.resolve().is_relative_to(around / "desk" / "given") for path in files)
+
+
 @pytest.mark.parametrize("second", ["a/x.h5", "A/X.H5", "a/./x.h5", "a", "a/x.h5/y"])
-def test_a_name_that_is_taken_is_refused(tmp_path: Path, second: str) -> None:
+def test_a_name_that_is_taken_is_refused(tmp_path, second):
     found = received(tmp_path, [Handed(name="a/x.h5", content=b"1"), Handed(name=second, content=b"2")])
     assert "already" in found.faults[0].problem
     assert (found.folder / "a" / "x.h5").read_bytes() == b"1"
 
 
-def test_what_does_not_fit_is_refused_with_what_came_before_counted(tmp_path: Path) -> None:
+def test_what_does_not_fit_is_refused_with_what_came_before_counted(tmp_path):
     received(tmp_path, [Handed(name="a", content=b"x" * 60)], limit=100)
     found = received(tmp_path, [Handed(name="b", content=b"x" * 60), Handed(name="c", content=b"x" * 40)], limit=100)
     assert [one.field for one in found.faults] == ["b"]
     assert (found.folder / "c").exists()
 
 
-def test_a_dropped_series_is_told_apart(tmp_path: Path, block: Series) -> None:
+def test_a_dropped_series_is_told_apart_and_a_campaign_without_its_folder_is_one(tmp_path, block):
     root = Path(block.model).parent
     files = [path for path in root.rglob("*") if path.is_file()]
     found = received(tmp_path, [Handed(name=f"s/{path.relative_to(root).as_posix()}", content=path) for path in files])
     assert found.faults == ()
     assert found.models == (str(found.folder / "s" / "model.toml"),)
     assert found.data == (str(found.folder / "s" / "fmd+cuboid"),)
-
-
-def test_a_campaign_dropped_without_its_folder_is_one(tmp_path: Path, block: Series) -> None:
     folder, model = Path(block.data[0]), Path(block.model)
     found = received(tmp_path, [Handed(name=path.name, content=path) for path in (model, *folder.iterdir())])
     assert found.data == (str(found.folder),)
     assert found.models == (str(found.folder / "model.toml"),)
 
 
-def test_a_folder_of_ones_own_is_looked_through_and_links_are_not_followed(tmp_path: Path, block: Series) -> None:
+def test_a_folder_of_ones_own_is_looked_through_and_links_are_not_followed(tmp_path, block):
     (tmp_path / "link").symlink_to(Path(block.model).parent)
     (tmp_path / "weighing.toml").write_text('format = 1\nkind = "weighing"\n')
     (tmp_path / "notes.json").write_text("{}")
@@ -158,14 +152,14 @@ def test_a_folder_of_ones_own_is_looked_through_and_links_are_not_followed(tmp_p
         sorted_out(tmp_path / "nowhere")
 
 
-def test_a_sound_series_has_no_grave_fault(block: Series) -> None:
+def test_a_sound_series_has_no_grave_fault(block):
     heard: list[str] = []
     found = faults(block.model, block.data, progress=lambda what, share: heard.append(what))
     assert not any(one.grave for one in found)
     assert any("fmd+cuboid" in what for what in heard)
 
 
-def test_no_fault_hides_the_next(tmp_path: Path, block: Series) -> None:
+def test_no_fault_hides_the_next(tmp_path, block):
     model = tmp_path / "model.toml"
     model.write_text(Path(block.model).read_text().replace("[tolerances]", "[tolerances]\nsurplus = 1"))
     shutil.copytree(block.data[0], tmp_path / "one")
@@ -183,14 +177,11 @@ def test_no_fault_hides_the_next(tmp_path: Path, block: Series) -> None:
     assert any(file == "nowhere" for file, _ in said)
 
 
-def test_what_does_not_belong_together_is_a_fault(tmp_path: Path, block: Series) -> None:
+def test_what_does_not_belong_together_is_a_fault_which_reads_as_a_refusal_does(tmp_path, block):
     model = tmp_path / "model.toml"
     model.write_text(Path(block.model).read_text().replace('article = "fmd+cuboid"', 'article = "fmd+clumod-1"'))
     (fault,) = [one for one in faults(str(model), block.data) if one.grave]
     assert fault.field == "model.article"
-
-
-def test_a_refusal_reads_the_same_as_a_fault() -> None:
     error = BadInput(source="a.toml", field="x", problem="is wrong", remedy="Mend it")
     assert of_error(error).text == str(error).rstrip(".")
     assert Fault(file="a", field="", problem="odd", grave=False).text == "a: odd"

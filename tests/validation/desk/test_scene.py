@@ -1,7 +1,6 @@
 """What stands on the shaker, in 3-D: where sensors sit, what bodies there are, how a mode moves them."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
 from validation.app import opening, scene3d, session
-from validation.app.opening import EXAMPLES, Series, faults
+from validation.app.opening import EXAMPLES, faults
 from validation.app.session import Compared, Session, begun
 from validation.compare.compare import modes_of
 
@@ -17,12 +16,12 @@ MAST = "fmd+clumod-1"
 
 
 @pytest.fixture(scope="module")
-def desk(mast: Series, tmp_path_factory: pytest.TempPathFactory) -> Session:
+def desk(mast, tmp_path_factory) -> Session:
     return begun(tmp_path_factory.mktemp("desks") / "scene", mast.model, mast.data)
 
 
 @pytest.fixture(scope="module")
-def found(desk: Session) -> Compared:
+def found(desk) -> Compared:
     """As much of a comparison as shapes ask for, of the model as drawn."""
     ready = desk.study()
     start = ready.whole().start
@@ -38,7 +37,7 @@ def found(desk: Session) -> Compared:
     return Known(summary={}, maps=(), modes=modes, offsets=start, loads=loads)
 
 
-def test_sensors_stand_where_the_campaign_says(desk: Session) -> None:
+def test_sensors_stand_where_the_campaign_says_and_one_that_is_none_is_refused(desk):
     shown = scene3d.scene(desk, MAST)
     described = scene3d.the_campaign(desk, MAST)
     first = next(one for one in described.table.channels if one.name == "table-z1")
@@ -48,21 +47,18 @@ def test_sensors_stand_where_the_campaign_says(desk: Session) -> None:
     assert {one.group for one in shown.sensors} == {"table", "cover", "fmd"}
     assert {"mast", "lower-1"} <= {one.name.rpartition("/")[2] for one in shown.bodies}
     assert shown.title == described.title
-
-
-def test_a_campaign_that_is_none_is_refused_with_the_nearest(desk: Session) -> None:
     with pytest.raises(BadInput, match="Known are"):
         scene3d.scene(desk, "fmd+clumod-2")
 
 
-def test_the_nearest_mode_is_told_in_octaves(found: Compared) -> None:
+def test_the_nearest_mode_is_told_in_octaves_its_shape_moves_the_mast_and_leaves_its_foot(found, desk):
     frequencies = [one.frequency for one in found.modes_of(MAST)]
     number = scene3d.nearest(found, MAST, 1.02 * frequencies[1])
     assert number == 1
     assert scene3d.nearest(found, MAST, 1e-3) == 0
-
-
-def test_a_shape_moves_the_mast_and_leaves_its_foot(desk: Session, found: Compared) -> None:
+    for number in (-1, 99):
+        with pytest.raises(BadInput, match="found"):
+            scene3d.shape(desk, found, MAST, number)
     one = scene3d.shape(desk, found, MAST, 0)
     assert one.frequency == found.modes_of(MAST)[0].frequency
     sizes = {body.name: body.size.max() for body in one.bodies}
@@ -73,29 +69,23 @@ def test_a_shape_moves_the_mast_and_leaves_its_foot(desk: Session, found: Compar
     assert min(body.vertices[:, 2].min() for body in one.bodies) > 0.04  # it stands on the cover plate
 
 
-def test_the_mode_that_is_drawn_is_that_of_the_model_as_it_stands(desk: Session, found: Compared) -> None:
+def test_the_mode_that_is_drawn_is_that_of_the_model_as_it_stands(desk, found):
     """With the mast five times as stiff the first mode is one of the blade, and moves the mast less."""
     drawn = scene3d.shape(desk, found, MAST, 0)
     stiff = replace(found, offsets={**found.offsets, "modulus:mast": float(np.log(5.0))})
     other = scene3d.shape(desk, stiff, MAST, 0)
 
-    def share(of: scene3d.Shape) -> float:
+    def share(of):
         moved = {body.name: body.size.max() for body in of.bodies}
         return float(moved["mast"] / moved["lower-1"])
 
     assert share(other) < 0.7 * share(drawn)
 
 
-def test_what_has_no_modes_has_no_shape(desk: Session, found: Compared) -> None:
-    for number in (-1, 99):
-        with pytest.raises(BadInput, match="found"):
-            scene3d.shape(desk, found, MAST, number)
-
-
 @pytest.mark.parametrize(
     "name", [pytest.param(one.name, marks=[pytest.mark.proof] * (len(one.articles) > 1)) for one in EXAMPLES]
 )
-def test_every_example_opens(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+def test_every_example_opens(tmp_path, monkeypatch, name):
     """Swept sixteen times as fast, which its story does not survive, but its files do."""
     slow = next(one for one in EXAMPLES if one.name == name)
     quick = replace(slow, octaves_per_minute=240.0, driven=(8.0, 16.0), rate=256.0)
@@ -111,12 +101,9 @@ def test_every_example_opens(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, na
     assert not any("truth" in path for path in made.data)
 
 
-def test_an_example_that_is_none_is_refused_with_the_nearest() -> None:
-    with pytest.raises(BadInput, match="block"):
-        opening.made("blok")
-
-
-def test_examples_do_not_say_what_is_hidden() -> None:
+def test_examples_do_not_say_what_is_hidden_and_one_that_is_none_is_refused():
     for one in EXAMPLES:
         for effect in one.effects:
             assert effect.split("=")[0] not in one.title + one.words
+    with pytest.raises(BadInput, match="block"):
+        opening.made("blok")

@@ -13,7 +13,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from validation.app import whatif
-from validation.app.opening import Series
 from validation.app.session import Session, begun
 from validation.app.whatif import ReadyPredictions, SampledPrediction, Trace, WhatIf, what_if
 from validation.effects.catalogue import FAMILIES, parse
@@ -47,19 +46,19 @@ TRIED = (
 
 
 @pytest.fixture(scope="module")
-def mast_desk(mast: Series, tmp_path_factory: pytest.TempPathFactory) -> Session:
+def mast_desk(mast, tmp_path_factory) -> Session:
     """Nothing was compared there."""
     return begun(tmp_path_factory.mktemp("desks") / "mast", mast.model, mast.data)
 
 
 @pytest.fixture(scope="module")
-def table(mast_desk: Session) -> ReadyPredictions:
+def table(mast_desk) -> ReadyPredictions:
     """Of the series with a mast, at the model as drawn."""
     return whatif.table(mast_desk)
 
 
 @pytest.fixture(scope="module")
-def predicted(mast: Series, table: ReadyPredictions) -> Callable[[str], tuple[SeriesPrediction, ...]]:
+def predicted(mast, table) -> Callable[[str], tuple[SeriesPrediction, ...]]:
     """By effect, what `validation.prediction` says of the series, read anew."""
     data = read_data(mast.data, table.model)
     drawn = predictions(table.model, data.campaigns)
@@ -79,7 +78,7 @@ def by_least_squares(one: SeriesPrediction, tested: whatif.ReadyCampaign, offset
 
 
 @pytest.mark.parametrize("effect", TRIED)
-def test_released_it_is_the_prediction(table: ReadyPredictions, predicted: Any, effect: str) -> None:
+def test_released_it_is_the_prediction_and_dragged_the_same_where_every_line_can_be_afforded(table, predicted, effect):
     shown = what_if(table, effect, 2, 4)
     assert shown.exact
     for trace, one, tested in zip(shown.traces, predicted(effect), table.tested, strict=True):
@@ -87,11 +86,7 @@ def test_released_it_is_the_prediction(table: ReadyPredictions, predicted: Any, 
         assert_allclose(trace.matrix, expected, rtol=1e-7, atol=1e-8 * np.abs(expected).max())  # 6 x 6 inverted twice
         assert np.array_equal(trace.after, trace.matrix[:, 2, 4])
         assert trace.reached or np.array_equal(trace.before, trace.after)
-
-
-@pytest.mark.parametrize("effect", TRIED)
-def test_dragged_it_is_the_same_where_every_line_can_be_afforded(table: ReadyPredictions, effect: str) -> None:
-    """Sizes pass through the parameters of a fit there, which costs no more than rounding."""
+    # Sizes pass through the parameters of a fit there, which costs no more than rounding.
     dragged, released = (what_if(replace(table, pace=1e-9), effect, 4, 4, exact=exact) for exact in (False, True))
     assert dragged.exact
     for one, other in zip(dragged.traces, released.traces, strict=True):
@@ -100,7 +95,7 @@ def test_dragged_it_is_the_same_where_every_line_can_be_afforded(table: ReadyPre
 
 
 @pytest.mark.parametrize("effect", ["saturation:fmd-z2=0.1", "gap:2=50", "sweep-bias", "friction:flange:x=3"])
-def test_what_asks_for_every_run_is_the_same_for_the_eye_at_a_quarter_of_the_lines(table: ReadyPredictions, effect: str) -> None:
+def test_what_asks_for_every_run_is_the_same_for_the_eye_at_a_quarter_of_the_lines(table, effect):
     few = replace(table, pace=whatif.BUDGET / (40 * len(table.tested) * 6))
     dragged, released = (what_if(few, effect, 4, 4, exact=exact) for exact in (False, True))
     assert not dragged.exact
@@ -113,20 +108,21 @@ def off(one: Trace, other: Trace) -> float:
     return float(400 * np.abs(both[0] - both[1]).max() / max(np.ptp(both[1]), 1.0))
 
 
-def test_no_effect_changes_nothing(table: ReadyPredictions) -> None:
+def test_no_effect_changes_nothing_and_before_a_comparison_nothing_is_fitted(table):
     shown = what_if(table, "force-gain:fmd-z2=0", 2, 2)
     assert shown.plain_percent == pytest.approx(shown.before_percent, rel=1e-9)
     for one in shown.traces:
         assert_allclose(one.after, one.before, rtol=1e-9)
+    assert table.at == whatif.DRAWN
 
 
 @pytest.fixture(scope="module")
-def fitted(worked: Any) -> ReadyPredictions:
+def fitted(worked) -> ReadyPredictions:
     """Of the block that was compared."""
     return whatif.table(worked.desk)
 
 
-def test_the_right_size_brings_the_error_down_and_a_wrong_sign_up(fitted: ReadyPredictions) -> None:
+def test_the_right_size_brings_the_error_down_and_a_wrong_sign_up(fitted):
     """What the plain fit had taken up of the fault goes with it: else the right size would count twice, and seem wrong."""
     right, wrong = (what_if(fitted, f"force-gain:fmd-z2={size}", 2, 2) for size in (0.08, -0.08))
     assert right.followed
@@ -137,23 +133,17 @@ def test_the_right_size_brings_the_error_down_and_a_wrong_sign_up(fitted: ReadyP
     assert alone.plain_percent > alone.before_percent
 
 
-def test_what_follows_a_slider_arrives_where_it_is_released(fitted: ReadyPredictions) -> None:
+def test_what_follows_a_slider_begins_where_the_comparison_ended_and_arrives_at_the_prediction(fitted, worked):
     sizes = (0.02, 0.04, 0.06, 0.08)
     dragged = [what_if(fitted, f"force-gain:fmd-z2={size}", 2, 2, exact=False).plain_percent for size in sizes]
     released = what_if(fitted, "force-gain:fmd-z2=0.08", 2, 2).plain_percent
     assert dragged == sorted(dragged, reverse=True)
     assert dragged[-1] == pytest.approx(released, rel=0.3)
-
-
-def test_released_it_is_the_prediction_at_the_offsets_that_it_says(fitted: ReadyPredictions) -> None:
     shown = what_if(fitted, "force-gain:fmd-z2=0.08", 2, 2)
     effects = (Added(named=parse("force-gain:fmd-z2=0.08", fitted.words), fixed=True),)
     (tested,) = fitted.tested
     expected = by_least_squares(tested.prediction.with_effects(effects), tested, shown.offsets)
     assert_allclose(shown.traces[0].matrix, expected, rtol=1e-7, atol=1e-8 * np.abs(expected).max())
-
-
-def test_it_begins_where_the_comparison_ended(worked: Any, fitted: ReadyPredictions) -> None:
     assert fitted.at == whatif.FITTED
     shown = what_if(fitted, "force-gain:fmd-z2=0", 0, 0)
     assert shown.before_percent == pytest.approx(worked.compared.summary["plain_error_percent"], rel=1e-9)
@@ -162,11 +152,7 @@ def test_it_begins_where_the_comparison_ended(worked: Any, fitted: ReadyPredicti
     assert_allclose(fitted.tested[0].entries, pairs.predicted, rtol=1e-6, atol=1e-8 * np.abs(pairs.predicted).max())
 
 
-def test_before_a_comparison_nothing_is_fitted(table: ReadyPredictions) -> None:
-    assert table.at == whatif.DRAWN
-
-
-def test_every_effect_that_reaches_the_data_has_sliders_that_can_be_dragged(table: ReadyPredictions) -> None:
+def test_every_effect_that_reaches_the_data_has_sliders_that_can_be_dragged(table):
     for effect in {one.family: one for one in reversed(whatif.reaching(table))}.values():
         for end in ("low", "start", "high"):
             written = effect.written({one.key: getattr(one, end) for one in effect.sliders})
@@ -178,13 +164,8 @@ def test_every_effect_that_reaches_the_data_has_sliders_that_can_be_dragged(tabl
             assert not one.logarithmic or one.low > 0
 
 
-def test_a_size_that_leaves_no_body_is_refused_in_words(table: ReadyPredictions) -> None:
-    with pytest.raises(BadInput, match="no body is left"):
-        what_if(table, "rigid-inertia:m=-50", 0, 0)
-
-
-def test_a_model_that_breaks_down_says_so(table: ReadyPredictions, monkeypatch: pytest.MonkeyPatch) -> None:
-    def broken(*given: Any, **more: Any) -> None:
+def test_a_model_that_breaks_down_says_so(table, monkeypatch):
+    def broken(*given, **more):
         raise FloatingPointError("divide by zero")
 
     monkeypatch.setattr(SeriesPrediction, "at", broken)
@@ -192,7 +173,7 @@ def test_a_model_that_breaks_down_says_so(table: ReadyPredictions, monkeypatch: 
         what_if(table, "modulus:mast=0.1", 0, 0)
 
 
-def test_all_sides_of_the_catalogue_are_there_but_ropes(table: ReadyPredictions) -> None:
+def test_all_sides_of_the_catalogue_are_there_but_ropes(table):
     found = whatif.reaching(table)
     assert {one.side for one in found} == set(SIDES) - {PENDULUM}
     ids = [one.id for one in found]
@@ -206,7 +187,7 @@ def test_all_sides_of_the_catalogue_are_there_but_ropes(table: ReadyPredictions)
     assert reached["force-gain:fmd-z2"] == ("fmd+cuboid", "fmd+clumod-1")
 
 
-def test_an_effect_of_the_model_is_moved_in_its_place(mast_desk: Session, table: ReadyPredictions) -> None:
+def test_an_effect_of_the_model_is_moved_in_its_place(mast_desk, table):
     added = Added(named=parse("force-gain:fmd-z2=0.05", table.words))
     of = replace(
         table,
@@ -223,14 +204,19 @@ def test_an_effect_of_the_model_is_moved_in_its_place(mast_desk: Session, table:
     assert_allclose(moved.traces[0].after, alone.traces[0].after, rtol=1e-9)
 
 
-def test_nonsense_is_refused_in_words(table: ReadyPredictions) -> None:
+def test_nonsense_and_a_size_that_leaves_no_body_are_refused_in_words(table):
     for effect in ("force-gain:fmd-z9=0.1", "nonsense", "force-gain:fmd-z2=1e9", "modulus:upper-long=0.1"):
         with pytest.raises(BadInput):
             what_if(table, effect, 0, 0)
+    with pytest.raises(BadInput, match="no body is left"):
+        what_if(table, "rigid-inertia:m=-50", 0, 0)
 
 
-def test_the_catalogue_has_no_family_that_a_slider_cannot_say(table: ReadyPredictions) -> None:
-    """Also of families that do not reach this series."""
+def test_what_if_says_which_campaigns_are_reached_and_a_slider_can_say_every_family(table):
+    found: WhatIf = what_if(table, "modulus:mast=0.1", 4, 4)
+    assert [one.reached for one in found.traces] == [False, True]
+    assert np.array_equal(found.traces[0].before, found.traces[0].after)
+    # Also of families that do not reach this series.
     for family in FAMILIES.values():
         typical = parse(examples(family)[0]).values
         for size in (*family.sizes, *(one for sizes in family.varying.values() for one in sizes)):
@@ -239,19 +225,13 @@ def test_the_catalogue_has_no_family_that_a_slider_cannot_say(table: ReadyPredic
             assert not logarithmic or low > 0
 
 
-def test_what_if_says_which_campaigns_are_reached(table: ReadyPredictions) -> None:
-    found: WhatIf = what_if(table, "modulus:mast=0.1", 4, 4)
-    assert [one.reached for one in found.traces] == [False, True]
-    assert np.array_equal(found.traces[0].before, found.traces[0].after)
-
-
 MOVES = 5
 GENEROUS = 12.0
 """Full predictions that a drag of a small series may cost. It is about three; what is computed at rest costs forty and more."""
 
 
 @pytest.mark.parametrize("effect", ["force-gain:fmd-z2=0.0{}", "rigid-inertia:m=1.{}"])
-def test_a_drag_costs_a_few_full_predictions(worked: Any, effect: str) -> None:
+def test_a_drag_costs_a_few_full_predictions(worked, effect):
     """By the clock of this process: other work on the machine slows both."""
     table = whatif.table(worked.desk)
     anew = worked.desk.predictions(worked.desk.read_model())
@@ -286,7 +266,7 @@ class Asked:
 
 
 @pytest.fixture(params=[False, True], ids=["shared rows", "rows by run"])
-def asked(request: pytest.FixtureRequest) -> Asked:
+def asked(request) -> Asked:
     rng = np.random.default_rng(2)
 
     def drawn(*shape: int) -> np.ndarray:
@@ -311,24 +291,18 @@ def answered(of: Asked, lines: Lines) -> SampledPrediction:
     return SampledPrediction(measured=of.measured, parameters=(), lines=lines, said=of.at({}, lines, derivatives=False))
 
 
-def test_some_of_the_lines_are_those_of_the_prediction(asked: Asked) -> None:
+def test_some_lines_and_errors_of_some_runs_are_those_of_the_prediction_and_nothing_else_is_said(asked):
     there = answered(asked, np.array([0, 2, 3, 7])).at({}, np.array([2, 7]), derivatives=False)
     wanted = asked.at({}, np.array([2, 7]))
     assert_array_equal(there.rows, wanted.rows)
     assert_array_equal(there.noise, wanted.noise)
     assert not there.changes
-
-
-def test_errors_of_some_runs_are_those_of_the_prediction(asked: Asked) -> None:
     every = np.arange(LINES)
     (of_y,) = evaluate.squares(answered(asked, every).on(("y",)), {}, np.array([1, 4]))
     whole = evaluate.squares(asked, {}, np.array([1, 4]))  # type: ignore[arg-type]
     assert of_y.run == "y"
     # how far silent channels are trusted is told by all runs together, so that a run alone errs a trifle otherwise
     np.testing.assert_allclose(of_y.values, whole[1].values, rtol=0.02)
-
-
-def test_nothing_is_said_that_was_not_asked(asked: Asked) -> None:
     some = answered(asked, np.array([0, 2]))
     with pytest.raises(ValueError, match="asked"):
         some.at({}, np.array([1]), derivatives=False)

@@ -29,9 +29,6 @@ from validation.study import Study
 from validation.virtual_test.plan import RIGID, Plan
 from validation.virtual_test.simulate import simulate
 
-# Running a draw loses nothing that is finished, and one broken case ends no other.
-
-
 FAST: dict[str, Any] = {"octaves_per_minute": 120.0, "quiet": 0.2, "model": RIGID, "simulation_rate": 2000.0}
 
 BOOK = Ledger(development=(1, 2), test=9)
@@ -44,14 +41,14 @@ def case(number: int, *planted: str) -> Case:
 
 
 @pytest.fixture
-def kept(tmp_path: Path) -> Kept:
+def kept(tmp_path) -> Kept:
     return Kept(seed=5, code="abc", folder=tmp_path)
 
 
-def test_what_is_finished_is_not_done_again(kept: Kept, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_finished_is_not_done_again(kept, monkeypatch):
     solved: list[str] = []
 
-    def stub(one: Case, **options: object) -> tuple[Json, Json]:
+    def stub(one, **options):
         solved.append(one.name)
         return {"name": one.name}, {"verdict": "nothing"}
 
@@ -66,8 +63,8 @@ def test_what_is_finished_is_not_done_again(kept: Kept, monkeypatch: pytest.Monk
     assert len(solved) == 3
 
 
-def test_an_interruption_keeps_what_was_finished_and_nothing_of_what_was_not(kept: Kept, monkeypatch: pytest.MonkeyPatch) -> None:
-    def stub(one: Case, **options: object) -> tuple[Json, Json]:
+def test_an_interruption_keeps_what_was_finished_and_nothing_of_what_was_not(kept, monkeypatch):
+    def stub(one, **options):
         if one.name == "nulls-002":
             raise KeyboardInterrupt
         return {"name": one.name}, {"verdict": "nothing"}
@@ -79,18 +76,15 @@ def test_an_interruption_keeps_what_was_finished_and_nothing_of_what_was_not(kep
     assert not kept.finished("nulls-002")
 
 
-def test_a_series_that_cannot_be_simulated_is_an_answer_of_its_own() -> None:
+def test_a_series_that_cannot_be_simulated_and_a_diagnosis_that_dies_are_answers_of_their_own(tmp_path, monkeypatch):
     truth, answer = running.solved(case(1, "point-mass:top=-999"), driven=FAST)  # no body has so much to lose
     assert truth["planted"][0]["id"] == "point-mass:top"
     assert set(answer) == {"broken"}
-
-
-def test_a_diagnosis_that_dies_is_broken_and_what_it_said_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(running.sys, "executable", "false")
     assert running._diagnosed(tmp_path, Event()) == {"broken": "ended with 1"}
 
 
-def test_a_diagnosis_that_takes_for_ever_is_broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_diagnosis_that_takes_for_ever_is_broken(tmp_path, monkeypatch):
     sleeper = tmp_path / "sleeper"
     sleeper.write_text("#!/bin/sh\nexec sleep 60\n")
     sleeper.chmod(0o755)
@@ -99,7 +93,7 @@ def test_a_diagnosis_that_takes_for_ever_is_broken(tmp_path: Path, monkeypatch: 
     assert "no answer" in running._diagnosed(tmp_path, Event())["broken"]
 
 
-def test_a_case_that_is_told_to_stop_leaves_no_answer_and_no_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_case_that_is_told_to_stop_leaves_no_answer_and_no_folder(tmp_path, monkeypatch):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     stop = Event()
     stop.set()
@@ -108,14 +102,14 @@ def test_a_case_that_is_told_to_stop_leaves_no_answer_and_no_folder(tmp_path: Pa
     assert list(tmp_path.iterdir()) == []
 
 
-def test_results_of_other_code_and_other_draws_are_not_mixed_in(kept: Kept) -> None:
+def test_results_of_other_code_and_other_draws_are_not_mixed_in(kept):
     kept.keep_truth("nulls-000", {})
     kept.keep_answer("nulls-000", {})
     assert not Kept(seed=6, code="abc", folder=kept.folder).finished("nulls-000")
     assert not Kept(seed=5, code="abd", folder=kept.folder).finished("nulls-000")
 
 
-def test_a_draw_is_blind_until_the_code_changes_after_a_look() -> None:
+def test_a_draw_is_blind_until_the_code_changes_after_a_look_and_retired_for_development():
     look = Look(seed=9, code="abc", day="2026-11-21", cases=10)
     after = BOOK.with_look(look)
     assert BOOK.blind(9, "abc")
@@ -124,16 +118,13 @@ def test_a_draw_is_blind_until_the_code_changes_after_a_look() -> None:
     assert not BOOK.blind(1, "abc")
     more = replace(look, cases=20)  # of the same code: the same look
     assert after.with_look(more).looks == (more,)
-
-
-def test_a_retired_test_draw_is_for_development_and_the_next_one_is_new() -> None:
     after = BOOK.retired()
     assert after.development == (1, 2, 9)
     assert after.test not in (1, 2, 9)
     assert BOOK.retired() == after
 
 
-def test_a_look_is_written_down_for_the_test_draw_alone(tmp_path: Path) -> None:
+def test_a_look_is_written_down_for_the_test_draw_alone(tmp_path):
     file = tmp_path / "ledger.json"
     ledger.write(BOOK, file)
     ledger.look(1, "abc", 10, file)
@@ -152,20 +143,17 @@ def test_a_look_is_written_down_for_the_test_draw_alone(tmp_path: Path) -> None:
         (("--kinds", "nulls,pears"), "pears"),
     ],
 )
-def test_what_cannot_be_asked_for_is_said(options: tuple[str, ...], said: str) -> None:
+def test_what_cannot_be_asked_for_is_said(options, said):
     done = CliRunner().invoke(program.main, list(options))
     assert done.exit_code == 2
     assert said in done.output
 
 
-def test_the_hash_of_the_code_is_of_files_that_are_there(monkeypatch: pytest.MonkeyPatch, root: Path) -> None:
+def test_the_hash_of_the_code_is_of_files_that_are_there(monkeypatch, root):
     monkeypatch.chdir(root)
     present_code.cache_clear()
     assert len(present_code()) == 12
     present_code.cache_clear()
-
-
-# What a diagnosis is handed holds neither seed nor truth, and its process knows no draw.
 
 
 CASE = Case(
@@ -183,12 +171,12 @@ Sealed = tuple[Path, Json]
 
 
 @pytest.fixture(scope="module")
-def handed(tmp_path_factory: pytest.TempPathFactory) -> Sealed:
+def handed(tmp_path_factory) -> Sealed:
     folder = tmp_path_factory.mktemp("scratch") / "series"
     return folder, sealed(CASE, folder, driven=FAST)
 
 
-def test_no_file_of_the_folder_holds_seed_truth_name_or_kind(handed: Sealed) -> None:
+def test_no_file_of_the_folder_holds_the_truth_and_settings_and_model_say_what_the_laboratory_knows(handed):
     folder, truth = handed
     drawn = truth["planted"][0]["sizes"][""]
     secrets = [b"918273645", b"force-gain", b"singles", b"nulls", repr(drawn).encode(), b"truth", b"seed"]
@@ -198,31 +186,22 @@ def test_no_file_of_the_folder_holds_seed_truth_name_or_kind(handed: Sealed) -> 
         content = path.read_bytes()
         assert not [one for one in secrets if one in content or one.decode() in str(path.relative_to(folder))], path
     assert b"polarity" in (folder / SETTINGS).read_bytes()  # what is left out must be said, and such a search finds it
-
-
-def test_the_settings_say_what_there_is_what_to_hold_out_and_what_to_do_without(handed: Sealed) -> None:
     settings = json.loads((handed[0] / SETTINGS).read_text())
     assert settings == {"data": [CUBOID], "hold_out": [f"{CUBOID}/y"], "leave_out": ["polarity"]}
-
-
-def test_the_model_that_is_handed_over_is_what_the_laboratory_knows(handed: Sealed) -> None:
     found, expected = model_file.read(handed[0] / MODEL), known()
     assert (found.article, found.effects, found.tolerances) == (expected.article, (), expected.tolerances)
     np.testing.assert_array_equal(found.cell_stiffness, expected.cell_stiffness)
 
 
-def test_the_true_size_is_what_was_planted_on_top_of_what_the_laboratory_has(handed: Sealed, tmp_path: Path) -> None:
+def test_the_true_size_is_what_was_planted_on_top_of_what_the_laboratory_has_and_is_in_the_campaign(handed, tmp_path):
     stated = handed[1]["planted"][0]
     plain = sealed(replace(CASE, planted=(Planted(text="force-gain:fmd-z2=0"),)), tmp_path / "series", driven=FAST)
     drawn = plain["planted"][0]["sizes"][""]
     assert drawn != 0
     assert stated["id"] == "force-gain:fmd-z2"
     assert stated["sizes"][""] == pytest.approx((1 + drawn) * 1.075 - 1)
-
-
-def test_the_campaign_that_is_handed_over_has_the_effect_in_it(handed: Sealed, tmp_path: Path) -> None:
-    sealed(replace(CASE, planted=()), tmp_path / "series", driven=FAST)
-    with_it, without = (campaign_file.read(folder / CUBOID).recordings["z"] for folder in (handed[0], tmp_path / "series"))
+    sealed(replace(CASE, planted=()), tmp_path / "without", driven=FAST)
+    with_it, without = (campaign_file.read(folder / CUBOID).recordings["z"] for folder in (handed[0], tmp_path / "without"))
     k = with_it.names.index("fmd-z2")
     level = np.sqrt(np.mean(with_it.values**2, axis=0))
     moved = np.sqrt(np.mean((with_it.values - without.values) ** 2, axis=0)) / level
@@ -230,7 +209,7 @@ def test_the_campaign_that_is_handed_over_has_the_effect_in_it(handed: Sealed, t
     assert np.all(np.delete(moved, k) < 1e-9)
 
 
-def test_the_process_that_answers_knows_no_draw_and_no_virtual_test(root: Path) -> None:
+def test_the_process_that_answers_knows_no_draw_and_no_virtual_test(root):
     script = "import sys, benchmarks.blind.answering; print(*sorted(sys.modules))"
     done = subprocess.run([sys.executable, "-c", script], cwd=root, capture_output=True, text=True, check=True)
     loaded = done.stdout.split()
@@ -242,28 +221,25 @@ def test_the_process_that_answers_knows_no_draw_and_no_virtual_test(root: Path) 
     ]
 
 
-# What the hash of the code covers: everything that a figure can come from, and no face.
-
-
 @pytest.fixture(scope="module")
-def covered(root: Path) -> set[str]:
+def covered(root) -> set[str]:
     return {path.relative_to(root).as_posix() for path in hashed(root)}
 
 
 @pytest.mark.parametrize("file", ["validation/diagnose/search.py", "fem/beam/articles.py", "geometry/articles/cuboid.toml"])
-def test_a_file_that_figures_come_from_is_covered(file: str, root: Path, covered: set[str]) -> None:
+def test_a_file_that_figures_come_from_is_covered(file, root, covered):
     if not (root / file).exists():
         pytest.fail(f"{file} is no longer there: name another")
     assert file in covered
 
 
 @pytest.mark.parametrize("face", FACES)
-def test_a_face_is_there_and_not_covered(face: str, root: Path, covered: set[str]) -> None:
+def test_a_face_is_there_and_not_covered(face, root, covered):
     assert (root / face).exists()
     assert {name for name in covered if name.startswith(face)} <= set(KEPT_AS)
 
 
-def test_all_that_draws_and_asks_imports_is_covered(root: Path, covered: set[str]) -> None:
+def test_all_that_draws_and_asks_imports_is_covered(root, covered):
     found = house.modules(root, (*house.ROOMS, "benchmarks"))
     beside = {f"benchmarks.blind.{name.removesuffix('.py')}" for name in ALSO if "/" not in name} | {
         "benchmarks.cross_check_proof"
@@ -275,14 +251,11 @@ def test_all_that_draws_and_asks_imports_is_covered(root: Path, covered: set[str
     assert {f"{file}.py" for file in files if (root / f"{file}.py").exists()} <= covered
 
 
-# Split samples: halves that share no line, and both ways counted apart.
-
-
 def of(planted: str, over: float, unseen: float) -> Tried:
     return Tried(case="one", planted=planted, found="force-gain:fmd-z1", over=over, unseen=unseen)
 
 
-def test_two_halves_share_no_line_and_are_all_lines_together() -> None:
+def test_two_halves_share_no_line_and_are_all_lines_together():
     campaign = simulate(Plan(article="fmd+cuboid", seed=1, octaves_per_minute=120.0, quiet=0.3, ringing=1e-3)).campaign
     model = Model(source="here", title="a block", article="fmd+cuboid")
     whole = Study(model=model, campaigns=(campaign,), made=predictions(model, [campaign]))
@@ -294,7 +267,7 @@ def test_two_halves_share_no_line_and_are_all_lines_together() -> None:
     assert np.array_equal(np.sort(np.concatenate([even, odd])), whole.problem().lines[name])
 
 
-def test_what_evidence_names_and_what_the_other_half_confirms_are_counted_apart() -> None:
+def test_what_evidence_names_and_what_the_other_half_confirms_are_counted_apart():
     found = [of("", 0.5, SURE - 1), of("", -2.0, SURE + 1), of("cable", 3.0, SURE + 9), of("cable", 1.0, SURE + 5)]
     nulls, effects = told(found)
     assert "of 2 evidence in half of the lines names 1, the other half confirms 1 (median +3.0 nats)" in nulls

@@ -15,37 +15,28 @@ from validation.estimation.problem import EFFECT, Parameter
 from validation.estimation.screening import ScoreTest
 from validation.model.model import Added
 
-# Explanations that belong together: by evidence, and by what they do to the channels.
-
 
 def fisher(*columns: np.ndarray) -> np.ndarray:
     J = np.stack(columns, axis=1)
     return np.asarray(J.T @ J)
 
 
-def test_a_share_is_the_squared_sine_of_the_angle_between_two_columns() -> None:
+def test_a_share_is_the_squared_sine_of_the_angle_between_two_columns():
     for angle in (0.0, 0.02, 0.7, np.pi / 2):
         b, c = np.array([1.0, 0.0, 0.0]), 3e4 * np.array([np.cos(angle), np.sin(angle), 0.0])
         assert_allclose(share(fisher(b, c), np.zeros(2), 0, [1], []), np.sin(angle) ** 2, atol=1e-12)
 
 
-def test_two_effects_that_differ_only_in_what_a_tolerance_does_are_one() -> None:
+def test_two_effects_that_differ_only_by_a_tolerance_are_one_and_several_sizes_do_together_what_none_does():
     rng = np.random.default_rng(2)
     b, loose = rng.standard_normal((2, 50))
     N = fisher(b, b + loose, loose)
     assert share(N, np.array([0.0, 0.0, 1e-9]), 0, [1], [2]) < 1e-6  # nothing is known of the tolerance
     assert share(N, np.array([0.0, 0.0, 1e9]), 0, [1], [2]) > 0.2  # it is known exactly
-
-
-def test_several_sizes_together_may_do_what_none_of_them_does() -> None:
-    rng = np.random.default_rng(2)
     c1, c2 = rng.standard_normal((2, 50))
     N = fisher(c1 - 2 * c2, c1, c2)
     assert share(N, np.zeros(3), 0, [1, 2], []) < 1e-9
     assert share(N, np.zeros(3), 0, [1], []) > 0.1
-
-
-# One column stands for resonators of every frequency.
 
 
 FREQUENCY = np.linspace(4.0, 32.0, 57)
@@ -61,12 +52,12 @@ def driven(f: float, zeta: float, mass: float = 1.0) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("f", "zeta"), [(3.5, 0.005), (12.0, 0.02), (31.0, 0.08)])
-def test_a_shape_turns_the_resonator_of_the_menu_into_any_other(f: float, zeta: float) -> None:
+def test_a_shape_turns_the_resonator_of_the_menu_into_any_other(f, zeta):
     menu = driven(TINY_AT["f"], TINY_AT["zeta"])
     assert_allclose(menu * shape(FREQUENCY, f, zeta), driven(f, zeta), rtol=1e-9)  # rounding of 1 - moved at 1000 Hz
 
 
-def test_the_shape_of_the_menu_s_own_resonator_is_one() -> None:
+def test_the_shape_of_the_menu_s_own_resonator_is_one():
     assert_allclose(shape(FREQUENCY, TINY_AT["f"], TINY_AT["zeta"]), 1.0, rtol=1e-14)
 
 
@@ -80,26 +71,20 @@ def smallest_mass(deviation: float, evidence: float) -> float:
     return found[0].size if found else np.inf
 
 
-def test_the_smallest_mass_grows_with_the_root_of_the_evidence_and_with_the_deviation() -> None:
+def test_the_smallest_mass_brings_the_evidence_that_is_asked_for_and_grows_with_its_root_and_the_deviation():
     once = smallest_mass(3.0, 8.0)
     assert_allclose(smallest_mass(3.0, 4 * (8.0 + OCCAM) - OCCAM), 2 * once, rtol=1e-12)
     assert_allclose(smallest_mass(15.0, 8.0), 5 * once, rtol=1e-12)
     assert smallest_mass(np.inf, 8.0) == np.inf  # the data tell nothing of it
-
-
-def test_the_smallest_mass_brings_the_evidence_that_is_asked_for() -> None:
     offset = smallest_mass(3.0, 8.0) / TINY  # a straight line from the mass TINY, whose offset is that of ln m
     assert_allclose(0.5 * offset**2 / 3.0**2 - OCCAM, 8.0, rtol=1e-12)
     assert_allclose(smallest_mass(3.0, 8.0), 3e-6 * np.sqrt(2 * (8 + 4)), rtol=1e-12)  # [kg]
 
 
 @pytest.mark.parametrize(("f", "there"), [(3.4, False), (3.6, True), (12.0, True), (36.0, True), (38.0, False)])
-def test_a_resonator_reaches_the_data_a_seventh_beyond_the_band(f: float, there: bool) -> None:
+def test_a_resonator_reaches_the_data_a_seventh_beyond_the_band(f, there):
     low, high = band([FREQUENCY])
     assert (low <= f <= high) is there
-
-
-# A smallest size is told in its unit, from where there is no effect.
 
 
 SURE = ScoreTest(name="x", estimate=0.0, information=1e4)
@@ -111,7 +96,7 @@ def screened(text: str, told: ScoreTest = SURE, **more: Any) -> Screened:
     return Screened(added=Added(named=parse(text)), evidence=0.0, told=told, plausible=1.0, parameter=one)
 
 
-def test_a_size_that_adds_is_its_offset() -> None:
+def test_a_size_that_adds_is_its_offset():
     (found,) = detectable([screened("force-gain:fmd-z2=0.1")])
     assert found.size == pytest.approx(SURE.detectable(1.0, evidence_threshold("force-gain")))
 
@@ -123,12 +108,12 @@ def test_a_size_that_adds_is_its_offset() -> None:
         ("modulus:mast=0.1", {"nominal": 1.0, "logarithmic": True, "above": -1.0}),
     ],
 )
-def test_a_factor_counts_from_one(text: str, more: Any) -> None:
+def test_a_factor_counts_from_one(text, more):
     (found,) = detectable([screened(text, **more)])
     assert found.size == pytest.approx(expm1(SURE.detectable(1.0, evidence_threshold(text.partition(":")[0]))))
 
 
-def test_what_is_hardly_told_is_left_out() -> None:
+def test_what_is_hardly_told_is_left_out():
     vague = ScoreTest(name="x", estimate=0.0, information=1e-8)
     assert vague.detectable(inf, 8.0) > 1000
     found = screened("fmd-compliance:lateral=2", vague, nominal=1.0, logarithmic=True)

@@ -41,10 +41,7 @@ from validation.prediction.classical_facts import facts
 from validation.reference.reference import ArticleOptions
 from validation.study import Data, Study
 from validation.virtual_test.plan import Plan
-from validation.virtual_test.simulate import VirtualTest, simulate
-
-# Evidence of one effect of unknown size: against the Gaussian closed form, against quadrature, by its coverage.
-
+from validation.virtual_test.simulate import simulate
 
 PLAUSIBLE = 0.5
 LEFT = np.array([0.3, -0.2, 0.5])
@@ -73,26 +70,22 @@ def _gaussian(precision: np.ndarray) -> tuple[float, float, float]:
     return 0.5 * pull**2 * width - 0.5 * np.log(1 + PLAUSIBLE**2 * information), pull * width, np.sqrt(width)
 
 
-def test_an_effect_that_adds_in_proportion_weighs_what_two_gaussians_do(precision: np.ndarray) -> None:
+def test_an_effect_in_proportion_weighs_what_two_gaussians_do_and_of_one_sign_what_the_other_would_have_wasted(precision):
     evidence, mean, sd = _gaussian(precision)
     found = weighed(linear(), PLAUSIBLE, LEFT, precision)
     # beyond six standard deviations lies a part in 1e9 of the prior; the trapezoidal rule is as good, interpolated quantiles less
     assert_allclose(found.evidence, evidence, rtol=1e-6)
     assert_allclose(found.value, mean, atol=1e-4 * sd)
     assert_allclose([found.low, found.high], norm.ppf([0.05, 0.95], mean, sd), rtol=1e-3)
-
-
-def test_an_effect_of_one_sign_gains_what_the_other_sign_would_have_wasted(precision: np.ndarray) -> None:
-    evidence, mean, sd = _gaussian(precision)
     found = weighed(linear(low=0.0), PLAUSIBLE, LEFT, precision)
     assert_allclose(found.evidence, evidence + np.log(2) + log_ndtr(mean / sd), rtol=1e-5)
 
 
 @pytest.mark.parametrize("sign", [-1, 1])
-def test_an_effect_that_goes_with_the_square_of_its_size_is_integrated_as_it_is(precision: np.ndarray, sign: int) -> None:
+def test_an_effect_that_goes_with_the_square_of_its_size_is_integrated_as_it_is(precision, sign):
     left = sign * LEFT
 
-    def density(size: float) -> float:
+    def density(size):
         r = left + size**2 * SLOPE
         return 2 * norm.pdf(size, 0, PLAUSIBLE) * np.exp(-0.5 * (r @ precision @ r - left @ precision @ left))
 
@@ -100,14 +93,14 @@ def test_an_effect_that_goes_with_the_square_of_its_size_is_integrated_as_it_is(
     assert_allclose(weighed(squared(), PLAUSIBLE, left, precision).evidence, expected, rtol=1e-5)
 
 
-def test_an_effect_that_can_only_move_the_other_way_is_best_not_there(precision: np.ndarray) -> None:
+def test_an_effect_that_can_only_move_the_other_way_is_best_not_there(precision):
     found = weighed(linear(low=0.0, slope=precision @ LEFT), PLAUSIBLE, LEFT, precision)
     assert found.best == 0
     assert_allclose(found.chi2, LEFT @ precision @ LEFT, rtol=1e-12)
     assert found.evidence < 0
 
 
-def test_two_effects_that_do_not_touch_weigh_what_they_weigh_alone() -> None:
+def test_two_effects_that_do_not_touch_weigh_what_they_weigh_alone():
     left, precision = np.array([0.4, -0.7]), np.diag([100.0, 25.0])
     curves = (linear(slope=np.array([1.0, 0.0])), linear(slope=np.array([0.0, 1.0])))
     alone = [weighed(one, PLAUSIBLE, left, precision) for one in curves]
@@ -117,7 +110,7 @@ def test_two_effects_that_do_not_touch_weigh_what_they_weigh_alone() -> None:
     assert_allclose(one.chi2, 0.0, atol=1e-2)
 
 
-def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
+def test_intervals_hold_the_truth_as_often_as_they_say():
     rng = np.random.default_rng(3)
     precision = np.diag([400.0, 400.0])
     answer = curve(lambda sizes: sizes[:, None] ** 2 * np.array([1.0, 0.3]), 0.0, 6 * PLAUSIBLE)
@@ -129,9 +122,6 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
         inside += found.low <= truth <= found.high
     # truths drawn from what is plausible: exactly 90 % are due; three standard deviations of 300 draws are 5 %
     assert_allclose(inside / count, 0.9, atol=0.05)
-
-
-# Classical measurements diagnosed by themselves: what was planted comes back where it can be told, and its aliases where not.
 
 
 G = 9.81
@@ -175,7 +165,7 @@ Write = Callable[..., str]
 
 
 @pytest.fixture
-def write(tmp_path: Path, body: tuple[float, float]) -> Write:
+def write(tmp_path, body) -> Write:
     """``write(effects, which swings, amplitudes stated, corrected for)``: a file of swings in which the effects are there."""
 
     def made(effects: dict[str, float], swings: tuple[int, ...] = (0,), *, stated: bool = False, corrected: bool = False) -> str:
@@ -213,9 +203,7 @@ SIZES = {
 
 
 @pytest.mark.parametrize("name", ["pendulum-amplitude", "rope-mass", "air-inertia"])
-def test_one_period_needs_the_planted_size_of_the_planted_effect_and_calls_all_others_aliases(
-    clumod: Model, write: Write, name: str
-) -> None:
+def test_one_period_needs_the_planted_size_of_the_planted_effect_and_calls_all_others_aliases(clumod, write, name):
     found = only_classical(clumod, [write({name: SIZES[name]}, (3,) if name == "pendulum-amplitude" else (0,))])
     needed = by_id(found)
     assert_allclose(needed[name].value, SIZES[name], rtol=1e-3)  # polynomials of tenth degree; periods to all digits
@@ -228,7 +216,7 @@ def test_one_period_needs_the_planted_size_of_the_planted_effect_and_calls_all_o
     assert found.next_measurement
 
 
-def test_a_period_as_the_model_has_it_misses_nothing_and_says_what_it_could_not_have_seen(clumod: Model, write: Write) -> None:
+def test_a_period_as_the_model_has_it_misses_nothing_and_says_what_it_could_not_have_seen(clumod, write):
     found = only_classical(clumod, [write({})])
     assert found.verdict == NOTHING
     assert found.equivalence_class == ()
@@ -239,7 +227,7 @@ def test_a_period_as_the_model_has_it_misses_nothing_and_says_what_it_could_not_
     assert again.verdict != NOTHING
 
 
-def test_a_period_too_short_is_no_effect_of_ropes_or_air(clumod: Model, write: Write, body: tuple[float, float]) -> None:
+def test_a_period_too_short_is_no_effect_of_ropes_or_air(clumod, write, body):
     path = Path(write({}))
     text = path.read_text(encoding="utf-8")
     period = float(text.split('period = "')[1].split(" ")[0])
@@ -255,9 +243,7 @@ def test_a_period_too_short_is_no_effect_of_ropes_or_air(clumod: Model, write: W
     ("name", "swings", "stated"),
     [("pendulum-amplitude", (0, 3), True), ("off-centre-suspension", (0, 1, 2), False), ("rope-mass", (0, 1, 2), False)],
 )
-def test_swings_that_differ_name_what_is_missing_and_its_size(
-    clumod: Model, write: Write, name: str, swings: tuple[int, ...], stated: bool
-) -> None:
+def test_swings_that_differ_name_what_is_missing_and_its_size(clumod, write, name, swings, stated):
     found = only_classical(clumod, [write({name: SIZES[name]}, swings, stated=stated)])
     assert (found.verdict, found.equivalence_class) == (MISSING, (name,))
     (cause,) = found.accepted
@@ -267,7 +253,7 @@ def test_swings_that_differ_name_what_is_missing_and_its_size(
     assert any("amplitude = true takes it off" in text for text in found.remarks) == stated
 
 
-def test_stretch_and_a_heavier_body_stay_aliases_on_any_ropes(clumod: Model, write: Write) -> None:
+def test_stretch_and_a_heavier_body_stay_aliases_on_any_ropes(clumod, write):
     """Both lengthen every period by the same share."""
     found = only_classical(clumod, [write({"rope-elasticity": SIZES["rope-elasticity"]}, (0, 1, 2))])
     assert found.verdict == AMBIGUOUS
@@ -277,13 +263,10 @@ def test_stretch_and_a_heavier_body_stay_aliases_on_any_ropes(clumod: Model, wri
     assert "load" in best.test or "mass" in best.test
 
 
-def test_a_stated_amplitude_that_is_corrected_for_is_no_effect_any_more(clumod: Model, write: Write) -> None:
+def test_a_stated_amplitude_that_is_corrected_for_is_no_effect_any_more_and_two_effects_are_both_named(clumod, write):
     found = only_classical(clumod, [write({"pendulum-amplitude": 0.3}, (0, 3), stated=True, corrected=True)])
     assert found.verdict == NOTHING
     assert "pendulum-amplitude" not in by_id(found)
-
-
-def test_two_effects_at_once_are_both_named(clumod: Model, write: Write) -> None:
     both = {"pendulum-amplitude": 0.3, "off-centre-suspension": 0.03}
     found = only_classical(clumod, [write(both, (0, 1, 2, 3), stated=True)])
     assert found.verdict == SEVERAL
@@ -292,7 +275,7 @@ def test_two_effects_at_once_are_both_named(clumod: Model, write: Write) -> None
         assert one.sizes[0].low < both[one.id] < one.sizes[0].high
 
 
-def test_swings_that_contradict_each_other_are_unknown_and_named(clumod: Model, write: Write) -> None:
+def test_swings_that_contradict_each_other_are_unknown_and_named(clumod, write):
     path = Path(write({}, (0, 0)))
     head, one, other = path.read_text(encoding="utf-8").split("[[swing]]")
     period = float(one.split('period = "')[1].split(" ")[0])
@@ -305,7 +288,7 @@ def test_swings_that_contradict_each_other_are_unknown_and_named(clumod: Model, 
     assert found.next_measurement
 
 
-def test_swings_on_the_same_ropes_share_the_tolerance_of_their_length(clumod: Model, write: Write) -> None:
+def test_swings_on_the_same_ropes_share_the_tolerance_of_their_length(clumod, write):
     one, other = facts(clumod, [write({}, (0, 3), stated=True)])
     of = observed((one, other), ())
     apart = of.covariance[0, 0] + of.covariance[1, 1] - 2 * of.covariance[0, 1]
@@ -316,7 +299,7 @@ def test_swings_on_the_same_ropes_share_the_tolerance_of_their_length(clumod: Mo
     assert apart < 0.2 * of.covariance[0, 0]
 
 
-def test_nothing_is_named_where_tolerances_are_all_that_is_wrong(clumod: Model, write: Write) -> None:
+def test_nothing_is_named_where_tolerances_are_all_that_is_wrong(clumod, write):
     found = facts(clumod, [write({}, (0, 1, 2))])
     of = observed(found, ())
     answers = answering(of, candidates(found))
@@ -326,7 +309,7 @@ def test_nothing_is_named_where_tolerances_are_all_that_is_wrong(clumod: Model, 
     assert verdicts.count(NOTHING) == 60
 
 
-def test_a_weight_alone_says_how_much_and_not_where(clumod: Model, tmp_path: Path, body: tuple[float, float]) -> None:
+def test_a_weight_alone_says_how_much_and_not_where(clumod, tmp_path, body):
     path = tmp_path / "weighed.toml"
     path.write_text(
         f'format = 1\nkind = "weighing"\n[article]\nname = "clumod-4"\n[balance]\nresolution = "1 g"\nrelative_error = "0.01 %"\n'
@@ -342,21 +325,18 @@ def test_a_weight_alone_says_how_much_and_not_where(clumod: Model, tmp_path: Pat
     assert wrong.tolerances < -50
 
 
-def test_candidates_of_a_pendulum_are_those_that_were_not_taken_off(clumod: Model, write: Write) -> None:
+def test_candidates_of_a_pendulum_are_those_not_taken_off_and_not_in_the_model_already(clumod, write):
     plain = pendulum_candidates(facts(clumod, [write({})]))
     assert {one.named.family for one in plain} == set(SIZES)
     taken = pendulum_candidates(facts(clumod, [write({}, stated=True, corrected=True)]))
     assert {one.named.family for one in taken} == set(SIZES) - {"pendulum-amplitude"}
-
-
-def test_what_the_model_has_already_is_not_missing(clumod: Model, write: Write) -> None:
     known = tuple(Added(named=one) for one in parse_all(["off-centre-suspension=0.03"]))
     found = only_classical(replace(clumod, effects=known), [write({"off-centre-suspension": 0.03}, (0, 1, 2))])
     assert found.verdict == NOTHING
     assert "off-centre-suspension" not in by_id(found)
 
 
-def test_a_result_without_tolerance_is_refused(clumod: Model, write: Write) -> None:
+def test_a_result_without_tolerance_is_refused(clumod, write):
     path = Path(write({}))
     path.write_text(re.sub(r" \+/- [\d.]+", "", path.read_text(encoding="utf-8")), encoding="utf-8")
     with pytest.raises(BadInput, match="without a tolerance"):
@@ -375,7 +355,7 @@ Swing = Callable[..., str]
 
 
 @pytest.fixture
-def swing(tmp_path: Path) -> Swing:
+def swing(tmp_path) -> Swing:
     """``swing(name, radius, hidden)``: an upright Clumod on three ropes; the measurement file with tolerances, and no more."""
 
     def made(name: str, radius: str, **hidden: str) -> str:
@@ -397,14 +377,14 @@ def swing(tmp_path: Path) -> Swing:
     return made
 
 
-def test_ropes_at_two_radii_find_the_centre_of_gravity_beside_their_middle(swing: Swing) -> None:
+def test_ropes_at_two_radii_find_the_centre_of_gravity_beside_their_middle(swing):
     files = [swing("wide", "0.3 m", off_centre="20 mm"), swing("narrow", "0.2 m", off_centre="20 mm")]
     found = only_classical(MODEL, files)
     assert (found.verdict, found.equivalence_class) == (MISSING, ("off-centre-suspension",))
     assert_allclose(found.accepted[0].sizes[0].value, 0.02, rtol=0.03)  # the integration's own 8e-5 of the period is 1.6 % of e
 
 
-def test_on_one_set_of_ropes_it_is_one_of_many(swing: Swing) -> None:
+def test_on_one_set_of_ropes_it_is_one_of_many(swing):
     found = only_classical(MODEL, [swing("wide", "0.3 m", off_centre="20 mm")])
     assert found.verdict == AMBIGUOUS
     assert {"off-centre-suspension", "rigid-inertia:Izz"} <= set(found.equivalence_class)
@@ -413,16 +393,13 @@ def test_on_one_set_of_ropes_it_is_one_of_many(swing: Swing) -> None:
     assert "the ropes half as far" in " ".join(one.test for one in found.advice)
 
 
-def test_ropes_that_stretch_are_among_those_that_no_radius_tells_apart(swing: Swing) -> None:
+def test_ropes_that_stretch_are_among_those_that_no_radius_tells_apart(swing):
     stiff = {"rope_stiffness": "1.5e5 N"}
     found = only_classical(MODEL, [swing("wide", "0.3 m", **stiff), swing("narrow", "0.2 m", **stiff)])
     assert "rope-elasticity" in found.equivalence_class
     assert {"air-inertia", "rigid-inertia:Izz"} <= set(found.equivalence_class)
     (needed,) = [one for one in found.needed if one.id == "rope-elasticity"]
     assert_allclose(needed.value, 2.0 / 1.5e5, rtol=0.25)  # 0.05 % of the period: 8e-5 of the integration is a sixth of it
-
-
-# Weights and periods beside a campaign: they decide what spectra leave open, contradict by name, and have their own effects.
 
 
 BALANCE = 0.05
@@ -434,7 +411,7 @@ Made = Callable[..., Study]
 
 
 @pytest.fixture(scope="module")
-def test_of_cuboid() -> VirtualTest:
+def test_of_cuboid():
     """A Cuboid on the shaker, ordinary tolerances, nothing planted, in fast sweeps."""
     return simulate(Plan(article="fmd+cuboid", seed=3, octaves_per_minute=60.0, quiet=0.3))
 
@@ -450,7 +427,7 @@ def cuboid() -> tuple[float, float]:
 
 
 @pytest.fixture
-def made(test_of_cuboid: VirtualTest, tmp_path: Path) -> Made:
+def made(test_of_cuboid, tmp_path) -> Made:
     """``made(text of a file, ...)``: the campaign and these files on a bench."""
 
     def of(*texts: str) -> Study:
@@ -485,7 +462,7 @@ def screened_by_id(found: tuple[Screened, ...]) -> dict[str, Screened]:
 
 
 @pytest.fixture(scope="module")
-def fitted(test_of_cuboid: VirtualTest) -> Fit:
+def fitted(test_of_cuboid) -> Fit:
     """Of the campaign. Facts do not move it: no free parameter of the model as it is weighs anything on a balance."""
     return Study.of(ON_SHAKER, Data(campaigns=(test_of_cuboid.campaign,))).all_free()
 
@@ -498,7 +475,7 @@ def of_mass(of: Study, fitted: Fit) -> Screened:
     return screened_by_id(screen(of, standing(of, fitted), menu_of(of, only=("rigid-inertia:m",))))["rigid-inertia:m"]
 
 
-def test_a_balance_says_what_a_campaign_alone_cannot(made: Made, fitted: Fit, cuboid: tuple[float, float]) -> None:
+def test_a_balance_says_what_a_campaign_alone_cannot(made, fitted, cuboid):
     """The FMD below is known to 5 %, force channels to a few parts in a thousand: together they hide what a balance shows."""
     alone, together = (
         of_mass(made(), fitted),
@@ -512,15 +489,13 @@ def test_a_balance_says_what_a_campaign_alone_cannot(made: Made, fitted: Fit, cu
     assert_allclose(np.sqrt(added), np.hypot(sd, 0.5e-3 / 1.96), rtol=1e-3)
 
 
-def test_what_is_weighed_is_named(made: Made, fitted: Fit, cuboid: tuple[float, float]) -> None:
+def test_what_is_weighed_is_named(made, fitted, cuboid):
     found = of_mass(made(weighing(cuboid[0] + 0.1)), fitted)
     assert found.evidence > 20
     assert_allclose(found.added.named.value, 0.1, atol=0.02)
 
 
-def test_a_weight_that_contradicts_the_campaign_is_named_with_both_figures(
-    made: Made, fitted: Fit, cuboid: tuple[float, float]
-) -> None:
+def test_a_weight_that_contradicts_the_campaign_is_named_with_what_settles_it_and_one_that_agrees_is_not(made, fitted, cuboid):
     of = made(weighing(cuboid[0] + 1.0))
     base = standing(of, fitted)
     (text,) = contradictions(of, base, base)
@@ -531,23 +506,15 @@ def test_a_weight_that_contradicts_the_campaign_is_named_with_both_figures(
     assert_allclose(one.measured, cuboid[0] + 1.0, atol=1e-6)
     # the truth is the drawing within a part in a thousand of scatter: the campaign says so within its own tolerance
     assert abs(one.said - cuboid[0]) < 4 * one.said_sd
-
-
-def test_a_fault_of_the_measurement_that_settles_it_is_said(made: Made, fitted: Fit, cuboid: tuple[float, float]) -> None:
-    of = made(weighing(cuboid[0] + 1.0))
-    base = standing(of, fitted)
     named = parse("gravity=1")
     (text,) = contradictions(of, base, Candidate(effects=(Added(named=named),), fit=base.fit, problem=base.problem))
     assert text.endswith("; with gravity they still disagree")
-
-
-def test_a_weight_that_agrees_says_nothing(made: Made, fitted: Fit, cuboid: tuple[float, float]) -> None:
     of = made(weighing(cuboid[0]))
     base = standing(of, fitted)
     assert contradictions(of, base, base) == ()
 
 
-def test_effects_of_a_pendulum_are_tried_where_a_swing_is_among_the_files(made: Made, cuboid: tuple[float, float]) -> None:
+def test_effects_of_a_pendulum_are_tried_where_a_swing_is_among_the_files(made, cuboid):
     of = made(swung(*cuboid, 0.4))
     base = standing(of, of.all_free())
     menu = menu_of(of, only=("pendulum-amplitude", "pendulum-damping", "force-gain"))

@@ -6,19 +6,8 @@ from functools import cache
 import pytest
 
 from validation.cli import main
-from validation.diagnose import diagnose
+from validation.diagnose import diagnose, diagnosis
 from validation.diagnose.diagnose import diagnosed
-from validation.diagnose.diagnosis import (
-    AMBIGUOUS,
-    MISSING,
-    MISTAKE,
-    NONLINEAR,
-    NOTHING,
-    Cause,
-    Diagnosis,
-    EffectEstimate,
-    LevelDifference,
-)
 from validation.effects.catalogue import parse
 from validation.model import model_file
 from validation.study import Options, Study, read_data
@@ -32,7 +21,7 @@ Made = Callable[..., Study]
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
+def made(tmp_path_factory) -> Made:
     """``made(effect, ...)``: the Cuboid on the shaker with these planted, and a model that does not know of them."""
     folder = tmp_path_factory.mktemp("diagnosed")
     file = folder / "model.toml"
@@ -51,61 +40,62 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
 
 
 @pytest.fixture(scope="module")
-def sound(made: Made) -> Diagnosis:
+def sound(made) -> diagnosis.Diagnosis:
     return diagnosed(made(), only=ASKED)
 
 
 @pytest.fixture(scope="module")
-def faulty(made: Made) -> Diagnosis:
+def faulty(made) -> diagnosis.Diagnosis:
     return diagnosed(made(f"{GAIN}=0.15"), only=ASKED)
 
 
-def test_where_nothing_is_missing_nothing_is_named_and_the_smallest_sizes_are_told(sound: Diagnosis) -> None:
-    assert (sound.verdict, sound.accepted, sound.equivalence_class, sound.leftover) == (NOTHING, (), (), None)
+def test_where_nothing_is_missing_nothing_is_named_and_the_smallest_sizes_are_told(sound):
+    assert (sound.verdict, sound.accepted, sound.equivalence_class, sound.leftover) == (diagnosis.NOTHING, (), (), None)
     assert {one.id.partition(":")[0] for one in sound.detectable} == set(ASKED)
     assert sound.before is sound.after
 
 
-def test_what_is_missing_is_named_with_its_size_and_evidence(faulty: Diagnosis) -> None:
+def test_what_is_missing_is_named_with_its_size_and_evidence_and_its_errors_fall_on_data_that_no_fit_has_seen(faulty):
     (gain,) = faulty.accepted
-    assert faulty.verdict in (MISSING, AMBIGUOUS)
+    assert faulty.verdict in (diagnosis.MISSING, diagnosis.AMBIGUOUS)
     assert gain.id == GAIN
     assert gain.null
     assert gain.evidence == pytest.approx(faulty.after.fitted.log_evidence - faulty.before.fitted.log_evidence, abs=1.0)
     (size,) = gain.sizes
     assert abs(size.value - 0.15) < 2 * (size.high - size.low)  # its own tolerance was drawn on top
-
-
-def test_its_errors_fall_where_no_fit_has_seen_the_data(faulty: Diagnosis) -> None:
     assert faulty.after.held_out.percent < 0.5 * faulty.before.held_out.percent
     assert faulty.after.fitted.tolerance_z2 < 0.5 * faulty.before.fitted.tolerance_z2
 
 
-def test_a_fault_that_is_detectable_and_no_more_is_what_the_sound_laboratory_says(sound: Diagnosis, faulty: Diagnosis) -> None:
+def test_a_fault_that_is_detectable_and_no_more_is_what_the_sound_laboratory_says(sound, faulty):
     """The planted size lies well above the smallest one that is told where nothing is planted."""
     (smallest,) = [one.size for one in sound.detectable if one.id == GAIN]
     assert 0 < smallest < 0.5 * abs(faulty.accepted[0].sizes[0].value)
 
 
-def test_a_mistake_alone_is_its_own_class(made: Made) -> None:
+def test_a_mistake_alone_is_its_own_class(made):
     found = diagnosed(made("polarity:fmd-x12"), only=ASKED)
-    assert (found.verdict, [one.id for one in found.accepted]) == (MISTAKE, ["polarity:fmd-x12"])
+    assert (found.verdict, [one.id for one in found.accepted]) == (diagnosis.MISTAKE, ["polarity:fmd-x12"])
     assert found.equivalence_class == ("polarity:fmd-x12",)
 
 
-LEVEL = LevelDifference(data_set="cuboid", runs=("x-at-0.5", "x"), axis="x", channels=("fmd-x12",), frequency=12.0, sigma=40.0)
+LEVEL = diagnosis.LevelDifference(
+    data_set="cuboid", runs=("x-at-0.5", "x"), axis="x", channels=("fmd-x12",), frequency=12.0, sigma=40.0
+)
 
 
-def cause(text: str, evidence: float) -> Cause:
+def cause(text: str, evidence: float) -> diagnosis.Cause:
     named = parse(text)
-    return Cause(named=named, sizes=(EffectEstimate(key="", value=named.value, unit="N", low=1.0, high=2.0),), evidence=evidence)
+    return diagnosis.Cause(
+        named=named, sizes=(diagnosis.EffectEstimate(key="", value=named.value, unit="N", low=1.0, high=2.0),), evidence=evidence
+    )
 
 
 @pytest.fixture
-def unlike(made: Made, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Diagnosis]:
+def unlike(made, monkeypatch) -> Callable[..., diagnosis.Diagnosis]:
     """``unlike(cause, ...)``: the diagnosis where two levels differ, and `nonlinear` ranks these."""
 
-    def of(*ranking: Cause) -> Diagnosis:
+    def of(*ranking: diagnosis.Cause) -> diagnosis.Diagnosis:
         monkeypatch.setattr(diagnose, "differing_levels", lambda of: (LEVEL,))
         monkeypatch.setattr(diagnose, "nonlinear", lambda *given, **more: ranking)
         return diagnosed(made())
@@ -113,24 +103,19 @@ def unlike(made: Made, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Diagnos
     return of
 
 
-def test_where_two_levels_differ_nothing_linear_is_fitted(
-    unlike: Callable[..., Diagnosis], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_where_two_levels_differ_nothing_linear_is_fitted(unlike, monkeypatch):
     monkeypatch.delattr(diagnose, "stepwise_search")
     found = unlike(cause("friction:flange:x=2", 100.0), cause("gap:3=10", 60.0))
-    assert found.verdict == NONLINEAR
+    assert found.verdict == diagnosis.NONLINEAR
     assert found.levels == (LEVEL,)
     assert [one.id for one in found.accepted] == ["friction:flange:x"]
     assert found.equivalence_class == ("friction:flange:x",)
     assert "along x" in found.text
 
 
-def test_amplitudes_that_are_as_good_as_each_other_are_a_class_and_none_is_accepted(unlike: Callable[..., Diagnosis]) -> None:
+def test_amplitudes_as_good_as_each_other_are_a_class_and_one_that_explains_little_is_not_named(unlike):
     found = unlike(cause("friction:flange:x=2", 100.0), cause("gap:3=10", 97.0), cause("gap:4=10", 60.0))
     assert (found.accepted, found.equivalence_class) == ((), ("friction:flange:x", "gap:3"))
     assert len(found.ranking) == 3
-
-
-def test_an_amplitude_that_explains_little_is_not_named(unlike: Callable[..., Diagnosis]) -> None:
     found = unlike(cause("friction:flange:x=2", 3.0), cause("gap:3=10", -5.0))
-    assert (found.verdict, found.accepted, found.equivalence_class) == (NONLINEAR, (), ())
+    assert (found.verdict, found.accepted, found.equivalence_class) == (diagnosis.NONLINEAR, (), ())

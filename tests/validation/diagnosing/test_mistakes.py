@@ -1,6 +1,6 @@
 """Discrete mistakes: every sign, every exchange of two of a kind and every unit by name; ordinary faults are none."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
 
@@ -24,8 +24,6 @@ MODEL = Model(source="model.toml", title="a laboratory", article="fmd+clumod-1",
 LINES = np.linspace(5.0, 10.0, 26)
 CUBOID = "fmd+disc+cuboid"
 CHANNELS = (*TABLE, *COVER, *FMD)
-
-Tested = Callable[..., Study]
 
 
 def made(*texts: str, name: str = "cuboid") -> SeriesPrediction:
@@ -60,12 +58,8 @@ def ids(found: Sequence[Cause]) -> list[str]:
     return [one.id for one in found]
 
 
-def test_nothing_is_wrong_with_an_ordinary_laboratory(right: SeriesPrediction) -> None:
-    assert mistakes(bench(right)) == ()
-
-
 @pytest.mark.parametrize("channel", CHANNELS)
-def test_every_sign_is_named(right: SeriesPrediction, channel: str) -> None:
+def test_every_sign_is_named(right, channel):
     assert ids(mistakes(bench(wrong(right, f"polarity:{channel}")))) == [f"polarity:{channel}"]
 
 
@@ -77,7 +71,7 @@ def _of_one_kind() -> list[str]:
 
 
 @pytest.mark.parametrize("swap", _of_one_kind())
-def test_every_exchange_of_two_of_a_kind_is_named(right: SeriesPrediction, swap: str) -> None:
+def test_every_exchange_of_two_of_a_kind_is_named(right, swap):
     assert ids(mistakes(bench(wrong(right, swap)))) == [swap]
 
 
@@ -90,7 +84,7 @@ UNITS_OF = [
 
 
 @pytest.mark.parametrize(("channel", "unit"), UNITS_OF)
-def test_a_unit_is_named_as_one(right: SeriesPrediction, channel: str, unit: str) -> None:
+def test_a_unit_is_named_as_one(right, channel, unit):
     (found,) = mistakes(bench(wrong(right, f"unit:{channel}={unit}")))
     quantity = UNITS["force" if channel.startswith("fmd") else "acceleration"]
     assert found.id == f"unit:{channel}"
@@ -98,7 +92,7 @@ def test_a_unit_is_named_as_one(right: SeriesPrediction, channel: str, unit: str
     assert f"in {unit}," in found.note
 
 
-def test_a_factor_that_is_no_unit_has_an_interval(right: SeriesPrediction) -> None:
+def test_a_factor_that_is_no_unit_has_an_interval(right):
     (found,) = mistakes(bench(wrong(right, "unit:cover-x1=5")))
     assert not found.note
     assert found.sizes[0].low < 5 < found.sizes[0].high
@@ -114,7 +108,7 @@ def test_a_factor_that_is_no_unit_has_an_interval(right: SeriesPrediction) -> No
         tuple(f"polarity:{name}" for name in FMD),
     ],
 )
-def test_several_at_once_are_undone_by_what_is_named(right: SeriesPrediction, several: tuple[str, ...]) -> None:
+def test_several_at_once_are_undone_by_what_is_named(right, several):
     faulty = wrong(right, *several)
     found = mistakes(bench(faulty))
     assert len(found) == len(several)
@@ -133,11 +127,9 @@ ORDINARY = (
 )
 
 
-def test_ordinary_faults_are_no_mistakes() -> None:
+def test_ordinary_laboratories_and_faults_are_no_mistakes_and_campaigns_that_contradict_are_refused(right):
     assert mistakes(bench(made(*ORDINARY))) == ()
-
-
-def test_campaigns_that_contradict_one_another_are_refused_in_words(right: SeriesPrediction) -> None:
+    assert mistakes(bench(right)) == ()
     other = replace(right, tested=replace(right.tested, measured=replace(right.measured, name="again")))
     with pytest.raises(CheckFailed, match=r"in again fmd-z2 reads as expected times -1, in cuboid it is as the file says"):
         mistakes(bench(right, wrong(other, "polarity:fmd-z2")))

@@ -102,9 +102,6 @@ def explained(of: Study, text: str) -> Candidate:
     return Candidate(effects=effects, fit=found, problem=problem)
 
 
-# The forecast in closed form against the same written out, and what is known of parameters carried over to a test.
-
-
 @pytest.fixture
 def rng() -> np.random.Generator:
     return np.random.default_rng(5)
@@ -114,25 +111,18 @@ def normal(d: np.ndarray, J: np.ndarray) -> Normal:
     return Normal(cost=0.5 * float(d @ d), gradient=J.T @ d, matrix=J.T @ J)
 
 
-def test_the_forecast_is_the_quadratic_form_written_out(rng: np.random.Generator) -> None:
+def test_the_forecast_is_the_quadratic_form_written_out_and_what_is_not_known_takes_up_its_own(rng):
     J, L, d = rng.standard_normal((40, 6)), rng.standard_normal((6, 4)), rng.standard_normal(40)
     S = np.eye(40) + J @ L @ L.T @ J.T
     assert_allclose(nats(normal(d, J), L), 0.5 * d @ np.linalg.solve(S, d), rtol=1e-10)
-
-
-def test_what_is_known_exactly_takes_up_nothing_and_what_is_not_known_takes_up_its_own(rng: np.random.Generator) -> None:
+    assert_allclose(nats(normal(2 * d, J), L), 4 * nats(normal(d, J), L), rtol=1e-10)
     J = rng.standard_normal((40, 6))
     d = J @ rng.standard_normal(6)
     assert_allclose(nats(normal(d, J), np.zeros((6, 0))), 0.5 * d @ d, rtol=1e-12)
     assert nats(normal(d, J), 1e4 * np.eye(6)) < 1e-6  # half of |z|², and |z| is of the size of 1e-4
 
 
-def test_a_difference_twice_as_large_is_told_four_times_as_surely(rng: np.random.Generator) -> None:
-    J, L, d = rng.standard_normal((40, 6)), rng.standard_normal((6, 4)), rng.standard_normal(40)
-    assert_allclose(nats(normal(2 * d, J), L), 4 * nats(normal(d, J), L), rtol=1e-10)
-
-
-def test_a_root_of_a_covariance_gives_it_back_whatever_the_units(rng: np.random.Generator) -> None:
+def test_a_root_of_a_covariance_gives_it_back_whatever_the_units(rng):
     A = rng.standard_normal((5, 5)) * np.array([1e-6, 1.0, 1e5, 1e-3, 0.0])[:, None]
     C = A @ A.T
     assert_allclose(root(C) @ root(C).T, C, rtol=1e-9, atol=1e-12 * np.sqrt(np.outer(np.diag(C), np.diag(C))).max())
@@ -140,10 +130,13 @@ def test_a_root_of_a_covariance_gives_it_back_whatever_the_units(rng: np.random.
     assert_allclose(W @ C[:4, :4] @ W.T, np.eye(4), atol=1e-6)
 
 
-def test_what_is_plain_in_one_case_alone_is_not_expected() -> None:
+def test_what_is_plain_in_one_case_alone_is_not_expected_and_odds_follow_from_evidence():
     assert_allclose(either(1.0, 7.0, 1e6), 7.0)
     assert_allclose(either(0.5, 4.0, 9.0), 6.0)
     assert either(0.99, 1.0, 1e4) < 1.1  # where the mean would say a hundred
+    one, other = known(), replace(known(), log_evidence=np.log(3.0))
+    assert_allclose(other.odds(one), 0.75)
+    assert_allclose(one.odds(replace(one, log_evidence=-1e6)), 1.0)
 
 
 def parameter(name: str, tolerance: float, kind: str = "sensor") -> Parameter:
@@ -155,32 +148,20 @@ def known() -> Knowledge:
     return Knowledge(effects=(), offsets={"a": 1.0, "b": 2.0}, names=("a", "b"), root=root(C), log_evidence=0.0)
 
 
-def test_exchanged_sensors_take_along_what_is_known_of_them() -> None:
+def test_exchanged_sensors_take_along_what_is_known_and_half_of_an_effect_is_half_as_uncertain():
     moved = {"a": Origin(name="b"), "b": Origin(name="a")}
     L = known().spread([parameter("a", 0.3), parameter("b", 0.3)], moved)
     assert_allclose(L @ L.T, [[9.0, 1.0], [1.0, 4.0]], atol=1e-12)
     assert known().at(moved) == {"a": 2.0, "b": 1.0}
-
-
-def test_what_is_drawn_anew_is_known_as_beforehand_and_an_effect_that_is_not_there_is_known_not_to_be() -> None:
-    every = [parameter("a", 0.3), parameter("new", 0.5), parameter("effect", 7.0, EFFECT)]
-    L = known().spread(every, {"a": Origin()})
-    assert_allclose(L @ L.T, np.diag([0.09, 0.25, 0.0]), atol=1e-12)
-
-
-def test_half_of_an_effect_is_half_as_uncertain() -> None:
     L = known().spread([parameter("a", 0.3)], {"a": Origin(name="a", factor=0.5)})
     assert_allclose(L @ L.T, [[1.0]], atol=1e-12)
     assert_allclose(known().at({"a": Origin(name="a", factor=0.5)})["a"], 0.5)
 
 
-def test_odds_follow_from_evidence() -> None:
-    one, other = known(), replace(known(), log_evidence=np.log(3.0))
-    assert_allclose(other.odds(one), 0.75)
-    assert_allclose(one.odds(replace(one, log_evidence=-1e6)), 1.0)
-
-
-# Which test tells explanations apart: physics says which must, and fits of what the test reads say how surely.
+def test_what_is_drawn_anew_is_known_as_beforehand_and_an_effect_that_is_not_there_is_known_not_to_be():
+    every = [parameter("a", 0.3), parameter("new", 0.5), parameter("effect", 7.0, EFFECT)]
+    L = known().spread(every, {"a": Origin()})
+    assert_allclose(L @ L.T, np.diag([0.09, 0.25, 0.0]), atol=1e-12)
 
 
 Pair = tuple[Study, Candidate, Candidate]
@@ -213,7 +194,7 @@ def menu_of(of: Pair) -> dict[str, OfferedTest]:
     return {one.words: one for one in menu([Template.of(one, first) for one in of[0].made], effects, of[0].facts(()))}
 
 
-def test_an_offset_and_a_shifted_centre_of_gravity_are_one_to_the_data_and_turning_tells_them_apart(aside: Pair) -> None:
+def test_an_offset_and_a_shifted_centre_of_gravity_are_one_to_the_data_and_turning_tells_them_apart(aside):
     _, offset, shift = aside
     first, other = both_known(aside)
     assert "rigid-inertia:mx" in aliases(offset, offset.effects[0], [*shift.effects, added(GAIN)])
@@ -225,19 +206,16 @@ def test_an_offset_and_a_shifted_centre_of_gravity_are_one_to_the_data_and_turni
     assert "Run the Cuboid" not in told_by  # it was run
 
 
-def test_a_hypothesis_is_told_by_nothing_from_itself(aside: Pair) -> None:
+def test_a_turned_test_gives_what_was_expected_of_it_and_tells_a_hypothesis_by_nothing_from_itself(aside):
     first, _ = both_known(aside)
     for words, one in menu_of(aside).items():
         assert_allclose(told(one, first, [first])[0], 0.0, atol=1e-9, err_msg=words)
-
-
-def test_a_turned_test_gives_what_was_expected_of_it(aside: Pair) -> None:
     turned = measure("fmd+cuboid", aside[1].effects, turned=rotation_about("z", np.pi))
     expected = followed(aside, "Run the Cuboid turned by 180 degrees about z")
     assert_allclose(expected, obtained(aside, turned), rtol=0.1)  # by the effect as found, not as planted: within its interval
 
 
-def test_the_fmd_alone_gives_what_was_expected_of_it(loud: Pair) -> None:
+def test_the_fmd_alone_gives_what_was_expected_of_it(loud):
     gained = obtained(loud, measure("fmd", loud[1].effects))
     assert_allclose(followed(loud, "Run the FMD alone"), gained, rtol=0.3)  # Occam's share of a nat or two is not forecast
 
@@ -260,14 +238,14 @@ def obtained(of: Pair, new: SeriesPrediction) -> float:
     return fits[0].log_evidence - fits[1].log_evidence - before
 
 
-def test_a_straight_line_is_what_a_fit_finds_where_the_model_is_straight(loud: Pair) -> None:
+def test_a_straight_line_is_what_a_fit_finds_where_the_model_is_straight(loud):
     first, other = both_known(loud)
     sure = replace(other, log_evidence=first.log_evidence - SURE)
     line = told(menu_of(loud)["Run the FMD alone"], first, [sure])[0]
     assert_allclose(followed(loud, "Run the FMD alone"), line, rtol=0.1)  # a gain multiplies, an inertia adds
 
 
-def test_the_best_of_the_menu_is_advised_and_the_work_is_told(aside: Pair) -> None:
+def test_the_best_of_the_menu_is_advised_and_the_work_is_told(aside):
     shares: list[float] = []
     found = advised(aside[0], aside[1:], shares.append)
     assert found[0].separates == ("mounting-offset:x", "rigid-inertia:mx")
@@ -277,7 +255,7 @@ def test_the_best_of_the_menu_is_advised_and_the_work_is_told(aside: Pair) -> No
     assert "between mounting-offset:x and rigid-inertia:mx" in found[0].text
 
 
-def test_a_single_explanation_is_confirmed_against_nothing_and_what_it_looks_like(loud: Pair) -> None:
+def test_a_single_explanation_is_confirmed_against_nothing_and_what_it_looks_like(loud):
     nothing, lookalike = imagined(loud[0], loud[1])
     assert nothing.id == "nothing"
     assert lookalike.id.partition(":")[0] in FAMILIES["force-gain"].mistaken_for
@@ -287,7 +265,7 @@ def test_a_single_explanation_is_confirmed_against_nothing_and_what_it_looks_lik
     assert advised(loud[0], loud[1:2])[0].separates[:2] == ("force-gain:fmd-z2", "nothing")
 
 
-def test_where_nothing_helps_that_is_said_with_what_would() -> None:
+def test_where_nothing_helps_that_is_said_with_what_would():
     data = bench("", "fmd")
     pair = [explained(data, text) for text in ("force-gain:fmd-z1=0", "force-gain:fmd-z2=0")]
     (only,) = advised(data, pair)

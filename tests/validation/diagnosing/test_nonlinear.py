@@ -1,6 +1,5 @@
 """Two levels of one axis: linear ones answer alike whatever the model says, and what does not is named with its kind and size."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -20,18 +19,16 @@ from validation.virtual_test.simulate import VirtualTest, simulate
 MODEL = Model(source="model.toml", title="a laboratory", article="fmd+clumod-1", cell_stiffness=np.array((4e8, 4e8, 2e9)))
 LINES = np.linspace(5.0, 30.0, 126)
 
-Made = Callable[..., Study]
-
 
 @pytest.fixture(scope="module")
-def tested() -> VirtualTest:
+def tested():
     """An ordinary laboratory, everything drawn, in fast sweeps at two levels."""
     fast = {"octaves_per_minute": 60.0, "quiet": 0.3, "ringing": 1e-3, "levels": (1.0, 0.5)}
     return simulate(Plan(article="fmd+disc+cuboid", model="rigid", seed=3, **fast))
 
 
 @pytest.fixture(scope="module")
-def linear(tested: VirtualTest) -> Study:
+def linear(tested) -> Study:
     """What it measured, and a model that knows none of what was drawn."""
     return Study(model=MODEL, campaigns=(tested.campaign,), made=predictions(MODEL, [tested.campaign], lines=LINES))
 
@@ -73,19 +70,14 @@ def _saturated(of: Recording, channel: str, share: float, peak: float) -> Record
     return replace(of, values=values)
 
 
-def test_linear_runs_answer_alike(linear: Study) -> None:
+def test_linear_runs_answer_alike_without_a_model_where_all_six_axes_were_driven_and_one_axis_is_enough(linear, tested):
     assert differing_levels(linear) == ()
-
-
-def test_no_model_is_asked_where_all_six_axes_were_driven(linear: Study) -> None:
     wrong = replace(linear, model=replace(MODEL, effects=effects("rigid-inertia:m=20", "force-gain:fmd-z2=0.3")))
     assert differing_levels(wrong) == ()
     told, as_told = (differing_levels(bent(one, "friction:flange:x=2")) for one in (linear, wrong))
     assert [one.sigma for one in as_told] == pytest.approx([one.sigma for one in told], rel=1e-9)
 
-
-def test_a_single_axis_at_two_levels_is_enough(linear: Study, tested: VirtualTest) -> None:
-    def alone(of: Study) -> Study:
+    def alone(of):
         return replace(of, made=tuple(one.on(("z", "z-at-0.5")) for one in of.made))
 
     assert differing_levels(alone(linear)) == ()
@@ -93,7 +85,7 @@ def test_a_single_axis_at_two_levels_is_enough(linear: Study, tested: VirtualTes
 
 
 @pytest.mark.parametrize("axis", ["x", "y"])
-def test_friction_is_named_with_its_axis_and_slip_force(linear: Study, axis: str) -> None:
+def test_friction_is_named_with_its_axis_and_slip_force(linear, axis):
     slipping = bent(linear, f"friction:flange:{axis}=3")
     found = differing_levels(slipping)
     assert [one.axis for one in found] == [axis]
@@ -104,7 +96,7 @@ def test_friction_is_named_with_its_axis_and_slip_force(linear: Study, axis: str
     np.testing.assert_allclose(best.sizes[0].value, 3.0, rtol=0.03)  # noise, and inputs that a nominal model tells
 
 
-def test_a_gap_is_named_with_its_cell_and_preload(linear: Study) -> None:
+def test_a_gap_is_named_with_its_cell_and_preload(linear):
     lifting = bent(linear, "gap:3=15")
     found = differing_levels(lifting)
     assert set(found[0].channels[:4]) == {"fmd-z1", "fmd-z2", "fmd-z3", "fmd-z4"}  # the others take over what it drops
@@ -113,7 +105,7 @@ def test_a_gap_is_named_with_its_cell_and_preload(linear: Study) -> None:
     np.testing.assert_allclose(best.sizes[0].value, 15.0, rtol=0.05)  # the equation is of what the nominal model says it carries
 
 
-def test_saturation_in_the_record_is_named_with_its_channel_and_share(tested: VirtualTest) -> None:
+def test_saturation_in_the_record_is_named_with_its_channel_and_share(tested):
     bent_records = saturated(tested, "fmd-z1", 0.1)
     found = differing_levels(bent_records)
     assert found[0].channels[0] == "fmd-z1"
@@ -124,12 +116,12 @@ def test_saturation_in_the_record_is_named_with_its_channel_and_share(tested: Vi
     )  # of the fundamental; the peak in time is bent as well, and noisy
 
 
-def test_what_the_model_knows_of_an_amplitude_is_no_difference(linear: Study) -> None:
+def test_what_the_model_knows_of_an_amplitude_is_no_difference(linear):
     slipping = bent(linear, "friction:flange:x=3")
     assert differing_levels(replace(slipping, model=replace(MODEL, effects=effects("friction:flange:x=3", fixed=True)))) == ()
 
 
-def test_one_level_is_refused_where_two_are_needed(linear: Study) -> None:
+def test_one_level_is_refused_where_two_are_needed(linear):
     single = replace(linear, made=tuple(one.on(("x", "y", "z", "alpha", "beta", "gamma")) for one in linear.made))
     assert differing_levels(single) == ()
     require_levels(linear, "friction")

@@ -1,9 +1,5 @@
 """What an engineer and other programs read of a diagnosis: pages, sentences, JSON, pictures."""
 
-from __future__ import annotations
-
-import json
-from collections.abc import Callable
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
@@ -20,20 +16,14 @@ from validation.effects import practical_units
 from validation.effects.catalogue import parse
 from validation.effects.practical_units import said
 from validation.model.model import Model
-from validation.output import json_text, to_json
+from validation.output import to_json
 from validation.report import diagnose
 from validation.report import diagnose as report_diagnose
-from validation.report.charts import static
 from validation.report.diagnose import grid, rows
 from validation.study import Study
 
-# What an engineer reads: the page of every verdict, line by line.
-
-
 PAGES = Path(__file__).parent / "pages"
 WIDTH = 110
-
-Made = Callable[[str], Diagnosis]
 
 
 def printed(found: Diagnosis, width: int = WIDTH) -> str:
@@ -41,37 +31,24 @@ def printed(found: Diagnosis, width: int = WIDTH) -> str:
 
 
 @pytest.mark.parametrize("verdict", VERDICTS)
-def test_the_page_of_every_verdict_is_as_it_was_looked_at(verdict: str, made: Made) -> None:
+def test_the_page_of_every_verdict_is_as_it_was_looked_at(verdict, made):
     assert printed(made(verdict)) == (PAGES / f"{verdict}.txt").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("verdict", VERDICTS)
-def test_the_verdict_is_the_first_sentence_below_the_title(verdict: str, made: Made) -> None:
-    lines = printed(made(verdict)).splitlines()
-    sentence = diagnosis.headline(made(verdict))
-    assert lines[3].split() == sentence.split()[: len(lines[3].split())]
-    assert sentence.split()[0].strip(":").isupper()
-
-
-@pytest.mark.parametrize("verdict", VERDICTS)
-def test_no_line_is_longer_than_the_terminal(verdict: str, made: Made) -> None:
-    assert max(map(len, printed(made(verdict)).splitlines())) <= WIDTH
-
-
-def test_a_text_that_repeats_the_sentence_is_not_said_twice(made: Made) -> None:
+def test_nothing_is_said_twice_a_name_nearly_found_is_said_and_what_was_accepted_before_a_class_is_certain(made):
     found = made("missing")
     once = replace(found, text=diagnosis.headline(found))
     assert diagnose.document(once).opening == (diagnosis.headline(found),)
-
-
-def test_what_was_accepted_before_a_class_of_several_is_named_as_certain(made: Made) -> None:
+    assert "The closest is point-mass:mast-top, +198.0 g" in " ".join(printed(made("nothing")).split())
+    far = replace(made("nothing"), ranking=tuple(replace(one, evidence=1.0) for one in made("nothing").ranking))
+    assert "The closest" not in printed(far)
     found = replace(made("several"), verdict="ambiguous", equivalence_class=("point-mass:mast-top", "rigid-inertia:m"))
     said = diagnosis.headline(found)
     assert said.startswith("MISSING IS force-gain:fmd-z2, +7.93 % (+7.69 to +8.17), and then one of these")
     assert said.endswith("point-mass:mast-top or rigid-inertia:m.")
 
 
-def test_what_is_missing_beside_a_mistake_is_told_apart(made: Made) -> None:
+def test_what_is_missing_beside_a_mistake_is_told_apart(made):
     found = made("mistake")
     said = diagnosis.headline(replace(found, accepted=(*found.accepted, *made("missing").accepted)))
     assert said == (
@@ -80,59 +57,14 @@ def test_what_is_missing_beside_a_mistake_is_told_apart(made: Made) -> None:
     )
 
 
-def test_a_name_that_was_nearly_found_is_said_where_nothing_is_missing(made: Made) -> None:
-    assert "The closest is point-mass:mast-top, +198.0 g" in " ".join(printed(made("nothing")).split())
-    far = replace(made("nothing"), ranking=tuple(replace(one, evidence=1.0) for one in made("nothing").ranking))
-    assert "The closest" not in printed(far)
-
-
-def test_sentences_name_a_few_and_count_the_rest() -> None:
+def test_sentences_name_a_few_and_count_the_rest_and_settings_of_any_kind_are_json(made):
     assert diagnosis.listed(["a"]) == "a"
     assert diagnosis.listed(["a", "b"], "or") == "a or b"
     assert diagnosis.listed(list("abcdef")) == "a, b, c, d and 2 more"
     assert diagnosis.listed([]) == ""
-
-
-# What other programs rely on.
-
-
-KEYS = {"verdict", "text", "accepted", "ranking", "equivalence_class", "next_measurement", "leftover", "errors"}
-EFFECT = {"id", "value", "unit", "interval90", "evidence_nats", "text"}
-ERRORS = {"plain_before_percent", "plain_after_percent", "heldout_before_percent", "heldout_after_percent"}
-
-
-@pytest.mark.parametrize("verdict", VERDICTS)
-def test_every_verdict_has_the_keys_of_the_contract(verdict: str, made: Callable[[str], Diagnosis]) -> None:
-    found = json.loads(json_text(to_json(made(verdict))))
-    assert found.keys() >= KEYS
-    assert found["errors"].keys() >= ERRORS
-    assert found["verdict"] == verdict
-    for one in (*found["accepted"], *found["ranking"]):
-        assert one.keys() >= EFFECT
-    assert found["leftover"] is None or isinstance(found["leftover"], str)
-
-
-def test_every_number_of_a_cause_is_in_si(made: Callable[[str], Diagnosis]) -> None:
-    (gain,) = json.loads(json_text(to_json(made("missing"))))["accepted"]
-    assert (gain["value"], gain["unit"], gain["evidence_nats"]) == (0.0793, "1", 208.3)
-    assert gain["interval90"] == pytest.approx([0.0793 * 0.97, 0.0793 * 1.03], rel=1e-12)
-    assert gain["written"] == "force-gain:fmd-z2=0.0793"
-    assert gain["values"][0]["interval90"] == gain["interval90"]
-
-
-def test_settings_of_any_kind_are_json(made: Callable[[str], Diagnosis]) -> None:
     found = to_json(made("missing"))["settings"]
     assert found == {"method": "full-record", "band_hz": [4.0, 32.0], "worth_nats": {"": 8.0}, "lines": 560}
     assert to_json({"a": np.inf, "b": (None, True, {1})}) == {"a": None, "b": [None, True, [1]]}
-
-
-def test_both_fits_with_every_parameter_are_told(made: Callable[[str], Diagnosis]) -> None:
-    found = to_json(made("missing"))
-    assert found["before"]["fitted"]["parameters"]["force-gain:fmd-z1"]["offset"] == pytest.approx(24 * 0.003, rel=1e-12)
-    assert found["after"]["fitted"]["log_evidence_nats"] == -691.7
-
-
-# No sentence of a diagnosis says more than was looked at; fits are none of this file's business.
 
 
 BENCH = Study(model=Model(source="model.toml", title="m", article="fmd+cuboid"), campaigns=(), made=())
@@ -142,7 +74,7 @@ def quiet(what: str, share: float) -> None:
     """Hears nothing."""
 
 
-def test_of_what_was_asked_for_alone_the_sentence_says_so(made: Made) -> None:
+def test_of_what_was_asked_for_alone_the_sentence_says_so(made):
     asked = {"only": ("force-gain", "cell-stiffness:2z")}
     said = diagnosis.headline(replace(made("nothing"), **asked))
     assert said == "NOTHING IS MISSING of what was asked for (force-gain and cell-stiffness:2z) at the resolution of these data."
@@ -152,11 +84,11 @@ def test_of_what_was_asked_for_alone_the_sentence_says_so(made: Made) -> None:
 
 
 @pytest.mark.parametrize("verdict", VERDICTS)
-def test_the_text_of_json_is_never_empty(verdict: str, made: Made) -> None:
+def test_the_text_of_json_is_never_empty(verdict, made):
     assert to_json(replace(made(verdict), text=""))["text"] == diagnosis.headline(made(verdict))
 
 
-def test_what_the_data_say_of_a_cause_is_on_the_page_and_in_json(made: Made) -> None:
+def test_what_the_data_say_of_a_cause_is_on_the_page_and_in_json(made):
     (one,) = made("mistake").accepted
     told = replace(one, note="its numbers are in g, and the file says m/s^2")
     assert ("these data say", told.note) in report_diagnose.explained(told).lines
@@ -171,7 +103,7 @@ def test_what_the_data_say_of_a_cause_is_on_the_page_and_in_json(made: Made) -> 
     ]
 
 
-def test_what_an_earlier_round_fitted_is_not_said_to_be_unfitted(made: Made) -> None:
+def test_what_an_earlier_round_fitted_is_not_said_to_be_unfitted(made):
     several = made("several")
     (other, *_) = made("missing").accepted
     step = ReportedStep(added=other.id, ranking=(other,), misfit=1.0, price=1.0, text="")
@@ -183,14 +115,12 @@ def test_what_an_earlier_round_fitted_is_not_said_to_be_unfitted(made: Made) -> 
 
 
 @pytest.mark.parametrize(("verdict", "told"), [("nonlinear", False), ("mistake", False), ("missing", True)])
-def test_evidence_gained_is_told_of_fits_only(verdict: str, told: bool, made: Made) -> None:
+def test_evidence_gained_is_told_of_fits_only(verdict, told, made):
     errors = report_diagnose.DiagnosisPage(found=made(verdict)).errors()
     assert any(line[0].startswith("evidence gained") for line in errors.lines) == told
 
 
-def test_two_levels_and_a_mistake_are_told_together_and_before_is_the_model_as_it_was(
-    made: Made, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_two_levels_and_a_mistake_are_told_together_and_before_is_the_model_as_it_was(made, monkeypatch):
     seen: list[tuple[Any, Any]] = []
     monkeypatch.setattr(
         diagnosing,
@@ -207,7 +137,7 @@ def test_two_levels_and_a_mistake_are_told_together_and_before_is_the_model_as_i
     assert both.before is made("missing").before
 
 
-def test_what_is_beside_a_mistake_is_said_in_words(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_beside_a_mistake_is_said_in_words(made, monkeypatch):
     monkeypatch.setattr(diagnosing, "errors_without_fit", lambda bench, offsets: made("missing").before)
     wrong = made("mistake").accepted
     assert diagnosing.with_mistakes(BENCH, made("nothing"), wrong).text == ""
@@ -216,14 +146,14 @@ def test_what_is_beside_a_mistake_is_said_in_words(made: Made, monkeypatch: pyte
     assert said.startswith("Beside polarity:fmd-z2: MISSING: force-gain:fmd-z2")
 
 
-def test_of_two_levels_only_what_is_asked_for_is_named(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_of_two_levels_only_what_is_asked_for_is_named(made, monkeypatch):
     (friction,) = made("nonlinear").accepted
     gap = replace(friction, named=parse("gap:1=500"), evidence=118.0)
     monkeypatch.setattr(diagnosing, "nonlinear", lambda bench, levels, progress: (friction, gap))
     monkeypatch.setattr(diagnosing, "errors_without_fit", lambda bench, offsets: made("missing").before)
     monkeypatch.setattr(diagnosing, "settings", lambda bench: {"method": "sine"})
 
-    def named(**asked: Any) -> Diagnosis:
+    def named(**asked):
         return diagnosing.nonlinear_answer(BENCH, made("nonlinear").levels, quiet, **asked)
 
     assert named().equivalence_class == (friction.id, gap.id)
@@ -236,7 +166,7 @@ def test_of_two_levels_only_what_is_asked_for_is_named(made: Made, monkeypatch: 
     assert named().settings["method"] == "sine"
 
 
-def test_mistakes_are_left_out_where_that_is_asked_and_settings_say_what_was(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_mistakes_are_left_out_where_that_is_asked_and_settings_say_what_was(made, monkeypatch):
     monkeypatch.setattr(diagnosing, "errors_without_fit", lambda bench, offsets: made("missing").before)
     monkeypatch.setattr(diagnosing, "mistakes", lambda of: made("mistake").accepted)
     monkeypatch.setattr(diagnosing, "differing_levels", lambda of: ("some",))
@@ -249,18 +179,18 @@ def test_mistakes_are_left_out_where_that_is_asked_and_settings_say_what_was(mad
     assert (found.settings["only"], found.settings["leave_out"]) == (["force-gain"], ["polarity"])
 
 
-def test_beside_a_class_only_the_mistake_becomes_a_rung(made: Made) -> None:
+def test_beside_a_class_only_the_mistake_becomes_a_rung(made):
     wrong, unsure = made("mistake").accepted, made("ambiguous")
     both = replace(unsure, verdict="mistake", accepted=(*wrong, *unsure.accepted))
     assert report_diagnose.new(both, BENCH.model) == wrong
 
 
-def test_an_unknown_effect_is_told_with_what_its_own_fit_leaves(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_unknown_effect_is_told_with_what_its_own_fit_leaves(monkeypatch):
     monkeypatch.setattr(diagnosing, "goodness_of_fit", lambda fit, problem: SimpleNamespace(text="chi² is 9"))
     left: Any = SimpleNamespace(gain=50.0)
     bare: Any = SimpleNamespace(effects=(), fit=None, problem=None)
 
-    def best(text: str) -> Any:
+    def best(text):
         return SimpleNamespace(tried=(SimpleNamespace(id="gap:1", evidence=3.0, goodness=SimpleNamespace(text=text)),))
 
     said = diagnosing.text_of_unknown(bare, best("chi² is 4"), left)
@@ -268,13 +198,10 @@ def test_an_unknown_effect_is_told_with_what_its_own_fit_leaves(monkeypatch: pyt
     assert "3.0 nats better, which is not enough" in diagnosing.text_of_unknown(bare, best(""), left)
 
 
-def test_each_of_several_is_confirmed_by_what_the_catalogue_knows(made: Made) -> None:
+def test_each_of_several_is_confirmed_by_what_the_catalogue_knows(made):
     both = made("several").accepted
     told = [one.test for one in diagnosis.confirming(one.named for one in both)]
     assert told == [f"to confirm {one.id}: {one.confirmed_by}" for one in both]
-
-
-# Sizes as a laboratory says them.
 
 
 @pytest.mark.parametrize(
@@ -298,22 +225,16 @@ def test_each_of_several_is_confirmed_by_what_the_catalogue_knows(made: Made) ->
         ("unit", "", "1", (0.0101972,), (("0.0102",), "")),
     ],
 )
-def test_sizes_stand_in_the_unit_and_with_the_digits_that_read_best(family, key, unit, values, expected) -> None:
+def test_sizes_stand_in_the_unit_and_with_the_digits_that_read_best(family, key, unit, values, expected):
     assert practical_units.written(family, key, unit, values) == expected
 
 
-def test_an_interval_has_two_digits_of_its_width_whatever_its_size() -> None:
+def test_an_interval_has_two_digits_of_its_width_and_a_degree_follows_its_figure_at_once():
     texts, _ = practical_units.written("cable", "", "N/m", (5000.0, 4999.4, 5000.6))
     assert texts == ("5000.0", "4999.4", "5000.6")
-
-
-def test_a_degree_follows_its_figure_at_once() -> None:
     assert practical_units.one("orientation", "", "rad", 0.05) == "+2.86°"
     assert practical_units.one("appendage", "f", "Hz", 21.0) == "21.0 Hz"
     assert practical_units.one("fmd-compliance", "", "1", 10.0) == "10.0"
-
-
-# Smallest sizes for people: grouped as the catalogue is, in units of a laboratory.
 
 
 FOUND = (
@@ -330,7 +251,7 @@ FOUND = (
 )
 
 
-def test_smallest_sizes_stand_in_the_order_of_the_catalogue_units_apart_as_a_laboratory_says_them() -> None:
+def test_smallest_sizes_stand_in_the_order_of_the_catalogue_units_apart_as_a_laboratory_says_them():
     found = rows(FOUND)
     assert [(one.family, one.unit, one.text) for one in found if one.unit not in ("kg", "kg m")] == [
         ("force-gain", "1", "1.1 % to 1.5 %"),
@@ -361,26 +282,8 @@ def test_smallest_sizes_stand_in_the_order_of_the_catalogue_units_apart_as_a_lab
         (3.0, "furlong", "3.0 furlong"),
     ],
 )
-def test_figures_keep_two_digits_and_no_zeros_in_front(value: float, unit: str, text: str) -> None:
+def test_figures_keep_two_digits_and_no_zeros_in_front(value, unit, text):
     assert said(value, unit) == text
-
-
-# What stands on the pictures of a diagnosis can be read: everything on the page, no words upon words.
-
-
-@pytest.fixture
-def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
-    """The figures that were finished."""
-    figures: list[Any] = []
-    finish = static.finish
-
-    def finished(figure: Any, *arguments: Any) -> None:
-        finish(figure, *arguments)
-        figure.canvas.draw()
-        figures.append(figure)
-
-    monkeypatch.setattr(static, "finish", finished)
-    return figures
 
 
 def box(of: Any) -> Any:
@@ -393,7 +296,7 @@ def texts(figure: Any) -> list[Any]:
 
 
 @pytest.mark.parametrize("verdict", ["nothing", "ambiguous", "several"])
-def test_everything_stays_on_the_page_and_off_each_other(verdict: str, drawn: list[Any], made: Made, tmp_path: Path) -> None:
+def test_everything_stays_on_the_page_and_off_each_other(verdict, drawn, made, tmp_path):
     diagnose.draw(made(verdict), tmp_path)
     assert len(drawn) == (2 if made(verdict).ranking or made(verdict).accepted else 1)
     for figure in drawn:
@@ -407,7 +310,7 @@ def test_everything_stays_on_the_page_and_off_each_other(verdict: str, drawn: li
         assert not box(legend).overlaps(box(title))
 
 
-def test_many_causes_have_a_bar_and_a_size_each(drawn: list[Any], made: Made, tmp_path: Path) -> None:
+def test_many_causes_have_a_bar_and_a_size_each(drawn, made, tmp_path):
     first = made("missing").accepted[0]
     names = ["accelerometer-misalignment:cover-z1:x", "cable:upper-short-:lateral", "joint-compliance:rotation"]
     sizes = [0.1, 5000.0, 3e-6]
@@ -427,13 +330,10 @@ def test_many_causes_have_a_bar_and_a_size_each(drawn: list[Any], made: Made, tm
     assert high > 28000.0
 
 
-def test_where_nothing_was_found_there_is_no_after(drawn: list[Any], made: Made, tmp_path: Path) -> None:
+def test_where_nothing_was_found_there_is_no_after_and_what_is_asked_for_is_drawn_where_it_is_said(drawn, made, tmp_path):
     found = made("nothing")
     diagnose.draw(replace(found, after=found.before), tmp_path)
     labels = [text.get_text() for text in drawn[-1].legends[0].get_texts()]
     assert labels == ["due, nothing wrong"]
-
-
-def test_the_line_of_what_is_asked_for_is_drawn_where_a_diagnosis_says_it(made: Made) -> None:
     assert diagnose.asked(made("missing")) == 8.0
     assert diagnose.asked(replace(made("missing"), settings={})) is None

@@ -16,34 +16,6 @@ from validation.cli import main
 from validation.diagnose import diagnose, search
 from validation.diagnose.candidates import candidates
 from validation.diagnose.diagnosis import Candidate, Screened
-from validation.diagnose.search import (
-    ABSURD,
-    FITS_OF_A_FAMILY,
-    FITS_OF_A_STEP,
-    FITS_OF_THE_STRUCTURE,
-    NULL_MARGIN,
-    RESTARTS,
-    RIVAL_SHARE,
-    RIVALS,
-    SCATTER,
-    UNLIKELY,
-    WORTH_A_FIT,
-    CandidateFit,
-    SearchStep,
-    _fits_in_band,
-    _local_fits,
-    _most_promising,
-    _offsets_in,
-    _rivals,
-    can_restart,
-    fit_with,
-    goodness_of_fit,
-    in_band,
-    ranked,
-    restarted_from_priors,
-    sizes,
-    stepwise_search,
-)
 from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, STRUCTURE, evidence_threshold
 from validation.estimation.fit import FLOOR
@@ -53,9 +25,6 @@ from validation.estimation.verdicts import expected_z2
 from validation.model import model_file
 from validation.model.model import Added
 from validation.study import Study, read_data
-
-# What a search fits, of all that a straight line promises.
-
 
 LOUD = tuple(
     f"{family}:{target}=0.1" for family in ("force-gain", "force-delay", "force-highpass") for target in ("fmd-z1", "fmd-z2")
@@ -80,103 +49,97 @@ def ids(found: list[Screened]) -> list[str]:
     return [one.id for one in found]
 
 
-def test_what_promises_little_is_not_fitted() -> None:
-    found = screened(*LOUD[:3], evidence=WORTH_A_FIT + 1.5)
-    assert _most_promising(found) == found[:2]
-    assert _most_promising([]) == []
-
-
-def test_of_one_family_no_more_than_some_are_fitted() -> None:
+def test_what_promises_little_and_of_one_family_more_than_some_are_not_fitted():
+    found = screened(*LOUD[:3], evidence=search.WORTH_A_FIT + 1.5)
+    assert search._most_promising(found) == found[:2]
+    assert search._most_promising([]) == []
     gains = [f"force-gain:fmd-{one}=0.1" for one in ("z1", "z2", "z3", "z4", "x12")]
-    chosen = _most_promising(screened(*gains, "force-delay:fmd-z1=0.001"))
-    assert Counter(one.added.named.family for one in chosen) == {"force-gain": FITS_OF_A_FAMILY, "force-delay": 1}
-    assert ids(chosen)[:FITS_OF_A_FAMILY] == ids(screened(*gains))[:FITS_OF_A_FAMILY]
+    chosen = search._most_promising(screened(*gains, "force-delay:fmd-z1=0.001"))
+    assert Counter(one.added.named.family for one in chosen) == {"force-gain": search.FITS_OF_A_FAMILY, "force-delay": 1}
+    assert ids(chosen)[: search.FITS_OF_A_FAMILY] == ids(screened(*gains))[: search.FITS_OF_A_FAMILY]
 
 
-def test_the_structure_is_asked_though_many_channels_promise_more() -> None:
+def test_the_structure_is_asked_though_many_channels_promise_more():
     structure = ("modulus:mast=0.1", "point-mass:mast-top=0.1", "rigid-inertia:m=0.1")
     assert all(FAMILIES[parse(one).family].side == STRUCTURE for one in structure)
     assert not any(FAMILIES[parse(one).family].side == STRUCTURE for one in LOUD)
-    chosen = _most_promising(screened(*LOUD, *structure))
-    assert len(LOUD) == FITS_OF_A_STEP
-    assert ids(chosen) == ids(screened(*LOUD, *structure))[: FITS_OF_A_STEP + FITS_OF_THE_STRUCTURE]
+    chosen = search._most_promising(screened(*LOUD, *structure))
+    assert len(LOUD) == search.FITS_OF_A_STEP
+    assert ids(chosen) == ids(screened(*LOUD, *structure))[: search.FITS_OF_A_STEP + search.FITS_OF_THE_STRUCTURE]
     leading = screened(*structure[:2], *LOUD, structure[2])
-    assert len(_most_promising(leading)) == FITS_OF_A_STEP  # no more where it leads anyway
+    assert len(search._most_promising(leading)) == search.FITS_OF_A_STEP  # no more where it leads anyway
 
 
-def tried(text: str) -> CandidateFit:
+def tried(text: str) -> search.CandidateFit:
     """A fit that ended there."""
     nobody: Any = None
     hypothesis = Candidate(effects=(Added(named=parse(text)),), fit=nobody, problem=nobody)
-    return CandidateFit(id=hypothesis.effects[0].named.id, candidate=hypothesis, evidence=100.0, goodness=nobody)
+    return search.CandidateFit(id=hypothesis.effects[0].named.id, candidate=hypothesis, evidence=100.0, goodness=nobody)
 
 
-def test_one_oscillator_under_two_names_is_fitted_under_both_at_the_sizes_of_the_first() -> None:
+def test_one_oscillator_under_two_names_is_fitted_under_both_at_the_sizes_of_the_first():
     menu = [
         Added(named=parse(f"{where}=m:0.001,f:1000,zeta:0.02"))
         for where in ("slosh:mast-top", "absorber:mast-top", "absorber:hub-4", "appendage:x")
     ]
     best = tried("slosh:mast-top=m:0.1,f:5,zeta:0.01")
-    (twin,) = _rivals([best], [*menu, Added(named=parse("point-mass:mast-top=0"))], [])
+    (twin,) = search._rivals([best], [*menu, Added(named=parse("point-mass:mast-top=0"))], [])
     assert twin.named.id == "absorber:mast-top"
     assert twin.named.values == best.added.named.values
-    assert _rivals([best, tried("absorber:mast-top=m:0.1,f:5,zeta:0.01")], menu[:2], []) == []  # fitted already
+    assert search._rivals([best, tried("absorber:mast-top=m:0.1,f:5,zeta:0.01")], menu[:2], []) == []  # fitted already
 
 
-def test_the_rivals_of_a_resonator_stand_at_other_places_too_the_most_promising_first() -> None:
+def test_the_rivals_of_a_resonator_stand_at_other_places_too_and_are_asked_once_more_at_the_sizes_of_a_better_one():
     best = tried("absorber:hub-3=m:0.1,f:5,zeta:0.01")
     places = ("hub-4", "hub-2", "hub-1", "flange", "top")
     found = screened("slosh:mast-top=m:1,f:5,zeta:0.01", *(f"absorber:{one}=m:1,f:5,zeta:0.01" for one in places))
-    rivals = _rivals([best], [], found)
+    rivals = search._rivals([best], [], found)
     assert [one.named.id for one in rivals] == [f"absorber:{one}" for one in places[:3]]
     assert all(one.named.values == best.added.named.values for one in rivals)
-
-
-def test_where_another_place_is_better_the_others_are_asked_once_more_at_its_sizes() -> None:
     best, worse, other = (tried(f"absorber:{one}=m:0.{k},f:5,zeta:0.01") for k, one in enumerate(("hub-2", "hub-1", "top"), 1))
     slosh = tried("slosh:hub-2=m:0.1,f:5,zeta:0.01")
-    again = _rivals([best, worse, slosh, other], [], [], again=True)
+    again = search._rivals([best, worse, slosh, other], [], [], again=True)
     assert [one.named.id for one in again] == [worse.id, other.id]
     assert all(one.named.values == best.added.named.values for one in again)
 
 
-def test_of_two_fits_of_one_candidate_the_better_counts() -> None:
+def test_of_two_fits_of_one_candidate_the_better_counts():
     first, second, other = ended(MASSES[0], 10.0), ended(MASSES[0], 30.0), ended(MASSES[1], 20.0)
-    assert ranked([first, second, other]) == [second, other]
+    assert search.ranked([first, second, other]) == [second, other]
 
 
 BAND: Any = SimpleNamespace(made=[SimpleNamespace(measured=SimpleNamespace(frequency=np.array([4.0, 32.0])))])
 
 
-def test_a_resonator_that_left_the_band_gives_way_to_springs_and_masses() -> None:
+def test_a_resonator_that_left_the_band_gives_way_to_springs_and_masses():
     gone, there = tried("slosh:mast-top=m:0.9,f:1.1,zeta:0.01"), tried("slosh:hub-4=m:0.9,f:9,zeta:0.01")
     springs = [f"cable:{one}:lateral=50" for one in ("mast-top", "hub-4", "hub-3")]
     found = screened("slosh:mast-top=m:1,f:4,zeta:0.01", "slosh:hub-3=m:1,f:4,zeta:0.01", *springs)
     asked: list[list[str]] = []
 
-    def fits(some: Sequence[Screened]) -> list[CandidateFit]:
+    def fits(some):
         asked.append(ids(list(some)))
         return [gone, there] if some == found else [tried(f"{one.id}=1") for one in some]
 
-    kept, told = _fits_in_band(BAND, found, fits)
+    kept, told = search._fits_in_band(BAND, found, fits)
     instead = [one.partition("=")[0] for one in springs[:2]]
     assert [one.id for one in kept] == [there.id, *instead]
     assert told == (gone.id,)
     assert asked == [ids(found), instead]
-    assert in_band(BAND, tried("cable:mast-top:lateral=5000"))  # no resonator: it stays wherever it ends
-    assert _fits_in_band(BAND, found, lambda some: [there]) == ([there], ())
+    assert search.in_band(BAND, tried("cable:mast-top:lateral=5000"))  # no resonator: it stays wherever it ends
+    assert search._fits_in_band(BAND, found, lambda some: [there]) == ([there], ())
 
 
 def stands(null: bool) -> Any:
     return SimpleNamespace(null=null)
 
 
-def ended(text: str, evidence: float, null: bool = False) -> CandidateFit:
+def ended(text: str, evidence: float, null: bool = False) -> search.CandidateFit:
     return replace(tried(text), evidence=evidence, goodness=stands(null))
 
 
 def unstuck(
-    monkeypatch: pytest.MonkeyPatch, of: Sequence[CandidateFit], promises: Sequence[float], gain: float, null: bool = False
+    monkeypatch: pytest.MonkeyPatch, of: Sequence[search.CandidateFit], promises: Sequence[float], gain: float, null: bool = False
 ) -> Any:
     """What comes of fits of such promises where a fit afresh ends `gain` [nats] off each; and which were."""
     found = [replace(screened(f"{one.id}=1")[0], evidence=promise) for one, promise in zip(of, promises, strict=True)]
@@ -196,9 +159,7 @@ def unstuck(
 MASSES = tuple(f"point-mass:{one}=0.1" for one in ("mast-top", "hub-3", "hub-4", "hub-1"))
 
 
-def test_what_kept_less_than_half_of_the_best_promise_is_tried_afresh_and_taken_where_better(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_what_kept_less_than_half_of_the_best_promise_is_tried_afresh_and_taken_where_better(monkeypatch):
     fits = [ended(MASSES[0], 40.0), ended(MASSES[1], 30.0)]
     best_first, asked = unstuck(monkeypatch, fits, (70.0, 90.0), 200.0)
     assert asked == [fits[1].id]  # 40 are more than half of 70, and 30 less than half of 90
@@ -207,15 +168,15 @@ def test_what_kept_less_than_half_of_the_best_promise_is_tried_afresh_and_taken_
     assert (asked, [one.evidence for one in worse]) == ([fits[0].id], [40.0])
 
 
-def test_only_the_most_promising_are_tried_afresh(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_the_most_promising_are_tried_afresh(monkeypatch):
     fits = [ended(one, 1.0) for one in MASSES]
     _, asked = unstuck(monkeypatch, fits, (100.0, 400.0, 300.0, 200.0), 0.0)
     assert asked == [fits[1].id, fits[2].id, fits[3].id]
-    assert len(asked) == RESTARTS
+    assert len(asked) == search.RESTARTS
 
 
 @pytest.mark.parametrize(("here", "best"), [(True, False), (False, True)])
-def test_nothing_is_tried_afresh_where_nothing_need_be_missing(monkeypatch: pytest.MonkeyPatch, here: bool, best: bool) -> None:
+def test_nothing_is_tried_afresh_where_nothing_need_be_missing(monkeypatch, here, best):
     best_first, asked = unstuck(
         monkeypatch, [ended(MASSES[0], 1.0, best), ended(MASSES[1], 2.0, best)], (100.0, 100.0), 5.0, here
     )
@@ -223,28 +184,29 @@ def test_nothing_is_tried_afresh_where_nothing_need_be_missing(monkeypatch: pyte
     assert [one.evidence for one in best_first] == [2.0, 1.0]
 
 
-def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_asks_for_less(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_asks_for_less(monkeypatch):
     monkeypatch.setattr(search, "fit_with", lambda bench, at, added: added.named.id)
     monkeypatch.setattr(search, "candidate_fit", lambda at, id: ended(f"{id}=0.1", 1.0))
     found = screened("structural-damping:mast=0.02", "force-gain:fmd-z2=0.02", evidence=15.0)
-    assert evidence_threshold("structural-damping") - NULL_MARGIN > 15.0 > 14.0 > evidence_threshold("force-gain") - NULL_MARGIN
+    assert (
+        evidence_threshold("structural-damping") - search.NULL_MARGIN
+        > 15.0
+        > 14.0
+        > evidence_threshold("force-gain") - search.NULL_MARGIN
+    )
     nobody: Any = None
-    tried_ones = _local_fits(nobody, nobody, stands(null=True), found, lambda what, share: None)
+    tried_ones = search._local_fits(nobody, nobody, stands(null=True), found, lambda what, share: None)
     assert [one.id for one in tried_ones] == ["force-gain:fmd-z2"]
     asked = evidence_threshold("force-gain")
     for short, count in ((0.9, 1), (1.1, 0)):  # a nat is what a straight line may err
         near = screened("force-gain:fmd-z2=0.02", evidence=asked - short)
-        assert len(_local_fits(nobody, nobody, stands(null=True), near, lambda what, share: None)) == count
-    both = _local_fits(nobody, nobody, stands(null=False), found, lambda what, share: None)
+        assert len(search._local_fits(nobody, nobody, stands(null=True), near, lambda what, share: None)) == count
+    both = search._local_fits(nobody, nobody, stands(null=False), found, lambda what, share: None)
     assert [one.id for one in both] == ["structural-damping:mast", "force-gain:fmd-z2"]
 
 
 @pytest.mark.parametrize(("straight", "again", "kept"), [(60.0, 90.0, 60.0), (10.0, 90.0, 90.0), (10.0, 5.0, 10.0)])
-def test_a_rival_that_keeps_less_than_half_of_what_the_best_does_is_fitted_afresh(
-    monkeypatch: pytest.MonkeyPatch, straight: float, again: float, kept: float
-) -> None:
+def test_a_rival_that_keeps_less_than_half_of_what_the_best_does_is_fitted_afresh(monkeypatch, straight, again, kept):
     best, rival = ended(MASSES[0], 100.0), Added(named=parse(MASSES[1]))
     promised = screened(MASSES[0])
     monkeypatch.setattr(search, "goodness_of_fit", lambda fit, problem: SimpleNamespace(null=True, misfit=1.0))
@@ -260,13 +222,13 @@ def test_a_rival_that_keeps_less_than_half_of_what_the_best_does_is_fitted_afres
     assert [(one.id, one.evidence) for one in step.tried] == [(best.id, 100.0), (rival.named.id, kept)]
 
 
-def a_round(found: Sequence[Screened], left_band: tuple[str, ...] = ()) -> SearchStep:
+def a_round(found: Sequence[Screened], left_band: tuple[str, ...] = ()) -> search.SearchStep:
     """In which no fit is left."""
     nobody: Any = None
-    return SearchStep(at=nobody, goodness=nobody, screened=tuple(found), tried=(), added="", left_band=left_band)
+    return search.SearchStep(at=nobody, goodness=nobody, screened=tuple(found), tried=(), added="", left_band=left_band)
 
 
-def test_a_round_without_a_fit_says_why() -> None:
+def test_a_round_without_a_fit_says_why():
     assert a_round(screened("cable:mast-top:lateral=50", evidence=2.25)).text == (
         "no candidate is worth a fit: cable:mast-top:lateral promises most, 2.2 nats, where 8 are asked for"
     )
@@ -274,9 +236,6 @@ def test_a_round_without_a_fit_says_why() -> None:
     assert a_round(screened("slosh:mast-top=m:1,f:4,zeta:0.01"), left_band=("slosh:mast-top",)).text == (
         "a fit drives slosh:mast-top out of the band of the data, and no other kind of effect is worth a fit"
     )
-
-
-# Effects that were found first are asked once more beside those that were found later.
 
 
 TOP, HUB, BLADE, LOSS = "point-mass:mast-top", "point-mass:hub-4", "modulus:lower-1", "structural-damping:lower-1"
@@ -294,17 +253,18 @@ def hypothesis(*effect_ids: str, evidence: float) -> Candidate:
     return Candidate(effects=tuple(Added(named=parse(f"{id}=0.3")) for id in effect_ids), fit=fit, problem=NOBODY)
 
 
-def found(*brought: tuple[str, float], at: Candidate) -> SearchStep:
+def found(*brought: tuple[str, float], at: Candidate) -> search.SearchStep:
     """A round from `at` that tried these, the best first, and took that."""
     tried = tuple(
-        CandidateFit(id=id, candidate=hypothesis(id, evidence=nats), evidence=nats, goodness=STANDS) for id, nats in brought
+        search.CandidateFit(id=id, candidate=hypothesis(id, evidence=nats), evidence=nats, goodness=STANDS)
+        for id, nats in brought
     )
-    return SearchStep(at=at, goodness=NOBODY, screened=(), tried=tried, added=tried[0].id)
+    return search.SearchStep(at=at, goodness=NOBODY, screened=(), tried=tried, added=tried[0].id)
 
 
 def asked(
-    monkeypatch: pytest.MonkeyPatch, at: Candidate, before: Sequence[SearchStep], worth: Mapping[tuple[str, ...], float]
-) -> tuple[Candidate, tuple[SearchStep, ...], list[str]]:
+    monkeypatch: pytest.MonkeyPatch, at: Candidate, before: Sequence[search.SearchStep], worth: Mapping[tuple[str, ...], float]
+) -> tuple[Candidate, tuple[search.SearchStep, ...], list[str]]:
     """What comes of it where fits of effects end at the evidence `worth`; and what was fitted instead."""
     fitted: list[str] = []
 
@@ -336,12 +296,9 @@ TWO = (found((HUB, 5200.0), (TOP, 4900.0), at=ALONE), found((BLADE, 130.0), at=h
 """The first took the wrong place, before the blade was known to be soft."""
 
 
-def test_a_single_effect_is_not_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_place_that_is_better_beside_what_was_found_later_is_taken_and_a_single_effect_not_asked_again(monkeypatch):
     at = hypothesis(HUB, evidence=5200.0)
     assert asked(monkeypatch, at, TWO[:1], {}) == (at, (), [])
-
-
-def test_a_place_that_is_better_beside_what_was_found_later_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     at = hypothesis(HUB, BLADE, evidence=5330.0)
     known = {(BLADE,): 30.0, tuple(sorted((TOP, BLADE))): 5360.0, (TOP,): 4900.0}
     ended, (first, second), fitted = asked(monkeypatch, at, TWO, known)
@@ -354,17 +311,13 @@ def test_a_place_that_is_better_beside_what_was_found_later_is_taken(monkeypatch
     assert replace(first, at=ALONE).text == f"{TOP} brings 5330.0 nats alone, and {HUB} only 5300.0"
 
 
-def test_what_stays_the_best_stays_as_it_was_fitted(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_stays_the_best_stays_as_it_was_fitted_and_what_is_not_needed_any_more_goes(monkeypatch):
     at = hypothesis(HUB, BLADE, evidence=5330.0)
     known = {(BLADE,): 30.0, tuple(sorted((TOP, BLADE))): 5320.0, (HUB,): 5200.0}
     ended, again, _ = asked(monkeypatch, at, TWO, known)
     assert ended is at
     assert [one.reconsidered for one in again] == [one.added for one in again] == [HUB, BLADE]
     assert diagnose.indistinguishable_ids(at.effects, [*TWO, *again]) == ()
-
-
-def test_what_is_not_needed_any_more_goes(monkeypatch: pytest.MonkeyPatch) -> None:
-    at = hypothesis(HUB, BLADE, evidence=5330.0)
     known = {(BLADE,): 5330.0 - EVIDENCE_THRESHOLD + 1, (): 0.0}
     ended, again, fitted = asked(monkeypatch, at, TWO, known)
     assert (effect_ids(ended), fitted) == ({BLADE}, [])
@@ -373,7 +326,7 @@ def test_what_is_not_needed_any_more_goes(monkeypatch: pytest.MonkeyPatch) -> No
     ]  # asked alone, where it is
 
 
-def test_what_took_a_place_beside_something_that_goes_is_asked_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_took_a_place_beside_something_that_goes_is_asked_alone(monkeypatch):
     """Beside the blade both places were as good; without it the class is another, and the verdict that of what is left."""
     at = hypothesis(HUB, BLADE, evidence=5330.0)
     known = {(BLADE,): 30.0, tuple(sorted((TOP, BLADE))): 5333.0, (TOP,): 5332.0, (HUB,): 4000.0, (): 0.0}
@@ -389,9 +342,7 @@ def test_what_took_a_place_beside_something_that_goes_is_asked_alone(monkeypatch
 
 
 @pytest.mark.parametrize(("other", "worth"), [(LOSS, 19.0), (GONE, 500.0)])
-def test_no_name_is_taken_that_is_not_worth_it_or_does_not_stay_what_it_is(
-    monkeypatch: pytest.MonkeyPatch, other: str, worth: float
-) -> None:
+def test_no_name_is_taken_that_is_not_worth_it_or_does_not_stay_what_it_is(monkeypatch, other, worth):
     first = found((BLADE, 7.0), (other, 6.5), at=ALONE)
     at = hypothesis(BLADE, HUB, evidence=5207.0)
     known = {(HUB,): 5200.0, tuple(sorted((other, HUB))): 5200.0 + worth, (BLADE,): 7.0}
@@ -401,8 +352,8 @@ def test_no_name_is_taken_that_is_not_worth_it_or_does_not_stay_what_it_is(
     assert [one.added for one in again] == [BLADE, HUB]
 
 
-def test_what_has_nothing_to_be_held_against_stays(monkeypatch: pytest.MonkeyPatch) -> None:
-    def breaks(problem: object, free: object, offsets: object) -> None:
+def test_what_has_nothing_to_be_held_against_stays(monkeypatch):
+    def breaks(problem, free, offsets):
         raise CheckFailed("the model breaks down")
 
     monkeypatch.setattr(search, "nearby", breaks)
@@ -410,36 +361,33 @@ def test_what_has_nothing_to_be_held_against_stays(monkeypatch: pytest.MonkeyPat
     assert search.backward_elimination(BENCH, at, TWO, lambda what, share: None) == (at, ())
 
 
-def test_only_what_brought_a_good_part_and_is_not_there_is_a_rival(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_what_brought_a_good_part_and_is_not_there_is_a_rival(monkeypatch):
     others = [(f"point-mass:{one}", 100.0) for one in ("flange", "hub-1", "hub-2", "hub-3", "hub-4", "mast-top")]
-    one = found((TOP, 110.0), (BLADE, 105.0), *others[:5], ("rigid-inertia:m", 110 * RIVAL_SHARE - 1), at=ALONE)
+    one = found((TOP, 110.0), (BLADE, 105.0), *others[:5], ("rigid-inertia:m", 110 * search.RIVAL_SHARE - 1), at=ALONE)
     worth = {tuple(sorted((BLADE, id))): 90.0 for id, _ in others} | {(BLADE,): 50.0, (TOP,): 50.0, (BLADE, TOP): 150.0}
     known = found((BLADE, 100.0), at=hypothesis(TOP, evidence=50.0))
     _, _, fitted = asked(monkeypatch, hypothesis(TOP, BLADE, evidence=150.0), (one, known), worth)
-    assert fitted == [id for id, _ in others[:RIVALS]]
+    assert fitted == [id for id, _ in others[: search.RIVALS]]
     few = replace(one, tried=(one.tried[0], one.tried[-1]))
     assert asked(monkeypatch, hypothesis(TOP, BLADE, evidence=150.0), (few, known), worth)[2] == []
 
 
 @pytest.mark.parametrize(("other", "same"), [("absorber:hub-4=m:1,f:9,zeta:0.1", True), ("cable:hub-4:lateral=50", False)])
-def test_a_resonator_begins_at_the_sizes_of_the_one_that_was_found(other: str, same: bool) -> None:
+def test_a_resonator_begins_at_the_sizes_of_the_one_that_was_found(other, same):
     best = Added(named=parse("slosh:mast-top=m:0.002,f:19,zeta:0.02"))
     begins = search._at_sizes(Added(named=parse(other)), best)
     assert (begins.named.values == best.named.values) is same
     assert begins.named.id == other.partition("=")[0]
 
 
-def test_logarithms_count_from_the_sizes_of_the_models_that_they_go_to() -> None:
-    def parameter(name: str, nominal: float, logarithmic: bool) -> Parameter:
+def test_logarithms_count_from_the_sizes_of_the_models_that_they_go_to():
+    def parameter(name, nominal, logarithmic):
         return Parameter(name=name, kind=EFFECT, nominal=nominal, unit="kg", tolerance=1.0, logarithmic=logarithmic)
 
     old = (parameter("a", 2.0, True), parameter("b", 2.0, False), parameter("gone", 1.0, True))
     fit: Any = SimpleNamespace(parameters=old, offsets=np.array([0.1, 0.2, 0.3]))
     problem: Any = SimpleNamespace(by_name={"a": parameter("a", 4.0, True), "b": parameter("b", 2.0, False)})
-    assert _offsets_in(problem, fit) == pytest.approx({"a": 0.1 - log(2), "b": 0.2})
-
-
-# An effect that tolerances have paid for is found from where they are declared.
+    assert search._offsets_in(problem, fit) == pytest.approx({"a": 0.1 - log(2), "b": 0.2})
 
 
 TORSION, SIZE = "joint-compliance:torsion", 1.8e-5
@@ -449,7 +397,7 @@ DRIVEN = ("--octaves-per-minute", "60", "--band", "4", "32", "--seed", "5")
 
 
 @pytest.fixture(scope="module")
-def soft(tmp_path_factory: pytest.TempPathFactory) -> Study:
+def soft(tmp_path_factory) -> Study:
     """Clumod with one blade on a flange that gives, and a model that does not know."""
     folder = tmp_path_factory.mktemp("afresh")
     model, campaign = folder / "model.toml", folder / "blade"
@@ -460,41 +408,41 @@ def soft(tmp_path_factory: pytest.TempPathFactory) -> Study:
 
 
 @pytest.fixture(scope="module")
-def paid(soft: Study) -> Candidate:
+def paid(soft) -> Candidate:
     """The model as it is, fitted to that: tolerances pay."""
     return Candidate(effects=(), fit=soft.all_free(), problem=soft.problem())
 
 
 @pytest.fixture(scope="module")
-def torsion(soft: Study) -> Added:
+def torsion(soft) -> Added:
     return next(one for one in candidates(soft, only=["joint-compliance"]) if one.named.id == TORSION)
 
 
 @pytest.fixture(scope="module")
-def stuck(soft: Study, paid: Candidate, torsion: Added) -> Candidate:
+def stuck(soft, paid, torsion) -> Candidate:
     """The effect added where the tolerances stand."""
-    return fit_with(soft, paid, torsion)
+    return search.fit_with(soft, paid, torsion)
 
 
 @pytest.fixture(scope="module")
-def restarted(soft: Study, paid: Candidate, torsion: Added) -> Candidate:
+def restarted(soft, paid, torsion) -> Candidate:
     """The effect added from where they are declared."""
-    return restarted_from_priors(soft, paid, torsion)
+    return search.restarted_from_priors(soft, paid, torsion)
 
 
 @pytest.mark.proof
-def test_from_where_tolerances_have_paid_no_step_leads_there_and_from_home_one_does(
-    paid: Candidate, stuck: Candidate, restarted: Candidate
-) -> None:
+def test_from_where_tolerances_have_paid_no_step_leads_there_and_from_home_one_does(paid, stuck, restarted):
     assert stuck.effects[-1].named.values[""] < 0.5 * SIZE
     assert restarted.effects[-1].named.values[""] == pytest.approx(SIZE, rel=0.03)
     assert restarted.fit.cost < min(stuck.fit.cost, paid.fit.cost) - 1000
 
 
 @pytest.mark.proof
-def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(soft: Study, paid: Candidate) -> None:
+def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(soft, paid):
     said: list[str] = []
-    explained, rounds = stepwise_search(soft, paid, candidates(soft, only=[TORSION]), lambda what, share: said.append(what))
+    explained, rounds = search.stepwise_search(
+        soft, paid, candidates(soft, only=[TORSION]), lambda what, share: said.append(what)
+    )
     assert f"trying {TORSION} afresh" in said
     assert [one.named.id for one in explained.effects] == [TORSION]
     assert explained.effects[0].named.values[""] == pytest.approx(SIZE, rel=0.03)
@@ -502,9 +450,9 @@ def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(soft: Study, pa
 
 
 @pytest.mark.proof
-def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft: Study, restarted: Candidate) -> None:
+def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft, restarted):
     mast = next(one for one in candidates(soft, only=["modulus"]) if one.named.id == "modulus:mast")
-    both = restarted_from_priors(soft, restarted, mast)
+    both = search.restarted_from_priors(soft, restarted, mast)
     assert [one.named.id for one in both.effects] == [TORSION, "modulus:mast"]
     assert both.effects[0].named.values[""] == pytest.approx(SIZE, rel=0.03)
     assert abs(both.effects[1].named.values[""]) < 0.05
@@ -512,30 +460,28 @@ def test_beside_an_accepted_effect_that_keeps_its_size_and_of_a_modulus(soft: St
 
 
 @pytest.mark.proof
-def test_tolerances_that_come_home_never_cost_more_and_keep_what_was_found(
-    soft: Study, paid: Candidate, restarted: Candidate
-) -> None:
-    again = restarted_from_priors(soft, restarted)
+def test_tolerances_that_come_home_never_cost_more_and_keep_what_was_found(soft, paid, restarted):
+    again = search.restarted_from_priors(soft, restarted)
     assert again.fit.cost <= restarted.fit.cost + 1e-6
     assert again.effects[-1].named.values[""] == pytest.approx(SIZE, rel=0.03)
-    assert restarted_from_priors(soft, paid).fit.cost <= paid.fit.cost + 1e-6
+    assert search.restarted_from_priors(soft, paid).fit.cost <= paid.fit.cost + 1e-6
 
 
 @pytest.mark.proof
-def test_from_home_a_size_that_had_not_come_through_does(soft: Study, stuck: Candidate) -> None:
-    assert restarted_from_priors(soft, stuck).fit.cost < stuck.fit.cost - 1000
+def test_from_home_a_size_that_had_not_come_through_does(soft, stuck):
+    assert search.restarted_from_priors(soft, stuck).fit.cost < stuck.fit.cost - 1000
 
 
-def test_sizes_grow_by_half_octaves_about_what_is_plausible_within_bounds() -> None:
+def test_sizes_grow_by_half_octaves_about_what_is_plausible_within_bounds():
     one = Parameter(name="x", unit="kg", tolerance=2.0, kind=EFFECT, low=-0.5, high=100.0)
-    found = sizes(one)
+    found = search.sizes(one)
     assert np.all((found > -0.5) & (found < 100.0))
     assert np.all(found != 0)
     positive = found[found > 0]
     assert_allclose(positive[1:] / positive[:-1], np.sqrt(2))
     assert positive[0] == 2.0 / 64
     assert found[found < 0].min() > -0.5
-    sided = sizes(replace(one, low=0.0, high=4e-6, tolerance=1e-6))
+    sided = search.sizes(replace(one, low=0.0, high=4e-6, tolerance=1e-6))
     assert 0 < sided.min() < sided.max() < 4e-6
 
 
@@ -548,11 +494,8 @@ def test_sizes_grow_by_half_octaves_about_what_is_plausible_within_bounds() -> N
         ("pendulum-damping=0.1", False, False),
     ],
 )
-def test_effects_of_one_size_that_is_fitted_have_such_a_way(text: str, fixed: bool, there: bool) -> None:
-    assert can_restart(Added(named=parse(text), fixed=fixed)) is there
-
-
-# How a fit stands against those of nulls: misfit, price and a single tolerance each refuse it alone.
+def test_effects_of_one_size_that_is_fitted_have_such_a_way(text, fixed, there):
+    assert search.can_restart(Added(named=parse(text), fixed=fixed)) is there
 
 
 FREEDOM, COUNT = 5000, 100
@@ -576,7 +519,7 @@ def fitted(*, misfit: float = 0.9, z: np.ndarray | None = None) -> Fit:
 
 
 @pytest.fixture
-def noisy(monkeypatch: pytest.MonkeyPatch) -> Any:
+def noisy(monkeypatch) -> Any:
     """A problem whose likelihood allows for noise and as much again of a floor."""
     noise = np.ones((1, 4, 2))
     seen = SimpleNamespace(noise=noise, floor=noise / FLOOR)
@@ -593,30 +536,26 @@ def one_far(z: float) -> np.ndarray:
     return np.concatenate([[z], np.full(COUNT - 1, 0.9)])
 
 
-def test_the_misfit_of_a_null_is_the_share_of_noise_in_what_is_allowed_for(noisy: Any) -> None:
-    assert_allclose(goodness_of_fit(fitted(), noisy).limit, 0.53, rtol=1e-12)  # 3 sd of 2 % each
-
-
-def test_an_estimate_of_the_noise_makes_chi2_larger_by_its_variance_as_drawn_ones_do(noisy: Any) -> None:
-    """Half of the variance is noise, estimated to 20 % at every line."""
+def test_the_misfit_of_a_null_is_the_share_of_noise_and_an_estimate_of_the_noise_widens_its_limit(noisy):
+    assert_allclose(search.goodness_of_fit(fitted(), noisy).limit, 0.53, rtol=1e-12)  # 3 sd of 2 % each
+    # Half of the variance is noise, estimated to 20 % at every line.
     noisy.predictions = (of_spread(0.0, 0.2),)
     estimates = 1 + 0.2 * np.random.default_rng(1).standard_normal(1_000_000)
     drawn = np.mean(1 / (estimates + 1)) / np.mean(estimates / (estimates + 1))
-    noise_alone = goodness_of_fit(fitted(), noisy).limit / (1 + SCATTER * np.sqrt(2 / FREEDOM))
+    noise_alone = search.goodness_of_fit(fitted(), noisy).limit / (1 + search.SCATTER * np.sqrt(2 / FREEDOM))
     assert_allclose(noise_alone / 0.5, drawn, rtol=1e-3)
-
-
-def test_noise_that_short_silences_tell_widens_the_limit(noisy: Any) -> None:
-    """Two data sets of one size: 3 % and 4 % of each are 2.5 % of both."""
+    # Two data sets of one size: 3 % and 4 % of each are 2.5 % of both.
     noisy.predictions = (of_spread(0.03), of_spread(0.04))
     assert_allclose(
-        goodness_of_fit(fitted(), noisy).limit, 0.5 * (1 + SCATTER * np.hypot(np.sqrt(2 / FREEDOM), 0.025)), rtol=1e-12
+        search.goodness_of_fit(fitted(), noisy).limit,
+        0.5 * (1 + search.SCATTER * np.hypot(np.sqrt(2 / FREEDOM), 0.025)),
+        rtol=1e-12,
     )
 
 
-def test_a_fit_within_noise_that_pays_what_is_due_is_that_of_a_null(noisy: Any) -> None:
+def test_a_fit_within_noise_that_pays_what_is_due_is_that_of_a_null(noisy):
     of = fitted(misfit=0.49)
-    found = goodness_of_fit(of, noisy)
+    found = search.goodness_of_fit(of, noisy)
     assert found.null
     assert found.text == ""
     assert_allclose(found.prior_penalty, COUNT / expected_z2(of), rtol=1e-12)
@@ -624,37 +563,39 @@ def test_a_fit_within_noise_that_pays_what_is_due_is_that_of_a_null(noisy: Any) 
     assert found.excess(of) == pytest.approx(0.5 * 0.01 * COUNT)  # no misfit, and a hundredth more than is due
 
 
-def test_misfit_alone_refuses(noisy: Any) -> None:
-    limit = goodness_of_fit(fitted(), noisy).limit
-    below, above = (goodness_of_fit(fitted(misfit=factor * limit), noisy) for factor in (0.999, 1.001))
+def test_misfit_alone_refuses(noisy):
+    limit = search.goodness_of_fit(fitted(), noisy).limit
+    below, above = (search.goodness_of_fit(fitted(misfit=factor * limit), noisy) for factor in (0.999, 1.001))
     assert (below.null, above.null) == (True, False)
     assert above.text.startswith("chi² per degree of freedom")
     assert ";" not in above.text
 
 
-def test_price_alone_refuses(noisy: Any) -> None:
+def test_price_alone_refuses(noisy):
     """Every tolerance a little too far, none of them by much."""
     from scipy.stats import chi2
 
-    z = np.sqrt(chi2.isf(UNLIKELY, 0.99 * COUNT) / COUNT)
-    below, above = (goodness_of_fit(fitted(misfit=0.4, z=np.full(COUNT, factor * z)), noisy) for factor in (0.999, 1.001))
+    z = np.sqrt(chi2.isf(search.UNLIKELY, 0.99 * COUNT) / COUNT)
+    below, above = (search.goodness_of_fit(fitted(misfit=0.4, z=np.full(COUNT, factor * z)), noisy) for factor in (0.999, 1.001))
     assert (below.null, above.null) == (True, False)
     assert above.largest < 2
     assert above.text.startswith("the tolerances pay")
-    due, of = goodness_of_fit(fitted(misfit=0.4), noisy), np.sqrt(np.array([155.0, 165.0]) / COUNT)
+    due, of = search.goodness_of_fit(fitted(misfit=0.4), noisy), np.sqrt(np.array([155.0, 165.0]) / COUNT)
     assert due.null
-    assert [goodness_of_fit(fitted(misfit=0.4, z=np.full(COUNT, one)), noisy).null for one in of] == [True, False]  # 1 in 10,000
+    assert [search.goodness_of_fit(fitted(misfit=0.4, z=np.full(COUNT, one)), noisy).null for one in of] == [
+        True,
+        False,
+    ]  # 1 in 10,000
     assert ";" not in above.text
 
 
-def test_one_tolerance_alone_refuses(noisy: Any) -> None:
-    below, above = (goodness_of_fit(fitted(misfit=0.4, z=one_far(-factor * ABSURD)), noisy) for factor in (0.999, 1.001))
+def test_one_tolerance_alone_refuses_and_everything_that_refuses_is_said(noisy):
+    below, above = (
+        search.goodness_of_fit(fitted(misfit=0.4, z=one_far(-factor * search.ABSURD)), noisy) for factor in (0.999, 1.001)
+    )
     assert (below.null, above.null) == (True, False)
-    assert above.likely > UNLIKELY
+    assert above.likely > search.UNLIKELY
     assert above.text.startswith("a tolerance stands at 4.8 z")
-
-
-def test_everything_that_refuses_is_said(noisy: Any) -> None:
-    found = goodness_of_fit(fitted(misfit=2.0, z=np.full(COUNT, 6.0)), noisy)
+    found = search.goodness_of_fit(fitted(misfit=2.0, z=np.full(COUNT, 6.0)), noisy)
     assert found.text.count(";") == 2
     assert not found.null

@@ -1,7 +1,5 @@
 """What is left over is told by where it is and what it looks like, and with the size that it has."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -104,7 +102,7 @@ def state() -> State:
 
 
 @pytest.fixture(scope="session")
-def left(state: State) -> Left:
+def left(state) -> Left:
     """``left(change)``: the model as it stands beside what it reads itself, noise, and what `change` of the `State` adds.
 
     Nothing is fitted: what a fit would take is known to first order.
@@ -121,9 +119,6 @@ def left(state: State) -> Left:
         return Candidate(effects=(), fit=fitted(ended(cost, {}, converged=False)), problem=problem)
 
     return made
-
-
-# What is left over is told by where it is and what it looks like, and with the size that it has.
 
 
 def entry(of, i: int, j: int, course) -> np.ndarray:
@@ -147,7 +142,7 @@ def entry(of, i: int, j: int, course) -> np.ndarray:
     ],
     ids=["spring to ground", "damper that turns", "mass that couples two axes", "spinning wheel"],
 )
-def test_what_acts_between_axes_is_told_by_its_pair_in_its_unit(left, change, pair, size, text) -> None:
+def test_what_acts_between_axes_is_told_by_its_pair_in_its_unit(left, change, pair, size, text):
     found = described(left(lambda s: s.added(change(s))))
     assert (found.looks_like, found.load, found.motion, found.unit) == pair
     assert found.size == pytest.approx(size, rel=0.1)
@@ -163,20 +158,18 @@ def test_what_acts_between_axes_is_told_by_its_pair_in_its_unit(left, change, pa
         ("cover-x2", lambda s: 9.81 / s.omega**2 * s.u[..., 4], "tilt", 9.81, "m/s^2"),  # gravity once too often
     ],
 )
-def test_what_one_channel_does_is_told_of_it_alone(left, channel, change, looks_like, size, unit) -> None:
+def test_what_one_channel_does_is_told_of_it_alone(left, channel, change, looks_like, size, unit):
     found = described(left(lambda s: s.of_channel(channel, change(s))))
     assert (found.looks_like, found.channels, found.unit) == (looks_like, (channel,), unit)
     assert found.size == pytest.approx(size, rel=0.1)
     assert {"gain": "square of frequency", "delay": "ms", "tilt": "gravity"}[looks_like] in found.text
 
 
-def test_a_load_cell_that_loses_energy_looks_like_damping(left) -> None:
+def test_a_load_cell_that_loses_energy_looks_like_damping_and_a_resonance_has_its_frequency(left):
     found = described(left(lambda s: s.of_parameter("cell-stiffness:2z", 0.3j * np.ones_like(s.omega))))
     assert found.looks_like == "damping"
     assert "load cell 2z" in found.text
 
-
-def test_a_resonance_is_told_with_its_frequency(left) -> None:
     def ringing(s):
         own = 2 * np.pi * 21.3
         return s.added(entry(s, 3, 3, 0.02 * s.omega**2 / (own**2 - s.omega**2 + 0.04j * own * s.omega)))
@@ -186,7 +179,7 @@ def test_a_resonance_is_told_with_its_frequency(left) -> None:
     assert found.frequency == pytest.approx(21.3, rel=0.02)
 
 
-def test_a_channel_that_hears_another_is_told_with_what_it_hears(left) -> None:
+def test_a_channel_that_hears_another_is_told_with_what_it_hears(left):
     found = described(left(lambda s: s.of_channel("fmd-x12", 1.0 * s.reading("cover-y1"))))
     assert found.channels[0] == "fmd-x12"
     assert found.channels[1] in ("cover-y1", "table-y1")  # plate and table move nearly alike
@@ -194,7 +187,7 @@ def test_a_channel_that_hears_another_is_told_with_what_it_hears(left) -> None:
     assert found.unit == "kg"
 
 
-def test_accelerometers_that_feel_no_tilt_are_told_together(left) -> None:
+def test_accelerometers_that_feel_no_tilt_are_told_together(left):
     def none(s):
         table = {one.name: one for one in s.of.tested.campaign.table.channels}
         along = np.array([table[name].places[0].direction for name in s.channels])
@@ -208,7 +201,7 @@ def test_accelerometers_that_feel_no_tilt_are_told_together(left) -> None:
     assert found.size == pytest.approx(-9.81, rel=0.1)
 
 
-def test_a_loud_channel_looks_like_noise(left) -> None:
+def test_a_loud_channel_looks_like_noise(left):
     rng = np.random.default_rng(3)
 
     def loud(s):
@@ -220,7 +213,7 @@ def test_a_loud_channel_looks_like_noise(left) -> None:
     assert (found.looks_like, found.channels) == ("noise", ("table-y1",))
 
 
-def test_a_spring_off_the_reference_point_is_told_by_its_leading_pair_and_those_beside_it(left) -> None:
+def test_a_spring_off_the_reference_point_is_told_by_its_leading_pair_and_those_beside_it(left):
     def spring(s):
         d = np.array([0.0, 1.0, 0.0, -0.25, 0.0, 0.1])
         return s.added(-5e2 / s.omega[:, None, None] ** 2 * np.outer(d, d))
@@ -231,7 +224,7 @@ def test_a_spring_off_the_reference_point_is_told_by_its_leading_pair_and_those_
     assert "y and alpha" in found.text
 
 
-def test_a_board_whose_delay_grows_along_the_sweep_is_told_as_a_group(left) -> None:
+def test_a_board_whose_delay_grows_along_the_sweep_is_told_as_a_group(left):
     def slow(s):
         late = -1j * s.omega * 2e-4 * np.log(s.frequency / s.frequency[0])
         return np.where([name.startswith("fmd") for name in s.channels], late[:, None] * s.read, 0.0)
@@ -242,7 +235,7 @@ def test_a_board_whose_delay_grows_along_the_sweep_is_told_as_a_group(left) -> N
     assert "load cells" in found.text
 
 
-def test_a_joint_that_gives_is_told_with_its_compliance(left, state) -> None:
+def test_a_joint_that_gives_is_told_with_its_compliance(left, state):
     carried = state.of.tested.carried
     T = rigid_transformation_6(carried.standing.pose.position)
     H = np.linalg.inv(T).T @ (state.H - dynamic_mass.at(carried.moving, {}).mass_matrix) @ np.linalg.inv(T)
@@ -253,7 +246,7 @@ def test_a_joint_that_gives_is_told_with_its_compliance(left, state) -> None:
     assert "between cover plate and article" in found.text
 
 
-def test_a_mass_at_a_place_is_told_by_the_place(left) -> None:
+def test_a_mass_at_a_place_is_told_by_the_place(left):
     def heavier(s):
         rows = s.of.moved({})["top"][0]
         return s.added(0.3 * np.swapaxes(rows, 1, 2) @ rows)
@@ -264,7 +257,7 @@ def test_a_mass_at_a_place_is_told_by_the_place(left) -> None:
     assert found.size == pytest.approx(0.3, rel=0.1)
 
 
-def test_what_follows_nothing_is_irregular(left) -> None:
+def test_what_follows_nothing_is_irregular(left):
     rng = np.random.default_rng(4)
 
     def mixed(s):
@@ -278,7 +271,7 @@ def test_what_follows_nothing_is_irregular(left) -> None:
     assert "comes closest" in found.text
 
 
-def test_where_nothing_is_missing_no_description_gains_much_and_a_small_fault_gains_more(left) -> None:
+def test_where_nothing_is_missing_no_description_gains_much_and_a_small_fault_gains_more(left):
     nothing = unexplained(left(lambda s: np.zeros_like(s.read)))
     small = unexplained(left(lambda s: s.added(entry(s, 3, 4, -0.3j / s.omega) + entry(s, 4, 3, 0.3j / s.omega))))
     assert nothing.gain < 20
@@ -286,7 +279,7 @@ def test_where_nothing_is_missing_no_description_gains_much_and_a_small_fault_ga
     assert small.place.sign == -1
 
 
-def test_a_stiffness_among_the_parameters_does_not_drown_what_is_known_of_the_others(left) -> None:
+def test_a_stiffness_among_the_parameters_does_not_drown_what_is_known_of_the_others(left):
     """Its variance is some (N/m)² beside (µm)²: covariances are taken by their correlations."""
     nothing = left(lambda s: np.zeros_like(s.read))
     spring = Added(named=parse("cable:top:vertical=800"))

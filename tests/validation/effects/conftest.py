@@ -88,7 +88,7 @@ def plan() -> Plan:
 
 
 @pytest.fixture(scope="session")
-def recorder(plan: Plan) -> Recorder:
+def recorder(plan) -> Recorder:
     """Runs the first run with effects as they are written."""
 
     def run(*effects: str, **changes: object) -> Recorded:
@@ -100,6 +100,6 @@ def recorder(plan: Plan) -> Recorder:
 
 
 @pytest.fixture(scope="session")
-def plain(recorder: Recorder) -> Recorded:
+def plain(recorder) -> Recorded:
     """The run without any effect."""
     return recorder()

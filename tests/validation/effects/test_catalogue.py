@@ -8,23 +8,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from identification.chain import chain
-from validation.effects import catalogue
+from validation.effects import catalogue, effect
 from validation.effects.catalogue import FAMILIES, parse
-from validation.effects.effect import (
-    AMPLITUDE,
-    CHANNEL_STAGE,
-    COVER,
-    EVIDENCE_THRESHOLD,
-    FIXED,
-    FMD,
-    MISTAKE,
-    OPENED,
-    TABLE,
-    WORTH_OF,
-    Family,
-    Vocabulary,
-    evidence_threshold,
-)
 from validation.virtual_test.plan import Plan, exact
 from validation.virtual_test.simulate import laboratory
 
@@ -32,11 +17,11 @@ SOFT = 3.0
 """What a fault must be beyond the tolerance at least, by standard deviations, to be a fault."""
 
 EVERY = list(FAMILIES.values())
-IN_CHAIN = [family for family in EVERY if family.stage == OPENED and not set(family.targets) & set(catalogue.LOCAL)]
+IN_CHAIN = [family for family in EVERY if family.stage == effect.OPENED and not set(family.targets) & set(catalogue.LOCAL)]
 WITH_EQUATION = [family for family in EVERY if family.change is not None]
 
 
-def by_name(family: Family) -> str:
+def by_name(family: effect.Family) -> str:
     return family.name
 
 
@@ -47,16 +32,16 @@ def table():
 
 
 @pytest.fixture(scope="module")
-def words() -> Vocabulary:
-    return Vocabulary(places=())
+def words() -> effect.Vocabulary:
+    return effect.Vocabulary(places=())
 
 
-def targets_of(family: Family, words: Vocabulary) -> list[tuple[str, ...]]:
+def targets_of(family: effect.Family, words: effect.Vocabulary) -> list[tuple[str, ...]]:
     return list(product(*(words.legal(kind) or () for kind in family.targets)))
 
 
 @pytest.mark.parametrize("family", EVERY, ids=by_name)
-def test_a_family_says_all_that_a_reader_needs(family: Family) -> None:
+def test_a_family_says_all_that_a_reader_needs(family):
     for field in catalogue.WORDS:
         assert getattr(family, field).strip(), f"{family.name}: {field}"
     assert family.mistaken_for
@@ -68,9 +53,9 @@ def test_a_family_says_all_that_a_reader_needs(family: Family) -> None:
 
 
 @pytest.mark.parametrize("family", EVERY, ids=by_name)
-def test_sizes_are_sane(family: Family) -> None:
+def test_sizes_are_sane(family):
     fitted = [size for size in family.sizes if size.plausible]
-    assert fitted or family.side in (MISTAKE, "processing")
+    assert fitted or family.side in (effect.MISTAKE, "processing")
     for size in family.sizes:
         assert size.unit
         assert size.low < size.high
@@ -80,7 +65,7 @@ def test_sizes_are_sane(family: Family) -> None:
 
 
 @pytest.mark.parametrize("family", WITH_EQUATION, ids=by_name)
-def test_an_equation_changes_nothing_without_its_effect_and_something_with_it(family: Family) -> None:
+def test_an_equation_changes_nothing_without_its_effect_and_something_with_it(family):
     catalogue.require_usable(family, family.name)
     example = parse(family.example.split(", or ")[0])
     before = catalogue.trials()[family.stage]
@@ -89,14 +74,14 @@ def test_an_equation_changes_nothing_without_its_effect_and_something_with_it(fa
     assert catalogue.unchanged(before, before)
 
 
-def _within(family: Family, values):
+def _within(family: effect.Family, values):
     """An example that can be seen: cells of the stages to try on are pulled by a newton or two, not by 500."""
     return {**values, "": 0.5} if family.name == "gap" else values
 
 
-@pytest.mark.parametrize("family", [one for one in WITH_EQUATION if one.stage == CHANNEL_STAGE], ids=by_name)
-def test_equations_of_channels_add(family: Family) -> None:
-    example, reading = parse(family.example.split(", or ")[0]), catalogue.trials()[CHANNEL_STAGE]
+@pytest.mark.parametrize("family", [one for one in WITH_EQUATION if one.stage == effect.CHANNEL_STAGE], ids=by_name)
+def test_equations_of_channels_add(family):
+    example, reading = parse(family.example.split(", or ")[0]), catalogue.trials()[effect.CHANNEL_STAGE]
     values = _within(family, example.values)
     other = np.roll(reading.rows, 1, axis=0)
     one, two, both = (
@@ -107,9 +92,11 @@ def test_equations_of_channels_add(family: Family) -> None:
 
 
 @pytest.mark.parametrize("family", IN_CHAIN, ids=by_name)
-def test_what_is_opened_is_a_parameter_of_the_chain_for_every_target(family: Family, table, words: Vocabulary) -> None:
+def test_what_is_opened_is_a_parameter_of_the_chain_for_every_target(family, table, words):
     """`accelerometer-position` along a pick-up's own axis, and `-misalignment` about it, change nothing and are none."""
-    blind = {f"{family.name}:{c}:{c.split('-')[1][0]}" for c in (*TABLE, *COVER)} if "axis" in family.targets else set()
+    blind = (
+        {f"{family.name}:{c}:{c.split('-')[1][0]}" for c in (*effect.TABLE, *effect.COVER)} if "axis" in family.targets else set()
+    )
     wanted = {":".join((family.name, *targets)) for targets in targets_of(family, words)}
     known = {one.name: one for one in chain(table, overrides={family.name: family.sizes[0].plausible}).parameters}
     found = {name for name in known if name.partition(":")[0] == family.name}
@@ -119,7 +106,7 @@ def test_what_is_opened_is_a_parameter_of_the_chain_for_every_target(family: Fam
 
 
 @pytest.mark.parametrize("family", IN_CHAIN, ids=by_name)
-def test_an_opened_parameter_gets_wider_than_its_tolerance_which_is_that_of_the_chain(family: Family, table) -> None:
+def test_an_opened_parameter_gets_wider_than_its_tolerance_which_is_that_of_the_chain(family, table):
     stated, assumed = (
         {one.tolerance for one in chain(table, stiffness=stiffness).parameters if one.family == family.name}
         for stiffness in (np.array([4e8, 4e8, 2e9]), None)
@@ -128,26 +115,17 @@ def test_an_opened_parameter_gets_wider_than_its_tolerance_which_is_that_of_the_
     assert family.tolerance in (stated or {0.0})
 
 
-def test_what_depends_on_the_level_is_known_as_such() -> None:
-    assert {name for name, family in FAMILIES.items() if family.side == AMPLITUDE} == {"friction", "gap", "saturation"}
-
-
-def test_targets_that_are_the_same_everywhere_are_those_of_22_channels() -> None:
-    assert len((*TABLE, *COVER, *FMD)) == 22
-    assert len(FIXED["cell and axis"]) == 12
-
-
-def test_every_family_is_asked_for_more_than_chance_and_less_than_a_clear_fault_brings() -> None:
-    assert set(WORTH_OF) <= set(FAMILIES)
-    assert all(3.0 < evidence_threshold(family) < 30.0 for family in FAMILIES)  # above 20 to 1
-
-
-def test_a_loss_factor_is_asked_for_more_than_a_gain_and_a_modulus_for_less() -> None:
+def test_what_depends_on_the_level_is_known_and_every_family_is_asked_for_more_than_chance():
+    assert {name for name, family in FAMILIES.items() if family.side == effect.AMPLITUDE} == {"friction", "gap", "saturation"}
+    assert len((*effect.TABLE, *effect.COVER, *effect.FMD)) == 22
+    assert len(effect.FIXED["cell and axis"]) == 12
+    assert set(effect.WORTH_OF) <= set(FAMILIES)
+    assert all(3.0 < effect.evidence_threshold(family) < 30.0 for family in FAMILIES)  # above 20 to 1
     assert (
-        evidence_threshold("modulus")
-        < evidence_threshold("force-gain")
-        < evidence_threshold("cell-stiffness")
-        < evidence_threshold("structural-damping")
+        effect.evidence_threshold("modulus")
+        < effect.evidence_threshold("force-gain")
+        < effect.evidence_threshold("cell-stiffness")
+        < effect.evidence_threshold("structural-damping")
     )
-    assert evidence_threshold("structural-damping") == evidence_threshold("layer-damping")
-    assert evidence_threshold("an-effect-of-somebody") == EVIDENCE_THRESHOLD
+    assert effect.evidence_threshold("structural-damping") == effect.evidence_threshold("layer-damping")
+    assert effect.evidence_threshold("an-effect-of-somebody") == effect.EVIDENCE_THRESHOLD

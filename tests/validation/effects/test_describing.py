@@ -1,21 +1,16 @@
 """What a channel that is not linear reads of a sine: describing functions against sines in time, and against virtual tests."""
 
-from collections.abc import Callable
-from dataclasses import replace
-from typing import Any
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from geometry.sensors import resultants
-from validation.effects.catalogue import FAMILIES, parse, parse_all
+from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import CHANNEL_STAGE
 from validation.effects.families.gap import clipped
 from validation.effects.stages import ChannelResponse
-from validation.virtual_test.plan import RIGID, Plan, exact
-from validation.virtual_test.planted import planted
-from validation.virtual_test.simulate import laboratory, recording, runs
+from validation.virtual_test.plan import Plan, exact
+from validation.virtual_test.simulate import laboratory
 
 POINTS = 4096
 """Of one period: the corner of a clipped sine leaves (1 / POINTS)² in its fundamental."""
@@ -50,7 +45,7 @@ def read(effect: str, stage: ChannelResponse) -> np.ndarray:
 
 
 @pytest.mark.parametrize("share", [0.05, -0.2, 0.3])
-def test_the_cubic_term_takes_three_quarters_of_itself_from_the_fundamental(share: float) -> None:
+def test_the_cubic_term_takes_three_quarters_of_itself_from_the_fundamental(share):
     amplitudes = [1.0, 2.5, 4.0]
     found = read(f"saturation:fmd-z2={share}", reading(amplitudes, peak=4.0))
     in_time = [fundamental(a * sine() * (1 - share * (a * sine() / 4.0) ** 2)) / a for a in amplitudes]
@@ -58,29 +53,26 @@ def test_the_cubic_term_takes_three_quarters_of_itself_from_the_fundamental(shar
     assert_allclose(np.delete(found, 1, axis=1), 1.0)
 
 
-def test_at_half_the_level_a_quarter_of_the_loss_is_left() -> None:
+def test_at_half_the_level_a_quarter_of_the_loss_is_left_and_the_loudest_line_is_the_peak_where_none_is_stated():
     whole, half = (read("saturation:fmd-z1=0.1", reading([level], peak=1.0))[0, 0] for level in (1.0, 0.5))
     assert (1 - half) / (1 - whole) == pytest.approx(0.25, rel=1e-12)
-
-
-def test_without_a_peak_that_is_stated_the_loudest_line_is_the_peak() -> None:
     stated, found = (read("saturation:fmd-z1=0.1", reading([1.0, 3.0], peak=peak)) for peak in (3.0, None))
     assert_allclose(found, stated)
 
 
 @pytest.mark.parametrize("preload", [0.1, 0.5, 0.99, 1.0, 3.0])
-def test_a_sine_cut_off_on_one_side_keeps_the_share_of_its_describing_function(preload: float) -> None:
+def test_a_sine_cut_off_on_one_side_keeps_the_share_of_its_describing_function(preload):
     in_time = fundamental(np.maximum(sine(), -preload))
     assert_allclose(clipped(preload, np.array([1.0])), in_time, rtol=0, atol=4 / POINTS**2)
 
 
-def test_a_cell_that_pulls_never_keeps_half_and_one_under_load_keeps_all() -> None:
+def test_a_cell_that_pulls_never_keeps_half_and_one_under_load_keeps_all():
     assert_allclose(clipped(0.0, np.array([1.0, 7.0])), 0.5, rtol=1e-15)
     assert_allclose(clipped(8.0, np.array([1.0, 7.0, 0.0])), 1.0, rtol=1e-15)
 
 
 @pytest.mark.parametrize("cell", ["1", "2", "3", "4"])
-def test_what_a_lifted_cell_lacks_goes_to_the_others_without_a_trace_in_the_resultants(cell: str, layout: Any) -> None:
+def test_what_a_lifted_cell_lacks_goes_to_the_others_without_a_trace_in_the_resultants(cell, layout):
     channels = [layout.table.channels[layout.table.names.index(name)] for name in CELLS]
     shift = read(f"gap:{cell}=2", reading([5.0]))[0] - 1.0
     assert shift[int(cell) - 1] == pytest.approx(clipped(2.0, np.array([5.0]))[0] - 1, rel=1e-12)
@@ -93,40 +85,7 @@ def layout():
 
 
 @pytest.mark.parametrize("effect", ["saturation:fmd-z1=0.05", "gap:2=500"])
-def test_a_run_that_states_no_amplitude_is_taken_for_linear(effect: str) -> None:
+def test_a_run_that_states_no_amplitude_is_taken_for_linear(effect):
     quiet = ChannelResponse(frequency=np.array([5.0]), channels=CELLS, rows=np.ones((1, 4, 6), complex))
     assert_allclose(read(effect, quiet), 1.0)
     assert FAMILIES[effect.partition(":")[0]].stage == CHANNEL_STAGE
-
-
-def test_a_saturated_channel_of_a_virtual_test_reads_its_describing_function(sweep_of_z: Callable[..., Any]) -> None:
-    """A slow sweep of a rigid block, level all along: the fundamental loses 3/4 of the share at the peak."""
-    plain, rounded = sweep_of_z(), sweep_of_z("saturation:fmd-z1=0.08")
-    quotient = rounded.lines("fmd-z1") / plain.lines("fmd-z1")
-    assert_allclose(quotient[rounded.below_harmonics].real, 1 - 0.75 * 0.08, atol=0.004)  # ripple of a short sweep's ends
-
-
-@pytest.fixture(scope="module")
-def sweep_of_z():
-    """Spectra of a sweep along z of a rigid block, nothing else drawn; no third harmonic reaches `below_harmonics`."""
-    plan = replace(
-        exact(Plan(article="fmd+disc+cuboid", model=RIGID, band=(8.0, 32.0), octaves_per_minute=10.0, cross=0.0)),
-        quiet=0.2,
-        rate=256.0,
-        simulation_rate=2048.0,
-        ringing=1e-3,
-    )
-
-    class Found:
-        def __init__(self, *effects: str) -> None:
-            own = replace(plan, effects=planted(parse_all(effects)))
-            lab = laboratory(own)
-            self.values = recording(own, lab, next(one for one in runs(own) if one.name == "z")).values
-            self.names = lab.layout.table.names
-            self.frequency = np.fft.rfftfreq(len(self.values), 1 / 256.0)
-            self.below_harmonics = (self.frequency > 10.0) & (self.frequency < 22.0)
-
-        def lines(self, name: str) -> np.ndarray:
-            return np.fft.rfft(self.values[:, self.names.index(name)])
-
-    return Found

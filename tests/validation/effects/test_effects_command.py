@@ -5,7 +5,6 @@ import runpy
 import subprocess
 import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 from rich.console import Console
@@ -18,7 +17,7 @@ Run = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str]) -> Run:
+def run(capsys) -> Run:
     def run(*arguments: str) -> tuple[int, str, str]:
         code = main.run(["effects", *arguments])
         return code, *capsys.readouterr()
@@ -27,7 +26,7 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
 
 
 @pytest.mark.parametrize("columns", ["80", "100", "132"])
-def test_the_list_names_every_family_whatever_the_width(run: Run, columns: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_list_names_every_family_whatever_the_width(run, columns, monkeypatch):
     monkeypatch.setenv("COLUMNS", columns)
     code, out, err = run()
     assert (code, err) == (main.DONE, "")
@@ -38,7 +37,7 @@ def test_the_list_names_every_family_whatever_the_width(run: Run, columns: str, 
 
 
 @pytest.mark.parametrize("name", FAMILIES)
-def test_each_has_a_page_of_its_own_with_all_that_is_known_of_it(run: Run, name: str) -> None:
+def test_each_has_a_page_of_its_own_with_all_that_is_known_of_it(run, name):
     code, out, _ = run(name)
     family, flat = FAMILIES[name], " ".join(out.split())
     assert code == main.DONE
@@ -47,23 +46,12 @@ def test_each_has_a_page_of_its_own_with_all_that_is_known_of_it(run: Run, name:
     assert "{target" not in out
 
 
-def test_an_effect_with_its_target_is_told_of_that_target(run: Run) -> None:
+def test_an_effect_with_its_target_is_told_of_that_target(run):
     _, out, _ = run("force-gain:fmd-y14", "gap:3", "cable:hub-1:vertical", "channel-swap:fmd-z1:fmd-z3")
     assert "The force channel fmd-y14 reads too much" in out
     assert "Cell 3 has lost" in out
     assert "ties hub-1 to the laboratory" in out
     assert "The plugs of fmd-z1 and fmd-z3 were crossed" in out
-
-
-def test_json_holds_every_size_and_no_figure_that_is_none(run: Run) -> None:
-    _, out, _ = run("--json")
-    found = {one["id"]: one for one in json.loads(out)["effects"]}
-    assert list(found) == list(FAMILIES)
-    assert found["gap"]["sizes"][0]["null"] is None  # a cell that never lifts: infinity is no JSON
-    assert found["force-delay"]["tolerance"] == pytest.approx(20e-6)
-    assert {one["from"] for one in found.values()} == {"massline"}
-    _, out, _ = run("--json", "noise:cover-z3")
-    assert [one["id"] for one in json.loads(out)["effects"]] == ["noise"]
 
 
 @pytest.mark.parametrize(
@@ -74,13 +62,11 @@ def test_json_holds_every_size_and_no_figure_that_is_none(run: Run) -> None:
         ("polarity:fmd-z1:x", "it acts on channel, found fmd-z1:x"),
     ],
 )
-def test_what_is_not_there_ends_with_2_and_the_nearest(run: Run, name: str, says: str) -> None:
-    code, out, err = run(name)
-    assert (code, out) == (main.BAD_INPUT, "")
-    assert says in err
+def test_what_is_not_there_ends_with_2_and_the_nearest(refused, name, says):
+    assert says in refused(name)
 
 
-def test_a_users_effects_are_listed_with_the_file_they_come_from(run: Run, root: Path) -> None:
+def test_a_users_effects_are_listed_with_the_file_they_come_from(run, root):
     folder = root / "examples" / "effects"
     _, out, _ = run("--effects-from", str(folder), "--json")
     found = {one["id"]: one["from"] for one in json.loads(out)["effects"]}
@@ -88,24 +74,14 @@ def test_a_users_effects_are_listed_with_the_file_they_come_from(run: Run, root:
     assert found["force-lowpass"] == str(folder / "force_lowpass.py")
 
 
-def test_the_page_of_the_catalogue_is_that_of_the_code(root: Path) -> None:
-    again = "write it again: python -m validation.report.effects"
-    assert effects.text(root) == (root / effects.PAGE).read_text(encoding="utf-8"), again
-
-
-def test_the_page_is_written_where_it_is_asked_for(root: Path, tmp_path: Path) -> None:
+def test_the_page_of_the_catalogue_is_what_the_code_writes_and_its_example_is_about_thirty_lines(root, tmp_path):
     written = tmp_path / "effects.md"
     subprocess.run([sys.executable, "-P", "-m", "validation.report.effects", str(written)], cwd=root, check=True)
-    assert written.read_text(encoding="utf-8") == (root / effects.PAGE).read_text(encoding="utf-8")
-
-
-def test_the_example_of_an_effect_of_ones_own_finds_its_equation_and_its_size(root: Path) -> None:
+    again = "write it again: python -m validation.report.effects"
+    assert written.read_text(encoding="utf-8") == (root / effects.PAGE).read_text(encoding="utf-8"), again
     worst, found = runpy.run_path(str(root / "examples" / "own_effect.py"))["main"](Console(quiet=True))
     assert worst < 2e-3  # noise is off; the bilinear rule and the ends of a short sweep are left
     assert found == pytest.approx(1e-3, rel=0.02)
-
-
-def test_an_effect_of_ones_own_is_about_thirty_lines(root: Path) -> None:
     for name in ("dashpot", "force_lowpass"):
         lines = (root / "examples" / "effects" / f"{name}.py").read_text(encoding="utf-8").splitlines()
         assert len([line for line in lines if line.strip() and not line.startswith(("import", "from", '"""'))]) <= 35

@@ -24,26 +24,22 @@ from validation.effects.effect import (
 )
 
 
-def examples() -> list[str]:
-    return [text for family in FAMILIES.values() for text in family.example.split(", or ")]
-
-
-@pytest.mark.parametrize("text", examples())
-def test_every_example_of_the_catalogue_is_understood_and_written_back(text: str) -> None:
+@pytest.mark.parametrize("text", [text for family in FAMILIES.values() for text in family.example.split(", or ")])
+def test_every_example_of_the_catalogue_is_understood_and_written_back(text):
     found = parse(text)
     again = parse(str(found))
     assert found.id == text.partition("=")[0] == again.id
     assert again.values == pytest.approx(dict(found.values), rel=1e-8)  # nine digits are written
 
 
-def test_every_family_says_what_it_is_of_kinds_that_are_known() -> None:
+def test_every_family_says_what_it_is_of_kinds_that_are_known():
     kinds = {kind for family in FAMILIES.values() for kind in family.targets}
     assert kinds <= {*FIXED, CHANNEL, FORCE, ACCELEROMETER, PLACE, PART, SUPPORT, BETWEEN, CABLE}
     assert all(family.what and family.side for family in FAMILIES.values())
     assert all(not family.targets for family in FAMILIES.values() if family.side == PENDULUM)
 
 
-def test_values_are_read_by_key_with_what_holds_otherwise() -> None:
+def test_values_are_read_by_key_with_what_holds_otherwise():
     assert dict(parse("friction:flange:x=3").values) == {"": 3.0, "mass": 2.0}
     assert dict(parse("friction:flange:x=3,mass:1.5").values) == {"": 3.0, "mass": 1.5}
     assert dict(parse("appendage:z=f:21, zeta:0.01, m:50e-3").values) == {"m": 0.05, "f": 21.0, "zeta": 0.01}
@@ -52,12 +48,9 @@ def test_values_are_read_by_key_with_what_holds_otherwise() -> None:
     assert parse("polarity:fmd-z1").values == {}
 
 
-def test_a_unit_may_be_named_and_is_the_factor_of_the_numbers() -> None:
+def test_a_unit_may_be_named_as_the_factor_of_the_numbers_and_that_of_a_size_follows_the_target():
     assert parse("unit:cover-z3=g").value == pytest.approx(1 / 9.80665, rel=1e-12)
     assert parse("unit:fmd-z1=kN").value == pytest.approx(1e-3, rel=1e-12)
-
-
-def test_the_unit_follows_the_target() -> None:
     units = {"rigid-inertia:m=1": "kg", "rigid-inertia:mx=1": "kg m", "rigid-inertia:Ixy=1": "kg m^2"}
     units |= {"joint-compliance:torsion=1e-6": "rad/(N m)", "joint-compliance:lateral=1e-9": "m/N"}
     assert {text: parse(text).unit for text in units} == units
@@ -98,18 +91,15 @@ def test_the_unit_follows_the_target() -> None:
         ("", "no effect is called ''"),
     ],
 )
-def test_what_is_not_understood_is_refused_with_what_to_write(text: str, says: str) -> None:
+def test_what_is_not_understood_is_refused_with_what_to_write(text, says):
     with pytest.raises(BadInput, match=re.escape(says)) as refused:
         parse(text)
     assert refused.value.source == "--effect"
 
 
-def test_an_effect_is_named_once() -> None:
+def test_an_effect_is_named_once_and_a_test_of_other_channels_has_other_targets():
     with pytest.raises(BadInput, match="`force-gain:fmd-z1`: is given twice"):
         parse_all(["force-gain:fmd-z1=0.1", "polarity:fmd-z1", "force-gain:fmd-z1=0.2"])
-
-
-def test_a_test_of_other_channels_has_other_targets() -> None:
     words = Vocabulary(accelerometers=("a1",), forces=("f1",), places=())
     assert parse("force-gain:f1=0.1", words).target == "f1"
     with pytest.raises(BadInput, match=r"no force channel is called 'fmd-z1'\. Known are f1"):
@@ -120,6 +110,6 @@ def test_a_test_of_other_channels_has_other_targets() -> None:
 
 
 @given(st.text(max_size=40))
-def test_no_text_brings_anything_but_an_effect_or_a_refusal(text: str) -> None:
+def test_no_text_brings_anything_but_an_effect_or_a_refusal(text):
     with suppress(BadInput):
         assert isinstance(parse(text), Named)

@@ -1,7 +1,5 @@
 """A user's own effects: found, checked, refused in words with the user's line, and used like any other."""
 
-import json
-import subprocess
 import sys
 from collections.abc import Callable
 from contextlib import suppress
@@ -20,8 +18,6 @@ from validation.effects.catalogue import FAMILIES, SOURCES, parse
 from validation.effects.effect import Family, SizeSpec
 from validation.effects.stages import ChannelResponse
 from validation.virtual_test.planted import planted
-
-EXAMPLE = "force-lowpass:fmd-z2=1e-3"
 
 WHOLE = """
 from dataclasses import replace
@@ -50,7 +46,7 @@ FAMILY = Family(
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Callable[..., Path]:
+def folder(tmp_path) -> Callable[..., Path]:
     """``folder(name=text)``: a folder of files of effects."""
 
     def made(**files: str) -> Path:
@@ -61,7 +57,7 @@ def folder(tmp_path: Path) -> Callable[..., Path]:
     return made
 
 
-def test_a_file_is_found_keeps_its_equation_and_can_be_typed(folder: Callable[..., Path]) -> None:
+def test_a_file_is_found_keeps_its_equation_and_can_be_typed(folder):
     where = folder(mine=WHOLE)
     (family,) = catalogue.load(where)
     assert FAMILIES["drift-of-gain"] is family
@@ -73,17 +69,13 @@ def test_a_file_is_found_keeps_its_equation_and_can_be_typed(folder: Callable[..
     assert_allclose(changed.rows[0, :, 0], [1.0, 1.25])
 
 
-def test_reading_leaves_no_trace_and_happens_once(folder: Callable[..., Path]) -> None:
+def test_reading_leaves_no_trace_happens_once_and_what_a_file_prints_does_not_mix_with_answers(folder, capsys):
     count = "\nwith open(__file__[:-2] + 'log', 'a') as log:\n    log.write('x')\n"
-    where = folder(mine=WHOLE + count)
+    where = folder(mine="print('hello')\n" + WHOLE + count)
     first = catalogue.load(where)
     assert catalogue.load(where / ".." / where.name) == first
     assert (where / "mine.log").read_text() == "x"
     assert {path.name for path in where.iterdir()} == {"mine.py", "mine.log"}
-
-
-def test_what_a_file_prints_does_not_mix_with_answers(folder: Callable[..., Path], capsys: pytest.CaptureFixture[str]) -> None:
-    catalogue.load(folder(mine="print('hello')\n" + WHOLE))
     assert capsys.readouterr() == ("", "hello\n")
 
 
@@ -147,9 +139,7 @@ def changed(old: str, new: str) -> str:
         (changed('*= 1 + values[""]', '*= float("nan")'), "change", "leaves values in `rows` that are no numbers"),
     ],
 )
-def test_what_is_not_whole_is_refused_with_file_field_and_remedy(
-    folder: Callable[..., Path], text: str, field: str, says: str
-) -> None:
+def test_what_is_not_whole_is_refused_with_file_field_and_remedy(folder, text, field, says):
     where = folder(mine=text)
     before = dict(FAMILIES)
     with pytest.raises(BadInput) as refused:
@@ -175,9 +165,7 @@ JUNK = [None, 3, "", "x", (), ("",), [1], {"a": 1}, object(), float("nan"), lamb
 
 @pytest.mark.parametrize("field", [*(one.name for one in fields(Family)), *(f"sizes.{one.name}" for one in fields(SizeSpec))])
 @pytest.mark.parametrize("junk", JUNK, ids=lambda junk: type(junk).__name__)
-def test_no_junk_in_a_field_brings_anything_but_a_family_or_a_refusal(
-    field: str, junk: object, folder: Callable[..., Path]
-) -> None:
+def test_no_junk_in_a_field_brings_anything_but_a_family_or_a_refusal(field, junk, folder):
     (whole,) = catalogue.load(folder(mine=WHOLE))
     catalogue._forget(whole.name)
     _, of_size, key = field.rpartition("sizes.")
@@ -186,16 +174,13 @@ def test_no_junk_in_a_field_brings_anything_but_a_family_or_a_refusal(
         catalogue._add(catalogue.of(replace(whole, **change), "mine.py"), "mine.py")
 
 
-def test_a_structure_that_does_not_add_is_refused(folder: Callable[..., Path]) -> None:
+def test_a_structure_that_does_not_add_is_refused_and_one_that_does_is_taken(folder):
     with pytest.raises(BadInput, match="adds to `mass` what depends on the matrices that are there"):
         catalogue.load(folder(mine=STRUCTURAL.replace("matrices.MORE", "matrices.mass")))
-
-
-def test_a_structure_that_adds_is_taken(folder: Callable[..., Path]) -> None:
     assert catalogue.load(folder(mine=STRUCTURAL.replace("matrices.MORE", "matrices.parts['mast']")))
 
 
-def test_of_a_folder_with_one_broken_file_nothing_is_taken(folder: Callable[..., Path]) -> None:
+def test_of_a_folder_with_one_broken_file_nothing_is_taken(folder):
     where = folder(a=WHOLE, b="x = 1\n")
     with pytest.raises(BadInput, match=r"b\.py: `FAMILY`: is missing"):
         catalogue.load(where)
@@ -204,7 +189,7 @@ def test_of_a_folder_with_one_broken_file_nothing_is_taken(folder: Callable[...,
     assert [family.name for family in catalogue.load(where)] == ["drift-of-gain"]
 
 
-def test_two_files_cannot_share_a_name(folder: Callable[..., Path]) -> None:
+def test_two_files_cannot_share_a_name(folder):
     where = folder(a=WHOLE, b=WHOLE)
     with pytest.raises(BadInput, match=r"b\.py: `name`: an effect called 'drift-of-gain' is there already, from .*a\.py"):
         catalogue.load(where)
@@ -213,7 +198,7 @@ def test_two_files_cannot_share_a_name(folder: Callable[..., Path]) -> None:
     assert catalogue.load(where)[0].name == "drift-of-gain"
 
 
-def test_what_is_no_folder_of_effects_is_refused(folder: Callable[..., Path], tmp_path: Path) -> None:
+def test_what_is_no_folder_of_effects_is_refused(folder, tmp_path):
     with pytest.raises(BadInput, match="no such folder"):
         catalogue.load(tmp_path / "nowhere")
     with pytest.raises(BadInput, match=r"holds no file of an effect"):
@@ -223,14 +208,14 @@ def test_what_is_no_folder_of_effects_is_refused(folder: Callable[..., Path], tm
         catalogue.load(tmp_path / "file")
 
 
-def test_an_equation_that_fails_later_is_told_in_words(folder: Callable[..., Path]) -> None:
+def test_an_equation_that_fails_later_is_told_in_words(folder):
     (family,) = catalogue.load(folder(mine=changed('1 + values[""]', '1 + (values[""] if values[""] < 0.2 else [][0])')))
     reading = ChannelResponse(frequency=np.array([5.0]), channels=("fmd-z2",), rows=np.ones((1, 1, 6), complex))
     with pytest.raises(BadInput, match=r"mine\.py: `change`: line 7, .* raised IndexError: list index out of range"):
         family.change(reading, ("fmd-z2",), {"": 0.3})
 
 
-def test_a_plant_that_fails_is_told_in_words(folder: Callable[..., Path]) -> None:
+def test_a_plant_that_fails_is_told_in_words(folder):
     plant = "    plant=at('record', lambda named: lambda sensed: sensed.nothing),\n)"
     text = "from validation.effects.plants import at\n" + WHOLE.rstrip().removesuffix(")") + plant
     (family,) = catalogue.load(folder(mine=text))
@@ -240,13 +225,13 @@ def test_a_plant_that_fails_is_told_in_words(folder: Callable[..., Path]) -> Non
         effect.record(3)
 
 
-def test_one_without_a_plant_cannot_be_simulated_and_says_so(folder: Callable[..., Path]) -> None:
+def test_one_without_a_plant_cannot_be_simulated_and_says_so(folder):
     catalogue.load(folder(mine=WHOLE.replace("side=FORCES", "side=PROCESSING").replace("FORCES,", "PROCESSING,")))
     with pytest.raises(BadInput, match="its family says no `plant`"):
         planted([parse("drift-of-gain:fmd-z2=0.1")])
 
 
-def test_an_installed_package_brings_effects_by_entry_point(folder: Callable[..., Path], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_installed_package_brings_effects_by_entry_point(folder, monkeypatch):
     where = folder(brought=WHOLE)
     monkeypatch.syspath_prepend(where)
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
@@ -256,7 +241,7 @@ def test_an_installed_package_brings_effects_by_entry_point(folder: Callable[...
         catalogue.add_installed(iter([EntryPoint("lost", "no_such_package", catalogue.GROUP)]))
 
 
-def test_the_option_puts_them_into_simulate_wherever_it_stands(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_option_puts_them_into_simulate_wherever_it_stands(root, capsys):
     for order in (["--list-effects", "--effects-from"], ["--effects-from"]):
         more = [] if "--list-effects" in order else ["--list-effects"]
         assert main.run(["simulate", *order, str(root / "examples" / "effects"), *more]) == main.DONE
@@ -265,19 +250,8 @@ def test_the_option_puts_them_into_simulate_wherever_it_stands(root: Path, capsy
         assert "force-lowpass:fmd-z2=1e-3" in out
 
 
-def test_a_broken_folder_ends_with_2_and_no_traceback(
-    folder: Callable[..., Path], massline: Callable[..., subprocess.CompletedProcess[str]], root: Path, code: Path
-) -> None:
+def test_a_broken_folder_ends_with_2_and_no_traceback(folder, massline, root, code):
     run = massline("simulate", "fmd+cuboid", "--out", "x", "--effects-from", str(folder(mine="\nx = 1 / 0\n")), cwd=code)
     assert run.returncode == main.BAD_INPUT
     assert "line 2, `x = 1 / 0`, raised ZeroDivisionError" in run.stderr
     assert "Traceback" not in run.stderr
-
-
-def test_a_users_effect_is_planted_and_stands_in_the_truth(
-    root: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    arguments = ["simulate", "fmd+cuboid", "--effects-from", str(root / "examples" / "effects"), "--effect", EXAMPLE]
-    assert main.run([*arguments, "--octaves-per-minute", "120", "--out", str(tmp_path / "c")]) == main.DONE
-    truth = json.loads((tmp_path / "c.truth.json").read_text(encoding="utf-8"))
-    assert "force-lowpass:fmd-z2" in json.dumps(truth)

@@ -9,20 +9,14 @@ import numpy.typing as npt
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.base_excitation.rig import Rig, dynamic_mass
 from fem.damping import Damping
 from geometry.articles import locations
-from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
-from geometry.frames import rigid_transformation, rigid_transformation_6, rotation_about
-from geometry.inertia import PARAMETERS, Inertia
+from geometry.frames import rigid_transformation, rotation_about
 from validation.effects.catalogue import parse_all
 from validation.virtual_test.plan import RIGID, Part, Plan, PlantedEffect, exact
 from validation.virtual_test.planted import planted, reaching, require_reaching
 from validation.virtual_test.simulate import ShakerLaboratory, laboratory, simulate
-
-LINES = np.array([4.0, 9.0, 20.0, 32.0])
-OMEGA = (2 * np.pi * LINES)[:, None, None]
 
 Lab = Callable[..., ShakerLaboratory]
 
@@ -38,41 +32,12 @@ def lab() -> Lab:
     return make
 
 
-def article_mass(rig: Rig) -> ComplexArray:
-    """(4, 6, 6) of what stands on the cover plate, about F."""
-    return dynamic_mass(replace(rig, cells=()), LINES).matrix - rig.cover.about(np.zeros(3)).mass_matrix
-
-
-def changed(lab: Lab, article: str, *effects: str, model: str = "beam") -> tuple[ComplexArray, ComplexArray, Rig]:
-    """H without and with `effects`, and the rig without."""
-    before, after = lab(article, model=model), lab(article, *effects, model=model)
-    return article_mass(before.rig), article_mass(after.rig), before.rig
-
-
 def close(found: npt.ArrayLike, expected: npt.ArrayLike, share: float = 1e-9) -> None:
     """Equal to `share` of the largest expected value."""
     assert_allclose(found, expected, rtol=0, atol=share * np.max(np.abs(expected)))
 
 
-def gamma(rig: Rig, article: str, place: str) -> np.ndarray:
-    """(3, 6) what F does to `place` of a rigid article."""
-    return rigid_transformation(rig.seat + locations(article)[place])
-
-
-def resonator(m: float, f: float, zeta: float) -> ComplexArray:
-    """m (omega_a² + 2 i zeta omega_a omega) / (omega_a² - omega² + 2 i zeta omega_a omega) at `LINES`."""
-    a = 2 * np.pi * f
-    holds = a**2 + 2j * zeta * a * OMEGA
-    return np.asarray(m * holds / (holds - OMEGA**2))
-
-
-def test_a_point_mass_is_m_gamma_gamma(lab: Lab) -> None:
-    before, after, rig = changed(lab, "fmd+disc+cuboid", "point-mass:top-1=0.7", model=RIGID)
-    G = gamma(rig, "disc+cuboid", "top-1")
-    close(after - before, np.broadcast_to(0.7 * G.T @ G, before.shape))
-
-
-def test_a_point_mass_lowers_a_mode_by_half_m_phi_squared(lab: Lab) -> None:
+def test_a_point_mass_lowers_a_mode_by_half_m_phi_squared(lab):
     """Rayleigh: delta f / f = - m phi² / 2 for a small mass, phi the mass-normalised shape there."""
     from scipy.linalg import eigh
 
@@ -86,51 +51,14 @@ def test_a_point_mass_lowers_a_mode_by_half_m_phi_squared(lab: Lab) -> None:
     assert_allclose(after / before - 1, -0.5 * 0.001 * phi_squared, rtol=5e-3, atol=1e-9)  # the square of the change
 
 
-def test_mass_can_be_taken_away_but_not_more_than_there_is(lab: Lab) -> None:
+def test_no_more_mass_can_be_taken_away_than_there_is_and_of_a_shift_the_campaign_does_not_know(lab):
     lab("fmd+disc+cuboid", "point-mass:top=-1", model=RIGID)
     with pytest.raises(BadInput, match="would have a negative mass in some direction"):
         lab("fmd+disc+cuboid", "point-mass:top=-100", model=RIGID)
+    assert_allclose(lab("fmd+clumod-1", "mounting-offset:x=0.004").made.rig.seat, lab("fmd+clumod-1").rig.seat, rtol=0, atol=0)
 
 
-@pytest.mark.parametrize("parameter", PARAMETERS)
-def test_a_parameter_is_added_about_the_articles_centre_of_gravity(lab: Lab, parameter: str) -> None:
-    before, after, rig = changed(lab, "fmd+clumod-1", f"rigid-inertia:{parameter}=0.02")
-    cog = Inertia.from_mass_matrix(rig.article.reduced.mass[:6, :6]).cog + rig.seat
-    delta = np.array([0.02 * (name == parameter) for name in PARAMETERS])
-    G = rigid_transformation_6(cog)
-    M = Inertia(parameters=delta, reference_point=np.zeros(3)).mass_matrix
-    close(after - before, np.broadcast_to(G.T @ M @ G, before.shape), 1e-7)  # a small difference of large figures
-
-
-@pytest.mark.parametrize(
-    ("direction", "motions"), [("rotation", (3, 4)), ("lateral", (0, 1)), ("vertical", (2,)), ("torsion", (5,))]
-)
-def test_a_joint_gives_by_c_times_its_load(lab: Lab, direction: str, motions: tuple[int, ...]) -> None:
-    """H' = (1 - omega² H C)^-1 H about the joint, which is where the article stands."""
-    value = 1e-6 if direction in ("rotation", "torsion") else 1e-7
-    before, after, rig = changed(lab, "fmd+clumod-1", f"joint-compliance:{direction}={value}")
-    G = np.linalg.inv(rigid_transformation_6(rig.seat))
-    about_joint, compliance = G.T @ before @ G, np.zeros((6, 6))
-    compliance[motions, motions] = value
-    close(G.T @ after @ G, np.linalg.solve(np.eye(6) - OMEGA**2 * about_joint @ compliance, about_joint), 1e-8)
-    assert np.max(np.abs(after - before)) > 1e-4 * np.max(np.abs(before))
-
-
-@pytest.mark.parametrize(("target", "axes"), [("top", (0, 1, 2)), ("top:lateral", (0, 1)), ("top:vertical", (2,))])
-def test_a_cable_holds_by_k_over_omega_squared(lab: Lab, target: str, axes: tuple[int, ...]) -> None:
-    before, after, rig = changed(lab, "fmd+disc+cuboid", f"cable:{target}=2000", model=RIGID)
-    G = gamma(rig, "disc+cuboid", "top")[list(axes)]
-    close(after - before, -2000 * G.T @ G / OMEGA**2, 1e-8)
-
-
-def test_a_turned_article_is_r_h_r(lab: Lab) -> None:
-    before, after, _ = changed(lab, "fmd+clumod-1", "orientation:z=0.3")
-    R = np.kron(np.eye(2), rotation_about("z", 0.3))
-    close(after, R @ before @ R.T)
-    assert np.max(np.abs(after - before)) > 1e-2 * np.max(np.abs(before))
-
-
-def test_a_turned_articles_places_turn_with_it(lab: Lab) -> None:
+def test_a_turned_articles_places_turn_with_it(lab):
     before, after = lab("fmd+clumod-1").rig, lab("fmd+clumod-1", "orientation:z=0.3").rig
     R = rotation_about("z", 0.3)
     turned = R @ locations("clumod-1")["lower-1+"]
@@ -138,30 +66,7 @@ def test_a_turned_articles_places_turn_with_it(lab: Lab) -> None:
     close(after.article.places["lower-1+"][:, 6:], R @ before.article.places["lower-1+"][:, 6:])
 
 
-def test_a_shifted_article_is_t_h_t_and_the_campaign_does_not_know(lab: Lab) -> None:
-    before, after, rig = changed(lab, "fmd+clumod-1", "mounting-offset:x=0.004")
-    T = np.linalg.inv(rigid_transformation_6(rig.seat)) @ rigid_transformation_6(rig.seat + np.array([0.004, 0.0, 0.0]))
-    close(after, T.T @ before @ T, 1e-8)
-    other = lab("fmd+clumod-1", "mounting-offset:x=0.004")
-    assert_allclose(other.made.rig.seat, rig.seat, rtol=0, atol=0)
-
-
-@pytest.mark.parametrize("axis", ["x", "y", "z"])
-def test_an_appendage_swings_at_the_plate(lab: Lab, axis: str) -> None:
-    before, after, _ = changed(lab, "fmd+clumod-1", f"appendage:{axis}=m:0.05,f:21,zeta:0.01")
-    expected, k = np.zeros_like(before), "xyz".index(axis)
-    expected[:, k, k] = resonator(0.05, 21.0, 0.01)[:, 0, 0]
-    close(after - before, expected, 1e-6)  # a small difference of large figures
-
-
-@pytest.mark.parametrize(("family", "axes"), [("absorber", (0, 1, 2)), ("slosh", (0, 1))])
-def test_a_resonator_at_a_place_swings_there(lab: Lab, family: str, axes: tuple[int, ...]) -> None:
-    before, after, rig = changed(lab, "fmd+disc+cuboid", f"{family}:top-2=m:0.4,f:12,zeta:0.02", model=RIGID)
-    G = gamma(rig, "disc+cuboid", "top-2")[list(axes)]
-    close(after - before, resonator(0.4, 12.0, 0.02) * (G.T @ G), 1e-8)
-
-
-def test_moduli_of_all_parts_together_shift_every_frequency_alike(lab: Lab) -> None:
+def test_moduli_of_all_parts_together_shift_every_frequency_alike(lab):
     frequency = [
         made.made.modes.frequency
         for made in (
@@ -176,7 +81,7 @@ def test_moduli_of_all_parts_together_shift_every_frequency_alike(lab: Lab) -> N
     assert np.max(frequency[1][:5] / frequency[0][:5]) > 1.02
 
 
-def test_loss_of_all_parts_together_adds_half_to_every_damping_ratio(lab: Lab) -> None:
+def test_loss_of_all_parts_together_adds_half_to_every_damping_ratio(lab):
     ratio = [
         made.made.modes.damping_ratio
         for made in (
@@ -190,7 +95,7 @@ def test_loss_of_all_parts_together_adds_half_to_every_damping_ratio(lab: Lab) -
     assert np.all((ratio[1] - ratio[0] > -1e-9) & (ratio[1] - ratio[0] < 0.005))
 
 
-def test_the_layer_damps_its_own_blade(lab: Lab) -> None:
+def test_the_layer_damps_its_own_blade(lab):
     plain, damped, stiffer = (
         lab("fmd+clumod-4", *e).made.modes for e in ((), ("layer-damping:upper-short=0.1",), ("modulus:upper-short=0.1",))
     )
@@ -201,7 +106,7 @@ def test_the_layer_damps_its_own_blade(lab: Lab) -> None:
     assert np.max(moved[:11]) > 0.02
 
 
-def test_in_a_series_an_effect_acts_wherever_its_part_exists() -> None:
+def test_in_a_series_an_effect_acts_wherever_its_part_exists():
     plans = [Plan(article=name) for name in ("fmd+disc+cuboid", "fmd+clumod-1", "fmd+clumod-4", "fmd")]
     effects = parse_all(
         ["point-mass:lower-2+=0.1", "modulus:mast=0.1", "mounting-offset:x=0.001", "force-gain:fmd-z1=0.1", "gravity=0"]
@@ -224,13 +129,13 @@ def test_in_a_series_an_effect_acts_wherever_its_part_exists() -> None:
         ("mounting-offset:x=0.01", {"article": "fmd"}, "nothing stands on the cover plate of fmd"),
     ],
 )
-def test_an_effect_that_acts_nowhere_is_refused(effect: str, plan: dict[str, str], says: str) -> None:
+def test_an_effect_that_acts_nowhere_is_refused(effect, plan, says):
     with pytest.raises(BadInput, match="--effect: ") as refused:
         require_reaching(parse_all([effect]), [Plan(**plan)])  # type: ignore[arg-type]
     assert says in str(refused.value)
 
 
-def test_damping_of_parts_beside_damping_of_modes_is_refused() -> None:
+def test_damping_of_parts_beside_damping_of_modes_is_refused():
     plan = Plan(article="fmd+clumod-1", damping=Damping(ratio=0.01))
     with pytest.raises(BadInput, match="states the damping of every mode"):
         require_reaching(parse_all(["structural-damping:mast=0.01"]), [plan])
@@ -245,7 +150,7 @@ def test_damping_of_parts_beside_damping_of_modes_is_refused() -> None:
         ("modulus:lower-2=0.1", "fmd+clumod-1 has no part 'lower-2'. Did you mean lower-1?"),
     ],
 )
-def test_what_cannot_act_is_refused_by_the_simulation_itself(effect: str, says: str) -> None:
+def test_what_cannot_act_is_refused_by_the_simulation_itself(effect, says):
     """Without the command line before it: once nothing happened, or a bare KeyError."""
     plan = Plan(article="fmd+clumod-1", damping=Damping(ratio=0.01), effects=planted(parse_all([effect])))
     with pytest.raises(BadInput, match="virtual test: ") as refused:
@@ -253,12 +158,12 @@ def test_what_cannot_act_is_refused_by_the_simulation_itself(effect: str, says: 
     assert says in str(refused.value)
 
 
-def test_an_effect_of_no_family_is_its_makers_own_affair() -> None:
+def test_an_effect_of_no_family_is_its_makers_own_affair():
     plan = Plan(article="fmd+clumod-1", effects=(PlantedEffect(id="mine:nowhere"),))
     assert laboratory(plan).made.modes is not None
 
 
-def test_an_effect_on_a_part_is_one_on_all_of_its_sheets_and_not_on_its_layer() -> None:
+def test_an_effect_on_a_part_is_one_on_all_of_its_sheets_and_not_on_its_layer():
     names = ("mast", "upper-short-bottom", "upper-short-silicone", "upper-short-top")
     parts = {name: Part(modulus=0.02, loss=0.1) for name in names}
     touched = {}

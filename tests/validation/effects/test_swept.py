@@ -19,7 +19,7 @@ def mode(frequency: np.ndarray, damping: float) -> np.ndarray:
     return 1 + frequency**2 / (RESONANCE**2 - frequency**2 + 2j * damping * RESONANCE * frequency)
 
 
-def test_the_window_is_the_transform_of_the_hann_window_of_peak_hold() -> None:
+def test_the_window_is_the_transform_of_the_hann_window_of_peak_hold():
     at = np.array([0.0, 0.3, 0.99, 1.0, 1.01, 2.0, 2.5, 7.3])
     n = 1 << 16
     shifted = np.arange(n) - n / 2
@@ -29,7 +29,7 @@ def test_the_window_is_the_transform_of_the_hann_window_of_peak_hold() -> None:
 
 @pytest.mark.parametrize(("overlap", "left"), [(0.98, 0.06), (0.9, 0.3)])
 @pytest.mark.parametrize("damping", [0.0035, 0.01])
-def test_the_kernel_is_what_peak_hold_does_to_a_sweep_in_time(damping: float, overlap: float, left: float) -> None:
+def test_the_kernel_is_what_peak_hold_does_to_a_sweep_in_time(damping, overlap, left):
     """It stands for a block right in the middle: what is left shrinks with the step from block to block."""
     native = np.arange(round(11.0 * BLOCK / RATE), round(13.6 * BLOCK / RATE)) * RATE / BLOCK
     measured = sweep_bias(RESONANCE, damping, frequency=native, rate=RATE, overlap=overlap)
@@ -42,7 +42,7 @@ def test_the_kernel_is_what_peak_hold_does_to_a_sweep_in_time(damping: float, ov
     assert error < left * bias
 
 
-def test_at_a_quarter_of_the_rate_the_phase_of_the_chirp_counts_and_is_right() -> None:
+def test_at_a_quarter_of_the_rate_the_phase_of_the_chirp_counts_and_is_right():
     """A quarter of the paper's rate, where the phase of the chirp turns four times as far across the window."""
     native = np.arange(round(11.6 * BLOCK / RATE), round(13.0 * BLOCK / RATE)) * RATE / BLOCK
     slow = {"start": 9.0, "stop": 16.0, "octaves_per_minute": 0.5, "rate": RATE, "overlap": 0.98}
@@ -55,13 +55,13 @@ def test_at_a_quarter_of_the_rate_the_phase_of_the_chirp_counts_and_is_right() -
     assert error < 0.02
 
 
-def test_longer_blocks_help_and_a_slower_sweep_does_not() -> None:
+def test_longer_blocks_help_and_a_slower_sweep_does_not():
     """What the catalogue says would confirm it; the lines are a seventh of the half-power width apart."""
     lines = np.arange(10.5, 14.2, 0.0125)
     exact = mode(lines, 0.0035)
     inner = (lines > 11.6) & (lines < 13.0)
 
-    def bias(octaves_per_minute: float, block: float) -> float:
+    def bias(octaves_per_minute, block):
         found = operator(lines, octaves_per_minute / 60, block) @ exact
         return float(np.max(np.abs(found - exact)[inner]) / np.max(np.abs(exact)))
 
@@ -70,7 +70,7 @@ def test_longer_blocks_help_and_a_slower_sweep_does_not() -> None:
     assert bias(2.0, 2 * BLOCK / RATE) < 0.55 * paper
 
 
-def test_a_heavily_damped_mode_and_a_mass_line_stay_as_they_are() -> None:
+def test_a_heavily_damped_mode_and_a_mass_line_stay_as_they_are():
     lines = np.arange(11.0, 13.6, 0.05)
     S = operator(lines, 2 / 60, BLOCK / RATE)
     assert_allclose(S.sum(axis=1), 1.0, atol=1e-12)
@@ -78,17 +78,14 @@ def test_a_heavily_damped_mode_and_a_mass_line_stay_as_they_are() -> None:
     assert_allclose((S @ soft)[10:-10], soft[10:-10], rtol=1e-3)
 
 
-def test_splines_between_lines_converge_with_the_fourth_power_of_their_distance() -> None:
-    def at(finer: int) -> np.ndarray:
+def test_splines_between_lines_converge_with_the_fourth_power_and_full_records_are_left_alone():
+    def at(finer):
         lines = 11.5 + np.arange(32 * finer + 1) * 0.05 / finer
         return (operator(lines, 2 / 60, BLOCK / RATE) @ mode(lines, 0.0035))[10 * finer : 22 * finer : finer]
 
     errors = [np.max(np.abs(at(finer) - at(16))) for finer in (1, 2, 4)]
     assert errors[0] < 0.05 * np.max(np.abs(mode(np.array([RESONANCE]), 0.0035)))
     assert errors[1] / errors[2] > 10  # 16 from afar; the coarsest lines see the mode with four points
-
-
-def test_full_records_and_runs_that_state_no_sweep_are_left_alone() -> None:
     H = np.random.default_rng(1).standard_normal((4, 6, 6)).astype(complex)
     plain = MountedDynamicMass(frequency=np.arange(4) + 5.0, matrix=H)
     for stage in (plain, replace(plain, block=14.5), replace(plain, sweep_rate=0.03)):
@@ -116,7 +113,7 @@ def floor(frequency: np.ndarray, deviation: float, **more: np.ndarray) -> NoiseM
     )
 
 
-def test_a_channel_with_more_noise_scatters_by_both_together() -> None:
+def test_a_channel_with_more_noise_scatters_by_both_together():
     rng, f = np.random.default_rng(4), np.array([5.0, 11.3, 27.7])
     own, more, records = 0.03, 0.04, 1200
     before = floor(f, own * np.sqrt(DURATION / SAMPLING))
@@ -128,7 +125,7 @@ def test_a_channel_with_more_noise_scatters_by_both_together() -> None:
     assert_allclose(after.deviation[:, 1], before.deviation[:, 1])
 
 
-def test_hum_leaks_into_a_record_that_cuts_it_anywhere() -> None:
+def test_hum_leaks_into_a_record_that_cuts_it_anywhere():
     rng, f = np.random.default_rng(5), np.array([8.0, 20.1, 31.9])
     records = 1500
     mains, phase = 50 + 0.1 * rng.standard_normal((records, 1)), rng.uniform(0, 2 * np.pi, (records, 1))
@@ -141,7 +138,7 @@ def test_hum_leaks_into_a_record_that_cuts_it_anywhere() -> None:
 
 
 @pytest.mark.parametrize("factor", [0.0, 0.5, 1.0, 7.0])
-def test_a_factor_on_the_hum_adds_or_takes_what_is_its_share(factor: float) -> None:
+def test_a_factor_on_the_hum_adds_or_takes_what_is_its_share(factor):
     f = np.array([10.0, 30.0])
     hum = np.outer(leak(f), [0.003, 0.2])
     before = floor(f, 1e-4, hum=hum)
@@ -153,7 +150,7 @@ def test_a_factor_on_the_hum_adds_or_takes_what_is_its_share(factor: float) -> N
     assert_allclose(after.hum, factor * hum)
 
 
-def test_where_the_hum_is_not_known_nothing_changes_and_on_the_mains_nothing_is_infinite() -> None:
+def test_where_the_hum_is_not_known_nothing_changes_and_on_the_mains_nothing_is_infinite():
     unknown = floor(np.array([10.0]), 1e-4)
     assert FAMILIES["mains"].change(unknown, (), {"": 9.0}) is unknown
     assert leak(np.array([50.0]))[0] == pytest.approx(leak(np.array([50.0 + NEAREST]))[0])

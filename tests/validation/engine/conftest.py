@@ -1,9 +1,7 @@
 """A toy laboratory whose truth is known: two base motions, five pick-ups, eight forces, an article that resonates once."""
 
-from __future__ import annotations
-
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -30,22 +28,21 @@ def resonance(frequency: np.ndarray, f: float, zeta: float) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Toy:
-    """A prediction of one data set of the toy laboratory."""
+    """A prediction of one data set of the toy laboratory; `twist` has the last word on what it says."""
 
     measured: Measured
     parameters: tuple[Parameter, ...]
     stiffer: float = 1.0
     per_run: bool = False
-    calls: list[int] = field(default_factory=list)
+    twist: Callable[..., Predicted] = lambda said, offsets, lines: said
 
-    def on(self, runs: Sequence[str]) -> Toy:
+    def on(self, runs: Sequence[str]) -> "Toy":
         return replace(self, measured=self.measured.on(runs))
 
     def at(self, offsets, lines=None, *, derivatives=True) -> Predicted:
         lines = np.arange(len(self.measured.frequency)) if lines is None else lines
-        self.calls.append(len(lines))
         changes = {p.name: self._change(p, offsets, lines) for p in self.parameters} if derivatives else {}
-        return Predicted(rows=self._shaped(self._rows(offsets, lines)), changes=changes)
+        return self.twist(Predicted(rows=self._shaped(self._rows(offsets, lines)), changes=changes), offsets, lines)
 
     def _shaped(self, rows):
         return np.broadcast_to(rows, (len(self.measured.runs), *rows.shape)) if self.per_run else rows
@@ -146,6 +143,17 @@ class Laboratory:
         if seed is not None:
             values = values + noise * (rng.standard_normal(shape) + 1j * rng.standard_normal(shape)) / np.sqrt(2)
         return Toy(measured=replace(measured, values=values), parameters=parameters, stiffer=stiffer, per_run=per_run)
+
+    @staticmethod
+    def breaking(where):
+        """A twist: the model breaks down at offsets of which ``where(offsets)`` is true."""
+
+        def twist(said, offsets, lines):
+            if where(offsets):
+                raise np.linalg.LinAlgError("a stiffness turned negative")
+            return said
+
+        return twist
 
     @staticmethod
     def drawn(seed: int, scale: float = 1.0) -> dict[str, float]:

@@ -10,7 +10,7 @@ from geometry.errors import CheckFailed
 from validation.estimation.evaluate import evaluate, residuals, share, squares
 from validation.estimation.fit import fit
 from validation.estimation.likelihood import floor_of
-from validation.estimation.problem import AT_MOST, FITTED, PLAIN, Problem, chosen
+from validation.estimation.problem import AT_MOST, FITTED, PLAIN, Predicted, Problem, chosen
 
 
 def error(toy, offsets=()):
@@ -37,53 +37,31 @@ def test_eight_per_cent_on_one_of_four_forces_that_share_a_load_read_four(lab, k
         noise=only.noise[..., kept],
     )
 
-    class Kept:
-        measured, parameters = only, toy.parameters
-
-        def at(self, offsets, lines=None, *, derivatives=True):
-            found = toy.at(offsets, lines, derivatives=False)
-            return replace(found, rows=found.rows[:, kept])
-
-    found = error(Kept())
+    found = error(replace(toy, measured=only, twist=lambda said, *_: Predicted(rows=said.rows[:, kept], changes={})))
     assert_allclose(found.by_channel["f3"], 100 * 0.08 / np.sqrt(3 + 1.08**2), rtol=1e-3)  # noise is small, and taken off
     others = found.percent / found.by_channel["f3"]
     assert others < 1 + 1e-3 if known else 1 < others < 1.2  # where inputs are latent, others hear a little of it
 
 
-def test_squares_of_channels_add_and_runs_average(lab):
+def test_squares_of_channels_add_data_sets_weigh_by_their_lines_and_one_that_breaks_down_is_named(lab):
     found = error(lab.toy(lab.drawn(1), name="one", runs=4))
     assert_allclose(np.sum(np.square(list(found.by_channel.values()))), found.percent**2, rtol=1e-12)
     assert_allclose(np.mean(np.square(list(found.by_run.values()))), found.percent**2, rtol=1e-12)
     assert set(found.by_channel) == set(lab.FORCES)
     assert set(found.by_run) == {f"one/r{k}" for k in (1, 2, 3, 4)}
-
-
-def test_several_data_sets_weigh_by_their_lines(lab):
     one, two = lab.toy(lab.drawn(1), name="one", runs=1, lines=30), lab.toy(lab.drawn(2), name="two", runs=2, lines=60)
     found = share([*squares(one, {}), *squares(two, {})])
     parts = found.by_data_set["one"] ** 2 * 30 + found.by_data_set["two"] ** 2 * 120
     assert_allclose(found.percent**2, parts / 150, rtol=1e-12)
-
-
-def test_a_model_that_breaks_down_is_said_so_with_the_data_set(lab):
-    class Broken:
-        measured, parameters = lab.toy({}).measured, ()
-
-        def at(self, offsets, lines=None, *, derivatives=True):
-            raise np.linalg.LinAlgError("a stiffness turned negative")
-
     with pytest.raises(CheckFailed, match="the model of one breaks down: a stiffness turned negative"):
-        squares(Broken(), {})
+        squares(replace(lab.toy({}), twist=lab.breaking(lambda offsets: True)), {})
 
 
-def test_the_scale_of_the_data_does_not_matter(lab):
+def test_an_error_of_an_acceleration_shows_in_the_forces_and_the_scale_of_the_data_does_not_matter(lab):
     toy = lab.toy(lab.drawn(1))
     larger = replace(toy, measured=replace(toy.measured, values=7 * toy.measured.values, noise=7 * toy.measured.noise))
     assert_allclose(error(larger).percent, error(toy).percent, rtol=1e-9)
-
-
-def test_an_error_of_an_acceleration_shows_in_the_forces_that_it_predicts(lab):
-    """Four of five pick-ups outvote it, but not quite."""
+    # Four of five pick-ups outvote it, but not quite.
     found = error(lab.toy({"gain:a1": 0.1}, seed=None))
     assert 0.1 < found.percent < 10.0
 
@@ -91,20 +69,14 @@ def test_an_error_of_an_acceleration_shows_in_the_forces_that_it_predicts(lab):
 def test_too_few_channels_for_latent_inputs_are_refused(lab):
     """Two latent inputs and two channels: nothing is left to hold either against."""
 
-    class Two:
-        def __init__(self, known):
-            toy = lab.toy({}, known=known)
-            m = toy.measured
-            few = replace(m, channels=m.channels[:2], judged=m.judged[:2], values=m.values[..., :2], noise=m.noise[..., :2])
-            self.toy, self.measured, self.parameters = toy, few, toy.parameters
-
-        def at(self, offsets, lines=None, *, derivatives=True):
-            found = self.toy.at(offsets, lines, derivatives=False)
-            return replace(found, rows=found.rows[:, :2])
+    def two(known):
+        m = (toy := lab.toy({}, known=known)).measured
+        few = replace(m, channels=m.channels[:2], judged=m.judged[:2], values=m.values[..., :2], noise=m.noise[..., :2])
+        return replace(toy, measured=few, twist=lambda said, *_: Predicted(rows=said.rows[:, :2], changes={}))
 
     with pytest.raises(CheckFailed, match="the 2 inputs cannot be told without channel 1"):
-        squares(Two(known=False), {})
-    assert squares(Two(known=True), {})
+        squares(two(known=False), {})
+    assert squares(two(known=True), {})
 
 
 def test_a_gain_of_eight_per_cent_shows_in_the_plain_error_and_goes_when_it_is_added(lab):
@@ -137,9 +109,6 @@ def test_the_nominal_error_is_of_the_model_as_it_stands(lab):
     toy = lab.toy(truth, parameters=(*lab.LABORATORY, effect), seed=None)
     assert evaluate(Problem((toy,))).nominal.percent < 1e-6
     assert evaluate(Problem((lab.toy(truth, acting=(effect,), seed=None),))).nominal.percent > 1.0
-
-
-# Residuals have the deviation that is predicted of them
 
 
 @pytest.mark.parametrize("known", [False, True], ids=["latent", "known"])
@@ -179,11 +148,15 @@ def test_a_fault_stands_out_in_its_own_channel(lab):
     assert np.median(sigmas) < 2
 
 
-def test_what_was_fitted_no_longer_excuses_a_residual(lab):
+def test_what_was_fitted_no_longer_excuses_a_residual_and_lines_of_the_fits_may_be_asked_for_alone(lab):
     toy = lab.toy(lab.drawn(4))
     problem = Problem((toy,))
     (plain,), (fitted,) = residuals(problem, fit(problem, PLAIN)), residuals(problem, fit(problem, FITTED))
     assert np.all(fitted.sigma < plain.sigma)
+    problem = Problem((lab.toy({}, lines=300),)).thinned()
+    (few,), (all_lines,) = residuals(problem, {}, every_line=False), residuals(problem, {})
+    assert_allclose(few.values, all_lines.values[:, problem.lines["one"]], rtol=1e-12)
+    assert_allclose(few.sigma, all_lines.sigma[:, problem.lines["one"]], rtol=1e-12)
 
 
 def test_inputs_and_levels_are_told(lab):
@@ -194,22 +167,6 @@ def test_inputs_and_levels_are_told(lab):
     latent = lab.toy({}, known=False)
     (estimated,) = residuals(Problem((latent,)), {})
     assert_allclose(estimated.inputs, toy.measured.inputs, atol=2e-3)  # the same draw; noise of pick-ups is 2e-4
-
-
-def test_lines_of_the_fits_may_be_asked_for_alone(lab):
-    problem = Problem((lab.toy({}, lines=300),)).thinned()
-    (few,), (all_lines,) = residuals(problem, {}, every_line=False), residuals(problem, {})
-    assert_allclose(few.values, all_lines.values[:, problem.lines["one"]], rtol=1e-12)
-    assert_allclose(few.sigma, all_lines.sigma[:, problem.lines["one"]], rtol=1e-12)
-
-
-# A problem is the union of its data sets, which must agree about what they share
-
-
-def test_parameters_of_the_same_name_are_one(lab):
-    one, two = lab.toy({}, name="one"), lab.toy({}, name="two", seed=1)
-    names = [p.name for p in Problem((one, two)).parameters]
-    assert names == [*(p.name for p in one.parameters), "frequency:two"]
 
 
 @pytest.mark.parametrize(
@@ -234,13 +191,13 @@ def test_facts_share_the_parameters_too(lab):
         Problem((lab.toy({}, name="one"),), (Weight(),))
 
 
-def test_two_data_sets_of_one_name_are_refused(lab):
+def test_parameters_of_one_name_are_one_and_lines_are_thinned_by_the_data_alone_unless_they_are_few(lab):
     with pytest.raises(ValueError, match="'one' twice"):
         Problem((lab.toy({}, name="one"), lab.toy({}, name="one", seed=3)))
-
-
-def test_lines_are_thinned_by_the_data_alone_and_denser_where_they_turn(lab):
-    """The same lines whatever the model, so that parent and child are compared on the same data."""
+    one, two = lab.toy({}, name="one"), lab.toy({}, name="two", seed=1)
+    names = [p.name for p in Problem((one, two)).parameters]
+    assert names == [*(p.name for p in one.parameters), "frequency:two"]
+    # The same lines whatever the model, so that parent and child are compared on the same data.
     toy = lab.toy({}, lines=800, motion=(1.0, 0.1))
     lines = chosen(toy.measured)
     assert len(lines) <= AT_MOST
@@ -250,13 +207,7 @@ def test_lines_are_thinned_by_the_data_alone_and_denser_where_they_turn(lab):
     assert np.diff(f[lines])[np.abs(f[lines][:-1] - 12.0) < 1.0].mean() < 0.6 * np.diff(f[lines])[f[lines][:-1] > 20.0].mean()
     other = replace(toy, parameters=(*toy.parameters, lab.effect("offset", 1.0, start=3.0)))
     np.testing.assert_array_equal(Problem((other,)).thinned().lines["one"], Problem((toy,)).thinned().lines["one"])
-
-
-def test_few_lines_stay_as_they_are(lab):
     np.testing.assert_array_equal(chosen(lab.toy({}, lines=60).measured), np.arange(60))
-
-
-def test_stages_before_the_last_take_fewer_lines_where_enough_are_left(lab):
     problem = Problem((lab.toy({}, lines=60), lab.toy({}, name="two", lines=59)))
     lines = problem.sparser(3).lines
     np.testing.assert_array_equal(lines["one"], np.arange(0, 60, 3))

@@ -79,15 +79,12 @@ def test_declared_parameters_of_a_plain_fit_stop_at_their_bounds_and_the_others_
     assert_allclose(free.by_name["frequency:one"], 0.08, atol=1e-3)
 
 
-def test_what_is_known_of_a_parameter_at_its_bound_counts(lab):
+def test_what_is_known_of_a_parameter_at_its_bound_counts_and_it_is_let_go_when_the_data_pull_it_back(lab):
     problem = Problem((lab.toy({**TRUTH, "frequency:one": 0.08}, seed=None),))
     found = fit(problem, PLAIN)
     assert found.by_name["frequency:one"] == 0.05
     everything = cost_of(problem, found.parameters, 0.01)
     assert_allclose(found.cost, everything.total(found.offsets)[0].cost, rtol=1e-12)
-
-
-def test_a_parameter_at_a_bound_is_let_go_when_the_data_pull_it_back(lab):
     problem = Problem((lab.toy(TRUTH, seed=None),))
     cost = cost_of(problem, problem.free(PLAIN), 0.01, plain=True)
     end = direct(cost, {"frequency:one": 0.05}, lambda share: None)
@@ -124,21 +121,11 @@ def test_a_plain_fit_at_bounds_is_as_cheap_as_any_feasible_beginning_leads_to(la
         assert found.cost < end.whole.cost + 1.0
 
 
-class Listening:
-    """A prediction that writes down where it was asked."""
-
-    def __init__(self, toy):
-        self.toy, self.measured, self.parameters, self.asked = toy, toy.measured, toy.parameters, []
-
-    def at(self, offsets, lines=None, *, derivatives=True):
-        self.asked.append(dict(offsets))
-        return self.toy.at(offsets, lines, derivatives=derivatives)
-
-
 def test_tolerances_of_the_measurement_are_released_when_the_rest_is_near(lab):
-    toy = Listening(lab.toy({**lab.drawn(1), **TRUTH}))
+    asked = []
+    toy = replace(lab.toy({**lab.drawn(1), **TRUTH}), twist=lambda said, offsets, _: asked.append(dict(offsets)) or said)
     found = fit(Problem((toy,)), FITTED)
-    released = next(one for one in toy.asked if any(one[p.name] for p in lab.LABORATORY if p.kind == "sensor"))
+    released = next(one for one in asked if any(one[p.name] for p in lab.LABORATORY if p.kind == "sensor"))
     for name in TRUTH:
         assert_allclose(released[name], found.by_name[name], atol=0.01, err_msg=name)
 
@@ -159,61 +146,30 @@ def test_a_child_far_from_its_parent_is_found_by_the_annealed_floor(lab, kinds):
 
 def test_a_child_whose_own_start_breaks_down_is_found_from_its_parent(lab):
     without, having = with_offset(lab, {**TRUTH, "offset": 0.3}, start=2.0)
-
-    class Fragile(Broken):
-        def at(self, offsets, lines=None, *, derivatives=True):
-            if offsets.get("offset", 0.0) > 1.0:
-                raise np.linalg.LinAlgError("a stiffness turned negative")
-            return self.toy.at(offsets, lines, derivatives=derivatives)
-
-    child = fit(Problem((Fragile(having),)), PLAIN, start=fit(Problem((without,)), PLAIN))
+    fragile = replace(having, twist=lab.breaking(lambda offsets: offsets.get("offset", 0.0) > 1.0))
+    child = fit(Problem((fragile,)), PLAIN, start=fit(Problem((without,)), PLAIN))
     assert_allclose(child.by_name["offset"], 0.3, atol=0.01)
 
 
-def test_tolerances_of_the_measurement_are_not_touched_by_a_plain_fit(lab):
+def test_what_was_fitted_is_priced_in_squares_of_tolerances_which_a_plain_fit_does_not_touch(lab):
+    found = fit(Problem((lab.toy(TRUTH),)), FITTED)
+    priced = [p for p in found.parameters if p.kind in ("sensor", "declared")]
+    assert found.tolerances == len(priced) == 15
+    assert_allclose(found.tolerance_z2, sum((found.by_name[p.name] / p.tolerance) ** 2 for p in priced), rtol=1e-12)
     found = fit(Problem((lab.toy(TRUTH),)), PLAIN)
     assert {p.kind for p in found.parameters} == {"identified", "declared"}
     assert found.tolerances == 2
 
 
-def test_what_was_fitted_is_priced_in_squares_of_tolerances(lab):
-    found = fit(Problem((lab.toy(TRUTH),)), FITTED)
-    priced = [p for p in found.parameters if p.kind in ("sensor", "declared")]
-    assert found.tolerances == len(priced) == 15
-    assert_allclose(found.tolerance_z2, sum((found.by_name[p.name] / p.tolerance) ** 2 for p in priced), rtol=1e-12)
+def test_a_baseline_that_does_not_converge_or_breaks_down_is_refused_with_the_reason(lab):
+    def wrong(said, *_):
+        """Its derivatives have the wrong sign."""
+        return replace(said, changes={name: replace(one, rows=-one.rows) for name, one in said.changes.items()})
 
-
-class Wrong:
-    """A prediction whose derivatives have the wrong sign."""
-
-    def __init__(self, toy):
-        self.toy, self.measured, self.parameters = toy, toy.measured, toy.parameters
-
-    def at(self, offsets, lines=None, *, derivatives=True):
-        right = self.toy.at(offsets, lines, derivatives=derivatives)
-        return replace(right, changes={name: replace(one, rows=-one.rows) for name, one in right.changes.items()})
-
-
-def test_a_baseline_that_does_not_converge_is_refused_with_the_reason(lab):
     with pytest.raises(CheckFailed, match=r"4 parameters did not converge.*mass|4 parameters did not converge.*inertia"):
-        fit(Problem((Wrong(lab.toy(TRUTH)),)), PLAIN)
-
-
-class Broken:
-    """A model that breaks down wherever the effect `offset` differs from nothing, or everywhere."""
-
-    def __init__(self, toy, everywhere=False):
-        self.toy, self.measured, self.parameters, self.everywhere = toy, toy.measured, toy.parameters, everywhere
-
-    def at(self, offsets, lines=None, *, derivatives=True):
-        if self.everywhere or offsets.get("offset", 0.0):
-            raise np.linalg.LinAlgError("a stiffness turned negative")
-        return self.toy.at(offsets, lines, derivatives=derivatives)
-
-
-def test_a_model_that_breaks_down_where_the_fit_begins_is_refused(lab):
+        fit(Problem((replace(lab.toy(TRUTH), twist=wrong),)), PLAIN)
     with pytest.raises(CheckFailed, match="breaks down where its fit begins: a stiffness turned negative"):
-        fit(Problem((Broken(lab.toy(TRUTH), everywhere=True),)), PLAIN)
+        fit(Problem((replace(lab.toy(TRUTH), twist=lab.breaking(lambda offsets: True)),)), PLAIN)
 
 
 def with_offset(lab, truth, **more):
@@ -232,16 +188,14 @@ def test_a_child_never_costs_more_than_its_parent(lab, kinds, size):
     assert (parent.cost - child.cost > 100) is (size > 0)
 
 
-def test_a_child_that_finds_nothing_keeps_its_parents_point(lab):
+def test_a_child_that_finds_nothing_keeps_its_parents_point_and_is_converged_there(lab):
     without, having = with_offset(lab, {**TRUTH, "offset": 0.3})
     parent = fit(Problem((without,)), PLAIN)
-    child = fit(Problem((Broken(having),)), PLAIN, start=parent)
+    broken = replace(having, twist=lab.breaking(lambda offsets: offsets.get("offset", 0.0)))
+    child = fit(Problem((broken,)), PLAIN, start=parent)
     assert not child.converged
     assert {**child.by_name, "offset": 0.0} == {**parent.by_name, "offset": 0.0}
     assert_allclose(child.cost, parent.cost, rtol=1e-12)
-
-
-def test_a_child_that_finds_nothing_better_is_converged_where_its_parent_was(lab):
     without, having = with_offset(lab, TRUTH)
     parent = fit(Problem((without,)), PLAIN)
     assert fit(Problem((having,)), PLAIN, start=parent).converged
@@ -315,22 +269,17 @@ def test_facts_count(lab):
     assert found.degrees_of_freedom == fit(Problem(problem.predictions), PLAIN).degrees_of_freedom + 1
 
 
-def test_progress_ends_at_all_and_never_goes_back(lab):
+def test_progress_ends_at_all_never_goes_back_and_an_interrupt_ends_a_fit_at_once(lab):
     told: list[float] = []
     fit(Problem((lab.toy(TRUTH),)), FITTED, progress=told.append)
     assert told == sorted(told)
     assert told[-1] == 1.0
 
-
-def test_an_interrupt_ends_a_fit_at_once(lab):
     def stop(share):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         fit(Problem((lab.toy(TRUTH),)), PLAIN, progress=stop)
-
-
-# A dictionary over a resonator's frequency finds it where a fit alone does not
 
 
 HIDDEN = {"appendage[m]": 0.4, "appendage[f]": np.log(26.3 / 20.0), "mass": 0.01}
@@ -383,14 +332,11 @@ def test_no_amplitude_is_begun_that_the_data_want_negative(lab):
     assert begin["appendage[m]"] == 0.0
 
 
-def test_the_beginning_stays_where_nothing_is_better(lab):
+def test_the_beginning_stays_where_nothing_is_better_and_several_sizes_span_a_grid(lab):
     effects = (lab.effect("appendage[m]", 0.3), lab.effect("appendage[f]", 0.5, nominal=20.0, logarithmic=True))
     problem = Problem((lab.toy({"mass": 0.01}, parameters=(*lab.LABORATORY, *effects), seed=None),))
     begin = start(problem, ["appendage[f]"], base={"mass": 0.01})
     assert_allclose(begin["appendage[m]"], 0.0, atol=1e-6)
-
-
-def test_several_sizes_span_a_grid_and_places_may_be_given(lab):
     problem = Problem((lab.toy({"mass": 0.2, "frequency:one": 0.04}, seed=None),))
     places = {"mass": [0.0, 0.2], "frequency:one": [-0.04, 0.0, 0.04]}
     begin = start(problem, ["mass", "frequency:one"], places=places)

@@ -39,7 +39,7 @@ def spoilt(toy, run=None, lines=None):
     return replace(toy, measured=replace(toy.measured, values=values))
 
 
-def test_by_default_each_run_and_each_configuration_is_held_out_in_turn(series, lab):
+def test_by_default_each_run_and_each_configuration_is_held_out_in_turn_and_so_every_line_twice(series, lab):
     names = [fold.name for fold in folds(series)]
     assert names == [
         *(f"run r{k} of one" for k in (1, 2, 3)),
@@ -49,9 +49,6 @@ def test_by_default_each_run_and_each_configuration_is_held_out_in_turn(series, 
     ]
     assert len(folds(Problem((lab.toy({}),)))) == 3
     assert folds(Problem((lab.toy({}, runs=1),))) == ()
-
-
-def test_every_line_of_every_run_is_held_out_once_by_runs_and_once_by_configuration(series):
     count = sum(len(part.measured.runs) for fold in folds(series) for part, _ in held(series, fold))
     assert count == 2 * 6
 
@@ -107,15 +104,6 @@ def test_a_block_of_frequencies_is_not_seen_either(lab):
     assert_allclose(at["mass"], right["mass"], atol=1e-3)
 
 
-def test_blocks_are_all_lines_once(series):
-    blocks = every_block(series, 3)
-    lines = np.concatenate([fold.blocks["one"] for fold in blocks])
-    assert sorted(lines) == list(range(60))
-    for fold in blocks:
-        left = without(series, fold).lines["one"]
-        assert not set(left) & set(fold.blocks["one"])
-
-
 @pytest.mark.parametrize("count", [0, 1, 40])
 def test_blocks_too_few_or_too_narrow_are_refused(series, count):
     with pytest.raises(BadInput, match="blocks"):
@@ -161,9 +149,15 @@ def test_unknown_names_are_refused_with_the_nearest(series, name, said):
     assert refused.value.field == name
 
 
-def test_nothing_left_to_fit_is_refused(series):
+def test_blocks_are_all_lines_once_and_nothing_left_to_fit_is_refused(series):
     with pytest.raises(BadInput, match="nothing is left to fit"):
         named(series, ["one", "two"])
+    blocks = every_block(series, 3)
+    lines = np.concatenate([fold.blocks["one"] for fold in blocks])
+    assert sorted(lines) == list(range(60))
+    for fold in blocks:
+        left = without(series, fold).lines["one"]
+        assert not set(left) & set(fold.blocks["one"])
 
 
 def test_what_is_named_is_in_no_fit_and_is_predicted(lab, series):
@@ -178,7 +172,7 @@ def test_what_is_named_is_in_no_fit_and_is_predicted(lab, series):
     assert again.held_out.percent > 10 * found.held_out.percent
 
 
-def test_a_series_is_evaluated_with_every_fold(series):
+def test_a_series_is_evaluated_with_every_fold_or_frequency_blocks_where_they_are_asked_for(series):
     told: list[float] = []
     found = evaluate(series, progress=told.append)
     assert found.held_out_names == tuple(fold.name for fold in folds(series))
@@ -188,9 +182,6 @@ def test_a_series_is_evaluated_with_every_fold(series):
     assert found.held_out_configurations.percent < found.held_out_configurations_nominal.percent
     assert told == sorted(told)
     assert told[-1] == 1.0
-
-
-def test_frequency_blocks_take_the_place_of_runs_where_they_are_asked_for(series):
     found = evaluate(series, blocks=3)
     assert len(found.held_out_names) == 3
     assert all(name.endswith("Hz") for name in found.held_out_names)

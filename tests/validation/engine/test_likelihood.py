@@ -1,7 +1,5 @@
 """The likelihood of one data set: residuals, normal equations, common ways, and evidence."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -70,7 +68,7 @@ def test_no_latent_input_changes_the_residual_and_a_known_one_does(lab, away):
         assert same is (not known)
 
 
-def test_normal_equations_of_runs_add(lab, away):
+def test_normal_equations_of_runs_add_and_a_parameter_that_does_not_act_has_no_part(lab, away):
     toy = lab.toy({}, lines=10)
     names = [p.name for p in toy.parameters]
     seen = observed(toy.measured, np.arange(10))
@@ -79,10 +77,6 @@ def test_normal_equations_of_runs_add(lab, away):
     alone = total(normals(seen, toy.at(away), names, 0.0).values(), len(names))
     assert_allclose(total(parts, len(names)).matrix, alone.matrix, rtol=1e-12)
     assert whole.cost < alone.cost  # a floor forgives
-
-
-def test_a_parameter_that_does_not_act_has_no_part(lab):
-    toy = lab.toy({}, lines=10)
     found = normals(observed(toy.measured, np.arange(10)), toy.at({}), ["nobody", "mass"], FLOOR)["r1"]
     assert found.gradient[0] == 0.0
     assert not found.matrix[0].any()
@@ -102,9 +96,6 @@ def test_the_floor_follows_the_level_and_not_below_a_share_of_what_such_channels
     assert_allclose(least, least[0, 0, 0], rtol=1e-6)
     assert least[0, 0, 0] > 0
     assert_allclose(floor_of(replace(toy.measured, values=3 * toy.measured.values)), 3 * floor, rtol=1e-12)
-
-
-# Normal equations by the common way, held against those of every column by itself
 
 
 LINES, CHANNELS, INPUTS, QUANTITIES, RUNS = 7, 9, 2, 3, 2
@@ -156,7 +147,7 @@ def plainly(predicted: Predicted) -> Predicted:
 
 @pytest.mark.parametrize("known", [False, True])
 @pytest.mark.parametrize("others", [0, 2])
-def test_what_goes_a_common_way_makes_the_same_normal_equations(predicted: Predict, seen, known: bool, others: int) -> None:
+def test_what_goes_a_common_way_makes_the_same_normal_equations(predicted, seen, known, others):
     of, read = predicted(others=others), seen(known)
     names = ["nowhere", *sorted(of.changes)]  # one that does not act here, and kinds mixed
     assert ways(of.changes, names[1:], CHANNELS) is not None
@@ -169,7 +160,7 @@ def test_what_goes_a_common_way_makes_the_same_normal_equations(predicted: Predi
         assert not ours[run].matrix[0].any()
 
 
-def test_normal_equations_are_those_of_the_whitened_columns(predicted: Predict, seen) -> None:
+def test_normal_equations_are_those_of_the_whitened_columns(predicted, seen):
     of, read = predicted(), seen(False)
     names = sorted(of.changes)
     for k, run in enumerate(read.runs):
@@ -180,19 +171,13 @@ def test_normal_equations_are_those_of_the_whitened_columns(predicted: Predict, 
         assert_allclose(found.gradient, -(flat.conj().T @ r.ravel()).real, rtol=1e-9, atol=1e-9 * np.abs(found.gradient).max())
 
 
-def test_many_that_go_ways_of_their_own_are_not_worth_it(predicted: Predict) -> None:
+def test_many_with_ways_of_their_own_and_rows_that_runs_do_not_share_go_no_common_way(predicted, drawn):
     of = predicted(others=FEW + 1)
     assert ways(of.changes, sorted(of.changes), CHANNELS) is None
-
-
-def test_rows_that_runs_do_not_share_go_no_common_way(predicted: Predict, drawn) -> None:
     of = predicted()
     changes = {**of.changes, "bent": Change(channels=(1,), rows=drawn(RUNS, LINES, 1, INPUTS))}
     assert ways(changes, sorted(changes), CHANNELS) is None
     assert ways(changes, sorted(of.changes), CHANNELS) is not None
-
-
-# Evidence says whether a parameter is worth having, and for a linear model it is exact
 
 
 def linear(lab, truth, tolerances):
@@ -252,23 +237,15 @@ def test_a_parameter_of_which_the_data_say_nothing_costs_nothing(lab):
     assert child.by_name["nobody"] == 0.0
 
 
-class Noisier:
-    """The toy with noise that is not that of the data."""
-
-    def __init__(self, toy, factor):
-        self.toy, self.measured, self.parameters, self.factor = toy, toy.measured, toy.parameters, factor
-
-    def at(self, offsets, lines=None, *, derivatives=True):
-        found = self.toy.at(offsets, lines, derivatives=derivatives)
-        lines = slice(None) if lines is None else lines
-        return Predicted(rows=found.rows, changes=found.changes, noise=self.factor * self.measured.noise[:, lines])
-
-
 @pytest.mark.parametrize("known", [False, True], ids=["latent", "known"])
 def test_noise_that_is_not_that_of_the_data_is_less_probable_both_ways(lab, known):
     """Where noise is an effect, the normalisation of the likelihood decides: too much of it is as wrong as too little."""
     toy = lab.toy({}, known=known)
-    evidence = {factor: fit(Problem((Noisier(toy, factor),)), PLAIN, floor=0.0).log_evidence for factor in (0.5, 1.0, 2.0)}
+
+    def noisier(factor):
+        return replace(toy, twist=lambda said, _, lines: replace(said, noise=factor * toy.measured.noise[:, lines]))
+
+    evidence = {factor: fit(Problem((noisier(factor),)), PLAIN, floor=0.0).log_evidence for factor in (0.5, 1.0, 2.0)}
     assert evidence[1.0] > evidence[0.5] + 100
     assert evidence[1.0] > evidence[2.0] + 100
     assert_allclose(evidence[1.0], fit(Problem((toy,)), PLAIN, floor=0.0).log_evidence, rtol=1e-12)

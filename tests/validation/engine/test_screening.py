@@ -1,9 +1,6 @@
 """What the data, and facts beside them, say of parameters that are not in a fit yet."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -53,7 +50,7 @@ def beside_a_mass_that_is_wrong(lab, parameters):
     return parent, screened(having, parent, ["offset"])
 
 
-def test_what_is_identified_and_stands_at_a_bound_makes_up_for_others_as_if_it_were_free(lab):
+def test_what_is_identified_at_a_bound_makes_up_for_others_as_if_free_and_an_effect_there_stays(lab):
     parent, at_bound = beside_a_mass_that_is_wrong(lab, bounded(lab, IDENTIFIED))
     assert parent.by_name["mass"] == pytest.approx(0.01, abs=1e-9)
     _, free = beside_a_mass_that_is_wrong(lab, lab.LABORATORY)
@@ -61,16 +58,13 @@ def test_what_is_identified_and_stands_at_a_bound_makes_up_for_others_as_if_it_w
     assert not np.any(free.step)
     assert_allclose(at_bound.told()["offset"].estimate, free.told()["offset"].estimate, rtol=0.05)
     assert_allclose(at_bound.told()["offset"].information, free.told()["offset"].information, rtol=0.2)
-
-
-def test_an_effect_at_its_bound_stays_there(lab):
     parent, at_bound = beside_a_mass_that_is_wrong(lab, bounded(lab, EFFECT))
     assert parent.by_name["mass"] == pytest.approx(0.01, abs=1e-9)
     assert "mass" not in {one.name for one in at_bound.free}
     assert not np.any(at_bound.step)
 
 
-def test_a_tolerance_that_leaves_its_bounds_gains_what_a_fit_gains(lab):
+def test_a_tolerance_that_leaves_its_bounds_gains_what_a_fit_gains_and_the_smallest_size_told_just_that_evidence(lab):
     truth = {"gain:f2": 0.02}
     toy = lab.toy(truth)
     parent = fit(Problem((toy,)), FITTED)
@@ -79,9 +73,6 @@ def test_a_tolerance_that_leaves_its_bounds_gains_what_a_fit_gains(lab):
     told = in_the_fit(parent)["gain:f2"]
     assert_allclose(told.evidence(0.1), there.log_evidence - parent.log_evidence, atol=0.05)
     assert_allclose(told.estimate, there.by_name["gain:f2"], rtol=1e-3)
-
-
-def test_the_smallest_size_that_is_told_brings_just_that_evidence():
     told = ScoreTest(name="x", estimate=0.0, information=1e4, tolerance=0.003)
     size = told.detectable(0.1, 10.0)
     assert_allclose(ScoreTest(name="x", estimate=size, information=1e4, tolerance=0.003).evidence(0.1), 10.0, rtol=1e-9)
@@ -89,18 +80,7 @@ def test_the_smallest_size_that_is_told_brings_just_that_evidence():
     assert np.isinf(told.detectable(0.003, 10.0))
 
 
-def test_what_another_parameter_does_as_well_is_told_by_what_is_known_of_that_one_alone(lab):
-    twin = lab.effect("gain:f2", 0.1)  # the column of a tolerance, screened beside that very tolerance
-    toy = lab.toy({})
-    parent = fit(Problem((toy,)), FITTED)
-    (known,) = (one for one in parent.parameters if one.name == "gain:f2")
-    told = in_the_fit(parent)["gain:f2"]
-    assert told.tolerance == known.tolerance
-    assert told.information > 0
-    assert twin.tolerance > known.tolerance
-
-
-def test_a_column_times_a_function_of_frequency_needs_no_derivative_of_its_own(small):
+def test_a_column_times_a_function_of_frequency_needs_no_derivative_and_summed_lines_say_the_same_sooner(small):
     _, parent, having = small
     of = screened(having, parent, ["offset"])
     f = of.products[0].frequency
@@ -109,10 +89,6 @@ def test_a_column_times_a_function_of_frequency_needs_no_derivative_of_its_own(s
     assert_allclose(turned.estimate, plain.estimate / 2, rtol=1e-9)
     beside = of.shaped("offset", {0: 1j * np.ones(len(f))})
     assert beside.evidence(1.0) < plain.evidence(1.0) / 10  # the fault is real
-
-
-def test_lines_that_are_summed_say_the_same_sooner(small):
-    _, parent, having = small
     by_line, summed = (screened(having, parent, ["offset"], by_line=each).told()["offset"] for each in (True, False))
     assert_allclose(summed.estimate, by_line.estimate, rtol=1e-9)
     assert_allclose(summed.information, by_line.information, rtol=1e-9)
@@ -130,19 +106,13 @@ def test_a_trial_never_costs_more_than_its_parent(lab):
         assert_allclose(found.by_name["offset"], 0.5, atol=0.01)
 
 
-def test_a_way_straight_down_ends_where_the_fit_ends(lab):
+def test_a_way_straight_down_ends_where_the_fit_ends_and_unfitted_misfit_is_told_as_it_stands(lab):
     problem = Problem((lab.toy({**lab.drawn(6), "mass": 0.03}),))
     whole = fit(problem, PLAIN)
     assert_allclose(nearby(problem, PLAIN, fit(problem, FITTED).by_name).cost, whole.cost, rtol=1e-4)
-
-
-def test_where_nothing_is_fitted_misfit_is_told_as_it_stands(lab):
     problem = Problem((lab.toy({"mass": 0.05}),))
     assert unfitted(problem, FITTED, {}).chi2 > 10 * unfitted(problem, FITTED, {"mass": 0.05}).chi2
     assert not unfitted(problem, FITTED, {}).converged
-
-
-# What is screened in closed form is what a fit finds, by data and by facts alike
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -161,7 +131,7 @@ class Weight:
 
 
 @pytest.mark.parametrize("sd", [1e9, 2e-4, 2e-5])
-def test_a_fact_tells_what_it_tells_the_fit(lab: Any, sd: float) -> None:
+def test_a_fact_tells_what_it_tells_the_fit(lab, sd):
     truth, effect = {**lab.drawn(4), "offset": 1e-3}, lab.effect("offset", 1.0)
     right = lab.toy(truth, parameters=(*lab.LABORATORY, effect))
     without = lab.toy(truth, acting=(effect,))
@@ -178,7 +148,7 @@ def test_a_fact_tells_what_it_tells_the_fit(lab: Any, sd: float) -> None:
     assert_allclose(told.evidence(1.0), gain, atol=0.05 + 0.02 * abs(gain))
 
 
-def test_a_fact_alone_tells_of_what_no_channel_sees(lab: Any) -> None:
+def test_a_fact_alone_tells_of_what_no_channel_sees(lab):
     truth, unseen = lab.drawn(4), lab.effect("unseen", 2.0)
     toy = lab.toy(truth)
     weight = Weight(value=3.0, sd=0.5, slopes={"unseen": 1.0}, parameters=(unseen,))

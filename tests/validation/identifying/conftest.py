@@ -104,7 +104,7 @@ def identified(way: str, inertia: Inertia, terms: ElasticTerms, share: float) ->
 
 
 @pytest.fixture(scope="session")
-def found(clumod: Inertia, terms: ElasticTerms) -> IdentificationFindings:
+def found(clumod, terms) -> IdentificationFindings:
     """An identification of Clumod with one blade that came out as drawn, self-calibrated, and 1 % too heavy, plain."""
     true, fmd = clumod.placed(MOUNTED), routes.inertia(built_in("fmd"))
     results = tuple(
@@ -163,7 +163,7 @@ def found(clumod: Inertia, terms: ElasticTerms) -> IdentificationFindings:
 
 
 @pytest.fixture
-def result_file(found: IdentificationFindings, tmp_path: Path) -> Callable[..., Path]:
+def result_file(found, tmp_path) -> Callable[..., Path]:
     """``result_file(**changes)``: what `massline identify --json` prints of `found`, in a file."""
     from validation.output import json_text, to_json
 

@@ -14,15 +14,15 @@ from geometry.errors import CheckFailed
 from geometry.frames import Pose, rotation_about
 from geometry.inertia import PARAMETERS, Inertia
 from identification.elastic.fit import fit
-from identification.elastic.model import ElasticTerms, dynamic_mass
+from identification.elastic.model import dynamic_mass
 from identification.elastic.study import BandStudy, study
 from identification.request import Identified
 from validation.identify import identify
-from validation.identify.identify import IdentificationFindings, reported, residuals, rigid
+from validation.identify.identify import reported, residuals, rigid
 from validation.reference.statement import about_cog
 
 
-def test_the_rigid_body_behind_a_dynamic_mass_is_found_whatever_was_left_out(found: IdentificationFindings) -> None:
+def test_the_rigid_body_behind_a_dynamic_mass_is_found_whatever_was_left_out(found):
     spoilt = found.dynamic_mass.matrix + 1e3 * (1 - found.lines.kept)[:, None, None]
     of = SimpleNamespace(
         estimate=SimpleNamespace(dynamic_mass=SimpleNamespace(frequency=found.lines.frequency, matrix=spoilt)),
@@ -31,7 +31,7 @@ def test_the_rigid_body_behind_a_dynamic_mass_is_found_whatever_was_left_out(fou
     assert_allclose(rigid(of, found.result.identified), found.rigid, atol=1e-9 * found.rigid.max())
 
 
-def test_a_rigid_result_takes_no_elastic_terms_off(clumod: Inertia) -> None:
+def test_a_rigid_result_takes_no_elastic_terms_off(clumod):
     body = clumod.moved([0.1, -0.2, 0.3])
     of = SimpleNamespace(
         estimate=SimpleNamespace(
@@ -43,7 +43,7 @@ def test_a_rigid_result_takes_no_elastic_terms_off(clumod: Inertia) -> None:
     assert_allclose(rigid(of, one), body.mass_matrix, atol=1e-12)
 
 
-def test_residuals_are_shares_of_what_channels_of_a_kind_read(found: IdentificationFindings) -> None:
+def test_residuals_are_shares_of_what_channels_of_a_kind_read(found):
     table = found.spectra.table
     names = tuple(table.names[k] for k in table.select(quantity="acceleration"))
     cells = tuple(table.names[k] for k in table.select(quantity="force"))
@@ -59,19 +59,19 @@ def test_residuals_are_shares_of_what_channels_of_a_kind_read(found: Identificat
     assert_allclose(drawn.share[..., len(names) :], 0.02)
 
 
-def test_an_article_on_its_mount_comes_back_in_its_own_frame(found: IdentificationFindings, clumod: Inertia) -> None:
+def test_an_article_on_its_mount_comes_back_in_its_own_frame(found, clumod):
     # What is lost is the rounding of moments about F, 30 times those about the CoG.
     assert_allclose(found.result.values, about_cog(clumod), rtol=1e-12, atol=1e-12)
     assert_allclose(about_cog(found.result.inertia), about_cog(clumod), rtol=1e-12, atol=1e-12)
 
 
-def test_a_turned_mount_turns_the_tensor_back(clumod: Inertia, terms: ElasticTerms) -> None:
+def test_a_turned_mount_turns_the_tensor_back(clumod, terms):
     pose = Pose(position=np.array([0.1, -0.2, 0.05]), rotation=rotation_about("z", 0.7))
     there = Identified(way="plain", inertia=clumod.placed(pose), covariance=np.zeros((10, 10)), band=(4, 32))
     assert_allclose(reported(there, pose).values, about_cog(clumod), rtol=1e-10, atol=1e-10)
 
 
-def test_the_intervals_hold_95_per_cent_of_draws(found: IdentificationFindings) -> None:
+def test_the_intervals_hold_95_per_cent_of_draws(found):
     one = found.result
     rng = np.random.default_rng(3)
     mean, C = one.identified.inertia.parameters, one.identified.covariance
@@ -83,24 +83,21 @@ def test_the_intervals_hold_95_per_cent_of_draws(found: IdentificationFindings) 
     assert_allclose(inside, 0.95, atol=0.017)  # five standard deviations of 4000 draws
 
 
-def test_a_result_without_positive_mass_has_no_cog(found: IdentificationFindings) -> None:
+def test_the_largest_share_comes_first_and_a_result_without_positive_mass_has_no_cog(found):
+    ordered = found.result.dominating(3)
+    assert [share for _, share in ordered] == sorted((share for _, share in ordered), reverse=True)
+    assert {name for name, _ in ordered} <= set(found.result.identified.shares)
     heavy = found.result.identified
     lost = replace(heavy, inertia=heavy.inertia.scaled(-1.0))
     with pytest.raises(CheckFailed, match="polarity"):
         reported(lost, Pose())
 
 
-def test_the_largest_share_comes_first(found: IdentificationFindings) -> None:
-    ordered = found.result.dominating(3)
-    assert [share for _, share in ordered] == sorted((share for _, share in ordered), reverse=True)
-    assert {name for name, _ in ordered} <= set(found.result.identified.shares)
-
-
 MOUNTED = Pose(position=np.array([0.0, 0.0, 0.045]))
 
 
 @pytest.fixture(scope="module")
-def of(clumod: Inertia, terms: ElasticTerms) -> BandStudy:
+def of(clumod, terms) -> BandStudy:
     lines = np.linspace(4.0, 32.0, 281)
     M = (clumod.placed(MOUNTED) + routes.inertia(built_in("fmd"))).mass_matrix
     residual = np.diag([8e-6, 8e-6, 1e-5, 2e-6, 2e-6, 1e-7])
@@ -113,7 +110,7 @@ def _identification(article: Inertia, modes: int | None) -> SimpleNamespace:
     return SimpleNamespace(request=SimpleNamespace(modes=modes), plain=SimpleNamespace(inertia=article))
 
 
-def test_on_exact_data_every_band_gives_the_article_in_its_own_frame(of: BandStudy, clumod: Inertia) -> None:
+def test_on_exact_data_every_band_gives_the_article_in_its_own_frame(of, clumod):
     drawn = identify.maps(_identification(clumod.placed(MOUNTED), None), of, MOUNTED)
     assert list(drawn.maps) == ["3 elastic terms", "no elastic terms"]
     size = np.array([clumod.mass, 1, 1, 1, *6 * [clumod.moments_cog.max()]])
@@ -122,27 +119,20 @@ def test_on_exact_data_every_band_gives_the_article_in_its_own_frame(of: BandStu
     assert_allclose(drawn.reference / size, about_cog(clumod) / size, atol=1e-6)
 
 
-def test_without_elastic_terms_the_band_makes_the_result(of: BandStudy, clumod: Inertia) -> None:
+def test_without_elastic_terms_the_band_makes_the_result_and_a_verdict_says_when_narrower_ones_lead_elsewhere(of, clumod):
     rigid = identify.maps(_identification(clumod.placed(MOUNTED), 0), of, MOUNTED)
     assert list(rigid.maps) == ["no elastic terms"]
     moments = rigid.maps["no elastic terms"][..., 4]
     assert np.ptp(moments) > 0.1 * clumod.moments_cog[0]
-
-
-def test_a_verdict_says_when_narrower_bands_lead_elsewhere(of: BandStudy) -> None:
     told = dict.fromkeys(PARAMETERS, "trustworthy")
     assert identify.verdicts(told, of, rigid=False) == told
     said = identify.verdicts(told, of, rigid=True)
     assert "narrower bands" in said["Ixx"]
     assert said["Ixx"].startswith("trustworthy")
-
-
-def test_a_study_that_says_nothing_changes_no_verdict(of: BandStudy) -> None:
-    told = dict.fromkeys(PARAMETERS, "trustworthy")
     assert identify.verdicts(told, replace(of, cells=of.cells[:1]), rigid=False) == told
 
 
-def test_the_rigid_way_is_tried_below_all_other_bands_and_the_elastic_one_is_not(of: BandStudy, clumod: Inertia) -> None:
+def test_the_rigid_way_is_tried_below_all_other_bands_and_the_elastic_one_is_not(of, clumod):
     lines = np.linspace(4.0, 32.0, 281)
     H = DynamicMass(frequency=lines, matrix=np.tile(clumod.mass_matrix + 0j, (281, 1, 1)))
     wide = study(H, fitted=of.fitted)
@@ -153,7 +143,7 @@ def test_the_rigid_way_is_tried_below_all_other_bands_and_the_elastic_one_is_not
     assert elastic[0, 4:].all()
 
 
-def test_a_cell_knows_how_well_it_knows(of: BandStudy, clumod: Inertia) -> None:
+def test_a_cell_knows_how_well_it_knows(of, clumod):
     """A narrow band knows less, and its interval is drawn in the frame of the result."""
     drawn = identify.maps(_identification(clumod.placed(MOUNTED), None), of, MOUNTED)
     half = drawn.half_widths["3 elastic terms"]

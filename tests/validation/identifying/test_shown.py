@@ -1,31 +1,25 @@
 """The page, the JSON and the pictures of an identification, and that `massline validate` reads what was printed."""
 
 import json
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from geometry.frames import Pose, rotation_about
-from geometry.inertia import PARAMETERS
 from validation.identify.identify import IdentificationFindings, reported
-from validation.output import json_text, to_json
+from validation.output import to_json
 from validation.reference.statement import QUANTITIES
 from validation.report import identify
 from validation.report.identify import IdentificationPictures
-
-Write = Callable[..., Path]
-Run = Callable[..., tuple[int, str, str]]
 
 
 def _page(found: IdentificationFindings, width: int = 132) -> str:
     return identify.IdentificationPage(found=found).document().text(width)
 
 
-def test_the_page_shows_both_ways_side_by_side_and_what_moved(found: IdentificationFindings) -> None:
+def test_the_page_shows_both_ways_side_by_side_and_what_moved(found):
     mass = next(line for line in _page(found).splitlines() if line.lstrip().startswith("Mass m"))
     plain, better = (one.values[0] for one in found.results)
     assert f"{plain:.2f}" in mass
@@ -49,11 +43,11 @@ def test_the_page_shows_both_ways_side_by_side_and_what_moved(found: Identificat
         "from the article's own origin",
     ],
 )
-def test_the_page_says(words: str, found: IdentificationFindings) -> None:
+def test_the_page_says(words, found):
     assert words in " ".join(_page(found, 200).split())
 
 
-def test_page_and_json_say_how_the_block_bootstrap_agrees(found: IdentificationFindings) -> None:
+def test_page_and_json_say_how_the_block_bootstrap_agrees(found):
     assert "Block bootstrap" not in _page(found)
     assert to_json(found)["self_calibrated"]["bootstrap_over_parametric_sd"] is None
     one = found.result
@@ -63,7 +57,7 @@ def test_page_and_json_say_how_the_block_bootstrap_agrees(found: IdentificationF
     assert to_json(with_it)["self_calibrated"]["bootstrap_over_parametric_sd"]["mass_kg"] == pytest.approx(1.3)
 
 
-def test_crosses_compare_with_the_interval_of_the_difference(found: IdentificationFindings) -> None:
+def test_crosses_compare_with_the_interval_of_the_difference(found):
     assert found.study is not None
     what = "no elastic terms"
     alone = IdentificationPictures(found=found).band_map(found.study, what, 0).half_width
@@ -74,7 +68,7 @@ def test_crosses_compare_with_the_interval_of_the_difference(found: Identificati
     assert_allclose(alone, scale * found.result.half_width[0], rtol=1e-12)
 
 
-def test_where_the_better_way_failed_the_plain_result_is_shown(found: IdentificationFindings) -> None:
+def test_where_the_better_way_failed_the_plain_result_is_shown(found):
     plain, better = found.results
     failed = replace(found, results=(plain, replace(better, identified=replace(better.identified, converged=False))))
     assert failed.result is plain
@@ -83,63 +77,27 @@ def test_where_the_better_way_failed_the_plain_result_is_shown(found: Identifica
     assert "verdict on the plain result" in " ".join(_page(failed).split())
 
 
-def test_elastic_terms_are_listed_by_frequency(found: IdentificationFindings) -> None:
+def test_elastic_terms_are_listed_by_frequency_no_figure_is_cut_and_without_a_tare_the_fmd_is_said_to_be_in_it(found):
     grid = next(one for one in identify.IdentificationPage(found=found).document().grids() if one.header[0].startswith("elastic"))
     shown = [float(line[0]) for line in grid.lines]
     assert shown == sorted(shown)
     assert len(shown) == 3
-
-
-def test_a_page_of_80_columns_cuts_no_figure(found: IdentificationFindings) -> None:
     narrow = _page(found, 80)
     for quantity, value in zip(QUANTITIES, found.result.values, strict=True):
         assert any(quantity.label in line for line in narrow.splitlines()), quantity.label
         assert np.isfinite(value)
     assert max(map(len, narrow.splitlines())) <= 80
-
-
-def test_without_a_tare_the_page_says_that_the_fmd_is_in_the_result(found: IdentificationFindings) -> None:
     bare = replace(found, request=replace(found.request, tares=()), origin="F")
     text = " ".join(_page(bare).split())
     assert "no tare, so the FMD's moving part is in the result" in text
     assert "CoG from F, the centre of the force-measuring plane" in text
 
 
-def test_the_json_keeps_the_contract(found: IdentificationFindings) -> None:
-    printed = json.loads(json_text(to_json(found)))
-    assert set(printed) >= {"article", "origin", "frequency_band_hz", "inertia", "interval95", "verdict", "warnings"}
-    assert set(printed["inertia"]) == {"mass_kg", "cog_mm", "moi_cog_kgm2", "poi_cog_kgm2", "about"}
-    assert set(printed["verdict"]) == set(PARAMETERS)
-    assert_allclose(printed["inertia"]["cog_mm"], 1e3 * found.result.values[1:4], rtol=1e-9, atol=1e-9)
-    for key, values in printed["interval95"].items():
-        for (low, high), value in zip(np.reshape(values, (-1, 2)), np.atleast_1d(printed["inertia"][key]), strict=True):
-            assert low < value < high, key
-    assert printed["plain"]["inertia"]["mass_kg"] > printed["self_calibrated"]["inertia"]["mass_kg"]
-    assert printed["study"]["maps"]["no elastic terms"]["mass_kg"][2][0] is None
-    assert set(printed["settings"]["versions"]) >= {"massline", "numpy"}
-
-
-def test_validate_reads_the_json_and_passes_what_is_right(result_file: Write, run: Run) -> None:
-    code, out, _ = run("validate", str(result_file()), "--against", "clumod-1")
-    assert code == 0
-    assert "95 % intervals" in out
-
-
-def test_validate_takes_the_interval_for_the_tolerance(result_file: Write, run: Run, found: IdentificationFindings) -> None:
+def test_validate_takes_the_interval_for_the_tolerance_and_reads_a_frame_of_the_users_own(result_file, run, found):
     code, out, _ = run("validate", str(result_file()), "--against", "clumod-1", "--json")
     rows = json.loads(out)["rows"]
     assert code == 0
     assert_allclose([row["tolerance"] for row in rows], found.result.half_width * [q.per_si for q in QUANTITIES], rtol=1e-9)
-
-
-def test_validate_refuses_what_is_wrong(result_file: Write, run: Run, found: IdentificationFindings) -> None:
-    plain = result_file(results=found.results[:1])
-    code, _, err = run("validate", str(plain), "--against", "clumod-1")
-    assert code == 1
-    assert "Mass m" in err
-
-
-def test_validate_reads_a_frame_of_the_users_own(result_file: Write, run: Run, found: IdentificationFindings) -> None:
     frame = Pose(position=np.array([0.05, 0.0, 0.3]), rotation=rotation_about("z", 0.4) @ rotation_about("x", 0.2))
     seen = tuple(reported(one.identified, Pose(position=np.array([0.0, 0.0, 0.045])) @ frame) for one in found.results)
     path = result_file(results=seen, frame=frame)
@@ -149,25 +107,7 @@ def test_validate_reads_a_frame_of_the_users_own(result_file: Write, run: Run, f
     assert run("validate", str(wrong), "--against", "clumod-1")[0] == 1
 
 
-def test_validate_takes_a_result_from_f_for_a_stack_that_begins_there(result_file: Write, run: Run) -> None:
-    code, out, _ = run("validate", str(result_file(origin="F", article="fmd+clumod-1")), "--against", "fmd+clumod-1")
-    assert code == 1  # it is read; the FMD is missing from this one
-    assert "identified" in out
-
-
-def test_validate_wants_to_know_where_f_is(result_file: Write, run: Run) -> None:
-    code, _, err = run("validate", str(result_file(origin="F")), "--against", "clumod-1")
-    assert code == 2
-    assert "the CoG is stated from F" in err
-
-
-def test_validate_refuses_the_result_of_another_article(result_file: Write, run: Run) -> None:
-    code, _, err = run("validate", str(result_file()), "--against", "clumod-4")
-    assert code == 2
-    assert "clumod-1" in err
-
-
-def test_every_picture_is_drawn_and_is_no_empty_page(found: IdentificationFindings, tmp_path: Path) -> None:
+def test_every_picture_is_drawn_and_those_without_evidence_are_left_out(found, tmp_path):
     from PIL import Image
 
     paths = IdentificationPictures(found=found).draw(tmp_path)
@@ -177,8 +117,5 @@ def test_every_picture_is_drawn_and_is_no_empty_page(found: IdentificationFindin
         with Image.open(path) as picture:
             assert min(picture.size) > 450
             assert len(picture.convert("RGB").getcolors(1 << 24) or ()) > 50, path.name
-
-
-def test_pictures_without_evidence_are_left_out(found: IdentificationFindings, tmp_path: Path) -> None:
     bare = replace(found, lines=None, residuals=None, study=None, spectra=None, dynamic_mass=None)
     assert [path.name for path in IdentificationPictures(found=bare).draw(tmp_path)] == ["identify-clumod-1-shares.png"]

@@ -61,7 +61,7 @@ def rung() -> MakeRung:
 
 
 @pytest.fixture
-def model(tmp_path: Path) -> Path:
+def model(tmp_path) -> Path:
     """A model file."""
     path = tmp_path / "model.toml"
     path.write_bytes(b"# mine\r\na = 1\n")

@@ -71,7 +71,7 @@ def problem(added: Added) -> Problem:
     ],
     ids=["nothing said", "30 % too high", "30 % too low"],
 )
-def test_a_resonator_is_found_from_where_it_begins(text: str, left: tuple[str, ...]) -> None:
+def test_a_resonator_is_found_from_where_it_begins(text, left):
     added = Added(named=parse(text, WORDS))
     found = starting_sizes(added, left, problem(added), {"mass": 0.015})
     assert found.named.values["f"] == pytest.approx(TRUTH["f"], rel=0.04)
@@ -98,6 +98,6 @@ class Without:
         return Predicted(rows=rows, changes={"mass": Change(channels=(0,), rows=rows)})
 
 
-def test_what_is_fixed_begins_as_it_was_asked_for() -> None:
+def test_what_is_fixed_begins_as_it_was_asked_for():
     added = Added(named=parse("appendage:z=m:0.05,f:10,zeta:0.01", WORDS), fixed=True)
     assert starting_sizes(added, (), problem(replace(added, fixed=False)), {}) is added

@@ -28,7 +28,7 @@ def tree(model: Path) -> list[str]:
     return [f"{branch}{one.number}" for branch, one in history_position(model).ladder.tree()]
 
 
-def test_a_model_without_a_ladder_has_its_first_rung_before_it(model: Path) -> None:
+def test_a_model_without_a_ladder_has_its_first_rung_before_it(model):
     at = history_position(model)
     assert at.rung is None
     assert not at.edited
@@ -36,7 +36,7 @@ def test_a_model_without_a_ladder_has_its_first_rung_before_it(model: Path) -> N
     assert (first.number, first.parent, first.cause, first.model) == (0, None, "start", "# mine\r\na = 1\n")
 
 
-def test_every_rung_carries_the_model_up_and_undo_brings_back_its_bytes(model: Path, rung: MakeRung) -> None:
+def test_every_rung_carries_the_model_up_and_undo_brings_back_its_bytes(model, rung):
     before = model.read_bytes()
     grown(model, rung, "a = 2\r\n", "a = 3")
     assert model.read_bytes() == b"a = 3"
@@ -49,7 +49,7 @@ def test_every_rung_carries_the_model_up_and_undo_brings_back_its_bytes(model: P
         undone(history_position(model))
 
 
-def test_adding_after_undo_branches(model: Path, rung: MakeRung) -> None:
+def test_adding_after_undo_branches(model, rung):
     grown(model, rung, "a = 2", "a = 3")
     undone(history_position(model))
     grown(model, rung, "a = 4", "a = 5")
@@ -61,7 +61,7 @@ def test_adding_after_undo_branches(model: Path, rung: MakeRung) -> None:
     assert (found.rung.number, found.ladder.current) == (2, 2)
 
 
-def test_a_rung_that_is_not_there_is_refused_by_the_numbers_that_are(model: Path, rung: MakeRung) -> None:
+def test_a_rung_that_is_not_there_is_refused_by_the_numbers_that_are(model, rung):
     with pytest.raises(BadInput, match="has no ladder"):
         gone_to(history_position(model), 0)
     grown(model, rung, "a = 2")
@@ -70,7 +70,7 @@ def test_a_rung_that_is_not_there_is_refused_by_the_numbers_that_are(model: Path
             gone_to(history_position(model), number)
 
 
-def test_an_edit_by_hand_is_seen_and_going_away_from_it_keeps_it_as_a_branch(model: Path, rung: MakeRung) -> None:
+def test_an_edit_by_hand_is_seen_and_going_away_from_it_keeps_it_as_a_branch(model, rung):
     grown(model, rung, "a = 2")
     model.write_text("a = 2  # mine\n", encoding="utf-8")
     at = history_position(model)
@@ -86,7 +86,7 @@ def test_an_edit_by_hand_is_seen_and_going_away_from_it_keeps_it_as_a_branch(mod
     assert model.read_bytes() == b"a = 2  # mine\n"
 
 
-def test_an_edit_that_was_put_aside_gets_its_figures_in_place(model: Path, rung: MakeRung) -> None:
+def test_an_edit_that_was_put_aside_gets_its_figures_in_place(model, rung):
     grown(model, rung)
     model.write_text("a = 7\n", encoding="utf-8")
     undone(history_position(model))
@@ -99,7 +99,7 @@ def test_an_edit_that_was_put_aside_gets_its_figures_in_place(model: Path, rung:
     assert found.rung(1).errors is not None
 
 
-def test_rungs_made_meanwhile_stay_and_the_later_one_is_numbered_after_them(model: Path, rung: MakeRung) -> None:
+def test_rungs_made_meanwhile_stay_numbered_before_and_branches_at_the_foot_are_drawn_beside_each_other(model, rung):
     grown(model, rung)
     early = history_position(model)
     grown(model, rung, "a = 2")
@@ -108,9 +108,11 @@ def test_rungs_made_meanwhile_stay_and_the_later_one_is_numbered_after_them(mode
     found = history_position(model)
     assert [one.model for one in found.ladder.rungs[1:]] == ["a = 2", "a = 3"]
     assert found.rung.number == 2
+    ladder = Ladder(rungs=(rung(0), rung(1, 0), rung(2, 0), rung(3, 1), rung(4, 1)), current=4)
+    assert [branch + str(one.number) for branch, one in ladder.tree()] == ["0", "├─ 1", "│  ├─ 3", "│  └─ 4", "└─ 2"]
 
 
-def test_two_that_begin_at_once_share_the_first_rung(model: Path, rung: MakeRung) -> None:
+def test_two_that_begin_at_once_share_the_first_rung(model, rung):
     one = other = history_position(model)
     climbed(kept(one, rung(0, None, one.text)), rung(1, 0, "a = 2"))
     at = kept(other, rung(0, None, other.text))
@@ -119,14 +121,14 @@ def test_two_that_begin_at_once_share_the_first_rung(model: Path, rung: MakeRung
     assert [(each.number, each.parent) for each in history_position(model).ladder.rungs] == [(0, None), (1, 0), (2, 0)]
 
 
-def test_a_rung_on_other_data_is_another_rung(model: Path, rung: MakeRung) -> None:
+def test_a_rung_on_other_data_is_another_rung(model, rung):
     at = history_position(model)
     kept(at, rung(0, None, at.text))
     kept(at, rung(0, None, at.text, conditions=Conditions(band=(4.0, 20.0))))
     assert len(history_position(model).ladder.rungs) == 2
 
 
-def test_going_elsewhere_loses_no_rung_that_was_made_meanwhile(model: Path, rung: MakeRung) -> None:
+def test_going_elsewhere_loses_no_rung_that_was_made_meanwhile(model, rung):
     grown(model, rung, "a = 2")
     early = history_position(model)
     grown(model, rung, "a = 3")
@@ -146,7 +148,7 @@ for k in range(15):
 """
 
 
-def test_processes_that_write_at_once_lose_no_rung(model: Path, rung: MakeRung) -> None:
+def test_processes_that_write_at_once_lose_no_rung(model, rung):
     grown(model, rung)
     both = [subprocess.Popen([sys.executable, "-c", AT_ONCE, str(model), name]) for name in "bc"]
     assert [one.wait(60) for one in both] == [0, 0]
@@ -154,7 +156,7 @@ def test_processes_that_write_at_once_lose_no_rung(model: Path, rung: MakeRung) 
     assert found == {f"{name} = {k}" for name in "bc" for k in range(15)}
 
 
-def test_a_model_that_was_edited_while_a_fit_ran_is_left_alone_and_the_rung_is_kept(model: Path, rung: MakeRung) -> None:
+def test_a_model_that_was_edited_while_a_fit_ran_is_left_alone_and_the_rung_is_kept(model, rung):
     grown(model, rung)
     at = history_position(model)
     model.write_text("a = 9\n", encoding="utf-8")
@@ -168,14 +170,12 @@ def test_a_model_that_was_edited_while_a_fit_ran_is_left_alone_and_the_rung_is_k
 
 @pytest.mark.parametrize("act", ["climb", "undo", "go"])
 @pytest.mark.parametrize("writes", range(4))
-def test_wherever_an_interruption_falls_model_and_ladder_agree_and_no_rung_is_lost(
-    act: str, writes: int, model: Path, rung: MakeRung, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_wherever_an_interruption_falls_model_and_ladder_agree_and_no_rung_is_lost(act, writes, model, rung, monkeypatch):
     grown(model, rung, "a = 2")
     before, done = history_position(model), []
 
-    def stopping(write: Callable[..., None]) -> Callable[..., None]:
-        def instead(*arguments: object) -> None:
+    def stopping(write):
+        def instead(*arguments):
             if len(done) == writes:
                 raise KeyboardInterrupt
             done.append(arguments)
@@ -201,7 +201,7 @@ def test_wherever_an_interruption_falls_model_and_ladder_agree_and_no_rung_is_lo
     assert [one.model for one in after.ladder.rungs[:2]] == [one.model for one in before.ladder.rungs]
 
 
-def test_the_same_model_on_other_data_is_told_apart_by_the_ladder(model: Path, rung: MakeRung) -> None:
+def test_the_same_model_on_other_data_is_told_apart_by_the_ladder(model, rung):
     grown(model, rung)
     at = history_position(model)
     kept(at, rung(1, 0, at.text, cause="other data"))
@@ -212,13 +212,8 @@ def test_the_same_model_on_other_data_is_told_apart_by_the_ladder(model: Path, r
     assert back.rung.number == 0
 
 
-def test_two_branches_at_the_foot_are_drawn_beside_each_other(rung: MakeRung) -> None:
-    ladder = Ladder(rungs=(rung(0), rung(1, 0), rung(2, 0), rung(3, 1), rung(4, 1)), current=4)
-    assert [branch + str(one.number) for branch, one in ladder.tree()] == ["0", "├─ 1", "│  ├─ 3", "│  └─ 4", "└─ 2"]
-
-
 @pytest.mark.parametrize(("content", "words"), [(None, "no such file"), (b"\xff\xfe", "not text")])
-def test_a_model_that_is_none_is_refused(content: bytes | None, words: str, tmp_path: Path) -> None:
+def test_a_model_that_is_none_is_refused(content, words, tmp_path):
     if content is not None:
         (tmp_path / "m.toml").write_bytes(content)
     with pytest.raises(BadInput, match=words):

@@ -16,16 +16,14 @@ from geometry.errors import BadInput
 from validation.history import history
 from validation.history.history import Errors, Ladder, Version
 
-MakeRung = Callable[..., Version]
-
 
 @pytest.fixture
-def ladder(rung: MakeRung) -> Ladder:
+def ladder(rung) -> Ladder:
     first = rung(0, None, "# mine\r\na = 1\n", verdict=(), gain=None)
     return Ladder(rungs=(first, rung(1, 0, "a = 2"), rung(2, 0, "a = 3", errors=None, bodies=())), current=1)
 
 
-def test_what_was_written_is_read_back(ladder: Ladder, tmp_path: Path) -> None:
+def test_what_was_written_is_read_back(ladder, tmp_path):
     path = tmp_path / "model.ladder.json"
     history.write(path, ladder, "model.toml")
     found = history.read(path)
@@ -40,7 +38,7 @@ def test_what_was_written_is_read_back(ladder: Ladder, tmp_path: Path) -> None:
 
 
 @given(st.text())
-def test_the_text_of_a_model_comes_back_byte_by_byte(tmp_path_factory: pytest.TempPathFactory, text: str) -> None:
+def test_the_text_of_a_model_comes_back_byte_by_byte(tmp_path_factory, text):
     if any("\ud800" <= one <= "\udfff" for one in text):
         return  # no file in UTF-8 holds half a character
     path = tmp_path_factory.getbasetemp() / "any.ladder.json"
@@ -48,16 +46,13 @@ def test_the_text_of_a_model_comes_back_byte_by_byte(tmp_path_factory: pytest.Te
     assert history.read(path).rung(0).model == text
 
 
-def test_a_person_reads_the_model_line_by_line(ladder: Ladder) -> None:
+def test_a_person_reads_the_model_line_by_line_and_figures_that_are_not_there_are_null(ladder):
     table = json.loads(history.text(ladder, "model.toml"))
     assert table["format"] == 1
     assert table["rungs"][1]["model"] == ["a = 2"]
     assert table["rungs"][1]["errors"]["plain_percent"] == 4.1
     assert table["rungs"][1]["effects"]["force-gain:fmd-z2"] == [{"key": "", "value": 0.0801, "sd": 0.0013, "unit": "1"}]
     assert_allclose(table["rungs"][1]["inertia"][0]["identified"]["cog_mm"], 1e3 * ladder.rung(1).bodies[0].values[1:4])
-
-
-def test_figures_that_are_not_there_are_null_and_no_json_of_our_own(ladder: Ladder) -> None:
     nowhere = replace(ladder.rung(1), gain=float("-inf"), errors=replace(_errors(ladder), log_evidence=float("nan")))
     text = history.text(Ladder(rungs=(ladder.rung(0), nowhere), current=0), "model.toml")
     assert json.loads(text, parse_constant=lambda word: pytest.fail(word))["rungs"][1]["evidence_gain_nats"] is None
@@ -78,7 +73,7 @@ def changed(change: Callable[[dict[str, Any]], object]) -> Callable[[str], str]:
     return apply
 
 
-def test_a_ladder_from_before_the_price_was_kept_is_read(ladder: Ladder, tmp_path: Path) -> None:
+def test_a_ladder_from_before_the_price_was_kept_is_read(ladder, tmp_path):
     path = tmp_path / "model.ladder.json"
     table = json.loads(history.text(ladder, "model.toml"))
     for one in (one["errors"] for one in table["rungs"] if one["errors"]):
@@ -109,9 +104,7 @@ def test_a_ladder_from_before_the_price_was_kept_is_read(ladder: Ladder, tmp_pat
         (changed(lambda table: table["rungs"][1].update(effects=[1])), "damaged"),
     ],
 )
-def test_what_is_no_whole_ladder_is_refused_in_words_and_left_alone(
-    damage: Callable[[str], str], words: str, ladder: Ladder, tmp_path: Path
-) -> None:
+def test_what_is_no_whole_ladder_is_refused_in_words_and_left_alone(damage, words, ladder, tmp_path):
     path = tmp_path / "model.ladder.json"
     path.write_text(damage(history.text(ladder, "model.toml")), encoding="utf-8")
     before = path.read_bytes()
@@ -121,11 +114,8 @@ def test_what_is_no_whole_ladder_is_refused_in_words_and_left_alone(
     assert path.read_bytes() == before
 
 
-def test_the_ladder_stands_beside_its_model() -> None:
+def test_the_ladder_stands_beside_its_model_and_distances_are_told_in_standard_deviations(rung):
     assert history.path_beside(Path("a/my.model.toml")) == Path("a/my.model.ladder.json")
-
-
-def test_distances_are_told_in_standard_deviations(rung: MakeRung) -> None:
     (body,) = rung().bodies
     assert_allclose(body.sigmas, 0.5 * np.ones(10), rtol=1e-9)
     assert_allclose(body.half_width, 1.96 * body.deviation, rtol=1e-4)

@@ -1,25 +1,18 @@
 """The picture of the command line and the figure of report and workbench show the same fall."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from validation.history.history import HistoryPosition, Ladder, Version
+from validation.history.history import HistoryPosition, Ladder
 from validation.report.charts import history
 from validation.report.charts.history import falling_errors, spread
 
 
-def test_what_tolerances_pay_is_told_over_what_is_due_wherever_it_is_drawn(
-    rung: Callable[..., Version], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_tolerances_pay_is_told_over_what_is_due_wherever_it_is_drawn(rung, tmp_path, monkeypatch):
     """Of 270 tolerances that the data hardly tell, 40 is due in all. The sum is 30.25: beside one each that seems nothing."""
     rungs = tuple(rung(k, k - 1 if k else None) for k in range(2))
     rungs = tuple(replace(one, errors=replace(one.errors, expected_z2=40.0)) for one in rungs if one.errors is not None)
@@ -40,17 +33,17 @@ HEIGHTS = st.lists(st.floats(-200.0, 200.0), min_size=1, max_size=8)
 
 
 @given(heights=HEIGHTS, gap=st.floats(0.0, 20.0))
-def test_labels_end_at_least_a_gap_apart_about_the_same_middle(heights: list[float], gap: float) -> None:
+def test_labels_end_at_least_a_gap_apart_about_the_same_middle(heights, gap):
     placed = spread(heights, gap)
     assert np.all(np.diff(placed) >= gap - 1e-9)
     assert_allclose(np.mean(placed), np.mean(heights), atol=1e-9)
 
 
 @given(heights=HEIGHTS)
-def test_labels_that_are_apart_stay_where_they_are(heights: list[float]) -> None:
+def test_labels_that_are_apart_stay_where_they_are(heights):
     apart = np.sort(heights) + 10.0 * np.arange(len(heights))
     assert_allclose(spread(list(apart), 10.0), apart, atol=1e-9)
 
 
-def test_two_labels_that_meet_move_by_half_of_what_is_missing() -> None:
+def test_two_labels_that_meet_move_by_half_of_what_is_missing():
     assert_allclose(spread([0.0, 4.0, 50.0], 10.0), [-3.0, 7.0, 50.0])

@@ -31,21 +31,15 @@ def told(rung: MakeRung, before: Errors, after: Errors, *, gain: float = 30.0, s
     return " ".join(verdict(old, new, {"": 0.003}, {"": 0.0}))
 
 
-def test_an_effect_that_explains_here_and_there_is_worth_a_parameter(rung: MakeRung) -> None:
+def test_an_effect_that_explains_here_and_there_is_worth_a_parameter_and_a_wrong_one_is_told_by_what_does_not_fall(rung):
     said = told(rung, errors(4.0, 4.2), errors(0.5, 0.6))
     assert "It is worth a parameter: the evidence rises by 30.0 nats" in said
     assert "falls from 4 % to 0.5 % on the data it was fitted to" in said
     assert "It falls from 4.2 % to 0.6 % on data that were held out" in said
     assert "Its size is 0.08 ± 0.0039 (95 %)." in said
-
-
-def test_a_wrong_one_is_told_by_what_does_not_fall(rung: MakeRung) -> None:
     said = told(rung, errors(4.0, 4.2), errors(3.99, 4.21), gain=0.4)
     assert "It is not worth a parameter: the evidence rises by 0.4 nats" in said
     assert said.count("does not fall") == 2
-
-
-def test_what_holds_only_where_it_was_fitted_is_said(rung: MakeRung) -> None:
     assert "it fits the data, not the structure" in told(rung, errors(4.0, 4.2), errors(2.0, 6.0))
 
 
@@ -59,21 +53,18 @@ def test_what_holds_only_where_it_was_fitted_is_said(rung: MakeRung) -> None:
         (0.0, 0.0, "Its size ends at the bound of what its family allows, 0: the data want it beyond."),
     ],
 )
-def test_a_size_within_its_tolerance_is_no_fault(value: float, deviation: float | None, words: str, rung: MakeRung) -> None:
+def test_a_size_within_its_tolerance_is_no_fault(value, deviation, words, rung):
     size = VersionSize(key="", value=value, unit="1", deviation=deviation)
     assert words in told(rung, errors(4.0, 4.2), errors(2.0, 2.0), size=size)
 
 
-def test_tolerances_that_pay_for_a_good_fit_are_said(rung: MakeRung) -> None:
+def test_tolerances_that_pay_for_a_good_fit_are_said_by_what_is_due_and_not_how_many_there_are(rung):
     said = told(rung, errors(4.0, 4.2), errors(2.0, 2.0, tolerance_z2=426.0, tolerances=118, expected_z2=112.0, largest_z=3.9))
     assert "The tolerances still pay for it, sum z² 426, where about 112 is due: something else is wrong" in said
     one = told(rung, errors(4.0, 4.2), errors(2.0, 2.0, tolerance_z2=110.0, tolerances=118, expected_z2=112.0, largest_z=5.2))
     assert "one of them at 5.2 z" in one
     fair = errors(2.0, 2.0, tolerance_z2=130.0, tolerances=118, expected_z2=112.0, largest_z=3.1)
     assert "pay for it" not in told(rung, errors(4.0, 4.2), fair)
-
-
-def test_what_is_due_counts_and_not_how_many_there_are(rung: MakeRung) -> None:
     # of 270 tolerances the data tell 40: 120 is three times what is due
     said = told(rung, errors(4.0, 4.2), errors(2.0, 2.0, tolerance_z2=120.0, tolerances=270, expected_z2=40.0, largest_z=3.0))
     assert "where about 40 is due" in said
@@ -81,7 +72,7 @@ def test_what_is_due_counts_and_not_how_many_there_are(rung: MakeRung) -> None:
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=50)
 @given(z=st.lists(st.floats(-6, 6), min_size=1, max_size=30), tolerance=st.floats(1e-3, 10), told_share=st.floats(0.05, 1))
-def test_the_ladder_and_compare_judge_a_fit_alike(z: list[float], tolerance: float, told_share: float, rung: MakeRung) -> None:
+def test_the_ladder_and_compare_judge_a_fit_alike(z, tolerance, told_share, rung):
     free = tuple(Parameter(name=f"p{k}", unit="1", tolerance=tolerance, kind=SENSOR) for k in range(len(z)))
     of = Fit(
         parameters=free,
@@ -102,17 +93,11 @@ def test_the_ladder_and_compare_judge_a_fit_alike(z: list[float], tolerance: flo
     assert ("pay for it" in told(rung, errors(4.0, 4.2), new)) == absurd(of)
 
 
-def test_folds_that_rose_are_named_among_those_that_fell(rung: MakeRung) -> None:
+def test_fits_that_did_not_converge_come_first_folds_that_rose_are_named_and_evidence_is_needed(rung):
     before, after = ({"run x": 1.3, "run y": 1.3}, {"run x": 0.7, "run y": 2.6})
     said = told(rung, errors(2.0, 1.3, by_fold=before), errors(1.0, 1.9, by_fold=after))
     assert "1 fell and 1 rose, most of all run y: 1.3 % before and 2.6 % after" in said
-
-
-def test_fits_that_did_not_converge_come_first(rung: MakeRung) -> None:
     assert told(rung, errors(2.0, 2.0), errors(1.0, 1.0, converged=False)).startswith("A fit did not converge")
-
-
-def test_without_evidence_nothing_is_worth_a_parameter(rung: MakeRung) -> None:
     assert is_worth_adding(rung(1, 0, gain=9.0))
     assert not is_worth_adding(rung(1, 0, gain=5.0))
     assert not is_worth_adding(replace(rung(1, 0), gain=None))

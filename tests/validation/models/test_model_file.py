@@ -1,11 +1,8 @@
 """The model file: what is written is read back, what cannot be meant is refused by name, and an edit leaves the rest alone."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import fields
 from math import radians
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -81,13 +78,13 @@ def everything() -> Model:
     )
 
 
-def test_three_lines_are_a_model() -> None:
+def test_three_lines_are_a_model():
     model = model_file.of_text(SMALLEST, "m.toml")
     assert (model.article, model.kind, model.effects, model.fmd) == ("fmd+clumod-1", "beam", (), None)
     assert (model.tolerances, model.structure) == (Tolerances(), StructureTolerances())
 
 
-def test_what_is_written_is_read_back_to_the_last_bit() -> None:
+def test_what_is_written_is_read_back_to_the_last_bit():
     model = everything()
     again = model_file.of_text(model_file.text(model), "m.toml")
     for name in ("title", "article", "hardware", "gravity", "fmd_tolerance", "tolerances", "kind", "modes", "damping_ratio"):
@@ -102,7 +99,7 @@ def test_what_is_written_is_read_back_to_the_last_bit() -> None:
     assert model_file.text(again) == model_file.text(model)
 
 
-def test_every_tolerance_has_its_key_in_the_file() -> None:
+def test_every_tolerance_has_its_key_in_the_file():
     """A field added to `Tolerances` or `StructureTolerances` must find its way into the file."""
     strange = {one.name: 0.5 * getattr(Tolerances(), one.name) for one in fields(Tolerances)}
     halves = {one.name: 0.5 * getattr(StructureTolerances(), one.name) for one in fields(StructureTolerances)}
@@ -125,7 +122,7 @@ def test_every_tolerance_has_its_key_in_the_file() -> None:
     position=st.floats(0.0, 50.0),
     angle=st.floats(0.0, 20.0),
 )
-def test_figures_of_a_file_survive_reading_and_writing(mass: float, cog: list[float], position: float, angle: float) -> None:
+def test_figures_of_a_file_survive_reading_and_writing(mass, cog, position, angle):
     moment = 0.01 * mass
     text = SMALLEST + (
         f"[laboratory.fmd]\nmass_kg = {mass!r}\ncog_mm = {cog!r}\nmoi_cog_kgm2 = [{moment!r}, {moment!r}, {moment!r}]\n"
@@ -138,14 +135,14 @@ def test_figures_of_a_file_survive_reading_and_writing(mass: float, cog: list[fl
 
 
 @pytest.mark.parametrize("family", sorted(FAMILIES))
-def test_the_example_of_every_family_can_stand_in_a_model(family: str) -> None:
+def test_the_example_of_every_family_can_stand_in_a_model(family):
     example = FAMILIES[family].example.partition(", or ")[0]
     model = Model(source="m.toml", title="", article="fmd+clumod-4", effects=(added(example),))
     again = model_file.of_text(model_file.text(model), "m.toml").effects[0].named
     assert (again.id, dict(again.values)) == (parse(example).id, dict(parse(example).values))
 
 
-def test_dimensions_may_be_written_as_tables() -> None:
+def test_dimensions_may_be_written_as_tables():
     flat = model_file.of_text(SMALLEST + '[structure.dimensions]\n"clumod.mast.outer_diameter_mm" = 60\n', "m.toml")
     deep = model_file.of_text(SMALLEST + "[structure.dimensions.clumod.mast]\nouter_diameter_mm = 60.0\n", "m.toml")
     assert flat.changes == deep.changes == {"clumod.mast.outer_diameter_mm": 60.0}
@@ -213,19 +210,21 @@ def test_dimensions_may_be_written_as_tables() -> None:
         (SMALLEST + "[[effect]]\nid = 'polarity:a'\n[[effect]]\nid = 'polarity:a'", "effect[2].id", "stands there twice"),
     ],
 )
-def test_what_cannot_be_meant_is_refused_by_name(text: str, field: str, says: str) -> None:
+def test_what_cannot_be_meant_is_refused_by_name(text, field, says):
     with pytest.raises(BadInput, match=re.escape(says)) as refused:
         model_file.of_text(text, "lab.toml")
     assert refused.value.source == "lab.toml"
     assert refused.value.field.startswith(field)
 
 
-def test_a_file_that_is_not_there_says_how_to_get_one(tmp_path: Path) -> None:
+def test_a_file_that_is_not_there_says_how_to_get_one_and_an_effect_that_is_not_cannot_be_taken_out(tmp_path):
     with pytest.raises(BadInput, match=r"there is no such file\. Write one with `massline model ARTICLE"):
         model_file.read(tmp_path / "none.toml")
+    with pytest.raises(BadInput, match=r"no such effect\. Did you mean force-gain:fmd-z2\?"):
+        model_file.without_effect(BY_HAND, "force-gain:fmd-z3", "lab.toml")
 
 
-def test_an_own_model_is_found_from_the_folder_of_the_file(tmp_path: Path) -> None:
+def test_an_own_model_is_found_from_the_folder_of_the_file_and_of_no_known_kind_refused(tmp_path):
     (tmp_path / "mine.h5").touch()
     path = tmp_path / "lab.toml"
     path.write_text(
@@ -236,31 +235,22 @@ def test_an_own_model_is_found_from_the_folder_of_the_file(tmp_path: Path) -> No
     assert model.own == {"fmd+mine": str(tmp_path / "mine.h5")}
     assert [one.named.target for one in model.effects] == ["antenna", "boom"]
     assert '"fmd+mine" = "mine.h5"' in model_file.text(model)
-
-
-def test_an_own_model_of_no_known_kind_is_refused(tmp_path: Path) -> None:
     (tmp_path / "mine.xyz").touch()
     text = SMALLEST + f"[structure.own]\n'fmd+mine' = '{tmp_path}/mine.xyz'\n"
     with pytest.raises(BadInput, match=r"`structure.own.fmd\+mine`: a file that ends in .xyz cannot be read"):
         model_file.of_text(text, "lab.toml")
 
 
-def test_a_new_effect_comes_last_and_all_before_it_stays() -> None:
+def test_a_new_effect_comes_last_and_a_new_value_leaves_comments_and_order_that_of_a_resonator_too():
     edited = model_file.with_effect(BY_HAND, added("unit:cover-z3=g"))
     assert edited.startswith(BY_HAND)
     assert [one.named.id for one in model_file.of_text(edited, "m").effects][-1] == "unit:cover-z3"
     assert model_file.without_effect(edited, "unit:cover-z3") == BY_HAND
-
-
-def test_a_new_value_leaves_comments_and_order() -> None:
     edited = model_file.with_effect(BY_HAND, added("force-gain:fmd-z2=0.0785", _=0.0021))
     before, after = BY_HAND.splitlines(), edited.splitlines()
     assert [line for line in after if line not in before] == ["value = 0.0785          # by fit", "sd = 0.0021"]
     assert [line for line in before if line not in after] == ["value = 0.08          # by fit"]
     assert [line for line in after if line in before] == [line for line in before if line in after]
-
-
-def test_a_resonator_keeps_its_comments_too() -> None:
     new = added("appendage:z=m:0.06,f:22,zeta:0.02", m=0.001, f=0.2)
     edited = model_file.with_effect(BY_HAND, new)
     assert "value = { m = 0.06, f = 22.0, zeta = 0.02 }   # resonator" in edited
@@ -270,16 +260,13 @@ def test_a_resonator_keeps_its_comments_too() -> None:
     assert edited.endswith("# nothing follows\n")
 
 
-def test_without_an_effect_the_others_keep_their_comments() -> None:
+def test_without_an_effect_the_others_keep_their_comments_and_the_order_of_edits_does_not_matter():
     edited = model_file.without_effect(BY_HAND, "force-gain:fmd-z2")
     assert [one.named.id for one in model_file.of_text(edited, "m").effects] == ["appendage:z"]
     assert "# a loose cover, perhaps\n[[effect]]             # second" in edited
     assert "# --- what we found" in edited
     assert "dropped" not in edited
     assert [line for line in edited.splitlines() if line not in BY_HAND.splitlines()] == []
-
-
-def test_the_order_of_edits_does_not_matter_to_what_is_left() -> None:
     text = model_file.text(everything())
     for id in ("appendage:z", "polarity:fmd-z1", "force-gain:fmd-z2", "friction:flange:x"):
         text = model_file.without_effect(text, id)
@@ -289,14 +276,7 @@ def test_the_order_of_edits_does_not_matter_to_what_is_left() -> None:
     assert text == model_file.text(everything())
 
 
-def test_a_layout_of_several_lines_is_rewritten_whole() -> None:
-    text = SMALLEST + "[[effect]]\nid = 'appendage:z'  # ours\n[effect.value]\nm = 0.1\nf = 20.0\nzeta = 0.01\n"
-    edited = model_file.with_effect(text, added("appendage:z=m:0.2,f:20,zeta:0.01"))
-    assert model_file.of_text(edited, "m").effects[0].named.values["m"] == 0.2
-    assert model_file.without_effect(text, "appendage:z") == SMALLEST
-
-
-def test_what_an_edit_could_damage_is_refused() -> None:
+def test_what_an_edit_could_damage_is_refused():
     text = "effect = [{id = 'polarity:a'}]\n" + SMALLEST
     with pytest.raises(BadInput, match="Write each as a table of its own"):
         model_file.without_effect(text, "polarity:a")
@@ -311,19 +291,18 @@ def test_what_an_edit_could_damage_is_refused() -> None:
         model_file.without_effect(trap, "polarity:a")
 
 
-def test_a_text_of_several_lines_and_tables_between_effects_stay() -> None:
+def test_a_text_of_several_lines_and_tables_between_effects_stay():
     title, between = 'title = """\n[[effect]]\n"""', "[[effect]]\nid = 'polarity:a'\n\n[tolerances]  # ours\ngain = 0.01\n"
     text = SMALLEST.replace("[model]", f"[model]\n{title}") + between + "[[effect]]\nid = 'force-gain:fmd-z1'\nvalue = 0.1\n"
     assert model_file.with_effect(text, added("force-gain:fmd-z1=0.25")) == text.replace("value = 0.1", "value = 0.25")
     assert model_file.without_effect(text, "polarity:a") == text.replace("[[effect]]\nid = 'polarity:a'\n", "")
 
 
-def test_an_effect_that_is_not_there_cannot_be_taken_out() -> None:
-    with pytest.raises(BadInput, match=r"no such effect\. Did you mean force-gain:fmd-z2\?"):
-        model_file.without_effect(BY_HAND, "force-gain:fmd-z3", "lab.toml")
-
-
-def test_line_ends_of_another_system_stay() -> None:
+def test_line_ends_of_another_system_stay_and_a_layout_of_several_lines_is_rewritten_whole():
     text = BY_HAND.replace("\n", "\r\n")
     edited = model_file.with_effect(text, added("force-gain:fmd-z2=0.0785"))
     assert edited == text.replace("value = 0.08 ", "value = 0.0785 ")
+    text = SMALLEST + "[[effect]]\nid = 'appendage:z'  # ours\n[effect.value]\nm = 0.1\nf = 20.0\nzeta = 0.01\n"
+    edited = model_file.with_effect(text, added("appendage:z=m:0.2,f:20,zeta:0.01"))
+    assert model_file.of_text(edited, "m").effects[0].named.values["m"] == 0.2
+    assert model_file.without_effect(text, "appendage:z") == SMALLEST

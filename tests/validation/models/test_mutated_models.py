@@ -1,7 +1,5 @@
 """Whatever stands in a model file, a user reads a model or a sentence; and an edit changes one effect or refuses."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Iterator
 from contextlib import suppress
@@ -78,7 +76,7 @@ def read_or_refused(table: dict[str, Any]) -> Model | BadInput:
 
 
 @pytest.mark.parametrize("path", [*leaves(toml_file.parse(WHOLE, "whole"))], ids=lambda path: ".".join(map(str, path)))
-def test_a_strange_value_is_a_model_or_a_refusal_that_names_the_file(path: tuple[Any, ...]) -> None:
+def test_a_strange_value_is_a_model_or_a_refusal_that_names_the_file(path):
     whole = toml_file.parse(WHOLE, "whole")
     for strange in STRANGE:
         table = copy.deepcopy(whole)
@@ -97,7 +95,7 @@ def test_a_strange_value_is_a_model_or_a_refusal_that_names_the_file(path: tuple
 
 
 @pytest.mark.parametrize("path", [*leaves(toml_file.parse(WHOLE, "whole"))], ids=lambda path: ".".join(map(str, path)))
-def test_a_key_that_is_left_out_or_misspelt_is_a_model_or_a_refusal(path: tuple[Any, ...]) -> None:
+def test_a_key_that_is_left_out_or_misspelt_is_a_model_or_a_refusal(path):
     if isinstance(path[-1], int):
         return
     for name in ("", f"{path[-1]}x"):
@@ -140,7 +138,7 @@ def rearranged(generator: np.random.Generator) -> str:
     return small + "\n".join(lines)
 
 
-def test_an_edit_of_a_rearranged_file_changes_one_effect_or_refuses() -> None:
+def test_an_edit_of_a_rearranged_file_changes_one_effect_or_refuses():
     generator, edited = np.random.default_rng(2026), 0
     new = Added(named=parse("force-gain:fmd-z2=0.5"), deviation={"": 0.25})
     for _ in range(200):

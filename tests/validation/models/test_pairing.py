@@ -1,7 +1,5 @@
 """A model and campaigns that do not belong together say so, by the name of the file and of the field."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from typing import Any
@@ -49,27 +47,21 @@ def shifted(channel: Channel, by: tuple[float, float, float]) -> tuple[Place, ..
     return tuple(replace(place, position=place.position + np.array(by)) for place in channel.places)
 
 
-def test_one_model_serves_a_whole_series() -> None:
+def test_one_model_serves_a_whole_series_of_which_one_has_the_part():
     effects = ("force-gain:fmd-z2=0.08", "modulus:upper-long=0.1", "point-mass:lower-2+=0.1", "appendage:z=m:0.1,f:20,zeta:0.01")
     series = [campaign(article) for article in ("fmd+disc+cuboid", "fmd+clumod-1", "fmd+clumod-4")]
     require_pair(model(*effects), series)
+    require_pair(model("modulus:upper-long=0.1"), [campaign(), campaign("fmd+clumod-4")])
 
 
-def test_what_is_not_stated_fits_any() -> None:
+def test_what_is_not_stated_or_the_users_own_fits_and_what_acts_on_an_article_needs_one():
     require_pair(model(hardware=""), [campaign()])
     require_pair(model(), [campaign(hardware="")])
-
-
-def test_an_own_article_has_places_and_parts_that_nobody_knows() -> None:
     own = model("point-mass:antenna=0.1", "modulus:boom=0.1", article="fmd+satellite", own={"fmd+satellite": "s.h5"})
     require_pair(own, [campaign("fmd+satellite"), campaign("fmd+disc+cuboid")])
-
-
-def test_a_file_may_be_named_for_what_stands_on_the_fmd() -> None:
     require_pair(model("point-mass:antenna=0.1", article="fmd+satellite", own={"satellite": "s.h5"}), [campaign("fmd+satellite")])
-
-
-def test_what_acts_on_an_article_needs_one() -> None:
+    fewer = TABLE.subset(range(14, len(TABLE)))
+    require_pair(model(), [campaign(table=fewer)])
     error = refused(model("appendage:z=m:0.1,f:20,zeta:0.01", article="fmd"), campaign("fmd"))
     assert "nothing stands on the cover plate: fmd" in error.problem
     require_pair(model("force-gain:fmd-z1=0.1", article="fmd"), [campaign("fmd")])
@@ -103,16 +95,14 @@ FILE, ARTICLE, HARDWARE, GRAVITY = "fmd-clumod-1/campaign.toml", "model.article"
         ),
     ],
 )
-def test_what_does_not_belong_to_the_model_is_named(
-    described: dict[str, Any], tested: list[dict[str, Any]], source: str, field: str, says: str
-) -> None:
+def test_what_does_not_belong_to_the_model_is_named(described, tested, source, field, says):
     error = refused(model(**described), *(campaign(**one) for one in tested))
     assert (error.source, error.field) == (source, field)
     assert says in f"{error.problem}. {error.remedy}"
 
 
 @pytest.mark.parametrize("gravity", [9.80665, 9.78])
-def test_gravity_of_another_place_fits(gravity: float) -> None:
+def test_gravity_of_another_place_fits(gravity):
     require_pair(model(), [campaign(gravity=gravity)])
 
 
@@ -130,42 +120,35 @@ def test_gravity_of_another_place_fits(gravity: float) -> None:
         ("slosh:top=m:1,f:6,zeta:0.01", "no article here has the place 'top': fmd+clumod-1"),
     ],
 )
-def test_an_effect_that_acts_on_nothing_is_named(effect: str, says: str) -> None:
+def test_an_effect_that_acts_on_nothing_is_named(effect, says):
     error = refused(model(effect), campaign())
     assert error.source == "lab.toml"
     assert error.field == f"effect {effect.partition('=')[0]}"
     assert re.search(re.escape(says), f"{error.problem}. {error.remedy}")
 
 
-def test_the_campaign_that_has_the_part_makes_it_right() -> None:
-    require_pair(model("modulus:upper-long=0.1"), [campaign(), campaign("fmd+clumod-4")])
-
-
-def test_the_parts_of_a_rigid_model_do_not_give() -> None:
+def test_the_parts_of_a_rigid_model_do_not_give():
     error = refused(model("modulus:mast=0.1", kind="rigid"), campaign())
     assert "the parts of a rigid model do not give" in error.problem
     own = model("modulus:boom=0.1", article="fmd+satellite", kind="rigid", own={"fmd+satellite": "s.h5"})
     assert "the parts of a rigid model do not give" in refused(own, campaign("fmd+satellite")).problem
 
 
-def test_an_effect_on_the_way_in_is_held_against_the_same() -> None:
+def test_an_effect_on_the_way_in_is_held_against_the_same_and_a_channel_on_the_article_goes_with_it():
     with pytest.raises(BadInput, match="EFFECT: `effect force-gain:fmd-z9`: no campaign has the force channel"):
         require_target(model(), [campaign()], parse("force-gain:fmd-z9=0.1", ANY), "EFFECT")
     assert "lower-1+" in (vocabulary(model(), [campaign()]).places or ())
+    place = Place(position=np.array([0.0, 0.0, 1.0]), direction=np.array([1.0, 0.0, 0.0]))
+    tip = Channel(name="tip", quantity="acceleration", group="article", places=(place,))
+    require_pair(model(), [campaign(), campaign("fmd+clumod-4", table=replace(TABLE, channels=(*TABLE.channels, tip)))])
 
 
-def test_a_channel_that_one_of_two_campaigns_lacks_is_named() -> None:
+def test_a_channel_that_one_of_two_campaigns_lacks_is_named():
     fewer = TABLE.subset([k for k, name in enumerate(TABLE.names) if name != "cover-z3"])
     error = refused(model(), campaign(), campaign("fmd+clumod-4", table=fewer))
     assert (error.source, error.field) == ("fmd-clumod-4/campaign.toml", "channel")
     assert error.problem == "cover-z3 is a channel of fmd-clumod-1 and not of fmd-clumod-4; both have the same hardware A"
     assert "cover-z3 is a channel of fmd-clumod-1" in refused(model(), campaign("fmd+clumod-4", table=fewer), campaign()).problem
-
-
-def test_a_channel_on_the_article_goes_with_the_article() -> None:
-    place = Place(position=np.array([0.0, 0.0, 1.0]), direction=np.array([1.0, 0.0, 0.0]))
-    tip = Channel(name="tip", quantity="acceleration", group="article", places=(place,))
-    require_pair(model(), [campaign(), campaign("fmd+clumod-4", table=replace(TABLE, channels=(*TABLE.channels, tip)))])
 
 
 @pytest.mark.parametrize(
@@ -176,12 +159,12 @@ def test_a_channel_on_the_article_goes_with_the_article() -> None:
         ({"quantity": "force", "group": "fmd"}, "table-z1 measures acceleration in fmd-clumod-1 and force in fmd-clumod-4"),
     ],
 )
-def test_a_channel_that_is_another_is_named(changes: dict[str, Any], says: str) -> None:
+def test_a_channel_that_is_another_is_named(changes, says):
     other = with_channel("table-z1", unit="", **changes)
     assert says in refused(model(), campaign(), campaign("fmd+clumod-4", table=other)).problem
 
 
-def test_a_moved_and_a_turned_channel_are_named() -> None:
+def test_a_moved_and_a_turned_channel_are_named_and_the_same_places_in_another_frame_are_the_same():
     first = TABLE.channels[TABLE.names.index("cover-z1")]
     moved = with_channel("cover-z1", places=shifted(first, (0.01, 0.0, 0.0)))
     assert "cover-z1 lies at " in refused(model(), campaign(), campaign("fmd+clumod-4", table=moved)).problem
@@ -189,9 +172,6 @@ def test_a_moved_and_a_turned_channel_are_named() -> None:
     assert "cover-z1 points along (0, 0, 1)" in refused(model(), campaign(), campaign("fmd+clumod-4", table=turned)).problem
     double = with_channel("cover-z1", places=first.places * 2)
     assert "adds up 1 places" in refused(model(), campaign(), campaign("fmd+clumod-4", table=double)).problem
-
-
-def test_the_same_places_in_another_frame_are_the_same() -> None:
     by = (0.5, -0.2, 1.0)
     channels = tuple(replace(c, places=shifted(c, by)) for c in TABLE.channels)
     elsewhere = replace(TABLE, channels=channels, origin=TABLE.origin + np.array(by))
@@ -199,8 +179,3 @@ def test_the_same_places_in_another_frame_are_the_same() -> None:
     wrong = replace(TABLE, channels=channels)
     error = refused(model(), campaign(), campaign("fmd+clumod-4", table=wrong))
     assert "every channel lies (0.5, -0.2, 1) m farther from F than in fmd-clumod-1: one `frame.origin`" in error.problem
-
-
-def test_other_hardware_may_have_other_channels_only_on_its_own() -> None:
-    fewer = TABLE.subset(range(14, len(TABLE)))
-    require_pair(model(), [campaign(table=fewer)])

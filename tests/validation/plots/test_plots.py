@@ -1,7 +1,5 @@
 """Figures show the numbers that went in, in their units, light and dark by the template alone, and take no title for markup."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import log10
 from types import SimpleNamespace
@@ -108,28 +106,20 @@ LINES = UsedLines(frequency=F, condition=1 + F / 10, limit=3.0, kept=(F < 20).as
 
 
 @pytest.mark.parametrize("name", FIGURES)
-def test_dark_differs_from_light_by_the_template_alone(name: str) -> None:
+def test_dark_differs_by_the_template_alone_panels_say_their_units_and_names_from_files_are_no_markup(name):
     light, dark = FIGURES[name](False), FIGURES[name](True)
     assert interactive.figure_json(light) == interactive.figure_json(dark)
     assert light.layout.template.layout.paper_bgcolor != dark.layout.template.layout.paper_bgcolor
     assert '"template"' not in interactive.figure_json(light)
-
-
-@pytest.mark.parametrize("name", FIGURES)
-def test_every_panel_says_its_units(name: str) -> None:
     layout = FIGURES[name](False).layout
     said = [layout[key].title.text for key in layout if key.startswith(("xaxis", "yaxis")) and layout[key].title.text]
     said += [note.text for note in layout.annotations]
     assert any("[" in text and "]" in text for text in said)
-
-
-@pytest.mark.parametrize("name", FIGURES)
-def test_names_from_files_are_no_markup(name: str) -> None:
     text = interactive.figure_json(FIGURES[name](False)).encode().decode("unicode_escape")
     assert not [one for one in ("<b>", "<mast>", "<i>", "<u>", "<s>") if one in text]
 
 
-def test_an_overlay_shows_magnitude_and_phase_of_its_entry() -> None:
+def test_an_overlay_shows_magnitude_and_phase_of_its_entry_which_stays_where_it_is_in_a_little_noise():
     figure = maps.overlay(pairs(), 3, 5, further={"with it": 2 * pairs().predicted})
     by_name = {trace.name: trace for trace in figure.data if trace.showlegend and trace.yaxis == "y"}
     H = pairs().predicted[:, 3, 5]
@@ -140,9 +130,6 @@ def test_an_overlay_shows_magnitude_and_phase_of_its_entry() -> None:
     assert_allclose(np.exp(1j * np.radians(phase.y)), H / np.abs(H), atol=1e-4)
     assert (by_name["predicted"].x0, by_name["predicted"].dx) == (4.0, 0.5)
     assert "kg m²" in figure.layout.yaxis.title.text
-
-
-def test_a_negative_entry_with_a_little_noise_has_a_phase_that_stays_where_it_is() -> None:
     noise = np.random.default_rng(0).normal(scale=0.02, size=100)
     shown = interactive.phase(-1.0 + 1j * noise)
     assert np.ptp(shown) < 10
@@ -150,26 +137,16 @@ def test_a_negative_entry_with_a_little_noise_has_a_phase_that_stays_where_it_is
 
 
 @pytest.mark.parametrize(("entry", "unit"), [((0, 0), "kg"), ((0, 4), "kg m"), ((5, 1), "kg m"), ((3, 5), "kg m²")])
-def test_units_of_the_entries(entry: tuple[int, int], unit: str) -> None:
+def test_units_of_the_entries(entry, unit):
     assert style.unit(*entry) == unit
 
 
-def test_an_entry_that_symmetry_makes_nothing_neither_sets_the_scale_nor_shows_a_phase() -> None:
+def test_an_entry_that_symmetry_makes_nothing_shows_no_phase_and_a_map_keeps_its_worst_cell():
     figure = maps.overlay(pairs(), 0, 2)
     low, _ = figure.layout.yaxis.range
     assert low > log10(1e-3)
     phase = next(trace for trace in figure.data if trace.name == "predicted" and trace.yaxis == "y2")
     assert np.isnan(phase.y).all()
-
-
-def test_the_band_is_two_standard_deviations_wide() -> None:
-    figure = maps.overlay(pairs(), 1, 1)
-    low, high = (trace.y for trace in figure.data[:2])
-    assert_allclose(high - low, 4 * 0.1, rtol=1e-2)  # single precision at a resonance
-    assert figure.data[1].name == "expected, ± 2 σ"  # of a complex difference: of magnitudes no per cent is due in it
-
-
-def test_a_map_keeps_its_worst_cell_and_leaves_unchecked_rows_empty() -> None:
     heat = maps.channel_map(channel_map()).data[0]
     assert tuple(heat.y) == maps.labels(channel_map()) == ("fmd-z1", "fmd-z2", "force along x")
     assert tuple(heat.customdata[1, 20]) == (7.5, F[20])
@@ -179,19 +156,25 @@ def test_a_map_keeps_its_worst_cell_and_leaves_unchecked_rows_empty() -> None:
     assert np.nanmax(quiet.customdata[:, :, 0]) == 0
 
 
-def test_a_map_of_pairs_names_load_first_and_motion_second() -> None:
+def test_the_band_is_two_standard_deviations_wide_and_a_map_of_pairs_names_load_first():
     heat = maps.pair_map(pairs()).data[0]
     row = list(heat.y).index("zβ")
     assert_allclose(heat.customdata[row, :, 0], pairs().sigma[:, 2, 4], rtol=1e-6)
     assert not np.allclose(heat.customdata[row, :, 0], pairs().sigma[:, 4, 2])
+    figure = maps.overlay(pairs(), 1, 1)
+    low, high = (trace.y for trace in figure.data[:2])
+    assert_allclose(high - low, 4 * 0.1, rtol=1e-2)  # single precision at a resonance
+    assert figure.data[1].name == "expected, ± 2 σ"  # of a complex difference: of magnitudes no per cent is due in it
 
 
-def test_levels_follow_the_bounds_of_the_scale() -> None:
+def test_levels_follow_the_bounds_of_the_scale_and_the_axis_of_evidence_is_linear_then_logarithmic():
     found = interactive.levels(np.array([0.0, 0.99, 1.0, 3.9, 4.0, 99.0, 100.0, 1e6, np.nan]))
     assert_allclose(found, [0, 0, 1, 3, 4, 8, 9, 9, np.nan])
+    nats = np.array([-1000.0, -10.0, -3.0, 0.0, 5.0, 10.0, 100.0, 1000.0])
+    assert_allclose(spec.signed_log(nats), [-30, -10, -3, 0, 5, 10, 20, 30])
 
 
-def test_thinning_keeps_every_peak() -> None:
+def test_thinning_keeps_every_peak():
     frequency = np.linspace(0, 1, 1000)
     values = np.zeros((1000, 2))
     values[613, 1] = 9.0
@@ -204,7 +187,7 @@ def test_thinning_keeps_every_peak() -> None:
 
 
 @pytest.mark.parametrize("most", [100, 1000])
-def test_a_line_that_nothing_checks_hides_no_other(most: int) -> None:
+def test_a_line_that_nothing_checks_hides_no_other(most):
     values = np.ones((1000, 2))
     values[501, 0], values[[500, 502], 0], values[:, 1] = 80.0, np.nan, np.nan
     thin = interactive.worst(np.arange(1000.0), values, most=most)
@@ -213,7 +196,7 @@ def test_a_line_that_nothing_checks_hides_no_other(most: int) -> None:
     assert np.isnan(thin.values[:, 1]).all()
 
 
-def test_evidence_is_ranked_coloured_by_standing_and_told_with_its_size() -> None:
+def test_evidence_is_ranked_coloured_by_standing_and_told_with_its_size():
     figure = crosscheck.evidence(diagnosed())
     assert list(figure.layout.yaxis.categoryarray) == ["force-gain:fmd-z2", "cell-stiffness:2z", "force-gain:fmd-z1"]
     bars = {bar.y[0]: bar for bar in figure.data if bar.type == "bar"}
@@ -228,12 +211,7 @@ def test_evidence_is_ranked_coloured_by_standing_and_told_with_its_size() -> Non
     assert told.x[2] == 0.0  # a cause that the data speak against
 
 
-def test_the_axis_of_evidence_is_linear_then_logarithmic_and_never_turns_back() -> None:
-    nats = np.array([-1000.0, -10.0, -3.0, 0.0, 5.0, 10.0, 100.0, 1000.0])
-    assert_allclose(spec.signed_log(nats), [-30, -10, -3, 0, 5, 10, 20, 30])
-
-
-def test_the_ladder_follows_the_way_and_puts_branches_aside() -> None:
+def test_the_ladder_follows_the_way_and_puts_branches_aside():
     figure = history.falling_errors(standing())
     strong = next(trace for trace in figure.data if trace.name == "plain, fitted data" and trace.showlegend)
     aside = next(trace for trace in figure.data if trace.name == "plain, fitted data" and not trace.showlegend)
@@ -241,26 +219,23 @@ def test_the_ladder_follows_the_way_and_puts_branches_aside() -> None:
     assert (list(aside.customdata), list(aside.x)) == ([1], [1])
 
 
-def test_inertia_is_shown_in_per_cent_and_millimetres_with_95_per_cent() -> None:
+def test_inertia_is_shown_in_per_cent_and_millimetres_and_lines_that_were_left_out_are_marked():
     figure = history.identified_inertia({"plain": body()})
     of_mass, of_cog, _ = figure.data
     assert_allclose(of_mass.y[0], 1.0)
     assert_allclose(of_cog.y, [0.0, 0.0, 3.1], atol=1e-9)  # [mm]
     assert_allclose(of_mass.error_y.array[0], 100 * 1.959964 * 0.01 / 47.4, rtol=1e-6)
-
-
-def test_lines_that_were_left_out_are_marked() -> None:
     left = next(trace for trace in identification.condition(LINES).data if trace.name == "left out")
     assert_allclose(left.x, F[F >= 20])
 
 
 @pytest.mark.parametrize(("low", "high"), [(0.0, 0.05), (1.5, 1.9), (-3.0, -0.5), (0.0, 5.0), (-0.001, 0.001)])
-def test_a_logarithmic_axis_has_round_ticks_within_itself(low: float, high: float) -> None:
+def test_a_logarithmic_axis_has_round_ticks_within_itself(low, high):
     ticks = interactive.decades(low, high)["tickvals"]
     assert 2 <= len(ticks) <= 12
     assert all(low - 1e-9 <= log10(tick) <= high + 1e-9 for tick in ticks)
 
 
-def test_templates_are_json_and_differ() -> None:
+def test_templates_are_json_and_differ():
     assert interactive.template_json(False) != interactive.template_json(True)
     assert "heatmap" in interactive.template_json(False)

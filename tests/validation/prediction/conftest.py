@@ -38,13 +38,13 @@ def plan() -> Callable[..., Plan]:
 
 
 @pytest.fixture(scope="session")
-def ordinary(plan: Callable[..., Plan]) -> Tested:
+def ordinary(plan) -> Tested:
     """``ordinary(article, model)``: a laboratory of ordinary tolerances, each once."""
     return cache(lambda article, model: simulate(plan(article=article, model=model)))
 
 
 @pytest.fixture(scope="session")
-def faulty(plan: Callable[..., Plan]) -> Tested:
+def faulty(plan) -> Tested:
     """``faulty(article, effect, ...)``: a laboratory that knows everything but these effects, each once."""
     return cache(lambda article, *effects: simulate(exact(plan(article=article, effects=planted(parse_all(effects))))))
 
@@ -64,7 +64,7 @@ def added() -> Callable[..., tuple[Added, ...]]:
 
 
 @pytest.fixture(scope="session")
-def predicted(model: Callable[..., Model]) -> Predict:
+def predicted(model) -> Predict:
     """``predicted(test, ..., **changes of the model)``"""
     return lambda *tests, **changes: predictions(model(**changes), [test.campaign for test in tests])
 

@@ -1,7 +1,5 @@
 """Effects on a structure: equations, derivatives and bounds."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -179,18 +177,18 @@ def on(article: str, text: str) -> str:
 
 @pytest.mark.parametrize("text", PLANTED)
 @pytest.mark.parametrize("article", ["clumod-1", "clumod-4", "disc+cuboid"])
-def test_a_planted_effect_is_the_predicted_one(article: str, text: str) -> None:
+def test_a_planted_effect_is_the_predicted_one(article, text):
     effect = on(article, text)
     _require_same(article, effect, RATIO, PLANTED[text])
 
 
 @pytest.mark.parametrize("text", OF_PARTS)
-def test_a_planted_effect_on_a_part_is_the_predicted_one(text: str) -> None:
+def test_a_planted_effect_on_a_part_is_the_predicted_one(text):
     _require_same("clumod-4", text, None, OF_PARTS[text])
 
 
 @pytest.mark.parametrize(("article", "text"), [("clumod-1", "modulus:lower-1=-0.1"), ("clumod-4", "modulus:mast=0.05")])
-def test_a_planted_modulus_leaves_stated_ratios_as_they_are(article: str, text: str) -> None:
+def test_a_planted_modulus_leaves_stated_ratios_as_they_are(article, text):
     _require_same(article, text, RATIO, 2e-3)
 
 
@@ -205,12 +203,12 @@ def _require_same(article: str, effect: str, damping: Damping | None, share: flo
 
 
 @pytest.mark.parametrize("article", ["clumod-1", "clumod-4", "disc+cuboid"])
-def test_nothing_planted_is_nothing_predicted(article: str) -> None:
+def test_nothing_planted_is_nothing_predicted(article):
     assert apart(model(article).dynamic_mass(())[0], rig(article)) < 1e-6
 
 
 @pytest.mark.parametrize(("part", "eta"), [("mast", 0.01), ("upper-short", 0.02), ("upper-short-silicone", 0.1)])
-def test_a_lossier_part_is_what_the_lossier_structure_is(part: str, eta: float) -> None:
+def test_a_lossier_part_is_what_the_lossier_structure_is(part, eta):
     structure = articles.structure("clumod-4")
     losses = {name: old + eta * (prediction_structure.sheet(name) == part) for name, old in structure.loss_factors.items()}
     truth = direct(replace(structure, loss_factors=losses), LINES).matrix
@@ -240,7 +238,7 @@ AT = np.array([5.0, 8.7, 11.3, 21.0])
 DRIVEN = np.array([2.5, 0.0, 0.0, 0.0, 3.0, 0.0])
 
 
-def test_derivatives_of_a_whole_model_are_its_differences() -> None:
+def test_derivatives_of_a_whole_model_are_its_differences():
     of, effects = model("clumod-1", None), added(*SEVERAL)
     parameters = of.parameters(effects)
     offsets = {one.name: one.start + 0.3 * one.tolerance * (one.kind != "effect") for one in parameters}
@@ -259,16 +257,13 @@ def test_derivatives_of_a_whole_model_are_its_differences() -> None:
         )
 
 
-def test_fixed_effects_act_and_are_no_parameters() -> None:
+def test_fixed_effects_act_and_are_no_parameters_and_opened_ones_leave_their_tolerance():
     of, free = model("clumod-1"), added("point-mass:mast-top=0.5")
     fixed = tuple(replace(one, fixed=True) for one in free)
     assert {one.name for one in of.parameters(free)} - {one.name for one in of.parameters(fixed)} == {"point-mass:mast-top"}
     H, changes = of.dynamic_mass(fixed)
     np.testing.assert_array_equal(H, of.dynamic_mass(free)[0])
     assert "point-mass:mast-top" not in changes
-
-
-def test_an_opened_parameter_leaves_its_tolerance_and_starts_where_the_model_has_it() -> None:
     of, effects = model("clumod-1"), added("modulus:mast=0.05")
     (one,) = (parameter for parameter in of.parameters(effects) if parameter.name == "modulus:mast")
     assert (one.kind, one.tolerance) == ("effect", FAMILIES["modulus"].sizes[0].plausible)
@@ -278,7 +273,7 @@ def test_an_opened_parameter_leaves_its_tolerance_and_starts_where_the_model_has
     np.testing.assert_allclose(known["modulus:mast"], np.log(1.05))
 
 
-def test_an_effect_at_a_place_that_is_not_there_changes_nothing() -> None:
+def test_an_effect_at_a_place_that_is_not_there_changes_nothing():
     of = model("clumod-1")
     effects = (Added(named=Named(family="point-mass", targets=("lower-2+",), values={"": 1.0})),)
     m, changes = prediction_effects.structure(of.of.nominal, {}, effects)
@@ -286,7 +281,7 @@ def test_an_effect_at_a_place_that_is_not_there_changes_nothing() -> None:
     assert not changes
 
 
-def test_channels_carry_derivatives_through_and_add_their_own() -> None:
+def test_channels_carry_derivatives_through_and_add_their_own():
     """A gain written as an equation: rows and earlier derivatives are multiplied, its own derivative is the row."""
     generator = np.random.default_rng(4)
     rows, before = (generator.standard_normal((3, 2, 6)) + 1j * generator.standard_normal((3, 2, 6)) for _ in range(2))
@@ -296,9 +291,6 @@ def test_channels_carry_derivatives_through_and_add_their_own() -> None:
     sign = np.array([1.0, -1.0])[:, None]
     np.testing.assert_allclose(after.rows, sign * rows)
     np.testing.assert_allclose(changes["one"], sign * before)
-
-
-# A fit may give an effect what its family allows, and no more; that it is not there is always allowed
 
 
 WORDS = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
@@ -314,7 +306,7 @@ WORDS = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
         "friction:flange:x=3",
     ],
 )
-def test_bounds_are_those_of_the_family_and_hold_no_effect(text: str) -> None:
+def test_bounds_are_those_of_the_family_and_hold_no_effect(text):
     named = parse(text, WORDS)
     sizes = {effects.name(named, size.key): size for size in named.sizes}
     found = effects.parameters((Added(named=named),))
@@ -327,7 +319,7 @@ def test_bounds_are_those_of_the_family_and_hold_no_effect(text: str) -> None:
         assert size.logarithmic or one.low <= 0.0 <= one.high
 
 
-def test_a_tolerance_that_becomes_an_effect_gets_the_bounds_of_its_family() -> None:
+def test_a_tolerance_that_becomes_an_effect_gets_the_bounds_of_its_family():
     declared = Parameter(
         name="modulus:mast", unit="1", tolerance=0.025, kind=DECLARED, nominal=1.0, logarithmic=True, above=-1.0, within=0.0625
     )

@@ -1,10 +1,7 @@
 """Weighing and pendulum beside the spectra, and effects that leave no body."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -54,7 +51,7 @@ gross = "30 kg"
 
 
 @pytest.fixture
-def compound(tmp_path: Path) -> Callable[[float], str]:
+def compound(tmp_path) -> Callable[[float], str]:
     """``compound(period)``: a file of the Cuboid on a pivot."""
 
     def made(period: float) -> str:
@@ -65,14 +62,11 @@ def compound(tmp_path: Path) -> Callable[[float], str]:
     return made
 
 
-def test_published_values_are_met_by_the_reconstruction(model: Any) -> None:
+def test_published_values_are_met_by_the_reconstruction_and_a_point_mass_weighs_and_shifts(model, added):
     """To what `massline reference` shows: tolerances of the mass, of the crane and of the pendulum."""
     found = {one.name: one.residual({})[0] for one in facts(model(), SHIPPED)}
     assert len(found) == 5
     assert max(abs(z) for z in found.values()) < 2 * NORMAL_95, found
-
-
-def test_a_point_mass_weighs_and_shifts(model: Any, added: Any) -> None:
     plain, loaded = (facts(model(effects=effects), SHIPPED[:2]) for effects in ((), added("point-mass:mast-top=0.5")))
     name = "point-mass:mast-top"
     (m0, z0), (m1, z1) = ([(one.residual({name: 0.5})[0] * one.deviation + one.value) for one in of] for of in (plain, loaded))
@@ -83,9 +77,11 @@ def test_a_point_mass_weighs_and_shifts(model: Any, added: Any) -> None:
     assert_allclose(z1, (m0 * z0 + 0.5 * top) / (m0 + 0.5), rtol=1e-12)
 
 
-def test_what_swings_on_the_shaker_is_not_there_on_the_balance(model: Any, added: Any) -> None:
+def test_what_swings_on_the_shaker_is_not_on_the_balance_and_ropes_do_nothing_to_a_pivot(model, added, compound):
     (one,) = facts(model(effects=added("appendage:z=m:0.5,f:20,zeta:0.01", "force-gain:fmd-z1=0.1")), SHIPPED[:1])
     assert one.parameters == ()
+    (fact,) = facts(model(effects=added("rope-mass=0.3", "pendulum-damping=0.02")), [compound(1.25)])
+    assert [one.name for one in fact.parameters] == ["pendulum-damping"]
 
 
 EFFECTS = (
@@ -94,7 +90,7 @@ EFFECTS = (
 )
 
 
-def test_derivatives_are_those_of_finite_differences(model: Any, added: Any) -> None:
+def test_derivatives_are_those_of_finite_differences(model, added):
     for fact in facts(model(effects=added(*EFFECTS, "off-centre-suspension=0.02")), SHIPPED):
         start = {one.name: one.start for one in fact.parameters}
         _, changes = fact.residual(start)
@@ -117,7 +113,7 @@ def _quantities(fact: ArticleFact) -> np.ndarray:
     return quantities(fact.of.at({})[0])
 
 
-def test_a_wide_swing_is_predicted_to_take_longer(model: Any, added: Any, compound: Any) -> None:
+def test_a_wide_swing_is_predicted_to_take_longer(model, added, compound):
     """A pivot swinging at 0.3 rad measures as one of small swings whose period is shorter by 2 K / pi."""
     factor = plane_amplitude_factor(0.3)
     (small,) = facts(model(), [compound(1.25)])
@@ -127,19 +123,11 @@ def test_a_wide_swing_is_predicted_to_take_longer(model: Any, added: Any, compou
     assert abs(_inertia(wide, {}) - expected) > 1e-3 * expected
 
 
-def test_effects_of_ropes_do_nothing_to_a_pivot(model: Any, added: Any, compound: Any) -> None:
-    (fact,) = facts(model(effects=added("rope-mass=0.3", "pendulum-damping=0.02")), [compound(1.25)])
-    assert [one.name for one in fact.parameters] == ["pendulum-damping"]
-
-
-def test_the_fmd_is_not_weighed_by_a_model(model: Any, tmp_path: Path) -> None:
+def test_the_fmd_is_not_weighed_by_a_model(model, tmp_path):
     path = tmp_path / "fmd.toml"
     path.write_text(FMD_WEIGHED, encoding="utf-8")
     with pytest.raises(BadInput, match="FMD's inertia only by its tare"):
         facts(model(), [str(path)])
-
-
-# Masses and inertias that leave no body are refused before anything is fitted, and those that leave one are not
 
 
 ANY = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
@@ -153,7 +141,7 @@ def table() -> ChannelTable:
 
 
 @pytest.fixture
-def campaign(table: ChannelTable) -> MakeCampaign:
+def campaign(table) -> MakeCampaign:
     return lambda article: Campaign(article=article, title="", table=table, runs=(), source="one", gravity=9.81)
 
 
@@ -173,9 +161,7 @@ def model(*effects: str, fixed: bool = False, **changes: Any) -> Model:
         (("point-mass:top=-90",), "the mass must be positive"),
     ],
 )
-def test_what_leaves_no_body_is_refused_by_name_with_what_results(
-    effects: tuple[str, ...], words: str, kind: str, fixed: bool, campaign: MakeCampaign
-) -> None:
+def test_what_leaves_no_body_is_refused_by_name_with_what_results(effects, words, kind, fixed, campaign):
     with pytest.raises(BadInput) as caught:
         require_bodies(model(*effects, kind=kind, fixed=fixed), [campaign("fmd"), campaign("fmd+cuboid")])
     assert caught.value.field == f"effect {effects[0].partition('=')[0]}"
@@ -183,7 +169,7 @@ def test_what_leaves_no_body_is_refused_by_name_with_what_results(
     assert words in caught.value.problem
 
 
-def test_effects_are_judged_together(campaign: MakeCampaign) -> None:
+def test_effects_are_judged_together(campaign):
     longer = ("rigid-inertia:Ixx=2", "rigid-inertia:Iyy=2")
     require_bodies(model(*longer, kind="rigid"), [campaign("fmd+cuboid")])
     for one in longer:
@@ -199,11 +185,11 @@ def test_effects_are_judged_together(campaign: MakeCampaign) -> None:
         ("point-mass:mast-top=-0.2",),  # nothing of the Cuboid is there
     ],
 )
-def test_what_leaves_a_body_passes(effects: tuple[str, ...], campaign: MakeCampaign) -> None:
+def test_what_leaves_a_body_passes(effects, campaign):
     require_bodies(model(*effects, kind="rigid"), [campaign("fmd"), campaign("fmd+cuboid")])
 
 
-def test_the_limit_is_the_mass_of_the_article(campaign: MakeCampaign) -> None:
+def test_the_limit_is_the_mass_of_the_article(campaign):
     of = drawn_inertia(model(kind="rigid"), "cuboid")
     # what is taken away at the centre of gravity leaves the moments about it
     require_bodies(model(f"rigid-inertia:m={-0.999 * of.mass!r}", kind="rigid"), [campaign("fmd+cuboid")])
@@ -211,10 +197,8 @@ def test_the_limit_is_the_mass_of_the_article(campaign: MakeCampaign) -> None:
         require_bodies(model(f"rigid-inertia:m={np.nextafter(-of.mass, -1e9)!r}", kind="rigid"), [campaign("fmd+cuboid")])
 
 
-def test_warnings_of_the_arithmetic_never_reach_the_terminal(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def overflows(arguments: list[str] | None = None) -> int:
+def test_warnings_of_the_arithmetic_never_reach_the_terminal(monkeypatch, capsys):
+    def overflows(arguments=None):
         warnings.warn("overflow encountered in exp", RuntimeWarning, stacklevel=1)
         return main.DONE
 

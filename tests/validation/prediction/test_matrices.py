@@ -59,20 +59,22 @@ def apart(found: Array, truth: Array) -> float:
 
 @pytest.mark.parametrize("damping", [LOSSES, RATIO], ids=["losses", "ratio"])
 @pytest.mark.parametrize("article", ARTICLES)
-def test_the_dynamic_mass_is_that_of_the_whole_structure(article: str, damping: Damping | None) -> None:
+def test_the_dynamic_mass_is_that_of_the_whole_structure(article, damping):
     found = dynamic_mass.dynamic_mass(made(article, damping), LINES).matrix
     assert apart(found, direct(structure(article), LINES, damping, modes=modes(article, damping)).matrix) < NOMINAL
 
 
-def test_structural_damping_stays_structural() -> None:
+def test_structural_damping_stays_structural_and_inertia_is_in_the_first_six_coordinates():
     m = made("clumod-4")
     assert not np.any(m.viscous)
     assert np.any(m.structural)
     assert not np.any(made("clumod-4", RATIO).structural)
+    found = Inertia.from_mass_matrix(made("clumod-4").mass[:6, :6])
+    np.testing.assert_allclose(found.mass, structure("clumod-4").rigid_mass[0, 0], rtol=1e-12)
 
 
 @pytest.mark.parametrize("part", ["mast", "lower-1", "upper-short", "upper-short-silicone"])
-def test_a_stiffer_part_is_what_the_stiffer_structure_is(part: str) -> None:
+def test_a_stiffer_part_is_what_the_stiffer_structure_is(part):
     m, whole = made("clumod-4"), structure("clumod-4")
     shares = {name: K * (1.1 if prediction_structure.sheet(name) == part else 1.0) for name, K in whole.part_stiffness.items()}
     stiffer = replace(whole, stiffness=sum(shares.values()), part_stiffness=shares)
@@ -85,7 +87,7 @@ def test_a_stiffer_part_is_what_the_stiffer_structure_is(part: str) -> None:
 
 
 @pytest.mark.parametrize("place", ["mast-top", "hub-3", "lower-1+"])
-def test_a_mass_at_a_place_is_what_the_heavier_structure_is(place: str) -> None:
+def test_a_mass_at_a_place_is_what_the_heavier_structure_is(place):
     from scipy.sparse import csr_array
 
     whole, at = structure("clumod-4"), locations("clumod-4")[place]
@@ -99,13 +101,10 @@ def test_a_mass_at_a_place_is_what_the_heavier_structure_is(place: str) -> None:
     assert apart(dynamic_mass.dynamic_mass(replace(m, mass=m.mass + 0.5 * phi.T @ phi), LINES).matrix, truth) < CHANGED
 
 
-def test_parts_share_the_whole_stiffness_and_sheets_of_one_material_are_one_part() -> None:
+def test_parts_share_the_whole_stiffness_and_a_rigid_body_is_its_mass_matrix():
     m = made("clumod-4")
     assert set(m.parts) == {"mast", "lower-1", "lower-2", "upper-long", "upper-short", "upper-short-silicone"}
     np.testing.assert_allclose(sum(m.parts.values()), m.stiffness, atol=1e-9 * np.abs(m.stiffness).max())
-
-
-def test_a_rigid_body_is_its_mass_matrix_and_its_places_ride_on_it() -> None:
     body = inertia(built_in("cuboid"))
     m = prediction_structure.of_inertia(body, {"top": [0.0, 0.0, 0.4]})
     found = dynamic_mass.dynamic_mass(m, LINES).matrix
@@ -115,13 +114,13 @@ def test_a_rigid_body_is_its_mass_matrix_and_its_places_ride_on_it() -> None:
 
 
 @pytest.mark.parametrize("damping", [LOSSES, RATIO], ids=["losses", "ratio"])
-def test_modal_data_alone_answer_as_their_modes_and_residual_do(damping: Damping | None) -> None:
+def test_modal_data_alone_answer_as_their_modes_and_residual_do(damping):
     bare = replace(modes("clumod-1", damping), shapes=np.zeros((0, 30)), condensed=None)
     found = dynamic_mass.dynamic_mass(prediction_structure.of_modes(bare), LINES).matrix
     assert apart(found, by_modes(bare, LINES).matrix) < 1e-5  # carriers of R lie four times above the modes
 
 
-def test_a_structure_about_another_point_is_the_same_about_the_origin() -> None:
+def test_a_structure_about_another_point_is_the_same_about_the_origin():
     whole, point = structure("clumod-1"), np.array([0.1, -0.2, 0.3])
     moved = replace(whole, rigid=whole.rigid @ rigid_transformation_6(-point), reference_point=point)
     found = prediction_structure.of_structure(moved, fixed_base(moved, 30), locations("clumod-1"), article=built_in("clumod-1"))
@@ -129,7 +128,7 @@ def test_a_structure_about_another_point_is_the_same_about_the_origin() -> None:
     assert apart(dynamic_mass.dynamic_mass(found, LINES).matrix, expected) < 1e-9
 
 
-def test_a_model_twice_as_large_of_the_same_material_scales() -> None:
+def test_a_model_twice_as_large_of_the_same_material_scales_and_modes_of_other_damping_are_refused():
     """Lengths x s: masses x s³, inertia x s⁵, frequencies / s; the axes of rotations count no length."""
     s, whole = 2.0, structure("clumod-1")
     found = prediction_structure.of_structure(
@@ -138,6 +137,10 @@ def test_a_model_twice_as_large_of_the_same_material_scales() -> None:
     length = np.repeat([1.0, s], 3)
     expected = s**3 * np.outer(length, length) * dynamic_mass.dynamic_mass(made("clumod-1"), LINES).matrix
     assert apart(dynamic_mass.dynamic_mass(found, LINES / s).matrix, expected) < NOMINAL
+    with pytest.raises(ValueError, match="that of `modes`"):
+        prediction_structure.of_structure(structure("clumod-1"), modes("clumod-1", RATIO))
+    with pytest.raises(ValueError, match="shapes"):
+        prediction_structure.of_structure(structure("clumod-1"), replace(modes("clumod-1", LOSSES), shapes=np.zeros((0, 30))))
 
 
 def scaled(whole: Structure, s: float) -> Structure:
@@ -159,17 +162,7 @@ def scaled(whole: Structure, s: float) -> Structure:
     )
 
 
-def test_modes_of_other_damping_are_refused() -> None:
-    with pytest.raises(ValueError, match="that of `modes`"):
-        prediction_structure.of_structure(structure("clumod-1"), modes("clumod-1", RATIO))
-
-
-def test_modes_without_shapes_are_refused() -> None:
-    with pytest.raises(ValueError, match="shapes"):
-        prediction_structure.of_structure(structure("clumod-1"), replace(modes("clumod-1", LOSSES), shapes=np.zeros((0, 30))))
-
-
-def test_a_held_structure_answers_a_force_as_the_whole_one_does() -> None:
+def test_a_held_structure_answers_a_force_as_the_whole_one_does():
     whole, at = structure("clumod-1"), locations("clumod-1")
     m = prediction_structure.held(whole, modes("clumod-1", LOSSES), at)
     assert m.base == 0
@@ -192,14 +185,6 @@ def held_directly(whole: Structure, points: list[Array], drive: Array) -> Array:
     force[at[-1]] = 1.0
     omega = 2 * np.pi * LINES
     return np.array([(-(w**2) * np.linalg.solve(K + 1j * S - w**2 * M, force))[at[:-1]] for w in omega])
-
-
-def test_the_inertia_of_the_whole_is_in_the_first_six_coordinates() -> None:
-    found = Inertia.from_mass_matrix(made("clumod-4").mass[:6, :6])
-    np.testing.assert_allclose(found.mass, structure("clumod-4").rigid_mass[0, 0], rtol=1e-12)
-
-
-# Condensation of small matrices that were drawn: identities, and every derivative against differences
 
 
 FEW_LINES = np.array([3.0, 9.0, 11.0, 40.0])
@@ -239,7 +224,7 @@ def moved(m: Matrices, change: Tangent, step: float) -> Matrices:
 
 
 @pytest.mark.parametrize("at", [[7, 9], [0, 8], list(range(SIZE))], ids=["own", "base", "all"])
-def test_derivatives_of_the_dynamic_mass_are_its_differences(at: list[int]) -> None:
+def test_derivatives_of_the_dynamic_mass_are_its_differences(at):
     m, change = drawn(), changes(np.random.default_rng(1), np.array(at))
     found = dynamic_mass.transfer_tangents(dynamic_mass.dynamic_mass(m, FEW_LINES), {"one": change})["one"]
     above, below = (dynamic_mass.dynamic_mass(moved(m, change, step), FEW_LINES).matrix for step in (1e-5, -1e-5))
@@ -247,7 +232,7 @@ def test_derivatives_of_the_dynamic_mass_are_its_differences(at: list[int]) -> N
 
 
 @pytest.mark.parametrize("at", [[2, 9], list(range(SIZE))], ids=["few", "all"])
-def test_derivatives_of_an_accelerance_are_its_differences(at: list[int]) -> None:
+def test_derivatives_of_an_accelerance_are_its_differences(at):
     m, change = drawn(base=0), changes(np.random.default_rng(2), np.array(at))
     responses, drive = m.places["tip"], m.places["tip"][2]
     found = dynamic_mass.transfer_tangents(dynamic_mass.accelerance(m, FEW_LINES, responses, drive), {"one": change})["one"]
@@ -258,7 +243,7 @@ def test_derivatives_of_an_accelerance_are_its_differences(at: list[int]) -> Non
     np.testing.assert_allclose(found, (above - below) / 2e-5, rtol=0, atol=DIFFERENCE * np.abs(found).max())
 
 
-def test_the_dynamic_mass_is_symmetric_and_solves_the_equations_of_motion() -> None:
+def test_the_dynamic_mass_is_symmetric_and_solves_the_equations_of_motion():
     m = drawn()
     answered = dynamic_mass.dynamic_mass(m, FEW_LINES)
     np.testing.assert_allclose(answered.matrix, answered.matrix.transpose(0, 2, 1), rtol=1e-10, atol=1e-10)
@@ -269,21 +254,18 @@ def test_the_dynamic_mass_is_symmetric_and_solves_the_equations_of_motion() -> N
         np.testing.assert_allclose(loads[6:], 0, atol=1e-9 * np.abs(answered.matrix).max())
 
 
-def test_an_accelerance_is_reciprocal() -> None:
+def test_an_accelerance_is_reciprocal_and_of_one_mass_on_one_spring_the_textbook():
     m = drawn(base=0)
     one, other = (dynamic_mass.along(m, "tip", axis) for axis in ([1.0, 0, 0], [0, 0, 1.0]))
     there, back = (dynamic_mass.accelerance(m, FEW_LINES, a, b).matrix for a, b in ((one, other), (other, one)))
     np.testing.assert_allclose(there, back, rtol=1e-9)
-
-
-def test_one_mass_on_one_spring_is_the_textbook() -> None:
     m, k, eta, omega = 2.0, 800.0, 0.05, 2 * np.pi * FEW_LINES
     one = Matrices(base=0, mass=[[m]], stiffness=[[k]], viscous=[[0.0]], structural=[[eta * k]], places={})
     found = dynamic_mass.accelerance(one, FEW_LINES, [1.0], [1.0]).matrix[:, 0, 0]
     np.testing.assert_allclose(found, -(omega**2) / (k * (1 + 1j * eta) - m * omega**2), rtol=1e-12)
 
 
-def test_a_row_and_column_that_cross_are_the_matrix_that_they_are() -> None:
+def test_a_row_and_column_that_cross_are_the_matrix_that_they_are():
     m, generator, r = drawn(base=0), np.random.default_rng(6), 4
     cross = np.zeros((SIZE, SIZE))
     cross[r] = generator.standard_normal(SIZE)
@@ -294,7 +276,7 @@ def test_a_row_and_column_that_cross_are_the_matrix_that_they_are() -> None:
     np.testing.assert_allclose(found["crossing"], found["whole"], rtol=1e-10, atol=1e-12 * np.abs(found["whole"]).max())
 
 
-def test_tangents_add_on_the_coordinates_of_both() -> None:
+def test_tangents_add_on_the_coordinates_of_both():
     generator = np.random.default_rng(3)
     one, other = changes(generator, np.array([1, 2])), changes(generator, np.array([2, 8]))
     both = plus(one, other, SIZE)

@@ -1,7 +1,5 @@
 """What a model declares to know within tolerances: identities, derivatives, and the damping law."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -23,7 +21,7 @@ DIFFERENCE = 1e-5
 
 
 @pytest.fixture(scope="module", params=["clumod-1", "clumod-1 by ratio", "clumod-4"])
-def one(request: pytest.FixtureRequest) -> Nuisances:
+def one(request) -> Nuisances:
     name, by, _ = f"{request.param}  ".split(" ", 2)
     return made(name, Damping(ratio=0.01) if by else None)
 
@@ -42,7 +40,7 @@ def away(one: Nuisances) -> dict[str, float]:
     return {parameter.name: parameter.tolerance * float(generator.standard_normal()) for parameter in one.parameters}
 
 
-def test_every_derivative_is_its_difference(one: Nuisances) -> None:
+def test_every_derivative_is_its_difference(one):
     at = away(one)
     m, tangents = one.at(at)
     found = dynamic_mass.transfer_tangents(dynamic_mass.dynamic_mass(m, LINES), tangents)
@@ -66,13 +64,18 @@ def test_every_derivative_is_its_difference(one: Nuisances) -> None:
         )
 
 
-def test_nothing_moves_at_no_offset(one: Nuisances) -> None:
+def test_nothing_moves_at_no_offset_and_a_tolerance_of_nothing_is_no_parameter(one):
     m, _ = one.at({})
     for name in ("mass", "stiffness", "viscous", "structural"):
         np.testing.assert_array_equal(getattr(m, name), getattr(one.nominal, name))
+    exact = StructureTolerances(
+        modulus=0, frequency=0, damping=0, mode_damping=0, damping_law=0, participation=0, mode_coupling=0
+    )
+    closed = effects.nuisances(one.configuration, one.nominal, one.frequency, one.losses, exact)
+    assert closed.parameters == ()
 
 
-def test_matrices_stay_symmetric_and_positive_at_ten_tolerances(one: Nuisances) -> None:
+def test_matrices_stay_symmetric_and_positive_at_ten_tolerances(one):
     m, _ = one.at(
         {name: 10 * offset for name, offset in away(one).items() if not name.startswith(("coupling", "participation", "loss"))}
     )
@@ -82,7 +85,7 @@ def test_matrices_stay_symmetric_and_positive_at_ten_tolerances(one: Nuisances) 
         assert np.linalg.eigvalsh(matrix)[0] >= -1e-9 * np.abs(matrix).max()
 
 
-def test_parameters_are_called_and_known_as_agreed(one: Nuisances) -> None:
+def test_parameters_are_called_and_known_as_agreed(one):
     by_name = {parameter.name: parameter for parameter in one.parameters}
     of, name = StructureTolerances(), one.configuration
     expected = {
@@ -98,7 +101,7 @@ def test_parameters_are_called_and_known_as_agreed(one: Nuisances) -> None:
     assert all(each.within == 2.5 * each.tolerance for each in by_name.values() if each.kind == DECLARED)
 
 
-def test_a_modulus_is_a_relative_change_that_leaves_the_part_some_stiffness(one: Nuisances) -> None:
+def test_a_modulus_is_a_relative_change_that_leaves_the_part_some_stiffness(one):
     (modulus,) = (parameter for parameter in one.parameters if parameter.name == "modulus:mast")
     assert modulus.value(0.0) == 0.0
     m, _ = one.at({"modulus:mast": modulus.offset(0.3)})
@@ -106,7 +109,7 @@ def test_a_modulus_is_a_relative_change_that_leaves_the_part_some_stiffness(one:
     assert modulus.value(-5.0) > -1
 
 
-def test_frequencies_and_damping_are_those_asked_for(one: Nuisances) -> None:
+def test_frequencies_and_damping_are_those_asked_for(one):
     name = one.configuration
     m, _ = one.at({f"frequency:{name}:1": 0.01, f"damping:{name}:1": 0.2})
     before, after = (np.diag(x.stiffness)[6] for x in (one.nominal, m))
@@ -118,7 +121,7 @@ def test_frequencies_and_damping_are_those_asked_for(one: Nuisances) -> None:
     np.testing.assert_allclose(loss[1], loss[0] * np.exp(0.2), rtol=1e-12)
 
 
-def test_a_part_that_loses_more_is_the_structure_with_that_loss_factor() -> None:
+def test_a_part_that_loses_more_is_the_structure_with_that_loss_factor():
     """The layer of a blade twice as lossy: structural damping of modes that know nothing of it, beside those that do."""
     structure, more = articles.structure("clumod-4"), 1.0
     one = made("clumod-4", None)
@@ -131,16 +134,13 @@ def test_a_part_that_loses_more_is_the_structure_with_that_loss_factor() -> None
     np.testing.assert_array_equal(m.stiffness, one.nominal.stiffness)
 
 
-def test_a_loss_factor_is_one_for_all_sheets_and_all_articles_that_have_the_part() -> None:
+def test_a_loss_factor_is_one_for_all_sheets_and_articles_and_damping_by_mode_free_by_mode_alone():
     one, four = (made(article, None) for article in ("clumod-1", "clumod-4"))
     assert set(one.lossy) == {"mast", "lower-1"} <= set(four.lossy)
     assert "upper-short" in four.lossy
     shared = [{parameter.name: parameter for parameter in each.parameters}["loss:mast"] for each in (one, four)]
     assert shared[0] == shared[1]
     assert shared[0].value(1.0) == pytest.approx(1.0)  # a relative change, as of a modulus
-
-
-def test_damping_given_by_mode_is_free_by_mode_alone() -> None:
     parts, ratio = made("clumod-1", None), made("clumod-1", Damping(ratio=0.01))
     both = effects.nuisances("clumod-1", ratio.nominal, ratio.frequency, parts.losses)
     of = StructureTolerances()
@@ -150,23 +150,12 @@ def test_damping_given_by_mode_is_free_by_mode_alone() -> None:
     assert not any(each.name.startswith("loss:") for each in ratio.parameters)
 
 
-def test_a_stated_damping_ratio_stays_when_a_modulus_moves_the_frequency() -> None:
+def test_a_stated_damping_ratio_stays_when_a_modulus_moves_the_frequency_and_a_held_structure_has_no_participation():
     one = made("clumod-1", Damping(ratio=0.01))
     m, _ = one.at({"modulus:mast": 0.1, "frequency:clumod-1:2": 0.02})
     at = slice(6, 6 + len(one.frequency))
     ratio = np.diag(m.viscous)[at] / (2 * np.sqrt(np.diag(m.stiffness)[at]))
     np.testing.assert_allclose(ratio, 0.01, rtol=1e-9)
-
-
-def test_a_tolerance_of_nothing_is_no_parameter(one: Nuisances) -> None:
-    exact = StructureTolerances(
-        modulus=0, frequency=0, damping=0, mode_damping=0, damping_law=0, participation=0, mode_coupling=0
-    )
-    closed = effects.nuisances(one.configuration, one.nominal, one.frequency, one.losses, exact)
-    assert closed.parameters == ()
-
-
-def test_a_held_structure_has_no_participation() -> None:
     structure = articles.structure("clumod-1")
     modes = fixed_base(structure, 12)
     held = prediction_structure.held(structure, modes, {"top": structure.points[-1]})
@@ -175,9 +164,6 @@ def test_a_held_structure_has_no_participation() -> None:
     m, tangents = found.at({"frequency:clumod-1:1": 1e-3})
     assert {*tangents, effects.DAMPING_LAW} == {parameter.name for parameter in found.parameters}
     assert m.stiffness[0, 0] > held.stiffness[0, 0]
-
-
-# The law of damping: right at resonance whatever it is, and between the two beside it
 
 
 @pytest.fixture(scope="module")

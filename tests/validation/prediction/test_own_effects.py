@@ -1,11 +1,8 @@
 """A user's own effects and articles."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -28,7 +25,7 @@ DAMPED, LOWPASS = "dashpot:mast-top", "force-lowpass:fmd-z2"
 
 
 @pytest.fixture(scope="module", autouse=True)
-def _own_effects(root: Path) -> Iterator[None]:
+def _own_effects(root) -> Iterator[None]:
     """Those of the example, for these tests alone."""
     kept = [dict(one) for one in (catalogue._found, catalogue._sources, catalogue._files)]
     catalogue.load(root / "examples" / "effects")
@@ -38,7 +35,7 @@ def _own_effects(root: Path) -> Iterator[None]:
         one.update(before)
 
 
-def test_what_was_planted_is_fitted(faulty: Any, predicted: Any, added: Any) -> None:
+def test_what_was_planted_is_fitted(faulty, predicted, added):
     """Of the structure; `examples/own_effect.py` does the same of a channel."""
     test = faulty(BLADE, f"{DAMPED}=60")
     without, of = (predicted(test, effects=effects) for effects in ((), added(f"{DAMPED}=3")))
@@ -51,7 +48,7 @@ def test_what_was_planted_is_fitted(faulty: Any, predicted: Any, added: Any) -> 
 
 
 @pytest.mark.parametrize("effect", [f"{DAMPED}=40", f"{LOWPASS}=5e-4"])
-def test_its_derivative_is_that_of_finite_differences(faulty: Any, predicted: Any, added: Any, effect: str) -> None:
+def test_its_derivative_is_that_of_finite_differences(faulty, predicted, added, effect):
     (of,) = predicted(faulty(BLADE), effects=added(effect))
     name, lines = effect.partition("=")[0], np.array([0, 152, 240, 560])
     start = next(one.start for one in of.parameters if one.name == name)
@@ -62,12 +59,9 @@ def test_its_derivative_is_that_of_finite_differences(faulty: Any, predicted: An
     assert_allclose(np.broadcast_to(change.rows, slope.shape), slope, rtol=0, atol=1e-6 * np.max(np.abs(slope)))
 
 
-def test_it_acts_wherever_its_place_exists_and_nowhere_else(faulty: Any, predicted: Any, added: Any) -> None:
+def test_it_acts_wherever_its_place_exists_and_nowhere_else(faulty, predicted, added):
     (of,) = predicted(faulty("fmd+disc+cuboid"), kind="rigid", effects=added(f"{DAMPED}=40"))
     assert DAMPED not in of.at({DAMPED: 40.0}, np.array([0])).changes
-
-
-# An article of one's own in a model file: a drawing is a rigid body or a solid model, and weighs what its drawing says
 
 
 SIZES = np.array([0.16, 0.07, 0.10])
@@ -75,7 +69,7 @@ DENSITY = 2700.0
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(tmp_path_factory) -> Path:
     """A block of 160 x 70 x 100 mm, its origin in the middle of its underside, drawn in STEP and described beside it."""
     import cadquery
 
@@ -111,15 +105,12 @@ def of_a_block() -> np.ndarray:
     return M
 
 
-def test_a_drawing_taken_for_rigid_is_its_closed_form(folder: Path, campaign: Campaign) -> None:
+def test_a_drawing_taken_for_rigid_is_its_closed_form_and_one_that_gives_a_solid_model(folder, campaign):
     model = model_file.read(folder / "rigid.toml")
     require_pair(model, [campaign])
     there = mounted_article(model, campaign)
     np.testing.assert_allclose(there.matrices.mass, of_a_block(), rtol=1e-6, atol=1e-6)  # OCC's exact integration
     np.testing.assert_allclose(drawn_inertia(model, "block").mass_matrix, of_a_block(), rtol=1e-6, atol=1e-6)
-
-
-def test_a_drawing_that_gives_is_a_solid_model(folder: Path, campaign: Campaign) -> None:
     there = mounted_article(model_file.read(folder / "own.toml"), campaign)
     assert there.matrices is not None
     H = dynamic_mass(there.matrices, np.array([20.0])).matrix[0]
@@ -127,13 +118,10 @@ def test_a_drawing_that_gives_is_a_solid_model(folder: Path, campaign: Campaign)
     assert there.frequency[0] > 3000
 
 
-def test_a_drawing_without_material_is_refused_by_its_file(folder: Path, campaign: Campaign) -> None:
+def test_a_drawing_without_material_is_refused_by_its_file_and_one_written_anew_is_read_anew(folder, campaign, refreshed):
     model = replace(model_file.read(folder / "rigid.toml"), own={"fmd+block": str(folder / "block.step")})
     with pytest.raises(BadInput, match=r"block\.step: `material`: no material is given"):
         mounted_article(model, campaign)
-
-
-def test_a_file_that_is_written_anew_is_read_anew(folder: Path, campaign: Campaign, refreshed: Callable[[Path], None]) -> None:
     model = model_file.read(folder / "rigid.toml")
     before = mounted_article(model, campaign).matrices
     text = (folder / "article.toml").read_text()

@@ -44,14 +44,12 @@ def laboratory() -> Laboratory:
 
 
 @pytest.fixture(scope="module")
-def null(laboratory: Laboratory) -> dict[str, Any]:
+def null(laboratory) -> dict[str, Any]:
     return proof.nothing_planted((BLADE,), laboratory)
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.named.family)
-def test_the_right_effect_explains_a_fault_and_a_wrong_one_does_not(
-    case: Case, laboratory: Laboratory, null: dict[str, Any]
-) -> None:
+def test_the_right_effect_explains_a_fault_and_a_wrong_one_does_not(case, laboratory, null):
     found = proof.proved(case, laboratory, null)
     verdict = proof.verdict(found)
     assert verdict.visible

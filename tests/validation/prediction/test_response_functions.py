@@ -62,43 +62,28 @@ def added(identifier: str, value: float) -> Added:
 EFFECTS = (added("point-mass:b", 0.2), added("structural-damping:springs", 0.005), added("modulus:springs", -0.03))
 
 
-def test_the_prediction_is_the_direct_solution_in_physical_coordinates() -> None:
+def test_the_prediction_is_the_direct_solution_and_an_effect_on_the_modes_that_on_the_masses():
     exact = chain()
     found = model(exact).at({}, derivatives=False).rows[..., 0]
     assert_allclose(found, exact, rtol=0, atol=1e-11 * np.abs(exact).max())  # rounding of two ways to one number
-
-
-def test_an_effect_on_the_modes_is_the_effect_on_the_masses() -> None:
     heavier = chain(M + np.diag([0.0, 0.2, 0.0]))
     test = model(chain()).with_effects([added("point-mass:b", 0.2)])
     found = test.at({"point-mass:b": 0.2}, derivatives=False).rows[..., 0]
     assert_allclose(found, heavier, rtol=0, atol=1e-11 * np.abs(heavier).max())
 
 
-def test_a_structure_answers_at_one_place_to_another_as_the_other_to_the_one() -> None:
-    rows = model(chain()).at({}, derivatives=False).rows[..., 0]
-    assert_allclose(rows, rows.transpose(2, 1, 0), rtol=0, atol=1e-11 * np.abs(rows).max())
-
-
-def test_every_derivative_is_that_of_differences() -> None:
+def test_every_derivative_is_that_of_differences():
     assert_derivatives(model(chain()).with_effects(EFFECTS))
 
 
-def test_gains_scale_a_channel_and_the_force_all_of_them_the_other_way() -> None:
+def test_gains_scale_channels_the_force_the_other_way_and_a_known_effect_is_no_parameter_and_acts():
     test = model(chain())
     plain = test.at({}, derivatives=False).rows
     found = test.at({"accelerometer-gain:b": 0.1, "force-gain:force": 0.25}, derivatives=False).rows
     assert_allclose(found, plain * (np.array([1.0, 1.1, 1.0]) / 1.25)[:, None], rtol=1e-13)
-
-
-def test_runs_that_are_taken_out_take_their_drive_points_with_them() -> None:
-    test = model(chain())
     alone = test.on(("c",))
     assert alone.measured.runs == ("c",)
     assert_allclose(alone.at({}, derivatives=False).rows[0], test.at({}, derivatives=False).rows[2], rtol=1e-13)
-
-
-def test_a_known_effect_is_no_parameter_and_acts() -> None:
     test = model(chain()).with_effects([replace(added("modulus:springs", 0.1), fixed=True)])
     assert "modulus:springs" not in {one.name for one in test.parameters}
     free = model(chain()).at({"modulus:springs": np.log(1.1)}, derivatives=False).rows
@@ -115,14 +100,14 @@ def test_a_known_effect_is_no_parameter_and_acts() -> None:
         (added("accelerometer-gain:d", 0.1), "accelerometer-gain:a"),
     ],
 )
-def test_an_effect_that_reaches_nothing_is_refused_with_what_there_is(effect: Added, said: str) -> None:
+def test_an_effect_that_reaches_nothing_is_refused_with_what_there_is(effect, said):
     with pytest.raises(BadInput) as refused:
         model(chain()).with_effects([effect])
     assert effect.named.id == refused.value.field
     assert said in str(refused.value)
 
 
-def test_a_planted_mass_is_found_and_the_error_falls_on_drive_points_that_no_fit_has_seen() -> None:
+def test_a_planted_mass_is_found_and_the_error_falls_on_drive_points_that_no_fit_has_seen():
     rng, truth = np.random.default_rng(3), 0.3
     clean = chain(M + np.diag([0.0, truth, 0.0]))
     noisy = clean * (1 + 0.01 * (rng.standard_normal((3, len(F), 3)) + 1j * rng.standard_normal((3, len(F), 3))) / np.sqrt(2))
@@ -136,7 +121,7 @@ def test_a_planted_mass_is_found_and_the_error_falls_on_drive_points_that_no_fit
     assert right.fitted.offsets[at] == pytest.approx(truth, abs=3 * np.sqrt(right.fitted.covariance[at, at]))
 
 
-def test_noise_is_found_from_the_scatter_of_lines_beside_a_resonance() -> None:
+def test_noise_is_found_from_the_scatter_of_lines_beside_a_resonance():
     rng, f, sd = np.random.default_rng(1), 0.02 * np.arange(1, 3000), 0.03
     smooth = -(f**2) / (30.0**2 - f**2 + 2j * 0.002 * 30.0 * f)
     values = smooth + sd * (rng.standard_normal((2, len(f))) + 1j * rng.standard_normal((2, len(f)))) / np.sqrt(2)
@@ -148,14 +133,11 @@ def test_noise_is_found_from_the_scatter_of_lines_beside_a_resonance() -> None:
     assert_allclose(series.noise(f, 7 * values[:, :, None]), 7 * found, rtol=1e-12)
 
 
-def test_readings_that_differ_by_a_share_repeat_to_that_share() -> None:
+def test_readings_that_differ_by_a_share_repeat_to_it_and_what_tells_no_scatter_is_refused():
     rng, share = np.random.default_rng(2), 0.02
     exact = chain()
     error = (rng.standard_normal(exact.shape) + 1j * rng.standard_normal(exact.shape)) / np.sqrt(2)
     assert series.repeatability(exact * (1 + share * error)) == pytest.approx(share, rel=0.05)
-
-
-def test_what_tells_no_scatter_is_refused() -> None:
     with pytest.raises(ValueError, match="7 lines within"):
         series.noise(np.arange(5.0), np.ones((1, 5, 1)))
     with pytest.raises(ValueError, match="two runs or more"):

@@ -3,8 +3,6 @@
 import json
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -43,9 +41,7 @@ other is between two modes in the other's eyes. With half the ratio or half the 
 
 
 @pytest.mark.parametrize(("article", "kind"), [(CUBOID, "rigid"), (CUBOID, "beam"), (BLADE, "beam")])
-def test_at_the_truth_the_prediction_explains_every_channel(
-    article: str, kind: str, ordinary: Any, predicted: Any, at_truth: Any, unexplained: Any
-) -> None:
+def test_at_the_truth_the_prediction_explains_every_channel(article, kind, ordinary, predicted, at_truth, unexplained):
     test = ordinary(article, kind)
     (of,) = predicted(test, kind=kind)
     agreed = AGREED["beam" if article == BLADE else "rigid"]
@@ -53,7 +49,7 @@ def test_at_the_truth_the_prediction_explains_every_channel(
     assert min(unexplained(of, {}).values()) > 20 * agreed
 
 
-def test_the_dynamic_mass_at_the_truth_is_that_of_the_rig(ordinary: Any, predicted: Any, at_truth: Any) -> None:
+def test_the_dynamic_mass_at_the_truth_is_that_of_the_rig(ordinary, predicted, at_truth):
     test = ordinary(BLADE, "beam")
     (of,) = predicted(test)
     truth = test.truth["dynamic_mass"]
@@ -72,7 +68,7 @@ EVERY_STAGE = (
 )
 
 
-def test_every_derivative_is_that_of_finite_differences(ordinary: Any, predicted: Any, at_truth: Any, added: Any) -> None:
+def test_every_derivative_is_that_of_finite_differences(ordinary, predicted, at_truth, added):
     test = ordinary(BLADE, "beam")
     (of,) = predicted(test, effects=added(*EVERY_STAGE))
     lines = np.array([0, 40, 152, 240, 560])
@@ -101,24 +97,20 @@ def _wrong(of: SeriesPrediction, offsets: Mapping[str, float], lines: np.ndarray
     return float(np.abs((stated - difference) / level).max() / np.abs(difference / level).max())
 
 
-def test_an_effect_that_opens_a_tolerance_leaves_it(ordinary: Any, predicted: Any, added: Any) -> None:
+def test_an_effect_that_opens_a_tolerance_leaves_it_and_a_fixed_one_is_no_parameter_and_acts(ordinary, predicted, added):
     test = ordinary(CUBOID, "rigid")
     (before,), (after,) = predicted(test), predicted(test, effects=added("force-gain:fmd-z2=0.08"))
     old, new = (next(one for one in of.parameters if one.name == "force-gain:fmd-z2") for of in (before, after))
     assert (new.kind, new.start) == (EFFECT, 0.08)
     assert new.tolerance > 10 * old.tolerance
     assert len(before.parameters) == len(after.parameters)
-
-
-def test_a_fixed_effect_is_no_parameter_and_acts(ordinary: Any, predicted: Any, added: Any) -> None:
-    test = ordinary(CUBOID, "rigid")
     (before,) = predicted(test)
     after = before.with_effects(added("force-gain:fmd-z2=0.08", fixed=True))
     assert "force-gain:fmd-z2" not in {one.name for one in after.parameters} | set(after.at({}).changes)
     assert_allclose(after.at({}).rows, before.at({"force-gain:fmd-z2": 0.08}).rows, rtol=1e-14)
 
 
-def test_a_structural_effect_acts_where_its_part_is(ordinary: Any, predicted: Any, added: Any) -> None:
+def test_a_structural_effect_acts_where_its_part_is(ordinary, predicted, added):
     tests = ordinary(CUBOID, "beam"), ordinary(BLADE, "beam")
     effects = added("point-mass:mast-top=0.5", "modulus:lower-1=0.1", "force-delay:fmd-z2=1e-4")
     plain, changed = predicted(*tests), predicted(*tests, effects=effects)
@@ -130,14 +122,13 @@ def test_a_structural_effect_acts_where_its_part_is(ordinary: Any, predicted: An
     assert moved[0] == 0 < 0.1 < moved[1]
 
 
-def test_runs_can_be_chosen(ordinary: Any, predicted: Any) -> None:
+def test_runs_can_be_chosen_data_sets_have_names_and_of_a_rigid_article_the_dynamic_mass_is_its_inertia(ordinary, predicted):
     (of,) = predicted(ordinary(CUBOID, "rigid"))
     some = of.on(["y", "beta"])
     assert some.measured.runs == ("y", "beta")
     assert_allclose(some.at({}).rows, of.at({}).rows, rtol=0, atol=0)
-
-
-def test_of_a_rigid_article_the_dynamic_mass_is_its_inertia(ordinary: Any, predicted: Any) -> None:
+    test = ordinary(CUBOID, "rigid")
+    assert len({of.measured.name for of in predicted(test, test)}) == 2
     test = ordinary(CUBOID, "rigid")
     (of,) = predicted(test, kind="rigid")
     H = of.dynamic_mass({})
@@ -146,7 +137,7 @@ def test_of_a_rigid_article_the_dynamic_mass_is_its_inertia(ordinary: Any, predi
     assert_allclose(H[0, 0, 0].real, whole + of.tested.carried.moving.mass, rtol=1e-9)
 
 
-def test_saturation_tells_runs_apart(ordinary: Any, predicted: Any, added: Any) -> None:
+def test_saturation_tells_runs_apart(ordinary, predicted, added):
     test = ordinary(CUBOID, "rigid")
     (of,) = predicted(test, effects=added("saturation:fmd-z1=0.1"))
     plain = of.with_effects(()).at({}).rows
@@ -159,7 +150,7 @@ def test_saturation_tells_runs_apart(ordinary: Any, predicted: Any, added: Any) 
     assert_allclose(ratio[strongest].min(), 1 - 0.75 * 0.1, atol=1e-9)
 
 
-def test_noise_that_is_added_is_expected(plan: Any, predicted: Any, added: Any) -> None:
+def test_noise_that_is_added_is_expected(plan, predicted, added):
     test = simulate(plan(article=CUBOID, model="rigid", noise_rms={"acceleration": 0.01, "force": 0.1}))
     (of,) = predicted(test, effects=added("noise:cover-z3=0.05"))
     column = of.measured.channels.index("cover-z3")
@@ -168,7 +159,7 @@ def test_noise_that_is_added_is_expected(plan: Any, predicted: Any, added: Any) 
     assert_allclose(np.delete(noise, column, axis=2), np.delete(of.measured.noise[:, :5], column, axis=2))
 
 
-def test_kinematic_accelerometers_are_understood(faulty: Any, predicted: Any, model: Any, unexplained: Any) -> None:
+def test_kinematic_accelerometers_are_understood(faulty, predicted, model, unexplained):
     """Accelerometers that do not sense a tilt, in the file and in the laboratory."""
     test: VirtualTest = faulty(CUBOID, "accelerometer-tilt=0")
     campaign = test.campaign
@@ -179,7 +170,7 @@ def test_kinematic_accelerometers_are_understood(faulty: Any, predicted: Any, mo
     assert max(unexplained(blind, {}).values()) > 1e-3
 
 
-def test_stored_spectra_are_predicted_as_records_are(ordinary: Any, model: Any) -> None:
+def test_stored_spectra_are_predicted_as_records_are(ordinary, model):
     campaign = ordinary(CUBOID, "rigid").campaign
     (of,) = predictions(model(), [campaign])
     order = [of.measured.channels.index(name) for name in campaign.table.names]
@@ -192,34 +183,24 @@ def test_stored_spectra_are_predicted_as_records_are(ordinary: Any, model: Any) 
     assert_allclose(stored.at({}).rows, of.at({}).rows)
 
 
-def test_peak_hold_spectra_of_a_rigid_article_are_explained(plan: Any, model: Any, at_truth: Any, unexplained: Any) -> None:
+def test_peak_hold_spectra_of_a_rigid_article_are_explained(plan, model, at_truth, unexplained):
     test = simulate(plan(article=CUBOID, model="rigid", octaves_per_minute=6.0))
     (of,) = predictions(model(kind="rigid"), [test.campaign], method="peak-reference-hold", lines=np.arange(6.0, 30.0, 2.0))
     assert of.tested.drives[0].block == pytest.approx(8192 / 564)
     assert max(unexplained(of, at_truth(of, test)).values()) < 1e-3  # blocks cut what full records keep
 
 
-def test_two_hardwares_are_no_series(ordinary: Any, model: Any) -> None:
+def test_two_hardwares_are_no_series_and_an_article_without_a_model_is_named(ordinary, model):
     campaign = ordinary(CUBOID, "rigid").campaign
     with pytest.raises(BadInput, match="one model holds for one FMD") as caught:
         predictions(model(), [campaign, replace(campaign, hardware="another")])
     assert campaign.hardware in str(caught.value)
-
-
-def test_an_article_without_a_model_is_named(ordinary: Any, model: Any) -> None:
     campaign = replace(ordinary(CUBOID, "rigid").campaign, article="fmd+tower")
     with pytest.raises(BadInput, match="no model of tower"):
         predictions(model(), [campaign])
 
 
-def test_data_sets_have_names_of_their_own(ordinary: Any, predicted: Any) -> None:
-    test = ordinary(CUBOID, "rigid")
-    assert len({of.measured.name for of in predicted(test, test)}) == 2
-
-
-def test_a_users_own_matrices_and_modal_data_read_as_the_built_in_beams(
-    ordinary: Any, predicted: Any, model: Any, tmp_path: Path
-) -> None:
+def test_a_users_own_matrices_and_modal_data_read_as_the_built_in_beams(ordinary, predicted, model, tmp_path):
     campaign = ordinary(BLADE, "beam").campaign
     structure = articles.structure("clumod-1")
     modes = fixed_base(structure, 30, damping=Damping(ratio=RATIO))
@@ -233,38 +214,30 @@ def test_a_users_own_matrices_and_modal_data_read_as_the_built_in_beams(
         assert np.abs((own.dynamic_mass({}) - known) / size).max() < 1e-4, name
 
 
-def test_a_fmd_alone_is_its_inertia(plan: Any, predicted: Any, at_truth: Any, unexplained: Any) -> None:
+def test_a_fmd_alone_is_its_inertia(plan, predicted, at_truth, unexplained):
     test = simulate(plan(article="fmd"))
     (of,) = predicted(test)
     assert np.ptp(of.dynamic_mass({}), axis=0).max() == 0
     assert max(unexplained(of, at_truth(of, test)).values()) < AGREED["rigid"]
 
 
-def test_an_article_mounted_turned_reads_as_the_same_turned(ordinary: Any, model: Any) -> None:
+def test_an_article_mounted_turned_reads_as_the_same_turned(ordinary, model):
     """A quarter turn: H about F is that of the article with x for y and -y for x."""
     campaign = ordinary(BLADE, "beam").campaign
     pose = Pose(position=campaign.mounting.position, rotation=rotation_about("z", np.pi / 2))
     (drawn,), (turned,) = (
-        predictions(model(fmd=nothing(model())), [one], lines=LINES) for one in (campaign, replace(campaign, mounting=pose))
+        predictions(model(fmd=moving_part(model()).scaled(1e-12)), [one], lines=LINES)
+        for one in (campaign, replace(campaign, mounting=pose))
     )
     R = np.kron(np.eye(2), rotation_about("z", np.pi / 2))
     assert_allclose(turned.dynamic_mass({}), R @ drawn.dynamic_mass({}) @ R.T, atol=1e-9)
 
 
-def nothing(of: Model) -> Inertia:
-    """A moving part so light that what stands on it is all."""
-    return moving_part(of).scaled(1e-12)
-
-
-# Lines that no run drives are neither fitted nor judged, unless a band is asked for
-
-
 LOW, HIGH = 8.0, 16.0
-DRIVEN_LINES = {"start_hz": LOW, "stop_hz": HIGH}
 
 
 @pytest.fixture(scope="module")
-def campaign(plan: Any) -> Campaign:
+def campaign(plan) -> Campaign:
     """Disc and Cuboid, swept from 8 to 16 Hz, with so much noise that little of a sweep is seen beside its band."""
     noise = {quantity: 5 * rms for quantity, rms in NOISE.items()}
     short = plan(article="fmd+disc+cuboid", model=RIGID, band=(LOW, HIGH), octaves_per_minute=60.0, noise_rms=noise)
@@ -289,70 +262,51 @@ def _left_out(of: SeriesPrediction) -> list[str]:
     return [said for said in of.tested.remarks if "left out" in said]
 
 
-def test_what_is_wrong_with_a_record_is_passed_on(campaign: Campaign, model: Any) -> None:
+def test_what_is_wrong_with_a_record_is_passed_on_and_lines_are_those_that_the_runs_state_to_drive(campaign, model):
     (of,) = predictions(model(), [campaign])
     assert any("ends before the ring-down" in said for said in of.tested.remarks)
-
-
-def test_lines_are_those_that_the_runs_state_to_drive(campaign: Campaign, model: Any) -> None:
-    (of,) = predictions(model(), [campaign])
     assert_allclose(_ends(of), (LOW, HIGH))
     (said,) = _left_out(of)
     assert "400 of the 561 lines" in said
     assert "drive 8 to 16 Hz" in said
 
 
-def test_a_band_that_is_asked_for_decides(campaign: Campaign, model: Any) -> None:
+def test_a_band_that_is_asked_for_decides_else_what_all_have_in_common_and_nothing_in_common_is_refused(campaign, model):
     (of,) = predictions(model(), [campaign], band=(6.0, 20.0))
     assert_allclose(_ends(of), (6.0, 20.0))
     assert not _left_out(of)
-
-
-def test_lines_are_those_that_all_runs_and_the_processing_have_in_common(campaign: Campaign, model: Any) -> None:
     said = _saying(campaign, x={"start_hz": 14.0, "stop_hz": 2.0}, gamma={"start_hz": 9.0, "stop_hz": 40.0})
     (of,) = predictions(model(), [replace(said, processing=Processing(start=10.0, stop=20.0, step=0.5))])
     assert_allclose(_ends(of), (10.0, 14.0))
-
-
-def test_a_campaign_that_drives_all_of_its_lines_keeps_them_without_a_word(campaign: Campaign, model: Any) -> None:
     (of,) = predictions(model(), [replace(campaign, processing=Processing(start=LOW, stop=HIGH, step=0.5))])
     assert_allclose(_ends(of), (LOW, HIGH))
     assert not _left_out(of)
+    apart = _saying(campaign, x={"start_hz": 4.0, "stop_hz": 10.0}, y={"start_hz": 12.0, "stop_hz": 16.0})
+    with pytest.raises(BadInput, match=r"x drives 4 to 10 Hz.*--band"):
+        predictions(model(), [apart])
+    (of,) = predictions(model(), [apart], band=(LOW, HIGH))
+    assert_allclose(_ends(of), (LOW, HIGH))
 
 
-def test_where_no_run_says_so_its_level_tells_what_it_drives(campaign: Campaign, model: Any) -> None:
+def test_where_no_run_says_so_its_level_tells_what_it_drives_but_nothing_takes_all_lines_away(campaign, model):
     """The spectrum of a fast sweep has no sharp ends: within about two lobes, of a hertz."""
     (of,) = predictions(model(), [_silent(campaign)])
     assert_allclose(_ends(of), (LOW, HIGH), atol=2.0)
     assert np.all(np.isin(np.arange(180, 321), np.round(of.measured.frequency / 0.05)))
     (said,) = _left_out(of)
     assert "10 times the noise" in said
-
-
-def test_a_run_that_drives_nothing_does_not_take_all_lines_away_without_a_word(campaign: Campaign, model: Any) -> None:
     still = campaign.recordings["y"]
     noise = np.random.default_rng(0).standard_normal(still.values.shape) * still.values[:40].std(axis=0)
     dead = replace(campaign, recordings={**campaign.recordings, "y": replace(still, values=noise)})
     (of,) = predictions(model(), [_saying(dead, y=None)])
     assert_allclose(_ends(of), (LOW, HIGH))
     assert any("all lines are kept" in said and "y state" in said for said in of.tested.remarks)
-
-
-def test_noise_that_nobody_knows_leaves_no_line_out(campaign: Campaign, model: Any) -> None:
     recordings = {
         name: Recording(names=one.names, values=np.ones((5, len(one.names))) + 0j, frequency=np.arange(4.0, 9.0), source=name)
         for name, one in campaign.recordings.items()
     }
     (of,) = predictions(model(), [_silent(replace(campaign, recordings=recordings))])
     assert_allclose(_ends(of), (4.0, 8.0))
-
-
-def test_runs_that_drive_nothing_in_common_are_refused(campaign: Campaign, model: Any) -> None:
-    apart = _saying(campaign, x={"start_hz": 4.0, "stop_hz": 10.0}, y={"start_hz": 12.0, "stop_hz": 16.0})
-    with pytest.raises(BadInput, match=r"x drives 4 to 10 Hz.*--band"):
-        predictions(model(), [apart])
-    (of,) = predictions(model(), [apart], band=(LOW, HIGH))
-    assert_allclose(_ends(of), (LOW, HIGH))
 
 
 # A series that another program wrote, ordinary tolerances and nothing planted, beside the nominal model of its laboratory
@@ -362,7 +316,7 @@ ARTICLES = ("fmd+disc+cuboid", "fmd+clumod-1")
 
 
 @pytest.fixture(scope="module")
-def problem(data: Path) -> Problem:
+def problem(data) -> Problem:
     known = json.loads((data / "example_series" / "nominal.json").read_text(encoding="utf-8"))
     model = Model(
         source="nominal.json",
@@ -377,13 +331,13 @@ def problem(data: Path) -> Problem:
     return Problem(predictions(model, campaigns)).thinned()
 
 
-def test_a_model_of_the_drawings_is_within_a_per_cent_once_the_fmd_and_its_modes_are_found(problem: Problem) -> None:
+def test_a_model_of_the_drawings_is_within_a_per_cent_once_the_fmd_and_its_modes_are_found(problem):
     plain = fit(problem, PLAIN)
     assert plain.converged
     assert _percent(problem, plain.by_name) < 1.0 < 3.0 < _percent(problem, {})
 
 
-def test_every_tolerance_fitted_nothing_is_left_and_none_is_odd(problem: Problem) -> None:
+def test_every_tolerance_fitted_nothing_is_left_and_none_is_odd(problem):
     """The floor of 0.15 % makes chi² per degree of freedom of a model that is right a little less than 1."""
     found = fit(problem, FITTED, start=fit(problem, PLAIN).by_name)
     assert 0.7 < found.chi2 / found.degrees_of_freedom < 1.1

@@ -1,7 +1,5 @@
 """One report of a small laboratory, made once: a Cuboid on the FMD, one load cell 8 % too high, weighed, under hostile titles."""
 
-from __future__ import annotations
-
 import re
 from base64 import b64decode
 from collections.abc import Callable, Iterator
@@ -66,7 +64,7 @@ class Series:
 
 
 @pytest.fixture(scope="session")
-def series(tmp_path_factory: pytest.TempPathFactory) -> Series:
+def series(tmp_path_factory) -> Series:
     """The laboratory's files."""
     folder = tmp_path_factory.mktemp("laboratory")
     model, campaign, scale = folder / "cuboid.toml", folder / "gain", folder / "scale.toml"
@@ -79,7 +77,7 @@ def series(tmp_path_factory: pytest.TempPathFactory) -> Series:
 
 
 @pytest.fixture(scope="session")
-def report(series: Series, tmp_path_factory: pytest.TempPathFactory) -> Report:
+def report(series, tmp_path_factory) -> Report:
     """Compared, diagnosed, identified and drawn; the ladder is made by hand."""
     with pytest.MonkeyPatch.context() as patch:  # pictures of articles and sensors have tests of their own, and take longest
         patch.setenv("MASSLINE_CACHE", str(tmp_path_factory.mktemp("dots")))  # that they are dots nobody else may learn
@@ -92,7 +90,7 @@ def report(series: Series, tmp_path_factory: pytest.TempPathFactory) -> Report:
 
 
 @pytest.fixture(scope="session")
-def page(report: Report, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def page(report, tmp_path_factory) -> Path:
     """The report as a file."""
     path = tmp_path_factory.mktemp("page") / "report.html"
     write(report, path)
@@ -203,7 +201,7 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="session")
-def read(page: Path) -> Page:
+def read(page) -> Page:
     """The page, parsed."""
     return Page(page.read_text("utf-8"))
 
@@ -242,7 +240,7 @@ def _opened(browser: Any, path: Path, **options: Any) -> Iterator[Opened]:
 
 
 @pytest.fixture(scope="session")
-def opened(chromium: Any) -> Callable[..., Any]:
+def opened(chromium) -> Callable[..., Any]:
     """``with opened(path, **options) as page``: the page in a tab of its own."""
     return lambda path, **options: _opened(chromium, path, **options)
 

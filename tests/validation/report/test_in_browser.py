@@ -1,22 +1,15 @@
 """The page in a browser: opened from the disk it draws every figure, complains of nothing, asks nobody, and prints light."""
 
-from __future__ import annotations
-
 import re
 from base64 import b64decode
-from collections.abc import Callable
 from gzip import decompress
-from pathlib import Path
-from typing import Any
 
 import pytest
-
-Opened = Callable[..., Any]
 
 SURFACE = "document.querySelector('.plot')._fullLayout.paper_bgcolor"
 
 
-def test_from_the_disk_it_draws_everything_asks_nobody_and_fits_its_window(opened: Opened, page: Path) -> None:
+def test_from_the_disk_it_draws_everything_asks_nobody_and_fits_its_window(opened, page):
     with opened(page) as found:
         assert found.tab.evaluate("document.documentElement.dataset.drawn") == "all"
         drawn = found.tab.evaluate(
@@ -36,9 +29,7 @@ def test_from_the_disk_it_draws_everything_asks_nobody_and_fits_its_window(opene
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_light_and_dark_follow_the_reader_and_the_switch_and_every_text_stands_out(
-    opened: Opened, page: Path, scheme: str, script: Any, tmp_path: Path
-) -> None:
+def test_light_and_dark_follow_the_reader_and_the_switch_and_every_text_stands_out(opened, page, scheme, script, tmp_path):
     surfaces = {"light": "#ffffff", "dark": "#171b22"}
     other = {"light": "dark", "dark": "light"}[scheme]
     with opened(page, color_scheme=scheme) as found:
@@ -54,7 +45,7 @@ def test_light_and_dark_follow_the_reader_and_the_switch_and_every_text_stands_o
         assert found.complaints == []
 
 
-def test_any_entry_is_chosen_by_keyboard_and_a_table_copies_with_all_digits(opened: Opened, page: Path, read: Any) -> None:
+def test_any_entry_is_chosen_by_keyboard_and_a_table_copies_with_all_digits(opened, page, read):
     with opened(page) as found:
         for part, below in (("load", 3), ("motion", 4)):
             found.tab.focus(f"select[data-choice='entry-0'][data-part='{part}']")
@@ -74,7 +65,7 @@ def test_any_entry_is_chosen_by_keyboard_and_a_table_copies_with_all_digits(open
     assert {len(line) for line in lines} == {5}
 
 
-def test_paper_is_light_and_without_controls(opened: Opened, page: Path, tmp_path: Path) -> None:
+def test_paper_is_light_and_without_controls(opened, page, tmp_path):
     with opened(page, color_scheme="dark") as found:
         found.tab.emulate_media(media="print", color_scheme="dark")
         found.tab.evaluate("dispatchEvent(new Event('beforeprint'))")
@@ -87,13 +78,13 @@ def test_paper_is_light_and_without_controls(opened: Opened, page: Path, tmp_pat
         assert found.tab.evaluate(SURFACE) == "#171b22"
 
 
-def test_no_click_leads_out_of_the_house(opened: Opened, page: Path, leaves_by_no_click: Any) -> None:
+def test_no_click_leads_out_of_the_house(opened, page, leaves_by_no_click):
     with opened(page) as found:
         leaves_by_no_click(found.tab, {"file", "data", "blob"})
         assert found.complaints == []
 
 
-def test_what_would_share_a_figure_has_nowhere_to_go(opened: Opened, page: Path) -> None:
+def test_what_would_share_a_figure_has_nowhere_to_go(opened, page):
     """The function that plotly.js offers for it is still in its script: nothing calls it, and it has no address."""
     with opened(page) as found:
         context = found.tab.evaluate(
@@ -104,7 +95,7 @@ def test_what_would_share_a_figure_has_nowhere_to_go(opened: Opened, page: Path)
         assert {tuple(one) for one in context} == {("", False, False)}
 
 
-def test_no_script_of_the_page_holds_a_foreign_address(page: Path, elsewhere: Callable[[str], list[str]]) -> None:
+def test_no_script_of_the_page_holds_a_foreign_address_and_one_is_seen_elsewhere(page, elsewhere):
     text = page.read_text("utf-8")
     scripts = re.findall(r"<script[^>]*>(.*?)</script>", text, flags=re.DOTALL)
     packed = re.findall(r'<script type="text/plain"[^>]*>(.*?)</script>', text, flags=re.DOTALL)
@@ -112,9 +103,6 @@ def test_no_script_of_the_page_holds_a_foreign_address(page: Path, elsewhere: Ca
     assert len(unpacked) == 2
     assert "plotly.js v" in unpacked[0]
     assert [elsewhere(one) for one in (*scripts, *unpacked)] == [[]] * (len(scripts) + 2)
-
-
-def test_a_foreign_address_in_a_script_is_seen(elsewhere: Callable[[str], list[str]]) -> None:
     for address in ("https://cloud.plotly.com/newchart", "http://x.y", r"https:\/\/x.y/z", "wss://${host}/", "//cdn.x.y/a.js"):
         assert elsewhere(f'const u = "{address}";') != [], address
     assert elsewhere('document.createElementNS("http://www.w3.org/2000/svg", "g"); // drawn') == []

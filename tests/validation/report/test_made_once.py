@@ -1,24 +1,16 @@
 """What a report asks of a model and its data is made once, whichever of its parts asks first."""
 
-from __future__ import annotations
-
-from pathlib import Path
-from typing import Any
-
-import pytest
-
 from validation import study
 from validation.report import identify, page, reference
-from validation.report.parts import Report
 
 
-def test_a_report_makes_spectra_once_and_fits_all_parameters_once(series: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_report_makes_spectra_once_and_fits_all_parameters_once(series, monkeypatch):
     counted = {"predictions": 0, "evaluate": 0, "fit": 0}
 
-    def counting(name: str) -> None:
+    def counting(name):
         of = getattr(study, name)
 
-        def called(*given: Any, **more: Any) -> Any:
+        def called(*given, **more):
             counted[name] += 1
             return of(*given, **more)
 
@@ -31,13 +23,11 @@ def test_a_report_makes_spectra_once_and_fits_all_parameters_once(series: Any, m
     assert counted == {"predictions": 1, "evaluate": 1, "fit": 0}  # the diagnosis takes the fit of the comparison
 
 
-def test_a_second_report_identifies_and_draws_nothing_again(
-    report: Report, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_second_report_identifies_and_draws_nothing_again(report, tmp_path, monkeypatch):
     monkeypatch.setenv("MASSLINE_CACHE", str(tmp_path))
     counted = []
 
-    def counting(module: Any, name: str, made: Any) -> None:
+    def counting(module, name, made):
         monkeypatch.setattr(module, name, lambda *given: counted.append(name) or made(given))
 
     dot = tmp_path / "dot.png"
@@ -48,7 +38,7 @@ def test_a_second_report_identifies_and_draws_nothing_again(
     counting(reference.reference, "reference_table", lambda given: report.articles[0].table)
     whole = ["identified", "draw_sensors", "reference_table", "draw"]
 
-    def made() -> list[str]:
+    def made():
         counted.clear()
         campaign = report.campaigns[0].campaign
         part = identify.campaign_part(campaign, [campaign], report.model, None, "full-record")

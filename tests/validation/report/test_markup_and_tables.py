@@ -1,7 +1,5 @@
 """Whatever comes from a file is text on the page, and a number of a table keeps all its digits."""
 
-from __future__ import annotations
-
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -21,39 +19,29 @@ from validation.report.document import (
 
 
 @given(st.text())
-def test_a_text_makes_no_element(text: str) -> None:
+def test_a_text_makes_no_element_and_with_back_quotes_none_but_code(text):
     made = str(tag("p", text, title=text)).removeprefix("<p ").removesuffix("</p>")
     assert "<" not in made
     assert made.count('"') == 2
-
-
-@given(st.text())
-def test_words_with_back_quotes_make_none_but_code(text: str) -> None:
     made = str(worded(text)).replace("<code>", "").replace("</code>", "")
     assert "<" not in made
 
 
-def test_what_is_safe_stays_and_what_is_not_does_not() -> None:
+def test_what_is_safe_stays_and_a_number_keeps_its_digits_and_shows_those_that_mean_something():
     assert joined("a < b", tag("b", "c")) == "a &lt; b<b>c</b>"
     assert tag("input", class_="wide", hidden=True, data_value=None) == '<input class="wide" hidden>'
     assert isinstance(joined("a"), Safe)
-
-
-def test_a_number_keeps_its_digits_and_shows_those_that_mean_something() -> None:
     assert toleranced(12.087654321, 0.0123) == Number(value=12.087654321, text="12.088")
     assert number(-0.5, "+.2f") == Number(value=-0.5, text="−0.50")
     assert number(None) == number(float("nan")) == number(float("inf")) == NOTHING
 
 
-def test_a_table_has_one_number_a_cell_its_unit_in_the_head_and_a_button() -> None:
+def test_a_table_has_one_number_a_cell_its_unit_in_the_head_and_a_button_and_a_grid_becomes_one():
     made = table("Masses", [Column(head="what", words=True), Column(head="mass", unit="kg")], [["a <b>", number(1 / 3)]])
     assert f'data-value="{1 / 3!r}"' in made
     assert '<span class="unit"> [kg]</span>' in made
     assert "a &lt;b&gt;" in made
     assert '<button type="button" class="copy"' in made
     assert table("Nothing", [Column(head="what")], []) == ""
-
-
-def test_a_grid_of_the_command_line_becomes_a_table() -> None:
     made = Grid(header=("", "how"), lines=(("1", "  use `massline check`"),), words=True, caption="Words").html()
     assert "use <code>massline check</code>" in made

@@ -1,15 +1,10 @@
 """The page says what the commands say, shows what data have, obeys no title and asks nobody for anything."""
 
-from __future__ import annotations
-
 import json
 import re
 import shlex
 import tomllib
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -20,9 +15,6 @@ from validation.output import to_json
 from validation.report import diagnose, page
 from validation.report.document import Figures
 from validation.report.page import SECTIONS, html
-from validation.report.parts import Report
-
-Run = Callable[..., tuple[int, str, str]]
 
 SAME = 1e-12
 """Figures are the same, but for the last digit of a unit."""
@@ -31,15 +23,20 @@ LOADS = ("src", "href", "data", "action", "srcset", "poster", "formaction", "xli
 """Attributes by which an element may ask for something."""
 
 
-def test_every_section_is_there_and_the_contents_lead_to_it(read: Any) -> None:
+def test_every_section_is_there_once_the_contents_lead_to_it_and_controls_and_pictures_have_names(read):
     ids = {given.get("id") for _, given in read.elements}
     links = [given["href"] for tag, given in read.elements if tag == "a" and given.get("href", "").startswith("#")]
     assert ids >= {name for name, _, _ in SECTIONS}
     assert {f"#{name}" for name, _, _ in SECTIONS} <= set(links)
     assert {link.removeprefix("#") for link in links} <= ids
+    ids = [given["id"] for _, given in read.elements if given.get("id")]
+    assert len(ids) == len(set(ids))
+    assert all(given.get("alt") for tag, given in read.elements if tag == "img")
+    assert all(given.get("aria-label") for _, given in read.elements if given.get("role") in ("img", "region"))
+    assert all(given.get("scope") for tag, given in read.elements if tag == "th")
 
 
-def test_nothing_on_the_page_leads_out_of_it(read: Any, page: Any) -> None:
+def test_nothing_on_the_page_leads_out_of_it(read, page):
     asked = [given[name] or "" for _, given in read.elements for name in LOADS if given.get(name)]
     assert asked
     assert all(one.startswith(("#", "data:image/png;base64,")) for one in asked)
@@ -50,23 +47,12 @@ def test_nothing_on_the_page_leads_out_of_it(read: Any, page: Any) -> None:
     assert "@import" not in style.group(1)
 
 
-def test_titles_of_others_are_shown_to_the_letter_and_make_no_element(read: Any, hostile: str) -> None:
+def test_titles_of_others_are_shown_to_the_letter_and_make_no_element(read, hostile):
     assert read.text.count(hostile) >= 3  # model, campaign, measurement
     assert not [given for tag, given in read.elements if given.get("onerror") or given.get("src") == "x"]
 
 
-def test_every_id_is_given_once(read: Any) -> None:
-    ids = [given["id"] for _, given in read.elements if given.get("id")]
-    assert len(ids) == len(set(ids))
-
-
-def test_every_control_and_picture_has_a_name(read: Any) -> None:
-    assert all(given.get("alt") for tag, given in read.elements if tag == "img")
-    assert all(given.get("aria-label") for _, given in read.elements if given.get("role") in ("img", "region"))
-    assert all(given.get("scope") for tag, given in read.elements if tag == "th")
-
-
-def test_the_summary_has_five_sentences_with_verdicts(page: Any) -> None:
+def test_the_summary_has_five_sentences_with_verdicts(page):
     summary = re.search(r'<ol class="summary">(.*?)</ol>', page.read_text("utf-8"), re.DOTALL)
     items = re.findall(r"<li>(.*?)</li>", summary.group(1), re.DOTALL)
     assert len(items) == 5
@@ -74,7 +60,7 @@ def test_the_summary_has_five_sentences_with_verdicts(page: Any) -> None:
     assert "MISSING: force-gain:fmd-z2" in items[3]
 
 
-def test_errors_and_spots_are_those_of_compare(read: Any, series: Any, run: Run) -> None:
+def test_errors_and_spots_are_those_of_compare(read, series, run):
     code, out, _ = run("compare", str(series.model), *series.data, "--hold-out", "z", "--json")
     assert code == 0
     said = json.loads(out)
@@ -94,7 +80,7 @@ def test_errors_and_spots_are_those_of_compare(read: Any, series: Any, run: Run)
     assert [row[-1] for row in spots.rows[1:]] == [one["text"] for one in said["worst"]]
 
 
-def test_causes_are_those_of_diagnose(read: Any, report: Report) -> None:
+def test_causes_are_those_of_diagnose(read, report):
     assert report.diagnosis is not None
     said = to_json(report.diagnosis)
     assert said["settings"]["hold_out"] == ["z"]
@@ -109,10 +95,8 @@ def test_causes_are_those_of_diagnose(read: Any, report: Report) -> None:
     assert before[2:] == told
 
 
-def test_identified_inertia_is_that_of_identify(read: Any, series: Any, run: Run) -> None:
-    code, out, _ = run("identify", str(series.campaign), "--no-study", "--json")
-    assert code == 0
-    said = json.loads(out)
+def test_identified_inertia_is_that_of_identify(read, series, answer):
+    said = answer("identify", str(series.campaign), "--no-study")
     table = next(one for one in read.tables if one.caption.startswith("fmd+cuboid: mass, CoG and inertia,"))
     mass = table.row("Mass m")
     best = said[said["result"].replace("-", "_")]
@@ -120,7 +104,7 @@ def test_identified_inertia_is_that_of_identify(read: Any, series: Any, run: Run
     assert_allclose(mass[8], max(abs(end - mass[7]) for end in best["interval95"]["mass_kg"]), rtol=1e-9)
 
 
-def test_the_reference_is_that_of_reference_with_the_weighing_beside_it(read: Any, run: Run) -> None:
+def test_the_reference_is_that_of_reference_with_the_weighing_beside_it(read, run):
     code, out, _ = run("reference", "cuboid", "--json")
     assert code == 0
     routes = json.loads(out)["articles"]["cuboid"]["routes"]
@@ -133,14 +117,11 @@ def test_the_reference_is_that_of_reference_with_the_weighing_beside_it(read: An
     assert_allclose(outside[5], (12.09 - mass[2]) / 0.01, atol=0.01)
 
 
-def test_the_ladder_shows_every_rung(read: Any, report: Report) -> None:
+def test_the_ladder_shows_every_rung_and_where_everything_comes_from_is_said(read, report, series):
     rungs = read.table("Rungs")
     assert [row[0] for row in rungs.rows[1:]] == ["0", "1 (here)"]
     assert [row[4] for row in rungs.values[1:]] == [4.1, 0.7]
     assert rungs.values[2][9] == 174.3
-
-
-def test_where_everything_comes_from_is_said(read: Any, report: Report, series: Any) -> None:
     from validation.history.history import digest
 
     inputs = read.table("Inputs")
@@ -151,9 +132,7 @@ def test_where_everything_comes_from_is_said(read: Any, report: Report, series: 
     assert "none: the same data give the same answer" in read.text
 
 
-def test_code_of_the_user_and_the_browser_that_prints_are_said(
-    series: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_code_of_the_user_and_the_browser_that_prints_are_said(series, tmp_path, monkeypatch):
     (tmp_path / "mine.py").write_text("FAMILY = None")
     (tmp_path / "browser").write_text("#!/bin/sh\necho Brow 7.1\n")
     (tmp_path / "browser").chmod(0o755)
@@ -167,14 +146,14 @@ def test_code_of_the_user_and_the_browser_that_prints_are_said(
     assert shlex.split(made.command) == words
 
 
-def test_every_library_that_reads_computes_or_draws_has_its_version(root: Path) -> None:
+def test_every_library_that_reads_computes_or_draws_has_its_version(root):
     declared = tomllib.loads((root / "pyproject.toml").read_text("utf-8"))["project"]["dependencies"]
     names = {re.split(r"[<>=~ \[]", one)[0] for one in declared}
     faces = {"click", "rich", *(one for one in names if one.startswith("trame"))}
     assert names - faces <= set(page.PROGRAMS)
 
 
-def test_what_nobody_asked_for_is_said_instead_of_shown(report: Report, parsed: Callable[[str], Any]) -> None:
+def test_what_nobody_asked_for_is_said_instead_of_shown(report, parsed):
     bare = replace(
         report, diagnosis=None, not_diagnosed="--no-diagnosis", standing=None, articles=(), campaigns=report.campaigns[:0]
     )
@@ -187,7 +166,7 @@ def test_what_nobody_asked_for_is_said_instead_of_shown(report: Report, parsed: 
 
 
 @pytest.mark.parametrize("verdict", ["nothing", "unknown", "ambiguous", "several", "mistake"])
-def test_every_verdict_has_its_page(report: Report, verdict: str, parsed: Callable[[str], Any]) -> None:
+def test_every_verdict_has_its_page(report, verdict, parsed):
     found = report.diagnosis
     alike = ("force-gain:fmd-z2", "cell-stiffness:2z") if verdict == "ambiguous" else ()
     accepted = () if verdict in ("nothing", "unknown") else found.accepted
@@ -205,9 +184,7 @@ def body(mass: float) -> Body:
     return Body(article="cuboid", values=values, deviation=deviation, reference=reference)
 
 
-def test_the_inertia_with_the_effects_of_the_model_stands_first_in_summary_and_section(
-    report: Report, parsed: Callable[[str], Any]
-) -> None:
+def test_the_inertia_with_the_effects_of_the_model_stands_first_in_summary_and_section(report, parsed):
     comparison = replace(report.comparison, effects=("force-gain:fmd-z2",))
     page = html(replace(report, comparison=comparison, identified=(body(12.2),)))
     summary = page[page.index('<ol class="summary">') : page.index("</ol>", page.index('<ol class="summary">'))]
@@ -228,7 +205,7 @@ def test_the_inertia_with_the_effects_of_the_model_stands_first_in_summary_and_s
     assert_allclose(mass[2:6], [12.2, 1.959964 * 0.12, 12.09, 0.11], rtol=1e-6)
 
 
-def test_an_inertia_outside_its_interval_is_said_so(report: Report, parsed: Callable[[str], Any]) -> None:
+def test_an_inertia_outside_its_interval_is_said_so(report, parsed):
     page = html(replace(report, identified=(body(13.2),)))
     assert (
         "with the model, which has no effects: cuboid weighs 13.20 ± 0.24 kg (95 %), the model 12.09, OUTSIDE"
@@ -237,10 +214,10 @@ def test_an_inertia_outside_its_interval_is_said_so(report: Report, parsed: Call
     assert "1 of the ten values outside their intervals" in parsed(page).text
 
 
-def test_a_cause_that_the_model_lacks_is_said_beside_the_inertia_that_does_not_know_it(read: Any) -> None:
+def test_a_cause_that_the_model_lacks_is_said_beside_the_inertia_that_does_not_know_it(read):
     assert "Nothing of this knows force-gain:fmd-z2 yet, which the model lacks: massline add adds it." in read.text
 
 
-def test_why_no_inertia_was_identified_with_the_effects_is_said(report: Report, parsed: Callable[[str], Any]) -> None:
+def test_why_no_inertia_was_identified_with_the_effects_is_said(report, parsed):
     text = parsed(html(replace(report, not_identified="the fit ended nowhere"))).text
     assert text.count("With the effects of the model no inertia was identified: the fit ended nowhere") == 2

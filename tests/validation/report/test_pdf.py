@@ -1,11 +1,7 @@
 """The page on paper: a browser prints all of it; without one the command says what to install before it computes anything."""
 
-from __future__ import annotations
-
 import re
 import zlib
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,11 +9,9 @@ import pytest
 from geometry.errors import BadInput, CheckFailed
 from validation.report import page as report_page
 
-Run = Callable[..., tuple[int, str, str]]
-
 
 @pytest.fixture(scope="module")
-def printed(browser_path: str, page: Path, tmp_path_factory: pytest.TempPathFactory) -> bytes:
+def printed(browser_path, page, tmp_path_factory) -> bytes:
     path = tmp_path_factory.mktemp("paper") / "report.pdf"
     report_page.print_to(page, path, browser_path)
     return path.read_bytes()
@@ -34,26 +28,20 @@ def unpacked(document: bytes) -> bytes:
     return b"\n".join(found)
 
 
-def test_it_has_pages_and_its_headings_are_bookmarks(printed: bytes) -> None:
+def test_it_has_pages_its_headings_are_bookmarks_and_figures_are_drawings(printed):
     assert printed.startswith(b"%PDF")
     pages = len(re.findall(rb"/Type\s*/Page\b(?!s)", unpacked(printed)))
     assert 5 <= pages <= 40
     said = unpacked(printed)
     for heading in ("Summary", "Identified inertia", "Where it fails", "What is missing", "Provenance"):
         assert heading.encode() in said or heading.encode("utf-16-be") in said, heading
-
-
-def test_figures_are_on_it_as_drawings(printed: bytes) -> None:
     assert unpacked(printed).count(b" c\n") > 2000  # curves: texts and tables alone have about two hundred
 
 
-def test_a_browser_that_says_nothing_is_told_of(page: Path, tmp_path: Path) -> None:
+def test_a_browser_that_says_nothing_is_told_of_and_one_that_hangs_is_ended(page, tmp_path, monkeypatch):
     with pytest.raises(CheckFailed, match="did not print"):
         report_page.print_to(page, tmp_path / "report.pdf", "/bin/true")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_browser_that_hangs_is_ended(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     script = tmp_path / "browser"
     script.write_text("#!/bin/sh\nexec sleep 60\n")
     script.chmod(0o755)
@@ -63,9 +51,7 @@ def test_a_browser_that_hangs_is_ended(page: Path, tmp_path: Path, monkeypatch: 
 
 
 @pytest.mark.parametrize(("user", "sandboxed"), [(0, False), (1000, True)])
-def test_nobody_but_root_prints_without_the_browsers_sandbox(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, user: int, *, sandboxed: bool
-) -> None:
+def test_nobody_but_root_prints_without_the_browsers_sandbox(tmp_path, monkeypatch, user, *, sandboxed):
     """Titles on the page are a stranger's."""
     script, page = tmp_path / "browser", tmp_path / "page.html"
     script.write_text(f'#!/bin/sh\necho "$@" > {tmp_path}/words\n')
@@ -77,22 +63,21 @@ def test_nobody_but_root_prints_without_the_browsers_sandbox(
     assert ("--no-sandbox" not in (tmp_path / "words").read_text()) == sandboxed
 
 
-def test_without_a_browser_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_without_a_browser_it_says_what_to_install(monkeypatch, tmp_path):
     monkeypatch.delenv(report_page.BROWSER, raising=False)
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(BadInput, match="apt-get install chromium"):
         report_page.browser_path()
 
 
-def test_a_named_browser_that_is_none_is_refused_before_anything_is_read(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_named_browser_that_is_none_is_refused_before_anything_is_read(refused, monkeypatch):
     monkeypatch.setenv(report_page.BROWSER, "no-such-browser")
-    code, _, said = run("report", "none.toml", "nowhere", "--pdf")
-    assert code == 2
+    said = refused("report", "none.toml", "nowhere", "--pdf")
     assert "MASSLINE_BROWSER" in said
     assert "no-such-browser" in said
 
 
-def test_a_named_browser_is_taken(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_named_browser_is_taken(monkeypatch, tmp_path):
     own = tmp_path / "mine"
     own.write_text("#!/bin/sh\n")
     own.chmod(0o755)

@@ -37,16 +37,16 @@ def row(reference: float, value: float, bar: float, error: Error = Error.RELATIV
         (row(1.0, math.inf, 1.0), False),
     ],
 )
-def test_a_row_passes_up_to_its_bar_and_never_without_a_number(result: CheckResult, passed: bool) -> None:
+def test_a_row_passes_up_to_its_bar_and_never_without_a_number(result, passed):
     assert result.passed is passed
     json.dumps(to_json(result), allow_nan=False)
 
 
-def test_what_rows_share_is_computed_once_a_run_and_anew_in_the_next() -> None:
+def test_what_rows_share_is_computed_once_a_run_and_anew_in_the_next():
     calls: list[int] = []
 
     @check.once
-    def shared(number: int) -> float:
+    def shared(number):
         calls.append(number)
         return float(number)
 
@@ -59,7 +59,7 @@ def test_what_rows_share_is_computed_once_a_run_and_anew_in_the_next() -> None:
     assert calls == [1, 1]
 
 
-def test_the_observed_order_is_the_slope_of_the_error() -> None:
+def test_the_observed_order_is_the_slope_of_the_error():
     assert order([1.0, 0.5, 0.25], [-3.0, -3.0 / 16, -3.0 / 256]) == pytest.approx(4, abs=1e-12)
 
 
@@ -85,7 +85,7 @@ def results() -> list[CheckResult]:
     ]
 
 
-def test_the_table_reads_like_this() -> None:
+def test_the_table_reads_like_this():
     console = Console(width=100, color_system=None, force_terminal=False)
     with console.capture() as capture:
         for page in pages(results()):
@@ -93,13 +93,10 @@ def test_the_table_reads_like_this() -> None:
     assert [line.rstrip() for line in capture.get().splitlines()] == GOLDEN.splitlines()
 
 
-def test_markdown_holds_the_same_cells() -> None:
+def test_markdown_holds_the_same_cells_and_the_summary_names_what_fails():
     lines = markdown(results()).splitlines()
     assert lines[0] == "### Bars"
     cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[4:]]
     assert cells[1] == ["Cantilever, mode 1", "4", "3.70000", "0.3", "0.25", "NO", "closed form"]
-
-
-def test_the_summary_names_what_fails() -> None:
     assert summary(results()[::2]) == "All 2 checks pass."
     assert summary(results()).startswith("2 of 4 checks fail: Cantilever, mode 1; ")

@@ -179,7 +179,7 @@ CASES = (
 
 
 @pytest.fixture
-def coarse(monkeypatch: Patch) -> None:
+def coarse(monkeypatch) -> None:
     """Meshes on which a family takes a second or so."""
     monkeypatch.setitem(solids.BAR_CELLS, Mesh.FAST, (2, 1, 10))
     for nodes, cells in ((solids.HEX, (2, 3, 4)), (solids.TET, (3, 4, 6))):
@@ -195,7 +195,7 @@ def coarse(monkeypatch: Patch) -> None:
     monkeypatch.setattr(dynamics, "ARTICLE_LINES", np.array([8.0, 20.0, 32.0]))
 
 
-def test_every_family_has_its_breaks() -> None:
+def test_every_family_has_its_breaks():
     assert [case.name for case in CASES] == list(FAMILIES)
 
 
@@ -203,7 +203,7 @@ def test_every_family_has_its_breaks() -> None:
 @pytest.mark.parametrize(
     "case", [pytest.param(one, marks=[pytest.mark.proof] * (one.name in ("time", "pendulum")), id=one.name) for one in CASES]
 )
-def test_every_row_fails_when_what_it_checks_is_broken(case: Family) -> None:
+def test_every_row_fails_when_what_it_checks_is_broken(case):
     sound = run(checks(case.name))
     failed: set[str] = set()
     for broken in case.breaks:
@@ -219,6 +219,6 @@ def _worse(sound: CheckResult, broken: CheckResult) -> bool:
     return not broken.passed and broken.error > 2 * sound.error
 
 
-def test_rows_have_names_of_their_own() -> None:
+def test_rows_have_names_of_their_own():
     names = [check.what for check in checks()]
     assert len(names) == len(set(names))

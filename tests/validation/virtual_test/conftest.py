@@ -33,13 +33,13 @@ def elastic_plan() -> Callable[..., Plan]:
 
 
 @pytest.fixture(scope="session")
-def exact_test(rigid_plan: Callable[..., Plan]) -> VirtualTest:
+def exact_test(rigid_plan) -> VirtualTest:
     """The rigid Cuboid in a laboratory without errors."""
     return simulate(exact(rigid_plan()))
 
 
 @pytest.fixture(scope="session")
-def ordinary(elastic_plan: Callable[..., Plan]) -> Callable[[str], VirtualTest]:
+def ordinary(elastic_plan) -> Callable[[str], VirtualTest]:
     """``ordinary(article)``: a fast virtual test with ordinary tolerances, each article once; all of one seed."""
     return cache(lambda article: simulate(elastic_plan(article=article, seed=987654321)))
 
@@ -55,7 +55,7 @@ def spectra() -> Callable[[Campaign, np.ndarray], dict[str, np.ndarray]]:
 
 
 @pytest.fixture(scope="session")
-def measured(spectra: Callable[[Campaign, np.ndarray], dict[str, np.ndarray]]) -> Callable[[Campaign, np.ndarray], DynamicMass]:
+def measured(spectra) -> Callable[[Campaign, np.ndarray], DynamicMass]:
     """``measured(campaign, lines)``: the dynamic mass by nominal places, as the paper evaluates a test."""
 
     def made(campaign: Campaign, lines: np.ndarray) -> DynamicMass:

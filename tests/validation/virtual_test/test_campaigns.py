@@ -1,7 +1,5 @@
 """A virtual campaign is a campaign like any other: it reads like one, and tells nothing that a laboratory would not know."""
 
-import json
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,31 +10,21 @@ from numpy.testing import assert_allclose, assert_array_equal
 from fem.damping import Damping
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput, CheckFailed
-from geometry.sensors import ChannelTable
 from identification.campaign import Campaign, levels, noise_floors
-from identification.campaign_file import examine, read, write
+from identification.campaign_file import examine, write
 from validation.virtual_test.plan import Plan, PlantedEffect, exact
-from validation.virtual_test.simulate import VirtualTest, laboratory, record, recording, runs, simulate
-
-Ordinary = Callable[[str], VirtualTest]
-
-SIGNALS = (
-    "table-z1 table-z2 table-z3 table-x1 table-y1 table-y2",
-    "cover-z1 cover-z2 cover-z3 cover-z4 cover-x1 cover-x2 cover-y1 cover-y2",
-    "fmd-x12 fmd-x34 fmd-y14 fmd-y23 fmd-z1 fmd-z2 fmd-z3 fmd-z4",
-)
-"""The paper's 22 signals, as the campaign format names them."""
+from validation.virtual_test.simulate import laboratory, record, recording, runs, simulate
 
 
 @pytest.fixture(scope="module")
-def folder(ordinary: Ordinary, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(ordinary, tmp_path_factory) -> Path:
     """A virtual campaign as it was written."""
     path = tmp_path_factory.mktemp("series") / "one-blade"
     write(path, ordinary("fmd+clumod-1").campaign)
     return path
 
 
-def test_a_written_campaign_reads_back_to_the_last_bit_and_nothing_is_wrong_with_it(folder: Path, ordinary: Ordinary) -> None:
+def test_a_written_campaign_reads_back_to_the_last_bit_and_nothing_is_wrong_with_it(folder, ordinary):
     found, campaign = examine(folder), ordinary("fmd+clumod-1").campaign
     assert found.problems == ()
     assert found.campaign.warnings == ()
@@ -45,14 +33,7 @@ def test_a_written_campaign_reads_back_to_the_last_bit_and_nothing_is_wrong_with
     assert_allclose(found.campaign.mounting.position, [0, 0, 0.045])
 
 
-def test_the_signals_are_the_paper_s_by_name_and_group(folder: Path) -> None:
-    table = read(folder).table
-    assert sorted(table.names) == sorted(" ".join(SIGNALS).split())
-    assert all(channel.group == channel.name.split("-")[0] for channel in table.channels)
-    assert {channel.name for channel in table.channels if channel.is_sum} == {"fmd-x12", "fmd-x34", "fmd-y14", "fmd-y23"}
-
-
-def test_the_campaign_file_holds_no_seed_no_effect_and_no_drawn_figure(elastic_plan: Callable[..., Plan], tmp_path: Path) -> None:
+def test_the_campaign_file_holds_no_seed_no_effect_and_no_drawn_figure(elastic_plan, tmp_path):
     effect = PlantedEffect(id="force-gain:fmd-z3", value={"": 0.0432}, chain=lambda chain: chain.more_gain("fmd-z3", 0.0432))
     plan = elastic_plan(seed=987654321, effects=(effect,), article="fmd", model="rigid")
     made = simulate(plan)
@@ -65,26 +46,7 @@ def test_the_campaign_file_holds_no_seed_no_effect_and_no_drawn_figure(elastic_p
     assert not [value for value in figures if f"{abs(value):.6g}" in text]
 
 
-def test_the_truth_is_json_and_names_every_deviation_by_its_id(ordinary: Ordinary) -> None:
-    truth = ordinary("fmd+clumod-1").truth
-    assert json.loads(json.dumps(truth, allow_nan=False)) == truth
-    tolerances = truth["tolerances"]
-    for name in (
-        "force-gain:fmd-x12",
-        "force-delay:fmd-z4",
-        "accelerometer-gain:table-y2",
-        "accelerometer-delay:cover-x1",
-        "accelerometer-position:cover-z3:x",
-        "accelerometer-misalignment:cover-z3:y",
-        "cell-stiffness:4z",
-        "force-crosstalk:zx",
-        "modulus:mast",
-    ):
-        assert name in tolerances
-    assert truth["seed"] == 987654321
-
-
-def test_noise_floors_are_those_of_the_plan_and_of_the_file(ordinary: Ordinary) -> None:
+def test_noise_floors_are_those_of_the_plan_and_of_the_file(ordinary):
     """The quiet before and after a run holds noise and hum; a second of it tells the rms to a few per cent."""
     campaign = ordinary("fmd+clumod-1").campaign
     found = noise_floors(campaign)
@@ -93,7 +55,7 @@ def test_noise_floors_are_those_of_the_plan_and_of_the_file(ordinary: Ordinary) 
         assert_allclose(rms, np.hypot(channel.noise_rms, hum), rtol=0.15)
 
 
-def test_the_mains_hum_at_fifty_hertz_in_every_channel(rigid_plan: Callable[..., Plan], exact_test: VirtualTest) -> None:
+def test_the_mains_hum_at_fifty_hertz_in_every_channel(rigid_plan, exact_test):
     size = {"acceleration": 0.003, "force": 0.2}
     campaign = simulate(replace(exact(rigid_plan()), mains=size)).campaign
     made = campaign.recordings["z"]
@@ -106,7 +68,7 @@ def test_the_mains_hum_at_fifty_hertz_in_every_channel(rigid_plan: Callable[...,
     assert_allclose(harmonics.mean(axis=1), [0.3, 0.1], rtol=0.3)
 
 
-def test_the_table_moves_across_by_a_few_per_cent(elastic_plan: Callable[..., Plan]) -> None:
+def test_the_table_moves_across_by_a_few_per_cent(elastic_plan):
     campaign = simulate(exact(elastic_plan(article="fmd", model="rigid", octaves_per_minute=40.0))).campaign
     shares = []
     for axis in MOTIONS:
@@ -117,7 +79,7 @@ def test_the_table_moves_across_by_a_few_per_cent(elastic_plan: Callable[..., Pl
     assert max(shares) < 0.1
 
 
-def test_effects_on_whole_signals_see_what_is_streamed_otherwise(elastic_plan: Callable[..., Plan]) -> None:
+def test_effects_on_whole_signals_see_what_is_streamed_otherwise(elastic_plan):
     """An effect that copies the signals makes the run be kept whole; what is recorded stays the same."""
     idle = PlantedEffect(id="idle", signals=lambda sensed: replace(sensed, values=np.array(sensed.values)))
     plain, kept = elastic_plan(), elastic_plan(effects=(idle,))
@@ -126,14 +88,14 @@ def test_effects_on_whole_signals_see_what_is_streamed_otherwise(elastic_plan: C
     assert_allclose(record(kept, laboratory(kept), run), expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 
-def test_effects_on_the_record_come_after_the_noise(rigid_plan: Callable[..., Plan]) -> None:
+def test_effects_on_the_record_come_after_the_noise(rigid_plan):
     grams = PlantedEffect(id="unit", record=lambda sensed: replace(sensed, values=sensed.values / 9.81))
     plain, scaled = (replace(exact(rigid_plan()), noise_rms={"force": 1.0}, effects=effects) for effects in ((), (grams,)))
     values = [recording(plan, laboratory(plan), runs(plan)[0]).values for plan in (plain, scaled)]
     assert_allclose(values[1], values[0] / 9.81, rtol=1e-12)
 
 
-def test_effects_on_the_rig_come_before_the_drive(rigid_plan: Callable[..., Plan], exact_test: VirtualTest) -> None:
+def test_effects_on_the_rig_come_before_the_drive(rigid_plan, exact_test):
     heavier = PlantedEffect(id="heavy", rig=lambda rig: replace(rig, cover=rig.cover.scaled(2.0)))
     plan = exact(rigid_plan(effects=(heavier,)))
     found, before = record(plan, laboratory(plan), runs(plan)[2]), exact_test.campaign.recordings["z"].values
@@ -144,7 +106,7 @@ def test_effects_on_the_rig_come_before_the_drive(rigid_plan: Callable[..., Plan
     assert_allclose(ratio, 1 + truth["fmd"]["mass_kg"] / whole, rtol=1e-3)
 
 
-def test_progress_runs_up_to_the_end(rigid_plan: Callable[..., Plan]) -> None:
+def test_progress_runs_up_to_the_end(rigid_plan):
     seen: list[float] = []
     simulate(exact(rigid_plan()), progress=seen.append)
     assert seen == sorted(seen)
@@ -166,55 +128,23 @@ def test_progress_runs_up_to_the_end(rigid_plan: Callable[..., Plan]) -> None:
         ({"cross": float("inf")}, "cross"),
     ],
 )
-def test_a_plan_that_cannot_be_is_refused_by_its_field(changes: dict[str, object], field: str) -> None:
+def test_a_plan_that_cannot_be_is_refused_by_its_field(changes, field):
     with pytest.raises(BadInput) as refused:
         Plan(article="fmd", **changes)
     assert refused.value.field == field
 
 
 @pytest.mark.parametrize("article", ["clumod-1", "disc+cuboid", "fmd+clumod-2", "cuboid+fmd"])
-def test_what_does_not_stand_on_the_fmd_is_refused(article: str) -> None:
+def test_what_does_not_stand_on_the_fmd_is_refused(article):
     with pytest.raises(BadInput, match="article"):
         simulate(Plan(article=article))
 
 
-def test_a_record_too_slow_for_the_sweep_is_refused() -> None:
+def test_a_record_too_slow_for_the_sweep_and_an_article_that_never_stops_ringing_are_refused(elastic_plan):
     with pytest.raises(BadInput, match="pass-band"):
         simulate(Plan(article="fmd", rate=80.0))
-
-
-def test_an_article_that_never_stops_ringing_is_refused_in_words(elastic_plan: Callable[..., Plan]) -> None:
     with pytest.raises(CheckFailed, match="Give it damping"):
         simulate(elastic_plan(damping=Damping(ratio=1e-7)))
-
-
-def test_virtual_campaigns_are_of_the_kind_of_the_example_series(ordinary: Ordinary, data: Path) -> None:
-    """Levels, noise, hum and cross motion beside a series that another program wrote."""
-    written = read(data / "example_series" / "fmd+clumod-1")
-    made = ordinary("fmd+clumod-1").campaign
-    for channel in made.table.channels:
-        (other,) = (one for one in written.table.channels if one.name == channel.name)
-        assert (channel.quantity, channel.group, channel.unit, channel.reference) == (
-            other.quantity,
-            other.group,
-            other.unit,
-            other.reference,
-        )
-        assert channel.noise_rms == other.noise_rms
-        for one, theirs in zip(channel.places, other.places, strict=True):
-            assert_array_equal(one.direction, theirs.direction)
-            assert np.linalg.norm(one.position - theirs.position) < 0.06
-    for theirs, mine in zip(written.runs, made.runs, strict=True):
-        assert (theirs.name, theirs.axis) == (mine.name, mine.axis)
-        assert theirs.excitation.figure("level") == mine.excitation.figure("level")
-    floors = [in_order(noise_floors(campaign), campaign.table, made.table) for campaign in (written, made)]
-    assert_allclose(floors[1], floors[0], rtol=0.25)
-    assert 0.4 < cross(made) / cross(written) < 2.5
-
-
-def in_order(values: np.ndarray, table: ChannelTable, other: ChannelTable) -> np.ndarray:
-    """`values` of the channels of `table` in the order of `other`."""
-    return np.array([values[table.names.index(name)] for name in other.names])
 
 
 def cross(campaign: Campaign) -> float:

@@ -1,6 +1,5 @@
 """A laboratory without errors measures exactly what stands on its table."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -8,15 +7,12 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fem.base_excitation.rig import dynamic_mass
-from geometry.dynamic_mass import DynamicMass
 from geometry.frames import rigid_transformation_6
 from geometry.inertia import Inertia
-from identification.campaign import Campaign
-from validation.virtual_test.plan import Plan, PlantedEffect, exact
-from validation.virtual_test.simulate import VirtualTest, laboratory, simulate
+from validation.virtual_test.plan import PlantedEffect, exact
+from validation.virtual_test.simulate import laboratory, simulate
 
 LINES = np.arange(4.0, 32.01, 1.0)
-Measured = Callable[[Campaign, np.ndarray], DynamicMass]
 
 
 def matrix(truth: dict[str, object]) -> np.ndarray:
@@ -29,7 +25,7 @@ def difference(found: np.ndarray, expected: np.ndarray) -> np.ndarray:
     return np.abs(found - expected).max(axis=(1, 2)) / np.abs(expected).max(axis=(1, 2))
 
 
-def test_a_rigid_article_measures_its_own_mass_matrix_to_rounding(exact_test: VirtualTest, measured: Measured) -> None:
+def test_a_rigid_article_measures_its_own_mass_matrix_to_rounding(exact_test, measured):
     """The time records of a rigid article are exact: all channels pass one filter, and ratios of them are what they were."""
     expected = matrix(exact_test.truth["fmd"]) + matrix(exact_test.truth["article"]["about_F"])
     found = measured(exact_test.campaign, LINES).matrix
@@ -37,8 +33,8 @@ def test_a_rigid_article_measures_its_own_mass_matrix_to_rounding(exact_test: Vi
 
 
 def test_an_elastic_article_measures_its_dynamic_mass_and_the_error_falls_with_the_ringing_that_is_cut_off(
-    elastic_plan: Callable[..., Plan], measured: Measured
-) -> None:
+    elastic_plan, measured
+):
     worst = []
     for ringing in (1e-2, 1e-4):
         plan = exact(elastic_plan(ringing=ringing))
@@ -48,7 +44,7 @@ def test_an_elastic_article_measures_its_dynamic_mass_and_the_error_falls_with_t
     assert 20 < worst[0] / worst[1] < 500  # in proportion: a hundredth of the ringing, a hundredth of the error
 
 
-def test_the_truth_states_the_inertia_and_the_dynamic_mass_of_what_was_driven(ordinary: Callable[[str], VirtualTest]) -> None:
+def test_the_truth_states_the_inertia_and_the_dynamic_mass_of_what_was_driven(ordinary):
     truth = ordinary("fmd+clumod-1").truth
     own, about_f = (matrix(truth["article"][key]) for key in ("own_frame", "about_F"))
     T = rigid_transformation_6(truth["mounting_origin_m"])
@@ -60,9 +56,7 @@ def test_the_truth_states_the_inertia_and_the_dynamic_mass_of_what_was_driven(or
 
 
 @pytest.mark.parametrize("half", ["accelerometer_tilt", "gravity"])
-def test_one_half_of_gravity_alone_adds_the_tilt_terms_of_the_printed_signs(
-    half: str, rigid_plan: Callable[..., Plan], exact_test: VirtualTest, measured: Measured
-) -> None:
+def test_one_half_of_gravity_alone_adds_the_tilt_terms_of_the_printed_signs(half, rigid_plan, exact_test, measured):
     """f_x/beta += m g/w², f_y/alpha -= m g/w², t_alpha/alpha and t_beta/beta += m g z/w² for kinematic accelerations, and the
     opposite where the structure does not feel gravity while the accelerometers do."""
     off = PlantedEffect(id=half, chain=lambda chain: replace(chain, **{half: 0.0}))
@@ -77,9 +71,7 @@ def test_one_half_of_gravity_alone_adds_the_tilt_terms_of_the_printed_signs(
     assert_allclose([added[0, 4], added[1, 3], added[3, 3], added[4, 4]], [m, -m, mz, mz], rtol=1e-4)
 
 
-def test_sweeps_of_several_axes_at_once_measure_the_same(
-    rigid_plan: Callable[..., Plan], exact_test: VirtualTest, measured: Measured
-) -> None:
+def test_sweeps_of_several_axes_at_once_measure_the_same(rigid_plan, exact_test, measured):
     expected = measured(exact_test.campaign, LINES).matrix
     for pattern, runs in (("multi", 6), ("diagonal", 12), ("twice", 12)):
         campaign = simulate(exact(rigid_plan(pattern=pattern, octaves_per_minute=120.0))).campaign
