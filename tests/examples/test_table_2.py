@@ -122,11 +122,6 @@ def test_posteriors_sum_up_to_one(story: Any) -> None:
         assert_allclose(sum(shares.values()), 1.0, rtol=1e-9)
 
 
-def test_three_faults_reproduce_all_seven_within_their_uncertainty(story: Any) -> None:
-    assert np.abs(story.triples[0].left).max() < 1.05
-    assert story.triples[0].chi2 < story.pairs[0].chi2 < story.turn.chi2
-
-
 def test_records_of_clumod_are_read_as_their_prediction_is(program: dict[str, Any], story: Any) -> None:
     best, exact = story.pairs[0], program["exact"]
     test, effects = best.of.way.tests[1], exact.sized(best.of.faults, best.sizes)

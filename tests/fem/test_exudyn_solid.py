@@ -41,10 +41,6 @@ def body(bar: Structure) -> FloatingFrame:
     return floating_frame(bar, COUNT)
 
 
-def test_exudyn_finds_the_frequencies_of_the_full_matrices(bar: Structure, body: FloatingFrame) -> None:
-    assert_allclose(np.sqrt(body.eigenvalues) / (2 * np.pi), fixed_base(bar, COUNT).frequency, rtol=1e-9)
-
-
 def test_its_linearised_flexible_body_has_them_and_their_effective_masses_too(bar: Structure) -> None:
     ours, exudyns = fixed_base(bar, COUNT), modes_of_solid(bar, COUNT)
     assert_allclose(exudyns.frequency, ours.frequency, rtol=1e-9)

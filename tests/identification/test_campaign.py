@@ -108,14 +108,6 @@ def moved(campaign: Campaign, motion: np.ndarray, floor: float = 0.0) -> Recordi
     return Recording(names=campaign.table.names, values=motion @ rows.T + floor * noise, sampling_rate=RATE)
 
 
-def test_the_base_motion_is_what_moved_the_pickups(campaign: Campaign) -> None:
-    motion = np.random.default_rng(1).standard_normal((300, 6))
-    found = base_motion(moved(campaign, motion), campaign.table)
-    assert found is not None
-    # condition below 3, a sum of eight products
-    assert_allclose(found, motion, rtol=0, atol=1e-13)
-
-
 def test_the_table_helps_where_the_cover_plate_alone_does_not_tell(campaign: Campaign) -> None:
     kept = [k for k, name in enumerate(campaign.table.names) if not name.startswith("cover-x")]
     motion = np.random.default_rng(1).standard_normal((300, 6))

@@ -6,7 +6,6 @@ from numpy.testing import assert_allclose
 
 from geometry.dynamic_mass import LEVELS, MOTIONS, DynamicMass
 from geometry.errors import BadInput, CheckFailed
-from geometry.frames import rotation_about
 from geometry.inertia import Inertia, Kind, judge
 from geometry.routes import from_log_cholesky
 from identification.base_motion import RunNoise, against_apparent, tilt
@@ -206,19 +205,6 @@ def test_spectra_of_other_shapes_and_noise_of_nothing_are_refused() -> None:
     noise = _independent(np.full(U.shape, 1.0), np.full(U.shape, 1e3))
     with pytest.raises(CheckFailed, match="does not settle"):
         from_spectra(U + 1e3 * _complex(np.random.default_rng(0), *U.shape), _loads(U), LINES, noise=noise)
-
-
-def test_the_weight_of_a_body_on_a_tilting_base_gives_the_tilt_its_signs() -> None:
-    """Statics, without Eq. 1: a base turned by a small angle carries the weight along axes that turned with it."""
-    g, f, angle = 9.81, 5.0, 1e-6
-    offset = BODY.cog - AT
-    for axis, name in (("x", "alpha"), ("y", "beta"), ("z", "gamma")):
-        up = rotation_about(axis, angle).T @ np.array([0.0, 0.0, g])  # what carries the body, in the axes of the base
-        weight = BODY.mass * np.concatenate([up, np.cross(offset, up)])
-        upright = BODY.mass * np.concatenate([[0, 0, g], np.cross(offset, [0, 0, g])])
-        acceleration = -((2 * np.pi * f) ** 2) * angle
-        column = BODY.mass_matrix @ (tilt(f, g)[0] - np.eye(6))[:, MOTIONS.index(name)]
-        assert_allclose((weight - upright) / acceleration, column, rtol=0, atol=1e-5 * BODY.mass)  # angle squared
 
 
 def test_gravity_missing_in_the_motions_shifts_the_cog_by_g_over_omega_squared_and_is_put_back() -> None:

@@ -207,12 +207,6 @@ def column_error(rig: Rig, lines: np.ndarray, column: np.ndarray, axis: int) -> 
     )
 
 
-def test_dynamic_mass_of_a_rig_without_fmd_is_that_of_its_body(clumod: Clumod) -> None:
-    article, lines = clumod("clumod-4"), np.array([0.0, 5.0, 12.3, 30.0])
-    expected = reduction.dynamic_mass(article.reduced, lines).matrix
-    assert_allclose(base_excitation_rig.dynamic_mass(Rig(article=article), lines).matrix, expected, rtol=1e-9, atol=1e-11)
-
-
 def test_a_seat_moves_the_reference_point_to_f(clumod: Clumod) -> None:
     article, lines, seat = clumod("clumod-1"), np.array([5.0, 12.3]), np.array([0.1, -0.2, 0.3])
     T = rigid_transformation_6(seat)
@@ -220,13 +214,6 @@ def test_a_seat_moves_the_reference_point_to_f(clumod: Clumod) -> None:
     assert_allclose(
         base_excitation_rig.dynamic_mass(Rig(article=article, seat=seat), lines).matrix, expected, rtol=1e-9, atol=1e-10
     )
-
-
-def test_modal_data_alone_answer_in_time(burst: Burst) -> None:
-    modes = replace(fixed_base(articles.structure("clumod-1"), 12, damping=Damping(ratio=0.03)), shapes=np.zeros((0, 12)))
-    rig = Rig(article=base_excitation_rig.of_modal_data("own", modes))
-    lines, table, load = spectra(base_excitation_response.respond(rig, burst(RATE, np.eye(6)[0], 8.0)))
-    assert column_error(rig, lines, load / table[:, [0]], 0) < 1e-5
 
 
 # --- refusals and what is told ------------------------------------------------------------------------------------------------
@@ -309,15 +296,6 @@ def viscous_alone(modes: Modes) -> Modes:
     """`modes` as they answer in time."""
     _, C = rig.viscous(modes)
     return replace(modes, viscous=C, structural=np.zeros_like(C), condensed=None)
-
-
-@pytest.mark.parametrize("name", ["clumod-1", "clumod-4"])
-def test_a_reduced_body_has_the_dynamic_mass_of_its_modes_and_residual(name: str) -> None:
-    structure = articles.structure(name)
-    modes = fixed_base(structure, 30, damping=RATIO)
-    H = dynamic_mass_of(rig.flexible(name, structure, modes))
-    # Modes and R leave out what grows with the fourth power of the frequency; 30 modes of clumod-4 go to 78 Hz.
-    assert error(H, dynamic_mass.modal(modes, LINES).matrix).max() < 2e-4
 
 
 def test_static_coordinates_beat_the_residual_against_the_direct_solution(four: Structure, modes: Modes) -> None:

@@ -103,12 +103,6 @@ def test_the_spectrum_of_a_whole_sweep_holds_twice_the_frequency(block: Inertia)
     assert_allclose(np.polyfit(np.log(lines), np.log(shares[1]), 1)[0], -2.0, atol=0.4)
 
 
-def test_progress_of_a_study_goes_to_one(block: Inertia) -> None:
-    told: list[float] = []
-    of_a_sine(rigid(block), ["alpha"], [1.0, 2.0], progress=told.append)
-    assert told == [0.5, 1.0]
-
-
 def test_the_size_of_a_load_has_no_units_to_choose(block: Inertia) -> None:
     """In centimetres and with another mass unit every share is the same."""
     weight = STUDY["size_of"](rigid(block))

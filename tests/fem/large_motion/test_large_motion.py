@@ -1,7 +1,6 @@
 """Bodies and beams on a table that really turns: how it turns, Newton and Euler, gravity, losses."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -70,22 +69,6 @@ def test_an_accelerometer_on_the_table_reads_the_second_derivative_of_its_place_
     assert_allclose(read, np.einsum("nji,nj->ni", R[1:-1], second), rtol=0, atol=1e-4 * np.abs(read).max())
 
 
-def test_small_motion_needs_no_turning(smooth: MakeMotion, sensed: Senses) -> None:
-    motion = smooth(1e-6 * LARGE, OMEGA)
-    assert_allclose(sensed(motion), motion.acceleration, rtol=0, atol=1e-10)
-
-
-def test_the_linear_transformation_lacks_the_centripetal_acceleration(
-    smooth: MakeMotion, sensed: Senses, accelerometer: Makes
-) -> None:
-    """About one axis: omega² r towards it."""
-    motion = smooth(0.5 * np.eye(6)[5], OMEGA)
-    a = sensed(motion)
-    linear = a[:, :3] + np.cross(a[:, 3:], PLACE)
-    towards = -(motion.velocity[:, 5:] ** 2) * (PLACE * [1.0, 1.0, 0.0])
-    assert_allclose(accelerometer(motion, PLACE) - linear, towards, rtol=0, atol=1e-12)
-
-
 RIGID_BLOCK_LARGE = np.array([0.1, -0.05, 0.03, 0.6, -0.5, 1.0])
 POINT = np.array([0.1, 0.2, -0.3])
 
@@ -128,13 +111,6 @@ def test_at_large_motion_newton_and_euler_hold_in_the_tables_axes(
     assert np.all(errors[2] < 2e-6)
 
 
-def test_without_its_gyroscopic_and_centripetal_terms_the_load_would_be_far_off(block: Inertia, smooth: MakeMotion) -> None:
-    """The same run against M a: the test above would not pass for want of turning."""
-    found = respond_of_plan(rigid(block), smooth(RIGID_BLOCK_LARGE, OMEGA))
-    missing = np.abs(found.load - found.table @ block.mass_matrix).max(axis=0)
-    assert np.all(missing > 0.07 * np.abs(found.load).max(axis=0))
-
-
 def test_loads_in_the_laboratorys_axes_are_those_of_the_table_turned(block: Inertia, smooth: MakeMotion) -> None:
     motion = smooth(RIGID_BLOCK_LARGE, OMEGA, 0.5)
     table, laboratory = (respond_of_plan(rigid(block), motion, Conditions(axes=axes)) for axes in ("table", "laboratory"))
@@ -174,33 +150,23 @@ def added(axis: int, axes: str, block: Inertia, smooth: MakeMotion) -> Array:
     return np.asarray(-per_angle / GRAVITY_OMEGA**2)
 
 
-def test_signs_of_the_tilt_in_the_tables_axes(block: Inertia, smooth: MakeMotion) -> None:
-    """f_x/beta'' += m g/omega², f_y/alpha'' -= m g/omega², t_alpha/alpha'' and t_beta/beta'' += m g z/omega²; about gamma, which
-    tilts nothing, no column but a row: t_gamma/alpha'' -= m g x/omega², t_gamma/beta'' -= m g y/omega².
+@pytest.mark.parametrize("axes", ["table", "laboratory"])
+def test_gravity_adds_its_tilt_in_the_tables_axes_and_moments_alone_in_the_laboratorys(
+    axes: str, block: Inertia, smooth: MakeMotion
+) -> None:
+    """Table: f_x/beta'' += m g/omega², f_y/alpha'' -= m g/omega², t_alpha/alpha'' and t_beta/beta'' += m g z/omega²; about gamma,
+    which tilts nothing, no column but a row: t_gamma/alpha'' -= m g x/omega², t_gamma/beta'' -= m g y/omega².
+
+    In the laboratory the weight is constant and a gamma column does stand, the CoG goes round under it: t = r x m g z with r
+    turned by the angle, for gamma t_alpha = m g (y + x gamma), t_beta = -m g (x - y gamma).
     """
-    weight = block.mass * G / GRAVITY_OMEGA**2
-    x, y, z = block.cog
-    expected = weight * np.array([[0, -1, 0, z, 0, -x], [1, 0, 0, 0, z, -y], [0, 0, 0, 0, 0, 0]])
-    for axis, column in zip((3, 4, 5), expected, strict=True):
-        assert_allclose(added(axis, "table", block, smooth), column, rtol=0, atol=1e-5 * weight)
-
-
-def test_in_the_laboratorys_axes_the_weight_is_constant_and_only_moments_are_added(block: Inertia, smooth: MakeMotion) -> None:
-    """There the force has no tilt, and a gamma column does stand: the CoG goes round under a weight that does not.
-
-    t = r x m g z with r turned by the angle: for gamma, t_alpha = m g (y + x gamma), t_beta = -m g (x - y gamma).
-    """
-    weight = block.mass * G / GRAVITY_OMEGA**2
-    x, y, z = block.cog
-    expected = weight * np.array([[0, 0, 0, z, 0, 0], [0, 0, 0, 0, z, 0], [0, 0, 0, -x, -y, 0]])
-    for axis, column in zip((3, 4, 5), expected, strict=True):
-        assert_allclose(added(axis, "laboratory", block, smooth), column, rtol=0, atol=1e-5 * weight)
-
-
-def test_the_height_of_the_cog_would_be_off_by_g_over_omega_squared(block: Inertia, smooth: MakeMotion) -> None:
-    """m z is read from f_x/beta'': 15.5 mm at 4 Hz, whatever the body."""
-    assert added(4, "table", block, smooth)[0] / block.mass == pytest.approx(G / GRAVITY_OMEGA**2, rel=1e-5)
-    assert pytest.approx(15.5e-3, abs=5e-5) == G / GRAVITY_OMEGA**2
+    weight, (x, y, z) = block.mass * G / GRAVITY_OMEGA**2, block.cog
+    columns = {
+        "table": [[0, -1, 0, z, 0, -x], [1, 0, 0, 0, z, -y], [0, 0, 0, 0, 0, 0]],
+        "laboratory": [[0, 0, 0, z, 0, 0], [0, 0, 0, 0, z, 0], [0, 0, 0, -x, -y, 0]],
+    }
+    for axis, column in zip((3, 4, 5), weight * np.array(columns[axes]), strict=True):
+        assert_allclose(added(axis, axes, block, smooth), column, rtol=0, atol=1e-5 * weight)
 
 
 def test_with_accelerometers_that_sense_the_tilt_gravity_cancels_exactly_at_any_angle(
@@ -256,15 +222,6 @@ def lowest_square(plan: Plan, gravity: float) -> float:
         scene, _table = large_motion._assembled(exudyn, plan, still, Conditions(gravity=gravity, loss_frequency=None))
         large_motion.settle(scene)
         return float(scene.system.ComputeODE2Eigenvalues(numberOfEigenvalues=2, useAbsoluteValues=False)[0][0])
-
-
-def test_rotation_of_the_block_is_what_the_angles_say(block: Inertia, smooth: MakeMotion) -> None:
-    """Weight in the table's axes after a slow turn is R^T m g: the sense of all three angles at once, without any dynamics."""
-    motion = smooth(GRAVITY_LARGE, 0.05 * RATES, 4.0, 64.0)
-    found = respond_of_plan(rigid(block), motion, Conditions(gravity=G))
-    still = respond_of_plan(rigid(block), motion)
-    weight = turning(motion).seen_from_table(np.tile([0.0, 0.0, block.mass * G], (len(found.load), 1)))
-    assert_allclose(found.load[:, :3] - still.load[:, :3], weight - weight[0], rtol=0, atol=1e-8 * block.mass * G)
 
 
 ELASTIC_RATE = 512.0
@@ -373,38 +330,3 @@ def test_a_disc_thinner_than_its_holes_allow_is_refused() -> None:
     still = BaseMotion(sampling_rate=64.0, displacement=nothing, velocity=nothing, acceleration=nothing, driven=0.0)
     with pytest.raises(BadInput, match="more material is taken away at node 0 than there is"):
         respond("disc", still, elements=1)
-
-
-def test_a_frame_of_ones_own_is_driven_like_a_built_in_one(kicked: tuple[BaseMotion, Array]) -> None:
-    motion = short(kicked[0])
-    plan = articles.article_plan("fmd+cuboid", elements=1)
-    ours, named = respond_of_plan(plan, motion, Conditions()), respond("fmd+cuboid", motion, elements=1)
-    assert_allclose(ours.load, named.load, rtol=0, atol=1e-12)
-
-
-def test_about_another_reference_point_the_load_is_moved_there(kicked: tuple[BaseMotion, Array]) -> None:
-    """At small motion, both tables doing the same: t_P = t_O - r x f. Forces of a microradian are known to 2e-5: the rounding of
-    beams that take gigapascals.
-    """
-    motion, r = short(kicked[0]), np.array([0.2, -0.1, 0.4])
-    whole = respond("fmd+cuboid", motion, elements=1)
-    found = respond("fmd+cuboid", told_of(motion, r), elements=1)
-    assert_allclose(found.load[:, :3], whole.load[:, :3], rtol=0, atol=5e-5 * np.abs(whole.load).max())
-    expected = whole.load[:, 3:] - np.cross(r, whole.load[:, :3])
-    assert_allclose(found.load[:, 3:], expected, rtol=0, atol=5e-5 * np.abs(whole.load).max())
-
-
-def short(motion: BaseMotion) -> BaseMotion:
-    n = round(0.6 * ELASTIC_RATE)
-    return replace(
-        motion, displacement=motion.displacement[:n], velocity=motion.velocity[:n], acceleration=motion.acceleration[:n]
-    )
-
-
-def told_of(motion: BaseMotion, r: Array) -> BaseMotion:
-    """The same small motion of the same table, told of its point `r`."""
-    parts = {}
-    for name in ("displacement", "velocity", "acceleration"):
-        parts[name] = np.array(getattr(motion, name))
-        parts[name][:, :3] += np.cross(parts[name][:, 3:], r)
-    return replace(motion, reference_point=r, **parts)

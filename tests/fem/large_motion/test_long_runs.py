@@ -145,8 +145,3 @@ def test_conditions_that_cannot_be_are_refused(field: str, value: object, said: 
 def test_a_method_that_stiff_beams_do_not_bear_is_refused(method: str, motion: BaseMotion) -> None:
     with pytest.raises(BadInput, match=f"`method`: .* need generalised-alpha, found {method}"):
         respond("clumod-1", motion, solver=Solver(method=method))  # type: ignore[arg-type]
-
-
-def test_an_unknown_article_is_refused(motion: BaseMotion) -> None:
-    with pytest.raises(BadInput, match="no built-in article is called 'clumod-2'"):
-        respond("clumod-2", motion)

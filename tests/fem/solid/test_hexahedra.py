@@ -150,29 +150,6 @@ def test_no_cell_of_clumod_is_inverted_and_all_are_joined(name: str, size: float
     assert len(apart) == len(mesh.points)  # no two nodes in one place: nothing is cut open
 
 
-def skin(mesh: SolidMesh) -> np.ndarray:
-    """Nodes (f, 9) of the faces that one cell only has, the middle one last."""
-    from fem.solid.assembly import LOCAL_HEX27
-
-    sides = [np.flatnonzero(LOCAL_HEX27[:, axis] == end) for axis in range(3) for end in (0.0, 1.0)]
-    faces = np.vstack([mesh.cells[:, side] for side in sides])
-    _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    assert count.max() <= 2
-    return faces[first[count == 1]]
-
-
-def test_every_face_inside_is_shared_by_two_cells() -> None:
-    """What is left over is the skin drawn: a tube standing on a plate."""
-    a, b, t, outer, inner, height = 0.3, 0.2, 0.02, 0.1, 0.09, 0.2
-    mesh = hexahedra([box((a, b, t), name="plate"), tube(outer, inner, height, t)], sizes=(0.04, 0.04), cuts=(t,))
-    middle = mesh.points[skin(mesh)[:, -1]]
-    radius, z = np.hypot(*middle[:, :2].T), middle[:, 2]
-    on_plate = np.isclose(z, 0) | np.isclose(np.abs(middle[:, 0]), a / 2) | np.isclose(np.abs(middle[:, 1]), b / 2)
-    on_top = np.isclose(z, t) & ((radius < inner / 2) | (radius > outer / 2))
-    on_tube = (z > t) & (np.isclose(radius, inner / 2, rtol=1e-3) | np.isclose(radius, outer / 2, rtol=1e-3))
-    assert np.all(on_plate | on_top | on_tube | np.isclose(z, t + height))
-
-
 def test_the_plans_below_and_above_a_cut_share_the_nodes_of_the_ring() -> None:
     mesh = clumod("clumod-1", LAYERS_SIZES[0])
     height = foot_height(built_in("clumod-1").counted_parts)

@@ -66,19 +66,6 @@ def test_frequencies_fall_onto_the_beam_as_the_mesh_is_refined(cantilever: Calla
     assert "converged: all 2 modes" in study.verdict
 
 
-def test_a_users_step_is_meshed_like_the_drawing(tmp_path: Path) -> None:
-    from geometry.cad import solid, write_step
-
-    drawn = plate()
-    file = tmp_path / "plate.step"
-    write_step(file, {"plate": solid(drawn.parts[0])}, "own")
-    own = user_article.load(file, material="steel")
-    structure = model.structure(own, size=0.02, cached=False)
-    volume = WIDTH * THICKNESS * LENGTH
-    assert_allclose(structure.rigid_mass[0, 0], 7850.0 * volume, rtol=1e-9)
-    assert structure.loss_factors == {"plate": 0.006}
-
-
 def test_a_users_own_material_can_be_elastic(tmp_path: Path) -> None:
     from geometry.cad import solid, write_step
 

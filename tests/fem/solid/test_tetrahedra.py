@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from fem.solid import assembly, model, tetrahedra
 from fem.solid.assembly import LOCAL_TET10, QUADRATURE, Matrices, SolidMesh, assemble, lame, volumes
 from fem.solid.tetrahedra import Sizing, bodies
-from fem.structure import Structure, rigid_motion
+from fem.structure import Structure
 from geometry import routes
 from geometry.article import Article, Box, Cylinder, Material, Part, Shape, material, placed, upright
 from geometry.articles import built_in
@@ -83,19 +83,6 @@ def test_it_is_what_scikit_fem_assembles_from_its_own_forms(mesh: SolidMesh, mat
     assert_allclose(matrices.mass.toarray(), mass, rtol=0, atol=1e-12 * np.abs(mass).max())
 
 
-def test_rigid_motion_costs_nothing_and_weighs_what_the_volume_does(mesh: SolidMesh, matrices: Matrices) -> None:
-    motion = rigid_motion(mesh.points).reshape(len(mesh.points), 6, 6)[:, :3].reshape(-1, 6)
-    assert np.abs(matrices.stiffness @ motion).max() < 1e-11 * np.abs(matrices.stiffness.data).max()
-    half = np.prod(SIDES) / 2
-    assert_allclose(motion[:, 0] @ matrices.mass @ motion[:, 0], half * (7850.0 + 1100.0), rtol=1e-12)
-    assert_allclose(np.bincount(mesh.part, weights=volumes(mesh)), half, rtol=1e-12)
-
-
-def test_each_part_has_its_own_share_of_the_stiffness(matrices: Matrices) -> None:
-    assert abs(matrices.stiffness - sum(matrices.part_stiffness.values())).max() == 0
-    assert set(matrices.part_stiffness) == {"low", "high"}
-
-
 def test_an_even_stretch_stores_the_energy_of_its_volume_and_moduli(mesh: SolidMesh, matrices: Matrices) -> None:
     """Twice the energy of a strain of 1 along x, over the volume, is lambda + 2 mu, however the cells are bent."""
     stretch = np.zeros((len(mesh.points), 3))
@@ -109,24 +96,6 @@ def test_an_even_stretch_stores_the_energy_of_its_volume_and_moduli(mesh: SolidM
 def test_a_cell_inside_out_has_negative_volume(mesh: SolidMesh) -> None:
     mirrored = replace(mesh, points=mesh.points * [-1.0, 1.0, 1.0])
     assert_allclose(volumes(mirrored), -volumes(mesh), rtol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ({"youngs_modulus": None}, "found none"),
-        ({"poisson_ratio": None}, "found none"),
-        ({"youngs_modulus": -1.0}, "must be positive"),
-        ({"youngs_modulus": np.inf}, "finite"),
-        ({"poisson_ratio": 0.5}, r"between -1 and 0\.5"),
-    ],
-)
-def test_a_material_that_is_not_elastic_is_refused_by_part_and_field(
-    mesh: SolidMesh, change: dict[str, float | None], words: str
-) -> None:
-    spoilt = Material(name="spoilt", density=1.0, **{"youngs_modulus": 1.0, "poisson_ratio": 0.3, **change})
-    with pytest.raises(BadInput, match=f"(?s)of high.*{next(iter(change))}.*{words}"):
-        assemble(mesh, {"low": material("steel"), "high": spoilt})
 
 
 COARSE = {"size": 0.06, "cached": False}
@@ -356,13 +325,6 @@ def test_cells_as_large_as_a_rod_is_thick_are_a_failed_attempt(monkeypatch: pyte
     body.write(tmp_path / "0.brep")
     with pytest.raises(tetrahedra.Unmeshable, match=r"do not fill the drawing: \d\.\d+% of rod are missing \(0\.1% allowed\)"):
         tetrahedra.mesh_bodies(tmp_path, ["rod"], Sizing(size=0.05))
-
-
-def test_straight_edges_would_be_seen() -> None:
-    mesh = tetrahedra.tetrahedra(bodies(article(rod())), Sizing(size=1))
-    exact = [np.pi / 4 * 0.1**2 * 0.1]
-    assert assembly.unfilled(mesh, exact) == ""
-    assert "of rod are missing" in assembly.unfilled(straight(mesh), exact)
 
 
 def test_gmsh_is_put_away_after_an_error_and_refused_when_in_use() -> None:

@@ -52,6 +52,7 @@ def drawn(made: Chain, rng: np.random.Generator, size: float = 1.0) -> np.ndarra
 def test_nominal_rows_are_those_of_the_sensors(paper: ChannelTable) -> None:
     """Zero offsets: accelerometers read [G] u, and the resultants of what the cells read are H u."""
     made = chain(paper, stiffness=np.inf)
+    assert not any(one.family == "fmd-compliance" for one in made.parameters)
     A0, A1 = made.rows(np.zeros(len(made.parameters)), FREQUENCY)
     channels = [paper.channels[k] for k in made.columns]
     expected = motion_rows(channels[:14], paper.origin)
@@ -174,8 +175,6 @@ def test_values_and_theta_are_each_others_inverse(paper: ChannelTable) -> None:
 def test_a_stiffness_cannot_turn_negative(paper: ChannelTable) -> None:
     with pytest.raises(BadInput, match="cell-stiffness:1x"):
         chain(paper).theta({"cell-stiffness:1x": -1.5})
-    with pytest.raises(BadInput, match="stiffness"):
-        chain(paper, stiffness=(1e8, -1e8, 1e8))
 
 
 # Gravity's two halves, from nothing but Newton's law for a rigid block of point masses on a base that shakes and tilts
@@ -300,15 +299,6 @@ def test_a_table_below_soft_cells_tilts_by_what_they_give(base: Base, paper: Cha
     y = ((A0 + A1 @ block()) @ apparent(base))[0, list(made.table.columns)]
     read = table.reading(paper, kinematic=False, group="table")
     assert_allclose(y, read, rtol=0, atol=1e-6 * np.abs(read).max())
-
-
-def test_taken_for_tilting_ones_kinematic_pick_ups_put_the_centre_of_gravity_15_mm_off(paper: ChannelTable) -> None:
-    """g / omega² = 15.5 mm at 4 Hz, the sign in the test: H[f_x, beta] = m (z + g/omega²)."""
-    pure = Base(np.zeros(3), TILT * np.array([0.0, 1.0, 0.0]))
-    measured = pure.load()[0] / pure.motion[4]
-    z = MASSES @ POINTS[:, 2] / MASSES.sum()
-    assert_allclose(measured.real / MASSES.sum() - z, G / LOW_OMEGA**2, rtol=1e-6)
-    assert_allclose(1e3 * G / LOW_OMEGA**2, 15.5, rtol=5e-3)
 
 
 def test_with_the_structures_half_off_the_block_feels_the_kinematic_acceleration(base: Base, paper: ChannelTable) -> None:
@@ -496,23 +486,6 @@ def test_unequal_cells_share_a_load_as_statics_says(paper: ChannelTable) -> None
         assert_allclose(reading @ load, expected, rtol=0, atol=1e-7)  # differences of energies of 1e8
 
 
-def test_equal_cells_share_alike(paper: ChannelTable) -> None:
-    reading = forces_of(chain(paper, EXACT), {})
-    assert_allclose(reading[:2, 0], 0.5, rtol=1e-12)
-    assert_allclose(reading[4:, 2], 0.25, rtol=1e-12)
-    assert_allclose(reading[4:, 3], np.array([1, 1, -1, -1]) / (4 * 0.13), rtol=1e-12)
-
-
-def test_a_stiffer_cell_shows_in_the_redundant_channels_only(paper: ChannelTable) -> None:
-    """The parity of the four vertical channels, z1 - z2 + z3 - z4, is no resultant: there it shows."""
-    made = chain(paper, EXACT, overrides=CELLS)
-    change = forces_of(made, {"cell-stiffness:1z": 0.1}) - forces_of(made, {})
-    z = change[4:]
-    assert_allclose(np.ones(4) @ z, 0, atol=1e-12)
-    assert_allclose(CORNERS[:, :2].T @ z, 0, atol=1e-12)
-    assert np.abs(np.array([1, -1, 1, -1]) @ z).max() > 0.01
-
-
 def closed_form(m: float, I: float, axis: int) -> np.ndarray:
     """Table over cover plate for a rigid block of mass m and moment I on four cells, moved along or turned about `axis` alone."""
     a = 0.13
@@ -554,12 +527,6 @@ def test_a_stiffness_assumed_wrongly_is_made_good_by_the_compliance(paper: Chann
         assert_allclose(found, true, rtol=1e-12, atol=1e-15)
 
 
-def test_a_rigid_fmd_has_its_table_move_with_it(paper: ChannelTable) -> None:
-    made = chain(paper, stiffness=np.inf)
-    assert not any(one.family == "fmd-compliance" for one in made.parameters)
-    assert_allclose(made.rows(np.zeros(len(made.parameters)), BAND)[1][:, list(made.table.columns)], 0, atol=0)
-
-
 def test_cells_are_numbered_counter_clockwise_whatever_their_order() -> None:
     shuffled = [2, 0, 3, 1]
     elements = [Place(position=CORNERS[k], direction=e) for k in shuffled for e in np.eye(3)]
@@ -589,7 +556,7 @@ def test_loads_already_worked_out_are_read_as_they_are(loads_only: ChannelTable)
     assert not any(one.family == "cell-stiffness" for one in made.parameters)
 
 
-@pytest.mark.parametrize("stiffness", [(1e8, 1e8), (1e8, 0.0, 1e8), (np.inf, 1e8, 1e8), 5.0])
+@pytest.mark.parametrize("stiffness", [(1e8, 1e8), (1e8, 0.0, 1e8), (1e8, -1e8, 1e8), (np.inf, 1e8, 1e8), 5.0])
 def test_a_stiffness_that_is_none_is_refused(paper: ChannelTable, stiffness: object) -> None:
     with pytest.raises(BadInput, match="stiffness"):
         chain(paper, stiffness=stiffness)  # type: ignore[arg-type]
