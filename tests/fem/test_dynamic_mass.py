@@ -19,7 +19,7 @@ from fem import modes as fem_modes
 from fem.beam import articles
 from fem.damping import Damping
 from fem.modes import Modes, fixed_base, with_damping
-from fem.structure import Structure, hold, rigid_motion
+from fem.structure import Structure, rigid_motion
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, rigid_transformation_6
@@ -93,21 +93,6 @@ def test_a_lossy_layer_needs_the_truncated_modes_condensed_with_it() -> None:
     modes, exact = clumod_modes(), dynamic_mass.direct(clumod(), np.array([12.0, 14.0, 16.0]))
     with_it, without = (dynamic_mass.modal(m, lines) for m in (modes, replace(modes, condensed=None)))
     assert error(without, exact, modes.rigid_mass).max() > 50 * error(with_it, exact, modes.rigid_mass).max()
-
-
-def test_condensation_of_uniform_damping_changes_nothing_but_the_residual() -> None:
-    structure = chain(np.ones(5), np.full((5, 6), 1e4))
-    share = {"all": structure.stiffness}
-    modes = fixed_base(replace(structure, part_stiffness=share), 12, damping=Damping(loss_factors={"all": 0.1}))
-    held = hold(structure)
-    solved = fem_modes.condensed(held, 0.1 * held.stiffness, 0.1, modes.shapes[held.free])
-    for name in ("stiffness", "participation", "residual"):
-        scale = np.abs(getattr(solved, name)).max()
-        assert_allclose(getattr(modes.condensed, name), getattr(solved, name), rtol=0, atol=1e-9 * scale)
-    squares = (2 * np.pi * modes.frequency) ** 2
-    assert_allclose(modes.condensed.stiffness, np.diag(squares) * (1 + 0.1j), rtol=0, atol=1e-9 * squares[-1])
-    assert_allclose(modes.condensed.participation, modes.participation, atol=1e-9)
-    assert_allclose(modes.condensed.residual, modes.residual / (1 + 0.1j), atol=1e-12)
 
 
 def test_the_series_with_real_factors_is_the_complex_solution(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -209,12 +194,6 @@ def test_direct_solution_with_ratios_asks_for_the_modes() -> None:
 def test_damping_that_the_structure_does_not_know_is_refused() -> None:
     with pytest.raises(BadInput, match="Did you mean mast"):
         fixed_base(clumod(), 5, damping=Damping(loss_factors={"masd": 0.1}))
-
-
-def test_reduced_matrices_give_the_modal_dynamic_mass_without_residual() -> None:
-    found = reduction.dynamic_mass(reduction.craig_bampton(clumod(), 20), BAND)
-    expected = dynamic_mass.modal(fixed_base(clumod(), 20), BAND, residual=False)
-    assert_allclose(found.matrix, expected.matrix, rtol=0, atol=1e-11 * np.abs(expected.matrix).max())
 
 
 def test_reduced_matrices_are_the_full_ones_seen_through_the_basis(block: Callable[..., Structure]) -> None:

@@ -18,8 +18,8 @@ from fem.beam.elements import Section, rectangle, sandwich
 from fem.beam.frame import Body, Member, Plan, Ports, assemble
 from fem.dynamic_mass import LINES, modal
 from fem.exudyn import frame, linear
-from fem.exudyn.frame import lossy, refined
-from fem.exudyn.linear import extrapolated, linearise, stiffness_of
+from fem.exudyn.frame import refined
+from fem.exudyn.linear import extrapolated, linearise
 from fem.exudyn.run import exudyn_version, from_exudyn, is_interruption, kept, quiet, running, to_exudyn
 from fem.modes import Modes, fixed_base
 from fem.reduction import Reduced, craig_bampton
@@ -93,15 +93,6 @@ def test_a_beam_askew_is_refused() -> None:
         linearise(cantilever(6, TURN), 10)
 
 
-def test_a_finer_mesh_is_the_same_body_and_keeps_the_numbers_of_the_old_nodes() -> None:
-    plan = articles.article_plan("clumod-1", elements=3)
-    finer = refined(plan, 2)
-    assert_allclose(finer.nodes[: len(plan.nodes)], plan.nodes, rtol=0)
-    weights = [(frame.rigid.T @ frame.mass @ frame.rigid) for frame in map(assemble, (finer, plan))]
-    assert_allclose(*weights, rtol=0, atol=1e-12 * weights[0].max())
-    assert len(finer.nodes) == len(plan.nodes) + sum(len(member.nodes) - 1 for member in plan.members)
-
-
 @pytest.mark.parametrize("frequency", [0.5, 4.0, 32.0, 1000.0])
 def test_dynamic_mass_of_a_rigid_block_is_its_mass_matrix_with_a_plus(frequency: float, driven: Driven) -> None:
     H = driven(linearise(solid_block(), COUNT), np.zeros((6, 6)), frequency)
@@ -157,11 +148,6 @@ def test_dynamic_mass_from_modes_is_that_of_the_driven_matrices(driven: Driven) 
     sum_of_modes = modal(extrapolated(system, system, loss, np.zeros(3), COUNT), lines).matrix
     solved = np.array([driven(system, loss, line) for line in lines])
     assert_allclose(sum_of_modes, solved, rtol=0, atol=1e-4 * np.abs(solved).max())
-
-
-def test_lossy_stiffness_is_the_sum_of_parts_times_their_loss_factors() -> None:
-    plan = replace(cantilever(3), loss_factors={"beam": 0.1})
-    assert_allclose(stiffness_of(lossy(plan)), 0.1 * stiffness_of(plan), rtol=1e-12, atol=1e-6)
 
 
 @pytest.mark.parametrize("shear_modulus", [1e4, 7.5e5, 1e8])

@@ -132,11 +132,6 @@ def test_without_loss_factors_every_mode_has_the_ratio_of_all(bar: Structure) ->
     assert_allclose(modes_of_solid(bare, 3).damping_ratio, fixed_base(bare, 3).damping_ratio, rtol=1e-9)
 
 
-def test_nothing_is_printed(bar: Structure, capfd: pytest.CaptureFixture[str]) -> None:
-    modes_of_solid(bar, 3)
-    assert capfd.readouterr() == ("", "")
-
-
 DURATION = 4 * np.pi / 20.0
 
 

@@ -78,9 +78,6 @@ def test_modes_written_are_read_back_with_their_damping_and_residual(bracket_fil
     assert_same(dynamic_mass(after), modal(before, LINES), 1e-12)
 
 
-# --- units and reference point ----------------------------------------------------------------------------------------------
-
-
 def in_units(arrays: Arrays, old: UnitSystem, new: UnitSystem) -> Arrays:
     """The same structure in another system: what a program prints when it is fed with other units."""
     scale = np.where(arrays["dof"][:, 1] <= 3, old.length / new.length, 1.0)
@@ -126,9 +123,6 @@ def test_another_reference_point_is_the_same_dynamic_mass_seen_from_there(
     reference = dynamic_mass(reading.read(saved(arrays)))
     shifted = own_model["DESCRIPTION"].replace('["0 mm", "0 mm", "0 mm"]', str([f"{x!r} m" for x in point]))
     assert_same(dynamic_mass(reading.read(saved(arrays, shifted))), reference.about(point))
-
-
-# --- ways to say the same ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("made", [csr_array, csc_array])
@@ -190,9 +184,6 @@ def _without_stated() -> str:
     return f"format = 1\n[fe_model]\n{model}"
 
 
-# --- damping ----------------------------------------------------------------------------------------------------------------
-
-
 def test_a_loss_factor_a_structural_matrix_and_a_complex_stiffness_are_one_thing(
     arrays: Arrays, saved: Saved, own_model: Own
 ) -> None:
@@ -225,9 +216,6 @@ def test_a_file_that_says_nothing_of_damping_leaves_it_open(bracket_files: Path)
     found = reading.load(bracket_files / "bracket.h5")
     assert found.damping is None
     assert found.name == "bracket"
-
-
-# --- Nastran's own files ----------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="session")
@@ -266,9 +254,6 @@ def test_nastrans_superelement_oscillates_as_its_modal_coordinates_say(superelem
     found = fixed_base(reading.read(superelement / "inboard.op4"), 8)
     K = op4.read(str(superelement / "inboard.op4"), justmatrix=True)["kxx"]
     assert_allclose(found.frequency, np.sqrt(np.diag(K)[24:]) / (2 * np.pi), rtol=1e-9)
-
-
-# --- what is a model --------------------------------------------------------------------------------------------------------
 
 
 def test_models_are_told_from_articles(bracket_files: Path, root: Path, tmp_path: Path) -> None:

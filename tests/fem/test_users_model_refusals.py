@@ -130,8 +130,6 @@ def test_spoilt_matrices_are_refused(case: str, ending: str, arrays: Arrays, sav
     refused(saved(arrays, ending=ending), field, *words)
 
 
-# --- descriptions -----------------------------------------------------------------------------------------------------------
-
 WRITTEN: dict[str, tuple[str, str, str, tuple[str, ...]]] = {
     "unknown key": ("name =", "nam =", "fe_model.nam", ("unknown", "name")),
     "no units": ('units = "mm-t-N-s"\n', "", "fe_model.units", ("missing",)),
@@ -208,8 +206,6 @@ def test_an_interface_on_one_line_without_rotations_does_not_hold(
     refused(saved(reduced, text), "fe_model.interface", "does not hold", "gamma")
 
 
-# --- modal data -------------------------------------------------------------------------------------------------------------
-
 MODAL = 'format = 1\n[fe_model]\nkind = "modal"\nunits = "m-kg-N-s"\nreference_point = ["0 m", "0 m", "0 m"]\n'
 
 SPOILT_MODES: dict[str, tuple[Callable[[Arrays], None], str, tuple[str, ...]]] = {
@@ -258,9 +254,6 @@ def test_spoilt_modal_data_are_refused(case: str, modal_arrays: Arrays, saved: C
 
 def test_an_interface_of_modal_data_is_refused(modal_arrays: Arrays, saved: Callable[..., Path]) -> None:
     refused(saved(modal_arrays, MODAL + "interface = [1]\n"), "fe_model.interface", "matrices")
-
-
-# --- files ------------------------------------------------------------------------------------------------------------------
 
 
 def test_pickled_arrays_are_not_opened(tmp_path: Path, arrays: Arrays, own_model: dict[str, Any]) -> None:
@@ -372,9 +365,6 @@ def test_data_without_a_description_are_refused(bracket_files: Path, tmp_path: P
 def test_another_ending_is_not_written(bracket_files: Path, tmp_path: Path) -> None:
     with pytest.raises(BadInput, match=r"\.mat"):
         reading.write(reading.read(bracket_files / "bracket.h5"), tmp_path / "model.mat")
-
-
-# --- Nastran ----------------------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture

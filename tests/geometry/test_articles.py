@@ -20,14 +20,10 @@ from geometry.article import (
     Placed,
     Shape,
     bolt_circle,
-    drilled,
     library,
     material,
-    placed,
-    rectangle,
     seat_at,
     stacked,
-    upright,
 )
 from geometry.articles import NAMES, SETUPS, built_in
 from geometry.articles import parts as articles_parts
@@ -113,18 +109,6 @@ def test_a_turned_seat_turns_what_stands_on_it(height: float, angle: float) -> N
     assert_allclose(top.pose.apply([1, 0, 0]), seat.apply(above.parts[0].pose.apply([1, 0, 0])), rtol=0, atol=1e-14)
 
 
-@given(heights, st.floats(-3, 3))
-def test_placing_and_placing_back_changes_nothing(height: float, angle: float) -> None:
-    pose = Pose(position=np.array([1.0, 2.0, 3.0]), rotation=rotation_about("x", angle))
-    article = brick("a", seat=seat_at(height))
-    back = placed(placed(article, pose), pose.inverse)
-    assert back.seat is not None
-    assert article.seat is not None
-    for found, expected in ((back.parts[0].pose, article.parts[0].pose), (back.seat, article.seat)):
-        assert_allclose(found.position, expected.position, rtol=0, atol=1e-14)
-        assert_allclose(found.rotation, expected.rotation, rtol=0, atol=1e-14)
-
-
 def test_a_single_article_is_its_own_stack() -> None:
     article = brick("a")
     assert stacked(article) is article
@@ -183,20 +167,6 @@ def test_dimension_files_leave_their_units_at_the_door() -> None:
 lengths = st.floats(1e-4, 10)
 
 
-@given(lengths, st.floats(-5, 5), st.floats(-5, 5), st.floats(-5, 5))
-def test_what_stands_upright_reaches_from_its_bottom_to_its_height(height: float, bottom: float, x: float, y: float) -> None:
-    for primitive in (Cylinder(diameter=0.1, height=height), Box(size=np.array([0.2, 0.3, height]))):
-        placed = upright(primitive, bottom=bottom, x=x, y=y)
-        assert_allclose(placed.pose.apply([0, 0, -height / 2]), [x, y, bottom], rtol=0, atol=1e-14)
-        assert_allclose(placed.pose.apply([0, 0, height / 2]), [x, y, bottom + height], rtol=0, atol=1e-14)
-
-
-def test_holes_are_drilled_at_every_position_from_the_bottom_up() -> None:
-    holes = drilled([[0.1, 0.2], [0.3, -0.4]], diameter=0.01, bottom=0.5, depth=0.2)
-    assert_allclose([hole.pose.position for hole in holes], [[0.1, 0.2, 0.6], [0.3, -0.4, 0.6]], rtol=1e-15)
-    assert all(hole.primitive.volume == Cylinder(diameter=0.01, height=0.2).volume for hole in holes)
-
-
 @given(st.integers(2, 12), lengths, st.floats(-4, 4))
 def test_a_bolt_circle_has_its_radius_equal_chords_and_its_first_angle(count: int, diameter: float, angle: float) -> None:
     circle = bolt_circle(count, diameter, angle)
@@ -205,10 +175,6 @@ def test_a_bolt_circle_has_its_radius_equal_chords_and_its_first_angle(count: in
     assert_allclose(chords, diameter * np.sin(np.pi / count), rtol=1e-12)
     assert_allclose(circle[0], diameter / 2 * np.array([np.cos(angle), np.sin(angle)]), rtol=1e-12)
     assert_allclose(circle.sum(axis=0), 0, atol=1e-13 * count * diameter)
-
-
-def test_a_rectangle_runs_counter_clockwise_from_plus_plus() -> None:
-    assert_allclose(rectangle(4.0, 2.0), [[2, 1], [-2, 1], [-2, -1], [2, -1]], rtol=0)
 
 
 @pytest.mark.parametrize("wrong", [0.0, -1.0, np.nan, np.inf])
@@ -440,14 +406,6 @@ def test_corners_are_numbered_counter_clockwise_from_x_and_y_like_the_load_cells
 
 
 @pytest.mark.parametrize("name", STACKS)
-def test_every_place_lies_within_the_article(name: str) -> None:
-    low, high = np.transpose([bounds(body) for body in built_in(name).parts], (1, 0, 2))
-    for position in locations(name).values():
-        assert np.all(position >= low.min(axis=0) - 1e-12)
-        assert np.all(position <= high.max(axis=0) + 1e-12)
-
-
-@pytest.mark.parametrize("name", STACKS)
 def test_about_the_top_article_everything_is_shifted_by_its_seat(name: str) -> None:
     own, lowest, seat = locations(name, origin="top"), locations(name), seats(name)[-1]
     assert set(own) == set(lowest)
@@ -466,13 +424,6 @@ def test_a_stack_has_the_places_of_all_its_articles_and_a_second_one_of_a_kind_s
     places = locations("disc+disc+cuboid")
     assert {"disc", "disc-2/disc", "top", "top-4"} < set(places)
     assert_allclose(places["disc-2/disc"], 2 * places["disc"], rtol=1e-15)
-
-
-def test_the_seats_of_a_stack_are_where_its_parts_are() -> None:
-    heights = [pose.position[2] for pose in seats("fmd+disc+cuboid")]
-    parts = {body.name: body.pose.position[2] for body in built_in("fmd+disc+cuboid").parts}
-    assert_allclose(heights, [0.0, parts["disc/plate"], parts["cuboid/block"]], rtol=0, atol=1e-15)
-    assert_allclose(seats("cuboid")[0].position, Pose().position, rtol=0, atol=0)
 
 
 def test_places_follow_the_users_own_dimensions() -> None:

@@ -80,13 +80,6 @@ def test_a_file_that_is_not_whole_and_its_own_is_ignored(spoilt: str, entry: Pat
     assert cache.load("entry") is None
 
 
-@pytest.mark.parametrize("spoilt", ["shortened", "foreign", "another"])
-def test_and_made_again(spoilt: str, entry: Path) -> None:
-    SPOILERS[spoilt](entry)
-    cache.store("entry", ARRAYS)
-    assert cache.load("entry") is not None
-
-
 def test_an_interrupted_write_leaves_nothing(there: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt

@@ -179,10 +179,6 @@ def test_no_text_ends_in_another_error(text: str) -> None:
     assert np.isfinite(found.nominal_value)
 
 
-def test_units_scale_value_and_tolerance_alike() -> None:
-    assert_allclose(read("1.5 +/- 0.1 m", "length").std_dev, read("1500 +/- 100 mm", "length").std_dev, rtol=1e-14)
-
-
 SWING = {
     "mass": (47.4, 0.05),
     "gravity": (9.811, 0.001),

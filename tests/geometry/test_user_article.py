@@ -63,9 +63,6 @@ def one_part(folder: Path, **fields: str) -> Path:
     return described(folder, "\n".join(["format = 1", "[[part]]", *rows]) + "\n")
 
 
-# --- mesh files -----------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("ending", [".stl", ".PLY", ".Obj", ".STL"])
 @pytest.mark.parametrize(
     ("unit", "metres"), [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("in", 0.0254), ("ft", 0.3048), ("Inches", 0.0254)]
@@ -157,9 +154,6 @@ def test_what_is_no_mesh_is_refused(tmp_path: Path) -> None:
     assert "no such file" in refused(tmp_path / "absent.stl").problem
 
 
-# --- real meshes ----------------------------------------------------------------------------------------------------------
-
-
 def cad(data: Path, tool: str) -> tuple[Inertia, float]:
     """What the CAD says of a tool: its inertia about the mesh's origin, and its volume [m³]."""
     sheet = yaml.safe_load((data / TOOLS / tool / "Inertia.yaml").read_text(encoding="utf-8"))["OBJECT"]
@@ -202,9 +196,6 @@ def test_the_hammer_comes_right_with_a_density_for_each_body(data: Path, tmp_pat
     assert found.mass == pytest.approx(expected.mass, rel=5e-3)
     assert_allclose(found.moments_cog, expected.moments_cog, rtol=5e-3)
     assert any("overlap" in warning for warning in article.warnings)
-
-
-# --- article.toml ---------------------------------------------------------------------------------------------------------
 
 
 def test_parts_of_different_materials_and_places_add_up(tmp_path: Path) -> None:
@@ -331,9 +322,6 @@ def test_options_go_to_the_parts_that_state_nothing_themselves(tmp_path: Path) -
 
 def test_an_empty_folder_is_refused(tmp_path: Path) -> None:
     assert "neither article.toml nor a part" in refused(tmp_path).problem
-
-
-# --- STEP -----------------------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")

@@ -197,9 +197,6 @@ def test_the_sensor_that_alone_sees_a_motion_is_named(table: ChannelTable) -> No
     assert not found["cover-z1"].lost
 
 
-# Resultants of load-cell channels, their covariance, and the combinations that must balance
-
-
 LATERAL, VERTICAL = "fmd-x12 - fmd-x34 + fmd-y14 - fmd-y23", "fmd-z1 - fmd-z2 + fmd-z3 - fmd-z4"
 
 

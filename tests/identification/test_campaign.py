@@ -93,9 +93,6 @@ def test_a_factor_without_a_name_is_said_in_si() -> None:
     assert not is_same("g", "N", "force")
 
 
-# Levels and noise floors: what was put in comes out
-
-
 RATE = 256.0
 
 
@@ -167,9 +164,6 @@ def test_spectra_have_neither(campaign: Campaign) -> None:
     spectra = Recording(names=campaign.table.names, values=np.ones((5, 22)) + 1j, frequency=np.arange(5.0))
     assert levels(spectra, campaign.table) is None
     assert noise_floors(replace(campaign, recordings={"x": spectra})) is None
-
-
-# Clipping is told from rounding, and dead or impossible channels are refused
 
 
 SAMPLED = 564.0

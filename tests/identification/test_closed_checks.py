@@ -287,9 +287,6 @@ def test_a_dynamic_mass_of_other_lines_is_refused(campaign: Campaign) -> None:
         checks(short, spectra)
 
 
-# Where a rigid band ends, and no verdict that the data contradict
-
-
 SOUND = Identified(
     way="self-calibrated",
     inertia=Inertia(parameters=np.array([33.0, 0, 0, 9, 15, 15, 2, 0, 0, 0])),
@@ -349,9 +346,6 @@ def test_checks_without_a_suspect_speak_beyond_all_that_sound_data_reach() -> No
 
     assert contradictions([failed(0.9 * BROKEN)]) == ()
     assert contradictions([failed(1.1 * BROKEN)]) == ("the dynamic mass is not symmetric",)
-
-
-# A band for the rigid way: below the first resonance that the dynamic mass shows, and all of it where there is none
 
 
 LOW_LINES = np.arange(4.0, 32.01, 0.05)

@@ -52,15 +52,6 @@ def test_the_condition_number_does_not_know_units() -> None:
     assert from_runs(_loads(U), U, LINES).condition.max() < 3
 
 
-def test_least_squares_of_noisy_runs_come_nearer_with_more_of_them() -> None:
-    def error(count: int) -> float:
-        U = _runs(count, 0.05)
-        F = _loads(U)
-        return float(np.abs(from_runs(F + 0.1 * _complex(*F.shape), U, LINES).dynamic_mass.matrix - H).mean())
-
-    assert error(96) < 0.4 * error(6)  # sixteen times the runs, a quarter of the error
-
-
 @pytest.mark.parametrize(
     ("runs", "said"),
     [

@@ -11,7 +11,7 @@ from geometry.routes import from_log_cholesky
 from identification.base_motion import RunNoise, against_apparent, tilt
 from identification.elastic import model
 from identification.elastic.model import ElasticTerms
-from identification.rigid_body import BASIS, Unidentifiable, fit, from_spectra, nearest_body
+from identification.rigid_body import Unidentifiable, fit, from_spectra, nearest_body
 
 LINES = np.linspace(4.0, 32.0, 15)
 LEVEL = np.array(list(LEVELS.values()))
@@ -32,10 +32,6 @@ def _motion(count: int, cross: float = 0.03, seed: int = 3) -> np.ndarray:
 
 def _loads(U: np.ndarray, H: np.ndarray = MASS.matrix) -> np.ndarray:
     return np.einsum("njk,rnk->rnj", H, U)
-
-
-def test_the_ten_matrices_make_the_mass_matrix_of_equation_1() -> None:
-    assert_allclose(np.tensordot(BODY.parameters, BASIS, axes=1), BODY.mass_matrix, rtol=0, atol=1e-14)  # sums of few terms
 
 
 @pytest.mark.parametrize("robust", ["", "huber", "tukey"])

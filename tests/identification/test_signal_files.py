@@ -515,9 +515,6 @@ class TestUff:
                 uff.read(tmp_path / "bad.uff")
 
 
-# Every reader on 200 damaged files: a sentence or the truth, and never a hang, a crash, a traceback or a silently wrong value
-
-
 COUNT = 200
 
 

@@ -186,14 +186,6 @@ def test_bias_falls_with_the_square_of_the_step_and_straightened_with_the_fourth
     assert abs(lifted[1]) < plain[1] / 50
 
 
-def test_straight_input_is_left_as_it_is() -> None:
-    line = np.column_stack([np.full(50, 3.0), np.arange(50.0)])
-    lifted = first_order_hold.straightened(line)
-    assert_allclose(lifted[1:-1], line[1:-1])
-    assert_allclose(lifted[-1, 0], 3.0)  # goes on as it is
-    assert_allclose(lifted[0, 0], 3.0 + 3.0 / 12)  # before the first sample there is nothing
-
-
 def test_the_weights_of_a_step_have_no_seam_between_series_and_closed_form() -> None:
     s = first_order_hold.SMALL * np.exp(1j * np.linspace(np.pi / 2, np.pi, 9))
     inside, outside = first_order_hold.held(s * (1 - 1e-9)), first_order_hold.held(s * (1 + 1e-9))

@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 from fem.base_excitation import response as base_excitation_response
 from fem.base_excitation.patterns import BaseMotion
 from fem.base_excitation.rig import Flange, FlexibleBody, Friction, LoadCell, Rig, Strut
-from fem.exudyn.driven_run import Solver, highest, respond, targets
+from fem.exudyn.driven_run import Solver, respond
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from geometry.inertia import Inertia
@@ -208,32 +208,11 @@ def test_a_spectral_radius_of_one_loses_the_load_the_shorter_the_step(ringing: R
     assert lossless[-1] / default[-1] > lossless[0] / default[0]
 
 
-@pytest.mark.parametrize("velocity", [False, True])
-def test_between_samples_the_table_follows_a_polynomial_of_fifth_degree_exactly(velocity: bool) -> None:
-    curve = np.polynomial.Polynomial([0.3, -1.0, 2.0, 0.5, -3.0, 1.5])
-    t, fine = np.arange(9) / 8.0, np.arange(8 * 5 + 1) / 40.0
-    at = [np.tile(curve.deriv(order)(t)[:, None], (1, 6)) if order else np.tile(curve(t)[:, None], (1, 6)) for order in range(3)]
-    motion = BaseMotion(sampling_rate=8.0, displacement=at[0], velocity=at[1], acceleration=at[2], driven=1.0)
-    expected = curve.deriv()(fine) if velocity else curve(fine)
-    assert_allclose(targets(motion, 5, velocity=velocity)[:, 3], expected, atol=1e-12)
-
-
 def test_half_the_step_at_the_same_samples_is_half_the_step(ringing: Rig, moves: Moves) -> None:
     solver = Solver(method="generalised-alpha")
     halved = respond(ringing, moves(1024.0), solver=replace(solver, subdivision=2)).load
     fine = respond(ringing, moves(2048.0), solver=solver).load[::2]
     assert_allclose(halved, fine, atol=1e-6 * np.abs(fine).max())
-
-
-def test_the_highest_frequency_is_that_of_the_softest_cells_and_heaviest_plate(
-    block: FlexibleBody, cover: Inertia, cells: Cells
-) -> None:
-    """Up and down, centred: sqrt(sum k / m); the other way round for the bristles of a loose part on a heavy table."""
-    still = Inertia.from_cog(8.0, [0, 0, 0], np.eye(3) * 100.0)
-    light = replace(block, reduced=replace(block.reduced, mass=1e-9 * np.diag([1.0, 1, 1, 1, 1, 1])))
-    rig = Rig(article=light, cover=still, cells=cells)
-    assert_allclose(highest(rig), np.sqrt(16e8 / 8.0) / (2 * np.pi), rtol=1e-6)
-    assert_allclose(highest(Rig(article=block, frictions=(Friction(axis="x", slip_force=1.0),))), 1000.0, rtol=1e-6)
 
 
 def test_stiff_joints_get_as_many_steps_a_sample_as_they_need(block: FlexibleBody, cover: Inertia, shake: Shake) -> None:

@@ -89,9 +89,6 @@ def test_a_users_surface_mesh_is_refused_with_the_way_out(tmp_path: Path) -> Non
         model.structure(own)
 
 
-# --- convergence on known answers -----------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("rate", [1.0, 2.0, 4.0])
 def test_rate_and_limit_of_a_known_sequence_are_found(rate: float) -> None:
     size = np.array([3.0, 2.0, 1.2])

@@ -93,11 +93,6 @@ def test_an_even_stretch_stores_the_energy_of_its_volume_and_moduli(mesh: SolidM
         assert_allclose(energy, (lam + 2 * mu) * np.prod(SIDES) / 2, rtol=1e-12)
 
 
-def test_a_cell_inside_out_has_negative_volume(mesh: SolidMesh) -> None:
-    mirrored = replace(mesh, points=mesh.points * [-1.0, 1.0, 1.0])
-    assert_allclose(volumes(mirrored), -volumes(mesh), rtol=1e-12)
-
-
 COARSE = {"size": 0.06, "cached": False}
 
 
@@ -211,9 +206,6 @@ def test_elements_shrink_at_re_entrant_edges_only() -> None:
 def test_gmsh_says_nothing(capfd: pytest.CaptureFixture[str]) -> None:
     tetrahedra.tetrahedra(bodies(article(rod())), Sizing(size=0.05))
     assert capfd.readouterr() == ("", "")
-
-
-# --- faults ---------------------------------------------------------------------------------------------------------------
 
 
 def test_bodies_that_overlap_are_refused_with_the_volume_they_share() -> None:

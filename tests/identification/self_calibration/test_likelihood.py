@@ -112,9 +112,6 @@ def test_the_block_bootstrap_agrees_with_the_covariance_where_lines_are_independ
     assert np.all((ratio > 0.75) & (ratio < 1.25))
 
 
-# Levenberg-Marquardt within bounds: the minimum of a convex cost there satisfies the conditions of Karush, Kuhn and Tucker
-
-
 @pytest.mark.parametrize("seed", range(8))
 def test_the_gradient_is_nothing_inside_and_points_outwards_at_every_bound(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -154,9 +151,6 @@ def test_wide_bounds_change_nothing() -> None:
     wide = (np.full(3, -1e9), np.full(3, 1e9))
     free, bounded = minimise(data, np.zeros(3), knowledge), minimise(data, np.zeros(3), knowledge, bounds=wide)
     assert np.array_equal(free.x, bounded.x)
-
-
-# Which poles stay in the joint fit: those that are there, in the band and beyond it, and no others
 
 
 FLOOR = 0.0015
