@@ -6,6 +6,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -209,31 +210,27 @@ def test_what_exudyn_refuses_is_said_in_its_words_with_its_version(capfd: pytest
     assert capfd.readouterr() == ("", "")
 
 
-def test_a_beam_without_shear_deformation_is_refused() -> None:
-    stiff = replace(BAR, shear_y=float("inf"))
-    plan = replace(cantilever(2), members=(replace(cantilever(2).members[0], section=stiff),))
-    with pytest.raises(CheckFailed, match="shear stiffness"):
-        linearise(plan, 2)
+SHEARLESS = (replace(cantilever(2).members[0], section=replace(BAR, shear_y=float("inf"))),)
+UNSTABLE = Ports(nodes=(0, 2), stiffness=-1e6 * np.kron([[1, -1], [-1, 1]], np.eye(6)), mass=np.zeros((12, 12)), part="spring")
+GROUNDED = Ports(nodes=(2,), stiffness=1e9 * np.eye(6), mass=np.zeros((6, 6)), part="spring")
 
 
-def test_an_unstable_spring_is_no_frequency() -> None:
-    spring = Ports(nodes=(0, 2), stiffness=-1e6 * np.kron([[1, -1], [-1, 1]], np.eye(6)), mass=np.zeros((12, 12)), part="spring")
-    with pytest.raises(CheckFailed, match="lowest squared frequency is -"):
-        linearise(replace(cantilever(2), ports=(spring,)), 3)
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"members": SHEARLESS}, "shear stiffness"),
+        ({"ports": (UNSTABLE,)}, "lowest squared frequency is -"),
+        ({"ports": (GROUNDED,)}, "rigid motion of the base meets stiffness"),
+    ],
+)
+def test_a_beam_without_shear_an_unstable_spring_and_one_to_the_ground_are_refused(changes: dict[str, Any], said: str) -> None:
+    with pytest.raises(CheckFailed, match=said):
+        linearise(replace(cantilever(2), **changes), 3)
 
 
-def test_a_spring_that_answers_to_a_rigid_motion_is_refused() -> None:
-    spring = Ports(nodes=(2,), stiffness=1e9 * np.eye(6), mass=np.zeros((6, 6)), part="spring")
-    with pytest.raises(CheckFailed, match="rigid motion of the base meets stiffness"):
-        linearise(replace(cantilever(2), ports=(spring,)), 3)
-
-
-def test_no_mode_at_all_is_refused() -> None:
+def test_no_mode_at_all_and_an_unknown_article_are_refused_before_exudyn_starts() -> None:
     with pytest.raises(BadInput, match="`count`: at least one mode is needed, found 0"):
         linear.modes("clumod-1", 0)
-
-
-def test_an_unknown_article_is_refused_before_exudyn_starts() -> None:
     with pytest.raises(BadInput, match="no built-in article is called 'clumod-2'"):
         linear.modes("clumod-2")
 
@@ -252,12 +249,9 @@ def test_reduced_matrices_in_exudyn_have_our_frequencies_and_dynamic_mass(ours: 
     assert_allclose(exudyns, here, rtol=0, atol=1e-6 * np.abs(here).max())
 
 
-def test_matrices_without_stiffness_are_no_frequencies() -> None:
+def test_matrices_without_stiffness_or_of_different_size_are_refused_in_words() -> None:
     with pytest.raises(CheckFailed, match="lowest squared frequency is"):
         linear.linearised(np.zeros((8, 8)), np.eye(8))
-
-
-def test_matrices_of_different_size_are_refused_in_exudyns_words() -> None:
     with pytest.raises(CheckFailed, match=r"exudyn .* failed when it should take reduced matrices: \S"):
         linear.linearised(np.eye(7), np.eye(8))
 

@@ -76,18 +76,6 @@ def test_scaling_the_units_scales_the_frequencies(block: Block) -> None:
     assert_allclose(other.values, 1e3 * one.values, rtol=1e-10)
 
 
-@pytest.mark.parametrize("size", [(3, 3, 4), (6, 6, 6)])
-def test_directions_without_mass_have_no_mode(size: tuple[int, int, int], block: Block) -> None:
-    held = hold(block(*size))
-    heavy = np.ones(held.mass.shape[0])
-    heavy[::5] = 0.0
-    M = csc_array(diags_array(heavy))
-    K = held.stiffness.toarray()
-    r, m = np.flatnonzero(heavy), np.flatnonzero(heavy == 0)
-    condensed = K[np.ix_(r, r)] - K[np.ix_(r, m)] @ np.linalg.solve(K[np.ix_(m, m)], K[np.ix_(m, r)])
-    assert_allclose(lowest(held.stiffness, M, 10).values, np.linalg.eigvalsh(condensed)[:10], rtol=1e-8)
-
-
 def test_the_hook_counts_and_may_stop_the_iteration(block: Block) -> None:
     held = hold(block(6, 6, 6))
     counted: list[int] = []

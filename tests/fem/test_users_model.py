@@ -13,6 +13,7 @@ from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 from scipy.sparse import csc_array, csr_array
 
+from benchmarks.fuzz_readers import mutants
 from fem.dynamic_mass import direct, modal
 from fem.modes import Modes, fixed_base
 from fem.structure import Structure
@@ -268,20 +269,6 @@ def test_models_are_told_from_articles(bracket_files: Path, root: Path, tmp_path
 COUNT = 100
 
 
-def damaged(content: bytes, generator: np.random.Generator) -> bytes:
-    """`content` cut short, with one byte or a few changed, with a stretch missing, or with a stretch twice."""
-    data = bytearray(content)
-    a, b = sorted(generator.integers(0, len(data), 2).tolist())
-    kind = int(generator.integers(0, 5))
-    if kind == 0:
-        return bytes(data[:b])
-    if kind in (1, 2):
-        for place in generator.integers(0, len(data), 5 if kind == 1 else 1):
-            data[place] = int(generator.integers(0, 256))
-        return bytes(data)
-    return bytes(data[:a] + (data[min(b, a + 40) :] if kind == 3 else data[a : a + 40] + data[a:]))
-
-
 @pytest.fixture(scope="session")
 def own_files(bracket_files: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The bracket's files, and the bracket as `write` leaves it."""
@@ -314,11 +301,10 @@ def test_a_damaged_model_is_read_or_refused_in_words(
     """
     shutil.copytree(own_files, tmp_path, dirs_exist_ok=True)
     whole, content = reading.read(own_files / model), (own_files / spoilt).read_bytes()
-    generator = np.random.default_rng([2026, len(spoilt)])
     capfd.readouterr()
     refusals = 0
-    for _ in range(COUNT):
-        (tmp_path / spoilt).write_bytes(damaged(content, generator))
+    for one in mutants(content, COUNT, seed=len(spoilt)):
+        (tmp_path / spoilt).write_bytes(one.content)
         try:
             found = reading.read(tmp_path / model)
         except BadInput:

@@ -28,7 +28,7 @@ from geometry.article import (
 from geometry.articles import NAMES, SETUPS, built_in
 from geometry.articles import parts as articles_parts
 from geometry.articles.locations import locations, seats
-from geometry.articles.parts import build_clumod, load, to_si
+from geometry.articles.parts import build_clumod, load
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from geometry.routes import inertia
@@ -135,33 +135,10 @@ def test_a_name_that_cannot_be_built_is_refused_with_a_way_on(name: str, words: 
     assert words in str(caught.value)
 
 
-def test_nothing_stands_where_there_is_no_seat() -> None:
-    with pytest.raises(ValueError, match="nothing can be mounted on a, found b"):
-        stacked(brick("a"), brick("b"))
-
-
 def test_part_names_are_unique_within_an_article() -> None:
     part = brick("a").parts[0]
     with pytest.raises(ValueError, match="found body more than once"):
         Article(name="twice", parts=(part, part))
-
-
-def test_dimension_files_leave_their_units_at_the_door() -> None:
-    table = {
-        "length_mm": 10.0,
-        "size_mm": [1.0, 2.0],
-        "angle_deg": 180.0,
-        "count": 4,
-        "hub": {"d_mm": 5},
-        "blade": [{"z_mm": 1.0}],
-    }
-    found = to_si(table)
-    assert set(found) == {"length", "size", "angle", "count", "hub", "blade"}
-    assert_allclose(
-        [found["length"], *found["size"], found["hub"]["d"], found["blade"][0]["z"]], [0.01, 0.001, 0.002, 0.005, 0.001]
-    )
-    assert_allclose(found["angle"], np.pi, rtol=1e-15)
-    assert found["count"] == 4
 
 
 lengths = st.floats(1e-4, 10)
@@ -262,23 +239,18 @@ def test_what_cannot_be_is_refused(changes: dict[str, float], message: str) -> N
         built_in("fmd", changes)
 
 
-def test_a_list_of_blades_is_a_table_of_them() -> None:
-    with pytest.raises(BadInput, match=r"a table of dimensions. Name one of clumod\.blade\.lower-1,"):
-        built_in("clumod-1", {"clumod.blade": 1.0})
-
-
 @pytest.mark.parametrize(
-    ("key", "message"),
-    [("cuboid.size_mm", r"found \[160\.0, 70\.0, 400\.0\]. Name a number"), ("cuboid.size_mm.x", "there is no 'x' here")],
+    ("name", "key", "value", "message"),
+    [
+        ("clumod-1", "clumod.blade", 1.0, r"a table of dimensions. Name one of clumod\.blade\.lower-1,"),
+        ("cuboid", "cuboid.size_mm", 1.0, r"found \[160\.0, 70\.0, 400\.0\]. Name a number"),
+        ("cuboid", "cuboid.size_mm.x", 1.0, "there is no 'x' here"),
+        ("cuboid", "cuboid.threads.depth_mm", 5000.0, r"threads.*0\.4 m, found 5 m"),
+    ],
 )
-def test_a_list_of_numbers_is_no_number(key: str, message: str) -> None:
+def test_a_list_is_no_number_and_a_thread_no_deeper_than_its_block(name: str, key: str, value: float, message: str) -> None:
     with pytest.raises(BadInput, match=message):
-        built_in("cuboid", {key: 1.0})
-
-
-def test_a_thread_is_no_deeper_than_the_block_that_it_is_cut_into() -> None:
-    with pytest.raises(BadInput, match=r"threads.*0\.4 m, found 5 m"):
-        built_in("cuboid", {"cuboid.threads.depth_mm": 5000.0})
+        built_in(name, {key: value})
 
 
 # Half a unit of the last printed digit of the moments (Tables 1 and 2); 5 g and 0.05 mm as the reference table promises.

@@ -183,17 +183,12 @@ def test_every_slip_of_a_unit_is_named(campaign: Campaign, which: int) -> None:
     assert [one.channels for one in _slips(campaign.table, which) if not _names(spectra, one)] == []
 
 
-def test_two_mistakes_at_once_are_named_together(campaign: Campaign) -> None:
-    first, second = Mistake(kind="polarity", channels=("cover-x1",), factor=-1.0), _swaps(campaign.table)[-1]
-    (accused,) = suspected(with_mistake(with_mistake(made(campaign.table), first), second))
-    assert accused.explains
-    assert {one.identifiers for one in accused.mistakes} == {("polarity:cover-x1",), second.identifiers}
-
-
-def test_two_mistakes_on_one_side_are_named_together(campaign: Campaign) -> None:
-    first, second = (Mistake(kind="polarity", channels=(name,), factor=-1.0) for name in ("table-z2", "cover-z1"))
-    (accused, *_) = suspected(with_mistake(with_mistake(made(campaign.table), first), second))
-    assert {one.identifiers for one in accused.mistakes} == {first.identifiers, second.identifiers}
+def test_two_mistakes_at_once_are_named_together_on_both_sides_and_on_one(campaign: Campaign) -> None:
+    x1, z1, z2 = (Mistake(kind="polarity", channels=(name,), factor=-1.0) for name in ("cover-x1", "cover-z1", "table-z2"))
+    for first, second in ((x1, _swaps(campaign.table)[-1]), (z2, z1)):
+        (accused, *_) = suspected(with_mistake(with_mistake(made(campaign.table), first), second))
+        assert accused.explains
+        assert {one.identifiers for one in accused.mistakes} == {first.identifiers, second.identifiers}
 
 
 def test_mistakes_are_named_on_an_elastic_structure_as_well(campaign: Campaign) -> None:

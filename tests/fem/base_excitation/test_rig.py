@@ -429,9 +429,7 @@ def test_structural_damping_has_no_place_in_time(rigid_block: FlexibleBody) -> N
         require_usable(Rig(article=lossy))
 
 
-def test_a_joint_as_stiff_as_may_be_hides_nothing_of_the_article(
-    clumod: Callable[[str], FlexibleBody], burst: Callable[..., BaseMotion]
-) -> None:
+def test_a_joint_as_stiff_as_may_be_hides_nothing_of_the_article(clumod: Clumod, burst: Burst) -> None:
     """The response is that on a rigid joint; what is left is the recursion's own (omega h)² / 12 in a joint that only follows."""
     article, motion = clumod("clumod-1"), burst(8192.0, np.ones(6), 0.2)
     stiffest = Flange(compliance=1.01 / (STIFFEST * np.diag(article.reduced.mass)[:6]), damping_time=1e-7)
@@ -439,9 +437,7 @@ def test_a_joint_as_stiff_as_may_be_hides_nothing_of_the_article(
     assert_allclose(found, rigid, rtol=0, atol=1e-4 * np.abs(rigid).max())
 
 
-def test_a_joint_as_soft_as_may_be_leaves_the_article_where_it_is(
-    rigid_block: FlexibleBody, burst: Callable[..., BaseMotion]
-) -> None:
+def test_a_joint_as_soft_as_may_be_leaves_the_article_where_it_is(rigid_block: FlexibleBody, burst: Burst) -> None:
     compliance = 0.99 / (SOFTEST * np.diag(rigid_block.reduced.mass)[:6])
     motion = burst(1024.0, np.eye(6)[0], 0.2)
     load = response.respond(Rig(article=rigid_block, flange=Flange(compliance=compliance)), motion).load

@@ -98,49 +98,28 @@ def articles() -> Mapping[str, FlexibleBody]:
     return {name: made(name) for name in ("clumod-1", "clumod-4")}
 
 
-@pytest.fixture(scope="module")
-def sweeps() -> Mapping[str, BaseMotion]:
-    """4 to 32 Hz in a second, at the paper's levels."""
-    return {axis: swept(axis, 1.0) for axis in MOTIONS}
-
-
-@pytest.fixture(scope="module")
-def soft_sweeps() -> Mapping[str, BaseMotion]:
-    """The same at a twentieth of the level, where a rotating cover plate is still a linear one."""
-    return {axis: swept(axis, 0.05) for axis in MOTIONS}
-
-
-def swept(axis: str, level: float) -> BaseMotion:
+def swept(axis: str, level: float = 1.0) -> BaseMotion:
+    """4 to 32 Hz in a second, in units of the paper's levels."""
     return Sweep(axis=axis, rate=135.0, level=level).motion(8192, ring_down=0.1)
-
-
-@pytest.fixture(scope="module")
-def flange() -> Flange:
-    return Flange(compliance=[1e-8, 0.0, 2e-9, 2e-7, 2e-7, 1e-7], damping_time=1e-5)
 
 
 @pytest.mark.parametrize("axis", MOTIONS)
 @pytest.mark.parametrize("name", ["clumod-1", "clumod-4"])
-def test_a_reduced_article_on_a_rigid_base(
-    name: str, axis: str, articles: Mapping[str, FlexibleBody], sweeps: Mapping[str, BaseMotion]
-) -> None:
-    rig = Rig(article=articles[name])
-    assert off(respond(rig, sweeps[axis]), base_excitation_response.respond(rig, sweeps[axis]), rig) < REACHED
+def test_a_reduced_article_on_a_rigid_base(name: str, axis: str, articles: Mapping[str, FlexibleBody]) -> None:
+    rig, motion = Rig(article=articles[name]), swept(axis)
+    assert off(respond(rig, motion), base_excitation_response.respond(rig, motion), rig) < REACHED
 
 
 @pytest.mark.parametrize("axis", MOTIONS)
 @pytest.mark.parametrize("name", ["clumod-1", "clumod-4"])
 def test_a_reduced_article_on_cells_and_a_flange_that_gives_in_some_directions(
-    name: str,
-    axis: str,
-    articles: Mapping[str, FlexibleBody],
-    soft_sweeps: Mapping[str, BaseMotion],
-    cover: Inertia,
-    cells: Cells,
-    flange: Flange,
+    name: str, axis: str, articles: Mapping[str, FlexibleBody], cover: Inertia, cells: Cells
 ) -> None:
+    """At a twentieth of the level, where a rotating cover plate is still a linear one."""
+    flange = Flange(compliance=[1e-8, 0.0, 2e-9, 2e-7, 2e-7, 1e-7], damping_time=1e-5)
     rig = Rig(article=articles[name], cover=cover, cells=cells, flange=flange, seat=(0.0, 0.0, 0.0445))
-    response, truth = respond(rig, soft_sweeps[axis]), base_excitation_response.respond(rig, soft_sweeps[axis])
+    motion = swept(axis, 0.05)
+    response, truth = respond(rig, motion), base_excitation_response.respond(rig, motion)
     assert off(response, truth, rig) < REACHED < ISSUE
     assert_allclose(response.cells, truth.cells, atol=ISSUE * np.abs(truth.cells).max())
     assert_allclose(response.places["foot"], truth.places["foot"], atol=ISSUE * np.abs(truth.places["foot"]).max())

@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 
 from fem.base_excitation import response as base_excitation_response
 from fem.base_excitation.patterns import BaseMotion
-from fem.base_excitation.rig import Flange, FlexibleBody, Friction, LoadCell, Rig, Strut
+from fem.base_excitation.rig import Flange, FlexibleBody, Friction, LoadCell, Rig
 from fem.exudyn.driven_run import Solver, respond
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
@@ -90,22 +90,6 @@ def test_a_step_that_cannot_bear_the_fastest_joint_is_lost_when_nobody_judged_it
     monkeypatch.setattr("fem.exudyn.driven_run.STABLE", {})
     with pytest.raises(CheckFailed, match="Take more steps a sample"):
         respond(rig, motion, solver=Solver(subdivision=enough - 2))
-
-
-def test_nothing_is_printed(
-    block: FlexibleBody, cover: Inertia, cells: Cells, motion: BaseMotion, capfd: pytest.CaptureFixture[str]
-) -> None:
-    gap = replace(cells[0], preload=3.0)
-    rig = Rig(
-        article=block,
-        cover=cover,
-        cells=(gap, *cells[1:]),
-        flange=Flange(compliance=[0, 0, 0, 1e-6, 0, 0]),
-        struts=(Strut(place="corner", stiffness=[1e3] * 3),),
-        frictions=(Friction(axis="x", slip_force=1.0),),
-    )
-    respond(rig, motion)
-    assert capfd.readouterr() == ("", "")
 
 
 def test_a_response_says_how_it_was_found_and_holds_every_sample(

@@ -52,7 +52,7 @@ def test_an_accelerometer_on_the_table_reads_the_second_derivative_of_its_place_
     assert_allclose(read, np.einsum("nji,nj->ni", R[1:-1], second), rtol=0, atol=1e-4 * np.abs(read).max())
 
 
-RIGID_BLOCK_LARGE = np.array([0.1, -0.05, 0.03, 0.6, -0.5, 1.0])
+WIDE = np.array([0.1, -0.05, 0.03, 0.6, -0.5, 1.0])
 POINT = np.array([0.1, 0.2, -0.3])
 
 
@@ -71,7 +71,7 @@ def test_load_on_a_rigid_block_is_plus_its_mass_matrix_times_acceleration(
 
 
 def test_the_cuboid_as_one_rigid_body_weighs_what_is_drawn(smooth: MakeMotion) -> None:
-    found = respond("cuboid", smooth(1e-6 * RIGID_BLOCK_LARGE, OMEGA, 0.5), elements=None)
+    found = respond("cuboid", smooth(1e-6 * WIDE, OMEGA, 0.5), elements=None)
     M = drawn_inertia(built_in("cuboid")).mass_matrix
     assert_allclose(found.load, found.table @ M, rtol=0, atol=2e-6 * np.abs(found.load).max())
 
@@ -84,10 +84,10 @@ def test_at_large_motion_newton_and_euler_hold_in_the_tables_axes(
     """Through a radian at 4 rad/s. The error of the step is of second order, so two steps say where it goes."""
     loads = []
     for rate in (1024, 2048):
-        motion = smooth(RIGID_BLOCK_LARGE, OMEGA, rate=rate, point=point)
+        motion = smooth(WIDE, OMEGA, rate=rate, point=point)
         assert np.abs(motion.displacement).max() > 0.98
         loads.append(respond_of_plan(rigid(block), motion, Conditions(gravity=gravity)).load[:: rate // 1024])
-    exact = newton_euler(smooth(RIGID_BLOCK_LARGE, OMEGA, rate=1024, point=point), block, gravity)
+    exact = newton_euler(smooth(WIDE, OMEGA, rate=1024, point=point), block, gravity)
     changes, peak = exact - exact[0], np.abs(exact - exact[0]).max(axis=0)
     errors = [np.abs(load - changes).max(axis=0) / peak for load in (*loads, (4 * loads[1] - loads[0]) / 3)]
     assert_allclose(errors[0] / errors[1], 4.0, rtol=0.1)
@@ -105,7 +105,7 @@ def test_the_share_that_is_stated_bounds_what_exact_kinematics_leave_over(block:
 
 
 def test_loads_in_the_laboratorys_axes_are_those_of_the_table_turned(block: Inertia, smooth: MakeMotion) -> None:
-    motion = smooth(RIGID_BLOCK_LARGE, OMEGA, 0.5)
+    motion = smooth(WIDE, OMEGA, 0.5)
     table, laboratory = (respond_of_plan(rigid(block), motion, Conditions(axes=axes)) for axes in ("table", "laboratory"))
     R = turning(motion).rotation
     for part in (slice(0, 3), slice(3, 6)):
@@ -119,7 +119,7 @@ def test_loads_in_the_laboratorys_axes_are_those_of_the_table_turned(block: Iner
 
 
 def test_exudyns_accelerations_of_the_table_are_those_of_the_formula(block: Inertia, smooth: MakeMotion, sensed: Senses) -> None:
-    motion = smooth(RIGID_BLOCK_LARGE, OMEGA)
+    motion = smooth(WIDE, OMEGA)
     found = respond_of_plan(rigid(block), motion).table
     assert_allclose(found, sensed(motion), rtol=0, atol=1e-4 * np.abs(found).max())
 
@@ -127,8 +127,6 @@ def test_exudyns_accelerations_of_the_table_are_those_of_the_formula(block: Iner
 G = 9.81
 FREQUENCY = 4.0
 GRAVITY_OMEGA = 2 * np.pi * FREQUENCY
-GRAVITY_LARGE = np.array([0.1, -0.05, 0.03, 0.6, -0.5, 1.0])
-RATES = np.array([3.0, 4.0, 5.0, 4.3, 5.1, 3.7])
 
 
 def added(axis: int, axes: str, block: Inertia, smooth: MakeMotion) -> Array:
@@ -166,7 +164,7 @@ def test_with_accelerometers_that_sense_the_tilt_gravity_cancels_exactly_at_any_
     block: Inertia, smooth: MakeMotion, accelerometer: Makes
 ) -> None:
     """Through a radian: what gravity adds to the load is M times what it adds to their reading, so H does not know of it."""
-    motion = smooth(GRAVITY_LARGE, RATES, 0.5)
+    motion = smooth(WIDE, OMEGA, 0.5)
     loads = [respond_of_plan(rigid(block), motion, Conditions(gravity=g)).load for g in (G, 0.0)]
     readings = [accelerometer(motion, np.zeros(3), g) for g in (G, 0.0)]
     sensed = (readings[0] - readings[1]) - [0.0, 0.0, G]  # charge amplifiers and cells forget what is constant
@@ -176,7 +174,7 @@ def test_with_accelerometers_that_sense_the_tilt_gravity_cancels_exactly_at_any_
 
 
 def test_weight_at_rest_is_told_and_taken_off(block: Inertia, smooth: MakeMotion) -> None:
-    found = respond_of_plan(rigid(block), smooth(GRAVITY_LARGE, RATES, 0.1), Conditions(gravity=G))
+    found = respond_of_plan(rigid(block), smooth(WIDE, OMEGA, 0.1), Conditions(gravity=G))
     at_rest = block.mass * G * (rigid_transformation(block.cog).T @ [0.0, 0.0, 1.0])
     assert_allclose(found.settings["load_at_rest"], at_rest, rtol=0, atol=1e-9 * block.mass * G)
     assert_allclose(found.load[0], np.zeros(6), rtol=0, atol=1e-12)
@@ -184,7 +182,7 @@ def test_weight_at_rest_is_told_and_taken_off(block: Inertia, smooth: MakeMotion
 
 def test_an_elastic_article_weighs_as_much_and_stands_still_under_gravity(smooth: MakeMotion) -> None:
     """Bent by its weight from the first instant on: no jolt, and the load at rest is that of the rigid body."""
-    motion = smooth(1e-9 * GRAVITY_LARGE, RATES, 0.2, 256.0)
+    motion = smooth(1e-9 * WIDE, OMEGA, 0.2, 256.0)
     elastic, stiff = (respond("clumod-4", motion, elements=elements, gravity=G) for elements in (1, None))
     weight = float(np.asarray(stiff.settings["load_at_rest"])[2])
     # the sag of the blades moves the CoG by some tenths of a millimetre
@@ -275,7 +273,7 @@ def test_a_turning_beam_feels_nothing_of_its_dampers(smooth: MakeMotion) -> None
 
     The same dampers against the laboratory would hold it with meganewtons.
     """
-    motion = smooth(np.array([0.1, -0.05, 0.03, 0.6, -0.5, 1.0]), np.array([3.0, 4.0, 5.0, 4.3, 5.1, 3.7]), 0.5, 512.0)
+    motion = smooth(WIDE, OMEGA, 0.5, 512.0)
     damped, free = (respond("cuboid", motion, elements=1, loss_frequency=f).load for f in (0.12, None))
     assert_allclose(damped, free, rtol=0, atol=5e-5 * np.abs(free).max())
 
@@ -283,7 +281,7 @@ def test_a_turning_beam_feels_nothing_of_its_dampers(smooth: MakeMotion) -> None
 @pytest.mark.parametrize("name", ["cuboid", "fmd+disc+cuboid"])
 def test_a_stiff_article_of_beams_is_nearly_the_rigid_body_even_when_it_turns_far(name: str, smooth: MakeMotion) -> None:
     """Its holes included. The Cuboid gives by 3e-5; the rest is the step, 1.1e-4 at 512 Hz, and falls with its square."""
-    motion = smooth(np.array([0.1, -0.05, 0.03, 0.6, -0.5, 1.0]), np.array([3.0, 4.0, 5.0, 4.3, 5.1, 3.7]), 0.5, 512.0)
+    motion = smooth(WIDE, OMEGA, 0.5, 512.0)
     elastic, stiff = (respond(name, motion, elements=elements, gravity=9.81).load for elements in (1, None))
     assert_allclose(elastic, stiff, rtol=0, atol=2e-4 * np.abs(stiff).max())
 
@@ -291,7 +289,7 @@ def test_a_stiff_article_of_beams_is_nearly_the_rigid_body_even_when_it_turns_fa
 def test_places_tell_their_acceleration_in_the_axes_that_were_asked_for(smooth: MakeMotion, accelerometer: Makes) -> None:
     """Beside a node high on the stiff Cuboid: what an accelerometer on the table itself would read there, turned or not."""
     place = np.array([0.1, -0.2, 0.35])
-    motion = smooth(np.array([0.1, -0.05, 0.03, 0.6, -0.5, 1.0]), np.array([3.0, 4.0, 5.0, 4.3, 5.1, 3.7]), 0.5, 2048.0)
+    motion = smooth(WIDE, OMEGA, 0.5, 2048.0)
     expected = accelerometer(motion, place)
     for axes in ("table", "laboratory"):
         found = respond("cuboid", motion, elements=1, axes=axes, places={"CORNER": place}).places["CORNER"]

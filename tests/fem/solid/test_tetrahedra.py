@@ -235,10 +235,7 @@ def test_an_article_that_stands_on_a_line_cannot_be_held() -> None:
     ("change", "words"),
     [
         ({"youngs_modulus": None}, "youngs_modulus.*found none"),
-        ({"poisson_ratio": None}, "poisson_ratio.*found none"),
-        ({"youngs_modulus": 0.0}, "must be positive"),
-        ({"youngs_modulus": -1e9}, "must be positive"),
-        ({"poisson_ratio": 0.5}, "between -1 and 0.5"),
+        ({"youngs_modulus": np.inf}, "finite"),
         ({"poisson_ratio": -1.0}, "between -1 and 0.5"),
     ],
 )

@@ -42,10 +42,6 @@ def test_at_frequency_zero_the_rigid_mass_is_left() -> None:
     assert_allclose(model.dynamic_mass(mass(), terms(5, coupled=True), [0.0])[0], mass(), rtol=1e-14, atol=0)
 
 
-def test_without_terms_the_mass_is_flat() -> None:
-    assert_allclose(model.dynamic_mass(mass(), ElasticTerms(), SOME_LINES), np.broadcast_to(mass(), (41, 6, 6)), rtol=0, atol=0)
-
-
 def test_one_mode_is_the_oscillator_of_a_closed_form() -> None:
     f, zeta, m = 12.0, 0.02, 3.0
     one = ElasticTerms(frequency=[f], damping=[[4 * np.pi * zeta * f]], participation=[[np.sqrt(m), 0, 0, 0, 0, 0]])
