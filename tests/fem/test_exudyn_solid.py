@@ -99,17 +99,11 @@ def test_a_free_turn_keeps_energy_momentum_and_angular_momentum(axis: int) -> No
     assert np.all(np.array(errors[1]) < errors[0])
 
 
-def test_a_frame_of_beams_is_no_solid() -> None:
+def test_beams_a_base_that_holds_half_a_point_and_too_many_modes_are_refused(bar: Structure) -> None:
     with pytest.raises(BadInput, match="every degree of freedom must move a point"):
         floating_frame(articles.structure("clumod-1"), COUNT)
-
-
-def test_a_base_that_holds_half_a_point_is_refused(bar: Structure) -> None:
     with pytest.raises(BadInput, match="a point that is held in some directions only"):
         floating_frame(replace(bar, held=bar.held[:-1]), COUNT)
-
-
-def test_more_modes_than_the_solid_has_are_refused_in_exudyns_words(bar: Structure) -> None:
     with pytest.raises(CheckFailed, match=r"exudyn .* failed when it should make a flexible body of the solid: "):
         floating_frame(bar, bar.mass.shape[0])
 

@@ -25,7 +25,6 @@ from fem.beam.elements import (
 from fem.beam.frame import Body, Frame, Member, Plan, Ports, assemble, inertia, on_top, placed
 from geometry.article import material
 from geometry.errors import BadInput
-from geometry.frames import rigid_transformation_6
 from geometry.inertia import Inertia
 
 STEEL = material("steel")
@@ -80,24 +79,7 @@ def test_section_without_material_is_refused() -> None:
         tube(0.05, 0.06, STEEL)
 
 
-E, G, RHO = 207e9, 80e9, 7850.0
 X, Y, Z = np.eye(3)
-
-
-def _bar(width: float, height: float) -> Section:
-    area, Iy, Iz = width * height, width * height**3 / 12, height * width**3 / 12
-    shear = cowper_rectangle(E / (2 * G) - 1) * G * area
-    return Section(
-        axial=E * area,
-        torsion=G * (Iy + Iz),
-        bending_y=E * Iy,
-        bending_z=E * Iz,
-        shear_y=shear,
-        shear_z=shear,
-        mass=RHO * area,
-        rotary_y=RHO * Iy,
-        rotary_z=RHO * Iz,
-    )
 
 
 def _chain(section: Section, elements: int, length: float = 1.0) -> Plan:
@@ -114,7 +96,7 @@ def _stiffness(frame: Frame) -> np.ndarray:
 def _skew_plan() -> Plan:
     nodes = np.array([[0, 0, 0], [0.3, 0.1, 0.4], [0.5, 0.4, 0.3]])
     axes = [np.cross(b - a, [0.2, -0.7, 0.1]) for a, b in pairwise(nodes)]
-    section = _bar(0.03, 0.01)
+    section = rectangle(0.03, 0.01, STEEL)
     members = tuple(Member(nodes=(k, k + 1), section=section, z_axis=axis / np.linalg.norm(axis)) for k, axis in enumerate(axes))
     return Plan(nodes=nodes, carriers=(0, 1, 2), members=members)
 
@@ -123,7 +105,7 @@ def _linked_plan() -> Plan:
     """The skew frame with a gap that a rigid link of three nodes bridges, and a body on a rider."""
     skew = _skew_plan()
     nodes = np.vstack([skew.nodes, [[0.55, 0.45, 0.35], [0.6, 0.4, 0.7]]])
-    members = (*skew.members, Member(nodes=(3, 4), section=_bar(0.02, 0.02), z_axis=_across(nodes[4] - nodes[3])))
+    members = (*skew.members, Member(nodes=(3, 4), section=rectangle(0.02, 0.02, STEEL), z_axis=_across(nodes[4] - nodes[3])))
     body = Body(node=3, inertia=Inertia.from_cog(2.0, [0.5, 0.5, 0.4], np.diag([0.02, 0.03, 0.04])))
     return Plan(nodes=nodes, carriers=(0, 1, 2, 2, 4), members=members, bodies=(body,))
 
@@ -143,28 +125,6 @@ def test_rigid_motions_cost_no_energy(plan: Callable[[], Plan]) -> None:
     assert_allclose(K @ frame.rigid, 0, atol=1e-12 * np.abs(K).max())
 
 
-def test_mass_matrix_holds_the_rigid_body_of_the_members() -> None:
-    """Mass, first moment and the moments of rods with the section's rotary inertia, exactly, shear deformation or not."""
-    plan = _skew_plan()
-    frame = assemble(plan)
-    expected = np.zeros((6, 6))
-    for member in plan.members:
-        a, b = plan.nodes[list(member.nodes)]
-        length, s = np.linalg.norm(b - a), member.section
-        x, z = (b - a) / length, member.z_axis
-        y = np.cross(z, x)
-        along = s.mass * length**3 / 12
-        tensor = (
-            np.outer(x, x) * (s.rotary_y + s.rotary_z) * length
-            + np.outer(y, y) * (along + s.rotary_y * length)
-            + np.outer(z, z) * (along + s.rotary_z * length)
-        )
-        centre = rigid_transformation_6((a + b) / 2)
-        expected += centre.T @ np.block([[s.mass * length * np.eye(3), np.zeros((3, 3))], [np.zeros((3, 3)), tensor]]) @ centre
-    assert_allclose(frame.rigid.T @ frame.mass @ frame.rigid, expected, rtol=1e-12, atol=1e-12)
-    assert_allclose(sum(inertia(m, plan.nodes).mass_matrix for m in plan.members), expected, rtol=1e-12, atol=1e-12)
-
-
 def test_bodies_and_members_that_ride_weigh_what_they_weigh_where_they_are() -> None:
     plan = _linked_plan()
     frame = assemble(plan)
@@ -176,7 +136,7 @@ def test_bodies_and_members_that_ride_weigh_what_they_weigh_where_they_are() -> 
 
 def test_one_element_is_exact_in_statics() -> None:
     """Tip force and tip moment on a cantilever: P L³ / 3 E I + P L / k G A and so on, in both planes, stretch and twist."""
-    section, L = _bar(0.12, 0.08), 0.3
+    section, L = rectangle(0.12, 0.08, STEEL), 0.3
     frame = assemble(_chain(section, 1, L))
     flexibility = np.linalg.inv(_stiffness(frame)[6:, 6:])
     y, z = section.bending_z, section.bending_y  # deflection along y bends about z
@@ -197,7 +157,7 @@ def test_one_element_is_exact_in_statics() -> None:
 
 def test_rigid_link_carries_a_load_as_a_lever_does() -> None:
     """A force at the end of a lever e beyond the tip sees the cantilever's tip under force and moment."""
-    section, L, e = _bar(0.02, 0.01), 1.0, 0.2
+    section, L, e = rectangle(0.02, 0.01, STEEL), 1.0, 0.2
     plan = _chain(section, 2, L)
     lever = replace(plan, nodes=np.vstack([plan.nodes, [L + e, 0, 0]]), carriers=(*plan.carriers, 2))
     spring = Ports(nodes=(3,), stiffness=np.diag([0, 0, 1e-9, 0, 0, 0]), mass=np.zeros((6, 6)), part="load")
@@ -239,7 +199,7 @@ def _exact(section: Section, near: float, length: float = 1.0) -> float:
     return float(brentq(determinant, 0.97 * near, 1.03 * near, xtol=1e-9 * near, rtol=1e-14))
 
 
-SLENDER, STUBBY = _bar(0.02, 0.01), _bar(0.1, 0.2)
+SLENDER, STUBBY = rectangle(0.02, 0.01, STEEL), rectangle(0.1, 0.2, STEEL)
 BETA = np.array([1.875104068711961, 4.694091132974175, 7.854757438237613])
 
 
@@ -271,20 +231,6 @@ def test_frequency_converges_with_the_fourth_power_in_bending_and_the_second_in_
     errors = [_cantilever(section, n)[1] / exact - 1 for n in counts]
     assert min(errors) > 0  # from above, as Rayleigh's quotient must
     assert -np.polyfit(np.log(counts), np.log(errors), 1)[0] == pytest.approx(rate, abs=0.2)
-
-
-def test_rod_twists_and_stretches_at_its_wave_speeds() -> None:
-    """Odd quarter waves; a linear element of length h is too high by (k h)² / 24."""
-    section, n = SLENDER, 40
-    frame = assemble(_chain(section, n))
-    for direction, stiffness, mass in (
-        (0, section.axial, section.mass),
-        (3, section.torsion, section.rotary_y + section.rotary_z),
-    ):
-        dofs = np.ix_(*2 * [np.arange(6 + direction, 6 * n + 6, 6)])
-        lowest = np.sqrt(eigh(_stiffness(frame)[dofs], frame.mass[dofs], eigvals_only=True)[0])
-        k = np.pi / 2
-        assert_allclose(lowest / (k * np.sqrt(stiffness / mass)) - 1, (k / n) ** 2 / 24, rtol=0.01)
 
 
 def test_two_plans_on_top_of_one_another_are_one_beam() -> None:

@@ -69,13 +69,6 @@ def test_a_floating_body_has_six_rigid_motions_and_then_its_own(size: tuple[int,
     assert_allclose(body.rigid @ inside, pairs.vectors[:, :6], atol=1e-6 * np.abs(pairs.vectors).max())
 
 
-def test_scaling_the_units_scales_the_frequencies(block: Block) -> None:
-    """Millimetres, tonnes: K and M in other units give the squares in their ratio and the same vectors but for a factor."""
-    held = hold(block(6, 6, 6))
-    one, other = lowest(held.stiffness, held.mass, 12), lowest(1e-3 * held.stiffness, 1e-6 * held.mass, 12)
-    assert_allclose(other.values, 1e3 * one.values, rtol=1e-10)
-
-
 def test_the_hook_counts_and_may_stop_the_iteration(block: Block) -> None:
     held = hold(block(6, 6, 6))
     counted: list[int] = []

@@ -33,13 +33,6 @@ def bump(matrix: str, i: int, j: int, factor: float) -> Callable[[Arrays], None]
     return spoil
 
 
-def scaled(name: str, factor: float) -> Callable[[Arrays], None]:
-    def spoil(arrays: Arrays) -> None:
-        arrays[name] = arrays[name] * factor
-
-    return spoil
-
-
 def put(name: str, make: Callable[[np.ndarray], Any]) -> Callable[[Arrays], None]:
     def spoil(arrays: Arrays) -> None:
         arrays[name] = make(arrays[name])
@@ -84,7 +77,7 @@ def more_mass_at_the_base(arrays: Arrays) -> None:
 SPOILT: dict[str, tuple[Callable[[Arrays], None], str, tuple[str, ...]]] = {
     "unsymmetric K": (bump("stiffness", 13, 7, 0.01), "stiffness", ("not symmetric", "row 8, column 14", "node 103, y")),
     "unsymmetric M": (bump("mass", 30, 24, 0.01), "mass", ("not symmetric", "row 25, column 31")),
-    "negative K": (scaled("stiffness", -1.0), "stiffness", ("not positive definite", "negative")),
+    "negative K": (put("stiffness", lambda A: -1.0 * A), "stiffness", ("not positive definite", "negative")),
     "indefinite K": (put("stiffness", lambda K: K - 3e3 * np.diag(np.abs(K).max(axis=1)) / 3e3), "stiffness", ("definite",)),
     "indefinite M": (entry("mass", (30, 30), -1e-6), "mass", ("not positive definite", "node 106, x")),
     "M without mass": (entry("mass", (30, 30), 0.0), "mass", ("no mass of its own", "node 106, x")),
@@ -92,7 +85,7 @@ SPOILT: dict[str, tuple[Callable[[Arrays], None], str, tuple[str, ...]]] = {
     "loose part": (loose, "stiffness", ()),
     "mechanism": (hinge, "stiffness", ("cost no energy", "alpha")),
     "grounded": (bump("stiffness", 59, 59, 0.5), "stiffness", ("K @ rigid must be 0", "Hz")),
-    "coordinates in metres": (scaled("coordinates", 1e-3), "stiffness", ("K @ rigid", "unit")),
+    "coordinates in metres": (put("coordinates", lambda A: 1e-3 * A), "stiffness", ("K @ rigid", "unit")),
     "coordinates in another order": (put("coordinates", lambda x: x[::-1]), "stiffness", ("K @ rigid", "coordinates")),
     "x and y exchanged": (put("coordinates", lambda x: x[:, [1, 0, 2]]), "stiffness", ("K @ rigid",)),
     "M too small": (put("mass", lambda M: M[:54, :54]), "mass", ("54 x 54", "60 x 60")),
@@ -218,14 +211,14 @@ SPOILT_MODES: dict[str, tuple[Callable[[Arrays], None], str, tuple[str, ...]]] =
     "no modes": (put("frequency", lambda f: f[:0]), "frequency", ("no mode",)),
     "transposed": (put("participation", lambda L: L.T), "participation", ("6 x 5", "5 x 6")),
     "too few columns": (put("participation", lambda L: L[:, :4]), "participation", ("6 x 5", "6 x 4")),
-    "too much effective mass": (scaled("participation", 2.0), "participation", ("exceed", "times the rigid mass")),
+    "too much effective mass": (put("participation", lambda A: 2.0 * A), "participation", ("exceed", "times the rigid mass")),
     "signs": (entry("participation", (4, 0), 0.0), "participation", ("combination of axes",)),
     "not a rigid body": (entry("rigid_mass", (0, 0), 9.0), "rigid_mass", ("not the mass matrix of a rigid body", "9")),
     "unsymmetric rigid mass": (entry("rigid_mass", (4, 0), 0.1), "rigid_mass", ("not the mass matrix",)),
     "no body": (entry("rigid_mass", (5, 5), 9.0), "rigid_mass", ("triangle inequality",)),
-    "no inertia": (scaled("rigid_mass", 0.0), "rigid_mass", ("no inertia along x",)),
+    "no inertia": (put("rigid_mass", lambda A: 0.0 * A), "rigid_mass", ("no inertia along x",)),
     "unsymmetric residual": (entry("residual", (0, 4), 1.0), "residual", ("not symmetric", "row 1, column 5")),
-    "negative residual": (scaled("residual", -1.0), "residual", ("not positive",)),
+    "negative residual": (put("residual", lambda A: -1.0 * A), "residual", ("not positive",)),
     "no residual of this size": (put("residual", lambda R: R[:3, :3]), "residual", ("6 x 6", "3 x 3")),
     "NaN": (entry("participation", (1, 1), np.nan), "participation", ("[1, 1]",)),
     "missing": (without("participation", "participations"), "participation", ("missing", "'participations'")),

@@ -19,7 +19,6 @@ from geometry.article import (
     Part,
     Placed,
     Shape,
-    bolt_circle,
     library,
     material,
     seat_at,
@@ -141,19 +140,6 @@ def test_part_names_are_unique_within_an_article() -> None:
         Article(name="twice", parts=(part, part))
 
 
-lengths = st.floats(1e-4, 10)
-
-
-@given(st.integers(2, 12), lengths, st.floats(-4, 4))
-def test_a_bolt_circle_has_its_radius_equal_chords_and_its_first_angle(count: int, diameter: float, angle: float) -> None:
-    circle = bolt_circle(count, diameter, angle)
-    chords = np.linalg.norm(circle - np.roll(circle, 1, axis=0), axis=1)
-    assert_allclose(np.linalg.norm(circle, axis=1), diameter / 2, rtol=1e-12)
-    assert_allclose(chords, diameter * np.sin(np.pi / count), rtol=1e-12)
-    assert_allclose(circle[0], diameter / 2 * np.array([np.cos(angle), np.sin(angle)]), rtol=1e-12)
-    assert_allclose(circle.sum(axis=0), 0, atol=1e-13 * count * diameter)
-
-
 @pytest.mark.parametrize("wrong", [0.0, -1.0, np.nan, np.inf])
 def test_a_length_that_cannot_be_is_named_with_what_was_found(wrong: float) -> None:
     with pytest.raises(ValueError, match="`diameter` must be positive and finite"):
@@ -201,12 +187,6 @@ def test_the_library_cannot_be_changed() -> None:
     entries: Any = library()
     with pytest.raises(TypeError):
         entries["steel"] = Material(name="steel", density=1.0)
-
-
-def test_the_moving_part_of_the_load_cells_is_a_parameter() -> None:
-    """Steel cells of 80 x 10 mm: a tenth more of each moves, so four times a tenth of a cell more is counted."""
-    more = inertia(built_in("fmd", {"fmd.load_cell.moving_fraction": 0.6})).mass - inertia(built_in("fmd")).mass
-    assert more == pytest.approx(4 * 0.1 * 7850 * 3.141592653589793 / 4 * 0.08**2 * 0.01, rel=1e-9)
 
 
 def test_a_change_acts_in_a_stack_and_nowhere_else() -> None:

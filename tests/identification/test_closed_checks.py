@@ -8,9 +8,10 @@ import pytest
 from geometry.dynamic_mass import LEVELS, MOTIONS, DynamicMass
 from geometry.errors import BadInput
 from geometry.inertia import Inertia
-from geometry.sensors import ChannelTable, Place, Tolerances, motion_rows, summation
-from identification.base_motion import base_motion, resultants, tilt
+from geometry.sensors import ChannelTable, Tolerances
+from identification.base_motion import base_motion, resultants
 from identification.campaign import Campaign
+from identification.chain import chain
 from identification.consistency import (
     LIMIT,
     Finding,
@@ -56,34 +57,14 @@ def made(
 ) -> Spectra:
     """Spectra of six runs of a body on a stiff FMD; channels are off by `offset` tolerances, normal ones or random signs only."""
     rng = np.random.default_rng(seed)
-    tolerances = ORDINARY
-
-    def off(size: float, *shape: int) -> np.ndarray:
-        draw = rng.standard_normal(shape)
-        return offset * size * (np.sign(draw) if signs else draw)
-
+    of = chain(table, ORDINARY, stiffness=np.inf)
+    draw = rng.standard_normal(len(of.parameters))
+    A0, A1 = of.rows(offset * of.tolerances * (np.sign(draw) if signs else draw), lines)
     cross = rng.standard_normal((2, 6, len(lines), 6)) * 0.03
     U = (np.eye(6)[:, None, :] + cross[0] + 1j * cross[1]) * LEVEL
     H = model.dynamic_mass(BODY.mass_matrix, terms or ElasticTerms(), lines)
-    pick_ups = [channel for channel in table.channels if channel.quantity == "acceleration"]
-    rows = []
-    for channel in pick_ups:
-        gain = tolerances.table_gain if channel.group == "table" else tolerances.gain
-        (place,) = channel.places
-        wrong = place.direction + np.cross(off(tolerances.angle, 3), place.direction)
-        moved = Place(position=place.position + off(tolerances.position, 3), direction=wrong / np.linalg.norm(wrong))
-        apparent = motion_rows([replace(channel, places=(moved,))], table.origin) * (1 + off(gain, 1))
-        rows.append(apparent @ (np.eye(6) if channel.senses_gravity else np.linalg.inv(tilt(lines, 9.81))))
-    rows = [np.broadcast_to(row, (len(lines), 1, 6)) for row in rows]
-    cells = [channel for channel in table.channels if channel.quantity == "force"]
-    of = summation(cells, table.origin)
-    K = np.diag(1 + off(tolerances.cell_stiffness, of.gives.shape[1]))
-    share = of.adds @ K @ of.gives.T @ np.linalg.inv(of.gives @ K @ of.gives.T)
-    X = np.eye(6) + np.kron(np.eye(2), np.ones((3, 3)) - np.eye(3)) * off(tolerances.crosstalk, 6, 6)
-    shown = (1 + off(tolerances.gain, len(cells)))[:, None] * share @ X @ H
-    late = np.exp(-2j * np.pi * lines[:, None] * off(tolerances.delay, len(table)))
-    A = np.concatenate([*rows, shown], axis=1) * late[:, :, None]
-    values = np.einsum("nck,rnk->rnc", A, U)
+    values = np.zeros((6, len(lines), len(table)), dtype=complex)
+    values[:, :, of.columns] = np.einsum("nck,rnk->rnc", A0 + A1 @ H, U)
     return Spectra(
         table=table,
         frequency=lines,

@@ -214,13 +214,5 @@ def test_gravity_missing_in_the_motions_shifts_the_cog_by_g_over_omega_squared_a
     shift = low.matrix[0, 0, 4].real / BODY.mass - (BODY.cog - AT)[2]
     assert_allclose(shift, 15.5e-3, atol=0.05e-3)  # g/omega² at 4 Hz
     assert_allclose(against_apparent(low, 9.81).matrix[0], BODY.mass_matrix, rtol=0, atol=1e-12)
-
-
-def test_accelerometers_that_feel_the_tilt_leave_nothing_of_gravity() -> None:
-    """The motion they tell is the apparent one; the load is what the kinematic one and the weight make together."""
-    kinematic = _motion(6)
-    apparent = np.einsum("njk,rnk->rnj", tilt(LINES, 9.81), kinematic)
-    found = from_spectra(apparent, _loads(apparent), LINES, AT)
-    assert_allclose(found.inertia.parameters, BODY.parameters, rtol=0, atol=1e-12 * BODY.mass)
     with pytest.raises(BadInput, match="above 0 Hz only"):
         tilt([0.0, 4.0], 9.81)

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -134,15 +135,9 @@ def test_a_file_that_is_cut_short_is_refused_or_said(tmp_path: Path, form: Forma
             with pytest.raises(BadInput, match=path.name):
                 files.read(path)
             continue
-        found = _read_or_none(path)  # rows are all that a CSV says of its length
-        assert found is None or found.warnings or len(found.samples[NAMES[0]]) < len(made.samples[NAMES[0]])
-
-
-def _read_or_none(path: Path) -> Signals | None:
-    try:
-        return files.read(path)
-    except BadInput:
-        return None
+        with suppress(BadInput):  # rows are all that a CSV says of its length
+            found = files.read(path)
+            assert found.warnings or len(found.samples[NAMES[0]]) < len(made.samples[NAMES[0]])
 
 
 def test_an_ending_that_nobody_knows_is_refused(tmp_path: Path) -> None:

@@ -47,17 +47,6 @@ def test_quadrilaterals_meet_edge_on_edge() -> None:
     assert not inner.any()
 
 
-def test_two_plans_divide_a_ring_alike() -> None:
-    ring = [circle(0.1), circle(0.09)]
-    plans = [covered([*ring, rectangle(0.3, 0.2)], 0.03, 24), covered([*ring, circle(0.2), circle(0.01, x=0.08)], 0.05, 24)]
-    nodes = []
-    for plan in plans:
-        radius = np.hypot(*plan.points.T)
-        within = plan.points[(radius > 0.045 - 1e-9) & (radius < 0.05 + 1e-9)]
-        nodes.append(within[np.lexsort(np.round(within, 9).T)])
-    assert_allclose(nodes[0], nodes[1], rtol=0, atol=1e-9)
-
-
 STRAIGHT = Material(name="no Poisson effect", density=7850.0, youngs_modulus=207e9, poisson_ratio=0.0)
 LAYERS_SIZES = (0.045, 0.03)
 AROUND = inspect.signature(hexahedra).parameters["around"].default

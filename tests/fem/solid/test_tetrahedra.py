@@ -208,14 +208,14 @@ def test_gmsh_says_nothing(capfd: pytest.CaptureFixture[str]) -> None:
     assert capfd.readouterr() == ("", "")
 
 
-def test_bodies_that_overlap_are_refused_with_the_volume_they_share() -> None:
-    with pytest.raises(BadInput, match=r"(?s)block and rod.*share 3\.9\d+e\+05 mm³"):
-        model.structure(article(block_of_tetrahedra((0.2, 0.2, 0.1)), rod(bottom=0.05)), **COARSE)
-
-
-def test_a_body_that_touches_nothing_is_named_with_its_distance() -> None:
-    with pytest.raises(BadInput, match=r"rod \(its node at .* is 10 mm from"):
-        model.structure(article(block_of_tetrahedra((0.2, 0.2, 0.1)), rod(bottom=0.11)), **COARSE)
+@pytest.mark.parametrize(
+    ("bottom", "said"),
+    [(0.05, r"(?s)block and rod.*share 3\.9\d+e\+05 mm³"), (0.11, r"rod \(its node at .* is 10 mm from")],
+    ids=["overlap", "gap"],
+)
+def test_bodies_that_overlap_or_touch_nothing_are_named_with_volume_or_distance(bottom: float, said: str) -> None:
+    with pytest.raises(BadInput, match=said):
+        model.structure(article(block_of_tetrahedra((0.2, 0.2, 0.1)), rod(bottom=bottom)), **COARSE)
 
 
 def test_touching_along_an_edge_is_no_joint() -> None:
@@ -257,12 +257,9 @@ def test_a_size_that_is_none_is_refused_by_name(option: dict[str, float]) -> Non
         model.structure(article(rod()), cached=False, **option)
 
 
-def test_too_many_unknowns_are_refused_before_the_work() -> None:
+def test_too_many_unknowns_are_refused_before_the_work_or_when_only_the_mesh_shows_them() -> None:
     with pytest.raises(BadInput, match=r"at least [\d,]+ degrees of freedom, 500,000 are allowed"):
         model.structure(built_in("cuboid"), size=1e-4, cached=False)
-
-
-def test_too_many_unknowns_are_refused_when_only_the_mesh_shows_them() -> None:
     with pytest.raises(BadInput, match="5,000 are allowed"):
         model.structure(built_in("cuboid"), size=0.05, largest=5000, cached=False)
 

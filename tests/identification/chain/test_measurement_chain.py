@@ -416,14 +416,6 @@ def test_a_block_on_its_cells_moves_as_two_masses_and_a_spring(paper: ChannelTab
     assert_allclose(A[:, on_table, axis], expected, rtol=1e-12, atol=1e-15)
 
 
-def test_softer_cells_by_the_common_factor_are_softer_cells_one_by_one(paper: ChannelTable) -> None:
-    made = chain(paper, EXACT, stiffness=K, overrides=CELLS)
-    at_once = made.rows(made.theta({"fmd-compliance:lateral": 1.25}), BAND)
-    single = {f"cell-stiffness:{k}{axis}": 1 / 1.25 - 1 for k in range(1, 5) for axis in "xy"}
-    one_by_one = made.rows(made.theta(single), BAND)
-    assert_allclose(at_once[1], one_by_one[1], rtol=1e-12, atol=1e-12)
-
-
 def test_a_stiffness_assumed_wrongly_is_made_good_by_the_compliance(paper: ChannelTable) -> None:
     """Whatever is assumed: at the right factor the chain is that of the true cells."""
     assumed, stated = chain(paper, EXACT), chain(paper, EXACT, stiffness=K * [1, 1 / 1.3, 1])
@@ -438,21 +430,6 @@ def test_cells_are_numbered_counter_clockwise_whatever_their_order() -> None:
     shuffled = [2, 0, 3, 1]
     elements = [Place(position=CORNERS[k], direction=e) for k in shuffled for e in np.eye(3)]
     assert identification_chain.names(elements, np.zeros(3)) == tuple(f"{k + 1}{axis}" for k in shuffled for axis in "xyz")
-
-
-def test_struts_along_slanted_lines_share_by_equilibrium_alone() -> None:
-    """Six struts: the forces follow from the load whatever their stiffness is."""
-    rng = np.random.default_rng(5)
-    directions = rng.normal(size=(6, 3))
-    directions /= np.linalg.norm(directions, axis=1)[:, None]
-    places = [Place(position=p, direction=d) for p, d in zip(rng.uniform(-0.2, 0.2, size=(6, 3)), directions, strict=True)]
-    channels = tuple(Channel(name=f"s{k}", quantity="force", group="fmd", places=(place,)) for k, place in enumerate(places))
-    made = chain(ChannelTable(channels=channels), EXACT, overrides=CELLS)
-    assert len(made.parameters) == 6
-    softer = forces_of(made, {made.parameters[2].name: 0.5})
-    B = np.array([[*p.direction, *np.cross(p.position, p.direction)] for p in places])
-    assert_allclose(B.T @ softer, np.eye(6), rtol=0, atol=1e-10 * np.abs(softer).max())
-    assert_allclose(softer, forces_of(made, {}), rtol=0, atol=1e-9 * np.abs(softer).max())
 
 
 def test_loads_already_worked_out_are_read_as_they_are(loads_only: ChannelTable) -> None:

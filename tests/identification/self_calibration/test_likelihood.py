@@ -180,16 +180,10 @@ def test_a_pole_that_is_not_there_goes_and_those_that_are_stay(longer, lab):
     assert minimum(shorter, x).converged
 
 
-def test_a_pole_above_the_limit_is_left_alone(longer):
-    problem, solution = longer
-    left = fit.pruned(problem, solution, size(problem), below=20.0)
-    assert left is None or left[0].modes == 3
-
-
-def test_nothing_goes_where_every_pole_pays(elastic):
-    problem, solution = elastic
-    left = fit.pruned(problem, solution, size(problem))
-    assert left is None or left[0].modes == 2
+def test_nothing_goes_above_the_limit_or_where_every_pole_pays(longer, elastic):
+    for (problem, solution), below, modes in ((longer, {"below": 20.0}, 3), (elastic, {}, 2)):
+        left = fit.pruned(problem, solution, size(problem), **below)
+        assert left is None or left[0].modes == modes
 
 
 def test_a_pole_beyond_the_band_is_found_where_the_residual_mass_does_not_do(ordinary, lab):
