@@ -47,13 +47,6 @@ def test_torsion_of_a_rectangle_meets_the_printed_table_and_the_thin_strip() -> 
     assert rectangle_torsion(2, 3) == rectangle_torsion(3, 2)
 
 
-def test_rod_is_a_tube_without_a_bore_and_scales_with_the_fourth_power() -> None:
-    small, large = tube(0.1, 0.0, STEEL), tube(0.2, 0.0, STEEL)
-    assert large.bending_y / small.bending_y == pytest.approx(16)
-    assert large.shear_y / small.shear_y == pytest.approx(4)
-    assert small.torsion == pytest.approx(2 * small.bending_y * moduli(STEEL)[1] / moduli(STEEL)[0])
-
-
 @pytest.mark.parametrize(
     ("field", "value", "said"),
     [

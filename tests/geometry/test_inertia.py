@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose, rigid_transformation, rigid_transformation_6
-from geometry.inertia import Inertia, Kind, judge, parallel_axis, require_physical, six_from_tensor, tensor_from_six
+from geometry.inertia import Inertia, Kind, judge, require_physical
 
 ROUNDING = {"rtol": 0.0, "atol": 1e-10}
 """Points lie within 10 m, masses add up to less than 100 kg: terms of 1e4 kg m², of which double keeps 1e-12."""
@@ -80,19 +80,6 @@ def test_products_are_matrix_entries_with_their_minus_sign() -> None:
     assert inertia.tensor[0, 2] == -10.0
     assert inertia.tensor[1, 2] == -30.0
     assert_allclose(inertia.parameters[4:], [68.0, 52.0, 20.0, -6.0, -10.0, -30.0], rtol=0)
-
-
-@given(seeds)
-def test_six_entries_and_tensor_say_the_same(seed: int) -> None:
-    six = np.random.default_rng(seed).normal(size=6)
-    tensor = tensor_from_six(six)
-    assert_allclose(tensor, tensor.T, rtol=0)
-    assert_allclose(six_from_tensor(tensor), six, rtol=0)
-
-
-@given(points)
-def test_parallel_axis_is_the_tensor_of_a_point_mass(offset: Array) -> None:
-    assert_allclose(parallel_axis(3.0, offset), Cloud(np.array([3.0]), offset[None]).inertia().tensor, **ROUNDING)
 
 
 @given(clouds, points)

@@ -330,7 +330,7 @@ def test_the_record_ends_when_the_ringing_has_fallen_to_its_share(mounted: Mount
     assert 0.5 < (lengths[1] - lengths[0]) * slowest / np.log(100) < 1.3
 
 
-def test_what_never_stops_ringing_is_refused(clumod: Clumod, mounted: Mounted) -> None:
+def test_what_never_stops_ringing_is_refused() -> None:
     inertia = Inertia.from_cog(20.0, [0, 0, 0.2], np.eye(3))
     cells = tuple(LoadCell(position=np.array([x, y, 0.0]), stiffness=np.full(3, 1e5)) for x in (0.1, -0.1) for y in (0.1, -0.1))
     undamped = Rig(article=rigid("block", inertia), cover=inertia, cells=cells)

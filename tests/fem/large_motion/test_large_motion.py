@@ -17,11 +17,9 @@ from fem.exudyn.large_motion import Conditions, able_to_turn, respond, respond_o
 from fem.exudyn.linear import linearise, stiffness_of
 from fem.exudyn.run import running
 from geometry.article import material
-from geometry.articles import built_in
 from geometry.errors import BadInput
 from geometry.frames import Array, rigid_transformation, rotation_about
 from geometry.inertia import Inertia
-from geometry.routes import inertia as drawn_inertia
 
 MakeMotion = Callable[..., BaseMotion]
 Makes = Callable[..., Array]
@@ -68,12 +66,6 @@ def test_load_on_a_rigid_block_is_plus_its_mass_matrix_times_acceleration(
     assert_allclose(found.load, found.table @ block.mass_matrix, rtol=0, atol=2e-6 * peak)
     # the acceleration that was asked for, within the square of the step: 1024 Hz under 5 rad/s
     assert_allclose(found.table, motion.acceleration, rtol=0, atol=1e-4 * np.abs(motion.acceleration).max())
-
-
-def test_the_cuboid_as_one_rigid_body_weighs_what_is_drawn(smooth: MakeMotion) -> None:
-    found = respond("cuboid", smooth(1e-6 * WIDE, OMEGA, 0.5), elements=None)
-    M = drawn_inertia(built_in("cuboid")).mass_matrix
-    assert_allclose(found.load, found.table @ M, rtol=0, atol=2e-6 * np.abs(found.load).max())
 
 
 @pytest.mark.parametrize("gravity", [0.0, 9.81])
