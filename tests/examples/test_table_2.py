@@ -19,6 +19,7 @@ from validation.report.charts.static import said_about
 Names = dict[str, Any]
 MODULES = ("candidates", "exact", "forward", "inference", "menu", "pictures", "published", "reading", "story", "tables", "ways")
 
+NAMES = ("mass %", "CoG x mm", "CoG y mm", "CoG z mm", "Θxx %", "Θyy %", "Θzz %")
 IDENTIFIED = (33.92, 0.39, -5.45, 283.61, 6.56, 6.93, 0.75)
 REFERENCE = (32.95, 0.0, 0.0, 270.60, 6.42, 6.00, 0.77)
 """Table 2 as printed."""
@@ -213,15 +214,11 @@ def test_the_sentences_of_the_page_say_what_is_found_now(story: Any, page: str) 
 
 
 def test_the_page_prints_of_the_records_what_their_prediction_is(story: Any, page: str) -> None:
-    printed = rows(page, ("explanation", "path", *_names()))
+    printed = rows(page, ("explanation", "path", *NAMES))
     for one, predicted, recorded in zip((story.pairs[0], story.unturned[0]), printed[::2], printed[1::2], strict=True):
         assert predicted[0] == " + ".join(one.of.names)
         for line in (predicted, recorded):
             assert [float(cell) for cell in line[2:]] == pytest.approx(one.alone, abs=0.02)
-
-
-def _names() -> tuple[str, ...]:
-    return ("mass %", "CoG x mm", "CoG y mm", "CoG z mm", "Θxx %", "Θyy %", "Θzz %")
 
 
 @pytest.mark.parametrize("name", ["table-2.png", "table-2-decide.png"])

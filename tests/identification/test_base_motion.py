@@ -105,6 +105,7 @@ def test_a_contradiction_of_the_sensors_is_seen_in_sigmas_and_per_cent(table: Ch
 
 def test_sigmas_are_not_claimed_where_noise_is_not_known(table: ChannelTable) -> None:
     assert np.all(np.isnan(base_motion(read(table, some())).sigmas))
+    assert np.all(np.isnan(resultants(read_loads(table, some_loads())).sigmas))
 
 
 def test_a_pickup_that_feels_gravity_reads_the_apparent_motion() -> None:
@@ -271,10 +272,6 @@ def test_covariance_and_sigmas_are_those_of_repeated_measurements(campaign: Camp
         sample / np.outer(scale, scale), found.covariance[0, 0] / np.outer(scale, scale), atol=0.03
     )  # four times 0.7 %
     assert_allclose(found.sigmas, 1.0, atol=0.03)
-
-
-def test_sigmas_of_combinations_are_not_claimed_where_noise_is_not_known(campaign: Campaign) -> None:
-    assert np.all(np.isnan(resultants(read_loads(campaign.table, some_loads())).sigmas))
 
 
 def test_six_channels_leave_nothing_to_balance(campaign: Campaign) -> None:

@@ -314,16 +314,13 @@ def pulled(block: FlexibleBody, motion: BaseMotion, strut: Strut, solver: Solver
 
 
 @pytest.mark.parametrize("axis", AXES)
-def test_a_cable_to_the_ground_adds_its_stiffness_over_omega_squared(
+def test_a_cable_to_the_ground_pulls_by_its_stiffness_and_the_displacement(
     axis: int, moves: Callable[[int], BaseMotion], block: FlexibleBody, corner: Array
 ) -> None:
     motion, K = moves(axis), np.diag([2000.0, 3000.0, 5000.0])
     found = pulled(block, motion, Strut(place="corner", stiffness=np.diag(K)))
     expected = motion.displacement @ corner.T @ K @ corner
     assert_allclose(found, expected, atol=1e-3 * np.abs(expected).max())
-    steady = slice(-round(motion.sampling_rate / ATTACHED_FREQUENCY), None)
-    over_omega = -motion.acceleration / (2 * np.pi * ATTACHED_FREQUENCY) ** 2 @ corner.T @ K @ corner
-    assert_allclose(found[steady], over_omega[steady], atol=1e-3 * np.abs(expected).max())
 
 
 def test_a_cable_hangs_on_the_same_place_when_displacements_are_prescribed(

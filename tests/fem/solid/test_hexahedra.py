@@ -117,14 +117,11 @@ def test_a_blade_is_one_cell_thick_and_its_silicone_too() -> None:
         assert_allclose(np.ptp(own, axis=1), np.ptp(own), rtol=1e-9)
 
 
-def test_a_tilted_part_is_refused_by_name() -> None:
+def test_a_tilted_part_is_refused_by_name_and_one_through_a_cut() -> None:
     tilted = placed(Article(name="own", parts=(box((0.1, 0.1, 0.1)),)), Pose(rotation=rotation_about("x", 0.1))).parts[0]
     with pytest.raises(BadInput, match="part box"):
         hexahedra([tilted], sizes=(0.05,))
     assert foot_height([tilted, tube(0.1, 0.09, 0.1)]) is None
-
-
-def test_a_part_through_a_cut_is_refused() -> None:
     with pytest.raises(BadInput, match="through a height at which the mesh is cut"):
         hexahedra([box((0.1, 0.1, 0.1))], sizes=(0.05, 0.05), cuts=(0.05,))
 
