@@ -9,22 +9,11 @@ from geometry.dynamic_mass import LEVELS, MOTIONS, DynamicMass
 from geometry.errors import BadInput
 from geometry.inertia import Inertia
 from geometry.sensors import ChannelTable, Tolerances
+from identification import consistency
 from identification.base_motion import base_motion, resultants
 from identification.campaign import Campaign
 from identification.chain import chain
-from identification.consistency import (
-    LIMIT,
-    Finding,
-    Mistake,
-    Suspect,
-    candidates,
-    checks,
-    misfit,
-    of_spectra,
-    readings,
-    suspects,
-    undone,
-)
+from identification.consistency import Mistake
 from identification.dynamic_mass import from_runs
 from identification.elastic import model
 from identification.elastic.model import ElasticTerms, dynamic_mass
@@ -76,18 +65,18 @@ def made(
     )
 
 
-def found(spectra: Spectra) -> dict[str, Finding]:
+def found(spectra: Spectra) -> dict[str, consistency.Finding]:
     estimate = from_runs(resultants(spectra).values, base_motion(spectra).values, spectra.frequency)
-    return {one.name: one for one in checks(estimate.dynamic_mass, spectra)}
+    return {one.name: one for one in consistency.checks(estimate.dynamic_mass, spectra)}
 
 
-def suspected(spectra: Spectra) -> tuple[Suspect, ...]:
-    return suspects(readings(spectra, ORDINARY))
+def suspected(spectra: Spectra) -> tuple[consistency.Suspect, ...]:
+    return consistency.suspects(consistency.readings(spectra, ORDINARY))
 
 
 def with_mistake(spectra: Spectra, mistake: Mistake) -> Spectra:
     inverse = replace(mistake, factor=1 / mistake.factor)
-    return replace(spectra, values=undone(spectra.table, spectra.values, inverse))
+    return replace(spectra, values=consistency.undone(spectra.table, spectra.values, inverse))
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -110,11 +99,11 @@ def test_mean_squares_are_about_one_at_the_tolerances(campaign: Campaign) -> Non
     """The laws of misfit rest on it: 40 laboratories, each with its own offsets."""
     squares = []
     for seed in range(40):
-        of = readings(made(campaign.table, seed=seed), ORDINARY)
-        one = misfit(of, of.values[None], of.noise[None])
+        of = consistency.readings(made(campaign.table, seed=seed), ORDINARY)
+        one = consistency.misfit(of, of.values[None], of.noise[None])
         squares.append([one.redundancy[0], one.parity[0], one.structure[0]])
     assert np.all((np.mean(squares, axis=0) > 0.3) & (np.mean(squares, axis=0) < 1.3))
-    assert np.max(squares) < LIMIT / 3
+    assert np.max(squares) < consistency.LIMIT / 3
 
 
 SLIPS = {"acceleration": (1 / 9.80665, 9.80665, 1e3, 1e-3), "force": (1e3, 1e-3, 4.4482216152605, 1 / 4.4482216152605)}
@@ -122,11 +111,11 @@ SLIPS = {"acceleration": (1 / 9.80665, 9.80665, 1e3, 1e-3), "force": (1e3, 1e-3,
 
 
 def _signs(table: ChannelTable) -> list[Mistake]:
-    return [one for one in candidates(table) if one.kind == "polarity" and len(one.channels) == 1]
+    return [one for one in consistency.candidates(table) if one.kind == "polarity" and len(one.channels) == 1]
 
 
 def _swaps(table: ChannelTable) -> list[Mistake]:
-    return [one for one in candidates(table) if one.kind == "channel-swap"]
+    return [one for one in consistency.candidates(table) if one.kind == "channel-swap"]
 
 
 def _slips(table: ChannelTable, which: int) -> list[Mistake]:
@@ -211,12 +200,12 @@ def test_each_check_of_the_dynamic_mass_sees_its_own_departure(
     matrix = np.array(mass.matrix)
     matrix[:, entry[0], entry[1]] *= 1.2 if entry[0] != 5 else -1
     matrix[:, entry[0], entry[1]] += 0.5 if entry == (1, 4) else 0
-    broken = {one.name: one for one in checks(replace(mass, matrix=matrix), spectra)}
+    broken = {one.name: one for one in consistency.checks(replace(mass, matrix=matrix), spectra)}
     assert said in broken[name].text
     assert not broken[name].holds
     assert broken["phase"].holds
     assert broken["channels"].holds  # the spectra themselves are sound
-    turned = {one.name: one for one in checks(replace(mass, matrix=mass.matrix * np.exp(0.2j)), spectra)}
+    turned = {one.name: one for one in consistency.checks(replace(mass, matrix=mass.matrix * np.exp(0.2j)), spectra)}
     assert not turned["phase"].holds
 
 
@@ -260,7 +249,7 @@ def test_a_dynamic_mass_of_other_lines_is_refused(campaign: Campaign) -> None:
     mass = from_runs(resultants(spectra).values, base_motion(spectra).values, spectra.frequency).dynamic_mass
     short = replace(mass, frequency=mass.frequency[1:], matrix=mass.matrix[1:])
     with pytest.raises(BadInput, match="the dynamic mass has 28 lines, the spectra have 29 others"):
-        checks(short, spectra)
+        consistency.checks(short, spectra)
 
 
 SOUND = Identified(
@@ -302,10 +291,10 @@ def test_a_failed_model_takes_back_trust_but_for_what_elasticity_explains(change
 
 def test_a_channel_in_a_wrong_unit_comes_first_in_every_verdict(campaign: Campaign) -> None:
     sound = spectra(campaign, band=(4.0, 6.0))
-    assert contradictions(of_spectra(sound)) == ()
+    assert contradictions(consistency.of_spectra(sound)) == ()
     factor = np.ones(len(sound.table))
     factor[sound.table.names.index("fmd-z2")] = 1 / 4.4482216152605  # lbf taken for N
-    against = contradictions(of_spectra(replace(sound, values=sound.values * factor)))
+    against = contradictions(consistency.of_spectra(replace(sound, values=sound.values * factor)))
     assert "fmd-z2 has the wrong unit" in against[0]
     for said in judged(TOLD, against, ("the fit did not converge",)).values():
         assert said.startswith("not trustworthy: it looks as if fmd-z2 has the wrong unit")
@@ -313,8 +302,8 @@ def test_a_channel_in_a_wrong_unit_comes_first_in_every_verdict(campaign: Campai
 
 
 def test_checks_without_a_suspect_speak_beyond_all_that_sound_data_reach() -> None:
-    def failed(value: float) -> Finding:
-        return Finding(name="symmetry", holds=False, value=value, text="the dynamic mass is not symmetric")
+    def failed(value: float) -> consistency.Finding:
+        return consistency.Finding(name="symmetry", holds=False, value=value, text="the dynamic mass is not symmetric")
 
     assert contradictions([failed(0.9 * BROKEN)]) == ()
     assert contradictions([failed(1.1 * BROKEN)]) == ("the dynamic mass is not symmetric",)
