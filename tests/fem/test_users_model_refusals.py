@@ -143,6 +143,7 @@ WRITTEN: dict[str, tuple[str, str, str, tuple[str, ...]]] = {
     "Nastran's key": ("interface", 'matrices = { mass = "m" }\ninterface', "fe_model.matrices", ("Nastran",)),
     "mass without unit": ('"2.51 +/- 0.02 kg"', "2.51", "stated.mass", ("needs its unit",)),
     "no mass": ('"2.51 +/- 0.02 kg"', '"-2 kg"', "stated.mass", ("positive",)),
+    "another mass": ('"2.51 +/- 0.02 kg"', '"3.1 kg"', "stated.mass", ("where 3.1 kg are stated",)),
     "format": ("format = 1", "format = 2", "format", ("must be 1",)),
     "no TOML": ("format = 1", "format = ", "", ("not TOML",)),
 }
@@ -373,6 +374,7 @@ NASTRAN: dict[str, tuple[str, str, str, str, str, tuple[str, ...]]] = {
     "no grids": ("bracket-op4.toml", "bracket.bdf", "GRID", "GRIX", "", ("no GRID",)),
     "missing": ("bracket-pch.toml", "bracket-pch.toml", '"k"', '"kk"', "KK", ("missing", "k, m", "stiffness")),
     "rectangular": ("bracket-pch.toml", "bracket.pch", K_HEADER, K_HEADER.replace("6", "9"), "k", ("form 9",)),
+    "doubled": ("bracket-pch.toml", "bracket.pch", M_HEADER, K_HEADER, "k", ("is there twice",)),
     "complex": ("bracket-pch.toml", "bracket.pch", M_HEADER, M_HEADER[:-1] + "4", "m", ("complex",)),
 }
 
