@@ -134,7 +134,9 @@ def test_a_name_that_cannot_be_built_is_refused_with_a_way_on(name: str, words: 
     assert words in str(caught.value)
 
 
-def test_part_names_are_unique_within_an_article() -> None:
+def test_nothing_stands_where_there_is_no_seat_and_part_names_are_unique_within_an_article() -> None:
+    with pytest.raises(ValueError, match="nothing can be mounted on a, found b"):
+        stacked(brick("a"), brick("b"))
     part = brick("a").parts[0]
     with pytest.raises(ValueError, match="found body more than once"):
         Article(name="twice", parts=(part, part))
