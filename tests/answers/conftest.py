@@ -70,11 +70,14 @@ LOOSE = (
 that: errors of `verify` are rounding, held by bars of its own; the others follow from directions that the data leave open."""
 
 NUMBER = re.compile(r"(?<![\w.])[-+−]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
-DATE = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d(?::\d\d(?:\.\d+)?)?(?:Z|[+-]\d\d:\d\d| UTC)?")
-VERSION = re.compile(r"\b\d+(?:\.\d+){2,}\b")
-MODULE = re.compile(r"\b(?:geometry|fem|identification|validation)(?:\.[a-z_]+)+")
-SYSTEM = re.compile(r"\b(?:Linux|macOS|Windows)-\S+")
-DIGEST = re.compile(r"\b[0-9a-f]{64}\b")
+UNSTORED = {
+    "<date>": re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d(?::\d\d(?:\.\d+)?)?(?:Z|[+-]\d\d:\d\d| UTC)?"),
+    "<digest>": re.compile(r"\b[0-9a-f]{64}\b"),
+    "<version>": re.compile(r"\b\d+(?:\.\d+){2,}\b"),
+    "<system>": re.compile(r"\b(?:Linux|macOS|Windows)-\S+"),
+    "<module>": re.compile(r"\b(?:geometry|fem|identification|validation)(?:\.[a-z_]+)+"),
+}
+"""What another day, folder or version changes, in the order in which it is replaced."""
 RULE = re.compile(r"([─━═-])\1{2,}")
 
 
@@ -144,13 +147,7 @@ class Asking:
         """Without what another day, folder or version changes."""
         for place, name in self.places.items():
             text = text.replace(place, name)
-        for pattern, name in (
-            (DATE, "<date>"),
-            (DIGEST, "<digest>"),
-            (VERSION, "<version>"),
-            (SYSTEM, "<system>"),
-            (MODULE, "<module>"),
-        ):
+        for name, pattern in UNSTORED.items():
             text = pattern.sub(name, text)
         return "\n".join(line.rstrip() for line in text.splitlines()) + "\n"
 

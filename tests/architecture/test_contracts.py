@@ -34,23 +34,6 @@ TRESPASSES = {
 }
 """For every contract a package that is not its door, and an import that it forbids there, directly or on the way."""
 
-DOORS = {
-    "cadquery": "geometry/cad.py",
-    "pyuff": "identification/files/uff.py",
-    "trimesh": "geometry/mesh.py",
-    "igl": "geometry/mesh.py",
-    "pinocchio": "geometry/routes.py",
-    "exudyn": "fem/exudyn/run.py",
-    "gmsh": "fem/solid/tetrahedra.py",
-    "skfem": "fem/solid/assembly.py",
-    "pyyeti": "fem/user_model/nastran.py",
-    "pyvista": "validation/report/scenes/scene.py",
-    "matplotlib": "validation/report/scenes/scene.py",
-    "plotly": "validation/report/charts/interactive.py",
-    "trame": "validation/app/server.py",
-}
-"""Who may import what: the module that is the door to each library."""
-
 
 def copied(root: Path, folder: Path) -> Path:
     """A copy of the four packages with the contracts, to be broken."""
@@ -100,14 +83,3 @@ def test_every_contract_has_a_trespass(root: Path) -> None:
 def test_a_trespass_inside_a_function_breaks_its_contract_and_is_named(contract: str, trespassed: dict[str, str]) -> None:
     package, _ = TRESPASSES[contract]
     assert f"{package.replace('/', '.')}.trespasser_{contract} -> " in trespassed.get(contract, "")
-
-
-def test_the_doors_themselves_may_import_their_libraries(root: Path, tmp_path: Path) -> None:
-    tree = copied(root, tmp_path)
-    for library, path in DOORS.items():
-        door = tree / path
-        door.parent.mkdir(parents=True, exist_ok=True)
-        (door.parent / "__init__.py").touch()
-        with door.open("a", encoding="utf-8") as file:
-            file.write(f"\n\ndef enter_{library}():\n    import {library}\n")
-    assert broken(tree) == {}

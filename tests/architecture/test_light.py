@@ -7,20 +7,8 @@ import pytest
 
 from validation.cli.main import COMMANDS
 
-HEAVY = {
-    "cadquery",
-    "OCP",
-    "gmsh",
-    "trimesh",
-    "igl",
-    "pinocchio",
-    "coal",
-    "exudyn",
-    "pyvista",
-    "vtk",
-    "vtkmodules",
-    "trame",
-    "scipy",
+HEAVY = {"cadquery", "OCP", "gmsh", "trimesh", "igl", "pinocchio", "coal", "exudyn", "pyvista", "vtk", "vtkmodules", "trame"} | {
+    "scipy"
 }
 
 

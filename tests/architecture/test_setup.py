@@ -17,11 +17,8 @@ from validation.report import page
 TARGETS = ("help", "setup", "demo", "test", "proof", "check", "bench", "blind", "lock", "clean")
 
 
-def test_this_machine_lacks_nothing_that_the_wheels_open() -> None:
+def test_this_machine_lacks_nothing_that_the_wheels_open_but_a_library_that_does_not_exist() -> None:
     assert missing() == ()
-
-
-def test_a_library_that_does_not_exist_is_found_missing() -> None:
     assert not installed("libmassline-does-not-exist.so.1")
 
 

@@ -1,4 +1,4 @@
-"""What tests of fem share: the bracket of the user's example, in files and as arrays that can be spoilt, and an elastic block."""
+"""What tests of fem share: the user's bracket, in files and as arrays to be spoilt, a smooth motion, and an elastic block."""
 
 import runpy
 from collections.abc import Callable
@@ -11,8 +11,10 @@ import pytest
 from scipy.sparse import csr_array, eye_array, kron
 
 from fem import factorisers
+from fem.base_excitation.patterns import BaseMotion
 from fem.exudyn.linear import Linearised
 from fem.structure import Structure, rigid_motion
+from geometry.frames import Array
 
 
 @pytest.fixture(autouse=True)
@@ -84,6 +86,35 @@ def _driven(system: Linearised, lossy: np.ndarray, frequency: float) -> np.ndarr
     Z = np.block([[system.stiffness + 1j * lossy - omega**2 * system.mass, J], [J.T, none]])  # base, others, joints
     others = np.linalg.solve(Z[6:, 6:], -Z[6:, :6])
     return (Z[:6, :6] + Z[:6, 6:] @ others) / -(omega**2)
+
+
+@pytest.fixture(scope="session")
+def smooth() -> Callable[..., BaseMotion]:
+    """``smooth(amplitude, omega, ...)``: sines that rise smoothly, displacement and its derivatives in closed form."""
+
+    def make(
+        amplitude: Array,
+        omega: Array,
+        duration: float = 1.0,
+        rate: float = 1024.0,
+        point: Any = (0.0, 0.0, 0.0),
+        rise: float = 0.3,
+    ) -> BaseMotion:
+        t = np.arange(round(rate * duration) + 1)[:, None] / rate
+        s = (t / rise) ** 4
+        envelope = [1 - np.exp(-s), 4 * t**3 / rise**4 * np.exp(-s), (12 * t**2 / rise**4 - 16 * t**6 / rise**8) * np.exp(-s)]
+        A, w = np.asarray(amplitude), np.asarray(omega)
+        sine = [A * np.sin(w * t), A * w * np.cos(w * t), -A * w**2 * np.sin(w * t)]
+        return BaseMotion(
+            sampling_rate=rate,
+            displacement=sine[0] * envelope[0],
+            velocity=sine[1] * envelope[0] + sine[0] * envelope[1],
+            acceleration=sine[2] * envelope[0] + 2 * sine[1] * envelope[1] + sine[0] * envelope[2],
+            driven=duration,
+            reference_point=point,
+        )
+
+    return make
 
 
 @pytest.fixture(scope="session")

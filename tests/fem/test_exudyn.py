@@ -19,9 +19,9 @@ from fem.beam.elements import Section, rectangle, sandwich
 from fem.beam.frame import Body, Member, Plan, Ports, assemble
 from fem.dynamic_mass import LINES, modal
 from fem.exudyn import frame, linear
-from fem.exudyn.frame import lossy, refined
-from fem.exudyn.linear import extrapolated, linearise, stiffness_of
-from fem.exudyn.run import exudyn_version, failed, from_exudyn, is_interruption, kept, quiet, running, to_exudyn
+from fem.exudyn.frame import refined
+from fem.exudyn.linear import extrapolated, linearise
+from fem.exudyn.run import exudyn_version, from_exudyn, is_interruption, kept, quiet, running, to_exudyn
 from fem.modes import Modes, fixed_base
 from fem.reduction import Reduced, craig_bampton
 from geometry.article import material
@@ -38,7 +38,9 @@ BETA = np.array([1.875104068711961, 4.694091132974175])
 LENGTH = 1.0
 BENDING = BETA**2 / (2 * np.pi * LENGTH**2) * np.sqrt(BAR.bending_y / BAR.mass)
 TURN = rotation_about("x", 0.4) @ rotation_about("y", -0.8) @ rotation_about("z", 1.1)
-BLOCK = Inertia.from_cog(3.0, [0.11, -0.23, 0.37], TURN @ np.diag([0.5, 0.7, 0.9]) @ TURN.T)
+COG = np.array([0.11, -0.23, 0.37])
+BLOCK = Inertia.from_cog(3.0, COG, TURN @ np.diag([0.5, 0.7, 0.9]) @ TURN.T)
+"""All ten parameters different and none zero: an exchanged index or sign cannot hide."""
 COUNT = 30
 Driven = Callable[..., Array]
 TO_50_HZ = {"clumod-1": 5, "clumod-4": 20}
@@ -92,15 +94,6 @@ def test_a_beam_askew_is_refused() -> None:
         linearise(cantilever(6, TURN), 10)
 
 
-def test_a_finer_mesh_is_the_same_body_and_keeps_the_numbers_of_the_old_nodes() -> None:
-    plan = articles.article_plan("clumod-1", elements=3)
-    finer = refined(plan, 2)
-    assert_allclose(finer.nodes[: len(plan.nodes)], plan.nodes, rtol=0)
-    weights = [(frame.rigid.T @ frame.mass @ frame.rigid) for frame in map(assemble, (finer, plan))]
-    assert_allclose(*weights, rtol=0, atol=1e-12 * weights[0].max())
-    assert len(finer.nodes) == len(plan.nodes) + sum(len(member.nodes) - 1 for member in plan.members)
-
-
 @pytest.mark.parametrize("frequency", [0.5, 4.0, 32.0, 1000.0])
 def test_dynamic_mass_of_a_rigid_block_is_its_mass_matrix_with_a_plus(frequency: float, driven: Driven) -> None:
     H = driven(linearise(solid_block(), COUNT), np.zeros((6, 6)), frequency)
@@ -136,15 +129,6 @@ def test_exudyn_weighs_the_article_as_it_is_drawn(name: str, by_exudyn: dict[str
     assert_allclose(by_exudyn[name].rigid_mass, drawn, rtol=0, atol=1e-12 * np.abs(drawn).max())
 
 
-@pytest.mark.parametrize("name", ["cuboid", "clumod-1", "clumod-4"])
-def test_effective_masses_are_those_of_the_beam_model(name: str, by_exudyn: dict[str, Modes], by_us: dict[str, Modes]) -> None:
-    """Summed over the modes below 32 Hz of Clumod and the first two of the Cuboid, which no cluster can exchange."""
-    kept = max(2, int(np.sum(by_us[name].frequency < 32)))
-    ours, exudyns = (modes[name].effective_mass[:kept].sum(axis=0) for modes in (by_us, by_exudyn))
-    share = (exudyns - ours) / np.diag(by_us[name].rigid_mass)
-    assert_allclose(share, np.zeros(6), rtol=0, atol=1e-4)
-
-
 @pytest.mark.parametrize(("name", "bar"), [("cuboid", 1e-6), ("clumod-1", 1e-3), ("clumod-4", 1e-3)])
 def test_dynamic_mass_agrees_with_the_beam_model(
     name: str, bar: float, by_exudyn: dict[str, Modes], by_us: dict[str, Modes]
@@ -157,15 +141,6 @@ def test_dynamic_mass_agrees_with_the_beam_model(
     assert np.linalg.norm(exudyns - ours) <= bar * np.linalg.norm(ours)
 
 
-@pytest.mark.parametrize("name", ["clumod-1", "clumod-4"])
-def test_loss_of_every_mode_of_the_band_comes_from_the_parts(
-    name: str, by_exudyn: dict[str, Modes], by_us: dict[str, Modes]
-) -> None:
-    """From 0.003 of steel to 0.038 where the layer works hardest; losses are those of the finer mesh, not extrapolated."""
-    kept = np.flatnonzero(by_us[name].frequency < 32)
-    assert_allclose(by_exudyn[name].damping_ratio[kept], by_us[name].damping_ratio[kept], rtol=0.03)
-
-
 def test_dynamic_mass_from_modes_is_that_of_the_driven_matrices(driven: Driven) -> None:
     """One mesh, extrapolated to itself: all coordinates and joints against 30 modes and residual; all loses as steel does."""
     plan = articles.article_plan("clumod-1", elements=4)
@@ -174,11 +149,6 @@ def test_dynamic_mass_from_modes_is_that_of_the_driven_matrices(driven: Driven) 
     sum_of_modes = modal(extrapolated(system, system, loss, np.zeros(3), COUNT), lines).matrix
     solved = np.array([driven(system, loss, line) for line in lines])
     assert_allclose(sum_of_modes, solved, rtol=0, atol=1e-4 * np.abs(solved).max())
-
-
-def test_lossy_stiffness_is_the_sum_of_parts_times_their_loss_factors() -> None:
-    plan = replace(cantilever(3), loss_factors={"beam": 0.1})
-    assert_allclose(stiffness_of(lossy(plan)), 0.1 * stiffness_of(plan), rtol=1e-12, atol=1e-6)
 
 
 @pytest.mark.parametrize("shear_modulus", [1e4, 7.5e5, 1e8])
@@ -240,31 +210,27 @@ def test_what_exudyn_refuses_is_said_in_its_words_with_its_version(capfd: pytest
     assert capfd.readouterr() == ("", "")
 
 
-def test_a_beam_without_shear_deformation_is_refused() -> None:
-    stiff = replace(BAR, shear_y=float("inf"))
-    plan = replace(cantilever(2), members=(replace(cantilever(2).members[0], section=stiff),))
-    with pytest.raises(CheckFailed, match="shear stiffness"):
-        linearise(plan, 2)
+SHEARLESS = (replace(cantilever(2).members[0], section=replace(BAR, shear_y=float("inf"))),)
+UNSTABLE = Ports(nodes=(0, 2), stiffness=-1e6 * np.kron([[1, -1], [-1, 1]], np.eye(6)), mass=np.zeros((12, 12)), part="spring")
+GROUNDED = Ports(nodes=(2,), stiffness=1e9 * np.eye(6), mass=np.zeros((6, 6)), part="spring")
 
 
-def test_an_unstable_spring_is_no_frequency() -> None:
-    spring = Ports(nodes=(0, 2), stiffness=-1e6 * np.kron([[1, -1], [-1, 1]], np.eye(6)), mass=np.zeros((12, 12)), part="spring")
-    with pytest.raises(CheckFailed, match="lowest squared frequency is -"):
-        linearise(replace(cantilever(2), ports=(spring,)), 3)
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"members": SHEARLESS}, "shear stiffness"),
+        ({"ports": (UNSTABLE,)}, "lowest squared frequency is -"),
+        ({"ports": (GROUNDED,)}, "rigid motion of the base meets stiffness"),
+    ],
+)
+def test_a_beam_without_shear_an_unstable_spring_and_one_to_the_ground_are_refused(changes: dict[str, Any], said: str) -> None:
+    with pytest.raises(CheckFailed, match=said):
+        linearise(replace(cantilever(2), **changes), 3)
 
 
-def test_a_spring_that_answers_to_a_rigid_motion_is_refused() -> None:
-    spring = Ports(nodes=(2,), stiffness=1e9 * np.eye(6), mass=np.zeros((6, 6)), part="spring")
-    with pytest.raises(CheckFailed, match="rigid motion of the base meets stiffness"):
-        linearise(replace(cantilever(2), ports=(spring,)), 3)
-
-
-def test_no_mode_at_all_is_refused() -> None:
+def test_no_mode_at_all_and_an_unknown_article_are_refused_before_exudyn_starts() -> None:
     with pytest.raises(BadInput, match="`count`: at least one mode is needed, found 0"):
         linear.modes("clumod-1", 0)
-
-
-def test_an_unknown_article_is_refused_before_exudyn_starts() -> None:
     with pytest.raises(BadInput, match="no built-in article is called 'clumod-2'"):
         linear.modes("clumod-2")
 
@@ -283,18 +249,11 @@ def test_reduced_matrices_in_exudyn_have_our_frequencies_and_dynamic_mass(ours: 
     assert_allclose(exudyns, here, rtol=0, atol=1e-6 * np.abs(here).max())
 
 
-def test_matrices_without_stiffness_are_no_frequencies() -> None:
+def test_matrices_without_stiffness_or_of_different_size_are_refused_in_words() -> None:
     with pytest.raises(CheckFailed, match="lowest squared frequency is"):
         linear.linearised(np.zeros((8, 8)), np.eye(8))
-
-
-def test_matrices_of_different_size_are_refused_in_exudyns_words() -> None:
     with pytest.raises(CheckFailed, match=r"exudyn .* failed when it should take reduced matrices: \S"):
         linear.linearised(np.eye(7), np.eye(8))
-
-
-def test_a_failure_carries_what_exudyn_said() -> None:
-    assert failed("do it", "no").evidence == {"task": "do it", "said": "no"}
 
 
 def fixed_base_of(plan: Plan, count: int) -> Modes:
@@ -321,17 +280,12 @@ def accelerated_by(load: Array) -> Array:
         return np.concatenate([made.system.GetNodeOutput(0, kind) for kind in kinds]) / duration
 
 
-COG = np.array([0.11, -0.23, 0.37])
-BODY = Inertia.from_cog(3.0, COG, TURN @ np.diag([0.5, 0.7, 0.9]) @ TURN.T)
-"""All ten parameters different and none zero: an exchanged index or sign cannot hide."""
-
-
 def test_exudyn_and_we_agree_on_every_entry_of_the_tensor_and_the_order_of_six() -> None:
-    body = to_exudyn(BODY)
-    assert_allclose(body.Inertia(), BODY.tensor, rtol=1e-15)
-    assert_allclose(body.InertiaCOM(), BODY.tensor_cog, rtol=0, atol=1e-15)
+    body = to_exudyn(BLOCK)
+    assert_allclose(body.Inertia(), BLOCK.tensor, rtol=1e-15)
+    assert_allclose(body.InertiaCOM(), BLOCK.tensor_cog, rtol=0, atol=1e-15)
     assert_allclose(body.COM(), COG, rtol=1e-15)
-    xx, yy, zz, xy, xz, yz = BODY.parameters[4:]
+    xx, yy, zz, xy, xz, yz = BLOCK.parameters[4:]
     assert_allclose(body.GetInertia6D(), [xx, yy, zz, yz, xz, xy], rtol=1e-15)
 
 
@@ -339,30 +293,16 @@ def test_exudyn_moves_and_turns_a_body_as_we_do() -> None:
     """Exudyn's own homogeneous transformation against ours."""
     HT = np.eye(4)
     HT[:3, :3], HT[:3, 3] = TURN, [0.2, 0.5, -0.4]
-    expected = BODY.rotated(TURN).moved(HT[:3, 3])
-    assert_allclose(from_exudyn(to_exudyn(BODY).Transformed(HT)).parameters, expected.parameters, rtol=0, atol=1e-14)
+    expected = BLOCK.rotated(TURN).moved(HT[:3, 3])
+    assert_allclose(from_exudyn(to_exudyn(BLOCK).Transformed(HT)).parameters, expected.parameters, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("point", [(0.0, 0.0, 0.0), (0.3, -0.1, 0.6)])
 def test_to_exudyn_and_back_changes_nothing(point: tuple[float, float, float]) -> None:
-    there = BODY.about(point)
+    there = BLOCK.about(point)
     back = from_exudyn(to_exudyn(there), point)
     assert_allclose(back.parameters, there.parameters, rtol=1e-14)
     assert_allclose(back.reference_point, point, rtol=0)
-
-
-@pytest.mark.parametrize("point", [(0.0, 0.0, 0.0), (0.3, -0.1, 0.6)])
-def test_the_mass_matrix_that_exudyn_assembles_is_eq_1(point: tuple[float, float, float]) -> None:
-    system, _, _ = free_body(BODY.about(point))
-    assert_allclose(assembled_mass_matrix(system), BODY.about(point).mass_matrix, rtol=0, atol=1e-14)
-
-
-@pytest.mark.parametrize("axis", range(6))
-def test_a_free_body_accelerates_under_force_and_torque_as_the_mass_matrix_says(axis: int) -> None:
-    """From rest for 0.1 ms: it turns by 1e-8 rad, so that f = M a holds to that order."""
-    wrench, duration = np.eye(6)[axis], 1e-4
-    velocity = velocity_after(duration, BODY, wrench)
-    assert_allclose(BODY.mass_matrix @ velocity / duration, wrench, rtol=0, atol=1e-6)
 
 
 @pytest.mark.parametrize("moments", [[0.0, 0.3, 0.3], [0.1, 0.2, 0.3]])
@@ -385,50 +325,6 @@ def test_quiet_holds_back_and_gives_back(capfd: pytest.CaptureFixture[str]) -> N
         exudyn.Print("held back")
     exudyn.Print("heard again")
     assert capfd.readouterr().out.strip() == "heard again"
-
-
-def free_body(inertia: Inertia, wrench: Array | None = None) -> tuple[Any, int, Any]:
-    """A rigid body that nothing holds, its reference point at the origin, `wrench` (6,) on it; also its node and container."""
-    with quiet() as exudyn:
-        from exudyn import itemInterface
-
-        container = exudyn.SystemContainer()
-        system = container.AddSystem()
-        body = to_exudyn(inertia)
-        node = system.AddNode(itemInterface.NodeRigidBodyRxyz(referenceCoordinates=[0.0] * 6))
-        item = itemInterface.ObjectRigidBody(
-            mass=body.Mass(), inertia=body.GetInertia6D(), centerOfMass=body.COM().tolist(), nodeNumber=node
-        )
-        marker = system.AddMarker(itemInterface.MarkerBodyRigid(bodyNumber=system.AddObject(item)))
-        if wrench is not None:
-            system.AddLoad(itemInterface.LoadForceVector(markerNumber=marker, loadVector=wrench[:3].tolist()))
-            system.AddLoad(itemInterface.LoadTorqueVector(markerNumber=marker, loadVector=wrench[3:].tolist()))
-        system.Assemble()
-        return system, node, container
-
-
-def assembled_mass_matrix(system: Any) -> Array:
-    """The 6x6 that exudyn integrates with; at zero angles the rates of its coordinates are the angular velocity."""
-    with quiet() as exudyn:
-        solver, settings = exudyn.MainSolverImplicitSecondOrder(), exudyn.SimulationSettings()
-        settings.solution.file.write = False
-        solver.InitializeSolver(system, settings)
-        solver.ComputeMassMatrix(system)
-        M = np.array(solver.GetSystemMassMatrix())
-        solver.FinalizeSolver(system, settings)
-    return M
-
-
-def velocity_after(duration: float, inertia: Inertia, wrench: Array) -> Array:
-    """Velocity and angular velocity (6,) of the reference point after `duration` [s] from rest."""
-    system, node, _container = free_body(inertia, wrench)
-    with quiet() as exudyn:
-        settings = exudyn.SimulationSettings()
-        settings.solution.file.write = False
-        settings.timeIntegration.numberOfSteps, settings.timeIntegration.endTime = 10, duration
-        system.SolveDynamic(settings)
-        kinds = exudyn.OutputVariableType.Velocity, exudyn.OutputVariableType.AngularVelocity
-        return np.concatenate([system.GetNodeOutput(node, kind) for kind in kinds])
 
 
 TIMES = 6

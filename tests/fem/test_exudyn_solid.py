@@ -41,10 +41,6 @@ def body(bar: Structure) -> FloatingFrame:
     return floating_frame(bar, COUNT)
 
 
-def test_exudyn_finds_the_frequencies_of_the_full_matrices(bar: Structure, body: FloatingFrame) -> None:
-    assert_allclose(np.sqrt(body.eigenvalues) / (2 * np.pi), fixed_base(bar, COUNT).frequency, rtol=1e-9)
-
-
 def test_its_linearised_flexible_body_has_them_and_their_effective_masses_too(bar: Structure) -> None:
     ours, exudyns = fixed_base(bar, COUNT), modes_of_solid(bar, COUNT)
     assert_allclose(exudyns.frequency, ours.frequency, rtol=1e-9)
@@ -103,17 +99,11 @@ def test_a_free_turn_keeps_energy_momentum_and_angular_momentum(axis: int) -> No
     assert np.all(np.array(errors[1]) < errors[0])
 
 
-def test_a_frame_of_beams_is_no_solid() -> None:
+def test_beams_a_base_that_holds_half_a_point_and_too_many_modes_are_refused(bar: Structure) -> None:
     with pytest.raises(BadInput, match="every degree of freedom must move a point"):
         floating_frame(articles.structure("clumod-1"), COUNT)
-
-
-def test_a_base_that_holds_half_a_point_is_refused(bar: Structure) -> None:
     with pytest.raises(BadInput, match="a point that is held in some directions only"):
         floating_frame(replace(bar, held=bar.held[:-1]), COUNT)
-
-
-def test_more_modes_than_the_solid_has_are_refused_in_exudyns_words(bar: Structure) -> None:
     with pytest.raises(CheckFailed, match=r"exudyn .* failed when it should make a flexible body of the solid: "):
         floating_frame(bar, bar.mass.shape[0])
 
@@ -134,11 +124,6 @@ def test_no_mode_of_a_solid_is_refused(bar: Structure) -> None:
 def test_without_loss_factors_every_mode_has_the_ratio_of_all(bar: Structure) -> None:
     bare = replace(bar, loss_factors={})
     assert_allclose(modes_of_solid(bare, 3).damping_ratio, fixed_base(bare, 3).damping_ratio, rtol=1e-9)
-
-
-def test_nothing_is_printed(bar: Structure, capfd: pytest.CaptureFixture[str]) -> None:
-    modes_of_solid(bar, 3)
-    assert capfd.readouterr() == ("", "")
 
 
 DURATION = 4 * np.pi / 20.0

@@ -13,6 +13,7 @@ from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 from scipy.sparse import csc_array, csr_array
 
+from benchmarks.fuzz_readers import mutants
 from fem.dynamic_mass import direct, modal
 from fem.modes import Modes, fixed_base
 from fem.structure import Structure
@@ -78,9 +79,6 @@ def test_modes_written_are_read_back_with_their_damping_and_residual(bracket_fil
     assert_same(dynamic_mass(after), modal(before, LINES), 1e-12)
 
 
-# --- units and reference point ----------------------------------------------------------------------------------------------
-
-
 def in_units(arrays: Arrays, old: UnitSystem, new: UnitSystem) -> Arrays:
     """The same structure in another system: what a program prints when it is fed with other units."""
     scale = np.where(arrays["dof"][:, 1] <= 3, old.length / new.length, 1.0)
@@ -126,9 +124,6 @@ def test_another_reference_point_is_the_same_dynamic_mass_seen_from_there(
     reference = dynamic_mass(reading.read(saved(arrays)))
     shifted = own_model["DESCRIPTION"].replace('["0 mm", "0 mm", "0 mm"]', str([f"{x!r} m" for x in point]))
     assert_same(dynamic_mass(reading.read(saved(arrays, shifted))), reference.about(point))
-
-
-# --- ways to say the same ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("made", [csr_array, csc_array])
@@ -190,9 +185,6 @@ def _without_stated() -> str:
     return f"format = 1\n[fe_model]\n{model}"
 
 
-# --- damping ----------------------------------------------------------------------------------------------------------------
-
-
 def test_a_loss_factor_a_structural_matrix_and_a_complex_stiffness_are_one_thing(
     arrays: Arrays, saved: Saved, own_model: Own
 ) -> None:
@@ -225,9 +217,6 @@ def test_a_file_that_says_nothing_of_damping_leaves_it_open(bracket_files: Path)
     found = reading.load(bracket_files / "bracket.h5")
     assert found.damping is None
     assert found.name == "bracket"
-
-
-# --- Nastran's own files ----------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="session")
@@ -272,9 +261,6 @@ def test_nastrans_superelement_oscillates_as_its_modal_coordinates_say(superelem
     assert_allclose(found.frequency, np.sqrt(np.diag(K)[24:]) / (2 * np.pi), rtol=1e-9)
 
 
-# --- what is a model --------------------------------------------------------------------------------------------------------
-
-
 def test_models_are_told_from_articles(bracket_files: Path, root: Path, tmp_path: Path) -> None:
     (tmp_path / "article.toml").write_text('format = 1\n[article]\nname = "hammer"\n', encoding="utf-8")
     (tmp_path / "broken.toml").write_text("[fe_model", encoding="utf-8")
@@ -285,20 +271,6 @@ def test_models_are_told_from_articles(bracket_files: Path, root: Path, tmp_path
 
 
 COUNT = 100
-
-
-def damaged(content: bytes, generator: np.random.Generator) -> bytes:
-    """`content` cut short, with one byte or a few changed, with a stretch missing, or with a stretch twice."""
-    data = bytearray(content)
-    a, b = sorted(generator.integers(0, len(data), 2).tolist())
-    kind = int(generator.integers(0, 5))
-    if kind == 0:
-        return bytes(data[:b])
-    if kind in (1, 2):
-        for place in generator.integers(0, len(data), 5 if kind == 1 else 1):
-            data[place] = int(generator.integers(0, 256))
-        return bytes(data)
-    return bytes(data[:a] + (data[min(b, a + 40) :] if kind == 3 else data[a : a + 40] + data[a:]))
 
 
 @pytest.fixture(scope="session")
@@ -333,11 +305,10 @@ def test_a_damaged_model_is_read_or_refused_in_words(
     """
     shutil.copytree(own_files, tmp_path, dirs_exist_ok=True)
     whole, content = reading.read(own_files / model), (own_files / spoilt).read_bytes()
-    generator = np.random.default_rng([2026, len(spoilt)])
     capfd.readouterr()
     refusals = 0
-    for _ in range(COUNT):
-        (tmp_path / spoilt).write_bytes(damaged(content, generator))
+    for one in mutants(content, COUNT, seed=len(spoilt)):
+        (tmp_path / spoilt).write_bytes(one.content)
         try:
             found = reading.read(tmp_path / model)
         except BadInput:

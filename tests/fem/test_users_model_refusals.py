@@ -33,13 +33,6 @@ def bump(matrix: str, i: int, j: int, factor: float) -> Callable[[Arrays], None]
     return spoil
 
 
-def scaled(name: str, factor: float) -> Callable[[Arrays], None]:
-    def spoil(arrays: Arrays) -> None:
-        arrays[name] = arrays[name] * factor
-
-    return spoil
-
-
 def put(name: str, make: Callable[[np.ndarray], Any]) -> Callable[[Arrays], None]:
     def spoil(arrays: Arrays) -> None:
         arrays[name] = make(arrays[name])
@@ -84,7 +77,7 @@ def more_mass_at_the_base(arrays: Arrays) -> None:
 SPOILT: dict[str, tuple[Callable[[Arrays], None], str, tuple[str, ...]]] = {
     "unsymmetric K": (bump("stiffness", 13, 7, 0.01), "stiffness", ("not symmetric", "row 8, column 14", "node 103, y")),
     "unsymmetric M": (bump("mass", 30, 24, 0.01), "mass", ("not symmetric", "row 25, column 31")),
-    "negative K": (scaled("stiffness", -1.0), "stiffness", ("not positive definite", "negative")),
+    "negative K": (put("stiffness", lambda A: -1.0 * A), "stiffness", ("not positive definite", "negative")),
     "indefinite K": (put("stiffness", lambda K: K - 3e3 * np.diag(np.abs(K).max(axis=1)) / 3e3), "stiffness", ("definite",)),
     "indefinite M": (entry("mass", (30, 30), -1e-6), "mass", ("not positive definite", "node 106, x")),
     "M without mass": (entry("mass", (30, 30), 0.0), "mass", ("no mass of its own", "node 106, x")),
@@ -92,7 +85,7 @@ SPOILT: dict[str, tuple[Callable[[Arrays], None], str, tuple[str, ...]]] = {
     "loose part": (loose, "stiffness", ()),
     "mechanism": (hinge, "stiffness", ("cost no energy", "alpha")),
     "grounded": (bump("stiffness", 59, 59, 0.5), "stiffness", ("K @ rigid must be 0", "Hz")),
-    "coordinates in metres": (scaled("coordinates", 1e-3), "stiffness", ("K @ rigid", "unit")),
+    "coordinates in metres": (put("coordinates", lambda A: 1e-3 * A), "stiffness", ("K @ rigid", "unit")),
     "coordinates in another order": (put("coordinates", lambda x: x[::-1]), "stiffness", ("K @ rigid", "coordinates")),
     "x and y exchanged": (put("coordinates", lambda x: x[:, [1, 0, 2]]), "stiffness", ("K @ rigid",)),
     "M too small": (put("mass", lambda M: M[:54, :54]), "mass", ("54 x 54", "60 x 60")),
@@ -130,8 +123,6 @@ def test_spoilt_matrices_are_refused(case: str, ending: str, arrays: Arrays, sav
     refused(saved(arrays, ending=ending), field, *words)
 
 
-# --- descriptions -----------------------------------------------------------------------------------------------------------
-
 WRITTEN: dict[str, tuple[str, str, str, tuple[str, ...]]] = {
     "unknown key": ("name =", "nam =", "fe_model.nam", ("unknown", "name")),
     "no units": ('units = "mm-t-N-s"\n', "", "fe_model.units", ("missing",)),
@@ -152,6 +143,7 @@ WRITTEN: dict[str, tuple[str, str, str, tuple[str, ...]]] = {
     "Nastran's key": ("interface", 'matrices = { mass = "m" }\ninterface', "fe_model.matrices", ("Nastran",)),
     "mass without unit": ('"2.51 +/- 0.02 kg"', "2.51", "stated.mass", ("needs its unit",)),
     "no mass": ('"2.51 +/- 0.02 kg"', '"-2 kg"', "stated.mass", ("positive",)),
+    "another mass": ('"2.51 +/- 0.02 kg"', '"3.1 kg"', "stated.mass", ("where 3.1 kg are stated",)),
     "format": ("format = 1", "format = 2", "format", ("must be 1",)),
     "no TOML": ("format = 1", "format = ", "", ("not TOML",)),
 }
@@ -208,8 +200,6 @@ def test_an_interface_on_one_line_without_rotations_does_not_hold(
     refused(saved(reduced, text), "fe_model.interface", "does not hold", "gamma")
 
 
-# --- modal data -------------------------------------------------------------------------------------------------------------
-
 MODAL = 'format = 1\n[fe_model]\nkind = "modal"\nunits = "m-kg-N-s"\nreference_point = ["0 m", "0 m", "0 m"]\n'
 
 SPOILT_MODES: dict[str, tuple[Callable[[Arrays], None], str, tuple[str, ...]]] = {
@@ -222,14 +212,14 @@ SPOILT_MODES: dict[str, tuple[Callable[[Arrays], None], str, tuple[str, ...]]] =
     "no modes": (put("frequency", lambda f: f[:0]), "frequency", ("no mode",)),
     "transposed": (put("participation", lambda L: L.T), "participation", ("6 x 5", "5 x 6")),
     "too few columns": (put("participation", lambda L: L[:, :4]), "participation", ("6 x 5", "6 x 4")),
-    "too much effective mass": (scaled("participation", 2.0), "participation", ("exceed", "times the rigid mass")),
+    "too much effective mass": (put("participation", lambda A: 2.0 * A), "participation", ("exceed", "times the rigid mass")),
     "signs": (entry("participation", (4, 0), 0.0), "participation", ("combination of axes",)),
     "not a rigid body": (entry("rigid_mass", (0, 0), 9.0), "rigid_mass", ("not the mass matrix of a rigid body", "9")),
     "unsymmetric rigid mass": (entry("rigid_mass", (4, 0), 0.1), "rigid_mass", ("not the mass matrix",)),
     "no body": (entry("rigid_mass", (5, 5), 9.0), "rigid_mass", ("triangle inequality",)),
-    "no inertia": (scaled("rigid_mass", 0.0), "rigid_mass", ("no inertia along x",)),
+    "no inertia": (put("rigid_mass", lambda A: 0.0 * A), "rigid_mass", ("no inertia along x",)),
     "unsymmetric residual": (entry("residual", (0, 4), 1.0), "residual", ("not symmetric", "row 1, column 5")),
-    "negative residual": (scaled("residual", -1.0), "residual", ("not positive",)),
+    "negative residual": (put("residual", lambda A: -1.0 * A), "residual", ("not positive",)),
     "no residual of this size": (put("residual", lambda R: R[:3, :3]), "residual", ("6 x 6", "3 x 3")),
     "NaN": (entry("participation", (1, 1), np.nan), "participation", ("[1, 1]",)),
     "missing": (without("participation", "participations"), "participation", ("missing", "'participations'")),
@@ -258,9 +248,6 @@ def test_spoilt_modal_data_are_refused(case: str, modal_arrays: Arrays, saved: C
 
 def test_an_interface_of_modal_data_is_refused(modal_arrays: Arrays, saved: Callable[..., Path]) -> None:
     refused(saved(modal_arrays, MODAL + "interface = [1]\n"), "fe_model.interface", "matrices")
-
-
-# --- files ------------------------------------------------------------------------------------------------------------------
 
 
 def test_pickled_arrays_are_not_opened(tmp_path: Path, arrays: Arrays, own_model: dict[str, Any]) -> None:
@@ -374,9 +361,6 @@ def test_another_ending_is_not_written(bracket_files: Path, tmp_path: Path) -> N
         reading.write(reading.read(bracket_files / "bracket.h5"), tmp_path / "model.mat")
 
 
-# --- Nastran ----------------------------------------------------------------------------------------------------------------
-
-
 @pytest.fixture
 def nastran_files(bracket_files: Path, tmp_path: Path) -> Path:
     for name in ("bracket.op4", "bracket.bdf", "bracket.pch", "bracket-op4.toml", "bracket-pch.toml"):
@@ -390,6 +374,7 @@ NASTRAN: dict[str, tuple[str, str, str, str, str, tuple[str, ...]]] = {
     "no grids": ("bracket-op4.toml", "bracket.bdf", "GRID", "GRIX", "", ("no GRID",)),
     "missing": ("bracket-pch.toml", "bracket-pch.toml", '"k"', '"kk"', "KK", ("missing", "k, m", "stiffness")),
     "rectangular": ("bracket-pch.toml", "bracket.pch", K_HEADER, K_HEADER.replace("6", "9"), "k", ("form 9",)),
+    "doubled": ("bracket-pch.toml", "bracket.pch", M_HEADER, K_HEADER, "k", ("is there twice",)),
     "complex": ("bracket-pch.toml", "bracket.pch", M_HEADER, M_HEADER[:-1] + "4", "m", ("complex",)),
 }
 

@@ -19,19 +19,14 @@ from geometry.article import (
     Part,
     Placed,
     Shape,
-    bolt_circle,
-    drilled,
     library,
     material,
-    placed,
-    rectangle,
     seat_at,
     stacked,
-    upright,
 )
 from geometry.articles import NAMES, SETUPS, built_in, locations, seats
 from geometry.articles import parts as articles_parts
-from geometry.articles.parts import build_clumod, load, to_si
+from geometry.articles.parts import build_clumod, load
 from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from geometry.routes import inertia
@@ -95,12 +90,6 @@ def test_one_blade_is_four_blades_with_three_blades_taken_off_and_the_hubs_left(
     assert {f"hub-{number}" for number in range(1, 5)} < one
 
 
-def test_the_layer_in_the_shorter_upper_blade_is_a_body_of_silicone() -> None:
-    parts = {part.name: part for part in built_in("clumod-4").parts}
-    assert parts["upper-short-silicone"].material.name == "silicone"
-    assert parts["upper-short-top"].material.name == "steel"
-
-
 @given(heights, heights)
 def test_each_article_sits_on_the_seat_of_the_one_below(first: float, second: float) -> None:
     stack = stacked(brick("a", seat=seat_at(first)), brick("b", seat=seat_at(second)), brick("c"))
@@ -116,18 +105,6 @@ def test_a_turned_seat_turns_what_stands_on_it(height: float, angle: float) -> N
     above = brick("b")
     top = stacked(brick("a", seat=seat), above).parts[1]
     assert_allclose(top.pose.apply([1, 0, 0]), seat.apply(above.parts[0].pose.apply([1, 0, 0])), rtol=0, atol=1e-14)
-
-
-@given(heights, st.floats(-3, 3))
-def test_placing_and_placing_back_changes_nothing(height: float, angle: float) -> None:
-    pose = Pose(position=np.array([1.0, 2.0, 3.0]), rotation=rotation_about("x", angle))
-    article = brick("a", seat=seat_at(height))
-    back = placed(placed(article, pose), pose.inverse)
-    assert back.seat is not None
-    assert article.seat is not None
-    for found, expected in ((back.parts[0].pose, article.parts[0].pose), (back.seat, article.seat)):
-        assert_allclose(found.position, expected.position, rtol=0, atol=1e-14)
-        assert_allclose(found.rotation, expected.rotation, rtol=0, atol=1e-14)
 
 
 def test_a_single_article_is_its_own_stack() -> None:
@@ -156,75 +133,12 @@ def test_a_name_that_cannot_be_built_is_refused_with_a_way_on(name: str, words: 
     assert words in str(caught.value)
 
 
-def test_nothing_stands_where_there_is_no_seat() -> None:
+def test_nothing_stands_where_there_is_no_seat_and_part_names_are_unique_within_an_article() -> None:
     with pytest.raises(ValueError, match="nothing can be mounted on a, found b"):
         stacked(brick("a"), brick("b"))
-
-
-def test_part_names_are_unique_within_an_article() -> None:
     part = brick("a").parts[0]
     with pytest.raises(ValueError, match="found body more than once"):
         Article(name="twice", parts=(part, part))
-
-
-def test_dimension_files_leave_their_units_at_the_door() -> None:
-    table = {
-        "length_mm": 10.0,
-        "size_mm": [1.0, 2.0],
-        "angle_deg": 180.0,
-        "count": 4,
-        "hub": {"d_mm": 5},
-        "blade": [{"z_mm": 1.0}],
-    }
-    found = to_si(table)
-    assert set(found) == {"length", "size", "angle", "count", "hub", "blade"}
-    assert_allclose(
-        [found["length"], *found["size"], found["hub"]["d"], found["blade"][0]["z"]], [0.01, 0.001, 0.002, 0.005, 0.001]
-    )
-    assert_allclose(found["angle"], np.pi, rtol=1e-15)
-    assert found["count"] == 4
-
-
-lengths = st.floats(1e-4, 10)
-
-
-@given(lengths, lengths, lengths, st.floats(0.1, 10))
-def test_volume_grows_with_the_cube_of_the_lengths(a: float, b: float, c: float, s: float) -> None:
-    box, cylinder = Box(size=np.array([a, b, c])), Cylinder(diameter=a, height=b)
-    assert_allclose(Box(size=s * box.size).volume, s**3 * box.volume, rtol=1e-12)
-    assert_allclose(Cylinder(diameter=s * a, height=s * b).volume, s**3 * cylinder.volume, rtol=1e-12)
-
-
-def test_a_cylinder_fills_pi_quarters_of_its_box() -> None:
-    assert_allclose(Cylinder(diameter=2.0, height=3.0).volume, np.pi / 4 * Box(size=np.array([2.0, 2.0, 3.0])).volume, rtol=1e-15)
-
-
-@given(lengths, st.floats(-5, 5), st.floats(-5, 5), st.floats(-5, 5))
-def test_what_stands_upright_reaches_from_its_bottom_to_its_height(height: float, bottom: float, x: float, y: float) -> None:
-    for primitive in (Cylinder(diameter=0.1, height=height), Box(size=np.array([0.2, 0.3, height]))):
-        placed = upright(primitive, bottom=bottom, x=x, y=y)
-        assert_allclose(placed.pose.apply([0, 0, -height / 2]), [x, y, bottom], rtol=0, atol=1e-14)
-        assert_allclose(placed.pose.apply([0, 0, height / 2]), [x, y, bottom + height], rtol=0, atol=1e-14)
-
-
-def test_holes_are_drilled_at_every_position_from_the_bottom_up() -> None:
-    holes = drilled([[0.1, 0.2], [0.3, -0.4]], diameter=0.01, bottom=0.5, depth=0.2)
-    assert_allclose([hole.pose.position for hole in holes], [[0.1, 0.2, 0.6], [0.3, -0.4, 0.6]], rtol=1e-15)
-    assert all(hole.primitive.volume == Cylinder(diameter=0.01, height=0.2).volume for hole in holes)
-
-
-@given(st.integers(2, 12), lengths, st.floats(-4, 4))
-def test_a_bolt_circle_has_its_radius_equal_chords_and_its_first_angle(count: int, diameter: float, angle: float) -> None:
-    circle = bolt_circle(count, diameter, angle)
-    chords = np.linalg.norm(circle - np.roll(circle, 1, axis=0), axis=1)
-    assert_allclose(np.linalg.norm(circle, axis=1), diameter / 2, rtol=1e-12)
-    assert_allclose(chords, diameter * np.sin(np.pi / count), rtol=1e-12)
-    assert_allclose(circle[0], diameter / 2 * np.array([np.cos(angle), np.sin(angle)]), rtol=1e-12)
-    assert_allclose(circle.sum(axis=0), 0, atol=1e-13 * count * diameter)
-
-
-def test_a_rectangle_runs_counter_clockwise_from_plus_plus() -> None:
-    assert_allclose(rectangle(4.0, 2.0), [[2, 1], [-2, 1], [-2, -1], [2, -1]], rtol=0)
 
 
 @pytest.mark.parametrize("wrong", [0.0, -1.0, np.nan, np.inf])
@@ -265,10 +179,6 @@ def test_the_library_knows_what_the_articles_are_made_of_by_their_own_names() ->
     assert material("steel").youngs_modulus == 207e9
 
 
-def test_steel_is_the_heaviest_of_the_three_and_silicone_the_lightest() -> None:
-    assert material("steel").density > material("aluminium").density > material("silicone").density
-
-
 def test_an_unknown_material_is_refused_with_the_list_of_the_known() -> None:
     with pytest.raises(BadInput, match=r"parts\.toml: `material`: no material is called 'stel'.*aluminium.*steel"):
         material("stel", source="parts.toml")
@@ -278,17 +188,6 @@ def test_the_library_cannot_be_changed() -> None:
     entries: Any = library()
     with pytest.raises(TypeError):
         entries["steel"] = Material(name="steel", density=1.0)
-
-
-def test_the_moving_part_of_the_load_cells_is_a_parameter() -> None:
-    """Steel cells of 80 x 10 mm: a tenth more of each moves, so four times a tenth of a cell more is counted."""
-    more = inertia(built_in("fmd", {"fmd.load_cell.moving_fraction": 0.6})).mass - inertia(built_in("fmd")).mass
-    assert more == pytest.approx(4 * 0.1 * 7850 * 3.141592653589793 / 4 * 0.08**2 * 0.01, rel=1e-9)
-
-
-def test_a_blade_is_named_in_the_list_of_blades() -> None:
-    shorter = built_in("clumod-1", {"clumod.blade.lower-1.length_mm": 1000.0})
-    assert inertia(shorter).mass < inertia(built_in("clumod-1")).mass
 
 
 def test_a_change_acts_in_a_stack_and_nowhere_else() -> None:
@@ -321,23 +220,18 @@ def test_what_cannot_be_is_refused(changes: dict[str, float], message: str) -> N
         built_in("fmd", changes)
 
 
-def test_a_list_of_blades_is_a_table_of_them() -> None:
-    with pytest.raises(BadInput, match=r"a table of dimensions. Name one of clumod\.blade\.lower-1,"):
-        built_in("clumod-1", {"clumod.blade": 1.0})
-
-
 @pytest.mark.parametrize(
-    ("key", "message"),
-    [("cuboid.size_mm", r"found \[160\.0, 70\.0, 400\.0\]. Name a number"), ("cuboid.size_mm.x", "there is no 'x' here")],
+    ("name", "key", "value", "message"),
+    [
+        ("clumod-1", "clumod.blade", 1.0, r"a table of dimensions. Name one of clumod\.blade\.lower-1,"),
+        ("cuboid", "cuboid.size_mm", 1.0, r"found \[160\.0, 70\.0, 400\.0\]. Name a number"),
+        ("cuboid", "cuboid.size_mm.x", 1.0, "there is no 'x' here"),
+        ("cuboid", "cuboid.threads.depth_mm", 5000.0, r"threads.*0\.4 m, found 5 m"),
+    ],
 )
-def test_a_list_of_numbers_is_no_number(key: str, message: str) -> None:
+def test_a_list_is_no_number_and_a_thread_no_deeper_than_its_block(name: str, key: str, value: float, message: str) -> None:
     with pytest.raises(BadInput, match=message):
-        built_in("cuboid", {key: 1.0})
-
-
-def test_a_thread_is_no_deeper_than_the_block_that_it_is_cut_into() -> None:
-    with pytest.raises(BadInput, match=r"threads.*0\.4 m, found 5 m"):
-        built_in("cuboid", {"cuboid.threads.depth_mm": 5000.0})
+        built_in(name, {key: value})
 
 
 # Half a unit of the last printed digit of the moments (Tables 1 and 2); 5 g and 0.05 mm as the reference table promises.
@@ -465,14 +359,6 @@ def test_corners_are_numbered_counter_clockwise_from_x_and_y_like_the_load_cells
 
 
 @pytest.mark.parametrize("name", STACKS)
-def test_every_place_lies_within_the_article(name: str) -> None:
-    low, high = np.transpose([bounds(body) for body in built_in(name).parts], (1, 0, 2))
-    for position in locations(name).values():
-        assert np.all(position >= low.min(axis=0) - 1e-12)
-        assert np.all(position <= high.max(axis=0) + 1e-12)
-
-
-@pytest.mark.parametrize("name", STACKS)
 def test_about_the_top_article_everything_is_shifted_by_its_seat(name: str) -> None:
     own, lowest, seat = locations(name, origin="top"), locations(name), seats(name)[-1]
     assert set(own) == set(lowest)
@@ -487,23 +373,10 @@ def test_on_the_fmd_an_article_keeps_its_places_about_its_own_origin(top: str) -
         assert_allclose(mounted[place], position, rtol=0, atol=1e-15)
 
 
-def test_the_place_between_two_articles_belongs_to_both() -> None:
-    """What stands on the cover plate has its origin there."""
-    assert_allclose(locations("fmd+clumod-4")["cover"], seats("fmd+clumod-4")[1].position, rtol=0, atol=1e-15)
-    assert_allclose(locations("fmd+clumod-4", origin="top")["cover"], 0, rtol=0, atol=1e-15)
-
-
 def test_a_stack_has_the_places_of_all_its_articles_and_a_second_one_of_a_kind_says_so() -> None:
     places = locations("disc+disc+cuboid")
     assert {"disc", "disc-2/disc", "top", "top-4"} < set(places)
     assert_allclose(places["disc-2/disc"], 2 * places["disc"], rtol=1e-15)
-
-
-def test_the_seats_of_a_stack_are_where_its_parts_are() -> None:
-    heights = [pose.position[2] for pose in seats("fmd+disc+cuboid")]
-    parts = {body.name: body.pose.position[2] for body in built_in("fmd+disc+cuboid").parts}
-    assert_allclose(heights, [0.0, parts["disc/plate"], parts["cuboid/block"]], rtol=0, atol=1e-15)
-    assert_allclose(seats("cuboid")[0].position, Pose().position, rtol=0, atol=0)
 
 
 def test_places_follow_the_users_own_dimensions() -> None:

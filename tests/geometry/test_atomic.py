@@ -15,13 +15,6 @@ def test_text_arrives_as_written_in_folders_that_did_not_exist(tmp_path: Path) -
     assert [entry.name for entry in path.parent.iterdir()] == ["table.md"]
 
 
-def test_a_second_writing_replaces_the_first(tmp_path: Path) -> None:
-    path = tmp_path / "table.md"
-    write_text(path, "old, and longer")
-    write_text(path, "new")
-    assert path.read_text(encoding="utf-8") == "new"
-
-
 @pytest.mark.parametrize("interruption", [OSError("disk full"), KeyboardInterrupt()])
 @pytest.mark.parametrize("before", [None, "old"])
 def test_an_interruption_leaves_the_old_file_or_none(tmp_path: Path, interruption: BaseException, before: str | None) -> None:

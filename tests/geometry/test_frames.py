@@ -76,11 +76,6 @@ def test_turns_about_one_axis_add_up_and_are_proper(axis: str, a: float, b: floa
     proper_rotation(product)
 
 
-def test_an_unknown_axis_is_named() -> None:
-    with pytest.raises(ValueError, match="`axis` must be one of x, y, z, found 'w'"):
-        rotation_about("w", 1.0)
-
-
 @given(poses, poses, poses, vectors)
 def test_poses_form_a_group_that_acts_on_points(a: Pose, b: Pose, c: Pose, point: Array) -> None:
     same((a @ b) @ c, a @ (b @ c))
@@ -106,7 +101,9 @@ def test_a_rotation_typed_with_ten_digits_passes_and_one_with_four_does_not() ->
         proper_rotation(np.round(R, 4))
 
 
-def test_a_reflection_a_wrong_shape_and_not_a_number_are_refused_in_words() -> None:
+def test_an_unknown_axis_a_reflection_a_wrong_shape_and_not_a_number_are_refused_in_words() -> None:
+    with pytest.raises(ValueError, match="`axis` must be one of x, y, z, found 'w'"):
+        rotation_about("w", 1.0)
     with pytest.raises(ValueError, match="found a reflection"):
         proper_rotation(np.diag([1.0, 1.0, -1.0]))
     with pytest.raises(ValueError, match=r"must have shape \(3, 3\), found \(2, 2\)"):

@@ -113,14 +113,14 @@ def test_a_route_that_is_off_is_named(route: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("description", "voids"),
+    "voids",
     [
-        ("leaves the material", drilled([[0.0, 0.0]], diameter=0.02, bottom=-0.01, depth=0.05)),
-        ("meets another", drilled([[0.0, 0.0], [0.01, 0.0]], diameter=0.02, bottom=0.0, depth=0.05)),
+        drilled([[0.0, 0.0]], diameter=0.02, bottom=-0.01, depth=0.05),
+        drilled([[0.0, 0.0], [0.01, 0.0]], diameter=0.02, bottom=0.0, depth=0.05),
     ],
+    ids=["leaves the material", "meets another"],
 )
-def test_a_void_that_is_drawn_wrongly_shows_as_a_disagreement(description: str, voids: tuple[Placed, ...]) -> None:
-    del description
+def test_a_void_that_is_drawn_wrongly_shows_as_a_disagreement(voids: tuple[Placed, ...]) -> None:
     shape = Shape(solids=(upright(Box(size=[0.1, 0.1, 0.1]), bottom=0.0),), voids=voids)
     article = Article(name="a", parts=(Part(name="p", material=material("steel"), shape=shape),))
     assert not agreement(article, by_routes(article, COARSE), COARSE).agree

@@ -93,9 +93,6 @@ def test_a_factor_without_a_name_is_said_in_si() -> None:
     assert not is_same("g", "N", "force")
 
 
-# Levels and noise floors: what was put in comes out
-
-
 RATE = 256.0
 
 
@@ -106,14 +103,6 @@ def moved(campaign: Campaign, motion: np.ndarray, floor: float = 0.0) -> Recordi
     rows[pickups] = motion_rows([campaign.table.channels[k] for k in pickups], campaign.table.origin)
     noise = np.random.default_rng(3).standard_normal((len(motion), len(rows)))
     return Recording(names=campaign.table.names, values=motion @ rows.T + floor * noise, sampling_rate=RATE)
-
-
-def test_the_base_motion_is_what_moved_the_pickups(campaign: Campaign) -> None:
-    motion = np.random.default_rng(1).standard_normal((300, 6))
-    found = base_motion(moved(campaign, motion), campaign.table)
-    assert found is not None
-    # condition below 3, a sum of eight products
-    assert_allclose(found, motion, rtol=0, atol=1e-13)
 
 
 def test_the_table_helps_where_the_cover_plate_alone_does_not_tell(campaign: Campaign) -> None:
@@ -175,9 +164,6 @@ def test_spectra_have_neither(campaign: Campaign) -> None:
     spectra = Recording(names=campaign.table.names, values=np.ones((5, 22)) + 1j, frequency=np.arange(5.0))
     assert levels(spectra, campaign.table) is None
     assert noise_floors(replace(campaign, recordings={"x": spectra})) is None
-
-
-# Clipping is told from rounding, and dead or impossible channels are refused
 
 
 SAMPLED = 564.0

@@ -52,20 +52,12 @@ def test_the_condition_number_does_not_know_units() -> None:
     assert from_runs(_loads(U), U, LINES).condition.max() < 3
 
 
-def test_least_squares_of_noisy_runs_come_nearer_with_more_of_them() -> None:
-    def error(count: int) -> float:
-        U = _runs(count, 0.05)
-        F = _loads(U)
-        return float(np.abs(from_runs(F + 0.1 * _complex(*F.shape), U, LINES).dynamic_mass.matrix - H).mean())
-
-    assert error(96) < 0.4 * error(6)  # sixteen times the runs, a quarter of the error
-
-
 @pytest.mark.parametrize(
     ("runs", "said"),
     [
         (_runs(6, 0.05)[:5], "at least six runs, found 5"),
         (np.concatenate([_runs(5, 0.0), _runs(5, 0.0)]), "hardly any run drives gamma"),
+        (0 * _runs(6, 0.0), "hardly any run drives x, y, z, alpha, beta and gamma"),
     ],
 )
 def test_runs_that_leave_a_motion_undriven_are_refused_by_name(runs: np.ndarray, said: str) -> None:
@@ -207,9 +199,3 @@ def test_the_cost_of_cross_motion_is_what_the_table_did_besides_times_what_it_co
     assert found.text[0].startswith("x: the other five axes move 10 % as much; the quotient is 1.2 % off on the diagonal")
     with pytest.raises(BadInput, match="no run drives z, gamma alone"):
         cost(F, U, ("x", "y", "", "alpha", "beta", ""), from_runs(F, U, LINES))
-
-
-def test_a_table_that_stands_still_drives_nothing() -> None:
-    U = np.zeros((6, len(LINES), 6), dtype=complex)
-    with pytest.raises(BadInput, match="hardly any run drives x, y, z, alpha, beta and gamma"):
-        from_runs(U, U, LINES)

@@ -209,9 +209,6 @@ def test_progress_reaches_the_end(campaign: Campaign) -> None:
     assert seen[-1] == 1.0
 
 
-# Noise at a line, from quiet parts: white, coloured and tonal, in both kinds of spectra
-
-
 RATE, LINES = 256.0, np.arange(6.0, 30.0, 0.5)
 
 
@@ -264,11 +261,6 @@ def test_the_spread_of_the_noise_and_the_scatter_of_a_line_are_those_of_their_es
     scatter = np.sqrt(np.mean(np.var(lines, axis=0) / np.mean(lines, axis=0) ** 2))
     # tops that are cut off take some of it away
     assert_allclose(scatter, np.mean([one.scatter for one in estimates]), rtol=0.25)
-
-
-def test_longer_silences_tell_the_noise_better(campaign: Campaign) -> None:
-    short, long = (noise.of_lines(longer(campaign, seconds=seconds), LINES).spread for seconds in (4.0, 16.0))
-    assert_allclose(long / short, 0.5, rtol=0.2)
 
 
 def test_a_tone_is_seen_at_its_line_and_not_beside_it(campaign: Campaign) -> None:

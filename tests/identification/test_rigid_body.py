@@ -6,13 +6,12 @@ from numpy.testing import assert_allclose
 
 from geometry.dynamic_mass import LEVELS, MOTIONS, DynamicMass
 from geometry.errors import BadInput, CheckFailed
-from geometry.frames import rotation_about
 from geometry.inertia import Inertia, Kind, judge
 from geometry.routes import from_log_cholesky
 from identification.base_motion import RunNoise, against_apparent, tilt
 from identification.elastic import model
 from identification.elastic.model import ElasticTerms
-from identification.rigid_body import BASIS, Unidentifiable, fit, from_spectra, nearest_body
+from identification.rigid_body import Unidentifiable, fit, from_spectra, nearest_body
 
 LINES = np.linspace(4.0, 32.0, 15)
 LEVEL = np.array(list(LEVELS.values()))
@@ -33,10 +32,6 @@ def _motion(count: int, cross: float = 0.03, seed: int = 3) -> np.ndarray:
 
 def _loads(U: np.ndarray, H: np.ndarray = MASS.matrix) -> np.ndarray:
     return np.einsum("njk,rnk->rnj", H, U)
-
-
-def test_the_ten_matrices_make_the_mass_matrix_of_equation_1() -> None:
-    assert_allclose(np.tensordot(BODY.parameters, BASIS, axes=1), BODY.mass_matrix, rtol=0, atol=1e-14)  # sums of few terms
 
 
 @pytest.mark.parametrize("robust", ["", "huber", "tukey"])
@@ -208,19 +203,6 @@ def test_spectra_of_other_shapes_and_noise_of_nothing_are_refused() -> None:
         from_spectra(U + 1e3 * _complex(np.random.default_rng(0), *U.shape), _loads(U), LINES, noise=noise)
 
 
-def test_the_weight_of_a_body_on_a_tilting_base_gives_the_tilt_its_signs() -> None:
-    """Statics, without Eq. 1: a base turned by a small angle carries the weight along axes that turned with it."""
-    g, f, angle = 9.81, 5.0, 1e-6
-    offset = BODY.cog - AT
-    for axis, name in (("x", "alpha"), ("y", "beta"), ("z", "gamma")):
-        up = rotation_about(axis, angle).T @ np.array([0.0, 0.0, g])  # what carries the body, in the axes of the base
-        weight = BODY.mass * np.concatenate([up, np.cross(offset, up)])
-        upright = BODY.mass * np.concatenate([[0, 0, g], np.cross(offset, [0, 0, g])])
-        acceleration = -((2 * np.pi * f) ** 2) * angle
-        column = BODY.mass_matrix @ (tilt(f, g)[0] - np.eye(6))[:, MOTIONS.index(name)]
-        assert_allclose((weight - upright) / acceleration, column, rtol=0, atol=1e-5 * BODY.mass)  # angle squared
-
-
 def test_gravity_missing_in_the_motions_shifts_the_cog_by_g_over_omega_squared_and_is_put_back() -> None:
     U = _motion(6)
     F = np.einsum("jk,nkl,rnl->rnj", BODY.mass_matrix, tilt(LINES, 9.81), U)
@@ -232,13 +214,5 @@ def test_gravity_missing_in_the_motions_shifts_the_cog_by_g_over_omega_squared_a
     shift = low.matrix[0, 0, 4].real / BODY.mass - (BODY.cog - AT)[2]
     assert_allclose(shift, 15.5e-3, atol=0.05e-3)  # g/omega² at 4 Hz
     assert_allclose(against_apparent(low, 9.81).matrix[0], BODY.mass_matrix, rtol=0, atol=1e-12)
-
-
-def test_accelerometers_that_feel_the_tilt_leave_nothing_of_gravity() -> None:
-    """The motion they tell is the apparent one; the load is what the kinematic one and the weight make together."""
-    kinematic = _motion(6)
-    apparent = np.einsum("njk,rnk->rnj", tilt(LINES, 9.81), kinematic)
-    found = from_spectra(apparent, _loads(apparent), LINES, AT)
-    assert_allclose(found.inertia.parameters, BODY.parameters, rtol=0, atol=1e-12 * BODY.mass)
     with pytest.raises(BadInput, match="above 0 Hz only"):
         tilt([0.0, 4.0], 9.81)

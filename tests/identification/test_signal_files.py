@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose, assert_array_equal
+from scipy.sparse import csc_array
 
 from benchmarks import fuzz_readers
 from benchmarks.fuzz_readers import TARGETS, Target
@@ -123,42 +125,19 @@ def test_ascii_refuses_lines_that_its_six_digits_cannot_say(tmp_path: Path) -> N
 
 
 @every_format
-def test_writing_replaces_a_file_whole(tmp_path: Path, form: Format) -> None:
-    path = tmp_path / f"run{form.ending}"
-    for seed in (1, 2):
-        form.write(path, sample(seed))
-    compared(files.read(path), sample(2), form)
-    assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
-
-
-@every_format
 def test_a_file_that_is_cut_short_is_refused_or_said(tmp_path: Path, form: Format) -> None:
     path = tmp_path / f"run{form.ending}"
     form.write(path, made := sample())
     content = path.read_bytes()
-    for share in (0.1, 0.5, 0.9, 0.99):
+    for share in (0.0, 0.1, 0.5, 0.9, 0.99):
         path.write_bytes(content[: int(share * len(content))])
-        if form.ending != ".csv":
+        if form.ending != ".csv" or share == 0:
             with pytest.raises(BadInput, match=path.name):
                 files.read(path)
             continue
-        found = _read_or_none(path)  # rows are all that a CSV says of its length
-        assert found is None or found.warnings or len(found.samples[NAMES[0]]) < len(made.samples[NAMES[0]])
-
-
-def _read_or_none(path: Path) -> Signals | None:
-    try:
-        return files.read(path)
-    except BadInput:
-        return None
-
-
-@every_format
-def test_an_empty_file_is_refused(tmp_path: Path, form: Format) -> None:
-    path = tmp_path / f"run{form.ending}"
-    path.write_bytes(b"")
-    with pytest.raises(BadInput):
-        files.read(path)
+        with suppress(BadInput):  # rows are all that a CSV says of its length
+            found = files.read(path)
+            assert found.warnings or len(found.samples[NAMES[0]]) < len(made.samples[NAMES[0]])
 
 
 def test_an_ending_that_nobody_knows_is_refused(tmp_path: Path) -> None:
@@ -315,17 +294,12 @@ class TestMat:
             ("text", "text"),
             (np.arange(4), "whole numbers"),
             (np.ones((2, 3)), "2 x 3"),
+            (csc_array(np.eye(3)), "sparse"),
         ],
     )
     def test_what_is_no_vector_of_numbers_is_refused(self, tmp_path: Path, packed: bool, value: object, words: str) -> None:
         with pytest.raises(BadInput, match=words):
             mat.read(self.saved(tmp_path, packed=packed, fs=1.0, a=value))
-
-    def test_a_sparse_array_is_refused(self, tmp_path: Path) -> None:
-        from scipy.sparse import csc_array
-
-        with pytest.raises(BadInput, match="sparse"):
-            mat.read(self.saved(tmp_path, fs=1.0, a=csc_array(np.eye(3))))
 
     def test_an_array_that_declares_more_than_follows_is_refused(self, tmp_path: Path) -> None:
         path = self.saved(tmp_path, a=np.arange(40.0)[:, None])
@@ -392,16 +366,8 @@ class TestUff:
         file = pyuff.UFF(str(path))
         file.write_sets({"type": 151, "model_name": "m", "description": "d", "db_app": "a", "program": "p"}, mode="overwrite")
         for name, one in made.items():
-            header = {
-                "type": 58,
-                "func_type": 1,
-                "id1": name,
-                "rsp_node": 1,
-                "rsp_dir": 1,
-                "ref_node": 1,
-                "ref_dir": 1,
-                "orddenom_spec_data_type": 0,
-            }
+            header = {"type": 58, "id1": name, "orddenom_spec_data_type": 0}
+            header |= dict.fromkeys(("func_type", "rsp_node", "rsp_dir", "ref_node", "ref_dir"), 1)
             file.write_sets({**header, "x": t, "data": one, "abscissa_spacing": 1, **how}, mode="add")
         return made
 
@@ -476,17 +442,15 @@ class TestUff:
         with pytest.raises(BadInput, match="sampled unequally"):
             uff.read(tmp_path / "run.uff")
 
-    def test_every_number_form_of_the_format_is_read(self, tmp_path: Path) -> None:
+    @pytest.mark.parametrize("spacing", [0, 1])
+    @pytest.mark.parametrize("kind", [2, 4])
+    def test_every_number_form_of_the_format_is_read(self, tmp_path: Path, spacing: int, kind: int) -> None:
         """Single and double, even and uneven: what pyuff reads from the same file is the oracle."""
         import pyuff
 
-        for spacing in (0, 1):
-            for kind in (2, 4):
-                path = tmp_path / f"{spacing}{kind}.uff"
-                self.by_pyuff(path, abscissa_spacing=spacing, ord_data_type=kind)
-                oracle = pyuff.UFF(str(path)).read_sets([1, 2, 3])
-                for one in oracle:
-                    assert_array_equal(uff.read(path).samples[one["id1"]], one["data"])
+        self.by_pyuff(tmp_path / "run.uff", abscissa_spacing=spacing, ord_data_type=kind)
+        for one in pyuff.UFF(str(tmp_path / "run.uff")).read_sets([1, 2, 3]):
+            assert_array_equal(uff.read(tmp_path / "run.uff").samples[one["id1"]], one["data"])
 
     def test_units_of_dataset_164_go_to_the_functions_behind_it(self, tmp_path: Path) -> None:
         units = {
@@ -513,9 +477,6 @@ class TestUff:
             (tmp_path / "bad.uff").write_text("\n".join([*lines[:row], spoilt, *lines[row + 1 :]]) + "\n", encoding="utf-8")
             with pytest.raises(BadInput, match=words):
                 uff.read(tmp_path / "bad.uff")
-
-
-# Every reader on 200 damaged files: a sentence or the truth, and never a hang, a crash, a traceback or a silently wrong value
 
 
 COUNT = 200

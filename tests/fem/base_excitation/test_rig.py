@@ -43,9 +43,6 @@ def spectra(response: Response, low: float = 4.0, high: float = 32.0) -> tuple[n
     return lines[band], table, load
 
 
-# --- a rigid block ------------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("axis", range(6))
 def test_a_rigid_block_is_loaded_by_plus_its_mass_times_acceleration(
@@ -77,9 +74,6 @@ def test_a_place_of_a_rigid_block_moves_as_a_rigid_body_does(rigid_block: Flexib
     assert_allclose(base_excitation_response.respond(rig, motion).places["top"], expected, atol=1e-13)
 
 
-# --- load cells and flange ----------------------------------------------------------------------------------------------------
-
-
 def test_the_cells_together_carry_the_load(clumod: Clumod, mounted: Mounted, burst: Burst) -> None:
     rig = mounted(clumod("clumod-4"))
     response = base_excitation_response.respond(rig, burst(RATE, np.array([1, -2, 3, 4, 5, -6.0]), 1.0))
@@ -107,27 +101,14 @@ def test_cover_plate_and_cells_follow_from_the_coordinates(clumod: Clumod, mount
     response = base_excitation_response.respond(rig, motion, keep_coordinates=True)
     moved = response.coordinates[:, :6]
     assert response.coordinates.shape[1] == 6 + 2 + len(rig.article.reduced.mass) - 6
-    second = np.gradient(np.gradient(moved, axis=0), axis=0)[100:-100] * RATE**2
-    scale = np.abs(response.cover).max(axis=0)
-    # Differences of second order at 8192 Hz: of what moves below 200 Hz they lack 1 %.
-    assert (np.abs(second + motion.acceleration[100:-100] - response.cover[100:-100]).max(axis=0) < 0.02 * scale).all()
-    cell = rig.cells[1]
     rate = np.gradient(moved, axis=0) * RATE
-    force = -(
-        moved @ rigid_transformation(cell.position).T * cell.stiffness
-        + rate @ rigid_transformation(cell.position).T * cell.damping
-    )
+    second = np.gradient(rate, axis=0)[100:-100] * RATE
+    # Differences of second order at 8192 Hz: of what moves below 200 Hz they lack 1 %.
+    off = np.abs(second + motion.acceleration[100:-100] - response.cover[100:-100]).max(axis=0)
+    assert (off < 0.02 * np.abs(response.cover).max(axis=0)).all()
+    cell, G = rig.cells[1], rigid_transformation(rig.cells[1].position)
+    force = -(moved @ G.T * cell.stiffness + rate @ G.T * cell.damping)
     assert_allclose(force[1:-1], response.cells[1:-1, 1], atol=0.01 * np.abs(response.cells).max())
-
-
-def test_cells_that_stiffen_approach_none_in_proportion(clumod: Clumod, mounted: Mounted) -> None:
-    lines = np.array([6.0, 20.0, 30.0])
-    article = clumod("clumod-4")
-    rigid = base_excitation_rig.dynamic_mass(replace(mounted(article), cells=()), lines).matrix
-    away = [
-        np.abs(base_excitation_rig.dynamic_mass(mounted(article, softer=s), lines).matrix - rigid).max() for s in (1e-2, 1e-3)
-    ]
-    assert_allclose(away[0] / away[1], 10, rtol=0.01)
 
 
 def test_a_flange_that_does_not_give_is_none(clumod: Clumod, mounted: Mounted, burst: Burst) -> None:
@@ -147,9 +128,6 @@ def test_compliance_of_the_flange_adds_to_the_static_answer(rigid_block: Flexibl
     extra = base_excitation_rig.dynamic_mass(rig, lines).matrix - M
     omega = 2 * np.pi * lines[:, None, None]
     assert_allclose(extra, omega**2 * (M @ D @ M) / (1 + 1j * omega * damping_time), rtol=1e-4, atol=1e-5 * np.abs(extra).max())
-
-
-# --- struts -------------------------------------------------------------------------------------------------------------------
 
 
 def test_a_cable_to_the_ground_pulls_with_the_tables_own_displacement(rigid_block: FlexibleBody, burst: Burst) -> None:
@@ -178,9 +156,6 @@ def test_a_strut_to_the_table_is_not_felt_by_what_moves_as_one(rigid_block: Flex
     assert_allclose(strutted, plain)
 
 
-# --- the frequency domain -----------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("axis", range(6))
 @pytest.mark.parametrize("name", ["clumod-1", "clumod-4"])
 def test_spectra_of_a_burst_give_the_dynamic_mass(clumod: Clumod, burst: Burst, name: str, axis: int) -> None:
@@ -207,12 +182,6 @@ def column_error(rig: Rig, lines: np.ndarray, column: np.ndarray, axis: int) -> 
     )
 
 
-def test_dynamic_mass_of_a_rig_without_fmd_is_that_of_its_body(clumod: Clumod) -> None:
-    article, lines = clumod("clumod-4"), np.array([0.0, 5.0, 12.3, 30.0])
-    expected = reduction.dynamic_mass(article.reduced, lines).matrix
-    assert_allclose(base_excitation_rig.dynamic_mass(Rig(article=article), lines).matrix, expected, rtol=1e-9, atol=1e-11)
-
-
 def test_a_seat_moves_the_reference_point_to_f(clumod: Clumod) -> None:
     article, lines, seat = clumod("clumod-1"), np.array([5.0, 12.3]), np.array([0.1, -0.2, 0.3])
     T = rigid_transformation_6(seat)
@@ -220,16 +189,6 @@ def test_a_seat_moves_the_reference_point_to_f(clumod: Clumod) -> None:
     assert_allclose(
         base_excitation_rig.dynamic_mass(Rig(article=article, seat=seat), lines).matrix, expected, rtol=1e-9, atol=1e-10
     )
-
-
-def test_modal_data_alone_answer_in_time(burst: Burst) -> None:
-    modes = replace(fixed_base(articles.structure("clumod-1"), 12, damping=Damping(ratio=0.03)), shapes=np.zeros((0, 12)))
-    rig = Rig(article=base_excitation_rig.of_modal_data("own", modes))
-    lines, table, load = spectra(base_excitation_response.respond(rig, burst(RATE, np.eye(6)[0], 8.0)))
-    assert column_error(rig, lines, load / table[:, [0]], 0) < 1e-5
-
-
-# --- refusals and what is told ------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("rate", "where"), [(1000.0, "beyond half the sampling rate"), (4096.0, "sampled too coarsely")])
@@ -260,9 +219,6 @@ def test_a_response_says_how_it_was_found(clumod: Clumod, burst: Burst) -> None:
     assert told[-1] == 1.0
     (warning,) = response.warnings
     assert "s are needed" in warning
-
-
-# --- an answer without bounds -------------------------------------------------------------------------------------------------
 
 
 def test_a_response_that_grows_beyond_all_numbers_is_lost_with_channel_and_time(
@@ -309,15 +265,6 @@ def viscous_alone(modes: Modes) -> Modes:
     """`modes` as they answer in time."""
     _, C = rig.viscous(modes)
     return replace(modes, viscous=C, structural=np.zeros_like(C), condensed=None)
-
-
-@pytest.mark.parametrize("name", ["clumod-1", "clumod-4"])
-def test_a_reduced_body_has_the_dynamic_mass_of_its_modes_and_residual(name: str) -> None:
-    structure = articles.structure(name)
-    modes = fixed_base(structure, 30, damping=RATIO)
-    H = dynamic_mass_of(rig.flexible(name, structure, modes))
-    # Modes and R leave out what grows with the fourth power of the frequency; 30 modes of clumod-4 go to 78 Hz.
-    assert error(H, dynamic_mass.modal(modes, LINES).matrix).max() < 2e-4
 
 
 def test_static_coordinates_beat_the_residual_against_the_direct_solution(four: Structure, modes: Modes) -> None:
@@ -373,14 +320,6 @@ def test_a_body_without_residual_needs_no_carriers(four: Structure, modes: Modes
 def test_modes_that_move_more_mass_than_there_is_are_refused(modes: Modes) -> None:
     with pytest.raises(BadInput, match=r"`participation`: its modes must not move more mass"):
         rig.of_modal_data("own", replace(modes, participation=3 * modes.participation))
-
-
-def test_a_rigid_body_is_its_mass_matrix_everywhere() -> None:
-    inertia = Inertia.from_cog(3.0, [0.1, 0.2, 0.3], np.diag([0.4, 0.5, 0.6]))
-    made = rig.rigid("block", inertia, {"top": [0.0, 0.0, 0.5]})
-    H = dynamic_mass_of(made)
-    assert_allclose(H, np.broadcast_to(inertia.mass_matrix, H.shape), rtol=1e-14)
-    assert_allclose(made.places["top"] @ [0, 0, 0, 0, 1.0, 0], [0.5, 0, 0])  # rotation about y carries the top along x
 
 
 def test_an_inertia_that_no_body_has_is_refused() -> None:
@@ -487,9 +426,7 @@ def test_structural_damping_has_no_place_in_time(rigid_block: FlexibleBody) -> N
         require_usable(Rig(article=lossy))
 
 
-def test_a_joint_as_stiff_as_may_be_hides_nothing_of_the_article(
-    clumod: Callable[[str], FlexibleBody], burst: Callable[..., BaseMotion]
-) -> None:
+def test_a_joint_as_stiff_as_may_be_hides_nothing_of_the_article(clumod: Clumod, burst: Burst) -> None:
     """The response is that on a rigid joint; what is left is the recursion's own (omega h)² / 12 in a joint that only follows."""
     article, motion = clumod("clumod-1"), burst(8192.0, np.ones(6), 0.2)
     stiffest = Flange(compliance=1.01 / (STIFFEST * np.diag(article.reduced.mass)[:6]), damping_time=1e-7)
@@ -497,9 +434,7 @@ def test_a_joint_as_stiff_as_may_be_hides_nothing_of_the_article(
     assert_allclose(found, rigid, rtol=0, atol=1e-4 * np.abs(rigid).max())
 
 
-def test_a_joint_as_soft_as_may_be_leaves_the_article_where_it_is(
-    rigid_block: FlexibleBody, burst: Callable[..., BaseMotion]
-) -> None:
+def test_a_joint_as_soft_as_may_be_leaves_the_article_where_it_is(rigid_block: FlexibleBody, burst: Burst) -> None:
     compliance = 0.99 / (SOFTEST * np.diag(rigid_block.reduced.mass)[:6])
     motion = burst(1024.0, np.eye(6)[0], 0.2)
     load = response.respond(Rig(article=rigid_block, flange=Flange(compliance=compliance)), motion).load

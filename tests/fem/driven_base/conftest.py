@@ -17,25 +17,12 @@ Shake = Callable[..., BaseMotion]
 
 
 @pytest.fixture(scope="session")
-def shake() -> Shake:
-    """A sine that swells softly, in closed form: displacement, velocity and acceleration are derivatives of each other."""
+def shake(smooth: Callable[..., BaseMotion]) -> Shake:
+    """`smooth` by the amplitudes (6,) of its acceleration."""
 
     def made(axes: Sequence[float], *, frequency: float = 12.0, seconds: float = 0.5, rate: float = 4096.0) -> BaseMotion:
-        """`axes` (6,): amplitudes of the acceleration."""
-        t, w, tau = np.arange(round(seconds * rate) + 1) / rate, 2 * np.pi * frequency, seconds / 3
-        fading = np.exp(-((t / tau) ** 4))
-        g = 1 - fading
-        g1 = 4 * t**3 / tau**4 * fading
-        g2 = (12 * t**2 / tau**4 - 16 * t**6 / tau**8) * fading
-        s, c = np.sin(w * t), np.cos(w * t)
-        u, v, a = -g * s / w**2, -(g * w * c + g1 * s) / w**2, g * s - (2 * g1 * w * c + g2 * s) / w**2
-        return BaseMotion(
-            sampling_rate=rate,
-            displacement=np.outer(u, axes),
-            velocity=np.outer(v, axes),
-            acceleration=np.outer(a, axes),
-            driven=seconds,
-        )
+        omega = 2 * np.pi * frequency
+        return smooth(-np.asarray(axes) / omega**2, np.full(6, omega), seconds, rate, rise=seconds / 3)
 
     return made
 

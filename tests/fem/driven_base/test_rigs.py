@@ -51,11 +51,6 @@ def motion(request: pytest.FixtureRequest, shake: Shake) -> BaseMotion:
     return shake(2.5 * np.eye(6)[request.param])
 
 
-@pytest.fixture(scope="module")
-def on_cells(motion: BaseMotion, block: FlexibleBody, cover: Inertia, cells: Cells) -> Response:
-    return respond(Rig(article=block, cover=cover, cells=cells, seat=SEAT), motion)
-
-
 def test_the_load_under_a_block_is_plus_its_mass_matrix_times_the_acceleration(
     motion: BaseMotion, block: FlexibleBody, inertia: Inertia
 ) -> None:
@@ -65,34 +60,20 @@ def test_the_load_under_a_block_is_plus_its_mass_matrix_times_the_acceleration(
     assert_allclose(response.load, response.table @ inertia.mass_matrix, atol=1e-9 * np.abs(load).max())
 
 
-def test_a_block_beside_f_has_the_mass_matrix_of_its_place(motion: BaseMotion, block: FlexibleBody, inertia: Inertia) -> None:
-    load = motion.acceleration @ about_f(inertia)
-    response = respond(Rig(article=block, seat=SEAT), motion)
-    assert_allclose(response.load / largest(load), load / largest(load), atol=SECOND_ORDER)
-
-
 def test_a_cover_plate_adds_its_mass_matrix(motion: BaseMotion, block: FlexibleBody, inertia: Inertia, cover: Inertia) -> None:
     load = motion.acceleration @ (about_f(inertia) + cover.mass_matrix)
     response = respond(Rig(article=block, cover=cover, seat=SEAT), motion)
     assert_allclose(response.load / largest(load), load / largest(load), atol=SECOND_ORDER)
 
 
-def test_cells_carry_the_mass_matrix_times_the_acceleration_of_the_cover(
-    on_cells: Response, inertia: Inertia, cover: Inertia
+def test_cells_carry_the_mass_matrix_times_the_acceleration_of_the_cover_one_by_one(
+    motion: BaseMotion, block: FlexibleBody, inertia: Inertia, cover: Inertia, cells: Cells
 ) -> None:
-    load = on_cells.cover @ (about_f(inertia) + cover.mass_matrix)
-    assert_allclose(on_cells.load / largest(load), load / largest(load), atol=SECOND_ORDER)
-
-
-def test_the_forces_of_the_cells_one_by_one_add_up_to_the_load(on_cells: Response, cells: Cells) -> None:
-    total = sum(on_cells.cells[:, i] @ rigid_transformation(cell.position) for i, cell in enumerate(cells))
-    assert_allclose(total / largest(on_cells.load), on_cells.load / largest(on_cells.load), atol=SECOND_ORDER)
-
-
-def test_a_place_moves_with_the_block(motion: BaseMotion, block: FlexibleBody) -> None:
-    corner = respond(Rig(article=block), motion).places["corner"]
-    expected = motion.acceleration @ block.places["corner"].T
-    assert_allclose(corner, expected, atol=SECOND_ORDER * np.abs(expected).max())
+    found = respond(Rig(article=block, cover=cover, cells=cells, seat=SEAT), motion)
+    load = found.cover @ (about_f(inertia) + cover.mass_matrix)
+    total = sum(found.cells[:, i] @ rigid_transformation(cell.position) for i, cell in enumerate(cells))
+    for carried in (found.load, total):
+        assert_allclose(carried / largest(load), load / largest(load), atol=SECOND_ORDER)
 
 
 ISSUE = 1e-3
@@ -117,49 +98,28 @@ def articles() -> Mapping[str, FlexibleBody]:
     return {name: made(name) for name in ("clumod-1", "clumod-4")}
 
 
-@pytest.fixture(scope="module")
-def sweeps() -> Mapping[str, BaseMotion]:
-    """4 to 32 Hz in a second, at the paper's levels."""
-    return {axis: swept(axis, 1.0) for axis in MOTIONS}
-
-
-@pytest.fixture(scope="module")
-def soft_sweeps() -> Mapping[str, BaseMotion]:
-    """The same at a twentieth of the level, where a rotating cover plate is still a linear one."""
-    return {axis: swept(axis, 0.05) for axis in MOTIONS}
-
-
-def swept(axis: str, level: float) -> BaseMotion:
+def swept(axis: str, level: float = 1.0) -> BaseMotion:
+    """4 to 32 Hz in a second, in units of the paper's levels."""
     return Sweep(axis=axis, rate=135.0, level=level).motion(8192, ring_down=0.1)
-
-
-@pytest.fixture(scope="module")
-def flange() -> Flange:
-    return Flange(compliance=[1e-8, 0.0, 2e-9, 2e-7, 2e-7, 1e-7], damping_time=1e-5)
 
 
 @pytest.mark.parametrize("axis", MOTIONS)
 @pytest.mark.parametrize("name", ["clumod-1", "clumod-4"])
-def test_a_reduced_article_on_a_rigid_base(
-    name: str, axis: str, articles: Mapping[str, FlexibleBody], sweeps: Mapping[str, BaseMotion]
-) -> None:
-    rig = Rig(article=articles[name])
-    assert off(respond(rig, sweeps[axis]), base_excitation_response.respond(rig, sweeps[axis]), rig) < REACHED
+def test_a_reduced_article_on_a_rigid_base(name: str, axis: str, articles: Mapping[str, FlexibleBody]) -> None:
+    rig, motion = Rig(article=articles[name]), swept(axis)
+    assert off(respond(rig, motion), base_excitation_response.respond(rig, motion), rig) < REACHED
 
 
 @pytest.mark.parametrize("axis", MOTIONS)
 @pytest.mark.parametrize("name", ["clumod-1", "clumod-4"])
 def test_a_reduced_article_on_cells_and_a_flange_that_gives_in_some_directions(
-    name: str,
-    axis: str,
-    articles: Mapping[str, FlexibleBody],
-    soft_sweeps: Mapping[str, BaseMotion],
-    cover: Inertia,
-    cells: Cells,
-    flange: Flange,
+    name: str, axis: str, articles: Mapping[str, FlexibleBody], cover: Inertia, cells: Cells
 ) -> None:
+    """At a twentieth of the level, where a rotating cover plate is still a linear one."""
+    flange = Flange(compliance=[1e-8, 0.0, 2e-9, 2e-7, 2e-7, 1e-7], damping_time=1e-5)
     rig = Rig(article=articles[name], cover=cover, cells=cells, flange=flange, seat=(0.0, 0.0, 0.0445))
-    response, truth = respond(rig, soft_sweeps[axis]), base_excitation_response.respond(rig, soft_sweeps[axis])
+    motion = swept(axis, 0.05)
+    response, truth = respond(rig, motion), base_excitation_response.respond(rig, motion)
     assert off(response, truth, rig) < REACHED < ISSUE
     assert_allclose(response.cells, truth.cells, atol=ISSUE * np.abs(truth.cells).max())
     assert_allclose(response.places["foot"], truth.places["foot"], atol=ISSUE * np.abs(truth.places["foot"]).max())
@@ -224,13 +184,10 @@ def lifted(on: Preloaded, pull: float) -> Response:
     return on(0.6 * pull)
 
 
-def test_it_stays_down_as_long_as_statics_pull_less_than_the_preload(on: Preloaded, held: Response, pull: float) -> None:
-    assert_allclose(on(1.01 * pull).cells, held.cells, atol=1e-6 * np.abs(held.cells).max())
-
-
-def test_it_lifts_where_statics_pull_more(on: Preloaded, held: Response, pull: float) -> None:
-    response = on(0.99 * pull)
-    assert np.abs(response.cells - held.cells).max() > 1e-3 * np.abs(held.cells).max()
+def test_it_lifts_where_statics_pull_more_than_the_preload_and_not_before(on: Preloaded, held: Response, pull: float) -> None:
+    down, up = (np.abs(on(share * pull).cells - held.cells).max() / np.abs(held.cells).max() for share in (1.01, 0.99))
+    assert down < 1e-6
+    assert up > 1e-3
 
 
 def test_its_force_stops_at_the_preload_and_stays_there(lifted: Response, held: Response, pull: float) -> None:
@@ -248,10 +205,6 @@ def test_the_others_carry_what_statics_leave_them(lifted: Response, cells: Cells
     left = (lifted.load[:, [2, 3, 4]] - shear)[opened] + 0.6 * pull * rows[:, 0]
     expected = np.linalg.solve(rows[:, 1:], left.T).T
     assert_allclose(lifted.cells[opened, 1:, 2], expected, atol=1e-3 * np.abs(expected).max())
-
-
-def test_the_load_of_a_rigid_block_hardly_feels_the_gap(lifted: Response, held: Response) -> None:
-    assert_allclose(lifted.load, held.load, atol=0.02 * np.abs(held.load).max())
 
 
 MASS, LEVEL, FREQUENCY = 2.0, 2.5, 10.0
@@ -361,16 +314,13 @@ def pulled(block: FlexibleBody, motion: BaseMotion, strut: Strut, solver: Solver
 
 
 @pytest.mark.parametrize("axis", AXES)
-def test_a_cable_to_the_ground_adds_its_stiffness_over_omega_squared(
+def test_a_cable_to_the_ground_pulls_by_its_stiffness_and_the_displacement(
     axis: int, moves: Callable[[int], BaseMotion], block: FlexibleBody, corner: Array
 ) -> None:
     motion, K = moves(axis), np.diag([2000.0, 3000.0, 5000.0])
     found = pulled(block, motion, Strut(place="corner", stiffness=np.diag(K)))
     expected = motion.displacement @ corner.T @ K @ corner
     assert_allclose(found, expected, atol=1e-3 * np.abs(expected).max())
-    steady = slice(-round(motion.sampling_rate / ATTACHED_FREQUENCY), None)
-    over_omega = -motion.acceleration / (2 * np.pi * ATTACHED_FREQUENCY) ** 2 @ corner.T @ K @ corner
-    assert_allclose(found[steady], over_omega[steady], atol=1e-3 * np.abs(expected).max())
 
 
 def test_a_cable_hangs_on_the_same_place_when_displacements_are_prescribed(
@@ -380,26 +330,6 @@ def test_a_cable_hangs_on_the_same_place_when_displacements_are_prescribed(
     found = pulled(block, motion, Strut(place="corner", stiffness=np.diag(K)), Solver(method="generalised-alpha"))
     expected = motion.displacement @ corner.T @ K @ corner
     assert_allclose(found, expected, atol=1e-3 * np.abs(expected).max())
-
-
-@pytest.mark.parametrize("axis", AXES)
-def test_a_damper_to_the_ground_takes_the_work_of_its_force(
-    axis: int, moves: Callable[[int], BaseMotion], block: FlexibleBody, corner: Array
-) -> None:
-    motion, C = moves(axis), np.diag([20.0, 30.0, 50.0])
-    found = pulled(block, motion, Strut(place="corner", damping=np.diag(C)))
-    speeds = motion.velocity @ corner.T
-    work = np.sum(found * motion.velocity) / motion.sampling_rate
-    assert_allclose(work, np.sum(speeds @ C * speeds) / motion.sampling_rate, rtol=1e-3)
-
-
-def test_a_strut_to_the_table_does_nothing_to_a_block_that_stands_on_it(
-    moves: Callable[[int], BaseMotion], block: FlexibleBody
-) -> None:
-    motion = moves(4)
-    load = np.abs(respond(Rig(article=block, seat=SEAT), motion).load).max()
-    found = pulled(block, motion, Strut(place="corner", to="table", stiffness=[1e4] * 3, damping=[1e2] * 3))
-    assert_allclose(found, 0.0, atol=2e-4 * load)
 
 
 def test_struts_at_one_place_add_up(moves: Callable[[int], BaseMotion], block: FlexibleBody) -> None:
@@ -434,13 +364,3 @@ def test_a_flange_turns_the_dynamic_mass_into_that_behind_its_compliance(
     scale = np.sqrt(np.diag(H) * H[axis, axis])
     assert np.abs(expected - H[:, axis]).max() > 5e-3 * np.abs(H[:, axis]).max()
     assert_allclose(found / scale, expected / scale, atol=1e-3 * np.abs(expected / scale).max())
-
-
-def test_the_flange_sits_at_the_seat(block: FlexibleBody, inertia: Inertia, shake: Shake) -> None:
-    """Under a block beside F the same joint stands in another place, and moments about F know it."""
-    motion = shake([0.2, 0, 0, 0, 0, 0], frequency=ATTACHED_FREQUENCY, seconds=1.0)
-    flange = Flange(compliance=[0, 0, 0, 4e-5, 4e-5, 4e-5], damping_time=4e-3)
-    beside, above = (respond(Rig(article=block, seat=seat, flange=flange), motion).load for seat in (SEAT, (0.0, 0.0, 0.0)))
-    moved = above @ rigid_transformation_6(SEAT)
-    assert_allclose(beside, moved, atol=1e-3 * np.abs(moved).max())
-    assert np.abs(rigid_transformation(SEAT)[:, 3:]).max() > 0

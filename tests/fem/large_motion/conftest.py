@@ -10,38 +10,13 @@ from fem.exudyn.large_motion import turning
 from geometry.frames import Array, rotation_about
 from geometry.inertia import Inertia
 
-MakeMotion = Callable[..., BaseMotion]
 TURN = rotation_about("x", 0.4) @ rotation_about("y", -0.8) @ rotation_about("z", 1.1)
-RISE = 0.3
-ORIGIN = np.zeros(3)
 
 
 @pytest.fixture(scope="session")
 def block() -> Inertia:
     """A body with all ten parameters, its CoG off every axis."""
     return Inertia.from_cog(3.0, [0.11, -0.23, 0.37], TURN @ np.diag([0.5, 0.7, 0.9]) @ TURN.T)
-
-
-@pytest.fixture(scope="session")
-def smooth() -> MakeMotion:
-    """Sines that rise smoothly, derivatives in closed form: ``smooth(amplitude, omega, duration=1, rate=1024, point=0)``."""
-
-    def make(amplitude: Array, omega: Array, duration: float = 1.0, rate: float = 1024.0, point: Array = ORIGIN) -> BaseMotion:
-        t = np.arange(round(rate * duration) + 1)[:, None] / rate
-        s = (t / RISE) ** 4
-        envelope = [1 - np.exp(-s), 4 * t**3 / RISE**4 * np.exp(-s), (12 * t**2 / RISE**4 - 16 * t**6 / RISE**8) * np.exp(-s)]
-        A, w = np.asarray(amplitude), np.asarray(omega)
-        sine = [A * np.sin(w * t), A * w * np.cos(w * t), -A * w**2 * np.sin(w * t)]
-        return BaseMotion(
-            sampling_rate=rate,
-            displacement=sine[0] * envelope[0],
-            velocity=sine[1] * envelope[0] + sine[0] * envelope[1],
-            acceleration=sine[2] * envelope[0] + 2 * sine[1] * envelope[1] + sine[0] * envelope[2],
-            driven=duration,
-            reference_point=point,
-        )
-
-    return make
 
 
 @pytest.fixture(scope="session")

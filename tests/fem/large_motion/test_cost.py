@@ -11,11 +11,9 @@ import pytest
 from numpy.testing import assert_allclose
 from rich.console import Console
 
-from fem.exudyn.large_motion import plan_of, respond_of_plan, rigid
-from geometry.articles import built_in
+from fem.exudyn.large_motion import plan_of, rigid
 from geometry.dynamic_mass import LEVELS
 from geometry.inertia import Inertia
-from geometry.routes import inertia as drawn_inertia
 
 STUDY = runpy.run_path(str(Path(__file__).parents[3] / "examples" / "large_motion.py"))
 """The example's own functions."""
@@ -67,18 +65,6 @@ def test_second_order_in_the_record_and_third_at_the_driven_line(costs: Costs) -
             assert all(each.at_line < 0.5 * each.angle**2 for each in found)
 
 
-def test_turned_axes_cost_nothing_when_cells_and_accelerometers_ride_on_the_table() -> None:
-    """Along x and about z at once the acceleration turns away from the prescribed one by the angle, and the load with it. A body
-    with its CoG on the z axis has no other term there: against what the table's own accelerometers sense nothing is left out.
-    """
-    M = drawn_inertia(built_in("cuboid")).mass_matrix
-    motion = STUDY["sine_of"]({"x": 2.5, "gamma": 60.0}, 4.0)
-    found = respond_of_plan(plan_of("cuboid"), motion)
-    turned = np.abs(found.load - motion.acceleration @ M).max()
-    assert turned > 0.05 * np.abs(found.load).max()
-    assert_allclose(found.load, found.table @ M, rtol=0, atol=1e-6 * np.abs(found.load).max())
-
-
 def test_an_elastic_article_answers_to_second_order_and_feeds_third_into_the_line() -> None:
     """Clumod about the x axis: twice 4 Hz is nearer to its first mode at 11.5 Hz, so more is left out than of a stiff one."""
     stiff, elastic = (of_a_sine(plan_of("clumod-1", elements=n), ["alpha"], (10.0, 30.0)) for n in (None, 1))
@@ -101,22 +87,6 @@ def test_the_spectrum_of_a_whole_sweep_holds_twice_the_frequency(block: Inertia)
     angles = LEVELS["alpha"] / (np.pi * lines) ** 2
     assert np.all(shares[1] < angles / 2)
     assert_allclose(np.polyfit(np.log(lines), np.log(shares[1]), 1)[0], -2.0, atol=0.4)
-
-
-def test_progress_of_a_study_goes_to_one(block: Inertia) -> None:
-    told: list[float] = []
-    of_a_sine(rigid(block), ["alpha"], [1.0, 2.0], progress=told.append)
-    assert told == [0.5, 1.0]
-
-
-def test_the_size_of_a_load_has_no_units_to_choose(block: Inertia) -> None:
-    """In centimetres and with another mass unit every share is the same."""
-    weight = STUDY["size_of"](rigid(block))
-    T = np.diag([1.0, 1.0, 1.0, 100.0, 100.0, 100.0]) * 1e3
-    f, g = np.array([1.0, 2.0, 3.0, 0.4, 0.5, 0.6]), np.array([0.3, -2.0, 1.0, 0.1, 0.9, -0.2])
-    other = np.linalg.inv(T / 1e3 @ block.mass_matrix @ T)
-    shares = [np.sqrt((a @ w @ a) / (b @ w @ b)) for a, b, w in ((f, g, weight), (T @ f, T @ g, other))]
-    assert shares[0] == pytest.approx(shares[1], rel=1e-12)
 
 
 def test_the_example_prints_shares_that_grow_and_the_limit() -> None:

@@ -1,27 +1,25 @@
 """Bodies and beams on a table that really turns: how it turns, Newton and Euler, gravity, losses."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.base_excitation.patterns import BaseMotion
+from fem.base_excitation.patterns import BaseMotion, phased_sweeps
+from fem.base_excitation.response import judge
 from fem.beam import articles
 from fem.beam.elements import rectangle
-from fem.beam.frame import Member, Plan, assemble
+from fem.beam.frame import Member, Plan
 from fem.exudyn import frame, large_motion
 from fem.exudyn.frame import lossy, viscous
 from fem.exudyn.large_motion import Conditions, able_to_turn, respond, respond_of_plan, rigid, turning
 from fem.exudyn.linear import linearise, stiffness_of
 from fem.exudyn.run import running
 from geometry.article import material
-from geometry.articles import built_in
 from geometry.errors import BadInput
 from geometry.frames import Array, rigid_transformation, rotation_about
 from geometry.inertia import Inertia
-from geometry.routes import inertia as drawn_inertia
 
 MakeMotion = Callable[..., BaseMotion]
 Makes = Callable[..., Array]
@@ -41,24 +39,6 @@ def test_rotation_is_that_about_x_then_about_the_turned_y_then_about_the_turned_
     assert_allclose(turning(motion).rotation, product, rtol=0, atol=1e-15)
 
 
-def test_spin_is_the_rate_of_the_rotation(smooth: MakeMotion) -> None:
-    """omega x R = R', by central differences, whose error is (omega h)² / 6."""
-    turned = turning(smooth(LARGE, OMEGA, rate=RATE))
-    R, spin = turned.rotation, turned.spin[1:-1]
-    derivative = (R[2:] - R[:-2]) * RATE / 2
-    assert_allclose(np.cross(spin[:, :, None], R[1:-1], axis=1), derivative, rtol=0, atol=1e-4)
-
-
-def test_spin_rate_is_the_derivative_of_the_spin_in_both_frames(smooth: MakeMotion) -> None:
-    turned = turning(smooth(LARGE, OMEGA, rate=RATE))
-    for spin, rate in (
-        (turned.spin, turned.spin_rate),
-        (turned.seen_from_table(turned.spin), turned.seen_from_table(turned.spin_rate)),
-    ):
-        derivative = (spin[2:] - spin[:-2]) * RATE / 2
-        assert_allclose(rate[1:-1], derivative, rtol=0, atol=1e-4 * np.abs(rate).max())
-
-
 def test_an_accelerometer_on_the_table_reads_the_second_derivative_of_its_place_and_gravity(
     smooth: MakeMotion, accelerometer: Makes
 ) -> None:
@@ -70,23 +50,7 @@ def test_an_accelerometer_on_the_table_reads_the_second_derivative_of_its_place_
     assert_allclose(read, np.einsum("nji,nj->ni", R[1:-1], second), rtol=0, atol=1e-4 * np.abs(read).max())
 
 
-def test_small_motion_needs_no_turning(smooth: MakeMotion, sensed: Senses) -> None:
-    motion = smooth(1e-6 * LARGE, OMEGA)
-    assert_allclose(sensed(motion), motion.acceleration, rtol=0, atol=1e-10)
-
-
-def test_the_linear_transformation_lacks_the_centripetal_acceleration(
-    smooth: MakeMotion, sensed: Senses, accelerometer: Makes
-) -> None:
-    """About one axis: omega² r towards it."""
-    motion = smooth(0.5 * np.eye(6)[5], OMEGA)
-    a = sensed(motion)
-    linear = a[:, :3] + np.cross(a[:, 3:], PLACE)
-    towards = -(motion.velocity[:, 5:] ** 2) * (PLACE * [1.0, 1.0, 0.0])
-    assert_allclose(accelerometer(motion, PLACE) - linear, towards, rtol=0, atol=1e-12)
-
-
-RIGID_BLOCK_LARGE = np.array([0.1, -0.05, 0.03, 0.6, -0.5, 1.0])
+WIDE = np.array([0.1, -0.05, 0.03, 0.6, -0.5, 1.0])
 POINT = np.array([0.1, 0.2, -0.3])
 
 
@@ -104,12 +68,6 @@ def test_load_on_a_rigid_block_is_plus_its_mass_matrix_times_acceleration(
     assert_allclose(found.table, motion.acceleration, rtol=0, atol=1e-4 * np.abs(motion.acceleration).max())
 
 
-def test_the_cuboid_as_one_rigid_body_weighs_what_is_drawn(smooth: MakeMotion) -> None:
-    found = respond("cuboid", smooth(1e-6 * RIGID_BLOCK_LARGE, OMEGA, 0.5), elements=None)
-    M = drawn_inertia(built_in("cuboid")).mass_matrix
-    assert_allclose(found.load, found.table @ M, rtol=0, atol=2e-6 * np.abs(found.load).max())
-
-
 @pytest.mark.parametrize("gravity", [0.0, 9.81])
 @pytest.mark.parametrize("point", [np.zeros(3), POINT], ids=["origin", "elsewhere"])
 def test_at_large_motion_newton_and_euler_hold_in_the_tables_axes(
@@ -118,25 +76,28 @@ def test_at_large_motion_newton_and_euler_hold_in_the_tables_axes(
     """Through a radian at 4 rad/s. The error of the step is of second order, so two steps say where it goes."""
     loads = []
     for rate in (1024, 2048):
-        motion = smooth(RIGID_BLOCK_LARGE, OMEGA, rate=rate, point=point)
+        motion = smooth(WIDE, OMEGA, rate=rate, point=point)
         assert np.abs(motion.displacement).max() > 0.98
         loads.append(respond_of_plan(rigid(block), motion, Conditions(gravity=gravity)).load[:: rate // 1024])
-    exact = newton_euler(smooth(RIGID_BLOCK_LARGE, OMEGA, rate=1024, point=point), block, gravity)
+    exact = newton_euler(smooth(WIDE, OMEGA, rate=1024, point=point), block, gravity)
     changes, peak = exact - exact[0], np.abs(exact - exact[0]).max(axis=0)
     errors = [np.abs(load - changes).max(axis=0) / peak for load in (*loads, (4 * loads[1] - loads[0]) / 3)]
     assert_allclose(errors[0] / errors[1], 4.0, rtol=0.1)
     assert np.all(errors[2] < 2e-6)
 
 
-def test_without_its_gyroscopic_and_centripetal_terms_the_load_would_be_far_off(block: Inertia, smooth: MakeMotion) -> None:
-    """The same run against M a: the test above would not pass for want of turning."""
-    found = respond_of_plan(rigid(block), smooth(RIGID_BLOCK_LARGE, OMEGA))
-    missing = np.abs(found.load - found.table @ block.mass_matrix).max(axis=0)
-    assert np.all(missing > 0.07 * np.abs(found.load).max(axis=0))
+def test_the_share_that_is_stated_bounds_what_exact_kinematics_leave_over(block: Inertia, newton_euler: Makes) -> None:
+    """All six axes at once, three times the paper's drive, a body without symmetry; and the bound is not a loose one."""
+    motion = phased_sweeps(3.0, rate=60.0)[1].motion(512, ring_down=0.1)
+    kept = motion.acceleration @ block.mass_matrix
+    left = newton_euler(motion, block) - kept
+    sizes = [[np.linalg.norm(part[:, k], axis=1).max() for part in (left, kept)] for k in (slice(3), slice(3, 6))]
+    share = max(left / kept for left, kept in sizes)
+    assert 0.2 * judge(motion).left_out < share < judge(motion).left_out
 
 
 def test_loads_in_the_laboratorys_axes_are_those_of_the_table_turned(block: Inertia, smooth: MakeMotion) -> None:
-    motion = smooth(RIGID_BLOCK_LARGE, OMEGA, 0.5)
+    motion = smooth(WIDE, OMEGA, 0.5)
     table, laboratory = (respond_of_plan(rigid(block), motion, Conditions(axes=axes)) for axes in ("table", "laboratory"))
     R = turning(motion).rotation
     for part in (slice(0, 3), slice(3, 6)):
@@ -150,7 +111,7 @@ def test_loads_in_the_laboratorys_axes_are_those_of_the_table_turned(block: Iner
 
 
 def test_exudyns_accelerations_of_the_table_are_those_of_the_formula(block: Inertia, smooth: MakeMotion, sensed: Senses) -> None:
-    motion = smooth(RIGID_BLOCK_LARGE, OMEGA)
+    motion = smooth(WIDE, OMEGA)
     found = respond_of_plan(rigid(block), motion).table
     assert_allclose(found, sensed(motion), rtol=0, atol=1e-4 * np.abs(found).max())
 
@@ -158,8 +119,6 @@ def test_exudyns_accelerations_of_the_table_are_those_of_the_formula(block: Iner
 G = 9.81
 FREQUENCY = 4.0
 GRAVITY_OMEGA = 2 * np.pi * FREQUENCY
-GRAVITY_LARGE = np.array([0.1, -0.05, 0.03, 0.6, -0.5, 1.0])
-RATES = np.array([3.0, 4.0, 5.0, 4.3, 5.1, 3.7])
 
 
 def added(axis: int, axes: str, block: Inertia, smooth: MakeMotion) -> Array:
@@ -174,40 +133,30 @@ def added(axis: int, axes: str, block: Inertia, smooth: MakeMotion) -> Array:
     return np.asarray(-per_angle / GRAVITY_OMEGA**2)
 
 
-def test_signs_of_the_tilt_in_the_tables_axes(block: Inertia, smooth: MakeMotion) -> None:
-    """f_x/beta'' += m g/omega², f_y/alpha'' -= m g/omega², t_alpha/alpha'' and t_beta/beta'' += m g z/omega²; about gamma, which
-    tilts nothing, no column but a row: t_gamma/alpha'' -= m g x/omega², t_gamma/beta'' -= m g y/omega².
+@pytest.mark.parametrize("axes", ["table", "laboratory"])
+def test_gravity_adds_its_tilt_in_the_tables_axes_and_moments_alone_in_the_laboratorys(
+    axes: str, block: Inertia, smooth: MakeMotion
+) -> None:
+    """Table: f_x/beta'' += m g/omega², f_y/alpha'' -= m g/omega², t_alpha/alpha'' and t_beta/beta'' += m g z/omega²; about gamma,
+    which tilts nothing, no column but a row: t_gamma/alpha'' -= m g x/omega², t_gamma/beta'' -= m g y/omega².
+
+    In the laboratory the weight is constant and a gamma column does stand, the CoG goes round under it: t = r x m g z with r
+    turned by the angle, for gamma t_alpha = m g (y + x gamma), t_beta = -m g (x - y gamma).
     """
-    weight = block.mass * G / GRAVITY_OMEGA**2
-    x, y, z = block.cog
-    expected = weight * np.array([[0, -1, 0, z, 0, -x], [1, 0, 0, 0, z, -y], [0, 0, 0, 0, 0, 0]])
-    for axis, column in zip((3, 4, 5), expected, strict=True):
-        assert_allclose(added(axis, "table", block, smooth), column, rtol=0, atol=1e-5 * weight)
-
-
-def test_in_the_laboratorys_axes_the_weight_is_constant_and_only_moments_are_added(block: Inertia, smooth: MakeMotion) -> None:
-    """There the force has no tilt, and a gamma column does stand: the CoG goes round under a weight that does not.
-
-    t = r x m g z with r turned by the angle: for gamma, t_alpha = m g (y + x gamma), t_beta = -m g (x - y gamma).
-    """
-    weight = block.mass * G / GRAVITY_OMEGA**2
-    x, y, z = block.cog
-    expected = weight * np.array([[0, 0, 0, z, 0, 0], [0, 0, 0, 0, z, 0], [0, 0, 0, -x, -y, 0]])
-    for axis, column in zip((3, 4, 5), expected, strict=True):
-        assert_allclose(added(axis, "laboratory", block, smooth), column, rtol=0, atol=1e-5 * weight)
-
-
-def test_the_height_of_the_cog_would_be_off_by_g_over_omega_squared(block: Inertia, smooth: MakeMotion) -> None:
-    """m z is read from f_x/beta'': 15.5 mm at 4 Hz, whatever the body."""
-    assert added(4, "table", block, smooth)[0] / block.mass == pytest.approx(G / GRAVITY_OMEGA**2, rel=1e-5)
-    assert pytest.approx(15.5e-3, abs=5e-5) == G / GRAVITY_OMEGA**2
+    weight, (x, y, z) = block.mass * G / GRAVITY_OMEGA**2, block.cog
+    columns = {
+        "table": [[0, -1, 0, z, 0, -x], [1, 0, 0, 0, z, -y], [0, 0, 0, 0, 0, 0]],
+        "laboratory": [[0, 0, 0, z, 0, 0], [0, 0, 0, 0, z, 0], [0, 0, 0, -x, -y, 0]],
+    }
+    for axis, column in zip((3, 4, 5), weight * np.array(columns[axes]), strict=True):
+        assert_allclose(added(axis, axes, block, smooth), column, rtol=0, atol=1e-5 * weight)
 
 
 def test_with_accelerometers_that_sense_the_tilt_gravity_cancels_exactly_at_any_angle(
     block: Inertia, smooth: MakeMotion, accelerometer: Makes
 ) -> None:
     """Through a radian: what gravity adds to the load is M times what it adds to their reading, so H does not know of it."""
-    motion = smooth(GRAVITY_LARGE, RATES, 0.5)
+    motion = smooth(WIDE, OMEGA, 0.5)
     loads = [respond_of_plan(rigid(block), motion, Conditions(gravity=g)).load for g in (G, 0.0)]
     readings = [accelerometer(motion, np.zeros(3), g) for g in (G, 0.0)]
     sensed = (readings[0] - readings[1]) - [0.0, 0.0, G]  # charge amplifiers and cells forget what is constant
@@ -217,7 +166,7 @@ def test_with_accelerometers_that_sense_the_tilt_gravity_cancels_exactly_at_any_
 
 
 def test_weight_at_rest_is_told_and_taken_off(block: Inertia, smooth: MakeMotion) -> None:
-    found = respond_of_plan(rigid(block), smooth(GRAVITY_LARGE, RATES, 0.1), Conditions(gravity=G))
+    found = respond_of_plan(rigid(block), smooth(WIDE, OMEGA, 0.1), Conditions(gravity=G))
     at_rest = block.mass * G * (rigid_transformation(block.cog).T @ [0.0, 0.0, 1.0])
     assert_allclose(found.settings["load_at_rest"], at_rest, rtol=0, atol=1e-9 * block.mass * G)
     assert_allclose(found.load[0], np.zeros(6), rtol=0, atol=1e-12)
@@ -225,7 +174,7 @@ def test_weight_at_rest_is_told_and_taken_off(block: Inertia, smooth: MakeMotion
 
 def test_an_elastic_article_weighs_as_much_and_stands_still_under_gravity(smooth: MakeMotion) -> None:
     """Bent by its weight from the first instant on: no jolt, and the load at rest is that of the rigid body."""
-    motion = smooth(1e-9 * GRAVITY_LARGE, RATES, 0.2, 256.0)
+    motion = smooth(1e-9 * WIDE, OMEGA, 0.2, 256.0)
     elastic, stiff = (respond("clumod-4", motion, elements=elements, gravity=G) for elements in (1, None))
     weight = float(np.asarray(stiff.settings["load_at_rest"])[2])
     # the sag of the blades moves the CoG by some tenths of a millimetre
@@ -256,15 +205,6 @@ def lowest_square(plan: Plan, gravity: float) -> float:
         scene, _table = large_motion._assembled(exudyn, plan, still, Conditions(gravity=gravity, loss_frequency=None))
         large_motion.settle(scene)
         return float(scene.system.ComputeODE2Eigenvalues(numberOfEigenvalues=2, useAbsoluteValues=False)[0][0])
-
-
-def test_rotation_of_the_block_is_what_the_angles_say(block: Inertia, smooth: MakeMotion) -> None:
-    """Weight in the table's axes after a slow turn is R^T m g: the sense of all three angles at once, without any dynamics."""
-    motion = smooth(GRAVITY_LARGE, 0.05 * RATES, 4.0, 64.0)
-    found = respond_of_plan(rigid(block), motion, Conditions(gravity=G))
-    still = respond_of_plan(rigid(block), motion)
-    weight = turning(motion).seen_from_table(np.tile([0.0, 0.0, block.mass * G], (len(found.load), 1)))
-    assert_allclose(found.load[:, :3] - still.load[:, :3], weight - weight[0], rtol=0, atol=1e-8 * block.mass * G)
 
 
 ELASTIC_RATE = 512.0
@@ -325,7 +265,7 @@ def test_a_turning_beam_feels_nothing_of_its_dampers(smooth: MakeMotion) -> None
 
     The same dampers against the laboratory would hold it with meganewtons.
     """
-    motion = smooth(np.array([0.1, -0.05, 0.03, 0.6, -0.5, 1.0]), np.array([3.0, 4.0, 5.0, 4.3, 5.1, 3.7]), 0.5, 512.0)
+    motion = smooth(WIDE, OMEGA, 0.5, 512.0)
     damped, free = (respond("cuboid", motion, elements=1, loss_frequency=f).load for f in (0.12, None))
     assert_allclose(damped, free, rtol=0, atol=5e-5 * np.abs(free).max())
 
@@ -333,28 +273,15 @@ def test_a_turning_beam_feels_nothing_of_its_dampers(smooth: MakeMotion) -> None
 @pytest.mark.parametrize("name", ["cuboid", "fmd+disc+cuboid"])
 def test_a_stiff_article_of_beams_is_nearly_the_rigid_body_even_when_it_turns_far(name: str, smooth: MakeMotion) -> None:
     """Its holes included. The Cuboid gives by 3e-5; the rest is the step, 1.1e-4 at 512 Hz, and falls with its square."""
-    motion = smooth(np.array([0.1, -0.05, 0.03, 0.6, -0.5, 1.0]), np.array([3.0, 4.0, 5.0, 4.3, 5.1, 3.7]), 0.5, 512.0)
+    motion = smooth(WIDE, OMEGA, 0.5, 512.0)
     elastic, stiff = (respond(name, motion, elements=elements, gravity=9.81).load for elements in (1, None))
     assert_allclose(elastic, stiff, rtol=0, atol=2e-4 * np.abs(stiff).max())
-
-
-def test_mass_given_to_nodes_where_holes_are_is_the_same_inertia() -> None:
-    plan = articles.article_plan("cuboid", elements=2)
-    filled = able_to_turn(plan)
-    assert filled is not plan
-    weights = [frame.rigid.T @ frame.mass @ frame.rigid for frame in map(assemble, (plan, filled))]
-    assert_allclose(*weights, rtol=0, atol=1e-12 * weights[0].max())
-
-
-def test_an_article_with_nothing_to_fill_is_taken_as_it_is() -> None:
-    plan = articles.article_plan("clumod-4", elements=1)
-    assert able_to_turn(plan) is plan
 
 
 def test_places_tell_their_acceleration_in_the_axes_that_were_asked_for(smooth: MakeMotion, accelerometer: Makes) -> None:
     """Beside a node high on the stiff Cuboid: what an accelerometer on the table itself would read there, turned or not."""
     place = np.array([0.1, -0.2, 0.35])
-    motion = smooth(np.array([0.1, -0.05, 0.03, 0.6, -0.5, 1.0]), np.array([3.0, 4.0, 5.0, 4.3, 5.1, 3.7]), 0.5, 2048.0)
+    motion = smooth(WIDE, OMEGA, 0.5, 2048.0)
     expected = accelerometer(motion, place)
     for axes in ("table", "laboratory"):
         found = respond("cuboid", motion, elements=1, axes=axes, places={"CORNER": place}).places["CORNER"]
@@ -373,38 +300,3 @@ def test_a_disc_thinner_than_its_holes_allow_is_refused() -> None:
     still = BaseMotion(sampling_rate=64.0, displacement=nothing, velocity=nothing, acceleration=nothing, driven=0.0)
     with pytest.raises(BadInput, match="more material is taken away at node 0 than there is"):
         respond("disc", still, elements=1)
-
-
-def test_a_frame_of_ones_own_is_driven_like_a_built_in_one(kicked: tuple[BaseMotion, Array]) -> None:
-    motion = short(kicked[0])
-    plan = articles.article_plan("fmd+cuboid", elements=1)
-    ours, named = respond_of_plan(plan, motion, Conditions()), respond("fmd+cuboid", motion, elements=1)
-    assert_allclose(ours.load, named.load, rtol=0, atol=1e-12)
-
-
-def test_about_another_reference_point_the_load_is_moved_there(kicked: tuple[BaseMotion, Array]) -> None:
-    """At small motion, both tables doing the same: t_P = t_O - r x f. Forces of a microradian are known to 2e-5: the rounding of
-    beams that take gigapascals.
-    """
-    motion, r = short(kicked[0]), np.array([0.2, -0.1, 0.4])
-    whole = respond("fmd+cuboid", motion, elements=1)
-    found = respond("fmd+cuboid", told_of(motion, r), elements=1)
-    assert_allclose(found.load[:, :3], whole.load[:, :3], rtol=0, atol=5e-5 * np.abs(whole.load).max())
-    expected = whole.load[:, 3:] - np.cross(r, whole.load[:, :3])
-    assert_allclose(found.load[:, 3:], expected, rtol=0, atol=5e-5 * np.abs(whole.load).max())
-
-
-def short(motion: BaseMotion) -> BaseMotion:
-    n = round(0.6 * ELASTIC_RATE)
-    return replace(
-        motion, displacement=motion.displacement[:n], velocity=motion.velocity[:n], acceleration=motion.acceleration[:n]
-    )
-
-
-def told_of(motion: BaseMotion, r: Array) -> BaseMotion:
-    """The same small motion of the same table, told of its point `r`."""
-    parts = {}
-    for name in ("displacement", "velocity", "acceleration"):
-        parts[name] = np.array(getattr(motion, name))
-        parts[name][:, :3] += np.cross(parts[name][:, 3:], r)
-    return replace(motion, reference_point=r, **parts)

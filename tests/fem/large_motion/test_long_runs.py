@@ -76,17 +76,6 @@ def test_a_result_says_how_it_was_found(motion: BaseMotion) -> None:
     assert "large motion" in said["route"]
 
 
-def test_half_the_step_gives_a_quarter_of_the_error(
-    motion: BaseMotion, block: Inertia, newton_euler: Callable[..., Array]
-) -> None:
-    """`subdivision` goes between the samples."""
-    exact = newton_euler(motion, block)
-    errors = [
-        np.abs(respond_of_plan(rigid(block), motion, solver=replace(SOLVER, subdivision=k)).load - exact).max() for k in (1, 2)
-    ]
-    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
-
-
 def test_motion_that_is_hardly_more_than_the_rounding_of_beams_still_converges(smooth: MakeMotion) -> None:
     """Of a level's hundred-thousandth at 4 kHz the tolerance asked of Newton's iteration would be 1e-18 m."""
     tiny = smooth(1e-6 * np.eye(6)[0], OMEGA, 0.03, 4096.0)
@@ -145,8 +134,3 @@ def test_conditions_that_cannot_be_are_refused(field: str, value: object, said: 
 def test_a_method_that_stiff_beams_do_not_bear_is_refused(method: str, motion: BaseMotion) -> None:
     with pytest.raises(BadInput, match=f"`method`: .* need generalised-alpha, found {method}"):
         respond("clumod-1", motion, solver=Solver(method=method))  # type: ignore[arg-type]
-
-
-def test_an_unknown_article_is_refused(motion: BaseMotion) -> None:
-    with pytest.raises(BadInput, match="no built-in article is called 'clumod-2'"):
-        respond("clumod-2", motion)

@@ -14,15 +14,13 @@ from fem.beam.elements import cowper_tube
 from fem.modes import fixed_base
 from fem.solid import model
 from fem.solid.assembly import SolidMesh, jacobians, require_connected, unfilled, volumes
-from fem.solid.hexahedra import Outline, PlanMesh, covered, foot_height, hexahedra, with_whole_walls
+from fem.solid.hexahedra import Outline, PlanMesh, covered, foot_height, hexahedra
 from fem.solid.tetrahedra import Sizing
 from geometry.article import Article, Box, Cylinder, Material, Part, Shape, placed, upright
 from geometry.articles import built_in
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Pose, rotation_about
 from validation.verification.beams import Beam
-
-SIZES = (0.05, 0.02)
 
 
 def circle(diameter: float, x: float = 0.0, y: float = 0.0) -> Outline:
@@ -33,36 +31,11 @@ def rectangle(a: float, b: float, angle: float = 0.0) -> Outline:
     return Outline(centre=np.zeros(2), size=np.array([a, b]), angle=angle)
 
 
-def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
-
-
-def areas(plan: PlanMesh) -> np.ndarray:
-    """Area (q,) [m²] within the parabolas through each quadrilateral's edges: its polygon and 2/3 of chord times bulge."""
-    a = plan.points[plan.quads[:, :4]]
-    m = plan.points[plan.quads[:, 4:8]]
-    b = np.roll(a, -1, axis=1)
-    return np.asarray((cross(a, b) / 2 + 2 / 3 * cross(m - (a + b) / 2, b - a)).sum(axis=1))
-
-
 def edges(plan: PlanMesh) -> Counter[tuple[int, ...]]:
     """How many quadrilaterals have each edge, its middle node included."""
     corner, middle = plan.quads[:, :4], plan.quads[:, 4:8]
     sides = np.stack([corner, np.roll(corner, -1, axis=1), middle], axis=-1).reshape(-1, 3)
     return Counter((*sorted(side[:2].tolist()), int(side[2])) for side in sides)
-
-
-@pytest.mark.parametrize("size", SIZES)
-def test_a_plate_with_holes_has_its_area_in_and_around_them(size: float) -> None:
-    """Parabolas miss 7.8e-4 of a circle at eight edges and 1e-5 at 24."""
-    large, small = circle(0.1), circle(0.01, x=0.1)
-    plan = covered([rectangle(0.3, 0.2, angle=0.3), large, small], size, 24)
-    found = areas(plan)
-    assert np.all(found > 0)
-    assert_allclose(found.sum(), 0.3 * 0.2, rtol=1e-10)
-    for hole, share in ((large, 1e-4), (small, 8e-4)):
-        within = np.hypot(*(plan.centres - hole.centre).T) < hole.size[0] / 2
-        assert_allclose(found[within].sum(), np.pi / 4 * hole.size[0] ** 2, rtol=share)
 
 
 def test_quadrilaterals_meet_edge_on_edge() -> None:
@@ -72,38 +45,6 @@ def test_quadrilaterals_meet_edge_on_edge() -> None:
     outside = {node for edge, count in used.items() if count == 1 for node in edge}
     inner = np.hypot(*plan.points[sorted(outside)].T) < 0.0999
     assert not inner.any()
-
-
-def test_a_wall_of_two_becomes_one_and_keeps_its_area() -> None:
-    outlines = [circle(0.1), circle(0.09), rectangle(0.3, 0.2)]
-    plan = covered(outlines, 0.03, 24)
-    whole = with_whole_walls(plan, 0.045, 0.05)
-    assert_allclose(areas(whole).sum(), areas(plan).sum(), rtol=1e-9)
-    middle = np.hypot(*whole.centres.T)
-    ring = (middle > 0.045) & (middle < 0.05)
-    assert ring.sum() == 24
-    corners = np.hypot(*np.moveaxis(whole.points[whole.quads[ring, :4]], -1, 0))
-    assert np.all(np.isclose(corners, 0.045) | np.isclose(corners, 0.05))
-    assert set(edges(whole).values()) == {1, 2}
-
-
-def test_two_plans_divide_a_ring_alike() -> None:
-    ring = [circle(0.1), circle(0.09)]
-    plans = [covered([*ring, rectangle(0.3, 0.2)], 0.03, 24), covered([*ring, circle(0.2), circle(0.01, x=0.08)], 0.05, 24)]
-    nodes = []
-    for plan in plans:
-        radius = np.hypot(*plan.points.T)
-        within = plan.points[(radius > 0.045 - 1e-9) & (radius < 0.05 + 1e-9)]
-        nodes.append(within[np.lexsort(np.round(within, 9).T)])
-    assert_allclose(nodes[0], nodes[1], rtol=0, atol=1e-9)
-
-
-@pytest.mark.parametrize("around", [16, 24, 32])
-def test_a_tube_has_as_many_edges_around_as_asked_for(around: int) -> None:
-    plan = covered([circle(0.1), circle(0.09)], 0.03, around)
-    used = edges(plan)
-    outside = [edge for edge, count in used.items() if count == 1]
-    assert len(outside) == around
 
 
 STRAIGHT = Material(name="no Poisson effect", density=7850.0, youngs_modulus=207e9, poisson_ratio=0.0)
@@ -150,29 +91,6 @@ def test_no_cell_of_clumod_is_inverted_and_all_are_joined(name: str, size: float
     assert len(apart) == len(mesh.points)  # no two nodes in one place: nothing is cut open
 
 
-def skin(mesh: SolidMesh) -> np.ndarray:
-    """Nodes (f, 9) of the faces that one cell only has, the middle one last."""
-    from fem.solid.assembly import LOCAL_HEX27
-
-    sides = [np.flatnonzero(LOCAL_HEX27[:, axis] == end) for axis in range(3) for end in (0.0, 1.0)]
-    faces = np.vstack([mesh.cells[:, side] for side in sides])
-    _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    assert count.max() <= 2
-    return faces[first[count == 1]]
-
-
-def test_every_face_inside_is_shared_by_two_cells() -> None:
-    """What is left over is the skin drawn: a tube standing on a plate."""
-    a, b, t, outer, inner, height = 0.3, 0.2, 0.02, 0.1, 0.09, 0.2
-    mesh = hexahedra([box((a, b, t), name="plate"), tube(outer, inner, height, t)], sizes=(0.04, 0.04), cuts=(t,))
-    middle = mesh.points[skin(mesh)[:, -1]]
-    radius, z = np.hypot(*middle[:, :2].T), middle[:, 2]
-    on_plate = np.isclose(z, 0) | np.isclose(np.abs(middle[:, 0]), a / 2) | np.isclose(np.abs(middle[:, 1]), b / 2)
-    on_top = np.isclose(z, t) & ((radius < inner / 2) | (radius > outer / 2))
-    on_tube = (z > t) & (np.isclose(radius, inner / 2, rtol=1e-3) | np.isclose(radius, outer / 2, rtol=1e-3))
-    assert np.all(on_plate | on_top | on_tube | np.isclose(z, t + height))
-
-
 def test_the_plans_below_and_above_a_cut_share_the_nodes_of_the_ring() -> None:
     mesh = clumod("clumod-1", LAYERS_SIZES[0])
     height = foot_height(built_in("clumod-1").counted_parts)
@@ -199,17 +117,11 @@ def test_a_blade_is_one_cell_thick_and_its_silicone_too() -> None:
         assert_allclose(np.ptp(own, axis=1), np.ptp(own), rtol=1e-9)
 
 
-# --- refusals -------------------------------------------------------------------------------------------------------------
-
-
-def test_a_tilted_part_is_refused_by_name() -> None:
+def test_a_tilted_part_is_refused_by_name_and_one_through_a_cut() -> None:
     tilted = placed(Article(name="own", parts=(box((0.1, 0.1, 0.1)),)), Pose(rotation=rotation_about("x", 0.1))).parts[0]
     with pytest.raises(BadInput, match="part box"):
         hexahedra([tilted], sizes=(0.05,))
     assert foot_height([tilted, tube(0.1, 0.09, 0.1)]) is None
-
-
-def test_a_part_through_a_cut_is_refused() -> None:
     with pytest.raises(BadInput, match="through a height at which the mesh is cut"):
         hexahedra([box((0.1, 0.1, 0.1))], sizes=(0.05, 0.05), cuts=(0.05,))
 
@@ -246,9 +158,6 @@ def test_and_refused_when_that_does_not_help(monkeypatch: pytest.MonkeyPatch) ->
 def test_too_many_unknowns_are_refused() -> None:
     with pytest.raises(BadInput, match="5000 are allowed"):
         model._hexahedra(built_in("clumod-1"), Sizing(largest=5000))
-
-
-# --- bending --------------------------------------------------------------------------------------------------------------
 
 
 def frequencies(part: Part, size: float, count: int) -> np.ndarray:

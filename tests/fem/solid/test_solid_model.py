@@ -46,14 +46,6 @@ def cantilever() -> Callable[[float], Structure]:
     return lambda size: model.structure(plate(), size=size, cached=False)
 
 
-def test_a_thin_cantilever_of_tetrahedra_bends_like_a_beam(cantilever: Callable[[float], Structure]) -> None:
-    """Elements of three times the thickness, where linear tetrahedra would lock: within 0.5 % of Euler-Bernoulli, three modes
-    across the thickness and the first across the width (shear deformation: 0.2 % there)."""
-    found = fixed_base(cantilever(0.015), 4).frequency
-    across = euler_bernoulli(WIDTH, 1)
-    assert_allclose(found[:4], np.sort([*euler_bernoulli(THICKNESS, 3), *across]), rtol=0.005)
-
-
 def test_frequencies_fall_onto_the_beam_as_the_mesh_is_refined(cantilever: Callable[[float], Structure]) -> None:
     """The limits are those of a Timoshenko beam, in the thickness and across the width; meshes that are not nested scatter."""
     study = model.convergence_study(cantilever, (0.02, 0.013, 0.0085), 2, bars={"plate": 2e-3})
@@ -64,19 +56,6 @@ def test_frequencies_fall_onto_the_beam_as_the_mesh_is_refined(cantilever: Calla
     assert study.part == ("plate", "plate")
     assert study.converged
     assert "converged: all 2 modes" in study.verdict
-
-
-def test_a_users_step_is_meshed_like_the_drawing(tmp_path: Path) -> None:
-    from geometry.cad import solid, write_step
-
-    drawn = plate()
-    file = tmp_path / "plate.step"
-    write_step(file, {"plate": solid(drawn.parts[0])}, "own")
-    own = user_article.load(file, material="steel")
-    structure = model.structure(own, size=0.02, cached=False)
-    volume = WIDTH * THICKNESS * LENGTH
-    assert_allclose(structure.rigid_mass[0, 0], 7850.0 * volume, rtol=1e-9)
-    assert structure.loss_factors == {"plate": 0.006}
 
 
 def test_a_users_own_material_can_be_elastic(tmp_path: Path) -> None:
@@ -100,9 +79,6 @@ def test_a_users_surface_mesh_is_refused_with_the_way_out(tmp_path: Path) -> Non
     own = user_article.load(tmp_path / "plate.stl", unit="mm", material="steel")
     with pytest.raises(BadInput, match="Export it from the CAD as STEP"):
         model.structure(own)
-
-
-# --- convergence on known answers -----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("rate", [1.0, 2.0, 4.0])

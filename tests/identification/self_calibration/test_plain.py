@@ -59,9 +59,6 @@ def test_a_robust_fit_does_not_follow_lines_that_are_spoilt(lab, quiet):
     assert off[True] < 0.3 * off[False]
 
 
-# How the plain estimate answers to errors of its channels, against the estimate from channels that have them
-
-
 @pytest.mark.parametrize(
     "name",
     [
@@ -101,9 +98,6 @@ def test_the_noise_of_the_plain_estimate_is_that_of_repeated_campaigns(lab):
     noisy = replace(clean, noise=sd)
     stated = sensitivity(noisy, setup(noisy, settings), loud[0].chain).noise
     assert_allclose(np.std(ten, axis=0), np.sqrt(np.diag(stated)), rtol=0.5)  # forty draws tell a deviation to 11 %
-
-
-# Noise of spectra without a quiet part: sensors that are off do not count as noise, and noise comes out as it went in
 
 
 FINE = np.arange(4.0, 32.01, 0.05)
