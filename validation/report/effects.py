@@ -257,9 +257,10 @@ opens a parameter that every laboratory has anyway.
 
 Targets are those of what is tested. A part, place, support or joint of the built-in articles has a name of its own; those of a
 [structure of your own](own-model.md) are the names that its file gives. `mass` needs the share of each part in the mass,
-`thickness` a shell or beam, `support-stiffness` a spring to the ground, `connection-compliance` a joint between two parts (`joint-compliance` is that of an
-article on its base), `gravity-stiffness` the geometric stiffness: arrays `geometric/PART` of another code under 1 g, or storeys
-between two places with their height (`fem.gravity`). Its size is a factor on gravity: 1 where the weights are right.
+`thickness` a shell or beam, `support-stiffness` a spring to the ground, `connection-compliance` a joint between two parts
+(`joint-compliance` is that of an article on its base), `gravity-stiffness` the geometric stiffness: arrays `geometric/PART` of
+another code under 1 g, or storeys between two places with their height (`fem.gravity`). Its size is a factor on gravity: 1
+where the weights are right.
 
 """
 
