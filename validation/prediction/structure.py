@@ -449,7 +449,7 @@ FIRST_ASKED = 16
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Reduction:
+class ReducedStructure:
     """A structure on few coordinates.
 
     Attributes
@@ -466,7 +466,7 @@ class Reduction:
     basis: Array
 
 
-def by_itself(structure: Structure, band: float, *, damping: Damping | None = None) -> Reduction:
+def by_itself(structure: Structure, band: float, *, damping: Damping | None = None) -> ReducedStructure:
     """`structure` as it stands on the ground or floats, with all modes up to twice `band` [Hz], where tests end.
 
     Raises
@@ -515,7 +515,7 @@ def by_itself(structure: Structure, band: float, *, damping: Damping | None = No
         T = np.linalg.inv(rigid_transformation_6(structure.reference_point))
         moves[:, n : n + rigid.shape[1]] = T @ directions[:, kept] / np.sqrt(square[kept])
     matrices = replace(made, cog=cog, rigid=moves)
-    return Reduction(matrices=matrices, frequency=frequency, losses=used.loss_factors, basis=free.expand(basis))
+    return ReducedStructure(matrices=matrices, frequency=frequency, losses=used.loss_factors, basis=free.expand(basis))
 
 
 # A user's own article behind its path: an FE model as its file has it, or a drawing, of which a solid model is made.

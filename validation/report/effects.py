@@ -240,6 +240,13 @@ widens from the one to the other.
 A prediction is made in stages, from the matrices of the structure to what every channel reads. An effect changes one of them, or
 opens a parameter that every laboratory has anyway.
 
+Targets are those of what is tested. A part, place, support or joint of the built-in articles has a name of its own; those of a
+[structure of your own](own-model.md) are the names that its file gives. `mass` needs the share of each part in the mass,
+`thickness` a shell or beam, `support-stiffness` a spring to the ground, `connection-compliance` a joint between two parts
+(`joint-compliance` is that of an article on its base), `gravity-stiffness` the geometric stiffness: arrays `geometric/PART` of
+another code under 1 g, or storeys between two places with their height (`fem.gravity`). Its size is a factor on gravity: 1
+where the weights are right.
+
 """
 
 TAIL = """\
