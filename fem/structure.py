@@ -113,8 +113,9 @@ ON_NODE = 1e-6
 def place_rows(structure: Structure, points: npt.ArrayLike) -> list[Sparse]:
     """What each degree of freedom moves `points` (p, 3) [m], in the article's frame, along x, y, z: (3, n) sparse each.
 
-    In a mesh the element that holds a point carries it. Else it rides on the nearest node and turns with it. Where that has no rotations, it follows the rigid motion nearest to those
-    of the nodes around it, weighted with the inverse square of their distances: on a node it is the node's own.
+    In a mesh the element that holds a point carries it. Else it rides on the nearest node and turns with it. Where that has no
+    rotations, it follows the rigid motion nearest to those of the nodes around it, weighted with the inverse square of their
+    distances: on a node it is the node's own.
 
     Raises
     ------

@@ -332,7 +332,6 @@ SI_UNITS = {
     "second moment of area": "m^4",
     "stiffness": "N/m",
     "rotational stiffness": "N m/rad",
-    "frequency": "Hz",
 }
 """The dimensions that users' files use, and the unit in which their values leave here."""
 

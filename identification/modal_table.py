@@ -15,6 +15,11 @@ from geometry.sensors import Point
 from identification.files import text_table, uff, uff_tests
 from identification.files.files import Samples
 
+SOUND_SHAPE = 0.1
+"""Share of its largest component by which the shape of a sound model may be off at a sensor, beside what is measured. One that is
+off so much everywhere has a MAC of about 0.95, from which on models are taken as correlated (D. J. Ewins, Modal Testing, 2000,
+chapter 5)."""
+
 FREQUENCY_DEVIATION, DAMPING_DEVIATION, SHAPE_DEVIATION = 0.005, 0.2, 0.05
 """Standard deviations that hold where a table states none: of a frequency and of a damping ratio relative to it, of a shape
 relative to its largest component. What ordinary modal tests scatter by (D. J. Ewins, Modal Testing, 2000, chapter 4)."""

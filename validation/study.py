@@ -116,7 +116,7 @@ def read_data(paths: Sequence[str], model: Model, progress: Progress | None = No
         raise BadInput(
             source="DATA",
             problem=some if paths else none,
-            remedy="Name a campaign folder or the file of a test; `massline weigh`, `cog` and `pendulum` reduce their files alone",
+            remedy="Name a campaign folder or the file of a test; `massline weigh`, `cog` and `pendulum` reduce files alone",
         )
     described = [campaign_file.read_description(folder) for folder in folders]
     for k, one in enumerate(described):

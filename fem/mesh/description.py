@@ -9,6 +9,7 @@ import numpy as np
 
 from fem.beam.elements import Section, moduli, rectangle, tube
 from fem.user_model import description as text
+from fem.user_model import units as units_of_model
 from geometry import toml_file, user_article
 from geometry.article import Material
 from geometry.errors import BadInput
@@ -392,7 +393,7 @@ def read(path: Path) -> MeshDescription:
     if isinstance(units, str) and "-" not in units:
         length = toml_file.length_unit(units, source, f"{text.TABLE}.units").metres
     else:
-        length = text.unit_system(units, source).length
+        length = units_of_model.unit_system(units, source).length
     places = table.tables("parts", _PART)
     if not places:
         raise table.wrong("parts", "a table a group", 'Write [fe_model.parts.NAME] with material = "steel"')

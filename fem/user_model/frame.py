@@ -90,9 +90,9 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
     # By part its mass: that of a member, and those on nodes
     part_mass = {one.part: frame.assemble(_alone(plan, one)).mass for one in members} if weighs else {}
     for name, mass in masses.items():
-        own, k = np.zeros((size, size)), 6 * names.index(name)
-        own[k : k + 6, k : k + 6] = Inertia.from_cog(mass, np.zeros(3), np.zeros((3, 3))).mass_matrix
-        part_mass[name] = own
+        whole, k = np.zeros((size, size)), 6 * names.index(name)
+        whole[k : k + 6, k : k + 6] = Inertia.from_cog(mass, np.zeros(3), np.zeros((3, 3))).mass_matrix
+        part_mass[name] = whole
     moves = table.get("moves", list(MOTIONS))
     for one in moves if isinstance(moves, list) else [moves]:
         toml_file.one_of(one, MOTIONS, source=source, where=f"{where}.moves")
@@ -100,9 +100,10 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
     if not part_mass:
         raise BadInput(source=source, field=f"{where}.masses", problem="nothing has mass", remedy="State masses, or a density")
     down = np.tile(np.concatenate([_direction(table.get("down", "-z"), source, f"{where}.down"), np.zeros(3)]), len(points))
-    loads = GRAVITY * sum((count if name in _names(members) else 1.0) * M @ down for name, M in part_mass.items())
+    weights = [(count if name in _names(members) else 1.0) * M @ down for name, M in part_mass.items()]
+    loads = GRAVITY * np.sum(weights, axis=0)
     bent = [6 * k + m for k, name in enumerate(names) for m in range(6) if name in fixed]
-    geometric = _geometric(plan, members, sum(made.stiffness.values()), loads, bent, size, count) if bent else {}
+    geometric = _geometric(plan, members, np.sum(list(made.stiffness.values()), axis=0), loads, bent, size, count) if bent else {}
     free = np.setdiff1d(np.arange(size), held)
     return _kept(made, part_mass, geometric, names, free, count, grounded=bool(held), loss=_loss(table, source, where))
 
@@ -171,13 +172,15 @@ def _geometric(
     found = {}
     for one in members:
         own = np.zeros((size, size))
+        assert isinstance(one.section, elements.Section)
+        stretch = one.section.axial
         for a, b in zip(one.nodes[:-1], one.nodes[1:], strict=True):
             along = plan.nodes[b] - plan.nodes[a]
             L = float(np.linalg.norm(along))
             R = np.kron(np.eye(4), _axes(along / L, one.z_axis))
             at = [*range(6 * a, 6 * a + 6), *range(6 * b, 6 * b + 6)]
             pulled = R @ u[at]
-            N = count * one.section.axial / L * (pulled[6] - pulled[0])
+            N = count * stretch / L * (pulled[6] - pulled[0])
             own[np.ix_(at, at)] += R.T @ (N * _string(L)) @ R
         found[one.part] = own
     return found
@@ -229,7 +232,7 @@ def _material(value: Any, source: str, where: str) -> tuple[article.Material, bo
     toml_file.require_known(table, tuple(keys), source=source, where=where)
     toml_file.require_present(table, tuple(keys)[1:], source=source, where=where)
     sizes = {key: _number_or(table[key], dimension, source, f"{where}.{key}") for key, dimension in keys.items() if key in table}
-    return article.Material(**({"name": source, "density": 1.0} | sizes)), "density" in table
+    return article.Material(name=source, **({"density": 1.0} | sizes)), "density" in table
 
 
 def _number_or(value: Any, dimension: str, source: str, where: str) -> float:

@@ -1,6 +1,7 @@
 """`massline modes`: frequencies, effective masses, what moves; and two models side by side, their modes told by shape."""
 
 import importlib.util
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -254,7 +255,7 @@ def standing(bracket: Path, folder: Path, support: str) -> str:
     return str(folder / f"{support}.npz")
 
 
-def test_a_structure_on_the_ground_has_the_modes_of_the_clamped_one(bracket: Path, run: Run, tmp_path: Path) -> None:
+def test_a_structure_on_the_ground_has_the_modes_of_the_clamped_one(bracket: Path, run, tmp_path: Path) -> None:
     code, out, _ = run("modes", standing(bracket, tmp_path, "ground"), "--count", "3")
     assert code == 0
     assert "On the ground." in out
@@ -269,7 +270,7 @@ def test_a_structure_on_the_ground_has_the_modes_of_the_clamped_one(bracket: Pat
     assert ground["support"] == "ground"
 
 
-def test_a_free_structure_has_its_rigid_motions_first(bracket: Path, run: Run, tmp_path: Path) -> None:
+def test_a_free_structure_has_its_rigid_motions_first(bracket: Path, run, tmp_path: Path) -> None:
     code, out, _ = run("modes", standing(bracket, tmp_path, "free"), "--count", "8")
     assert code == 0
     assert out.count("rigid motion") == 7  # of six modes, and of the note below
@@ -277,7 +278,7 @@ def test_a_free_structure_has_its_rigid_motions_first(bracket: Path, run: Run, t
 
 
 @pytest.mark.parametrize("support", ["ground", "free"])
-def test_without_a_base_there_is_no_dynamic_mass(support: str, bracket: Path, run: Run, tmp_path: Path) -> None:
+def test_without_a_base_there_is_no_dynamic_mass(support: str, bracket: Path, run, tmp_path: Path) -> None:
     code, out, err = run("dynamic-mass", standing(bracket, tmp_path, support))
     assert code == 2
     assert not out

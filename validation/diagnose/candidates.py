@@ -28,6 +28,7 @@ from validation.history.add import names_of
 from validation.model.model import Added
 from validation.prediction import effects
 from validation.prediction.classical_facts import ArticleFact
+from validation.prediction.structure_tests import StructurePrediction
 from validation.study import Study
 
 SIDES = (effect.STRUCTURE, effect.FORCES, effect.ACCELERATIONS)
@@ -173,7 +174,7 @@ def with_candidates(problem: Problem, candidates: Sequence[Added]) -> Problem:
     """`problem` with `candidates` on top of the effects of its models."""
     made: list[Prediction] = []
     for one in problem.predictions:
-        made.append(one.with_effects((*one.effects, *candidates)) if hasattr(one, "with_effects") else one)
+        made.append(one.with_effects((*one.effects, *candidates)) if isinstance(one, StructurePrediction) else one)
     facts: list[Fact] = []
     for fact in problem.facts:
         has = (*fact.of.effects, *fact.effects) if isinstance(fact, ArticleFact) else ()

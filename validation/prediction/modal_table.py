@@ -177,7 +177,9 @@ class _TablePart:
     @property
     def there(self) -> There:
         """What effects can act on."""
-        return prediction_effects.there_of(self.measured.configuration, self.structure, tuple(one.name for one in self.table.sensors))
+        return prediction_effects.there_of(
+            self.measured.configuration, self.structure, tuple(one.name for one in self.table.sensors)
+        )
 
     @property
     def remarks(self) -> tuple[str, ...]:

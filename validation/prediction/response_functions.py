@@ -76,7 +76,9 @@ class ResponseFunctionTest:
     @property
     def there(self) -> There:
         """What effects can act on."""
-        return prediction_effects.there_of(self.measured.configuration, self.structure, (*self.measured.channels, FORCE.partition(":")[2]))
+        return prediction_effects.there_of(
+            self.measured.configuration, self.structure, (*self.measured.channels, FORCE.partition(":")[2])
+        )
 
     def on(self, runs: Sequence[str]) -> "ResponseFunctionTest":
         """The same model of the runs named alone."""

@@ -407,7 +407,8 @@ def joint_springs(structure: Structure, name: str) -> tuple[Array, Array] | None
     """What the joint `name` carries (6, n) for a unit of each degree of freedom, and its six springs; None where its sides cannot
     be told.
 
-    The sides are the parts that its degrees of freedom belong to; a joint of one side ties it to the ground. One side moved as a rigid body gives the 6x6 stiffness, whose
+    The sides are the parts that its degrees of freedom belong to; a joint of one side ties it to the ground. One side moved as a
+    rigid body gives the 6x6 stiffness, whose
     centre is where a push does not turn; springs are those along and about the axes there.
     """
     K = structure.part_stiffness[name]

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Protocol, Self
+from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from validation.prediction import structure as reduction
 Test = ModalTable | ResponseFunctions
 
 
+@runtime_checkable
 class StructurePrediction(Prediction, Protocol):
     """A prediction of one data set by a model of a structure, whose effects may be exchanged."""
 

@@ -120,7 +120,7 @@ def test_every_key_and_every_correction_is_on_the_page():
         assert f"`{family}`" in PAGE, family
 
 
-def test_a_model_of_ones_own_is_examined(run: Run, root: Path) -> None:
+def test_a_model_of_ones_own_is_examined(run, root: Path) -> None:
     runpy.run_path(str(root / "examples" / "own_model.py"))["write"](Path("own"))
     code, printed, said = run("model", "--examine", "own/bracket.npz")
     assert code == 0
@@ -151,7 +151,7 @@ def test_a_model_of_ones_own_is_examined(run: Run, root: Path) -> None:
         (("--json", "fmd"), "Use it with --examine"),
     ],
 )
-def test_what_cannot_be_examined_is_refused(run: Run, arguments: tuple[str, ...], words: str) -> None:
+def test_what_cannot_be_examined_is_refused(run, arguments: tuple[str, ...], words: str) -> None:
     Path("broken.npz").write_bytes(b"PK and no more")
     Path("story.toml").write_text("format = 1\n")
     code, _, said = run("model", *arguments)
