@@ -70,6 +70,8 @@ class ScoreTest:
         if self.information <= 0 or plausible <= self.tolerance:
             return np.inf
         narrow, wide = self.tolerance**2 + 1 / self.information, plausible**2 + 1 / self.information
+        if not narrow < wide:  # what is plausible is nothing beside what the data leave open
+            return np.inf
         return sqrt(2 * (evidence + 0.5 * log(wide / narrow)) / (1 / narrow - 1 / wide))
 
     def _against_nothing(self, spread: float) -> float:

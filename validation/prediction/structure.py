@@ -418,7 +418,7 @@ def joint_springs(structure: Structure, name: str) -> tuple[Array, Array] | None
     if kinds.shape[1] > 2:
         return None
     moved = np.zeros_like(structure.rigid)
-    one = own[side.ravel() == 0]
+    one = own[side.ravel() == np.argmax(np.bincount(side.ravel()))]  # where the other is guided, it moves in fewer ways
     moved[one] = structure.rigid[one]
     loads = np.asarray(K @ moved)
     whole = _symmetric(moved.T @ loads)
