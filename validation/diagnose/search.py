@@ -17,7 +17,7 @@ import numpy as np
 
 from geometry.errors import CheckFailed
 from geometry.frames import Array
-from validation.diagnose.candidates import aliases, band, is_resonator, screen
+from validation.diagnose.candidates import aliases, band, has_lines, is_resonator, screen
 from validation.diagnose.diagnosis import Candidate, Screened
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, STRUCTURE, evidence_threshold
@@ -345,7 +345,7 @@ def in_band(data: Study, one: CandidateFit) -> bool:
     """Whether a resonator stayed where the data are; far below them it is a spring to the ground, far above a mass."""
     if not is_resonator(one.added.named):
         return True
-    low, high = band(made.measured.frequency for made in data.made)
+    low, high = band(made.measured.frequency for made in (*data.made, *data.tests) if has_lines(made))
     return low <= one.added.named.values["f"] <= high
 
 

@@ -134,7 +134,8 @@ def with_damping_law(
     """
     # (k,) omega^-1/2 of every coordinate; 0 of the base and of what effects append, which brings its own losses
     W, own = np.zeros(len(matrices.mass)), slice(nominal.base, len(nominal.mass))
-    square = np.diag(nominal.stiffness)[own] / np.maximum(np.diag(nominal.mass)[own], LIGHTEST)
+    with np.errstate(over="ignore"):  # what has next to no mass moves as fast as can be
+        square = np.diag(nominal.stiffness)[own] / np.maximum(np.diag(nominal.mass)[own], LIGHTEST)
     W[own] = np.where(square > 0, square, np.inf) ** -0.25
     share, turned, found = offsets.get(DAMPING_LAW, 0.0), W[:, None] * matrices.structural * W, dict(tangents)
     for name, tangent in tangents.items() if share else ():

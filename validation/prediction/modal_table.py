@@ -24,7 +24,7 @@ import numpy as np
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
-from identification.modal_table import ModalTable, paired
+from identification.modal_table import SOUND_SHAPE, ModalTable, paired
 from validation.effects.catalogue import FAMILIES, There
 from validation.effects.effect import CHANNEL_STAGE
 from validation.effects.stages import ChannelResponse, Matrices
@@ -353,7 +353,7 @@ def of(structure: Nuisances, table: ModalTable) -> tuple[TableFrequencies | Tabl
             judged=np.zeros(len(table.sensors), dtype=bool),  # the error in per cent is that of the frequencies
             frequency=np.array([table.frequency.mean()]),
             values=(table.shapes / largest).astype(np.complex128)[:, None],
-            noise=(table.shapes_deviation / largest)[:, None],
+            noise=np.hypot(table.shapes_deviation / largest, SOUND_SHAPE)[:, None],
             is_real=is_real,
         ),
         structure=structure,
