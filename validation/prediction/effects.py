@@ -458,8 +458,8 @@ FINE = 1e-5
 
 
 UNSEEN = 0.2
-"""[share of omega²] by which a plausible fault of a structure by itself moves the mode that it moves most: a tenth of a frequency.
-More than that nobody overlooks, whatever the structure weighs."""
+"""[share of omega²] by which a plausible fault of a structure by itself moves the mode that it moves most: a tenth of a
+frequency. More than that nobody overlooks, whatever the structure weighs."""
 
 NEXT_TO_NOTHING = 1e-7
 """[plausible size] at which an equation is as good as linear."""
