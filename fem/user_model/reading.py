@@ -195,16 +195,14 @@ def read(path: str | Path) -> Structure | Modes:
 def load(path: str | Path) -> UsersModel:
     """As `read`, with the name and the damping that the user gave."""
     path = Path(path)
-    if path.suffix.lower() == ".toml" and mesh_description.described(path):
-        name, meshed = mesh_model.load(path)
-        factors = meshed.loss_factors
-        return UsersModel(name=name, model=meshed, damping=Damping(loss_factors=factors) if factors else None)
-    if path.suffix.lower() == ".toml":
-        told = toml_file.require_table(toml_file.read(path).get(TABLE), source=str(path), where=TABLE)
-        if told.get("kind") == FRAME:
-            made = frame.structure(told, str(path))
-            losses = Damping(loss_factors=made.loss_factors) if made.loss_factors else None
-            return UsersModel(name=str(told.get("name", path.stem)), model=made, damping=losses)
+    if kind := described_whole(path):
+        if kind == FRAME:
+            told = toml_file.read(path)[TABLE]
+            name, made = str(told.get("name", path.stem)), frame.structure(told, str(path))
+        else:
+            name, made = mesh_model.load(path)
+        factors = made.loss_factors
+        return UsersModel(name=name, model=made, damping=Damping(loss_factors=factors) if factors else None)
     contents, description = opened(path)
     if description.kind == "modal":
         return UsersModel(name=description.name, model=matrices.modes(contents, description), units=description.units)
@@ -212,6 +210,16 @@ def load(path: str | Path) -> UsersModel:
     damped = viscous is not None or bool(structure.loss_factors)
     damping = Damping(loss_factors=structure.loss_factors, viscous=viscous) if damped else None
     return UsersModel(name=description.name, model=structure, damping=damping, units=description.units, notes=tuple(said))
+
+
+def described_whole(path: str | Path) -> str:
+    """The kind of a model of which the TOML file at `path` says all but the mesh: its matrices are made here; empty for others."""
+    path = Path(path)
+    if path.suffix.lower() != ".toml":
+        return ""
+    told = toml_file.require_table(toml_file.read(path).get(TABLE, {}), source=str(path), where=TABLE)
+    kind = str(told.get("kind", ""))
+    return kind if kind == FRAME or mesh_description.described(path) else ""
 
 
 def opened(path: str | Path) -> tuple[Contents, Description]:

@@ -12,7 +12,7 @@ from geometry import toml_file
 from geometry.errors import BadInput, CheckFailed
 from validation.diagnose.diagnose import diagnosed
 from validation.diagnose.diagnosis import Diagnosis, headline
-from validation.output import json_text, print_pages, stages
+from validation.output import json_text, stages
 from validation.report import document as doc
 from validation.study import Study
 
@@ -180,4 +180,4 @@ def answer(folder: Path, data: Path, names: tuple[str, ...], *, as_json: bool) -
     if as_json:
         click.echo(json_text({"sets": {one.entry.name: one.as_json for one in found.results}, "absent": list(found.absent)}))
     else:
-        print_pages(found.document().text())
+        click.echo(found.document().text(), nl=False)
