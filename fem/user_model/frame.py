@@ -31,8 +31,8 @@ KEYS = ("name", "kind", "nodes", "fixed", "moves", "members", "section", "materi
 SECTION = ("width", "thickness", "across", "count")
 MOTIONS = ("x", "y", "z", "rx", "ry", "rz")
 
-STIFF = 1e6
-"""[1] Of the member's own: an end this stiff is clamped to six digits, and ten are left of a double."""
+STIFF = 1e4
+"""[1] Of the member's own: an end this stiff is clamped to four digits of a frequency, and what it gives more shows at once."""
 
 GRAVITY = 9.80665
 """[m/s²] Standard, by which `Structure.geometric` is given (BIPM, The International System of Units, 2019)."""

@@ -15,7 +15,7 @@ from validation.cli import options
 
 @click.command("compare")
 @click.argument("model", metavar="MODEL")
-@click.argument("data", nargs=-1, required=True, metavar="DATA ...")
+@click.argument("data", nargs=-1, metavar="[DATA ...]")
 @options.study
 @options.effects_from
 @options.JSON
@@ -23,7 +23,8 @@ from validation.cli import options
 def compare_command(as_json: bool, out: Path | None, **given: Any) -> None:
     """Where MODEL fails: four errors with their verdicts, the ten worst spots in words, maps over frequency.
 
-    DATA are the campaign folders of one series, and weigh, cog and pendulum files with them. Spots are told in standard
+    DATA are the campaign folders of one series, files of tests, and weigh, cog and pendulum files with them; none where MODEL
+    names its tests. Spots are told in standard
     deviations of what noise and tolerances let expect, and in per cent of the dynamic mass; docs/compare.md says how to read
     them.
 
@@ -60,7 +61,8 @@ def add_command(model: Path, effect: str, fixed: bool, alias_ok: bool, as_json: 
     """Add EFFECT to MODEL: fit it, print the errors before and after, and keep both as rungs of the model's ladder.
 
     EFFECT is an id of the catalogue, such as force-gain:fmd-z2; with =VALUE its fit begins there. DATA are the campaign folders
-    of one series, and weigh, cog and pendulum files with them; they may be left out once the ladder knows them. MODEL is
+    of one series, files of tests, and weigh, cog and pendulum files with them; they may be left out once the ladder knows them,
+    or where MODEL names its tests. MODEL is
     rewritten with the effect, its size and standard deviation; the ladder beside it, MODEL.ladder.json, keeps every version. A
     wrong effect is added all the same: the ladder shows that nothing fell. docs/ladder.md says how to read it.
 
@@ -144,7 +146,7 @@ def correct_command(campaign: str, effects: tuple[str, ...], out: Path, force: b
 
 @click.command("diagnose")
 @click.argument("model", type=click.Path(path_type=Path), metavar="MODEL")
-@click.argument("data", nargs=-1, required=True, metavar="DATA ...")
+@click.argument("data", nargs=-1, metavar="[DATA ...]")
 @options.study
 @click.option(
     "--candidate",
@@ -160,7 +162,8 @@ def correct_command(campaign: str, effects: tuple[str, ...], out: Path, force: b
 def diagnose_command(model: Path, auto: bool, as_json: bool, out: Path | None, **given: Any) -> None:
     """Which physical effect MODEL is missing, how surely, and what would confirm it; that nothing is; or that it is unknown.
 
-    DATA are the campaign folders of one series, and weigh, cog and pendulum files with them. With --auto every effect that is
+    DATA are the campaign folders of one series, files of tests, and weigh, cog and pendulum files with them; none where MODEL
+    names its tests. With --auto every effect that is
     found becomes a rung of MODEL's ladder, as `massline add` would make it; each is kept at once, and the same command goes on
     where an interruption fell. docs/diagnose.md says how to read the page.
 
@@ -293,7 +296,7 @@ def model_command(article: str, out: Path | None, force: bool, examine: bool, as
 
 @click.command("report")
 @click.argument("model", metavar="MODEL")
-@click.argument("data", nargs=-1, required=True, metavar="DATA ...")
+@click.argument("data", nargs=-1, metavar="[DATA ...]")
 @options.study
 @options.effects_from
 @click.option("--no-diagnosis", is_flag=True, help="Do not look for what is missing, which takes longest.")
@@ -308,7 +311,8 @@ def model_command(article: str, out: Path | None, force: bool, examine: bool, as
 def report_command(no_diagnosis: bool, pdf: bool, by: str, out: Path | None, **given: Any) -> None:
     """A report of MODEL and DATA as one HTML file that needs no network: figures to look into, tables that copy, room to sign.
 
-    DATA are the campaign folders of one series, and weigh, cog and pendulum files with them. The report compares, identifies and
+    DATA are the campaign folders of one series, files of tests, and weigh, cog and pendulum files with them; none where MODEL
+    names its tests. The report compares, identifies and
     diagnoses as the commands of these names do, shows the model's ladder, and says where every figure comes from. docs/report.md
     shows a page.
 

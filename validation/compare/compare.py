@@ -418,8 +418,8 @@ class Spot:
     data_set, configuration, run, axis : where
     row : the channel, or the load, that is worst
     of_load : whether it is a load
-    frequency : [Hz] of the peak
-    band : (low, high) [Hz]
+    frequency : [Hz] of the peak; NaN in a table of modes, which has no lines
+    band : (low, high) [Hz]; NaN there
     sigma : at the peak, in standard deviations
     counts : the same as it counts beside other rows
     percent : there, of what the channel reads, of the dynamic mass for a load
@@ -458,7 +458,8 @@ class Spot:
         beyond.
         """
         touching = self.band[0] <= other.band[1] + GAP and other.band[0] <= self.band[1] + GAP
-        alike = touching or bool(self.course and self.course == other.course)
+        of_modes = np.isnan(self.frequency) and np.isnan(other.frequency)
+        alike = touching or of_modes or bool(self.course and self.course == other.course)
         return self.row == other.row and alike and (not self.of_load or self.data_set == other.data_set)
 
 
@@ -539,8 +540,8 @@ def _spot(of: Map, run: int, sigma: Array, line: int, row: int, stretch: tuple[i
         axis=of.axes[run],
         row=of.rows[row],
         of_load=row >= of.channels,
-        frequency=float(of.frequency[line]),
-        band=band,
+        frequency=float(of.frequency[line]) if of.has_lines else np.nan,
+        band=band if of.has_lines else (np.nan, np.nan),
         sigma=float(sigma[line, row]),
         percent=float(of.percent[run, line, row]),
         course=trend.follows(driving, band, float(of.frequency[line])),
@@ -578,7 +579,7 @@ def text(spot: Spot, configurations: int = 2) -> str:
         low, high = (f"{one:.1f}" for one in spot.band)
     parts = [
         f"{SENSED.get(spot.row, spot.row)} in {run(spot.run, spot.axis)}{where}",
-        f"{low} Hz" if low == high else f"{low}-{high} Hz",
+        *([] if np.isnan(spot.frequency) else [f"{low} Hz" if low == high else f"{low}-{high} Hz"]),
         f"{two_digits(spot.sigma)} sigma",
         f"{two_digits(spot.percent)} % {share}",
         *([spot.course] if spot.course else []),
@@ -592,8 +593,8 @@ def text(spot: Spot, configurations: int = 2) -> str:
 
 
 def run(name: str, axis: str) -> str:
-    """ "the y-sweep", with the name of the run where that says more."""
+    """ "the y-sweep", with the name of the run where that says more; a mode of a table is called by its name."""
     if axis not in AXES:
-        return f"run {name}"
+        return name if name.startswith("mode ") else f"run {name}"
     swept = f"the {axis}-sweep" if axis in MOTIONS[:3] else f"the {axis} sweep"
     return swept if name == axis else f"{swept} ({name})"

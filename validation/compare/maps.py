@@ -410,6 +410,11 @@ class Map:
     remarks: tuple[str, ...] = field(default=())
 
     @property
+    def has_lines(self) -> bool:
+        """Whether they are those of a spectrum; a table of modes has one, a run a mode."""
+        return len(self.frequency) > 1
+
+    @property
     def sigma(self) -> Array:
         """(r, n, m) deviations in standard deviations."""
         return np.asarray(np.abs(self.deviation) / self.expected)

@@ -70,7 +70,8 @@ class ScoreTest:
         if self.information <= 0 or plausible <= self.tolerance:
             return np.inf
         narrow, wide = self.tolerance**2 + 1 / self.information, plausible**2 + 1 / self.information
-        return sqrt(2 * (evidence + 0.5 * log(wide / narrow)) / (1 / narrow - 1 / wide))
+        apart = (plausible - self.tolerance) * (plausible + self.tolerance)  # wide - narrow, however much larger both are
+        return sqrt(2 * (evidence + 0.5 * log(wide / narrow)) * narrow * wide / apart)
 
     def _against_nothing(self, spread: float) -> float:
         q, c = self.information, self.estimate

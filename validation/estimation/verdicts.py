@@ -153,10 +153,11 @@ def told(of: Evaluation, explained: ExplainedError, peak: float) -> tuple[Stated
     said = f"tolerances of the measurement let expect {percent(explained.measurement)}"
     if explained.with_modes > NOTICED * explained.measurement:
         said += f", with those of the modes up to {percent(explained.with_modes)}"
+    fmd = "the FMD identified, " if any(one.kind == IDENTIFIED for one in of.plain_fit.parameters) else ""
     plain = StatedError(
         name="plain error",
         figure=percent(of.plain.percent),
-        meaning="sensors as calibrated; the FMD identified, modes within what the model declares",
+        meaning=f"sensors as calibrated; {fmd}modes within what the model declares",
         verdict=FAILED if high else GOOD,
         text=f"{said}, but not where it fails, by up to {two_digits(peak)} sigma" if high else f"{said}, and nothing stands out",
     )

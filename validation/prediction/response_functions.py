@@ -179,7 +179,7 @@ class ResponseFunctionTest:
         # The offset of a gain that is known to a tolerance is what it is beyond 1, as the effect of its name has it
         gains = [replace(one, nominal=one.nominal - (not one.logarithmic)) for one in self._factors.values() if one.tolerance > 0]
         left, given = prediction_effects.opened([*self.structure.parameters, *gains], self.effects)
-        return (*left, *prediction_effects.parameters(self.effects)), given
+        return (*left, *prediction_effects.parameters(self.effects, self.structure)), given
 
 
 def of(structure: Nuisances, data: ResponseFunctions) -> tuple[ResponseFunctionTest, ...]:

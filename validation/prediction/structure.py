@@ -418,7 +418,7 @@ def joint_springs(structure: Structure, name: str) -> tuple[Array, Array] | None
     if kinds.shape[1] > 2:
         return None
     moved = np.zeros_like(structure.rigid)
-    one = own[side.ravel() == 0]
+    one = own[side.ravel() == np.argmax(np.bincount(side.ravel()))]  # where the other is guided, it moves in fewer ways
     moved[one] = structure.rigid[one]
     loads = np.asarray(K @ moved)
     whole = _symmetric(moved.T @ loads)
@@ -693,6 +693,11 @@ def _made(recipe: _Recipe) -> MountedArticle:
         found = users_model(recipe.own, recipe.stamp)
         damping = _damping(recipe) or found.damping
         if isinstance(found.model, Structure):
+            if not len(found.model.held):
+                support = "ground" if found.model.grounded else "free"
+                problem = f'is "{support}": it has no base that an FMD could carry'
+                remedy = 'State support = "base" with its interface; response functions and modal tables need none'
+                raise BadInput(source=recipe.own, field="fe_model.support", problem=problem, remedy=remedy)
             return _of_structure(recipe, found.model, damping, {}, None)
         frequency = found.model.frequency
         modal = found.model if damping is None else replace(found.model, viscous=damping_per_mode(damping, 2 * np.pi * frequency))

@@ -258,12 +258,20 @@ def html(report: Report, figures: Figures) -> Safe:
     return section("ladder", "The ladder", *said.html(figures), parts_notes(said.notes))
 
 
+BODIES = (
+    "Identified: CoG from the article's own origin, moments and products about it. Reference: the model with its effects.",
+    "Less reference: mass, moments in per cent, products in per cent of √(Θii Θjj), CoG in mm; σ: one standard deviation.",
+)
+"""What must be known to read what was identified."""
+
+
 def notes(at: HistoryPosition) -> Iterator[str]:
     """What must be known to read the tables, and what is odd."""
-    yield "Nominal: as it stands. Plain: tolerances of the measurement not fitted. Per cent of the force read. Evidence in nats."
+    bodies = any(one.bodies for one in at.ladder.rungs)
+    what = "the force" if bodies else "what is"
+    yield f"Nominal: as it stands. Plain: tolerances of the measurement not fitted. Per cent of {what} read. Evidence in nats."
     yield "Sum z²: of the tolerances, all fitted, and what is due where nothing is wrong."
-    yield "Identified: CoG from the article's own origin, moments and products about it. Reference: the model with its effects."
-    yield "Less reference: mass, moments in per cent, products in per cent of √(Θii Θjj), CoG in mm; σ: one standard deviation."
+    yield from BODIES if bodies else ()
     yield from history.conditions(at)
 
 

@@ -18,6 +18,9 @@ from validation.study import Study
 
 FILE = "league.toml"
 KEYS = ("name", "study", "data", "hold_out", "expected", "tuned_on")
+FIRST = 3
+"""Names of the ranking that JSON has of a set, accepted or not."""
+
 REFUSED = "refused"
 """Verdict on a set of which no diagnosis came."""
 
@@ -71,6 +74,7 @@ class Result:
             "said": self.said,
             "accepted": [] if of is None else [one.id for one in of.accepted],
             "class": [] if of is None else list(of.equivalence_class),
+            "first": [] if of is None else [one.id for one in of.ranking[:FIRST]],
             "error_before_percent": None if of is None else of.before.plain.percent,
             "error_after_percent": None if of is None else of.after.plain.percent,
             "tuned_on": self.entry.tuned_on,

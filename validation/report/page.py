@@ -112,7 +112,8 @@ class ReportSummary:
         runs, lines = sum(len(one.runs) for one in maps), sum(len(one.runs) * len(one.frequency) for one in maps)
         low, high = min(one.frequency[0] for one in maps), max(one.frequency[-1] for one in maps)
         files = f" and {classical} classical measurement{'s' if classical != 1 else ''}" if classical else ""
-        many = f"{len(maps)} campaign{'s' if len(maps) != 1 else ''}"
+        of = "campaign" if len(self.report.campaigns) == len(maps) else "data set"
+        many = f"{len(maps)} {of}{'s' if len(maps) != 1 else ''}"
         where = f"{lines} lines between {low:.4g} and {high:.4g} Hz"
         return joined(f"{self.report.comparison.title} was held against {many} of {runs} runs{files}: {where}.")
 
@@ -120,7 +121,8 @@ class ReportSummary:
         """How well it fits."""
         _, plain, _, held = self.report.comparison.errors
         of = self.report.comparison.evaluation
-        told = f"With the sensors as calibrated it misses the measured forces by {percent(of.plain.percent)} "
+        what = "the measured forces" if self.report.campaigns else "what was measured"
+        told = f"With the sensors as calibrated it misses {what} by {percent(of.plain.percent)} "
         if of.held_out is None:
             return joined(told, verdict(plain.verdict), ".")
         seen = f", those of data that no fit has seen by {percent(of.held_out.percent)} "
@@ -147,6 +149,8 @@ class ReportSummary:
     def inertia(self) -> Safe:
         """What the article weighs: with the effects of the model first, then from raw records; and what neither knows yet."""
         report = self.report
+        if not report.campaigns:
+            return Safe("No inertia was identified: that takes motions of a base and the forces below.")
         known = [(part, part.findings.article) for part in report.campaigns if part.findings is not None]
         alone = [part for part, article in known if article.split("+")[0] != FMD]
         told = [_from_records(part) for part in alone or [part for part, _ in known]]
@@ -210,10 +214,12 @@ def title_html(report: Report, figures: Figures) -> Safe:
     made, found = report.provenance, report.comparison
     counted = [(part.campaign, len(part.campaign.runs)) for part in report.campaigns]
     campaigns = [f"{one.title} ({one.source}, {runs} run{'s' if runs != 1 else ''})" for one, runs in counted]
+    tests = [one.data_set for one in found.maps[len(counted) :]]  # campaigns come first
     facts = {
         "model": found.source,
-        "articles": ", ".join(dict.fromkeys(one.article for one, _ in counted)),
-        "campaigns": "; ".join(campaigns),
+        "articles": ", ".join(dict.fromkeys(one.configuration for one in found.maps)),
+        **({"campaigns": "; ".join(campaigns)} if campaigns else {}),
+        **({"tests": "; ".join(tests)} if tests else {}),
         **({"classical": "; ".join(one.title for one in report.classical)} if report.classical else {}),
         **({"effects in it": ", ".join(found.effects)} if found.effects else {}),
         "date": made.when,

@@ -456,6 +456,8 @@ def heat_map(one: spec.HeatMap, dark: bool) -> "Figure":
         "len": 1.0,
         "outlinewidth": 1,
     }
+    of_modes = one.along == "mode"
+    where = "mode %{customdata[1]:.0f}" if of_modes else "%{customdata[1]:.2f} Hz"
     heat = go.Heatmap(
         x=np.asarray(thin.middle, dtype=np.float32),
         y=rows,
@@ -464,7 +466,7 @@ def heat_map(one: spec.HeatMap, dark: bool) -> "Figure":
         zmin=-0.5,
         zmax=len(spec.BOUNDS) - 0.5,
         hoverongaps=False,
-        hovertemplate="%{y}<br>%{customdata[1]:.2f} Hz: %{customdata[0]:.1f} σ<extra></extra>",
+        hovertemplate=f"%{{y}}<br>{where}: %{{customdata[0]:.1f}} σ<extra></extra>",
         colorbar=bar,
     )
     figure = go.Figure(heat)
@@ -475,7 +477,7 @@ def heat_map(one: spec.HeatMap, dark: bool) -> "Figure":
         figure.add_hline(rule - 0.5, line={"width": 1})
     axis = {"type": "category", "categoryorder": "array", "categoryarray": rows, "range": [len(rows) - 0.5, -0.5], "ticks": ""}
     figure.update_layout(yaxis={"showgrid": False, "tickmode": "array", "tickvals": rows, "tickfont": {"size": 11}, **axis})
-    figure.update_xaxes(title_text="frequency [Hz]", showgrid=False)
+    figure.update_xaxes(title_text=one.along, showgrid=False, **({"dtick": 1} if of_modes else {}))
     look = {"margin": {"l": 118, "r": 10}, "uirevision": escaped(one.title)}
     return dressed(figure, one.title, 130 + 15 * len(rows), dark, **look)
 

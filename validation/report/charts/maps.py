@@ -212,7 +212,10 @@ def labels(of: Map) -> tuple[str, ...]:
 
 
 def channels_of(of: Map, modes: Sequence[NamedMode]) -> list[spec.HeatMap]:
-    """A map a run, and one of the worst of all runs; cells of a row that nothing checks stay empty."""
+    """A map a run, and one of the worst of all runs; cells of a row that nothing checks stay empty.
+
+    Of a table of modes, which has no lines, the modes stand side by side, and a map of one mode is its column.
+    """
     sigma = np.where(np.isfinite(of.expected), of.sigma, np.nan)
     kinds = [name.partition("-")[0] for name in of.rows[: of.channels]]
     worst = spec.HeatMap(
@@ -224,6 +227,11 @@ def channels_of(of: Map, modes: Sequence[NamedMode]) -> list[spec.HeatMap]:
         rules=(of.channels,) if of.channels < len(of.rows) else (),
         finer=tuple(k for k in range(1, len(kinds)) if kinds[k] != kinds[k - 1]) if len(set(kinds)) <= 4 else (),
     )
+    if not of.has_lines:
+        numbers = np.arange(1.0, len(of.runs) + 1)
+        every = replace(worst, title="all modes", frequency=numbers, values=sigma[:, 0], modes=[], along="mode")
+        of_one = zip(of.runs, numbers, sigma, strict=True)
+        return [*(replace(every, title=name, frequency=np.array([k]), values=own) for name, k, own in of_one), every]
     runs = zip(of.runs, of.axes, sigma, strict=True)
     return [*(replace(worst, title=run(name, axis), values=own) for name, axis, own in runs), worst]
 
@@ -259,7 +267,8 @@ def draw_channels(of: Map, modes: Sequence[NamedMode], path: Path, note: str = "
     BadInput : the ending of `path` is unknown.
     """
     static.require_format(path)
-    *maps, _ = channels_of(of, modes)
+    *maps, every = channels_of(of, modes)
+    maps = maps if of.has_lines else [every]
     columns = min(3, len(maps))
     lines, most = -(-len(maps) // columns), len(of.rows)
     height = 1.9 + lines * (0.75 + 0.155 * most)
@@ -272,7 +281,7 @@ def draw_channels(of: Map, modes: Sequence[NamedMode], path: Path, note: str = "
         mesh = static.heat_map(axes, one, static.sigmas())
         axes.set_yticks(np.arange(most), one.rows if k % columns == 0 else [""] * most, parse_math=False)
         if k >= len(maps) - columns:
-            axes.set_xlabel("frequency [Hz]", fontsize=10)
+            axes.set_xlabel(one.along, fontsize=10)
     static.colour_bar(figure, mesh, (0.94, room["bottom"], 0.012, min(room["top"] - room["bottom"], 5.0 / height)))
     static.finish(figure, f"{of.data_set}: channels and loads", note, path)
 
@@ -331,7 +340,7 @@ def draw_runs(
     mesh = axes.pcolormesh(np.ma.masked_invalid(sigma), cmap=colours, norm=norm, edgecolors=spec.PAPER, linewidth=2)
     for (a, b), worst in np.ndenumerate(sigma):
         if np.isfinite(worst):
-            words = f"{worst:.{1 if worst < 100 else 0}f} σ\n{percent[a, b]:.2g} %"
+            words = f"{worst:.{1 if worst < 100 else 0}f} σ" + (f"\n{percent[a, b]:.2g} %" if np.isfinite(percent[a, b]) else "")
             axes.text(
                 b + 0.5, a + 0.5, words, ha="center", va="center", fontsize=9.5, color=spec.PAPER if worst >= 10 else spec.INK
             )

@@ -144,12 +144,13 @@ class HeatMap:
     Attributes
     ----------
     title : what it is of
-    frequency : (n,) [Hz]
+    frequency : (n,) [Hz]; of a table of modes their numbers
     rows : (m,) names, from top to bottom; a click tells one of them
     values : (n, m), sigmas if nothing else is said; NaN where nothing checks a row
     modes : name and eigenfrequency [Hz] of those to be marked
     rules : numbers of rows above which a line separates blocks
     finer : likewise, where a file has room for more
+    along : what stands on the axis below
     """
 
     title: str
@@ -159,6 +160,7 @@ class HeatMap:
     modes: Sequence[tuple[str, float]] = ()
     rules: tuple[int, ...] = ()
     finer: tuple[int, ...] = ()
+    along: str = "frequency [Hz]"
 
     @property
     def shown_modes(self) -> tuple[tuple[str, float], ...]:

@@ -306,7 +306,11 @@ def heat_map(axes: Axes, one: spec.HeatMap, scale: tuple[Any, Any]) -> Any:
     axes.set_facecolor("#9aa0a6")  # of a row that nothing checks
     colours, norm = scale
     look: dict[str, Any] = {"cmap": colours, "norm": norm, "shading": "nearest", "rasterized": True}
-    mesh = axes.pcolormesh(one.frequency, np.arange(len(one.rows)), np.ma.masked_invalid(one.values.T), **look)
+    numbers, rows = one.frequency, np.arange(len(one.rows), dtype=np.float64)
+    if len(numbers) == 1 or len(rows) == 1:  # a cell alone has no neighbour that tells how wide it is
+        numbers, rows = _edges(numbers), _edges(rows)
+        look["shading"] = "flat"
+    mesh = axes.pcolormesh(numbers, rows, np.ma.masked_invalid(one.values.T), **look)
     axes.invert_yaxis()
     axes.tick_params(labelsize=8, colors=spec.INK, length=2)
     axes.set_title(one.title, fontsize=10.5, loc="left", color=spec.INK, pad=9, parse_math=False)
@@ -315,6 +319,12 @@ def heat_map(axes: Axes, one: spec.HeatMap, scale: tuple[Any, Any]) -> Any:
     for _, f in one.shown_modes:
         axes.plot([f], [1.0], marker="v", markersize=5, color=spec.INK, transform=axes.get_xaxis_transform(), clip_on=False)
     return mesh
+
+
+def _edges(middles: Array) -> Array:
+    """(n + 1,) of cells about `middles`, the outer ones as wide as their neighbours, one alone of width 1."""
+    half = np.diff(middles) / 2 if len(middles) > 1 else np.array([0.5])
+    return np.concatenate([[middles[0] - half[0]], middles[:-1] + half[: len(middles) - 1], [middles[-1] + half[-1]]])
 
 
 def sigmas() -> tuple[Any, Any]:
