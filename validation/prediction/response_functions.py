@@ -86,8 +86,12 @@ class ResponseFunctionTest:
         return replace(self, measured=self.measured.on(runs), drives=kept)
 
     def with_effects(self, effects: Sequence[Added]) -> "ResponseFunctionTest":
-        """The same test by a model with these `effects` instead of its own; those that reach nothing here do nothing."""
-        return replace(self, effects=prediction_effects.reaching(effects, self.there))
+        """The same test by a model with these `effects` instead of its own.
+
+        Those that reach nothing here do nothing, nor does a fault of a gain of which nothing is known: it is open already.
+        """
+        opened = [one for one in effects if one.named.id not in self._factors or isfinite(self._factors[one.named.id].tolerance)]
+        return replace(self, effects=prediction_effects.reaching(opened, self.there))
 
     def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
         """The prediction at `offsets` and the lines with these indices; all lines by default.
