@@ -361,26 +361,21 @@ def write(model: Structure | Modes, path: str | Path, name: str = "", units: Uni
     kind = "modal" if isinstance(model, Modes) else "matrices"
     text = f'format = 1\n\n[fe_model]\nname = "{title}"\nkind = "{kind}"\nunits = "{units.name}"\n'
     text += f"reference_point = [{metres}]\n" if units.known else ""
-    text += _held_and_named(model) if isinstance(model, Structure) else ""
+    if isinstance(model, Structure):  # how it is held, what its joints are, and what is known of its parts
+        support = "base" if len(model.held) else "ground" if model.grounded else "free"
+        text += f'support = "{support}"\n'
+        supports = ", ".join(f'"{name}"' for name in model.supports)
+        text += f"supports = [{supports}]\n" if supports else ""
+        text += "".join(f'joints."{name}" = {{}}\n' for name in model.joints)
+        for part in dict.fromkeys((*model.part_stiffness, *model.part_mass)):
+            loss, tolerance = model.loss_factors.get(part), model.part_tolerances.get(part, {})
+            if loss is None and not tolerance:
+                continue
+            text += f'\n[fe_model.parts."{part}"]\n' + ("" if loss is None else f"loss_factor = {float(loss)!r}\n")
+            listed = ", ".join(f"{key} = {float(value)!r}" for key, value in tolerance.items())
+            text += f"tolerance = {{ {listed} }}\n" if tolerance else ""
     save = _save_npz if path.suffix.lower() == ".npz" else _save_hdf5
     atomic.write_with(path, lambda temporary: save(temporary, arrays, text))
-
-
-def _held_and_named(structure: Structure) -> str:
-    """Support, supports and joints of a description, and a table for each part that has a loss factor or a tolerance."""
-    support = "base" if len(structure.held) else "ground" if structure.grounded else "free"
-    text = f'support = "{support}"\n'
-    supports = ", ".join(f'"{name}"' for name in structure.supports)
-    text += f"supports = [{supports}]\n" if supports else ""
-    text += "".join(f'joints."{name}" = {{}}\n' for name in structure.joints)
-    for part in dict.fromkeys((*structure.part_stiffness, *structure.part_mass)):
-        loss, tolerance = structure.loss_factors.get(part), structure.part_tolerances.get(part, {})
-        if loss is None and not tolerance:
-            continue
-        text += f'\n[fe_model.parts."{part}"]\n' + ("" if loss is None else f"loss_factor = {float(loss)!r}\n")
-        listed = ", ".join(f"{key} = {float(value)!r}" for key, value in tolerance.items())
-        text += f"tolerance = {{ {listed} }}\n" if tolerance else ""
-    return text
 
 
 def _save_npz(path: Path, arrays: dict[str, Any], text: str) -> None:

@@ -209,6 +209,13 @@ def of(structure: Nuisances, data: ResponseFunctions) -> tuple[ResponseFunctionT
         # |H| sqrt((1 - g²) / (g² averages)), both parts together: J. S. Bendat and A. G. Piersol, Random Data, 2010, section 9.2
         g = np.clip(np.asarray(data.coherence)[:, kept], 1e-6, 1.0)
         noise = np.asarray(np.abs(values) * np.sqrt((1 - g) / (g * data.averages)))
+    share = data.share
+    if share is None:  # as far as readings of one number differ: linear, it answers at i to a force at j as at j to one at i
+        there = (data.frequency >= low) & (data.frequency <= high)
+        at = [next((c for c, point in enumerate(data.responses) if _same(drive, point)), -1) for drive in data.drives]
+        both = [k for k, c in enumerate(at) if c >= 0]
+        alike = data.values[both][:, there][:, :, [at[k] for k in both]]
+        share = series.repeatability(alike) if len(both) > 1 else 0.0
     test = ResponseFunctionTest(
         measured=measured(
             data.title,
@@ -217,7 +224,7 @@ def of(structure: Nuisances, data: ResponseFunctions) -> tuple[ResponseFunctionT
             {drive.name: one for drive, one in zip(data.drives, values, strict=True)},
             [one.name for one in data.responses],
             band=data.band,
-            share=_repeats(data) if data.share is None else data.share,
+            share=share,
             noise=noise,
         ),
         structure=structure,
@@ -228,34 +235,19 @@ def of(structure: Nuisances, data: ResponseFunctions) -> tuple[ResponseFunctionT
         force_gain=data.force_gain,
         decay_rate=data.decay_rate,
     )
-    return (test if data.scaled else replace(test, scale=_scale(test)),)
-
-
-def _scale(test: ResponseFunctionTest) -> float:
-    """The factor that brings the level of the model to that of the data, with the sign of power that goes in."""
+    if data.scaled:
+        return (test,)
+    # The level of the model brought to that of the data, with the sign of power that goes in
     found, read = test.at({}, derivatives=False).rows[..., 0], test.measured.values
     factor = float(np.median(np.abs(read)) / np.median(np.abs(found)))
     pairs = [(r, c) for r, drive in enumerate(test.drives) for c, at in enumerate(test.responses) if _same(drive, at)]
     turned = {"acceleration": 1.0, "velocity": 1j, "displacement": -1.0}[test.quantity]
     power = sum(float(np.sum((turned * read[r, :, c]).imag)) for r, c in pairs)
-    return -factor if power < 0 else factor
+    return (replace(test, scale=-factor if power < 0 else factor),)
 
 
 def _same(one: Point, other: Point) -> bool:
     return one.place == other.place and float(np.dot(np.asarray(one.direction), np.asarray(other.direction))) > 0.99
-
-
-def _repeats(data: ResponseFunctions) -> float:
-    """How far readings of one number differ, from pairs of functions that should be alike; 0 where there are none.
-
-    A linear structure answers at i to a force at j as at j to one at i.
-    """
-    there = (data.frequency >= data.band[0]) & (data.frequency <= data.band[1])
-    at = [next((c for c, point in enumerate(data.responses) if _same(drive, point)), -1) for drive in data.drives]
-    both = [k for k, c in enumerate(at) if c >= 0]
-    if len(both) < 2:
-        return 0.0
-    return series.repeatability(data.values[both][:, there][:, :, [at[k] for k in both]])
 
 
 def measured(

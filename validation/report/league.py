@@ -26,7 +26,7 @@ REFUSED = "refused"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Entry:
+class RealSet:
     """One real set.
 
     Attributes
@@ -59,7 +59,7 @@ class Result:
     found : the diagnosis; None where it refused
     """
 
-    entry: Entry
+    entry: RealSet
     verdict: str
     said: str
     found: Diagnosis | None = None
@@ -81,7 +81,7 @@ class Result:
         }
 
 
-def entries(folder: Path, data: Path) -> tuple[Entry, ...]:
+def real_sets(folder: Path, data: Path) -> tuple[RealSet, ...]:
     """The sets that ``league.toml`` in `folder` names, whose data lie in `data`.
 
     Raises
@@ -99,7 +99,7 @@ def entries(folder: Path, data: Path) -> tuple[Entry, ...]:
         toml_file.require_present(one, ("name", "study", "expected", "tuned_on"), source=str(source), where=where)
         paths = tuple(data / name for name in one.get("data", ()))
         found.append(
-            Entry(
+            RealSet(
                 name=one["name"],
                 study=folder / one["study"],
                 data=paths,
@@ -111,7 +111,7 @@ def entries(folder: Path, data: Path) -> tuple[Entry, ...]:
     return tuple(found)
 
 
-def result(entry: Entry, *, quiet: bool = False) -> Result:
+def result(entry: RealSet, *, quiet: bool = False) -> Result:
     """What a diagnosis says of one set."""
     try:
         with stages(entry.name, quiet=quiet) as told:
@@ -161,9 +161,9 @@ def answer(folder: Path, data: Path, names: tuple[str, ...], *, as_json: bool) -
 
     Raises
     ------
-    BadInput : see `entries`; a name that no set has; none of the data are there.
+    BadInput : see `real_sets`; a name that no set has; none of the data are there.
     """
-    every = entries(folder, data)
+    every = real_sets(folder, data)
     if unknown := set(names) - {one.name for one in every}:
         known = ", ".join(one.name for one in every)
         problem = f"no set is called {', '.join(sorted(unknown))}"
