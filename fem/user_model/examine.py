@@ -72,7 +72,7 @@ def examine(path: str | Path) -> Examination:
 
 
 def _as_read(path: str | Path, kind: str) -> Examination:
-    """What the reader says of a `kind` of model whose matrices are made here: it checks all that a description may be wrong in."""
+    """What the reader says of a `kind` of model whose matrices are made here: it checks all that may be wrong."""
     try:
         found = reading.load(path)
     except BadInput as error:

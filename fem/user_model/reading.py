@@ -213,7 +213,7 @@ def load(path: str | Path) -> UsersModel:
 
 
 def described_whole(path: str | Path) -> str:
-    """The kind of a model of which the TOML file at `path` says all but the mesh: its matrices are made here; empty for others."""
+    """The kind of a model whose matrices are made here, of what the TOML file at `path` says; empty for others."""
     path = Path(path)
     if path.suffix.lower() != ".toml":
         return ""
