@@ -373,7 +373,7 @@ def test_ctrl_c_in_the_middle_of_a_run_leaves_no_file(run, tmp_path, monkeypatch
 
         yield halfway
 
-    monkeypatch.setattr(runs, "percent", pressed)
+    monkeypatch.setattr(runs, "share_done", pressed)
     for route in ("linear", "exudyn", "large"):
         code, out, _ = run("excite", "disc", "--band", "8", "16", "--route", route, *FAST, "--out", "run.h5")
         assert (code, out) == (130, "")

@@ -103,7 +103,7 @@ def test_a_worker_ends_with_whoever_started_it(bare, tmp_path):
         one.stdin.write("x")
         one.stdin.flush()
         one.wait(30)
-    until = time.monotonic() + 3
+    until = time.monotonic() + 15
     while is_there(pid) and time.monotonic() < until:
         time.sleep(0.02)
     assert not is_there(pid)
