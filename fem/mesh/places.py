@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 import numpy.typing as npt
 
-from fem.beam.elements import IN_XY, IN_XZ, SIGN_XZ, Section, shape_functions
+from fem.beam.elements import IN_XY, IN_XZ, SIGN_XZ, shape_functions
 from fem.mesh import shells, solids
 from fem.mesh.description import PartTable
 from fem.structure import Sparse
@@ -222,7 +222,20 @@ class Elements:
             )
             foot = corners[0] + share * (corners[1] - corners[0])
             if section is not None:
-                moved, turned = _along_beam(corners, section.times(1.0), beam_axes(corners, table.z_axis), share)
+                # What the twelve degrees of freedom of the beam move and turn there, (3, 12) each, in the frame
+                beam, R = section.times(1.0), beam_axes(corners, table.z_axis)
+                length = float(np.linalg.norm(corners[1] - corners[0]))
+                moved, turned = np.zeros((2, 3, 12))
+                moved[0, [0, 6]] = turned[0, [3, 9]] = 1 - share, share
+                for planar, sign, bending, shear, row in (
+                    (IN_XY, np.ones(4), beam.bending_z, beam.shear_y, 1),
+                    (IN_XZ, SIGN_XZ, beam.bending_y, beam.shear_z, 2),
+                ):
+                    v, theta = shape_functions(np.array([share]), 12 * bending / (shear * length**2), length)
+                    moved[row, planar] = sign * v[:, 0]
+                    turned[3 - row, planar] = sign * theta[:, 0] * (1 if row == 1 else -1)
+                T = np.kron(np.eye(4), R)
+                moved, turned = np.asarray(R.T @ moved @ T), np.asarray(R.T @ turned @ T)
                 yield self._foot(block.part, tag, point, foot, size, table.reach, nodes, six, moved, turned)
             return
         for triangle, _ in shells.TRIANGLES[block.kind]:
@@ -286,23 +299,6 @@ def beam_axes(corners: Array, z_axis: Array | None) -> Array:
         raise ValueError("`z_axis` must not lie along the beam")
     z = z / length
     return np.array([along, np.cross(z, along), z])
-
-
-def _along_beam(corners: Array, section: Section, R: Array, share: float) -> tuple[Array, Array]:
-    """What the twelve degrees of freedom of a beam move and turn at `share` of its length, (3, 12) each, in the frame."""
-    length = float(np.linalg.norm(corners[1] - corners[0]))
-    moved, turned = np.zeros((2, 3, 12))
-    ends = np.array([1 - share, share])
-    moved[0, [0, 6]], turned[0, [3, 9]] = ends, ends
-    for dofs, sign, bending, shear, row in (
-        (IN_XY, np.ones(4), section.bending_z, section.shear_y, 1),
-        (IN_XZ, SIGN_XZ, section.bending_y, section.shear_z, 2),
-    ):
-        v, theta = shape_functions(np.array([share]), 12 * bending / (shear * length**2), length)
-        moved[row, dofs] = sign * v[:, 0]
-        turned[3 - row, dofs] = sign * theta[:, 0] * (1 if row == 1 else -1)
-    T = np.kron(np.eye(4), R)
-    return np.asarray(R.T @ moved @ T), np.asarray(R.T @ turned @ T)
 
 
 def _on_triangle(corners: Array, point: Array) -> Array:

@@ -63,7 +63,15 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
         for name, value in _table(table, "masses", source, where).items()
     }
     material, weighs = _material(table["material"], source, f"{where}.material")
-    count, across, section = _section(table["section"], material, source, f"{where}.section")
+    place = f"{where}.section"
+    sizes = toml_file.require_table(table["section"], source=source, where=place)
+    toml_file.require_known(sizes, SECTION, source=source, where=place)
+    toml_file.require_present(sizes, SECTION[:3], source=source, where=place)
+    width, thickness = (_size(sizes[key], "length", source, f"{place}.{key}") for key in SECTION[:2])
+    section, across = elements.rectangle(width, thickness, material), _direction(sizes["across"], source, f"{place}.across")
+    count = sizes.get("count", 1)  # how many stand side by side
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= 1000:
+        raise toml_file.wrong(count, "a whole number from 1 to 1000", source, f"{place}.count", "How many stand side by side")
     pieces = table.get("elements", 1)
     if isinstance(pieces, bool) or not isinstance(pieces, int) or not 1 <= pieces <= 100:
         raise toml_file.wrong(
@@ -227,19 +235,6 @@ def _material(value: Any, source: str, where: str) -> tuple[article.Material, bo
         bare = dimension == "ratio" and isinstance(value, int | float) and not isinstance(value, bool)
         sizes[key] = float(value) if bare else _size(value, dimension, source, f"{where}.{key}")
     return article.Material(name=source, **({"density": 1.0} | sizes)), "density" in table
-
-
-def _section(value: Any, material: article.Material, source: str, where: str) -> tuple[int, Array, elements.Section]:
-    """How many side by side, the direction (3,) in which they are thin, and one of them."""
-    table = toml_file.require_table(value, source=source, where=where)
-    toml_file.require_known(table, SECTION, source=source, where=where)
-    toml_file.require_present(table, SECTION[:3], source=source, where=where)
-    width, thickness = (_size(table[key], "length", source, f"{where}.{key}") for key in SECTION[:2])
-    count = table.get("count", 1)
-    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= 1000:
-        raise toml_file.wrong(count, "a whole number from 1 to 1000", source, f"{where}.count", "How many stand side by side")
-    across = _direction(table["across"], source, f"{where}.across")
-    return count, across, elements.rectangle(width, thickness, material)
 
 
 def _direction(value: Any, source: str, where: str) -> Array:

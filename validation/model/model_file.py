@@ -628,10 +628,17 @@ def text(model: Model) -> str:
         size = getattr(model.tolerances, name)
         near = {"position_mm": 1e3 * size, "angle_deg": degrees(size)}.get(key, size)
         tolerances.append((key, number(shortest(size, partial(si, name), near)), TOLERANCE_NOTES[name]))
+    if model.fmd is None:
+        # The drawing asked for, and its figures as a comment to write one's own over
+        drawn = routes.inertia(built_in(KNOWN_FMD, changes_of(KNOWN_FMD, model.changes)))
+        rounded = Inertia.from_cog(float(f"{drawn.mass:.4g}"), np.round(drawn.cog, 5), np.diag(np.round(drawn.moments_cog, 4)))
+        known = [("inertia", string(DRAWING), ""), *((f"# {key}", value, note) for key, value, note in _inertia_lines(rounded))]
+    else:
+        known = _inertia_lines(model.fmd)
     blocks = [
         block(f"{_HEAD}format = {toml_file.FORMAT}\n\n[model]", about),
         block("[laboratory]", laboratory),
-        block(_FMD, _fmd(model)),
+        block(_FMD, [*known, ("tolerance", number(model.fmd_tolerance), "")]),
         block("# What is not known of the measurement chain, one standard deviation each; 0 is exact.\n[tolerances]", tolerances),
         *_structure(model),
         "# Effects that were added, in the order in which they act; `massline add` writes them, `massline undo` takes them out.",
@@ -649,17 +656,6 @@ _FMD = """\
 # The FMD's moving part: its inertia as a tare or a drawing says, never assumed to be exact. `tolerance` is one standard deviation
 # of every parameter, as a share. inertia = "drawing" takes that of the built-in reconstruction; or state your own figures.
 [laboratory.fmd]"""
-
-
-def _fmd(model: Model) -> list[Line]:
-    if model.fmd is None:
-        # The drawing asked for, and its figures as a comment to write one's own over
-        drawn = routes.inertia(built_in(KNOWN_FMD, changes_of(KNOWN_FMD, model.changes)))
-        rounded = Inertia.from_cog(float(f"{drawn.mass:.4g}"), np.round(drawn.cog, 5), np.diag(np.round(drawn.moments_cog, 4)))
-        known = [("inertia", string(DRAWING), ""), *((f"# {key}", value, note) for key, value, note in _inertia_lines(rounded))]
-    else:
-        known = _inertia_lines(model.fmd)
-    return [*known, ("tolerance", number(model.fmd_tolerance), "")]
 
 
 def _inertia_lines(inertia: Inertia) -> list[Line]:

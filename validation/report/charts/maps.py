@@ -163,8 +163,13 @@ def draw_accelerances(
         upper.loglog(f, np.abs(values[:, channel]), color=spec.INK, linewidth=4, alpha=0.25, label="measured")
         for model, colour in zip(models, MODELS, strict=False):
             upper.loglog(f, np.abs(model.rows[k][:, channel]), color=colour, linewidth=1.2, label=model.name)
+            error = np.sum(np.abs(values - model.rows[k]) ** 2, axis=1) / np.sum(np.abs(values) ** 2, axis=1)
+            width = max(1, round(2 * SMOOTHED / float(f[1] - f[0])))
+            around = np.convolve(error, np.ones(width), mode="same")
+            smoothed = np.asarray(around / np.convolve(np.ones_like(error), np.ones(width), mode="same"))
+            lower.loglog(f, 100 * np.sqrt(smoothed), color=colour, linewidth=1.2)
         _dress(upper, f)
-        _errors(lower, measured, models, k)
+        _dress(lower, f)
         upper.set_title(name, fontsize=12, loc="left", color=spec.INK)
         lower.set_xlabel("frequency [Hz]", fontsize=10)
     panels[0, 0].set_ylabel("|acceleration / force| [1/kg]", fontsize=10)
@@ -172,17 +177,6 @@ def draw_accelerances(
     handles, labels = panels[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, fontsize=10, frameon=False, loc="upper right", bbox_to_anchor=(0.985, 0.95), ncols=len(labels))
     static.finish(figure, title, note, path, about)
-
-
-def _errors(axes: static.Axes, measured: Measured, models: Sequence[DrawnModel], run: int) -> None:
-    f, values = measured.frequency, measured.values[run]
-    for model, colour in zip(models, MODELS, strict=False):
-        error = np.sum(np.abs(values - model.rows[run]) ** 2, axis=1) / np.sum(np.abs(values) ** 2, axis=1)
-        width = max(1, round(2 * SMOOTHED / float(f[1] - f[0])))
-        around = np.convolve(error, np.ones(width), mode="same")
-        smoothed = np.asarray(around / np.convolve(np.ones_like(error), np.ones(width), mode="same"))
-        axes.loglog(f, 100 * np.sqrt(smoothed), color=colour, linewidth=1.2)
-    _dress(axes, f)
 
 
 def _dress(axes: static.Axes, f: Array) -> None:
