@@ -9,7 +9,6 @@ are as large as the distance of the modes (Craig & Kurdila, Fundamentals of Stru
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -84,8 +83,16 @@ class Damping:
                     f"it must not feed energy in, found a negative eigenvalue {lowest:g} rad/s",
                     "Check the signs of its entries",
                 )
-        if self.viscous is not None:
-            _check_sparse(self.viscous)
+        if (C := self.viscous) is not None:
+            if C.ndim != 2 or C.shape[0] != C.shape[1] or not np.all(np.isfinite(C.data)):
+                problem = f"a square sparse matrix of finite numbers is needed, found shape {C.shape}"
+                raise _bad("viscous", problem, "Check the file")
+            if np.abs((C - C.T).data).max(initial=0.0) > ROUNDING * np.abs(C.data).max(initial=0.0):
+                problem = "it must be symmetric, found entries that differ from their mirror"
+                raise _bad("viscous", problem, "Leave gyroscopic terms out")
+            if np.any(C.diagonal() < 0):
+                problem = f"it must not feed energy in, found {C.diagonal().min():g} on its diagonal"
+                raise _bad("viscous", problem, "Check the signs")
 
 
 def default_damping(structure: Structure) -> Damping:
@@ -198,16 +205,6 @@ def _require_losses(matrix: Array, scale: Array, name: str) -> None:
 
 def _symmetric(matrix: Array) -> Array:
     return np.asarray((matrix + matrix.T) / 2)
-
-
-def _check_sparse(matrix: Any) -> None:
-    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not np.all(np.isfinite(matrix.data)):
-        raise _bad("viscous", f"a square sparse matrix of finite numbers is needed, found shape {matrix.shape}", "Check the file")
-    scale = np.abs(matrix.data).max(initial=0.0)
-    if np.abs((matrix - matrix.T).data).max(initial=0.0) > ROUNDING * scale:
-        raise _bad("viscous", "it must be symmetric, found entries that differ from their mirror", "Leave gyroscopic terms out")
-    if np.any(matrix.diagonal() < 0):
-        raise _bad("viscous", f"it must not feed energy in, found {matrix.diagonal().min():g} on its diagonal", "Check the signs")
 
 
 def _bad(name: str, problem: str, remedy: str) -> BadInput:

@@ -106,6 +106,11 @@ def named_file(name: str, folder: Path, source: str, where: str) -> Path:
     return there
 
 
+def wrong(found: object, wanted: str, source: str, where: str, remedy: str = "Correct it") -> BadInput:
+    """The refusal of what `source` has at `where`: `found` in place of what is `wanted`."""
+    return BadInput(source=source, field=where, problem=f"must be {wanted}, found {found!r}", remedy=remedy)
+
+
 def shipped(package: str, *path: str) -> dict[str, Any]:
     """The table in a file that comes with massline, at `path` in the folder of `package`."""
     return parse(files(package).joinpath(*path).read_text(encoding="utf-8"), path[-1])

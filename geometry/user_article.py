@@ -175,18 +175,18 @@ def _part(entry: Any, number: int, path: Path, own: Mapping[str, Material]) -> P
         whole = _named(entry["material"], source, f"{where}.material", own)
     several = entry.get("materials", {})
     if not isinstance(several, dict):
-        raise _wrong(several, "a table of body = material", source, f"{where}.materials")
+        raise toml_file.wrong(several, "a table of body = material", source, f"{where}.materials")
     materials = {body: _named(value, source, f"{where}.materials.{body}", own) for body, value in several.items()}
     body = entry.get("body")
     if body is not None and (isinstance(body, bool) or not isinstance(body, str | int)):
-        raise _wrong(body, "a body's name (STEP) or its number from 1 (mesh)", source, f"{where}.body")
+        raise toml_file.wrong(body, "a body's name (STEP) or its number from 1 (mesh)", source, f"{where}.body")
     # Turned about the article's x, then y, then z, then carried to its position
     threes = []
     for key in ("position_mm", "rotation_deg"):
         found = entry.get(key, [0, 0, 0])
         numbers = isinstance(found, list) and all(isinstance(v, int | float) and not isinstance(v, bool) for v in found)
         if not numbers or len(found) != 3 or not np.isfinite(np.array(found, dtype=np.float64)).all():
-            raise _wrong(found, "three finite numbers", source, f"{where}.{key}")
+            raise toml_file.wrong(found, "three finite numbers", source, f"{where}.{key}")
         threes.append(np.array(found, dtype=np.float64))
     x, y, z = np.deg2rad(threes[1])
     turn = rotation_about("z", z) @ rotation_about("y", y) @ rotation_about("x", x)
@@ -204,7 +204,7 @@ def _part(entry: Any, number: int, path: Path, own: Mapping[str, Material]) -> P
 
 def _named(value: Any, source: str, where: str, own: Mapping[str, Material]) -> Material:
     if not isinstance(value, str):
-        raise _wrong(value, "a name of a material or a density as text", source, where)
+        raise toml_file.wrong(value, "a name of a material or a density as text", source, where)
     return made_of(value, f"{source}, {where}", own)
 
 
@@ -240,12 +240,8 @@ def own_material(name: str, entry: Any, source: str, where: str) -> Material:
 def _text(table: dict[str, Any], key: str, source: str, where: str) -> str | None:
     found = table.get(key)
     if found is not None and not isinstance(found, str):
-        raise _wrong(found, "text", source, f"{where}.{key}")
+        raise toml_file.wrong(found, "text", source, f"{where}.{key}")
     return found
-
-
-def _wrong(found: Any, wanted: str, source: str, where: str) -> BadInput:
-    return BadInput(source=source, field=where, problem=f"must be {wanted}, found {found!r}", remedy="Correct it")
 
 
 # `UserPart` and `UserArticle`: bodies as files have them, where `geometry.article` has drawings of primitives.

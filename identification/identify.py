@@ -18,7 +18,7 @@ from geometry.frames import Array
 from geometry.inertia import Inertia
 from identification import dynamic_mass
 from identification.base_motion import BaseMotion, Exclusions, Resultants, base_motion, resultants
-from identification.campaign import Campaign, problems_of_runs
+from identification.campaign import problems_of_runs
 from identification.consistency import Finding
 from identification.dynamic_mass import CrossMotion, Estimate, from_runs
 from identification.plain import covariance_of, of_tares, plain, tolerances_of
@@ -91,10 +91,25 @@ def identify(request: Request, progress: Progress | None = None) -> Identificati
         source = request.campaign.source
         raise BadInput(source=source, field=error.field, problem=error.problem, remedy=error.remedy) from None
     left_out = estimate.excitation.excluded(request.condition_limit)
-    _require_lines(left_out, request.campaign)
+    if np.count_nonzero(left_out.kept) < 2:
+        why = f": {'; '.join(left_out.reasons)}" if left_out.reasons else ""
+        raise BadInput(
+            source=request.campaign.source,
+            field="runs",
+            problem=f"the base motions are told apart at hardly any line{why}",
+            remedy="Drive every one of the six axes in a run of its own, or raise --condition-limit",
+        )
 
     # What is to be taken for rigid is cut well below its first resonance, as far as one would keep of it by hand
-    resonance, warnings = None, _warnings(request, article, tares)
+    warnings = [*request.campaign.warnings, *article.warnings]
+    for tare, read in zip(request.tares, tares, strict=True):
+        warnings += [f"{tare.campaign.article}: {text}" for text in (*tare.campaign.warnings, *read.warnings)]
+    processing = request.campaign.processing
+    if processing is not None and processing.method != request.method and article.method != "spectra":
+        asked = processing.method
+        warnings.append(f"campaign.toml asks for {asked}, {request.method} was used; --spectra {asked} follows the file")
+    warnings = list(dict.fromkeys(warnings))
+    resonance = None
     if request.modes == 0:
         H, kept = estimate.dynamic_mass, left_out.kept
         resonance = first_resonance(replace(H, frequency=H.frequency[kept], matrix=H.matrix[kept]))
@@ -181,34 +196,6 @@ def first_resonance(dynamic_mass: DynamicMass) -> float | None:
 
 def _between(tell: Progress, start: float, end: float) -> Progress:
     return lambda share: tell(start + (end - start) * share)
-
-
-def _require_lines(left_out: Exclusions, campaign: Campaign) -> None:
-    """Refuse a campaign whose runs tell six motions apart nowhere.
-
-    Raises
-    ------
-    BadInput : hardly any line is left.
-    """
-    if np.count_nonzero(left_out.kept) < 2:
-        why = f": {'; '.join(left_out.reasons)}" if left_out.reasons else ""
-        raise BadInput(
-            source=campaign.source,
-            field="runs",
-            problem=f"the base motions are told apart at hardly any line{why}",
-            remedy="Drive every one of the six axes in a run of its own, or raise --condition-limit",
-        )
-
-
-def _warnings(request: Request, article: Spectra, tares: Sequence[Spectra]) -> list[str]:
-    said = [*request.campaign.warnings, *article.warnings]
-    for tare, read in zip(request.tares, tares, strict=True):
-        said += [f"{tare.campaign.article}: {text}" for text in (*tare.campaign.warnings, *read.warnings)]
-    processing = request.campaign.processing
-    if processing is not None and processing.method != request.method and article.method != "spectra":
-        asked = processing.method
-        said.append(f"campaign.toml asks for {asked}, {request.method} was used; --spectra {asked} follows the file")
-    return list(dict.fromkeys(said))
 
 
 # What a campaign that has not been run would tell: the covariance of the joint fit at its own solution, before any data.

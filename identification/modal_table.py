@@ -133,8 +133,17 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
         name = "shapes_deviation"
         deviation = _deviation(table.get(name), SHAPE_DEVIATION, largest, warnings, f"{name} of {source}", source, name)
     elif shapes is not None and deviation is not None:
-        deviation, said = _at_the_scale(shapes, deviation, points)
-        warnings += said
+        # Instead of none at the component to which a shape was scaled what is usual of that shape
+        found = np.array(deviation)
+        none = (deviation >= 0) & (deviation <= NOTHING * np.abs(shapes).max(axis=1, keepdims=True))
+        for k, at in enumerate(none):
+            if at.any() and not at.all():
+                found[k, at] = np.median(deviation[k, ~at])
+                names = ", ".join(point.name for point, one in zip(points, at, strict=True) if one)
+                warnings.append(
+                    f"mode {k + 1} has no deviation at {names}, to which it was scaled; the median of its others is taken"
+                )
+        deviation = found
     for name, values in (*columns.items(), ("shapes_deviation", deviation)):
         if values is not None and name.endswith("deviation") and not np.all(values > 0):
             problem = f"a standard deviation must be positive, found {values.min():g}"
@@ -176,18 +185,6 @@ NOTHING = 1e-9
 """Share of a shape's largest component up to which a deviation is none."""
 
 
-def _at_the_scale(shapes: Samples, deviation: Array, points: tuple[Point, ...]) -> tuple[Array, list[str]]:
-    """`deviation` (m, s), and instead of none at the component to which a shape was scaled what is usual of that shape."""
-    found, said = np.array(deviation), []
-    none = (deviation >= 0) & (deviation <= NOTHING * np.abs(shapes).max(axis=1, keepdims=True))
-    for k, at in enumerate(none):
-        if at.any() and not at.all():
-            found[k, at] = np.median(deviation[k, ~at])
-            names = ", ".join(point.name for point, one in zip(points, at, strict=True) if one)
-            said.append(f"mode {k + 1} has no deviation at {names}, to which it was scaled; the median of its others is taken")
-    return found, said
-
-
 def _frequencies(table: Mapping[str, Any], source: str, folder: Path) -> dict[str, Array]:
     """``frequency`` and what else is stated of every mode, by name."""
     stated = table["frequencies"]
@@ -206,7 +203,18 @@ def _frequencies(table: Mapping[str, Any], source: str, folder: Path) -> dict[st
     found = {"frequency": stated, **({"damping": table["damping"]} if "damping" in table else {})}
     columns: dict[str, Array] = {}
     for name, values in found.items():
-        pairs = _pairs(values, "frequency" if name == "frequency" else "ratio", source, name)
+        if not isinstance(values, list) or not values:
+            problem = f"must be a list of one number a mode, found {values!r}"
+            raise BadInput(source=source, field=name, problem=problem, remedy="Write frequencies = [4.06, 4.55]")
+        pairs = list[tuple[float, float]]()
+        for one in values:
+            if isinstance(one, str):
+                made = toml_file.quantity(one, "frequency" if name == "frequency" else "ratio", source=source, field=name)
+                pairs.append((float(made.n), float(made.s)))
+            elif isinstance(one, int | float) and not isinstance(one, bool) and np.isfinite(one):
+                pairs.append((float(one), 0.0))
+            else:
+                raise BadInput(source=source, field=name, problem=f"must be a number, found {one!r}", remedy="Correct it")
         columns[name] = np.array([value for value, _ in pairs])
         if all(sd > 0 for _, sd in pairs):
             columns[f"{name}_deviation"] = np.array([sd for _, sd in pairs])
@@ -238,23 +246,6 @@ def _of_universal(path: Path, table: Mapping[str, Any], source: str) -> tuple[di
     if all(one.damping_ratio > 0 for one in file.modes):
         columns["damping"] = np.array([one.damping_ratio for one in file.modes])
     return columns, points, np.array([[mode[k, axis] for k, axis in there] for mode in whole])
-
-
-def _pairs(values: Any, dimension: str, source: str, field: str) -> list[tuple[float, float]]:
-    """Of every mode a value and its standard deviation, 0 where it is not stated."""
-    if not isinstance(values, list) or not values:
-        problem = f"must be a list of one number a mode, found {values!r}"
-        raise BadInput(source=source, field=field, problem=problem, remedy="Write frequencies = [4.06, 4.55]")
-    found = []
-    for one in values:
-        if isinstance(one, str):
-            made = toml_file.quantity(one, dimension, source=source, field=field)
-            found.append((float(made.n), float(made.s)))
-        elif isinstance(one, int | float) and not isinstance(one, bool) and np.isfinite(one):
-            found.append((float(one), 0.0))
-        else:
-            raise BadInput(source=source, field=field, problem=f"must be a number, found {one!r}", remedy="Correct it")
-    return found
 
 
 def _shapes(

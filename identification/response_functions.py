@@ -158,21 +158,48 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ResponseFun
     quantity, factor = _unit(table, source)
     entries = [(toml_file.named_file(str(entry["path"]), folder, source, "files"), entry) for entry in _entries(table, source)]
     warnings: list[str] = []
+    inverted = bool(table.get("inverted", False))
     if "records" in table:
         pieces, reach, warnings = _of_records(entries, table, source)
     else:
-        pieces, reach = [piece for path, entry in entries for piece in _read(path, entry, table, source)], inf
-        quantity = _quantity(pieces, table, quantity, source)
+        pieces, reach = [], inf
+        for path, entry in entries:
+            if path.suffix.lower() in uff.ENDINGS:
+                pieces += _of_universal(path, table, source)
+                continue
+            drive, responses = points_of(entry, table, source)
+            if path.suffix.lower() in SIGNALS:
+                frequency, functions = _of_signals(path, entry, responses, source)
+            else:
+                frequency, functions = _of_text(path, entry, table, responses, source)
+            pieces += [
+                Piece(source=str(path), drive=drive, response=at, frequency=frequency, values=1 / one if inverted else one)
+                for at, one in zip(responses, functions, strict=True)
+            ]
+        said = {one.quantity: one.source for one in pieces if one.quantity}  # by files that say it
+        if len(said) > 1:
+            problem = f"functions of {' and of '.join(said)} stand together"
+            raise BadInput(source=source, field="quantity", problem=problem, remedy="Make a test of each")
+        if said and "quantity" in table and quantity not in said:
+            problem = f"is {quantity}, and {next(iter(said.values()))} says {next(iter(said))}"
+            raise BadInput(source=source, field="quantity", problem=problem, remedy="Correct it")
+        quantity = next(iter(said), quantity)
     decay = _number(table.get("records", table), "decay", 0.0, source)
     pieces = [replace(one, values=factor * one.values) for one in pieces]
     whole = assembled(pieces, source)
-    low, high = whole.frequency[0] or whole.frequency[1], min(whole.frequency[-1], reach)
+    low, high = float(whole.frequency[0] or whole.frequency[1]), float(min(whole.frequency[-1], reach))
+    stated = table.get("band")
+    band = [low, high] if stated is None else stated
+    good = isinstance(band, list) and len(band) == 2 and all(isinstance(one, int | float) for one in band)
+    if stated is not None and (not good or not 0 < band[0] < band[1] or band[0] >= high or band[1] <= low):
+        problem = f"must be [low, high] in Hz within {low:g} to {high:g}, found {band!r}"
+        raise BadInput(source=source, field="band", problem=problem, remedy="Write band = [5, 200]")
     return replace(
         whole,
         title=str(table.get("title", Path(source).stem)),
         article=str(table["article"]),
         quantity=quantity,
-        band=_band(table.get("band"), low, high, source),
+        band=(float(band[0]), float(band[1])),
         gain=_tolerance(table.get("gain", GAIN), source, "gain"),
         force_gain=_tolerance(table.get("force_gain", GAIN), source, "force_gain"),
         scaled=table.get("gain") != "unknown" and table.get("force_gain") != "unknown",
@@ -319,16 +346,6 @@ def _tolerance(value: Any, source: str, field: str) -> float:
     return float(value)
 
 
-def _band(value: Any, low: float, high: float, source: str) -> tuple[float, float]:
-    if value is None:
-        return float(low), float(high)
-    good = isinstance(value, list) and len(value) == 2 and all(isinstance(one, int | float) for one in value)
-    if not good or not 0 < value[0] < value[1] or value[0] >= high or value[1] <= low:
-        problem = f"must be [low, high] in Hz within {low:g} to {high:g}, found {value!r}"
-        raise BadInput(source=source, field="band", problem=problem, remedy="Write band = [5, 200]")
-    return float(value[0]), float(value[1])
-
-
 # Files.
 
 SIGNALS = (".mat", ".h5", ".hdf5")
@@ -352,21 +369,6 @@ def _entries(table: Mapping[str, Any], source: str) -> list[dict[str, Any]]:
         defaults = {key: table[key] for key in ("drive", "responses", "columns") if key in table}
         found.append({**defaults, **entry})
     return found
-
-
-def _read(path: Path, entry: Mapping[str, Any], table: Mapping[str, Any], source: str) -> list[Piece]:
-    """The functions in one file."""
-    if path.suffix.lower() in uff.ENDINGS:
-        return _of_universal(path, table, source)
-    drive, responses = points_of(entry, table, source)
-    if path.suffix.lower() in SIGNALS:
-        frequency, functions = _of_signals(path, entry, responses, source)
-    else:
-        frequency, functions = _of_text(path, entry, table, responses, source)
-    if table.get("inverted", False):
-        functions = [1 / one for one in functions]
-    pairs = zip(responses, functions, strict=True)
-    return [Piece(source=str(path), drive=drive, response=at, frequency=frequency, values=one) for at, one in pairs]
 
 
 def points_of(entry: Mapping[str, Any], table: Mapping[str, Any], source: str) -> tuple[Point, list[Point]]:
@@ -525,18 +527,6 @@ def _of_universal(path: Path, table: Mapping[str, Any], source: str) -> list[Pie
             )
         )
     return found
-
-
-def _quantity(pieces: Sequence[Piece], table: Mapping[str, Any], stated: str, source: str) -> str:
-    """What all `pieces` are of, by their files where these say it."""
-    said = {one.quantity: one.source for one in pieces if one.quantity}
-    if len(said) > 1:
-        problem = f"functions of {' and of '.join(said)} stand together"
-        raise BadInput(source=source, field="quantity", problem=problem, remedy="Make a test of each")
-    if said and "quantity" in table and stated not in said:
-        problem = f"is {stated}, and {next(iter(said.values()))} says {next(iter(said))}"
-        raise BadInput(source=source, field="quantity", problem=problem, remedy="Correct it")
-    return next(iter(said), stated)
 
 
 def _of_signals(

@@ -387,7 +387,19 @@ def respond_of_plan(
             settle(scene)
         path = targets(motion, steps, velocity=False)
         steering = Drive(scene, table.axes, path, motion.sampling_rate * steps, progress)
-        stopped = driven_run.integrate(scene, _simulation(exudyn, motion, solver, steps), steering)
+        # Newton's iteration ends by its increments, for the residual of a stiff beam is the rounding of large internal forces.
+        # Increments tell nothing of the joints' forces, so every step has a Jacobian of its own: with that of a table turned
+        # otherwise the moments are 18 % off after a radian while the coordinates are right to the last digit.
+        rate = motion.sampling_rate
+        travel = max(1.0, float(np.abs(motion.displacement).max()))
+        allowed = max(solver.tolerance * float(np.abs(motion.acceleration).max()) / (rate * steps) ** 2, ROUNDING * travel)
+        samples = len(motion.acceleration)
+        run = driven_run.simulation(exudyn, solver, rate=rate, samples=samples, subdivision=steps, residual=allowed)
+        run.linearSolverType = exudyn.LinearSolverType.EigenSparse
+        newton = run.timeIntegration.newton
+        newton.residualMode, newton.modifiedNewtonJacUpdatePerStep = 1, True
+        newton.relativeTolerance = allowed  # exudyn wants both tolerances alike in this mode
+        stopped = driven_run.integrate(scene, run, steering)
         if stopped is None:
             said = {f.name: getattr(conditions, f.name) for f in fields(conditions)}
             said |= {"places": {name: place.tolist() for name, place in conditions.places.items()}, "route": ROUTE}
@@ -456,24 +468,6 @@ def _assembled(exudyn: Any, plan: Plan, motion: BaseMotion, conditions: Conditio
     )
     scene.system.Assemble()
     return scene, table
-
-
-def _simulation(exudyn: Any, motion: BaseMotion, solver: Solver, steps: int) -> Any:
-    """Newton's iteration ends by its increments, for the residual of a stiff beam is the rounding of its large internal forces.
-
-    Increments tell nothing of the joints' forces, so every step has a Jacobian of its own: with that of a table turned otherwise
-    the moments are 18 % off after a radian while the coordinates are right to the last digit.
-    """
-    rate = motion.sampling_rate
-    travel = max(1.0, float(np.abs(motion.displacement).max()))
-    allowed = max(solver.tolerance * float(np.abs(motion.acceleration).max()) / (rate * steps) ** 2, ROUNDING * travel)
-    samples = len(motion.acceleration)
-    settings = driven_run.simulation(exudyn, solver, rate=rate, samples=samples, subdivision=steps, residual=allowed)
-    settings.linearSolverType = exudyn.LinearSolverType.EigenSparse
-    newton = settings.timeIntegration.newton
-    newton.residualMode, newton.modifiedNewtonJacUpdatePerStep = 1, True
-    newton.relativeTolerance = allowed  # exudyn wants both tolerances alike in this mode
-    return settings
 
 
 def _turned_each(turned: Callable[[Array], Array], six: Array) -> Array:

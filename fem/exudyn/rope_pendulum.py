@@ -403,7 +403,19 @@ def swing(
     }
     with running(TASK) as exudyn:
         model = _RopeBuilder(exudyn, work).build(start, velocity, torsional, stretching)
-        Watch(steps=steps, step=h, progress=progress).run(model.system, _solver(exudyn, work, h, steps, every), TASK)
+        controls = exudyn.SimulationSettings()
+        controls.solution.file.write = False
+        controls.solution.sensors.writePeriod = h * every
+        run = controls.timeIntegration
+        run.numberOfSteps, run.endTime = steps, h * steps
+        run.generalizedAlpha.spectralRadius = RADIUS
+        run.newton.useModifiedNewton = True
+        run.newton.relativeTolerance = 1e-11  # at 1e-8, exudyn's own, small swings came out too fast by 1e-6
+        run.adaptiveStep = False  # a step that fails is said, not made a hundred times smaller in silence
+        # What the rounding of places makes of the force of a stiff link cannot be iterated away.
+        stiffest = max((1 / c for c in work.compliance if c), default=0.0) * float(work.link_lengths.max())
+        run.newton.absoluteTolerance = 1e-14 * work.body.mass * work.gravity + 20 * np.finfo(float).eps * stiffest * work.links
+        Watch(steps=steps, step=h, progress=progress).run(model.system, controls, TASK)
         return _told(model, work, small, settings)
 
 
@@ -422,23 +434,6 @@ def coarsest_step(small: Swings, *, stretching: bool) -> float:
     """The longest step [s] with which `swing` gives a period of the body and not of the method."""
     slow = small.period / LEAST_STEPS
     return slow if stretching else min(slow, RESOLVED / float(small.omega[-1]))
-
-
-def _solver(exudyn: Any, work: Ropework, h: float, steps: int, every: int) -> Any:
-    """Exudyn's settings of the run."""
-    settings = exudyn.SimulationSettings()
-    settings.solution.file.write = False
-    settings.solution.sensors.writePeriod = h * every
-    run = settings.timeIntegration
-    run.numberOfSteps, run.endTime = steps, h * steps
-    run.generalizedAlpha.spectralRadius = RADIUS
-    run.newton.useModifiedNewton = True
-    run.newton.relativeTolerance = 1e-11  # at 1e-8, exudyn's own, small swings came out too fast by 1e-6
-    run.adaptiveStep = False  # a step that fails is said, not made a hundred times smaller in silence
-    # What the rounding of places makes of the force of a stiff link cannot be iterated away.
-    stiffest = max((1 / c for c in work.compliance if c), default=0.0) * float(work.link_lengths.max())
-    run.newton.absoluteTolerance = 1e-14 * work.body.mass * work.gravity + 20 * np.finfo(float).eps * stiffest * work.links
-    return settings
 
 
 def _told(model: Model, work: Ropework, small: Swings, settings: dict[str, object]) -> Swing:

@@ -9,7 +9,7 @@ import numpy as np
 
 from fem.beam.elements import Section, moduli, rectangle, tube
 from fem.user_model import description as text
-from fem.user_model import units as units_of_model
+from fem.user_model import parts, units
 from geometry import toml_file, user_article
 from geometry.article import Material
 from geometry.errors import BadInput
@@ -19,13 +19,11 @@ from geometry.inertia import Inertia, judge
 KINDS = ("mesh", "assembly")
 """A mesh with groups, and STEP bodies that are meshed here; a part is a group or a body."""
 
-SUPPORTS = ("base", "ground", "free")
 _KEYS = (
     *("name", "kind", "units", "file", "support", "interface", "reference_point", "places", "parts", "groups"),
     *("springs", "joints", "masses", "links", "loss_factor", "size"),
 )
 _PART = ("material", "thickness", "section", "loss_factor", "tolerance")
-TOLERANCES = ("modulus", "density", "loss_factor", "thickness")
 
 At = int | str | tuple[float, float, float]
 """Where something is: the number of a node, the name of a group, box or place, or coordinates [m]."""
@@ -66,7 +64,7 @@ class PartTable:
     reach : [m] how far the surface of its beams is from their axis
     varied : whether its beams have a thickness
     loss_factor : [1], None where none is known
-    tolerance : relative standard deviations, by `TOLERANCES`
+    tolerance : relative standard deviations, by `parts.TOLERANCES`
     """
 
     material: Material
@@ -121,7 +119,7 @@ class MeshDescription:
     source, name, kind : where the text stands, what the model is called, one of `KINDS`
     file : mesh or STEP file
     length : unit of the mesh's coordinates [m]
-    support : one of `SUPPORTS`
+    support : one of `parts.SUPPORTS`
     interface : groups, boxes, links or node numbers that the base carries or the ground holds
     reference_point : (3,) [m]
     size : largest edge of an element of an assembly [m], None for what thickness asks for
@@ -223,8 +221,8 @@ class _Table:
             source=self.source,
             where=f"{self.where}.tolerance",
             table=toml_file.require_table(self.table.get("tolerance", {}), source=self.source, where=f"{self.where}.tolerance"),
-        ).known(TOLERANCES)
-        loss = self.number("loss_factor", 2.0)
+        ).known(parts.TOLERANCES)
+        loss = parts.loss_factor(self.table, self.source, self.where)
         given = next((each for each in (loss, material.loss_factor, whole) if each is not None), None)
         return PartTable(
             material=material,
@@ -243,19 +241,7 @@ class _Table:
         if isinstance(value, str):
             found = user_article.made_of(value, f"{self.source}, {where}")
         elif isinstance(value, dict):
-            own = _Table(source=self.source, where=where, table=value).known(
-                ("density", "youngs_modulus", "poisson_ratio", "loss_factor")
-            )
-            ratio = value.get("poisson_ratio")
-            if isinstance(ratio, bool) or not isinstance(ratio, int | float):
-                raise own.wrong("poisson_ratio", "a number", "Steel has 0.3")
-            found = Material(
-                name=where,
-                density=own.quantity("density", "density"),
-                youngs_modulus=own.quantity("youngs_modulus", "pressure"),
-                poisson_ratio=float(ratio),
-                loss_factor=own.number("loss_factor", 2.0),
-            )
+            found = user_article.own_material(where, value, self.source, where)
         else:
             remedy = 'Write material = "steel", or { density = "7850 kg/m^3", youngs_modulus = "210 GPa", poisson_ratio = 0.3 }'
             raise self.wrong("material", "a name or a table", remedy)
@@ -296,10 +282,7 @@ class _Table:
         return np.array([np.minimum(*corners), np.maximum(*corners)])
 
     def stiffness(self) -> Array:
-        found = self.quantities("stiffness", _SIX)
-        if np.any(found < 0) or not np.any(found > 0):
-            raise self.wrong("stiffness", "six numbers of which none is negative and one positive", "Correct it")
-        return found
+        return parts.six_stiffnesses(self.table.get("stiffness"), units.SI, self.source, f"{self.where}.stiffness")
 
     def spring(self) -> Spring:
         if "between" in self.table:
@@ -311,15 +294,10 @@ class _Table:
         return Spring(at=(self.at("at"),), stiffness=self.stiffness())
 
     def joint(self) -> Joint:
-        parts = self.table.get("between")
-        if (
-            not isinstance(parts, list)
-            or len(parts) != 2
-            or not all(isinstance(part, str) for part in parts)
-            or parts[0] == parts[1]
-        ):
+        ends = self.table.get("between")
+        if not isinstance(ends, list) or len(ends) != 2 or not all(isinstance(part, str) for part in ends) or ends[0] == ends[1]:
             raise self.wrong("between", "the names of two parts", 'Write it like between = ["deck", "rail"]')
-        return Joint(between=(parts[0], parts[1]), at=self.at("at"), stiffness=self.stiffness())
+        return Joint(between=(ends[0], ends[1]), at=self.at("at"), stiffness=self.stiffness())
 
     def mass(self) -> PointMass:
         mass, moments = self.quantity("mass", "mass"), np.zeros(6)
@@ -352,9 +330,6 @@ class _Table:
         return float(toml_file.quantity(value, dimension, source=self.source, field=f"{self.where}.{key}").nominal_value)
 
 
-_SIX = (*3 * ("stiffness",), *3 * ("rotational stiffness",))
-
-
 def described(path: Path) -> bool:
     """Whether `path` is meant as the description of a mesh or an assembly, by the word that its kind is nearest to."""
     table = toml_file.read(path).get(text.TABLE)
@@ -377,8 +352,8 @@ def read(path: Path) -> MeshDescription:
     table = _Table(source=source, where=text.TABLE, table=whole[text.TABLE]).known(_KEYS)
     toml_file.require_present(table.table, ("kind", "file", "parts"), source=source, where=text.TABLE)
     kind = toml_file.one_of(table.table["kind"], KINDS, source=source, where=f"{text.TABLE}.kind")
-    loss = table.number("loss_factor", 2.0)
-    support = toml_file.one_of(table.table.get("support", "base"), SUPPORTS, source=source, where=f"{text.TABLE}.support")
+    loss = parts.loss_factor(table.table, source, text.TABLE)
+    support = toml_file.one_of(table.table.get("support", "base"), parts.SUPPORTS, source=source, where=f"{text.TABLE}.support")
     springs = {name: each.spring() for name, each in table.tables("springs", ("at", "between", "stiffness")).items()}
     interface = table.table.get("interface", [])
     if not isinstance(interface, list) or any(isinstance(each, bool) or not isinstance(each, int | str) for each in interface):
@@ -390,11 +365,11 @@ def read(path: Path) -> MeshDescription:
         raise table.wrong(key, "left out of a free structure", 'Leave it out, or write support = "ground"')
     if support == "ground" and not interface and not any(len(spring.at) == 1 for spring in springs.values()):
         raise table.wrong("interface", "", "Name the groups that the ground holds, or springs to it")
-    units = table.table.get("units", "mm" if kind == "assembly" else None)
-    if isinstance(units, str) and "-" not in units:
-        length = toml_file.length_unit(units, source, f"{text.TABLE}.units").metres
+    unit = table.table.get("units", "mm" if kind == "assembly" else None)
+    if isinstance(unit, str) and "-" not in unit:
+        length = toml_file.length_unit(unit, source, f"{text.TABLE}.units").metres
     else:
-        length = units_of_model.unit_system(units, source).length
+        length = units.unit_system(unit, source).length
     places = table.tables("parts", _PART)
     if not places:
         raise table.wrong("parts", "a table a group", 'Write [fe_model.parts.NAME] with material = "steel"')
@@ -405,7 +380,7 @@ def read(path: Path) -> MeshDescription:
         source=source,
         name=str(table.table.get("name") or path.stem),
         kind=kind,
-        file=_file(table, path),
+        file=text.file_of(table.table, "file", source, path) or path,
         length=length,
         support=support,
         interface=tuple(interface),
@@ -420,16 +395,3 @@ def read(path: Path) -> MeshDescription:
         links={name: each.link() for name, each in table.tables("links", ("at", "nodes")).items()},
         stated=_Table(source=source, where="stated", table=whole.get("stated", {})).stated(),
     )
-
-
-def _file(table: _Table, path: Path) -> Path:
-    name = table.table["file"]
-    if not isinstance(name, str) or not name.strip() or "\0" in name:
-        raise table.wrong("file", "the name of a file", 'Write it like file = "bracket.msh"')
-    there = path.parent / name
-    if not there.resolve().is_relative_to(path.parent.resolve()):
-        raise table.wrong("file", "in the folder of the description or below", "Copy the file beside the description")
-    if not there.is_file():
-        problem = f"there is no file {name!r}"
-        raise BadInput(source=table.source, field=f"{table.where}.file", problem=problem, remedy=f"Looked for {there}")
-    return there

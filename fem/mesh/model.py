@@ -62,16 +62,8 @@ def _meshed(found: described.MeshDescription) -> files.MeshFile:
     bare = [name for name in names if name not in found.parts]
     if bare:
         raise _without_material(found, f"{len(bare)} of {len(names)} bodies", files.joined(bare))
-
-    def body(one: cad.Body) -> tetrahedra.SolidBody:
-        return tetrahedra.SolidBody(
-            name=one.name,
-            material=found.parts[one.name].material,
-            write=lambda path: cad.write_brep(path, one.solid),
-            fingerprint=cad.brep_digest(one.solid),
-        )
-
-    mesh = tetrahedra.tetrahedra([body(one) for one in bodies], tetrahedra.Sizing(size=found.size))
+    solid = [tetrahedra.imported(one.name, found.parts[one.name].material, one.solid) for one in bodies]
+    mesh = tetrahedra.tetrahedra(solid, tetrahedra.Sizing(size=found.size))
     cells = files.Cells(kind="tet10", tags=np.arange(1, len(mesh.cells) + 1), nodes=mesh.cells)
     groups = {name: {"tet10": np.flatnonzero(mesh.part == k)} for k, name in enumerate(mesh.parts)}
     lowest = {} if found.interface else {FOOT: assembly.base(mesh)}

@@ -44,7 +44,8 @@ def matrices(corners: Array, thickness: float, E: float, nu: float, density: flo
     Degrees of freedom are x, y, z and the rotations about them of the first node, of the second ...; membrane stiffness grows
     with the thickness, bending stiffness with its cube.
     """
-    first, D = corners[:, 1] - corners[:, 0], plane_stress(E, nu)
+    first = corners[:, 1] - corners[:, 0]
+    D = plane_stress(E, nu)
     normal = np.cross(first, corners[:, 2] - corners[:, 0])
     x, z = (vector / np.linalg.norm(vector, axis=1, keepdims=True) for vector in (first, normal))
     R = np.stack([x, np.cross(z, x), z], axis=1)
@@ -55,7 +56,15 @@ def matrices(corners: Array, thickness: float, E: float, nu: float, density: flo
     membrane, bending = turned[:, stretched], turned[:, bent]
     K_membrane = _seen(thickness * _membrane(flat, D, nu), membrane)
     K_bending = _seen(thickness**3 / 12 * _bending(flat, D), bending)
-    return K_membrane, K_bending, _mass(corners, R[:, 2], density * thickness, density * thickness**3 / 12)
+    # Consistent mass, and the rotary inertia of a fibre through the thickness, which has none about itself
+    area = areas(corners)
+    N = displacement(corners, _SIX)
+    M = np.einsum("c,q,cqia,cqib->cab", density * thickness * area, _SIX_WEIGHTS, N, N, optimize=True)
+    about = np.eye(3) - np.einsum("ci,cj->cij", R[:, 2], R[:, 2])
+    spread = np.einsum("c,ab,cij->caibj", density * thickness**3 / 12 * area / 12, np.ones((3, 3)) + np.eye(3), about)
+    whole = M.reshape(-1, 3, 6, 3, 6)
+    whole[:, :, 3:, :, 3:] += spread
+    return K_membrane, K_bending, np.asarray(M)
 
 
 def displacement(corners: Array, weights: Array) -> Array:
@@ -73,18 +82,6 @@ def displacement(corners: Array, weights: Array) -> Array:
         N[..., i, :, 3 + j] = weights * offsets[..., k] / 2
         N[..., i, :, 3 + k] = -weights * offsets[..., j] / 2
     return N.reshape(len(corners), len(weights), 3, 18)
-
-
-def _mass(corners: Array, normal: Array, per_area: float, rotary: float) -> Array:
-    """Consistent mass, and the rotary inertia of a fibre through the thickness, which has none about itself."""
-    area = areas(corners)
-    N = displacement(corners, _SIX)
-    M = np.einsum("c,q,cqia,cqib->cab", per_area * area, _SIX_WEIGHTS, N, N, optimize=True)
-    about = np.eye(3) - np.einsum("ci,cj->cij", normal, normal)
-    spread = np.einsum("c,ab,cij->caibj", rotary * area / 12, np.ones((3, 3)) + np.eye(3), about)
-    whole = M.reshape(-1, 3, 6, 3, 6)
-    whole[:, :, 3:, :, 3:] += spread
-    return np.asarray(M)
 
 
 def _bending(flat: Array, D: Array) -> Array:

@@ -50,18 +50,13 @@ def local_nodes(kind: str) -> Array:
     return X if len(X) == len(_POWERS[kind]) else np.vstack([X, [(X[a] + X[b]) / 2 for a, b in edges]])
 
 
-@cache
-def _coefficients(kind: str) -> Array:
-    return np.asarray(np.linalg.inv(_monomials(local_nodes(kind), kind)))
-
-
 def _monomials(X: Array, kind: str) -> Array:
     return np.asarray(np.prod(X[:, None, :] ** np.array(_POWERS[kind]), axis=2))
 
 
 def functions(kind: str, X: Array) -> tuple[Array, Array]:
     """Values (q, k) and gradients (q, k, 3) of the functions of an element of `kind` at `X` (q, 3) in the reference cell."""
-    powers, C = np.array(_POWERS[kind]), _coefficients(kind)
+    powers, C = np.array(_POWERS[kind]), np.linalg.inv(_monomials(local_nodes(kind), kind))
     gradients = []
     for axis in range(3):
         lower = powers - np.eye(3, dtype=int)[axis] * (powers[:, axis, None] > 0)
@@ -152,17 +147,15 @@ def located(kind: str, corners: Array, point: Array) -> tuple[Array, Array]:
         X = np.clip(X + step, -3.0, 3.0)
         if np.abs(step).max() < 1e-13:
             break
-    return X, functions(kind, _inside(kind, X)[None])[0][0]
-
-
-def _inside(kind: str, X: Array) -> Array:
     if shape(kind) == "hex":
-        return np.clip(X, -1, 1)
-    if shape(kind) == "tet":
+        inside = np.clip(X, -1, 1)
+    elif shape(kind) == "tet":
         weights = np.maximum(np.append(1 - X.sum(), X), 0)
-        return np.asarray(weights[1:] / weights.sum())
-    weights = np.maximum([1 - X[0] - X[1], X[0], X[1]], 0)
-    return np.append(weights[1:] / weights.sum(), np.clip(X[2], -1, 1))
+        inside = weights[1:] / weights.sum()
+    else:
+        weights = np.maximum([1 - X[0] - X[1], X[0], X[1]], 0)
+        inside = np.append(weights[1:] / weights.sum(), np.clip(X[2], -1, 1))
+    return X, functions(kind, inside[None])[0][0]
 
 
 def faces(kind: str) -> tuple[Integers, ...]:

@@ -86,7 +86,10 @@ class PlanMesh:
 def covered(outlines: Iterable[Outline], size: float, around: int) -> PlanMesh:
     """The mesh of everything that `outlines` enclose, edges about `size` [m] long, circles of at least `around` edges."""
     distinct = list({outline.key: outline for outline in outlines}.values())
-    rings = _thin_rings(distinct, size)
+    # Neighbouring concentric circles, inner and outer, whose distance is less than half an edge: a tube's wall
+    circles = sorted((one for one in distinct if one.round), key=lambda circle: circle.size[0])
+    pairs = [(a, b) for a in circles for b in circles if np.allclose(a.centre, b.centre) and b.size[0] > a.size[0]]
+    rings = [(a, b) for a, b in pairs if (b.size[0] - a.size[0]) / 2 < size / 2]
     walls = {circle.key for ring in rings for circle in ring}
     small = [outline for outline in distinct if outline.round and outline.size[0] < size and outline.key not in walls]
     with session() as gmsh:
@@ -144,13 +147,6 @@ def with_whole_walls(plan: PlanMesh, inner: float, outer: float) -> PlanMesh:
     # a = (s, t, ...) with the shared edge s-t first, b the same edge from its other side: (t, s, ...)
     whole = [[a[2], a[3], b[2], b[3], a[6], a[0], b[6], a[1], a[4]] for a, b in edges.values()]
     return PlanMesh(points=plan.points, quads=np.vstack([np.delete(plan.quads, halves, axis=0), np.array(whole, dtype=np.intp)]))
-
-
-def _thin_rings(outlines: Sequence[Outline], size: float) -> list[tuple[Outline, Outline]]:
-    """Neighbouring concentric circles, inner and outer, whose distance is less than half an edge: a tube's wall."""
-    circles = sorted((outline for outline in outlines if outline.round), key=lambda circle: circle.size[0])
-    pairs = [(a, b) for a in circles for b in circles if np.allclose(a.centre, b.centre) and b.size[0] > a.size[0]]
-    return [(a, b) for a, b in pairs if (b.size[0] - a.size[0]) / 2 < size / 2]
 
 
 def _frame(hole: Outline) -> Outline:

@@ -25,7 +25,7 @@ from fem.solid.assembly import SolidMesh, lame, session
 from geometry.article import Article, Box, Material, Part, Placed
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, Integers
-from geometry.user_article import UserArticle, UserPart
+from geometry.user_article import UserArticle
 
 # What a solid model is made from: bodies that OCC can draw, each of one material with a stiffness.
 #
@@ -60,16 +60,20 @@ def bodies(article: AnyArticle) -> tuple[SolidBody, ...]:
     ------
     BadInput : nothing counts; a part is a mesh without a solid; a material is not elastic.
     """
-    found = (
-        tuple(_drawn(part) for part in article.counted_parts)
-        if isinstance(article, Article)
-        else tuple(_imported(part) for part in article.parts)
-    )
+    found: list[SolidBody] = []
+    if isinstance(article, Article):
+        found = [_drawn(part) for part in article.counted_parts]
+    else:
+        for part in article.parts:
+            if part.solid is None:
+                problem = f"part {part.name} is a surface mesh, and the solid model needs the solid itself"
+                raise BadInput(source=part.source, problem=problem, remedy="Export it from the CAD as STEP")
+            found.append(imported(part.name, part.material, part.solid))
     if not found:
         raise BadInput(source=f"article {article.name}", problem="no part of it counts", remedy="Name an article with mass")
     for body in found:
         lame(body.material, body.name)
-    return found
+    return tuple(found)
 
 
 def _drawn(part: Part) -> SolidBody:
@@ -83,19 +87,12 @@ def _drawn(part: Part) -> SolidBody:
     return SolidBody(name=part.name, material=part.material, write=write, fingerprint=digest)
 
 
-def _imported(part: UserPart) -> SolidBody:
-    if part.solid is None:
-        problem = f"part {part.name} is a surface mesh, and the solid model needs the solid itself"
-        raise BadInput(source=part.source, problem=problem, remedy="Export it from the CAD as STEP")
+def imported(name: str, material: Material, solid: Any) -> SolidBody:
+    """The body of a `solid` as CAD has it."""
+    from geometry import cad
 
-    def write(path: Path) -> None:
-        from geometry.cad import write_brep
-
-        write_brep(path, part.solid)
-
-    from geometry.cad import brep_digest
-
-    return SolidBody(name=part.name, material=part.material, write=write, fingerprint=brep_digest(part.solid))
+    digest = cad.brep_digest(solid)
+    return SolidBody(name=name, material=material, write=lambda path: cad.write_brep(path, solid), fingerprint=digest)
 
 
 def _placed(placed: tuple[Placed, ...]) -> list[Any]:

@@ -117,7 +117,7 @@ def parse(table: Mapping[str, Any], source: str, path: Path) -> Description:
     value = model.get("interface", [])
     where = f"{TABLE}.interface"
     if not isinstance(value, list) or not all(isinstance(node, int) and not isinstance(node, bool) for node in value):
-        raise _wrong(value, "a list of node numbers", source, where, "Write it like [1, 2, 3]")
+        raise toml_file.wrong(value, "a list of node numbers", source, where, "Write it like [1, 2, 3]")
     twice = next((node for node in value if value.count(node) > 1), None)
     if twice is not None:
         problem = f"names node {twice} {value.count(twice)} times"
@@ -127,7 +127,7 @@ def parse(table: Mapping[str, Any], source: str, path: Path) -> Description:
     for key, name in matrix_names.items():
         if not isinstance(name, str) or not name.isidentifier():
             remedy = 'Write it like { stiffness = "kaa" }'
-            raise _wrong(name, "the name of a matrix", source, f"{TABLE}.matrices.{key}", remedy)
+            raise toml_file.wrong(name, "the name of a matrix", source, f"{TABLE}.matrices.{key}", remedy)
     return Description(
         source=source,
         name=_text(model, "name", source) or path.stem,
@@ -137,8 +137,8 @@ def parse(table: Mapping[str, Any], source: str, path: Path) -> Description:
         if "reference_point" in model
         else np.zeros(3),
         named=named,
-        file=_file(model, "file", source, path),
-        grids=_file(model, "grids", source, path),
+        file=file_of(model, "file", source, path),
+        grids=file_of(model, "grids", source, path),
         interface=tuple(value),
         matrices={key: name.lower() for key, name in matrix_names.items()},
         loss_factor=parts.loss_factor(model, source, TABLE),
@@ -169,11 +169,17 @@ def _require_support(model: Mapping[str, Any], named: parts.Named, kind: str, un
 def _text(table: Mapping[str, Any], key: str, source: str) -> str | None:
     found = table.get(key)
     if found is not None and (not isinstance(found, str) or not found.strip() or "\0" in found):
-        raise _wrong(found, "text", source, f"{TABLE}.{key}", "Write it in quotes")
+        raise toml_file.wrong(found, "text", source, f"{TABLE}.{key}", "Write it in quotes")
     return found
 
 
-def _file(table: Mapping[str, Any], key: str, source: str, path: Path) -> Path | None:
+def file_of(table: Mapping[str, Any], key: str, source: str, path: Path) -> Path | None:
+    """The file that `table`, part of the description in `path`, names by `key`; None where it names none.
+
+    Raises
+    ------
+    BadInput : no text, no such file, one outside of the folder of `path` and of that of `geometry.toml_file.DATA`.
+    """
     name = _text(table, key, source)
     if name is None:
         return None
@@ -189,21 +195,21 @@ def _stated(value: Any, units: UnitSystem, source: str) -> Stated:
     cog = parts.point(table["cog"], units, source, "stated.cog") if "cog" in table else None
     where, listed = "stated.frequencies", table.get("frequencies", [])
     if not isinstance(listed, list):
-        raise _wrong(listed, "a list of frequencies with their unit", source, where, 'Write it like ["118.2 Hz", "227 +/- 1 Hz"]')
+        raise toml_file.wrong(
+            listed, "a list of frequencies with their unit", source, where, 'Write it like ["118.2 Hz", "227 +/- 1 Hz"]'
+        )
     each = [quantity(one, "frequency", source=source, field=where) for one in listed]
     frequencies = np.array(sorted((one.nominal_value, one.std_dev) for one in each), dtype=np.float64).reshape(-1, 2)
     if np.any(frequencies[:, 0] <= 0):
-        raise _wrong(listed, "positive", source, where, "Leave out the rigid motions of a free structure, which are at 0 Hz")
+        raise toml_file.wrong(
+            listed, "positive", source, where, "Leave out the rigid motions of a free structure, which are at 0 Hz"
+        )
     if "mass" not in table:
         return Stated(cog=cog, frequencies=frequencies)
     mass = quantity(table["mass"], "mass", source=source, field="stated.mass")
     if mass.nominal_value <= 0:
-        raise _wrong(table["mass"], "positive", source, "stated.mass", "Give the mass of the whole structure")
+        raise toml_file.wrong(table["mass"], "positive", source, "stated.mass", "Give the mass of the whole structure")
     return Stated(mass=float(mass.nominal_value), mass_tolerance=float(mass.std_dev), cog=cog, frequencies=frequencies)
-
-
-def _wrong(found: Any, wanted: str, source: str, where: str, remedy: str) -> BadInput:
-    return BadInput(source=source, field=where, problem=f"must be {wanted}, found {found!r}", remedy=remedy)
 
 
 # What a user's file holds, as arrays by name, and the judge of every one: there, numbers, finite, real, of the right shape.

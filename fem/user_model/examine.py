@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.structure import Sparse
+from fem.structure import Sparse, Structure
 from fem.user_model import freedoms, frequency_checks, matrices, matrix_checks, reading
 from fem.user_model.description import Contents, Description
 from fem.user_model.frequency_checks import refusal
@@ -46,6 +46,8 @@ def examine(path: str | Path) -> Examination:
     ------
     BadInput : the file or its description cannot be read at all.
     """
+    if made := reading.described_whole(path):
+        return _as_read(path, made)
     contents, description = reading.opened(path)
     facts: tuple[str, ...] = ()
     if description.kind == "modal":
@@ -67,6 +69,16 @@ def examine(path: str | Path) -> Examination:
     return Examination(
         source=str(path), name=description.name, kind=description.kind, findings=tuple(findings), facts=facts, unexamined=unread
     )
+
+
+def _as_read(path: str | Path, kind: str) -> Examination:
+    """What the reader says of a `kind` of model whose matrices are made here: it checks all that a description may be wrong in."""
+    try:
+        found = reading.load(path)
+    except BadInput as error:
+        return Examination(source=str(path), name=Path(path).stem, kind=kind, findings=(refusal(error),))
+    facts = (f"{found.model.mass.shape[0]} degrees of freedom",) if isinstance(found.model, Structure) else ()
+    return Examination(source=str(path), name=found.name, kind=kind, findings=(), facts=facts)
 
 
 def submitted(contents: Contents, description: Description) -> tuple[Submitted | None, list[Finding]]:

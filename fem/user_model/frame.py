@@ -16,12 +16,14 @@ under its axial force, cubic shapes (J. S. Przemieniecki, Theory of Matrix Struc
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from fem.beam import elements, frame
 from fem.structure import Structure
+from fem.user_model import parts
 from geometry import article, toml_file
 from geometry.errors import BadInput
 from geometry.frames import Array
@@ -31,8 +33,8 @@ KEYS = ("name", "kind", "nodes", "fixed", "moves", "members", "section", "materi
 SECTION = ("width", "thickness", "across", "count")
 MOTIONS = ("x", "y", "z", "rx", "ry", "rz")
 
-STIFF = 1e6
-"""[1] Of the member's own: an end this stiff is clamped to six digits, and ten are left of a double."""
+STIFF = 1e4
+"""[1] Of the member's own: an end this stiff is clamped to four digits of a frequency, and what it gives more shows at once."""
 
 GRAVITY = 9.80665
 """[m/s²] Standard, by which `Structure.geometric` is given (BIPM, The International System of Units, 2019)."""
@@ -47,9 +49,13 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
     """
     toml_file.require_known(table, KEYS, source=source, where=where)
     toml_file.require_present(table, ("nodes", "members", "section", "material"), source=source, where=where)
-    nodes = {
-        name: _point(value, source, f"{where}.nodes.{name}") for name, value in _table(table, "nodes", source, where).items()
-    }
+    nodes = {}
+    for name, value in _table(table, "nodes", source, where).items():
+        three = value if isinstance(value, list) else ["0 m", "0 m", value]  # a height alone
+        if len(three) != 3:
+            remedy = 'Write "0.2 m" or ["0 m", "0 m", "0.2 m"]'
+            raise toml_file.wrong(value, "a height, or three lengths", source, f"{where}.nodes.{name}", remedy)
+        nodes[name] = np.array([_size(one, "length", source, f"{where}.nodes.{name}") for one in three])
     names = list(nodes)
     fixed = [_node(name, names, source, f"{where}.fixed") for name in table.get("fixed", [])]
     masses = {
@@ -60,16 +66,18 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
     count, across, section = _section(table["section"], material, source, f"{where}.section")
     pieces = table.get("elements", 1)
     if isinstance(pieces, bool) or not isinstance(pieces, int) or not 1 <= pieces <= 100:
-        raise _wrong(pieces, "a whole number from 1 to 100", source, f"{where}.elements", "How many beams a member is made of")
+        raise toml_file.wrong(
+            pieces, "a whole number from 1 to 100", source, f"{where}.elements", "How many beams a member is made of"
+        )
     points, members, ports = list(nodes.values()), list[frame.Member](), list[frame.Ports]()
     for name, ends in _table(table, "members", source, where).items():
         at = f"{where}.members.{name}"
         if not isinstance(ends, list) or len(ends) != 2:
-            raise _wrong(ends, "two names of nodes", source, at, 'Write it like ["foot", "floor-1"]')
+            raise toml_file.wrong(ends, "two names of nodes", source, at, 'Write it like ["foot", "floor-1"]')
         a, b = (names.index(_node(end, names, source, at)) for end in ends)
         length = float(np.linalg.norm(points[b] - points[a]))
         if not length:
-            raise _wrong(ends, "two nodes apart from each other", source, at, "Correct the nodes")
+            raise toml_file.wrong(ends, "two nodes apart from each other", source, at, "Correct the nodes")
         if abs(across @ (points[b] - points[a])) > 1e-6 * length:
             problem = f"is thin along its own direction: `across` of the section is {across.tolist()}"
             raise BadInput(source=source, field=at, problem=problem, remedy="Name an axis that is square to every member")
@@ -88,14 +96,17 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
     made = frame.assemble(plan)
     size = 6 * len(points)
     # By part its mass: that of a member, and those on nodes
-    part_mass = {one.part: frame.assemble(_alone(plan, one)).mass for one in members} if weighs else {}
+    part_mass = {}
+    for one in members if weighs else ():  # alone, beside an empty port that keeps the size
+        empty = frame.Ports(nodes=(len(points) - 1,), stiffness=np.zeros((6, 6)), mass=np.zeros((6, 6)), part=one.part)
+        part_mass[one.part] = frame.assemble(replace(plan, members=(one,), ports=(empty,))).mass
     for name, mass in masses.items():
         whole, k = np.zeros((size, size)), 6 * names.index(name)
         whole[k : k + 6, k : k + 6] = Inertia.from_cog(mass, np.zeros(3), np.zeros((3, 3))).mass_matrix
         part_mass[name] = whole
     moves = table.get("moves", list(MOTIONS))
-    for one in moves if isinstance(moves, list) else [moves]:
-        toml_file.one_of(one, MOTIONS, source=source, where=f"{where}.moves")
+    for axis in moves if isinstance(moves, list) else [moves]:
+        toml_file.one_of(axis, MOTIONS, source=source, where=f"{where}.moves")
     held = [6 * k + m for k, name in enumerate(names) for m in range(6) if name in fixed or MOTIONS[m] not in moves]
     if not part_mass:
         raise BadInput(source=source, field=f"{where}.masses", problem="nothing has mass", remedy="State masses, or a density")
@@ -105,7 +116,9 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
     bent = [6 * k + m for k, name in enumerate(names) for m in range(6) if name in fixed]
     geometric = _geometric(plan, members, np.sum(list(made.stiffness.values()), axis=0), loads, bent, size, count) if bent else {}
     free = np.setdiff1d(np.arange(size), held)
-    return _kept(made, part_mass, geometric, names, free, count, grounded=bool(held), loss=_loss(table, source, where))
+    return _kept(
+        made, part_mass, geometric, names, free, count, grounded=bool(held), loss=parts.loss_factor(table, source, where)
+    )
 
 
 def _kept(
@@ -117,7 +130,7 @@ def _kept(
     count: int,
     *,
     grounded: bool,
-    loss: float,
+    loss: float | None,
 ) -> Structure:
     """The structure on the degrees of freedom that are `free`, `count` sections side by side."""
     from scipy.sparse import csr_array
@@ -155,13 +168,6 @@ def _names(members: list[frame.Member]) -> list[str]:
     return [one.part for one in members]
 
 
-def _alone(plan: frame.Plan, member: frame.Member) -> frame.Plan:
-    """`plan` of which one member alone has mass; an empty port keeps its size."""
-    last = len(plan.nodes) - 1
-    nothing = frame.Ports(nodes=(last,), stiffness=np.zeros((6, 6)), mass=np.zeros((6, 6)), part=member.part)
-    return frame.Plan(nodes=plan.nodes, carriers=plan.carriers, members=(member,), ports=(nothing,))
-
-
 def _geometric(
     plan: frame.Plan, members: list[frame.Member], K: Array, loads: Array, bent: list[int], size: int, count: int
 ) -> dict[str, Array]:
@@ -177,27 +183,19 @@ def _geometric(
         for a, b in zip(one.nodes[:-1], one.nodes[1:], strict=True):
             along = plan.nodes[b] - plan.nodes[a]
             L = float(np.linalg.norm(along))
-            R = np.kron(np.eye(4), _axes(along / L, one.z_axis))
+            R = np.kron(np.eye(4), [along / L, np.cross(one.z_axis, along / L), one.z_axis])
             at = [*range(6 * a, 6 * a + 6), *range(6 * b, 6 * b + 6)]
             pulled = R @ u[at]
             N = count * stretch / L * (pulled[6] - pulled[0])
-            own[np.ix_(at, at)] += R.T @ (N * _string(L)) @ R
+            # Under a unit pull, cubic shapes
+            p, q, r = L / 10, 2 * L**2 / 15, -(L**2) / 30
+            k = np.array([[6 / 5, p, -6 / 5, p], [p, q, -p, r], [-6 / 5, -p, 6 / 5, -p], [p, r, -p, q]]) / L
+            whole, sign = np.zeros((12, 12)), elements.SIGN_XZ
+            whole[np.ix_(elements.IN_XY, elements.IN_XY)] = k
+            whole[np.ix_(elements.IN_XZ, elements.IN_XZ)] = np.outer(sign, sign) * k
+            own[np.ix_(at, at)] += R.T @ (N * whole) @ R
         found[one.part] = own
     return found
-
-
-def _axes(x: Array, z: Array) -> Array:
-    return np.array([x, np.cross(z, x), z])
-
-
-def _string(L: float) -> Array:
-    """(12, 12) geometric stiffness of a beam of length `L` [m] under a unit pull, cubic shapes."""
-    a, b, c = L / 10, 2 * L**2 / 15, -(L**2) / 30
-    k = np.array([[6 / 5, a, -6 / 5, a], [a, b, -a, c], [-6 / 5, -a, 6 / 5, -a], [a, c, -a, b]]) / L
-    whole, sign = np.zeros((12, 12)), elements.SIGN_XZ
-    whole[np.ix_(elements.IN_XY, elements.IN_XY)] = k
-    whole[np.ix_(elements.IN_XZ, elements.IN_XZ)] = np.outer(sign, sign) * k
-    return whole
 
 
 def _table(table: Mapping[str, Any], key: str, source: str, where: str) -> dict[str, Any]:
@@ -206,14 +204,6 @@ def _table(table: Mapping[str, Any], key: str, source: str, where: str) -> dict[
 
 def _size(value: Any, dimension: str, source: str, where: str) -> float:
     return float(toml_file.quantity(value, dimension, source=source, field=where).nominal_value)
-
-
-def _point(value: Any, source: str, where: str) -> Array:
-    """(3,) [m] of three lengths, or of a height alone."""
-    three = value if isinstance(value, list) else ["0 m", "0 m", value]
-    if len(three) != 3:
-        raise _wrong(value, "a height, or three lengths", source, where, 'Write "0.2 m" or ["0 m", "0 m", "0.2 m"]')
-    return np.array([_size(one, "length", source, where) for one in three])
 
 
 def _node(name: Any, names: list[str], source: str, where: str) -> str:
@@ -231,14 +221,12 @@ def _material(value: Any, source: str, where: str) -> tuple[article.Material, bo
     keys = {"density": "density", "youngs_modulus": "pressure", "poisson_ratio": "ratio"}
     toml_file.require_known(table, tuple(keys), source=source, where=where)
     toml_file.require_present(table, tuple(keys)[1:], source=source, where=where)
-    sizes = {key: _number_or(table[key], dimension, source, f"{where}.{key}") for key, dimension in keys.items() if key in table}
+    sizes = {}
+    for key, dimension in ((key, dimension) for key, dimension in keys.items() if key in table):
+        value = table[key]
+        bare = dimension == "ratio" and isinstance(value, int | float) and not isinstance(value, bool)
+        sizes[key] = float(value) if bare else _size(value, dimension, source, f"{where}.{key}")
     return article.Material(name=source, **({"density": 1.0} | sizes)), "density" in table
-
-
-def _number_or(value: Any, dimension: str, source: str, where: str) -> float:
-    if dimension == "ratio" and isinstance(value, int | float) and not isinstance(value, bool):
-        return float(value)
-    return _size(value, dimension, source, where)
 
 
 def _section(value: Any, material: article.Material, source: str, where: str) -> tuple[int, Array, elements.Section]:
@@ -249,7 +237,7 @@ def _section(value: Any, material: article.Material, source: str, where: str) ->
     width, thickness = (_size(table[key], "length", source, f"{where}.{key}") for key in SECTION[:2])
     count = table.get("count", 1)
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= 1000:
-        raise _wrong(count, "a whole number from 1 to 1000", source, f"{where}.count", "How many stand side by side")
+        raise toml_file.wrong(count, "a whole number from 1 to 1000", source, f"{where}.count", "How many stand side by side")
     across = _direction(table["across"], source, f"{where}.across")
     return count, across, elements.rectangle(width, thickness, material)
 
@@ -260,14 +248,3 @@ def _direction(value: Any, source: str, where: str) -> Array:
     found = np.zeros(3)
     found[MOTIONS.index(axis)] = -1.0 if word != value else 1.0
     return found
-
-
-def _loss(table: Mapping[str, Any], source: str, where: str) -> float:
-    value = table.get("loss_factor", 0.0)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < 2:
-        raise _wrong(value, "at least 0 and below 2", source, f"{where}.loss_factor", "It is twice the damping ratio")
-    return float(value)
-
-
-def _wrong(found: Any, wanted: str, source: str, where: str, remedy: str) -> BadInput:
-    return BadInput(source=source, field=where, problem=f"must be {wanted}, found {found!r}", remedy=remedy)

@@ -104,7 +104,21 @@ def _unnamed(contents: Contents, description: Description, n: int) -> DofMap:
 
 
 def _by_nodes(contents: Contents, description: Description, n: int) -> DofMap:
-    labels, units = _labels(contents, n), description.units
+    labels = contents.whole("dof", (-1, 2))
+    if len(labels) != n:
+        problem = f"names {len(labels)} degrees of freedom where the matrices have {n}"
+        raise contents.refused("dof", problem, "Write one row, node and component, for every row of K and M, in their order")
+    wrong = np.flatnonzero((labels[:, 1] < 0) | (labels[:, 1] > 6))
+    if wrong.size:
+        problem = f"row {wrong[0] + 1} has the component {labels[wrong[0], 1]}"
+        remedy = "Components are 1 to 6 (x, y, z and the rotations about them), 0 for a generalised coordinate"
+        raise contents.refused("dof", problem, remedy)
+    _, first, count = np.unique(labels, axis=0, return_index=True, return_counts=True)
+    if np.any(count > 1):
+        node, component = labels[first[np.argmax(count > 1)]]
+        problem = f"names node {node}, component {component} {count.max()} times"
+        raise contents.refused("dof", problem, "Name every degree of freedom once; number generalised coordinates")
+    units = description.units
     if description.named.support == "ground" and "nodes" not in contents and "coordinates" not in contents:
         none = np.zeros((0, 3), dtype=np.intp)
         scale, rigid, held = units.coordinates(labels[:, 1]), np.zeros((n, 6)), none[:, 0]
@@ -143,49 +157,34 @@ def _by_nodes(contents: Contents, description: Description, n: int) -> DofMap:
     full = [k for k in np.flatnonzero(basic) if all((int(nodes[k]), c) in index for c in (1, 2, 3))]
     translations = np.array([[index[int(nodes[k]), c] for c in (1, 2, 3)] for k in full], dtype=np.intp).reshape(-1, 3)
     rotations = np.array([[index.get((int(nodes[k]), c), -1) for c in (4, 5, 6)] for k in full], dtype=np.intp).reshape(-1, 3)
+    held = np.zeros(0, dtype=np.intp)
+    if description.named.support == "base":
+        interface = description.interface or tuple(contents.whole("interface", (-1,)).tolist() if "interface" in contents else ())
+        if not interface:
+            problem, remedy = "is missing: no node is named that the base carries", "Add interface = [node, ...]"
+            raise BadInput(source=description.source, field="fe_model.interface", problem=problem, remedy=remedy)
+        physical = labels[:, 1] > 0
+        for node in interface:
+            if not np.any(physical & (labels[:, 0] == node)):
+                problem = f"names node {node}, which has no degree of freedom in the matrices"
+                remedy = _nodes_there(np.unique(labels[physical, 0]))
+                raise BadInput(source=description.source, field="fe_model.interface", problem=problem, remedy=remedy)
+        held = np.flatnonzero(physical & np.isin(labels[:, 0], interface))
     return DofMap(
         labels=labels,
         scale=scale,
         rigid=scale[:, None] * (rigid @ moved) / np.array([*3 * [units.length], *3 * [1.0]]),
-        held=_held(contents, description, labels) if description.named.support == "base" else np.zeros(0, dtype=np.intp),
+        held=held,
         points=coordinates[full].reshape(-1, 3) * units.length,
         translations=translations,
         rotations=rotations,
     )
 
 
-def _labels(contents: Contents, n: int) -> Integers:
-    labels = contents.whole("dof", (-1, 2))
-    if len(labels) != n:
-        problem = f"names {len(labels)} degrees of freedom where the matrices have {n}"
-        raise contents.refused("dof", problem, "Write one row, node and component, for every row of K and M, in their order")
-    wrong = np.flatnonzero((labels[:, 1] < 0) | (labels[:, 1] > 6))
-    if wrong.size:
-        problem = f"row {wrong[0] + 1} has the component {labels[wrong[0], 1]}"
-        remedy = "Components are 1 to 6 (x, y, z and the rotations about them), 0 for a generalised coordinate"
-        raise contents.refused("dof", problem, remedy)
-    _, first, count = np.unique(labels, axis=0, return_index=True, return_counts=True)
-    if np.any(count > 1):
-        node, component = labels[first[np.argmax(count > 1)]]
-        problem = f"names node {node}, component {component} {count.max()} times"
-        raise contents.refused("dof", problem, "Name every degree of freedom once; number generalised coordinates")
-    return labels
-
-
-def _held(contents: Contents, description: Description, labels: Integers) -> Integers:
-    interface = description.interface or tuple(contents.whole("interface", (-1,)).tolist() if "interface" in contents else ())
-    if not interface:
-        problem, remedy = "is missing: no node is named that the base carries", "Add interface = [node, ...]"
-        raise BadInput(source=description.source, field="fe_model.interface", problem=problem, remedy=remedy)
-    physical = labels[:, 1] > 0
-    for node in interface:
-        if not np.any(physical & (labels[:, 0] == node)):
-            problem = f"names node {node}, which has no degree of freedom in the matrices"
-            values = np.unique(labels[physical, 0])
-            some = ", ".join(map(str, values[:6])) + (f", ... ({len(values)} in all)" if len(values) > 6 else "")
-            remedy = f"The nodes there are {some}"
-            raise BadInput(source=description.source, field="fe_model.interface", problem=problem, remedy=remedy)
-    return np.flatnonzero(physical & np.isin(labels[:, 0], interface))
+def _nodes_there(numbers: Integers) -> str:
+    """The first six of `numbers`, and how many there are."""
+    more = f", ... ({len(numbers)} in all)" if len(numbers) > 6 else ""
+    return f"The nodes there are {', '.join(map(str, numbers[:6]))}{more}"
 
 
 def _require_within(contents: Contents, name: str, values: Integers, n: int) -> None:
@@ -329,9 +328,7 @@ def _motion(
         if not own.size:
             known = np.unique(dofs.labels[dofs.labels[:, 1] > 0, 0])
             problem = f"is node {place.node}, which has no degree of freedom in the matrices"
-            more = f", ... ({len(known)} in all)" if len(known) > 6 else ""
-            remedy = f"The nodes there are {', '.join(map(str, known[:6]))}{more}"
-            remedy = remedy if len(known) else "The rows have no nodes: write { dof = [0, 1, 2] }"
+            remedy = _nodes_there(known) if len(known) else "The rows have no nodes: write { dof = [0, 1, 2] }"
             raise BadInput(source=source, field=where, problem=problem, remedy=remedy)
         # The axes along which its rows move, which Nastran may turn; those of the model where it has no coordinates
         component = dofs.labels[own, 1] - 1

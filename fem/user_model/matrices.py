@@ -132,7 +132,19 @@ def structure(contents: Contents, description: Description) -> tuple[Structure, 
         K = _require_sum(contents, "stiffness", K, parts, dofs)
     if masses:
         M = _require_sum(contents, "mass", M, masses, dofs)
-    sections = _sections(contents, parts, dofs, u.energy, M.diagonal())
+    # Of shells and beams, what grows with the thickness and with its cube: together the part
+    sections = {}
+    for part in dict.fromkeys((*contents.shares("membrane"), *contents.shares("bending"))):
+        if part not in parts:
+            problem = "is a section of a part that is not there"
+            remedy = toml_file.nearest(part, parts) + f"Write stiffness/{part}"
+            raise contents.refused(f"bending/{part}", problem, remedy)
+        two = {}
+        for name in (f"membrane/{part}", f"bending/{part}"):
+            share = _converted(_sized(contents, name, M.shape[0]), dofs.scale, u.energy)
+            two[name] = _symmetric(contents, name, share, dofs, M.diagonal())
+        _require_sum(contents, f"stiffness/{part}", parts[part], two, dofs)
+        sections[part] = (two[f"membrane/{part}"], two[f"bending/{part}"])
     _require_parts(description, parts, masses, sections)
     found = Structure(
         stiffness=K,
@@ -194,25 +206,6 @@ def _require_sum(contents: Contents, name: str, whole: Sparse, parts: dict[str, 
         remedy = f"Look for a part that is {'missing' if missing else 'there twice'}, or leave `{name}` out: it is their sum"
         raise contents.refused(name, problem, remedy)
     return total
-
-
-def _sections(
-    contents: Contents, parts: dict[str, Sparse], dofs: DofMap, energy: float, masses: Array
-) -> dict[str, tuple[Sparse, Sparse]]:
-    """Of parts that are shells or beams, what grows with the thickness and with its cube: together the part."""
-    found = {}
-    for part in dict.fromkeys((*contents.shares("membrane"), *contents.shares("bending"))):
-        if part not in parts:
-            problem = "is a section of a part that is not there"
-            remedy = toml_file.nearest(part, parts) + f"Write stiffness/{part}"
-            raise contents.refused(f"bending/{part}", problem, remedy)
-        shares = {}
-        for name in (f"membrane/{part}", f"bending/{part}"):
-            share = _converted(_sized(contents, name, len(masses)), dofs.scale, energy)
-            shares[name] = _symmetric(contents, name, share, dofs, masses)
-        _require_sum(contents, f"stiffness/{part}", parts[part], shares, dofs)
-        found[part] = (shares[f"membrane/{part}"], shares[f"bending/{part}"])
-    return found
 
 
 def _require_parts(
@@ -336,7 +329,17 @@ def _require_mechanics(found: Structure, contents: Contents, description: Descri
     mass = _factored(contents, "mass", M[heavy][:, heavy], free[heavy], dofs)
     if found.grounded:
         _factored(contents, "stiffness", K, free, dofs, "ground")
-        _require_stated_on_the_ground(found, description)
+        # What is clamped is not in the matrices: they may weigh less than was stated, and their centre of gravity is not known
+        if description.stated.cog is not None:
+            problem = "cannot be compared: what the ground holds is not in the matrices"
+            raise BadInput(source=description.source, field="stated.cog", problem=problem, remedy="Leave it out")
+        if description.stated.mass is not None:
+            weight = float(np.diag(found.rigid_mass)[:3].max())
+            if not weight:
+                problem = "cannot be compared: without coordinates nobody knows which rows of M are masses"
+                remedy = "Leave it out, or add dof and nodes"
+                raise BadInput(source=description.source, field="stated.mass", problem=problem, remedy=remedy)
+            require_stated_mass(weight, description, CLAMPED)
         return
     # The mass that the base would feel at infinite frequency, M_rr - M_rf M_ff^-1 M_fr, must not be negative
     there = np.any(found.rigid, axis=0)  # a model of one plane has no motion out of it
@@ -358,7 +361,11 @@ def _require_mechanics(found: Structure, contents: Contents, description: Descri
             )
             raise contents.refused("mass", problem, "Check the rows and columns of the interface in M")
     else:  # of a floating structure as many rows are held as just hold it
-        free = np.setdiff1d(free, _isostatic(R * scale))
+        from scipy.linalg import qr
+
+        triangle, order = qr((R * scale).T, mode="r", pivoting=True)
+        rank = np.sum(np.abs(np.diag(triangle)) > HELD * abs(triangle[0, 0]))
+        free = np.setdiff1d(free, order[:rank])
         K = found.stiffness[free][:, free]
     # The six rigid motions must cost no energy, beside what the lowest mode costs (from above: the static answer to gravity)
     sag = _factored(contents, "stiffness", K, free, dofs, "base" if len(found.held) else "free").solve(momenta[free])
@@ -381,31 +388,6 @@ def _require_mechanics(found: Structure, contents: Contents, description: Descri
         return
     remedy = "Check the order of the degrees of freedom, the coordinates and the units; every mass moves in three directions"
     require_as_stated(require_rigid_body(found.rigid_mass, contents.source, "mass", remedy), description)
-
-
-def _isostatic(rigid: Array) -> Integers:
-    """Rows that hold every one of the `rigid` motions (n, k), scaled alike, and nothing else: as many as there are of them."""
-    from scipy.linalg import qr
-
-    R, rows = qr(rigid.T, mode="r", pivoting=True)
-    size = np.abs(np.diag(R))
-    return np.asarray(rows[: int(np.sum(size > HELD * size[0]))], dtype=np.intp)
-
-
-def _require_stated_on_the_ground(found: Structure, description: Description) -> None:
-    """What is clamped is not in the matrices, so that they may weigh less than was stated; the centre of gravity is not known."""
-    if description.stated.cog is not None:
-        problem = "cannot be compared: what the ground holds is not in the matrices"
-        raise BadInput(source=description.source, field="stated.cog", problem=problem, remedy="Leave it out")
-    if description.stated.mass is None:
-        return
-    mass = float(np.diag(found.rigid_mass)[:3].max())
-    if not mass:
-        problem = "cannot be compared: without coordinates nobody knows which rows of M are masses"
-        raise BadInput(
-            source=description.source, field="stated.mass", problem=problem, remedy="Leave it out, or add dof and nodes"
-        )
-    require_stated_mass(mass, description, CLAMPED)
 
 
 def factored(A: Sparse) -> Factored:
@@ -509,7 +491,21 @@ def modes(contents: Contents, description: Description) -> Modes:
     about = "Write the 6 x 6 mass matrix about the reference point: products are matrix entries, Ixy = -∫xy dm"
     inertia = require_rigid_body(rigid, contents.source, "rigid_mass", about)
     require_as_stated(inertia, description)
-    _require_within_rigid_mass(contents, rigid, participation)
+    # What the modes carry is a part of the rigid mass: rigid - L L^T has no negative eigenvalue
+    shares = np.sum(participation**2, axis=1) / np.diag(rigid)
+    worst = int(np.argmax(shares))
+    remedy = (
+        "Write participation about the reference point, 6 x n, of modes normalised to unit modal mass, in the units of rigid_mass"
+    )
+    if shares[worst] > 1 + EXCESS:
+        problem = f"carries {shares[worst]:.4g} times the rigid mass along {MOTIONS[worst]}: the effective masses exceed it"
+        raise contents.refused("participation", problem, remedy)
+    scale = 1 / np.sqrt(np.diag(rigid))
+    left = scale[:, None] * (rigid - participation @ participation.T) * scale
+    lowest = float(np.linalg.eigvalsh((left + left.T) / 2)[0])
+    if lowest < -EXCESS:
+        problem = f"carries more than the rigid mass in a combination of axes, by {-lowest:.3g} of it"
+        raise contents.refused("participation", problem, f"Check the signs of its rows. {remedy}")
     viscous, structural = (_damping(contents, name, n) for name in ("viscous", "structural"))
     ratio = contents.numbers("damping_ratio", (n,))
     wrong = np.flatnonzero((ratio < 0) | (ratio >= 1))
@@ -572,21 +568,3 @@ def _residual(contents: Contents) -> Array:
         problem = f"is not positive: it has the eigenvalue {lowest:.3g} when scaled to a diagonal of ones"
         raise contents.refused("residual", problem, "Write the sum of L L^T / omega² over the modes that are left out")
     return (R + R.T) / 2
-
-
-def _require_within_rigid_mass(contents: Contents, rigid: Array, participation: Array) -> None:
-    """What the modes carry is a part of the rigid mass: rigid - L L^T has no negative eigenvalue."""
-    shares = np.sum(participation**2, axis=1) / np.diag(rigid)
-    worst = int(np.argmax(shares))
-    remedy = (
-        "Write participation about the reference point, 6 x n, of modes normalised to unit modal mass, in the units of rigid_mass"
-    )
-    if shares[worst] > 1 + EXCESS:
-        problem = f"carries {shares[worst]:.4g} times the rigid mass along {MOTIONS[worst]}: the effective masses exceed it"
-        raise contents.refused("participation", problem, remedy)
-    scale = 1 / np.sqrt(np.diag(rigid))
-    left = scale[:, None] * (rigid - participation @ participation.T) * scale
-    lowest = float(np.linalg.eigvalsh((left + left.T) / 2)[0])
-    if lowest < -EXCESS:
-        problem = f"carries more than the rigid mass in a combination of axes, by {-lowest:.3g} of it"
-        raise contents.refused("participation", problem, f"Check the signs of its rows. {remedy}")

@@ -125,7 +125,7 @@ def named(model: Mapping[str, Any], units: UnitSystem, source: str, where: str) 
             require_name(name, source, f"{where}.{key}")
     supports = model.get("supports", [])
     if not isinstance(supports, list) or not all(isinstance(name, str) for name in supports):
-        raise _wrong(supports, "a list of names of parts", source, f"{where}.supports", 'Write it like ["y1", "y2"]')
+        raise toml_file.wrong(supports, "a list of names of parts", source, f"{where}.supports", 'Write it like ["y1", "y2"]')
     for name in supports:
         if supports.count(name) > 1:
             problem = f"names {name!r} {supports.count(name)} times"
@@ -189,7 +189,7 @@ def loss_factor(table: Mapping[str, Any], source: str, where: str) -> float | No
     loss = table.get("loss_factor")
     if loss is not None and (isinstance(loss, bool) or not isinstance(loss, int | float) or not 0 <= loss < 2):
         remedy = "It is twice the damping ratio at resonance"
-        raise _wrong(loss, "at least 0 and below 2", source, f"{where}.loss_factor", remedy)
+        raise toml_file.wrong(loss, "at least 0 and below 2", source, f"{where}.loss_factor", remedy)
     return None if loss is None else float(loss)
 
 
@@ -200,7 +200,7 @@ def _place(entry: Any, units: UnitSystem, source: str, where: str) -> StatedPlac
         return StatedPlace(point=point(entry, units, source, where))
     if not isinstance(entry, dict):
         remedy = 'Write 117, ["1 m", "0 m", "20 mm"] or { dof = [0, 1, 2] }'
-        raise _wrong(entry, "a node, three coordinates or a table with `dof`", source, where, remedy)
+        raise toml_file.wrong(entry, "a node, three coordinates or a table with `dof`", source, where, remedy)
     toml_file.require_known(entry, ("dof",), source=source, where=where)
     toml_file.require_present(entry, ("dof",), source=source, where=where)
     rows = entry["dof"]
@@ -208,7 +208,7 @@ def _place(entry: Any, units: UnitSystem, source: str, where: str) -> StatedPlac
     moving = [row for row in rows if row >= 0] if whole else []
     if len(rows if whole else ()) not in (3, 6) or not moving or len(set(moving)) < len(moving):
         remedy = "Count from 0, once each, and write -1 for a direction in which nothing moves"
-        raise _wrong(rows, "three rows for x, y, z, or six with the rotations", source, f"{where}.dof", remedy)
+        raise toml_file.wrong(rows, "three rows for x, y, z, or six with the rotations", source, f"{where}.dof", remedy)
     return StatedPlace(rows=tuple(rows))
 
 
@@ -221,7 +221,7 @@ def point(value: Any, units: UnitSystem, source: str, where: str) -> Array:
     """
     if not isinstance(value, list) or len(value) != 3:
         example = '["0 mm", "0 mm", "120.5 mm"]' if units.known else "[0.0, 0.0, 120.5]"
-        raise _wrong(value, "three lengths with their units", source, where, f"Write it like {example}")
+        raise toml_file.wrong(value, "three lengths with their units", source, where, f"Write it like {example}")
     return np.array([measured(each, "length", units, source, where) for each in value], dtype=np.float64)
 
 
@@ -233,19 +233,25 @@ def _joint(entry: Any, units: UnitSystem, source: str, where: str) -> StatedJoin
     two = isinstance(between, list) and len(between) == 2 and all(isinstance(name, str) for name in between)
     if "between" in table and (not two or between[0] in (GROUND, between[1])):
         remedy = f'Write it like ["deck", "rail"], or ["foot", "{GROUND}"] with the ground last'
-        raise _wrong(between, "two different names", source, f"{where}.between", remedy)
+        raise toml_file.wrong(between, "two different names", source, f"{where}.between", remedy)
     at = table.get("at", "")
     if not isinstance(at, str):
-        raise _wrong(at, "the name of a place", source, f"{where}.at", "State its coordinates in fe_model.places")
-    stiffness = _six(table["stiffness"], units, source, f"{where}.stiffness") if "stiffness" in table else None
+        raise toml_file.wrong(at, "the name of a place", source, f"{where}.at", "State its coordinates in fe_model.places")
+    stiffness = six_stiffnesses(table["stiffness"], units, source, f"{where}.stiffness") if "stiffness" in table else None
     tolerance = _share(table["tolerance"], source, f"{where}.tolerance") if "tolerance" in table else None
     return StatedJoint(between=tuple(between), at=at, stiffness=stiffness, tolerance=tolerance)
 
 
-def _six(values: Any, units: UnitSystem, source: str, where: str) -> Array:
+def six_stiffnesses(values: Any, units: UnitSystem, source: str, where: str) -> Array:
+    """Stiffnesses (6,) along x, y, z [N/m] and about them [N m/rad]; a 0 needs no unit.
+
+    Raises
+    ------
+    BadInput : other than six, a negative one, all zero, no unit or another dimension.
+    """
     if not isinstance(values, list) or len(values) != 6:
         remedy = 'Write ["1e8 N/m", 0, 0, "1e4 N m/rad", 0, 0]: along x, y, z and about them'
-        raise _wrong(values, "six stiffnesses", source, where, remedy)
+        raise toml_file.wrong(values, "six stiffnesses", source, where, remedy)
     dimensions = [*3 * ["stiffness"], *3 * ["rotational stiffness"]]
     stiffness = np.zeros(6)  # where a bare 0 is written, too: nothing is nothing in every unit
     for k, value in enumerate(values):
@@ -253,22 +259,20 @@ def _six(values: Any, units: UnitSystem, source: str, where: str) -> Array:
             stiffness[k] = measured(value, dimensions[k], units, source, where)
     if np.any(stiffness < 0) or not np.any(stiffness):
         what = f"{stiffness.min():g} along {MOTIONS[int(np.argmin(stiffness))]}" if np.any(stiffness < 0) else "zeros alone"
-        raise _wrong(what, "positive or zero, and not all zero", source, where, "Leave such a joint out")
+        raise toml_file.wrong(what, "positive or zero, and not all zero", source, where, "Leave such a joint out")
     return stiffness
 
 
 def _positive(value: Any, dimension: str, units: UnitSystem, source: str, where: str) -> float:
     found = measured(value, dimension, units, source, where)
     if found <= 0:
-        raise _wrong(value, "positive", source, where, "Correct it, or leave it out")
+        raise toml_file.wrong(value, "positive", source, where, "Correct it, or leave it out")
     return found
 
 
 def _share(value: Any, source: str, where: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value < 1:
-        raise _wrong(value, "a standard deviation relative to the value, above 0 and below 1", source, where, "5 % is 0.05")
+        raise toml_file.wrong(
+            value, "a standard deviation relative to the value, above 0 and below 1", source, where, "5 % is 0.05"
+        )
     return float(value)
-
-
-def _wrong(found: Any, wanted: str, source: str, where: str, remedy: str) -> BadInput:
-    return BadInput(source=source, field=where, problem=f"must be {wanted}, found {found!r}", remedy=remedy)

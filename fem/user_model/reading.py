@@ -195,16 +195,14 @@ def read(path: str | Path) -> Structure | Modes:
 def load(path: str | Path) -> UsersModel:
     """As `read`, with the name and the damping that the user gave."""
     path = Path(path)
-    if path.suffix.lower() == ".toml" and mesh_description.described(path):
-        name, meshed = mesh_model.load(path)
-        factors = meshed.loss_factors
-        return UsersModel(name=name, model=meshed, damping=Damping(loss_factors=factors) if factors else None)
-    if path.suffix.lower() == ".toml":
-        told = toml_file.require_table(toml_file.read(path).get(TABLE), source=str(path), where=TABLE)
-        if told.get("kind") == FRAME:
-            made = frame.structure(told, str(path))
-            losses = Damping(loss_factors=made.loss_factors) if made.loss_factors else None
-            return UsersModel(name=str(told.get("name", path.stem)), model=made, damping=losses)
+    if kind := described_whole(path):
+        if kind == FRAME:
+            told = toml_file.read(path)[TABLE]
+            name, made = str(told.get("name", path.stem)), frame.structure(told, str(path))
+        else:
+            name, made = mesh_model.load(path)
+        factors = made.loss_factors
+        return UsersModel(name=name, model=made, damping=Damping(loss_factors=factors) if factors else None)
     contents, description = opened(path)
     if description.kind == "modal":
         return UsersModel(name=description.name, model=matrices.modes(contents, description), units=description.units)
@@ -212,6 +210,16 @@ def load(path: str | Path) -> UsersModel:
     damped = viscous is not None or bool(structure.loss_factors)
     damping = Damping(loss_factors=structure.loss_factors, viscous=viscous) if damped else None
     return UsersModel(name=description.name, model=structure, damping=damping, units=description.units, notes=tuple(said))
+
+
+def described_whole(path: str | Path) -> str:
+    """The kind of a model of which the TOML file at `path` says all but the mesh: its matrices are made here; empty for others."""
+    path = Path(path)
+    if path.suffix.lower() != ".toml":
+        return ""
+    told = toml_file.require_table(toml_file.read(path).get(TABLE, {}), source=str(path), where=TABLE)
+    kind = str(told.get("kind", ""))
+    return kind if kind == FRAME or mesh_description.described(path) else ""
 
 
 def opened(path: str | Path) -> tuple[Contents, Description]:
@@ -353,26 +361,21 @@ def write(model: Structure | Modes, path: str | Path, name: str = "", units: Uni
     kind = "modal" if isinstance(model, Modes) else "matrices"
     text = f'format = 1\n\n[fe_model]\nname = "{title}"\nkind = "{kind}"\nunits = "{units.name}"\n'
     text += f"reference_point = [{metres}]\n" if units.known else ""
-    text += _held_and_named(model) if isinstance(model, Structure) else ""
+    if isinstance(model, Structure):  # how it is held, what its joints are, and what is known of its parts
+        support = "base" if len(model.held) else "ground" if model.grounded else "free"
+        text += f'support = "{support}"\n'
+        supports = ", ".join(f'"{name}"' for name in model.supports)
+        text += f"supports = [{supports}]\n" if supports else ""
+        text += "".join(f'joints."{name}" = {{}}\n' for name in model.joints)
+        for part in dict.fromkeys((*model.part_stiffness, *model.part_mass)):
+            loss, tolerance = model.loss_factors.get(part), model.part_tolerances.get(part, {})
+            if loss is None and not tolerance:
+                continue
+            text += f'\n[fe_model.parts."{part}"]\n' + ("" if loss is None else f"loss_factor = {float(loss)!r}\n")
+            listed = ", ".join(f"{key} = {float(value)!r}" for key, value in tolerance.items())
+            text += f"tolerance = {{ {listed} }}\n" if tolerance else ""
     save = _save_npz if path.suffix.lower() == ".npz" else _save_hdf5
     atomic.write_with(path, lambda temporary: save(temporary, arrays, text))
-
-
-def _held_and_named(structure: Structure) -> str:
-    """Support, supports and joints of a description, and a table for each part that has a loss factor or a tolerance."""
-    support = "base" if len(structure.held) else "ground" if structure.grounded else "free"
-    text = f'support = "{support}"\n'
-    supports = ", ".join(f'"{name}"' for name in structure.supports)
-    text += f"supports = [{supports}]\n" if supports else ""
-    text += "".join(f'joints."{name}" = {{}}\n' for name in structure.joints)
-    for part in dict.fromkeys((*structure.part_stiffness, *structure.part_mass)):
-        loss, tolerance = structure.loss_factors.get(part), structure.part_tolerances.get(part, {})
-        if loss is None and not tolerance:
-            continue
-        text += f'\n[fe_model.parts."{part}"]\n' + ("" if loss is None else f"loss_factor = {float(loss)!r}\n")
-        listed = ", ".join(f"{key} = {float(value)!r}" for key, value in tolerance.items())
-        text += f"tolerance = {{ {listed} }}\n" if tolerance else ""
-    return text
 
 
 def _save_npz(path: Path, arrays: dict[str, Any], text: str) -> None:

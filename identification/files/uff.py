@@ -5,7 +5,6 @@ header, nodes, traces) are passed over. The numbers are measured and read here, 
 """
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -362,7 +361,14 @@ def read(path: Path) -> Signals:
             abscissae.append(rows[:, 0])
             rows = rows[:, 1:]
         samples[name] = files.as_complex(rows[:, 0], rows[:, 1]) if one["ord_data_type"] in COMPLEX else rows[:, 0]
-    _require_one_axis(sets, abscissae, names, source)
+    first = sets[0]
+    for name, one, abscissa in zip(names, sets, abscissae, strict=True):
+        differs = [key for key in AXIS if one[key] != first[key]]
+        if differs or not np.array_equal(abscissa, abscissae[0]):
+            what = ", ".join(f"{key} {one[key]:g}" for key in differs) or "other abscissa values"
+            theirs = ", ".join(f"{first[key]:g}" for key in differs)
+            problem = f"has another axis than {names[0]}: {what}" + (f" instead of {theirs}" if theirs else "")
+            raise BadInput(source=source, field=name, problem=problem, remedy="Record all channels at one rate and length")
     files.require_one_length(samples, None, source)
     axis: dict[str, Any] = {}
     if kind == TIME_RESPONSE:
@@ -395,17 +401,6 @@ def _headers(path: Path, chosen: list[int], count: int) -> list[dict[str, Any]]:
         problem = f"its marks -1 tell {file.get_n_sets()} datasets apart where {count} are framed"
         raise BadInput(source=str(path), problem=problem, remedy=DAMAGED)
     return sets
-
-
-def _require_one_axis(sets: list[dict[str, Any]], abscissae: Sequence[Array], names: list[str], source: str) -> None:
-    first = sets[0]
-    for name, one, abscissa in zip(names, sets, abscissae, strict=True):
-        differs = [key for key in AXIS if one[key] != first[key]]
-        if differs or not np.array_equal(abscissa, abscissae[0]):
-            what = ", ".join(f"{key} {one[key]:g}" for key in differs) or "other abscissa values"
-            theirs = ", ".join(f"{first[key]:g}" for key in differs)
-            problem = f"has another axis than {names[0]}: {what}" + (f" instead of {theirs}" if theirs else "")
-            raise BadInput(source=source, field=name, problem=problem, remedy="Record all channels at one rate and length")
 
 
 def _rate(one: dict[str, Any], time: Array, functions: list[Dataset], names: list[str], source: str) -> float:

@@ -105,32 +105,43 @@ def read(path: Path) -> ModalFile:
     files.require_file(path)
     source = str(path)
     found = uff.blocks(path.read_bytes(), source)
-    length, force = _units(found, source)
+    length = force = 1.0  # what one unit is [m, N], as far as the file says it
+    stated = [block for block in found if block.number == 164]
+    if stated:
+        if len(stated[0].lines) < 2:
+            raise BadInput(source=source, field="dataset 164", problem="is cut short", remedy=DAMAGED)
+        row = stated[0].lines[1].replace("D", "E").replace("d", "e")
+        factors = [column(row, start, 25, float, "dataset 164", source) for start in (0, 25)]
+        if not all(0 < factor < np.inf for factor in factors):
+            problem = f"has the factors {factors[0]:g} and {factors[1]:g}"
+            raise BadInput(source=source, field="dataset 164", problem=problem, remedy="Correct it")
+        length, force = (1 / factor for factor in factors)
     nodes: dict[int, Array] = {}
     functions, modes = [], []
     for block in found:
         if block.number in (15, 2411):
-            nodes |= _nodes(block, source, length)
+            what = f"dataset {block.number}"
+            lines = [line.replace("D", "E").replace("d", "e") for line in block.lines if line.strip()]
+            pairs = [(line[:40], line[40:]) for line in lines]
+            if block.number == 2411:
+                if len(lines) % 2:
+                    raise BadInput(source=source, field=what, problem="is cut short", remedy=DAMAGED)
+                pairs = list(zip(lines[::2], lines[1::2], strict=True))
+            for head, place in pairs:
+                words = place.split()
+                try:
+                    at = np.array([float(word) for word in words]) * length
+                except ValueError:
+                    at = np.zeros(0)
+                if at.shape != (3,) or not np.all(np.abs(at) < files.LARGEST):
+                    problem = f"a node must have three coordinates, found {place.strip()[:60]!r}"
+                    raise BadInput(source=source, field=what, problem=problem, remedy=DAMAGED)
+                nodes[int(column(head, 0, 10, int, what, source))] = at
         elif block.number == 58:
             functions.append(_function(block, source, length, force))
         elif block.number == 55:
             modes.append(_mode(block, source))
     return ModalFile(source=source, nodes=nodes, functions=tuple(functions), modes=tuple(modes))
-
-
-def _units(found: list[Dataset], source: str) -> tuple[float, float]:
-    """What one unit of length [m] and of force [N] is; 1 where the file does not say."""
-    stated = [block for block in found if block.number == 164]
-    if not stated:
-        return 1.0, 1.0
-    if len(stated[0].lines) < 2:
-        raise BadInput(source=source, field="dataset 164", problem="is cut short", remedy=DAMAGED)
-    row = stated[0].lines[1].replace("D", "E").replace("d", "e")
-    length, force = (column(row, start, 25, float, "dataset 164", source) for start in (0, 25))
-    if not (0 < length < np.inf and 0 < force < np.inf):
-        problem = f"has the factors {length:g} and {force:g}"
-        raise BadInput(source=source, field="dataset 164", problem=problem, remedy="Correct it")
-    return 1 / length, 1 / force
 
 
 def point(at: NodeAxis, nodes: Mapping[int, Array], places: Mapping[str, Any], direction: str, source: str) -> Point:
@@ -146,25 +157,6 @@ def point(at: NodeAxis, nodes: Mapping[int, Array], places: Mapping[str, Any], d
     place, position = str(places.get(str(at.node), f"node {at.node}")), nodes.get(at.node)
     where = {} if position is None else {"position": position.tolist()}
     return sensors.point({"place": place, "direction": at.axis or direction, **where}, source=source, field="places")
-
-
-def _nodes(block: Dataset, source: str, length: float) -> dict[int, Array]:
-    what, found = f"dataset {block.number}", {}
-    lines = [line.replace("D", "E").replace("d", "e") for line in block.lines if line.strip()]
-    rows = zip(lines[::2], lines[1::2], strict=False) if block.number == 2411 else ((line[:40], line[40:]) for line in lines)
-    if block.number == 2411 and len(lines) % 2:
-        raise BadInput(source=source, field=what, problem="is cut short", remedy=DAMAGED)
-    for head, place in rows:
-        words = place.split()
-        try:
-            at = np.array([float(word) for word in words]) * length
-        except ValueError:
-            at = np.zeros(0)
-        if at.shape != (3,) or not np.all(np.abs(at) < files.LARGEST):
-            problem = f"a node must have three coordinates, found {place.strip()[:60]!r}"
-            raise BadInput(source=source, field=what, problem=problem, remedy=DAMAGED)
-        found[int(column(head, 0, 10, int, what, source))] = at
-    return found
 
 
 def _function(block: Dataset, source: str, length: float, force: float) -> Function:

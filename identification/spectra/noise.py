@@ -18,7 +18,6 @@ from math import comb
 import numpy as np
 import numpy.typing as npt
 
-from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
 from identification.base_motion import base_motion, resultants
@@ -210,17 +209,13 @@ def of_redundancy(spectra: Spectra, gravity: float) -> Array:
     for quantity, left, expected in (("acceleration", motion.residual, motion.expected), ("force", load.parity, load.expected)):
         chosen = list(spectra.table.select(quantity=quantity))
         if left.shape[2] and chosen and np.any(expected > 0):
-            noise[:, :, chosen] = _sd(left, expected, driven)[:, None, None]
+            size = np.maximum(np.abs(driven), np.finfo(np.float64).tiny)[:, :, None]
+            share = left * (driven.conj() / np.abs(size[..., 0]) ** 2)[:, :, None]
+            weight = np.sqrt(sum(comb(ORDER, k) ** 2 for k in range(ORDER + 1)))
+            middle = slice(ORDER // 2, -(ORDER // 2))
+            noisy = np.abs(np.diff(share, n=ORDER, axis=1)) / weight * size[:, middle] / np.sqrt(np.log(2))
+            seen = np.maximum(np.median(expected, axis=1), np.finfo(np.float64).tiny)
+            sd = np.asarray(np.median(np.median(noisy, axis=1) / seen, axis=1))
+            noise[:, :, chosen] = sd[:, None, None]
     level = np.sqrt(np.mean(np.square(np.abs(spectra.values)), axis=(0, 1)))
     return np.where(noise > ROUNDING * level, noise, 0.0)
-
-
-def _sd(left: ComplexArray, expected: Array, driven: ComplexArray) -> Array:
-    """(r,) from what is left over (r, n, k), `expected` of channels with noise of 1; the median of complex noise is sd √ln 2."""
-    size = np.maximum(np.abs(driven), np.finfo(np.float64).tiny)[:, :, None]
-    share = left * (driven.conj() / np.abs(size[..., 0]) ** 2)[:, :, None]
-    weight = np.sqrt(sum(comb(ORDER, k) ** 2 for k in range(ORDER + 1)))
-    middle = slice(ORDER // 2, -(ORDER // 2))
-    noisy = np.abs(np.diff(share, n=ORDER, axis=1)) / weight * size[:, middle] / np.sqrt(np.log(2))
-    seen = np.maximum(np.median(expected, axis=1), np.finfo(np.float64).tiny)
-    return np.asarray(np.median(np.median(noisy, axis=1) / seen, axis=1))

@@ -309,7 +309,18 @@ def struck(found: Sequence[Blow], rate: float, *, decay: float = 0.0, estimator:
     window = np.exp(-time / decay) if decay > 0 else np.ones(size)
     spectra = []
     for one in good:
-        both = np.column_stack([_pulse(one.force[:size]), one.responses[:size]])
+        # The force with nothing but its blow: zero before it and once it is over, where a load cell only has noise
+        own = one.force[:size]
+        k = int(np.argmax(np.abs(own)))
+        peak = np.abs(own[k])
+        small = np.abs(own) < OVER * peak
+        after = np.flatnonzero(small[k:])
+        before = np.flatnonzero(small[: k + 1])
+        half = max(4, (after[0] if len(after) else 4), (k - before[-1]) if len(before) else 4)
+        low, high = max(0, k - 3 * half), min(len(own), k + 3 * half + 1)
+        kept = np.zeros_like(own)
+        kept[low:high] = own[low:high]
+        both = np.column_stack([kept, one.responses[:size]])
         spectra.append(np.fft.rfft(both * window[:, None], axis=0))
     blocks = np.array(spectra)
     lines = np.asarray(np.fft.rfftfreq(size, 1 / rate), dtype=np.float64)
@@ -320,7 +331,19 @@ def struck(found: Sequence[Blow], rate: float, *, decay: float = 0.0, estimator:
     if len(good) == 1:
         coherence = np.ones_like(coherence)
     if len(good) > 2:
-        warnings += _poor(blocks, driven, good, source)
+        # Blows whose functions lie far from those of all others
+        H = blocks[:, driven, 1:] / blocks[:, driven, :1]
+        apart = []
+        for k in range(len(H)):
+            others = np.median(np.abs(np.delete(H, k, axis=0) - H[k]), axis=0)
+            apart.append(float(np.sqrt(np.mean(others**2) / np.mean(np.abs(H[k]) ** 2))))
+        usual = float(np.median(apart))
+        warnings += [
+            f"{source}: the blow at {one.at:.4g} s has poor coherence: {100 * far:.0f} % from the others, which lie "
+            f"{100 * usual:.0f} % from each other; was it beside its point, or crooked?"
+            for one, far in zip(good, apart, strict=True)
+            if far > OUT_OF_LINE * usual and far > 0.03
+        ]
     held = np.array(values)
     held[driven[-1] + 1 :] = held[driven[-1]].real  # beyond, a blow drives nothing
     impulse = np.fft.irfft(held, size, axis=0)
@@ -336,33 +359,3 @@ def struck(found: Sequence[Blow], rate: float, *, decay: float = 0.0, estimator:
         reach=reach,
         warnings=tuple(warnings),
     )
-
-
-def _pulse(force: Array) -> Array:
-    """The force with nothing but its blow: zero before it and once it is over, where a load cell only has noise."""
-    k = int(np.argmax(np.abs(force)))
-    peak = np.abs(force[k])
-    small = np.abs(force) < OVER * peak
-    after = np.flatnonzero(small[k:])
-    before = np.flatnonzero(small[: k + 1])
-    half = max(4, (after[0] if len(after) else 4), (k - before[-1]) if len(before) else 4)
-    low, high = max(0, k - 3 * half), min(len(force), k + 3 * half + 1)
-    kept = np.zeros_like(force)
-    kept[low:high] = force[low:high]
-    return kept
-
-
-def _poor(blocks: ComplexArray, driven: npt.NDArray[np.intp], good: Sequence[Blow], source: str) -> list[str]:
-    """What is to be said of blows whose functions lie far from those of all others."""
-    H = blocks[:, driven, 1:] / blocks[:, driven, :1]
-    apart = []
-    for k in range(len(H)):
-        others = np.median(np.abs(np.delete(H, k, axis=0) - H[k]), axis=0)
-        apart.append(float(np.sqrt(np.mean(others**2) / np.mean(np.abs(H[k]) ** 2))))
-    usual = float(np.median(apart))
-    return [
-        f"{source}: the blow at {one.at:.4g} s has poor coherence: {100 * far:.0f} % from the others, which lie "
-        f"{100 * usual:.0f} % from each other; was it beside its point, or crooked?"
-        for one, far in zip(good, apart, strict=True)
-        if far > OUT_OF_LINE * usual and far > 0.03
-    ]

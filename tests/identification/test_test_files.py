@@ -179,7 +179,7 @@ def test_modes_of_a_universal_file_are_a_table(tmp_path: Path, complex_modes: bo
 
 
 REFUSED: dict[str, tuple[dict[str, Any], str]] = {
-    "no file": ({"file": "none.csv", "drive": "a"}, "no such file"),
+    "no file": ({"file": "none.csv", "drive": "a"}, "there is no file"),
     "reference missing": ({"file": "a.csv"}, "reference is missing"),
     "one reference's file missing": (
         {"files": [{"path": "a.csv", "drive": "a"}, {"path": "short.csv", "drive": "b", "responses": ["a"]}]},

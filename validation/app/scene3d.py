@@ -15,7 +15,7 @@ from identification import campaign_file
 from identification.campaign import Campaign
 from validation.app.session import Compared, Session
 from validation.flexible.model import FlexibleOptions, flexible
-from validation.model.model import BEAM, Model
+from validation.model.model import BEAM
 from validation.prediction import effects
 from validation.report.flexible import Moved, moved_bodies
 from validation.report.scenes.motion import MovingBody, scale_of
@@ -194,7 +194,12 @@ def shape(of: Session, found: Compared, campaign: str, number: int) -> Shape:
             f"it has modes 0 to {len(modes) - 1}, found {number}" if modes else "it has no modes: what stands there is rigid"
         )
         raise BadInput(source=campaign, field="mode", problem=problem, remedy="Choose one of them")
-    bodies = _shapes_drawn(standing.article, model)
+    if model.kind != BEAM or standing.article in model.own or not set(standing.article.split("+")) <= set(NAMES):
+        problem = "its bodies are not known: it is rigid, or a model of your own"
+        raise BadInput(
+            source=standing.article, field="mode", problem=problem, remedy="Look at the curves; its frequency stands there"
+        )
+    bodies = _of_beams(standing.article, tuple(sorted(changes_of(standing.article, model.changes).items())), model.modes)
     from scipy.linalg import eigh
 
     # (k,) how much of each of the drawn modes is in the mode `number` of the structure as it stands, its base held
@@ -227,13 +232,6 @@ def shape(of: Session, found: Compared, campaign: str, number: int) -> Shape:
         bodies=moving,
         scale=scale_of(moving),
     )
-
-
-def _shapes_drawn(article: str, model: Model) -> tuple[Moved, ...]:
-    if model.kind != BEAM or article in model.own or not set(article.split("+")) <= set(NAMES):
-        problem = "its bodies are not known: it is rigid, or a model of your own"
-        raise BadInput(source=article, field="mode", problem=problem, remedy="Look at the curves; its frequency stands there")
-    return _of_beams(article, tuple(sorted(changes_of(article, model.changes).items())), model.modes)
 
 
 @lru_cache(maxsize=4)

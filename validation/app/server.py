@@ -484,18 +484,15 @@ def run(asked: WorkbenchOptions, say: Callable[[str], None]) -> None:
     ------
     BadInput : the port is taken, or the host is none of this machine.
     """
-    with _bound(asked) as bound, tempfile.TemporaryDirectory(prefix="massline-app-") as home:
-        asyncio.run(_served(asked, bound, Path(home), say))
-        state.leaving_kept(Path(home), say)
-
-
-def _bound(asked: WorkbenchOptions) -> socket.socket:
     try:
         family = socket.AF_INET6 if ":" in asked.host else socket.AF_INET
-        return socket.create_server((asked.host, asked.port), family=family)
+        listening = socket.create_server((asked.host, asked.port), family=family)
     except (OSError, OverflowError) as error:
         problem = f"{asked.host}:{asked.port} cannot be listened on: {getattr(error, 'strerror', None) or error}"
         raise BadInput(source="--port", problem=problem, remedy="Choose another port, or 0 for any that is free") from None
+    with listening as bound, tempfile.TemporaryDirectory(prefix="massline-app-") as home:
+        asyncio.run(_served(asked, bound, Path(home), say))
+        state.leaving_kept(Path(home), say)
 
 
 async def _served(asked: WorkbenchOptions, bound: socket.socket, home: Path, say: Callable[[str], None]) -> None:

@@ -111,7 +111,10 @@ def tensor_from_axes(
         rows.append([n[two[0]] * n[two[1]] * (1 if two[0] == two[1] else 2) for two in components])
     A = np.array(rows)
     A0, b, b0 = _nominal(A), np.array(moments, dtype=object), _nominal(moments)
-    if unseen := _unseen(A0, components):
+    _, singular, V = np.linalg.svd(A0, full_matrices=True)
+    null = V[int(np.sum(singular > UNSEEN * singular[0])) :]
+    unseen = tuple(name for name, column in zip(components, null.T, strict=True) if np.any(np.abs(column) > UNSEEN))
+    if unseen:
         raise BadInput(
             source=source,
             field="axes",
@@ -164,12 +167,6 @@ def _nominal(values: Any) -> Array:
 
 def _number(value: Any) -> float:
     return float(getattr(value, "nominal_value", value))
-
-
-def _unseen(A: Array, components: Sequence[str]) -> tuple[str, ...]:
-    _, singular, V = np.linalg.svd(A, full_matrices=True)
-    null = V[int(np.sum(singular > UNSEEN * singular[0])) :]
-    return tuple(name for name, column in zip(components, null.T, strict=True) if np.any(np.abs(column) > UNSEEN))
 
 
 # What Eq. 5 and its sisters leave out, as named terms that can be switched one by one.
@@ -417,7 +414,18 @@ def from_signal(time: npt.ArrayLike, signal: npt.ArrayLike, source: str) -> Deca
         sinusoid in it.
     """
     t, y = np.asarray(time, dtype=np.float64), np.asarray(signal, dtype=np.float64)
-    _require_record(t, y, source)
+    least, problem = LEAST_CYCLES * LEAST_SAMPLES, ""
+    if t.ndim != 1 or t.shape != y.shape or len(t) < least:
+        problem = f"time and signal must be equally long and hold {least} samples or more, found {t.shape}, {y.shape}"
+    elif not (np.all(np.isfinite(t)) and np.all(np.isfinite(y))):
+        problem = f"{np.sum(~np.isfinite(t) | ~np.isfinite(y))} samples are not finite"
+    elif np.any(np.diff(t) <= 0):
+        problem = f"time must increase, found {np.sum(np.diff(t) <= 0)} steps that do not"
+    elif np.ptp(y) == 0:
+        problem = f"the signal is constant, {y[0]:.6g}"
+    if problem:
+        remedy = "Export two columns, time in s and the signal, of one free decay"
+        raise BadInput(source=source, field="signal", problem=problem, remedy=remedy)
     t = t - t[0]
     even = np.linspace(t[0], t[-1], len(t))
     flat = np.interp(even, t, y)
@@ -457,22 +465,6 @@ def from_signal(time: npt.ArrayLike, signal: npt.ArrayLike, source: str) -> Deca
         fitted=fit.full,
         notes=tuple(sentence for sentence, true in said.items() if true),
     )
-
-
-def _require_record(t: Array, y: Array, source: str) -> None:
-    least = LEAST_CYCLES * LEAST_SAMPLES
-    if t.ndim != 1 or t.shape != y.shape or len(t) < least:
-        problem = f"time and signal must be equally long and hold {least} samples or more, found {t.shape}, {y.shape}"
-    elif not (np.all(np.isfinite(t)) and np.all(np.isfinite(y))):
-        problem = f"{np.sum(~np.isfinite(t) | ~np.isfinite(y))} samples are not finite"
-    elif np.any(np.diff(t) <= 0):
-        problem = f"time must increase, found {np.sum(np.diff(t) <= 0)} steps that do not"
-    elif np.ptp(y) == 0:
-        problem = f"the signal is constant, {y[0]:.6g}"
-    else:
-        return
-    remedy = "Export two columns, time in s and the signal, of one free decay"
-    raise BadInput(source=source, field="signal", problem=problem, remedy=remedy)
 
 
 def _require_resolved(cycles: float, samples: int, source: str) -> None:
@@ -667,7 +659,14 @@ def swings(file: Fields, off: tuple[str, ...] = ()) -> list[RecordedSwing]:
         period, recorded, notes = _period(entry)
         pendulum: RopeSwing | CompoundSwing | TorsionSwing
         if suspension == "torsion-rod":
-            pendulum = _torsion(file, period)
+            rod = file.inner("torsion_rod").only(("known_inertia", "rod_mass", "rod_length", "rod_diameter", "period"))
+            if "known_inertia" in rod.table:
+                inertia = rod.positive("known_inertia", "moment of inertia")
+            else:
+                length, diameter = (rod.positive(key, "length") for key in ("rod_length", "rod_diameter"))
+                inertia = rod_inertia(mass=rod.positive("rod_mass", "mass"), length=length, diameter=diameter)
+            known = rod.positive("period", "time", "period with the known rod")
+            pendulum = TorsionSwing(stiffness=torsion_stiffness(known_inertia=inertia, period=known), period=period)
         elif suspension == "compound":
             mass, arm = article.positive("mass", "mass"), entry.positive("arm", "length")
             pendulum = CompoundSwing(mass=mass, gravity=file.positive("gravity", "acceleration"), arm=arm, period=period)
@@ -738,17 +737,6 @@ def _axis(entry: Fields) -> tuple[float, ...]:
         if np.isfinite(length) and length > 0:
             return tuple(float(c) / length for c in about)
     raise entry.refused("about", f"an axis is expected, found {about!r}", 'Write "x", "y", "z" or a direction like [1, 0, 1]')
-
-
-def _torsion(file: Fields, period: UFloat) -> TorsionSwing:
-    rod = file.inner("torsion_rod").only(("known_inertia", "rod_mass", "rod_length", "rod_diameter", "period"))
-    if "known_inertia" in rod.table:
-        inertia = rod.positive("known_inertia", "moment of inertia")
-    else:
-        length, diameter = (rod.positive(key, "length") for key in ("rod_length", "rod_diameter"))
-        inertia = rod_inertia(mass=rod.positive("rod_mass", "mass"), length=length, diameter=diameter)
-    known = rod.positive("period", "time", "period with the known rod")
-    return TorsionSwing(stiffness=torsion_stiffness(known_inertia=inertia, period=known), period=period)
 
 
 def _radii(entry: Fields, article: Fields) -> tuple[UFloat, UFloat]:

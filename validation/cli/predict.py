@@ -2,16 +2,13 @@
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from geometry.errors import BadInput, CheckFailed
 from validation.cli import options
 from validation.verification.check import FAMILIES
-
-if TYPE_CHECKING:
-    from validation.flexible.model import Flexible
 
 
 @click.command("modes")
@@ -55,19 +52,14 @@ def modes_command(
             found.append(flexible(article, which, question))
     print_modes(found[0], found[1] if len(found) == 2 else None, as_json=as_json)
     if shapes or moving is not None:
-        _draw(found[0], shapes, moving, quiet=as_json)
+        from validation.report.flexible import draw_moving, draw_sheet
 
-
-def _draw(model: "Flexible", shapes: bool, moving: int | None, *, quiet: bool) -> None:
-    from validation.output import shown
-    from validation.report.flexible import draw_moving, draw_sheet
-
-    folder = Path("out")
-    with shown(f"shapes of {model.article}", quiet=quiet):
-        written = [draw_sheet(model, folder)] if shapes else []
-        written += draw_moving(model, moving, folder) if moving is not None else []
-    for path in written:
-        click.echo(f"massline: wrote {path}.", err=True)
+        folder = Path("out")
+        with shown(f"shapes of {article}", quiet=as_json):
+            written = [draw_sheet(found[0], folder)] if shapes else []
+            written += draw_moving(found[0], moving, folder) if moving is not None else []
+        for path in written:
+            click.echo(f"massline: wrote {path}.", err=True)
 
 
 # `massline dynamic-mass`: the blocked 6x6 dynamic mass of an article over frequency.

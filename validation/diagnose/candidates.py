@@ -333,7 +333,7 @@ def _sized(added: Added, size: effect.SizeSpec, one: Parameter, told: ScoreTest)
     if size.whole:
         offset, plausible = (SWITCHED if one.nominal == 0 else -SWITCHED), SWITCHED
     else:
-        offset, plausible = float(np.clip(told.estimate, low, high)), size.plausible
+        offset, plausible = float(np.clip(told.estimate, low, high)), one.tolerance if one.kind == EFFECT else size.plausible
     if not size.whole and low < told.estimate < high:
         evidence = told.evidence(plausible)
     else:  # it can only be `offset`: a switch, or the bound of what its family allows; 0 where that is none

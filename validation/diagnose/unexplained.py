@@ -285,7 +285,17 @@ def described(candidate: Candidate) -> Leftover:
     # The plainest of those that are nearly as good as the best, as far as each is plausible
     every = ranked(candidate, data)
     if not every:
-        return _of_tables([one.of for one in data])
+        # Tables of modes: in which mode, and where, most of it is
+        powers: dict[tuple[str, str, str], float] = {}
+        for one in data:
+            measured = one.of.prediction.measured
+            power = np.sum(np.abs(one.of.values) ** 2 / np.maximum(one.of.free / 2, ALONE), axis=1)
+            for k, channel in np.ndindex(power.shape):
+                powers[measured.name, measured.runs[k], measured.channels[channel]] = float(power[k, channel])
+        table, mode, where = max(powers, key=lambda each: powers[each])
+        share = powers[table, mode, where] / sum(powers.values())
+        text = f"Spread over modes and sensors, worst in {where} of {mode} of {table} with {share:.0%}."
+        return Leftover(text=text, looks_like=fit.IRREGULAR, channels=(where,), share=share)
     weights = [WEIGHED.get(one.place.kind, 1.0) * (ONE_DATA_SET_WEIGHT if one.data_set else 1.0) for one in every]
     plausible = [one.gain * weight for one, weight in zip(every, weights, strict=True)]
     near = [(one, gain) for one, gain in zip(every, plausible, strict=True) if gain >= NEARLY * max(plausible)]
@@ -375,20 +385,6 @@ NO_LINES = Explanation(
     place=sites.SuspectedPlace(kind=sites.CHANNEL), course=fit.CROSSTALK_CONSTANT, data_set="", gain=0.0, size=0.0
 )
 """Of data that are tables of modes alone."""
-
-
-def _of_tables(data: Sequence[fit.Whitened]) -> Leftover:
-    """What is left of tables of modes: in which mode, and where, most of it is."""
-    found: dict[tuple[str, str, str], float] = {}
-    for one in data:
-        measured = one.prediction.measured
-        power = np.sum(np.abs(one.values) ** 2 / np.maximum(one.free / 2, ALONE), axis=1)
-        for k, channel in np.ndindex(power.shape):
-            found[measured.name, measured.runs[k], measured.channels[channel]] = float(power[k, channel])
-    whole, (table, mode, channel) = sum(found.values()), max(found, key=lambda each: found[each])
-    share = found[table, mode, channel] / whole
-    text = f"Spread over modes and sensors, worst in {channel} of {mode} of {table} with {share:.0%}."
-    return Leftover(text=text, looks_like=fit.IRREGULAR, channels=(channel,), share=share)
 
 
 def unexplained(candidate: Candidate) -> Explanation:

@@ -49,6 +49,10 @@ Change = Callable[[Any, tuple[str, ...], Values], Any]
 """``change(stage, targets, values) -> stage``."""
 
 
+EVERY = "every"
+"""Name of all joints together: what was made alike is often wrong alike."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class SizeSpec:
     """One number that says how large an effect is.

@@ -245,7 +245,17 @@ def fit(
         baseline_start = start or {}
         end = _cheaper(annealed(cost, baseline_start, tell), baseline_start, tell)
         if not end.converged:
-            raise _refused(end)
+            step = -inverse(end.whole.matrix) @ end.whole.gradient
+            sd = np.sqrt(np.diag(inverse(end.whole.matrix)))
+            worst = sorted(zip(end.cost.names, step / sd, strict=True), key=lambda one: -abs(one[1]))[:3]
+            named = ", ".join(f"{name} ({away:+.1f})" for name, away in worst)
+            raise CheckFailed(
+                f"the fit of {len(end.x)} parameters did not converge: its next step is still many standard deviations in "
+                f"{named}; start from a nearer model, or declare more of it as unknown",
+                steps=dict(worst),
+                chi2=end.chi2,
+                degrees_of_freedom=_degrees(end),
+            )
     tell(1.0)
     return fitted(end)
 
@@ -321,20 +331,6 @@ def parents_point(free: Sequence[Parameter], parent: Fit) -> dict[str, float]:
     """Offsets of `free` at which a child is its parent: what is new stands where it has no effect."""
     known = parent.by_name
     return {one.name: known.get(one.name, one.start if one.logarithmic else 0.0) for one in free}
-
-
-def _refused(end: End) -> CheckFailed:
-    step = -inverse(end.whole.matrix) @ end.whole.gradient
-    sd = np.sqrt(np.diag(inverse(end.whole.matrix)))
-    worst = sorted(zip(end.cost.names, step / sd, strict=True), key=lambda one: -abs(one[1]))[:3]
-    named = ", ".join(f"{name} ({away:+.1f})" for name, away in worst)
-    return CheckFailed(
-        f"the fit of {len(end.x)} parameters did not converge: its next step is still many standard deviations in {named}; "
-        "start from a nearer model, or declare more of it as unknown",
-        steps=dict(worst),
-        chi2=end.chi2,
-        degrees_of_freedom=_degrees(end),
-    )
 
 
 def fitted(end: End) -> Fit:

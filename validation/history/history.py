@@ -803,7 +803,13 @@ def verdict(before: Version, after: Version, tolerances: Mapping[str, float], nu
         yield "Nothing was held out, so that nothing says whether it holds elsewhere."
     else:
         yield f"It {_change(old.held_out, new.held_out)} on data that were held out."
-        yield from _by_fold(old.by_fold, new.by_fold)
+        known = [name for name in new.by_fold if name in old.by_fold]
+        fell = [name for name in known if new.by_fold[name] < (1 - FALLS) * old.by_fold[name]]
+        rose = [name for name in known if new.by_fold[name] > (1 + FALLS) * old.by_fold[name]]
+        if rose and len(known) > 1:
+            worst = max(rose, key=lambda name: new.by_fold[name] / old.by_fold[name])
+            told = f"most of all {worst}: {percent(old.by_fold[worst])} before and {percent(new.by_fold[worst])} after"
+            yield f"Of {len(known)} that were held out in turn {len(fell)} fell and {len(rose)} rose, {told}."
         if new.plain < (1 - FALLS) * old.plain and new.held_out > (1 + FALLS) * old.held_out:
             yield "What it explains here it does not explain there: it fits the data, not the structure."
     for size in after.effects.get(after.effect, ()):
@@ -813,17 +819,6 @@ def verdict(before: Version, after: Version, tolerances: Mapping[str, float], nu
         many = f"sum z² {new.tolerance_z2:.3g}, where about {new.due_z2:.0f} is due"
         most = "" if new.largest_z is None or new.largest_z < ABSURD else f", one of them at {new.largest_z:.1f} z"
         yield f"The tolerances still pay for it, {many}{most}: something else is wrong, however good chi² is."
-
-
-def _by_fold(old: Mapping[str, float], new: Mapping[str, float]) -> Iterator[str]:
-    """What was held out in turn and fell, and what rose, where it is not all of it."""
-    known = [name for name in new if name in old]
-    fell = [name for name in known if new[name] < (1 - FALLS) * old[name]]
-    rose = [name for name in known if new[name] > (1 + FALLS) * old[name]]
-    if rose and len(known) > 1:
-        worst = max(rose, key=lambda name: new[name] / old[name])
-        told = f"most of all {worst}: {percent(old[worst])} before and {percent(new[worst])} after"
-        yield f"Of {len(known)} that were held out in turn {len(fell)} fell and {len(rose)} rose, {told}."
 
 
 def _change(old: float, new: float) -> str:

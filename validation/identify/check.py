@@ -40,7 +40,11 @@ class Summary:
     levels: Mapping[str, campaigns.Levels] = unwritten()
     noise: Array | None = unwritten()
     verdicts: Mapping[str, Observability] = unwritten()
-    problems: tuple[BadInput, ...] = entry(write=lambda problems: [_problem(one) for one in problems])
+    problems: tuple[BadInput, ...] = entry(
+        write=lambda problems: [
+            {"file": one.source, "field": one.field, "problem": one.problem, "remedy": one.remedy} for one in problems
+        ]
+    )
     warnings: tuple[str, ...]
 
     @property
@@ -78,10 +82,6 @@ class Summary:
                 for what, one in self.verdicts.items()
             },
         }
-
-
-def _problem(one: BadInput) -> dict[str, str]:
-    return {"file": one.source, "field": one.field, "problem": one.problem, "remedy": one.remedy}
 
 
 UNIT_KEYS = {"acceleration": "noise_m_s2", "force": "noise_n", "moment": "noise_n_m"}

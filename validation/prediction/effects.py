@@ -457,12 +457,37 @@ FINE = 1e-5
 """Step of transfers: small beside the width of a resonance, large beside rounding."""
 
 
-def parameters(effects: Sequence[Added]) -> tuple[Parameter, ...]:
+UNSEEN = 0.2
+"""[share of omega²] by which a plausible fault of a structure by itself moves the mode that it moves most: a tenth of a
+frequency. More than that nobody overlooks, whatever the structure weighs."""
+
+NEXT_TO_NOTHING = 1e-7
+"""[plausible size] at which an equation is as good as linear."""
+
+
+def plausible(of: Nuisances, named: Named, size: SizeSpec) -> float:
+    """Standard deviation of a fault before anything was measured, of a size that has a unit: by the modes of the structure."""
+    modes = len(of.frequency)
+    if of.nominal.base or not modes or size.logarithmic or size.unit == "1" or _family(named).stage != STRUCTURE_STAGE:
+        return size.plausible
+    step = NEXT_TO_NOTHING * size.plausible
+    before, after = (_changed(_with(named, size, size.null + one), of.nominal) for one in (0.0, step))
+    squares = (2 * np.pi * of.frequency) ** 2
+    K, M = ((np.diag(getattr(after, one)) - np.diag(getattr(before, one)))[:modes] / step for one in ("stiffness", "mass"))
+    moved = float(np.abs(K / squares - M).max(initial=0.0))
+    return UNSEEN / moved if moved > 0 else size.plausible
+
+
+def parameters(effects: Sequence[Added], structure: Nuisances | None = None) -> tuple[Parameter, ...]:
     """One for every size that a fit may move, of the effects that have an equation.
 
     Offset 0 of an additive one is no effect, of a logarithmic one the size as it stands; a fit starts at the size as it stands.
+
+    Parameters
+    ----------
+    structure : that is tested by itself, by which plausible sizes go; else they are those of the catalogue
     """
-    return tuple(_parameter(added.named, size) for added in effects for size in _free(added))
+    return tuple(_parameter(added.named, size, structure) for added in effects for size in _free(added))
 
 
 def name(named: Named, key: str) -> str:
@@ -596,12 +621,12 @@ def _free(added: Added) -> tuple[SizeSpec, ...]:
     return added.named.fitted_sizes
 
 
-def _parameter(named: Named, size: SizeSpec) -> Parameter:
+def _parameter(named: Named, size: SizeSpec, structure: Nuisances | None = None) -> Parameter:
     value = named.values[size.key]
     made = Parameter(
         name=name(named, size.key),
         unit=size.unit,
-        tolerance=size.plausible,
+        tolerance=size.plausible if structure is None else plausible(structure, named, size),
         kind=EFFECT,
         nominal=value if size.logarithmic else size.null,
         logarithmic=size.logarithmic,

@@ -230,7 +230,7 @@ class TableFrequencies(_TablePart):
     def _opened(self) -> tuple[tuple[Parameter, ...], Offsets]:
         ours = tuple(one for one in self.effects if FAMILIES[one.named.family].stage != CHANNEL_STAGE)
         left, given = prediction_effects.opened(self.structure.parameters, ours)
-        return (*left, *prediction_effects.parameters(ours)), given
+        return (*left, *prediction_effects.parameters(ours, self.structure)), given
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -300,7 +300,7 @@ class TableShapes(_TablePart):
     def _opened(self) -> tuple[tuple[Parameter, ...], Offsets]:
         gains = [Parameter(name=name, unit="1", tolerance=self.table.gain) for name in self._gains if self.table.gain > 0]
         left, given = prediction_effects.opened([*self.structure.parameters, *gains], self.effects)
-        return (*left, *prediction_effects.parameters(self.effects)), given
+        return (*left, *prediction_effects.parameters(self.effects, self.structure)), given
 
 
 def of(structure: Nuisances, table: ModalTable) -> tuple[TableFrequencies | TableShapes, ...]:

@@ -86,8 +86,12 @@ class ResponseFunctionTest:
         return replace(self, measured=self.measured.on(runs), drives=kept)
 
     def with_effects(self, effects: Sequence[Added]) -> "ResponseFunctionTest":
-        """The same test by a model with these `effects` instead of its own; those that reach nothing here do nothing."""
-        return replace(self, effects=prediction_effects.reaching(effects, self.there))
+        """The same test by a model with these `effects` instead of its own.
+
+        Those that reach nothing here do nothing, nor does a fault of a gain of which nothing is known: it is open already.
+        """
+        opened = [one for one in effects if one.named.id not in self._factors or isfinite(self._factors[one.named.id].tolerance)]
+        return replace(self, effects=prediction_effects.reaching(opened, self.there))
 
     def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
         """The prediction at `offsets` and the lines with these indices; all lines by default.
@@ -175,7 +179,7 @@ class ResponseFunctionTest:
         # The offset of a gain that is known to a tolerance is what it is beyond 1, as the effect of its name has it
         gains = [replace(one, nominal=one.nominal - (not one.logarithmic)) for one in self._factors.values() if one.tolerance > 0]
         left, given = prediction_effects.opened([*self.structure.parameters, *gains], self.effects)
-        return (*left, *prediction_effects.parameters(self.effects)), given
+        return (*left, *prediction_effects.parameters(self.effects, self.structure)), given
 
 
 def of(structure: Nuisances, data: ResponseFunctions) -> tuple[ResponseFunctionTest, ...]:
@@ -205,6 +209,13 @@ def of(structure: Nuisances, data: ResponseFunctions) -> tuple[ResponseFunctionT
         # |H| sqrt((1 - g²) / (g² averages)), both parts together: J. S. Bendat and A. G. Piersol, Random Data, 2010, section 9.2
         g = np.clip(np.asarray(data.coherence)[:, kept], 1e-6, 1.0)
         noise = np.asarray(np.abs(values) * np.sqrt((1 - g) / (g * data.averages)))
+    share = data.share
+    if share is None:  # as far as readings of one number differ: linear, it answers at i to a force at j as at j to one at i
+        there = (data.frequency >= low) & (data.frequency <= high)
+        at = [next((c for c, point in enumerate(data.responses) if _same(drive, point)), -1) for drive in data.drives]
+        both = [k for k, c in enumerate(at) if c >= 0]
+        alike = data.values[both][:, there][:, :, [at[k] for k in both]]
+        share = series.repeatability(alike) if len(both) > 1 else 0.0
     test = ResponseFunctionTest(
         measured=measured(
             data.title,
@@ -213,7 +224,7 @@ def of(structure: Nuisances, data: ResponseFunctions) -> tuple[ResponseFunctionT
             {drive.name: one for drive, one in zip(data.drives, values, strict=True)},
             [one.name for one in data.responses],
             band=data.band,
-            share=_repeats(data) if data.share is None else data.share,
+            share=share,
             noise=noise,
         ),
         structure=structure,
@@ -224,34 +235,19 @@ def of(structure: Nuisances, data: ResponseFunctions) -> tuple[ResponseFunctionT
         force_gain=data.force_gain,
         decay_rate=data.decay_rate,
     )
-    return (test if data.scaled else replace(test, scale=_scale(test)),)
-
-
-def _scale(test: ResponseFunctionTest) -> float:
-    """The factor that brings the level of the model to that of the data, with the sign of power that goes in."""
+    if data.scaled:
+        return (test,)
+    # The level of the model brought to that of the data, with the sign of power that goes in
     found, read = test.at({}, derivatives=False).rows[..., 0], test.measured.values
     factor = float(np.median(np.abs(read)) / np.median(np.abs(found)))
     pairs = [(r, c) for r, drive in enumerate(test.drives) for c, at in enumerate(test.responses) if _same(drive, at)]
     turned = {"acceleration": 1.0, "velocity": 1j, "displacement": -1.0}[test.quantity]
     power = sum(float(np.sum((turned * read[r, :, c]).imag)) for r, c in pairs)
-    return -factor if power < 0 else factor
+    return (replace(test, scale=-factor if power < 0 else factor),)
 
 
 def _same(one: Point, other: Point) -> bool:
     return one.place == other.place and float(np.dot(np.asarray(one.direction), np.asarray(other.direction))) > 0.99
-
-
-def _repeats(data: ResponseFunctions) -> float:
-    """How far readings of one number differ, from pairs of functions that should be alike; 0 where there are none.
-
-    A linear structure answers at i to a force at j as at j to one at i.
-    """
-    there = (data.frequency >= data.band[0]) & (data.frequency <= data.band[1])
-    at = [next((c for c, point in enumerate(data.responses) if _same(drive, point)), -1) for drive in data.drives]
-    both = [k for k, c in enumerate(at) if c >= 0]
-    if len(both) < 2:
-        return 0.0
-    return series.repeatability(data.values[both][:, there][:, :, [at[k] for k in both]])
 
 
 def measured(

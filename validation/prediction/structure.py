@@ -264,7 +264,15 @@ def _on_shapes(
         parts={name: on_shapes(K) for name, K in _parts(structure).items()},
         part_mass={name: on_shapes(M) for name, M in structure.part_mass.items()},
         supports=structure.supports,
-        joints={name: _joint_on(structure, name, one, whole) for name, one in springs.items() if one is not None},
+        joints={
+            name: JointSprings(
+                loads=one[0] @ whole,
+                stiffness=one[1],
+                trace=float(np.trace(_congruent(structure.part_stiffness[name], whole))),
+            )
+            for name, one in springs.items()
+            if one is not None
+        },
         sections={name: (on_shapes(one), on_shapes(cubed)) for name, (one, cubed) in structure.sections.items()},
         geometric=on_shapes(sum(structure.geometric.values())) if structure.geometric else np.zeros((0, 0)),
     )
@@ -418,7 +426,7 @@ def joint_springs(structure: Structure, name: str) -> tuple[Array, Array] | None
     if kinds.shape[1] > 2:
         return None
     moved = np.zeros_like(structure.rigid)
-    one = own[side.ravel() == 0]
+    one = own[side.ravel() == np.argmax(np.bincount(side.ravel()))]  # where the other is guided, it moves in fewer ways
     moved[one] = structure.rigid[one]
     loads = np.asarray(K @ moved)
     whole = _symmetric(moved.T @ loads)
@@ -432,12 +440,6 @@ def joint_springs(structure: Structure, name: str) -> tuple[Array, Array] | None
     there = np.diag(R.T @ whole @ R)
     kept = there > SMALL * np.repeat([there[:3].max(), max(there[3:].max(), LEAST)], 3)
     return np.where(kept[:, None], (loads @ R).T, 0.0), np.where(kept, there, 0.0)
-
-
-def _joint_on(structure: Structure, name: str, springs: tuple[Array, Array], shapes: Array) -> JointSprings:
-    loads, stiffness = springs
-    trace = float(np.trace(_congruent(structure.part_stiffness[name], shapes)))
-    return JointSprings(loads=loads @ shapes, stiffness=stiffness, trace=trace)
 
 
 # A structure that no base carries: it stands on the ground, or floats.
@@ -693,6 +695,11 @@ def _made(recipe: _Recipe) -> MountedArticle:
         found = users_model(recipe.own, recipe.stamp)
         damping = _damping(recipe) or found.damping
         if isinstance(found.model, Structure):
+            if not len(found.model.held):
+                support = "ground" if found.model.grounded else "free"
+                problem = f'is "{support}": it has no base that an FMD could carry'
+                remedy = 'State support = "base" with its interface; response functions and modal tables need none'
+                raise BadInput(source=recipe.own, field="fe_model.support", problem=problem, remedy=remedy)
             return _of_structure(recipe, found.model, damping, {}, None)
         frequency = found.model.frequency
         modal = found.model if damping is None else replace(found.model, viscous=damping_per_mode(damping, 2 * np.pi * frequency))

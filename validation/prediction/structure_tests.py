@@ -9,7 +9,6 @@ import numpy as np
 from fem.damping import Damping
 from fem.structure import Sparse, Structure, place_rows
 from geometry.errors import BadInput
-from geometry.sensors import Point
 from geometry.toml_file import nearest
 from identification.modal_table import ModalTable
 from identification.response_functions import ResponseFunctions
@@ -81,16 +80,29 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
     ------
     BadInput, CheckFailed : see `predictions`.
     """
+    from scipy.sparse import csr_array
+
     path = model.own[article]
     users = reduction.users_model(path, reduction.stamp(path))
     if not isinstance(users.model, Structure):
         problem = "is known by modal data alone, which have no places"
         raise BadInput(source=path, field=article, problem=problem, remedy="Bring its matrices or its mesh")
     structure = users.model
-    points = [point for one in tests for point in _points(one)]
-    rows = {point.place: _rows(structure, point) for point in points if point.place not in structure.places}
+    seen = [(*one.drives, *one.responses) if isinstance(one, ResponseFunctions) else one.sensors for one in tests]
+    points = [point for each in seen for point in each]
+    rows: dict[str, Sparse] = {}  # (3, n) what each degree of freedom moves a point, by its number or its coordinates
+    n = structure.mass.shape[0]
+    for point in (point for point in points if point.place not in structure.places):
+        word, _, number = point.place.partition(" ")
+        if word == "dof" and number.isdecimal():
+            if int(number) >= n:
+                problem = f"there is no such row: the matrices have {n}, counted from 0"
+                raise BadInput(source="test", field=point.place, problem=problem, remedy="Correct it")
+            rows[point.place] = csr_array(([1.0], ([0], [int(number)])), shape=(3, n))
+        elif point.position is not None:
+            rows[point.place] = place_rows(structure, point.position)[0]
     known = {name: row for name, row in structure.places.items() if name.replace("-", " ", 1) not in rows}  # dof-20 and dof 20
-    structure = replace(structure, places={**known, **{name: row for name, row in rows.items() if row is not None}})
+    structure = replace(structure, places={**known, **rows})
     band = max(one.band[1] if isinstance(one, ResponseFunctions) else float(np.max(one.frequency)) for one in tests)
     damping = users.damping if model.damping_ratio is None else Damping(ratio=model.damping_ratio)
     made = reduction.by_itself(structure, band, damping=damping)
@@ -104,21 +116,3 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
         part_tolerances=structure.part_tolerances,
         scaled=users.units.known,
     )
-
-
-def _points(test: Test) -> tuple[Point, ...]:
-    return (*test.drives, *test.responses) if isinstance(test, ResponseFunctions) else test.sensors
-
-
-def _rows(structure: Structure, point: Point) -> Sparse | None:
-    """(3, n) what each degree of freedom moves `point`, by its number or its coordinates; None where neither is known."""
-    from scipy.sparse import csr_array
-
-    word, _, number = point.place.partition(" ")
-    n = structure.mass.shape[0]
-    if word == "dof" and number.isdecimal():
-        if int(number) >= n:
-            problem = f"there is no such row: the matrices have {n}, counted from 0"
-            raise BadInput(source="test", field=point.place, problem=problem, remedy="Correct it")
-        return csr_array(([1.0], ([0], [int(number)])), shape=(3, n))
-    return None if point.position is None else place_rows(structure, point.position)[0]

@@ -12,18 +12,21 @@ from geometry import toml_file
 from geometry.errors import BadInput, CheckFailed
 from validation.diagnose.diagnose import diagnosed
 from validation.diagnose.diagnosis import Diagnosis, headline
-from validation.output import json_text, print_pages, stages
+from validation.output import json_text, stages
 from validation.report import document as doc
 from validation.study import Study
 
 FILE = "league.toml"
 KEYS = ("name", "study", "data", "hold_out", "expected", "tuned_on")
+FIRST = 3
+"""Names of the ranking that JSON has of a set, accepted or not."""
+
 REFUSED = "refused"
 """Verdict on a set of which no diagnosis came."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Entry:
+class RealSet:
     """One real set.
 
     Attributes
@@ -56,7 +59,7 @@ class Result:
     found : the diagnosis; None where it refused
     """
 
-    entry: Entry
+    entry: RealSet
     verdict: str
     said: str
     found: Diagnosis | None = None
@@ -71,13 +74,14 @@ class Result:
             "said": self.said,
             "accepted": [] if of is None else [one.id for one in of.accepted],
             "class": [] if of is None else list(of.equivalence_class),
+            "first": [] if of is None else [one.id for one in of.ranking[:FIRST]],
             "error_before_percent": None if of is None else of.before.plain.percent,
             "error_after_percent": None if of is None else of.after.plain.percent,
             "tuned_on": self.entry.tuned_on,
         }
 
 
-def entries(folder: Path, data: Path) -> tuple[Entry, ...]:
+def real_sets(folder: Path, data: Path) -> tuple[RealSet, ...]:
     """The sets that ``league.toml`` in `folder` names, whose data lie in `data`.
 
     Raises
@@ -95,7 +99,7 @@ def entries(folder: Path, data: Path) -> tuple[Entry, ...]:
         toml_file.require_present(one, ("name", "study", "expected", "tuned_on"), source=str(source), where=where)
         paths = tuple(data / name for name in one.get("data", ()))
         found.append(
-            Entry(
+            RealSet(
                 name=one["name"],
                 study=folder / one["study"],
                 data=paths,
@@ -107,7 +111,7 @@ def entries(folder: Path, data: Path) -> tuple[Entry, ...]:
     return tuple(found)
 
 
-def result(entry: Entry, *, quiet: bool = False) -> Result:
+def result(entry: RealSet, *, quiet: bool = False) -> Result:
     """What a diagnosis says of one set."""
     try:
         with stages(entry.name, quiet=quiet) as told:
@@ -157,9 +161,9 @@ def answer(folder: Path, data: Path, names: tuple[str, ...], *, as_json: bool) -
 
     Raises
     ------
-    BadInput : see `entries`; a name that no set has; none of the data are there.
+    BadInput : see `real_sets`; a name that no set has; none of the data are there.
     """
-    every = entries(folder, data)
+    every = real_sets(folder, data)
     if unknown := set(names) - {one.name for one in every}:
         known = ", ".join(one.name for one in every)
         problem = f"no set is called {', '.join(sorted(unknown))}"
@@ -176,4 +180,4 @@ def answer(folder: Path, data: Path, names: tuple[str, ...], *, as_json: bool) -
     if as_json:
         click.echo(json_text({"sets": {one.entry.name: one.as_json for one in found.results}, "absent": list(found.absent)}))
     else:
-        print_pages(found.document().text())
+        click.echo(found.document().text(), nl=False)

@@ -195,7 +195,10 @@ def test_sizes_that_no_structure_has_are_doubted_with_the_unit_that_fits(meshed:
             "there is no part 'q'",
             {"more": "" + JOINT},
         ),
-        ("stiffness`: must be 6 values", {"more": '[fe_model.joints.j]\nbetween = ["p", "q"]\nat = 1\nstiffness = ["1 N/m"]'}),
+        (
+            "stiffness`: must be six stiffnesses",
+            {"more": '[fe_model.joints.j]\nbetween = ["p", "q"]\nat = 1\nstiffness = ["1 N/m"]'},
+        ),
         ("units", {"units": "furlong"}),
         ("the mesh weighs 15.7 kg where 7.85 kg are stated, 2 times as much", {"more": '[stated]\nmass = "7.85 kg"'}),
     ],

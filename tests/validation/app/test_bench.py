@@ -170,7 +170,7 @@ def test_a_mended_file_is_dropped_again_under_its_name(tmp_path, monkeypatch):
     async def taken(of, _):
         opened.append(Path(of.state.model_path).read_text(encoding="utf-8"))
 
-    monkeypatch.setattr(panels, "_opened", taken)
+    monkeypatch.setattr(transfer, "_opened", taken)
 
     async def story():
         of = bench(tmp_path, data_paths="/somewhere")

@@ -56,6 +56,8 @@ def test_every_family_that_acts_in_a_linear_test_is_planted_alone(cases):
     hidden = {one.family for one in CHOICES if not one.words and all(2 * limits.limit(id) > one.largest for id in one.ids)}
     assert hidden <= {"layer-damping"}  # whose own loss factor, known to 35 %, hides all that the family allows
     linear -= hidden
+    # The draw of the proof is older than the families of any structure: tests/validation/prediction plants those
+    linear -= {"connection-compliance", "gravity-stiffness", "mass", "support-stiffness", "thickness"}
     assert {one.planted[0].text.partition(":")[0].partition("=")[0] for one in cases if one.kind == SINGLE} == linear
 
 

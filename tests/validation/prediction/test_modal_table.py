@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import Point
-from identification.modal_table import ModalTable, mac, paired
+from identification.modal_table import SOUND_SHAPE, ModalTable, mac, paired
 from validation.effects.catalogue import Named
 from validation.effects.stages import Matrices
 from validation.estimation.evaluate import evaluate, residuals
@@ -168,7 +168,8 @@ def test_a_soft_support_is_found_from_a_table_with_noise(complex_shapes: bool) -
     rng, truth = np.random.default_rng(5), 0.7
     exact = table(chain(ends=(truth, 1.0)))
     turned = np.exp(1j * rng.uniform(0, 6, (4, 1))) if complex_shapes else 1.0
-    shapes = exact.shapes * turned + 0.01 * rng.standard_normal((4, COUNT))
+    deviation = np.hypot(0.01, SOUND_SHAPE * np.abs(exact.shapes).max(axis=1, keepdims=True))
+    shapes = exact.shapes * turned + deviation * rng.standard_normal((4, COUNT))
     f = exact.frequency * (1 + 0.002 * rng.standard_normal(4))
     measured = replace(exact, shapes=shapes, frequency=f, gain=0.001)
     models = tuple(one.with_effects([added("modulus:left", 0.0)]) for one in modal_table.of(chain(), measured))
@@ -193,14 +194,16 @@ def test_a_run_that_is_left_out_takes_its_mode_along_and_not_its_partner() -> No
         assert_allclose(np.abs(alone.at({}).rows[0]), np.abs(test.at({}).rows[2]), rtol=1e-12)
 
 
-def test_what_the_model_has_not_is_refused_in_words() -> None:
+def test_a_place_or_a_mode_that_the_model_has_not_is_refused_in_words() -> None:
     of = chain()
     with pytest.raises(BadInput, match="attic"):
         modal_table.of(of, replace(table(of), sensors=(Point(place="attic"), *(Point(place=n) for n in NAMES[1:]))))
     with pytest.raises(BadInput, match="6 modes, and the table 7"):
         modal_table.of(of, table(of, frequency=np.arange(1.0, 8), frequency_deviation=np.ones(7), **NO_SHAPES))
-    (frequencies, _) = modal_table.of(of, table(of))
-    with pytest.raises(BadInput, match="has none"):
-        frequencies.with_effects([added("mounting-offset:x", 0.01)])
-    with pytest.raises(BadInput, match="places are mass-1"):
-        frequencies.with_effects([added("point-mass:attic", 0.01)])
+
+
+def test_effects_that_reach_nothing_of_a_table_leave_it_as_it_is() -> None:
+    known = added("modulus:left", 0.1)
+    elsewhere = [added("mounting-offset:x", 0.01), added("point-mass:attic", 0.01), added("accelerometer-gain:attic", 0.1)]
+    for test in modal_table.of(chain(), table(chain())):
+        assert test.with_effects([*elsewhere, known]).effects == (known,)

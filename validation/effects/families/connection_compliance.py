@@ -5,23 +5,26 @@ from dataclasses import replace
 import numpy as np
 
 from geometry.dynamic_mass import MOTIONS
-from validation.effects.effect import BETWEEN, SHIFTING, STRUCTURE, STRUCTURE_STAGE, TURNING, Family, Values
+from validation.effects.effect import BETWEEN, EVERY, SHIFTING, STRUCTURE, STRUCTURE_STAGE, TURNING, Family, Values
 from validation.effects.stages import Matrices
 
 
 def change(stage: Matrices, targets: tuple[str, ...], values: Values) -> Matrices:
     """``K -= c p p^T / (1 + c k)``: a spring of 1/c in series with k, p what the joint carries along the direction."""
-    name, d = targets[0], MOTIONS.index(targets[1])
-    joint = stage.joints[name]
-    share = np.trace(stage.parts[name]) / joint.trace  # what a modulus has made of it
-    p, k, c = share * joint.loads[d], share * joint.stiffness[d], values[""]
-    return replace(stage, stiffness=stage.stiffness - c / (1 + c * k) * np.outer(p, p))
+    names, d, c = stage.joints if targets[0] == EVERY else (targets[0],), MOTIONS.index(targets[1]), values[""]
+    stiffness = np.array(stage.stiffness)
+    for name in names:
+        joint = stage.joints[name]
+        share = np.trace(stage.parts[name]) / joint.trace  # what a modulus has made of it
+        p, k = share * joint.loads[d], share * joint.stiffness[d]
+        stiffness -= c / (1 + c * k) * np.outer(p, p)
+    return replace(stage, stiffness=stiffness)
 
 
 FAMILY = Family(
     name="connection-compliance",
     side=STRUCTURE,
-    what="compliance of a joint between two parts",
+    what="compliance of a joint between two parts, or of every joint alike",
     targets=(BETWEEN, "direction at a joint"),
     sizes=SHIFTING,
     varying=dict.fromkeys(MOTIONS[3:], TURNING),

@@ -174,7 +174,16 @@ def draw_sheet(sheet: Sheet, path: Path, about: str = "") -> None:
     _last_row(panels[-1], sheet)
     for k, pair in enumerate(panels):
         for column, axes in enumerate(pair):
-            _dress(axes, [(mark[column], mark[1]) for mark in sheet.marks], last=k == count - 1, figures=k == 0)
+            grid_lines(axes)
+            axes.tick_params(labelbottom=k == count - 1)
+            low, high = axes.get_xlim()
+            text: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "ha": "center", "fontsize": 8, "color": FAINT}
+            previous = -np.inf
+            for at, frequency in sorted((mark[column], mark[1]) for mark in sheet.marks if low <= mark[column] <= high):
+                axes.axvline(at, color=FAINT, linewidth=0.8, alpha=0.55, zorder=0.5)
+                if k == 0 and at - previous > ROOM * (high - low):
+                    axes.text(at, 1.02, f"{frequency:.1f}", **text)
+                    previous = at
     finish(figure, sheet.title, sheet.note, path, about)
 
 
@@ -250,17 +259,3 @@ def _pieces(time: Array, signals: Sequence[Array], most: int) -> tuple[Array, Ar
     stacked = np.array(signals)
     low, high = (kind.reduceat(stacked, edges[:-1], axis=1) for kind in (np.minimum, np.maximum))
     return time[(edges[:-1] + edges[1:] - 1) // 2], low, high
-
-
-def _dress(axes: Axes, marks: Sequence[tuple[float, float]], *, last: bool, figures: bool) -> None:
-    """Grid, and a line at every mark, (place, frequency [Hz]); its frequency stands above the panel where there is room."""
-    grid_lines(axes)
-    axes.tick_params(labelbottom=last)
-    low, high = axes.get_xlim()
-    text: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "ha": "center", "fontsize": 8, "color": FAINT}
-    previous = -np.inf
-    for at, frequency in sorted(mark for mark in marks if low <= mark[0] <= high):
-        axes.axvline(at, color=FAINT, linewidth=0.8, alpha=0.55, zorder=0.5)
-        if figures and at - previous > ROOM * (high - low):
-            axes.text(at, 1.02, f"{frequency:.1f}", **text)
-            previous = at

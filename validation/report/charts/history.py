@@ -89,7 +89,16 @@ def draw_fall(title: str, rungs: Sequence[DrawnRung], path: Path, note: str = ""
     for axes, shown in ((upper, PERCENT), (lower, FITTED)):
         for name, role in shown.items():
             _way(axes, rungs, name, COLOURS[role][0])
-        _dress(axes)
+        from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+        axes.set_yscale("log")
+        low, high = axes.get_ylim()
+        axes.set_ylim(low * (low / high) ** 0.17, high * (high / low) ** 0.1)  # room for figures and names
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.yaxis.set_minor_formatter(NullFormatter())
+        grid_lines(axes)
+        axes.legend(fontsize=9.5, loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False)
     upper.set_ylabel("error of the judged channels [%]", fontsize=10)
     lower.set_ylabel("all tolerances fitted", fontsize=10)
     lower.axhline(1.0, color=FAINT, linewidth=0.9, linestyle=(0, (5, 3)), zorder=1)
@@ -194,19 +203,6 @@ def spread(heights: Sequence[float], gap: float) -> Array:
 
 
 _SMALL: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.5}
-
-
-def _dress(axes: Axes) -> None:
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    axes.set_yscale("log")
-    low, high = axes.get_ylim()
-    axes.set_ylim(low * (low / high) ** 0.17, high * (high / low) ** 0.1)  # room for figures and names
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_formatter(NullFormatter())
-    grid_lines(axes)
-    axes.legend(fontsize=9.5, loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False)
 
 
 def intervals_of(bodies: Mapping[str, Body], title: str, note: str = "") -> IntervalChart:

@@ -138,7 +138,13 @@ def draw_shares(title: str, drawn: Sequence[UncertaintyShares], path: Path, note
     static.require_format(path)
     figure = static.new_figure(15.0, 7.2)
     grid = figure.add_gridspec(1, len(drawn), wspace=0.2, left=0.065, right=0.915, top=0.865, bottom=0.21)
-    colour = colours(_important([one.shares for one in drawn]))
+    # Inputs with a colour of their own, the one with the largest share first
+    largest: dict[str, float] = {}
+    for one in drawn:
+        for name, values in one.shares.items():
+            largest[name] = max(largest.get(name, 0.0), float(values.max(initial=0.0)))
+    ordered = sorted(largest, key=lambda name: -largest[name])
+    colour = colours([name for name in ordered if largest[name] >= SMALL][:MOST_INPUTS])
     for k, one in enumerate(drawn):
         axes = figure.add_subplot(grid[k])
         places = np.arange(len(one.parameters))
@@ -166,16 +172,6 @@ def draw_shares(title: str, drawn: Sequence[UncertaintyShares], path: Path, note
     handles = [Patch(color=hue, label=name) for name, hue in colour.items()] + [Patch(color=OTHERS, label="all others")]
     figure.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 0.055), ncols=5, fontsize=9.5, frameon=False)
     static.finish(figure, title, note, path)
-
-
-def _important(shares: Sequence[Mapping[str, Array]]) -> list[str]:
-    """Names of the inputs with a colour of their own, the one with the largest share first."""
-    largest: dict[str, float] = {}
-    for one in shares:
-        for name, share in one.items():
-            largest[name] = max(largest.get(name, 0.0), float(share.max(initial=0.0)))
-    ordered = sorted(largest, key=lambda name: -largest[name])
-    return [name for name in ordered if largest[name] >= SMALL][:MOST_INPUTS]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -218,6 +214,7 @@ def draw_stability(
     for k, one in enumerate(maps):
         axes = figure.add_subplot(grid[k // 5, k % 5])
         from matplotlib.colors import LinearSegmentedColormap
+        from matplotlib.patches import Rectangle
 
         colours = LinearSegmentedColormap.from_list("deviation", ("#14296b", "#6f93dc", PAPER, "#ea8a78", "#7d1220"))
         axes.set_facecolor(EMPTY)
@@ -240,20 +237,14 @@ def draw_stability(
         axes.tick_params(labelsize=8, colors=INK, length=2)
         bar = axes.figure.colorbar(mesh, ax=axes, fraction=0.05, pad=0.03, extend="both")
         bar.ax.tick_params(labelsize=8, colors=INK, length=2)
-        _choice(axes, start, stop, chosen)
+        i, j = int(np.argmin(np.abs(start - chosen[0]))), int(np.argmin(np.abs(stop - chosen[1])))
+        axes.add_patch(Rectangle((i - 0.5, j - 0.5), 1, 1, fill=False, edgecolor=INK, linewidth=2.2, clip_on=False, zorder=5))
         axes.set_title(f"{one.label} [{one.unit}]", fontsize=11, loc="left", color=INK)
         if k % 5 == 0:
             axes.set_ylabel("stop [Hz]", fontsize=10)
         if k >= len(maps) - 5:
             axes.set_xlabel("start [Hz]", fontsize=10)
     static.finish(figure, title, note, path)
-
-
-def _choice(axes: static.Axes, start: Array, stop: Array, chosen: tuple[float, float]) -> None:
-    from matplotlib.patches import Rectangle
-
-    i, j = int(np.argmin(np.abs(start - chosen[0]))), int(np.argmin(np.abs(stop - chosen[1])))
-    axes.add_patch(Rectangle((i - 0.5, j - 0.5), 1, 1, fill=False, edgecolor=INK, linewidth=2.2, clip_on=False, zorder=5))
 
 
 # A pretest on one page: condition number over frequency, expected intervals, the price of losing a channel.
@@ -385,7 +376,15 @@ def draw_rigid(title: str, tiles: Mapping[str, Sequence[MovingBody]], limit: flo
     first = next(iter(tiles.values()))
     with off_screen():
         view = fitted(np.concatenate([body.vertices for body in first]), TILE, MARGIN)
-        shots = {caption: displaced(view, _coloured(bodies, limit), 0.0, 1.0) for caption, bodies in tiles.items()}
+        shots = {}
+        for caption, bodies in tiles.items():
+            # Coloured by 0 up to `limit`, then by the logarithm up to 1 at `DECADES` above
+            shares = [np.log10(np.maximum(body.size, limit) / limit) / DECADES for body in bodies]
+            coloured = [
+                replace(body, displacement=np.clip(share, 0.0, 1.0)[:, None] * [1.0, 0.0, 0.0])
+                for body, share in zip(bodies, shares, strict=True)
+            ]
+            shots[caption] = displaced(view, coloured, 0.0, 1.0)
     width, height = len(tiles) * TILE[0], HEAD + TILE[1] + FOOT
     figure, canvas = blank(width, height)
     write(canvas, 24, 32, title, 22, weight="bold", va="center")
@@ -406,15 +405,6 @@ def draw_rigid(title: str, tiles: Mapping[str, Sequence[MovingBody]], limit: flo
     axes.set_title("elastic motion over that of a rigid article", fontsize=9, color=FAINT, pad=4, loc="left")
     write(canvas, 24, height - 16, note, 12, FAINT, va="center")
     static.save(path, lambda temporary: figure.savefig(temporary, dpi=DPI))
-
-
-def _coloured(bodies: Sequence[MovingBody], limit: float) -> list[MovingBody]:
-    return [replace(body, displacement=_scaled(body.size, limit)[:, None] * [1.0, 0.0, 0.0]) for body in bodies]
-
-
-def _scaled(share: Array, limit: float) -> Array:
-    """0 up to `limit`, then by its logarithm up to 1 at `DECADES` above."""
-    return np.asarray(np.clip(np.log10(np.maximum(share, limit) / limit) / DECADES, 0.0, 1.0))
 
 
 # The bias of peak-reference-hold near a lightly damped mode: the response function as it is and as spectra tell it.

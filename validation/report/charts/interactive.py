@@ -319,11 +319,12 @@ def library() -> str:
 
 def figure_json(figure: "Figure") -> str:
     """`figure` as JSON without its template, which a page has once for all of them."""
-    from plotly.io.json import to_json_plotly
+    from plotly import graph_objects as go
+    from plotly.io import to_json
 
-    said = figure.to_plotly_json()
-    said["layout"].pop("template", None)
-    return str(to_json_plotly(said))
+    bare = go.Figure(figure)
+    bare.layout.template = None
+    return str(to_json(bare, validate=False))
 
 
 def template_json(dark: bool) -> str:

@@ -1,0 +1,137 @@
+"""A frame in a few lines: closed forms of shear frames and cantilevers, gravity, joints, and what is refused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.linalg import eigh
+
+from fem.user_model import frame, reading
+from geometry.errors import BadInput
+
+E, MASS, L, WIDTH, THICKNESS = 210e9, 1.83, 0.2, 80e-3, 1e-3
+I = WIDTH * THICKNESS**3 / 12
+LIGHT = {"youngs_modulus": "210 GPa", "poisson_ratio": 0.3}
+BUILDING = {
+    "kind": "frame",
+    "nodes": {"foot": "0 mm", "floor-1": "200 mm", "floor-2": "400 mm", "floor-3": "600 mm"},
+    "fixed": ["foot"],
+    "moves": ["x"],
+    "members": {"walls-1": ["foot", "floor-1"], "walls-2": ["floor-1", "floor-2"], "walls-3": ["floor-2", "floor-3"]},
+    "section": {"width": "80 mm", "thickness": "1 mm", "across": "x", "count": 2},
+    "material": LIGHT,
+    "masses": {f"floor-{k}": "1.83 kg" for k in (1, 2, 3)},
+}
+STOREY = 2 * 12 * E * I / L**3
+DRIFT = np.eye(3) - np.eye(3, k=-1)
+
+
+def frequencies(structure, more=0.0):
+    """[Hz] of the three floors; what has no mass follows without inertia."""
+    shares = eigh(structure.mass.toarray(), structure.stiffness.toarray() + more, eigvals_only=True)[::-1][:3]
+    return 1 / (2 * np.pi * np.sqrt(shares))
+
+
+def chain(stiffness):
+    """[Hz] of three masses on springs, one above the other."""
+    return np.sqrt(eigh(DRIFT.T @ np.diag(stiffness) @ DRIFT, MASS * np.eye(3), eigvals_only=True)) / (2 * np.pi)
+
+
+def test_a_building_of_thin_walls_is_a_chain_of_masses_on_twelve_ei_over_l_cubed():
+    found = frame.structure(BUILDING, "building")
+    assert found.grounded
+    assert_allclose(frequencies(found), chain([STOREY] * 3), rtol=1e-3)  # ends that give a ten-thousandth, and shear
+    assert list(found.places) == ["floor-1", "floor-2", "floor-3"]
+    assert set(found.part_mass) == {"floor-1", "floor-2", "floor-3"}
+    assert found.joints[:2] == ("walls-1@foot", "walls-1@floor-1")
+
+
+def test_the_weight_above_takes_six_fifths_of_itself_over_the_height_from_a_storey():
+    found = frame.structure(BUILDING, "building")
+    weights = frame.GRAVITY * MASS * np.array([3, 2, 1])
+    share = 1.2 * weights / L / STOREY
+    assert_allclose(100 * share, [7.7, 5.1, 2.6], atol=0.05)  # as the data of the building say
+    gravity = sum(one.toarray() for one in found.geometric.values())
+    assert_allclose(frequencies(found, gravity), chain(STOREY * (1 - share)), rtol=1e-3)
+    hanging = frame.structure(BUILDING | {"down": "z"}, "building")
+    assert_allclose(sum(one.toarray() for one in hanging.geometric.values()), -gravity, atol=1e-9 * np.abs(gravity).max())
+
+
+def test_parts_add_up_and_sections_side_by_side_add():
+    one, four = (
+        frame.structure(BUILDING | {"section": BUILDING["section"] | {"count": count}, "material": "steel"}, "b")
+        for count in (1, 4)
+    )
+    for whole in (one, four):
+        assert_allclose(sum(K.toarray() for K in whole.part_stiffness.values()), whole.stiffness.toarray())
+        assert_allclose(sum(M.toarray() for M in whole.part_mass.values()), whole.mass.toarray())
+    assert_allclose(four.stiffness.toarray(), 4 * one.stiffness.toarray())
+    walls = 7850 * 3 * 0.2 * WIDTH * THICKNESS
+    x = one.rigid[:, 0]
+    heavier = float(x @ (four.mass - one.mass).toarray() @ x)
+    assert_allclose(heavier, 3 * walls, rtol=0.03)  # the library's steel has its own density
+
+
+def test_a_cantilever_of_more_elements_goes_to_its_closed_form_with_the_fourth_power():
+    rod = {
+        "nodes": {"foot": "0 m", "tip": "1 m"},
+        "fixed": ["foot"],
+        "members": {"rod": ["foot", "tip"]},
+        "section": {"width": "20 mm", "thickness": "5 mm", "across": "x"},
+        "material": {"density": "7800 kg/m^3", "youngs_modulus": "210 GPa", "poisson_ratio": 0.3},
+    }
+    exact = 4.694091133**2 / (2 * np.pi) * np.sqrt(E * 5e-3**2 / 12 / 7800)  # second bending mode, Euler's beam
+    off = []
+    for count in (2, 4):
+        found = frame.structure(rod | {"elements": count}, "rod")
+        shares = eigh(found.mass.toarray(), found.stiffness.toarray(), eigvals_only=True)[::-1]
+        all_of_them = 1 / (2 * np.pi * np.sqrt(np.maximum(shares, 1e-12)))
+        off.append(np.abs(all_of_them - exact).min() / exact)
+    assert off[1] < 2e-3
+    assert off[0] > 6 * off[1] or off[1] < 4e-4  # beyond, shear and the ends that give are all that is left
+
+
+def test_it_stands_in_a_file_of_its_own_or_in_a_model_file(tmp_path: Path):
+    text = """format = 1
+[fe_model]
+kind = "frame"
+nodes = { foot = "0 m", top = "0.2 m" }
+fixed = ["foot"]
+moves = ["x"]
+members = { wall = ["foot", "top"] }
+section = { width = "80 mm", thickness = "1 mm", across = "x" }
+material = { youngs_modulus = "210 GPa", poisson_ratio = 0.3 }
+masses = { top = "1.83 kg" }
+loss_factor = 0.01
+"""
+    (tmp_path / "wall.toml").write_text(text)
+    (tmp_path / "study.toml").write_text(text.replace("[fe_model]", '[model]\narticle = "wall"\n[fe_model]'))
+    for name in ("wall.toml", "study.toml"):
+        found = reading.load(tmp_path / name)
+        assert found.model.loss_factors == {"wall": 0.01}
+        assert found.damping.loss_factors == {"wall": 0.01}
+
+
+@pytest.mark.parametrize(
+    ("change", "field", "words"),
+    [
+        ({"nodes": {"foot": "0 m", "floor-1": 0.2}}, "nodes.floor-1", "needs its unit"),
+        ({"fixed": ["cellar"]}, "fixed", "no node is called 'cellar'"),
+        ({"moves": ["sideways"]}, "moves", "sideways"),
+        ({"members": {"walls": ["foot", "foot"]}}, "members.walls", "two nodes apart"),
+        ({"members": {"walls": ["foot"]}}, "members.walls", "two names of nodes"),
+        ({"section": {"width": "80 mm", "thickness": "1 mm", "across": "z"}}, "members.walls-1", "thin along its own direction"),
+        ({"section": {"width": "80 mm", "thickness": "1 mm", "across": "x", "count": 0}}, "section.count", "from 1 to 1000"),
+        ({"masses": {}}, "masses", "nothing has mass"),
+        ({"masses": {"roof": "1 kg"}}, "masses", "no node is called 'roof'"),
+        ({"elements": 0}, "elements", "from 1 to 100"),
+        ({"loss_factor": 3}, "loss_factor", "below 2"),
+        ({"colour": "red"}, "colour", "unknown key"),
+        ({"material": "adamant"}, "material", "no material is called 'adamant'"),
+    ],
+)
+def test_what_makes_no_frame_is_refused_with_its_place(change, field, words):
+    with pytest.raises(BadInput, match=words) as refused:
+        frame.structure(BUILDING | change, "building.toml")
+    assert field in refused.value.field

@@ -1,0 +1,122 @@
+"""Tests of a user's own structure: places by number, what is plausible by the modes, joints that give alike, and refusals."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.linalg import eigh
+
+from geometry.errors import BadInput
+from identification import test_file
+from validation.effects.catalogue import FAMILIES, Named, acts, parse
+from validation.model import model_file
+from validation.model.model import Added
+from validation.prediction import effects, structure_tests
+from validation.prediction.structure import mounted_article
+
+STUDY = """format = 1
+model = { title = "Wall", article = "wall" }
+[fe_model]
+kind = "frame"
+nodes = { foot = "0 m", floor = "0.2 m", roof = "0.4 m" }
+fixed = ["foot"]
+moves = ["x"]
+members = { low = ["foot", "floor"], high = ["floor", "roof"] }
+section = { width = "80 mm", thickness = "1 mm", across = "x" }
+material = { youngs_modulus = "210 GPa", poisson_ratio = 0.3 }
+masses = { floor = "1.83 kg", roof = "1.83 kg" }
+loss_factor = 0.01
+[[test]]
+kind = "modal-table"
+frequencies = ["1.48 +/- 0.01 Hz", "3.88 +/- 0.02 Hz"]
+sensors = ["floor:x", "dof 0"]
+shapes = [[0.62, 0.62], [-1.0, -1.0]]
+"""
+
+
+@pytest.fixture
+def opened(tmp_path):
+    """The model file, its tests, and what it predicts of them."""
+    path = tmp_path / "wall.toml"
+    path.write_text(STUDY)
+    model = model_file.read(path)
+    tests = [test_file.read(path, {"article": model.article, **one}) for one in model.tests]
+    return model, tests, structure_tests.predictions(model, tests)
+
+
+def lowest(matrices):
+    """[1/s²] omega² of the two floors."""
+    return 1 / eigh(matrices.mass, matrices.stiffness, eigvals_only=True)[::-1][:2]
+
+
+def test_a_sensor_may_be_a_row_of_the_matrices(opened):
+    of, shapes = opened[0], opened[2][1]
+    rows = shapes.at({}, derivatives=False).rows[:, 0, :, 0].real
+    assert_allclose(rows[:, 1], rows[:, 0], rtol=1e-9)  # the first row of this frame is what moves its floor
+    assert of.own == {"wall": of.source}
+
+
+@pytest.mark.parametrize("text", ["point-mass:roof=0", "cable:roof:lateral=1", "connection-compliance:low@foot:beta=1e-9"])
+def test_a_plausible_fault_moves_one_mode_by_a_fifth_of_its_omega_squared_and_no_other_by_more(opened, text):
+    known = opened[2][0].structure
+    named = parse(text, replace(effects_words(opened)))
+    (size,) = named.sizes
+    deviation = effects.plausible(known, named, size)
+    little = 1e-4 * deviation
+    before = FAMILIES[named.family].change(known.nominal, named.targets, {"": 0.0})
+    after = FAMILIES[named.family].change(known.nominal, named.targets, {"": little})
+    moved = np.abs(lowest(after) / lowest(before) - 1) / 1e-4
+    assert_allclose(moved.max(), effects.UNSEEN, rtol=0.02)
+
+
+def effects_words(opened):
+    """What effects can be about here."""
+    from validation.effects.catalogue import words_of
+    from validation.model.model import vocabulary
+
+    none = replace(vocabulary(opened[0], ()), places=None, parts=None, supports=None, joints=None)
+    return words_of([one.there for one in opened[2]], none)
+
+
+def test_every_joint_alike_is_all_of_them_one_after_the_other(opened):
+    stage = opened[2][0].structure.nominal
+    change = FAMILIES["connection-compliance"].change
+    together = change(stage, ("every", "beta"), {"": 1e-6})
+    apart = stage
+    for name in stage.joints:
+        apart = change(apart, (name, "beta"), {"": 1e-6})
+    assert_allclose(together.stiffness, apart.stiffness)
+    assert not np.allclose(together.stiffness, stage.stiffness, rtol=1e-9)
+    assert acts(Named(family="connection-compliance", targets=("every", "x"), values={"": 0.0}), opened[2][0].there)
+
+
+def test_what_reaches_nothing_of_a_test_does_nothing_there(opened):
+    words = replace(effects_words(opened), accelerometers=None, forces=None, parts=None)
+    added = [
+        Added(named=parse(text, words)) for text in ("modulus:low=0.1", "modulus:elsewhere=0.1", "joint-compliance:rotation=1e-6")
+    ]
+    kept = opened[2][0].with_effects(added).effects
+    assert [one.named.id for one in kept] == ["modulus:low"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('"dof 0"', '"dof 99"', "there is no such row"),
+        ('"floor:x"', '"cellar:x"', "no such place"),
+        ('kind = "modal-table"', 'kind = "modal-table"\narticle = "tower"', "has no model of it"),
+    ],
+)
+def test_a_test_that_is_not_of_this_structure_is_refused(tmp_path, old, new, words):
+    path = tmp_path / "wall.toml"
+    path.write_text(STUDY.replace(old, new))
+    model = model_file.read(path)
+    with pytest.raises(BadInput, match=words):
+        structure_tests.predictions(model, [test_file.read(path, {"article": "wall", **one}) for one in model.tests])
+
+
+def test_what_stands_on_the_ground_stands_on_no_fmd(opened, ordinary):
+    model = replace(opened[0], own={"fmd+wall": opened[0].source})
+    with pytest.raises(BadInput, match="no base that an FMD could carry"):
+        mounted_article(model, replace(ordinary("fmd+clumod-1", "rigid").campaign, article="fmd+wall"))
