@@ -1,8 +1,8 @@
-"""Make the test of a structure of your own as a laboratory would hand it over, with a fault that the model does not know.
+"""Make the test of a structure of your own as a laboratory would hand it over, with a fault that its model does not know.
 
-``python examples/own_test.py FILE.csv`` writes response functions of three floors, from the closed form of a chain of masses, whose
-second storey is 20 % softer than drawn. ``python examples/own_test.py MODEL.toml PART PLACE:AXIS ... TEST.toml`` writes a table of
-the first five modes of a model, one part of which is 20 % softer. ``docs/your-own-structure.md`` uses both.
+``python examples/own_test.py FILE.csv`` writes response functions of three floors, from the closed form of a chain of masses,
+whose second storey is 20 % softer than drawn. ``python examples/own_test.py MODEL.toml PART PLACE:AXIS ... TEST.toml`` writes a
+table of the first five modes of a model, one part of which is 20 % softer. ``docs/your-own-structure.md`` uses both.
 """
 
 from __future__ import annotations
