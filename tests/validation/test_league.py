@@ -69,13 +69,18 @@ def lab(tmp_path: Path) -> Path:
     return tmp_path
 
 
+def members(found: dict) -> list[str]:
+    """All effects of the class that a diagnosis names."""
+    return [*found["equivalence_class"]]
+
+
 def plain_words(text: str) -> str:
     return re.sub(r"\s+", " ", text)
 
 
 def test_a_hidden_modulus_is_found_by_diagnose_among_all_parts_places_and_gains(lab, answer):
     found = answer("diagnose", FILE)
-    assert found["verdict"] == "missing"
+    assert found["verdict"] == "ambiguous"  # ends of the legs that give are the same to floors that move along x alone
     best = found["accepted"][0]
     assert best["id"] == "modulus:legs-2"
     assert_allclose(best["value"], HIDDEN, rtol=0.05)  # gains and frequencies, known to per cents, share in it
@@ -128,7 +133,7 @@ def test_a_table_of_modes_is_told_by_mode_and_without_a_frequency_of_its_mean(tm
     assert "nan" not in out
     assert not re.search(r"mode \d of table frequencies, [\d.]+ Hz", out)
     found = answer("diagnose", FILE, "table.toml")
-    assert [one["id"] for one in found["accepted"]] == ["modulus:legs-2"]
+    assert "modulus:legs-2" in members(found)
 
 
 @pytest.mark.parametrize(
@@ -176,7 +181,7 @@ def test_the_league_diagnoses_what_is_here_and_says_what_is_not(lab, run, answer
     found = answer("league", "--data", ".", "--studies", ".")
     assert found["absent"] == ["elsewhere"]
     made = found["sets"]["made"]
-    assert (made["verdict"], made["accepted"], made["tuned_on"]) == ("missing", ["modulus:legs-2"], False)
+    assert (made["verdict"], made["accepted"], made["tuned_on"]) == ("ambiguous", ["modulus:legs-2"], False)
     assert made["error_after_percent"] < made["error_before_percent"] / 5
 
 
