@@ -347,7 +347,8 @@ def read(path: Path) -> MeshDescription:
     """
     source, whole = str(path), toml_file.read(path)
     toml_file.require_format(whole, source)
-    toml_file.require_known(whole, ("format", text.TABLE, "stated"), source=source)
+    if text.MODEL_FILE not in whole:  # the file of a model, whose own tables say more
+        toml_file.require_known(whole, ("format", text.TABLE, "stated"), source=source)
     table = _Table(source=source, where=text.TABLE, table=whole[text.TABLE]).known(_KEYS)
     toml_file.require_present(table.table, ("kind", "file", "parts"), source=source, where=text.TABLE)
     kind = toml_file.one_of(table.table["kind"], KINDS, source=source, where=f"{text.TABLE}.kind")

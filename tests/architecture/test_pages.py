@@ -55,6 +55,8 @@ LONG = {
         "tutorial.md",
         "README.md",
         "python.md",
+        "league.md",
+        "your-own-structure.md",
     ),
 }
 """Pages whose commands take ten seconds of computing and more: they are run by `make proof`, the others by `make test`."""

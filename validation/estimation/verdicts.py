@@ -153,7 +153,7 @@ def told(of: Evaluation, explained: ExplainedError, peak: float) -> tuple[Stated
     said = f"tolerances of the measurement let expect {percent(explained.measurement)}"
     if explained.with_modes > NOTICED * explained.measurement:
         said += f", with those of the modes up to {percent(explained.with_modes)}"
-    fmd = "the FMD identified, " if any(one.kind == IDENTIFIED for one in of.plain_fit.parameters) else ""
+    fmd = "the FMD identified, " if any(one.name.startswith("fmd") for one in of.plain_fit.parameters) else ""
     plain = StatedError(
         name="plain error",
         figure=percent(of.plain.percent),

@@ -1,0 +1,216 @@
+"""Tests of a user's own frame from the command line, and the league: a hidden modulus in response functions of a closed form."""
+
+import os
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+E, WIDTH, THICKNESS, HEIGHT, MASS, LOSS = 70e9, 0.025, 0.003, 0.15, 5.0, 0.02
+HIDDEN = -0.2
+"""Relative change of the modulus of the second storey."""
+
+MODEL = """\
+format = 1
+model = { title = "Three floors", article = "frame" }
+[fe_model]
+kind = "frame"
+nodes = { foot = "0 mm", floor-1 = "150 mm", floor-2 = "300 mm", floor-3 = "450 mm" }
+fixed = ["foot"]
+moves = ["x"]
+members = { legs-1 = ["foot", "floor-1"], legs-2 = ["floor-1", "floor-2"], legs-3 = ["floor-2", "floor-3"] }
+section = { width = "25 mm", thickness = "3 mm", across = "x", count = 4 }
+material = { youngs_modulus = "70 GPa", poisson_ratio = 0.3 }
+masses = { floor-1 = "5 kg", floor-2 = "5 kg", floor-3 = "5 kg" }
+loss_factor = 0.02
+"""
+TEST = """\
+kind = "response-functions"
+article = "frame"
+band = [3.0, 40.0]
+responses = ["floor-1:x", "floor-2:x", "floor-3:x"]
+files = [{ path = "one.csv", drive = "floor-1:x" }, { path = "three.csv", drive = "floor-3:x" }]
+"""
+FILE = "lab.toml"
+
+
+def springs(change: float = 0.0) -> np.ndarray:
+    """(3,) [N/m] of the storeys: 12 E I / L³ of a leg that is clamped at both ends, four times."""
+    one = 4 * 12 * E * (WIDTH * THICKNESS**3 / 12) / HEIGHT**3
+    return one * np.array([1.0, 1.0 + change, 1.0])
+
+
+def matrices(change: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    k1, k2, k3 = springs(change)
+    return np.array([[k1 + k2, -k2, 0], [-k2, k2 + k3, -k3], [0, -k3, k3]]), MASS * np.eye(3)
+
+
+def write_functions(folder: Path, change: float = HIDDEN) -> None:
+    """Accelerances of a chain of three masses, of which no code of ours knows, with noise of half a per cent."""
+    rng, f = np.random.default_rng(20), np.arange(3.0, 40.0, 0.1)
+    K, M = matrices(change)
+    H = np.array([-(w**2) * np.linalg.inv(K * (1 + 1j * LOSS) - w**2 * M) for w in 2 * np.pi * f])
+    for name, drive in (("one.csv", 0), ("three.csv", 2)):
+        rows = H[:, :, drive]
+        rows = rows * (1 + 0.005 * (rng.standard_normal(rows.shape) + 1j * rng.standard_normal(rows.shape)) / np.sqrt(2))
+        lines = (
+            ",".join(f"{x:.9g}" for x in [at, *row.view(float)]) for at, row in zip(f, np.ascontiguousarray(rows), strict=True)
+        )
+        (folder / name).write_text("frequency," + ",".join(f"r{k},i{k}" for k in (1, 2, 3)) + "\n" + "\n".join(lines) + "\n")
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> Path:
+    """A model file with its test beside the data, the modulus of one storey hidden in them."""
+    write_functions(tmp_path)
+    (tmp_path / FILE).write_text(MODEL + "[[test]]\n" + TEST, encoding="utf-8")
+    return tmp_path
+
+
+def members(found: dict) -> list[str]:
+    """All effects of the class that a diagnosis names."""
+    return [*found["equivalence_class"]]
+
+
+def plain_words(text: str) -> str:
+    return re.sub(r"\s+", " ", text)
+
+
+def test_a_hidden_modulus_is_found_by_diagnose_among_all_parts_places_and_gains(lab, answer):
+    found = answer("diagnose", FILE)
+    assert found["verdict"] == "ambiguous"  # ends of the legs that give are the same to floors that move along x alone
+    best = found["accepted"][0]
+    assert best["id"] == "modulus:legs-2"
+    assert_allclose(best["value"], HIDDEN, rtol=0.05)  # gains and frequencies, known to per cents, share in it
+
+
+def test_with_the_effect_the_error_falls_on_data_held_out_and_undo_takes_it_back(lab, run, answer):
+    before = (lab / FILE).read_bytes()
+    assert_allclose(answer("add", FILE, "modulus:legs-2")["effect"]["value"], HIDDEN, rtol=0.05)
+    percents = [rung["errors"]["plain_percent"] for rung in answer("ladder", FILE, "--no-plot")["rungs"]]
+    assert percents[1] < percents[0] / 5
+    code, out, _ = run("ladder", FILE, "--no-plot")
+    assert code == 0
+    assert "Per cent of what is read." in out
+    assert "CoG" not in out
+    assert run("undo", FILE)[0] == 0
+    assert (lab / FILE).read_bytes() == before
+
+
+def test_what_is_printed_and_reported_knows_no_fmd_and_no_campaign(lab, run):
+    code, out, _ = run("compare", FILE, "--out", "out")
+    assert code == 0
+    assert "floor-" in out
+    assert "FMD" not in out
+    assert sorted(path.name for path in (lab / "out").glob("*.png")) == [
+        "compare-errors.png",
+        "compare-lab-channels.png",
+        "compare-runs.png",
+    ]
+    assert run("report", FILE, "--no-diagnosis", "--out", "page.html")[0] == 0
+    page = plain_words(re.sub(r"<script.*?</script>|<[^>]+>", " ", (lab / "page.html").read_text(encoding="utf-8"), flags=re.S))
+    assert "held against 1 data set of 2 runs" in page
+    assert "misses what was measured by" in page
+    assert "No inertia was identified: that takes motions of a base" in page
+
+
+def test_a_table_of_modes_is_told_by_mode_and_without_a_frequency_of_its_mean(tmp_path, run, answer):
+    K, M = matrices(HIDDEN)
+    squares, shapes = np.linalg.eigh(K / M[0, 0])
+    hertz = ", ".join(f'"{f:.6g} +/- {f / 1000:.3g} Hz"' for f in np.sqrt(squares) / (2 * np.pi))
+    rows = ", ".join(str([round(float(x), 6) for x in shape]) for shape in shapes.T)
+    (tmp_path / FILE).write_text(MODEL, encoding="utf-8")
+    (tmp_path / "table.toml").write_text(
+        'format = 1\nkind = "modal-table"\narticle = "frame"\nsensors = ["floor-1:x", "floor-2:x", "floor-3:x"]\n'
+        f"frequencies = [{hertz}]\nshapes = [{rows}]\nshapes_deviation = 0.01\n",
+        encoding="utf-8",
+    )
+    code, out, err = run("compare", FILE, "table.toml", "--out", "out")
+    assert code == 0, err
+    assert "frequency in mode 3 of table frequencies" in plain_words(out)
+    assert "nan" not in out
+    assert not re.search(r"mode \d of table frequencies, [\d.]+ Hz", out)
+    found = answer("diagnose", FILE, "table.toml")
+    assert "modulus:legs-2" in members(found)
+
+
+@pytest.mark.parametrize(
+    ("model", "test", "words"),
+    [
+        (MODEL, TEST.replace("band", "bands"), ("bands", "band")),
+        (MODEL, TEST.replace('article = "frame"', 'article = "tower"'), ("tower", FILE)),
+        (MODEL, TEST.replace("floor-3:x", "floor-4:x"), ("floor-4", "floor-3")),
+        (MODEL, TEST.replace("three.csv", "four.csv"), ("four.csv",)),
+        (MODEL.replace("section", "sections"), TEST, ("sections", "section")),
+        (MODEL.replace('fixed = ["foot"]', 'fixed = ["feet"]'), TEST, ("feet", "foot")),
+    ],
+)
+def test_what_cannot_be_used_is_refused_by_name(lab, refused, model, test, words):
+    (lab / FILE).write_text(model + "[[test]]\n" + test, encoding="utf-8")
+    text = plain_words(refused("compare", FILE))
+    for word in words:
+        assert word in text
+
+
+@pytest.mark.parametrize("command", ["compare", "diagnose", "report"])
+def test_without_data_and_without_a_test_in_the_model_it_says_what_to_name(lab, refused, command):
+    (lab / FILE).write_text(MODEL, encoding="utf-8")
+    assert "the model names no [[test]]" in refused(command, FILE)
+
+
+LEAGUE = """format = 1
+[[set]]
+name = "made"
+study = "lab.toml"
+expected = "the second storey is softer"
+tuned_on = false
+[[set]]
+name = "elsewhere"
+study = "none.toml"
+expected = "nothing"
+tuned_on = true
+"""
+
+
+def test_the_league_diagnoses_what_is_here_and_says_what_is_not(lab, run, answer, monkeypatch):
+    monkeypatch.setenv("MASSLINE_DATA", os.environ.get("MASSLINE_DATA", ""))  # the command sets it
+    (lab / "made").mkdir()
+    (lab / "league.toml").write_text(LEAGUE, encoding="utf-8")
+    found = answer("league", "--data", ".", "--studies", ".")
+    assert found["absent"] == ["elsewhere"]
+    made = found["sets"]["made"]
+    assert (made["verdict"], made["accepted"], made["tuned_on"]) == ("ambiguous", ["modulus:legs-2"], False)
+    assert made["error_after_percent"] < made["error_before_percent"] / 5
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (LEAGUE.replace("expected", "hoped", 1), "hoped"),
+        (LEAGUE.replace('study = "lab.toml"\n', ""), "study"),
+        (LEAGUE.replace("format = 1", "format = 7"), "format"),
+    ],
+)
+def test_a_league_that_cannot_be_read_is_refused_by_key(lab, refused, monkeypatch, text, words):
+    monkeypatch.setenv("MASSLINE_DATA", os.environ.get("MASSLINE_DATA", ""))
+    (lab / "league.toml").write_text(text, encoding="utf-8")
+    assert words in refused("league", "--data", ".", "--studies", ".")
+
+
+def test_a_set_that_nobody_knows_and_data_that_are_not_there_are_refused(lab, refused, monkeypatch):
+    monkeypatch.setenv("MASSLINE_DATA", os.environ.get("MASSLINE_DATA", ""))
+    (lab / "league.toml").write_text(LEAGUE, encoding="utf-8")
+    assert "There are made, elsewhere" in plain_words(refused("league", "mode", "--data", ".", "--studies", "."))
+    assert "docs/league.md" in refused("league", "--data", ".", "--studies", ".")
+
+
+@pytest.mark.parametrize("study", ["footbridge", "three-storey-frame", "shear-building", "shear-building-weights"])
+def test_a_study_of_real_data_is_fifteen_lines_that_compare(study, root, data, run, monkeypatch):
+    monkeypatch.setenv("MASSLINE_DATA", str(data))
+    path = root / "examples" / "league" / f"{study}.toml"
+    code, out, err = run("compare", str(path))
+    assert code == 0, err
+    assert "nominal error" in out
+    assert "FMD" not in out
