@@ -67,7 +67,7 @@ class ScoreTest:
 
     def detectable(self, plausible: float, evidence: float) -> float:
         """The offset whose expected evidence comes to `evidence` [nats]; infinite where no size does."""
-        if self.information <= 0 or plausible <= self.tolerance:
+        if self.information <= 0 or plausible <= self.tolerance or np.isinf(plausible):
             return np.inf
         narrow, wide = self.tolerance**2 + 1 / self.information, plausible**2 + 1 / self.information
         apart = (plausible - self.tolerance) * (plausible + self.tolerance)  # wide - narrow, however much larger both are

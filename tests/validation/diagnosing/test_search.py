@@ -108,7 +108,7 @@ def test_of_two_fits_of_one_candidate_the_better_counts():
     assert search.ranked([first, second, other]) == [second, other]
 
 
-BAND: Any = SimpleNamespace(made=[SimpleNamespace(measured=SimpleNamespace(frequency=np.array([4.0, 32.0])))])
+BAND: Any = SimpleNamespace(made=[SimpleNamespace(measured=SimpleNamespace(frequency=np.array([4.0, 32.0])))], tests=())
 
 
 def test_a_resonator_that_left_the_band_gives_way_to_springs_and_masses():
