@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from fem.beam import elements, frame
+from fem.gravity import STANDARD
 from fem.structure import Structure
 from fem.user_model import parts
 from geometry import article, toml_file
@@ -35,9 +36,6 @@ MOTIONS = ("x", "y", "z", "rx", "ry", "rz")
 
 STIFF = 1e4
 """[1] Of the member's own: an end this stiff is clamped to four digits of a frequency, and what it gives more shows at once."""
-
-GRAVITY = 9.80665
-"""[m/s²] Standard, by which `Structure.geometric` is given (BIPM, The International System of Units, 2019)."""
 
 
 def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") -> Structure:
@@ -120,7 +118,7 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
         raise BadInput(source=source, field=f"{where}.masses", problem="nothing has mass", remedy="State masses, or a density")
     down = np.tile(np.concatenate([_direction(table.get("down", "-z"), source, f"{where}.down"), np.zeros(3)]), len(points))
     weights = [(count if name in _names(members) else 1.0) * M @ down for name, M in part_mass.items()]
-    loads = GRAVITY * np.sum(weights, axis=0)
+    loads = STANDARD * np.sum(weights, axis=0)
     bent = [6 * k + m for k, name in enumerate(names) for m in range(6) if name in fixed]
     geometric = _geometric(plan, members, np.sum(list(made.stiffness.values()), axis=0), loads, bent, size, count) if bent else {}
     free = np.setdiff1d(np.arange(size), held)

@@ -15,9 +15,11 @@ exact because all modes of the reduced matrices are there. The damping ratio of 
 zeta_i = phi_i^T (omega_i C + S) phi_i / (2 omega_i²).
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -139,7 +141,7 @@ def partners(modes: RealModes, table: ModalTable) -> tuple[int, ...]:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _TablePart:
+class _TablePart(ABC):
     """What the two predictions of one table have in common.
 
     Attributes
@@ -186,23 +188,28 @@ class _TablePart:
         """What was assumed, sentences."""
         return self.table.warnings
 
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """All that may move: of the structure, of the sensors where they are read, and the effects."""
+        return self._opened[0]
+
+    @property
+    @abstractmethod
+    def _opened(self) -> tuple[tuple[Parameter, ...], Offsets]:
+        """The parameters, and the offsets of those that stand at a given size."""
+
+    def on(self, runs: Sequence[str]) -> Self:
+        """The same model of the runs named alone."""
+        return replace(self, measured=self.measured.on(runs))
+
+    def with_effects(self, effects: Sequence[Added]) -> Self:
+        """The same table by a model with these `effects` instead of its own; those that reach nothing here do nothing."""
+        return replace(self, effects=prediction_effects.reaching(effects, self.there))
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TableFrequencies(_TablePart):
     """A model of the frequencies and damping ratios of a table: a `validation.estimation.problem.Prediction`, one run a mode."""
-
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """All that may move: of the structure, and the effects."""
-        return self._opened[0]
-
-    def on(self, runs: Sequence[str]) -> "TableFrequencies":
-        """The same model of the runs named alone."""
-        return replace(self, measured=self.measured.on(runs))
-
-    def with_effects(self, effects: Sequence[Added]) -> "TableFrequencies":
-        """The same table by a model with these `effects` instead of its own; those that reach nothing here do nothing."""
-        return replace(self, effects=prediction_effects.reaching(effects, self.there))
 
     def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
         """The prediction at `offsets`; a table has one line.
@@ -236,19 +243,6 @@ class TableFrequencies(_TablePart):
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TableShapes(_TablePart):
     """A model of the shapes of a table at its sensors: a `validation.estimation.problem.Prediction`, one run a mode."""
-
-    @property
-    def parameters(self) -> tuple[Parameter, ...]:
-        """All that may move: of the structure, the gains, and the effects."""
-        return self._opened[0]
-
-    def on(self, runs: Sequence[str]) -> "TableShapes":
-        """The same model of the runs named alone."""
-        return replace(self, measured=self.measured.on(runs))
-
-    def with_effects(self, effects: Sequence[Added]) -> "TableShapes":
-        """The same table by a model with these `effects` instead of its own; those that reach nothing here do nothing."""
-        return replace(self, effects=prediction_effects.reaching(effects, self.there))
 
     def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
         """The prediction at `offsets`; a table has one line.

@@ -1,9 +1,8 @@
 """`massline league`: real tests that others made, each diagnosed from its study file, in one table: expected, said, and left."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 import click
@@ -128,7 +127,6 @@ class League:
 
     results: tuple[Result, ...]
     absent: tuple[str, ...] = ()
-    by_name: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 
     def document(self) -> doc.Document:
         """The table."""
