@@ -60,16 +60,17 @@ def main(count: int, first: int, sheet: str, stated: str, fault: str, articles: 
         try:
             found = diagnosed(Study.of(model, Data(campaigns=campaigns)))
             verdict, named, text = found.verdict, [one.id for one in found.accepted], found.text
+            limit = (found.steps[-1].misfit, found.settings["misfit_limit"])
             said = [f"{one.id} {one.sizes[0].value if one.sizes else 0:.4g}" for one in found.accepted]
         except Exception as error:  # a refusal is an answer that counts
-            verdict, named, text, said = "refused", [], str(error), []
+            verdict, named, text, said, limit = "refused", [], str(error), [], (0.0, 0.0)
         took = time.process_time() - begun
         quiet += verdict == NOTHING
         click.echo(f"{sheet} {number:3d}  stated {stated or '-'}  {verdict}: {', '.join(said)} {text[:160]}  ({took:.0f} s)")
         if out is not None:
             line = {"sheet": sheet, "laboratory": number, "stated": stated, "fault": fault, "verdict": verdict, "named": said}
             with out.open("a", encoding="utf-8") as file:
-                file.write(json.dumps({**line, "text": text, "ids": named}) + "\n")
+                file.write(json.dumps({**line, "text": text, "ids": named, "misfit_and_limit": limit}) + "\n")
     click.echo(f"{quiet} of {count} quiet")
 
 

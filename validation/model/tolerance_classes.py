@@ -131,9 +131,9 @@ ROWS = (
         name="angle",
         classes=(0.3, 0.75, 1.3),
         largest=30.0,
-        what="of a pick-up about the two axes across its direction, its transverse sensitivity in it",
-        source="ISO 5347-11, ISO 16063-31: transverse sensitivity at most 5 % on data sheets, 2 % where measured, direction "
-        "unknown: limit / sqrt(6) along each axis, beside 0.3 to 0.6 degrees of gluing",
+        what="of a pick-up about the two axes across its direction",
+        source="ISO 5347-11, ISO 16063-31: transverse sensitivity, which reads like an angle, at most 5 % on data sheets, 2 % "
+        "where measured, direction unknown: limit / sqrt(6) along each axis, beside 0.3 to 0.6 degrees of gluing",
     ),
     Row(
         key="cell_stiffness",
