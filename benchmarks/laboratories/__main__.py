@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import json
 import time
+from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import click
 import numpy as np
 
 from benchmarks.laboratories.shaking import SOUND, STIFFNESS, Faults, series
+from geometry.errors import BadInput, CheckFailed
 from validation.diagnose.diagnose import diagnosed
-from validation.diagnose.diagnosis import NOTHING
 from validation.model import model_file
 from validation.study import Data, Study
 
@@ -32,14 +34,19 @@ def analyst(name: str) -> str:
     return MODEL.format(stiffness=list(STIFFNESS), tolerances=said)
 
 
+KINDS = {"gain": "gain", "delay": "late", "position": "place", "mass": "mass"}
+"""Which of `Faults` a family of the catalogue is, by the last word of its name."""
+
+
 def of_text(text: str) -> Faults:
-    """``gain:CHANNEL=0.05``, ``late:CHANNEL=1e-4``, ``place:CHANNEL:x=0.003``, ``mass:PLACE=0.2``; nothing for a null."""
+    """``force-gain:fmd-z2=0.05``, ``accelerometer-position:cover-x1:y=0.003``, ``point-mass:top=0.2``; nothing for a null."""
     if not text:
         return SOUND
     what, _, size = text.partition("=")
-    kind, target, *axis = what.split(":")
+    family, target, *axis = what.split(":")
     value = np.eye(3)["xyz".index(axis[0])] * float(size) if axis else float(size)
-    return Faults(**{key: {target: value} if key == kind else {} for key in ("gain", "late", "place", "mass")})  # type: ignore[arg-type]
+    kind = KINDS[family.rpartition("-")[2]]
+    return Faults(**{key: {target: value} if key == kind else {} for key in KINDS.values()})  # type: ignore[arg-type]
 
 
 @click.command()
@@ -47,31 +54,38 @@ def of_text(text: str) -> Faults:
 @click.option("--first", default=1, show_default=True, help="Number of the first.")
 @click.option("--sheet", default="calibrated", show_default=True, help="Class that they are drawn from.")
 @click.option("--class", "stated", default="", help="Class that the analyst states; none by default.")
-@click.option("--fault", default="", help="What is planted, such as gain:fmd-z2=0.05; nothing by default.")
+@click.option("--fault", default="", help="What is planted, such as force-gain:fmd-z2=0.05; nothing by default.")
+@click.option("--times", default=0.0, help="Plant so many times the smallest size that its null would have named.")
 @click.option("--article", "articles", multiple=True, default=ARTICLES, show_default=True, help="Of the series.")
 @click.option("--out", type=click.Path(path_type=Path), default=None, help="A line of JSON for every laboratory is added here.")
-def main(count: int, first: int, sheet: str, stated: str, fault: str, articles: tuple[str, ...], out: Path | None) -> None:
+def main(
+    count: int, first: int, sheet: str, stated: str, fault: str, times: float, articles: tuple[str, ...], out: Path | None
+) -> None:
     """Draw laboratories, diagnose them, and count verdicts."""
-    quiet = 0
+    model, told = model_file.of_text(analyst(stated), "drawn.toml"), []
     for number in range(first, first + count):
-        model = model_file.of_text(analyst(stated), "drawn.toml")
-        campaigns = series(number, articles, sheet, of_text(fault))
+        planted = fault
+        if times:
+            null = diagnosed(Study.of(model, Data(campaigns=series(number, articles, sheet))))
+            planted = f"{fault}={times * next(one.size for one in null.detectable if one.id == fault):.5g}"
+        line: dict[str, Any] = {"sheet": sheet, "laboratory": number, "stated": stated, "fault": planted, "times": times}
         begun = time.process_time()
         try:
-            found = diagnosed(Study.of(model, Data(campaigns=campaigns)))
-            verdict, named, text = found.verdict, [one.id for one in found.accepted], found.text
-            limit = (found.steps[-1].misfit, found.settings["misfit_limit"])
-            said = [f"{one.id} {one.sizes[0].value if one.sizes else 0:.4g}" for one in found.accepted]
-        except Exception as error:  # a refusal is an answer that counts
-            verdict, named, text, said, limit = "refused", [], str(error), [], (0.0, 0.0)
+            found = diagnosed(Study.of(model, Data(campaigns=series(number, articles, sheet, of_text(planted)))))
+            line |= {"verdict": found.verdict, "text": found.text, "class": found.equivalence_class}
+            line["named"] = [f"{one.id} {one.sizes[0].value if one.sizes else 0:.4g}" for one in found.accepted]
+            line["misfit_and_limit"] = (found.steps[-1].misfit, found.settings["misfit_limit"]) if found.steps else None
+        except (BadInput, CheckFailed) as error:  # a refusal is an answer that counts
+            line |= {"verdict": "refused", "text": str(error), "named": []}
+        told.append(line["verdict"])
         took = time.process_time() - begun
-        quiet += verdict == NOTHING
-        click.echo(f"{sheet} {number:3d}  stated {stated or '-'}  {verdict}: {', '.join(said)} {text[:160]}  ({took:.0f} s)")
+        click.echo(
+            f"{sheet} {number:3d} {planted} {line['verdict']}: {', '.join(line['named'])} {line['text'][:160]} ({took:.0f} s)"
+        )
         if out is not None:
-            line = {"sheet": sheet, "laboratory": number, "stated": stated, "fault": fault, "verdict": verdict, "named": said}
             with out.open("a", encoding="utf-8") as file:
-                file.write(json.dumps({**line, "text": text, "ids": named, "misfit_and_limit": limit}) + "\n")
-    click.echo(f"{quiet} of {count} quiet")
+                file.write(json.dumps(line) + "\n")
+    click.echo(", ".join(f"{n} {verdict}" for verdict, n in Counter(told).items()))
 
 
 if __name__ == "__main__":

@@ -161,3 +161,30 @@ def pretest_command(article: str, as_json: bool, plot: bool, out: Path | None, *
     from validation.report.pretest import answer
 
     answer(question(article=article, **given), as_json=as_json, plot=plot, out=out)
+
+
+@click.command("laboratory")
+@click.argument("campaigns", nargs=-1, required=True, metavar="CAMPAIGN ...")
+@click.option("--model", metavar="FILE", help="What is known of the laboratory: a model file.  [default: the drawings]")
+@click.option(
+    "--class",
+    "tolerance_class",
+    metavar="CLASS",
+    help="What its tolerances are before it learns: calibrated or as-delivered.  [default: as-delivered, or what FILE says]",
+)
+@click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="Write the file that a model file names.")
+@options.JSON
+def laboratory_command(
+    campaigns: tuple[str, ...], model: str | None, tolerance_class: str | None, out: Path | None, as_json: bool
+) -> None:
+    """What a laboratory learns of itself from campaigns of known bodies, repeated mountings best.
+
+    Gains, delays, places and angles of pick-ups, the FMD and its cells are common to all campaigns; how an article stands is new
+    with each. Every campaign is left out in turn, and what was learnt from the others is held against it. `learnt = "FILE"` in
+    [laboratory] of a model file makes use of it; docs/laboratories.md shows the way.
+
+    Exit code 0 when it is done; 1 when a fit does not converge; 2 when the input cannot be used.
+    """
+    from validation.report.laboratory import answer
+
+    answer(campaigns, model, tolerance_class, out, as_json=as_json)

@@ -88,6 +88,7 @@ COMMANDS = {
     "pretest": "Before a test: what it would tell, where pick-ups belong, which tolerance matters most.",
     "check": "What a recorded campaign holds, and what is wrong with it.",
     "identify": "Mass, CoG and inertia from a recorded campaign, with intervals and verdicts.",
+    "laboratory": "What a laboratory learns of its own hardware and mountings from campaigns of known bodies.",
     "model": "A commented model file to start from: laboratory, structure, tolerances, effects.",
     "compare": "Where a model fails: errors, maps and worst spots beside a series of campaigns.",
     "diagnose": "Which effect a model is missing: ranked causes, that nothing is, or what the unknown looks like.",
@@ -105,7 +106,7 @@ MODULES = {
     "crosscheck": ("model", "compare", "diagnose", "correct", "add", "ladder", "report", "undo", "app", "effects", "league"),
     "reference": ("reference", "validate", "weigh", "cog", "pendulum"),
     "predict": ("verify", "swing", "modes", "dynamic-mass", "excite", "simulate"),
-    "identify": ("pretest", "check", "identify"),
+    "identify": ("pretest", "check", "identify", "laboratory"),
 }
 """The modules of `validation.cli` by the commands that they hold, each as the function ``NAME_command``."""
 

@@ -108,7 +108,9 @@ def goodness_of_fit(fit: Fit, problem: Problem) -> GoodnessOfFit:
 
     Noise alone would come to a chi² per degree of freedom of its share s of the variance that the likelihood allows for. Noise is
     an estimate of relative variance v at a line, and its inverse is on average larger than that of what is estimated: by s v, to
-    second order.
+    second order. Where a class of laboratories admits a discrepancy of the model, it takes its share of the rest: the limit is
+    what data replicated from the fit would come to, mean and `SCATTER` (A. Gelman, X.-L. Meng and H. Stern, Statistica Sinica 6,
+    1996, 733).
     """
     from scipy.stats import chi2
 
@@ -117,7 +119,7 @@ def goodness_of_fit(fit: Fit, problem: Problem) -> GoodnessOfFit:
         seen = observed(one.measured, problem.lines_of(one))
         noise = np.square(seen.noise)
         s = (noise / np.maximum(noise + np.square(FLOOR * seen.floor), tiny)).ravel()
-        shares.append(s * (1 + s * one.measured.noise_scatter**2))
+        shares.append(s * (1 + s * one.measured.noise_scatter**2) + one.measured.discrepancy * (1 - s))
         sums.append(s.sum())
     spreads = np.array([one.measured.noise_spread for one in problem.predictions])
     sd = float(np.linalg.norm(spreads * np.array(sums)) / max(np.array(sums).sum(), tiny))

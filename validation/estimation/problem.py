@@ -57,6 +57,8 @@ class Measured:
     noise_scatter, noise_spread : relative standard deviation of the noise's power, at one line and of all channels and lines
     inputs : (r, n, k) complex, known inputs such as a drive force of 1 N; None for inputs that nobody knows (base motions),
         which are eliminated line by line
+    discrepancy : share of the variance of the model-error floor that a test without any fault uses; 0 where the floor is a bound
+        that none does
     is_real : whether values are real numbers, such as frequencies, and `noise` is their standard deviation: the imaginary parts
         are zero and say nothing
     """
@@ -74,6 +76,7 @@ class Measured:
     noise_scatter: float = 0.0
     noise_spread: float = 0.0
     inputs: ComplexArray | None = None
+    discrepancy: float = 0.0
     is_real: bool = False
 
     def __post_init__(self) -> None:

@@ -18,6 +18,7 @@ from identification.campaign import Campaign
 from identification.campaign_file import NAME
 from validation.effects.catalogue import FAMILIES, Named, of_parts, on_article
 from validation.effects.effect import ABREAST, ACCELEROMETER, AXES, CHANNEL, FORCE, PART, PLACE, Vocabulary
+from validation.model.learnt import Learnt
 from validation.model.setups import above_fmd
 from validation.model.tolerance_classes import METROLOGY, MountingTolerances
 from validation.model.tolerance_classes import StructureTolerances as StructureTolerances
@@ -59,6 +60,7 @@ class Model:
     tolerances : of the measurement chain
     opened : by family of its parameters that are closed otherwise, their standard deviation in SI
     mounting : of where and as what articles stand
+    learnt : what the laboratory has learnt of its hardware; None where it states nothing
     kind : of `KINDS`, how the articles are modelled
     modes : how many are kept
     changes : a user's own dimensions of built-in articles, as `geometry.articles.parts` names them
@@ -81,6 +83,7 @@ class Model:
     tolerances: Tolerances = field(default_factory=Tolerances)
     opened: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     mounting: MountingTolerances = field(default_factory=MountingTolerances)
+    learnt: Learnt | None = None
     kind: str = BEAM
     modes: int = 30
     changes: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))

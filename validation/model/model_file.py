@@ -30,6 +30,7 @@ from identification.chain import assumed_stiffness
 from validation.classical.files import Fields
 from validation.effects.catalogue import FAMILIES, Named, parse
 from validation.effects.effect import Vocabulary, built_in_places
+from validation.model import learnt as learnt_file
 from validation.model.model import BEAM, KINDS, USER, Added, Model
 from validation.model.setups import FMD as KNOWN_FMD
 from validation.model.setups import above_fmd, is_file, is_stack
@@ -221,7 +222,7 @@ def _deviation(entry: Fields, named: Named) -> Mapping[str, float]:
 
 
 CLASS = "class"
-LABORATORY = ("hardware", "gravity_m_s2", "fmd", "cell_stiffness_N_m")
+LABORATORY = ("hardware", "gravity_m_s2", "fmd", "cell_stiffness_N_m", "learnt")
 INERTIA = ("mass_kg", "cog_mm", "moi_cog_kgm2", "poi_cog_kgm2")
 DRAWING = "drawing"
 FMD = ("inertia", "tolerance", *INERTIA)
@@ -319,7 +320,11 @@ def of_table(table: dict[str, Any], source: str) -> Model:
     fmd_tolerance = as_number(fmd, "tolerance", low=0.0, high=1.0) if "tolerance" in fmd.table else 0.05
     stated = whole.inner("tolerances").only([CLASS, *(row.key for row in OF_LABORATORY)])
     known = tolerance_class(stated.choice(CLASS, CLASSES) if CLASS in stated.table else METROLOGY)
+    told = laboratory.text("learnt")
+    learnt = learnt_file.read(Path(source).parent / told, laboratory.text("hardware")) if told else None
     for row in OF_LABORATORY:
+        if learnt is not None and row.key in learnt.spreads:
+            known = known.setting(row, learnt.spreads[row.key].deviation)
         if row.key in stated.table:
             known = known.setting(row, row.si(as_number(stated, row.key, low=0.0, high=row.largest)))
     count = structure.integer("modes", Model.modes, 1)
@@ -341,6 +346,7 @@ def of_table(table: dict[str, Any], source: str) -> Model:
         tolerances=replace(known.chain, fmd_inertia=fmd_tolerance),
         opened=known.opened,
         mounting=known.mounting,
+        learnt=learnt,
         kind=kind,
         modes=count,
         changes=_changes(structure.inner("dimensions")),
@@ -607,6 +613,9 @@ def text(model: Model) -> str:
         ("gravity_m_s2", number(model.gravity), ""),
         (f"{unknown}cell_stiffness_N_m", stiffness, "one load cell along x, y, z; leave it out where it is not known"),
     ]
+    if model.learnt is not None:
+        path = os.path.relpath(model.learnt.source, Path(model.source).parent)
+        laboratory.append(("learnt", string(path), "what it has learnt of its hardware: `massline laboratory` writes it"))
     stated = ToleranceClass(name=model.tolerance_class, chain=model.tolerances, opened=model.opened, mounting=model.mounting)
     tolerances = [] if stated.name == METROLOGY else [(CLASS, string(stated.name), "whose figures hold where none is stated")]
     for row in OF_LABORATORY:

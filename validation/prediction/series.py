@@ -33,6 +33,7 @@ from validation.effects.effect import AMPLITUDE, BODY_STAGE, CHANNEL_STAGE, NOIS
 from validation.effects.stages import ChannelResponse, NoiseModel, leak
 from validation.estimation import problem
 from validation.model.model import Added, Model
+from validation.model.tolerance_classes import METROLOGY
 from validation.prediction import dynamic_mass
 from validation.prediction import effects as prediction_effects
 from validation.prediction.dynamic_mass import BaseDrive, SupportedDynamicMass, drives
@@ -287,7 +288,7 @@ def predictions(
         tested = TestedCampaign(
             model=model,
             campaign=replace(campaign, recordings={}),
-            measured=made.measured,
+            measured=replace(made.measured, discrepancy=float(model.tolerance_class != METROLOGY)),
             carried=supported_dynamic_mass(model, campaign, stands, name),
             drives=tuple(driven[run] for run in made.measured.runs),
             per_rms=per_rms(campaign, made.method),
@@ -456,6 +457,7 @@ class SeriesPrediction:
             own.append(
                 replace(one, channels=(), kind=kind, within=problem.WITHIN * one.tolerance if kind == problem.DECLARED else inf)
             )
+        own = own if model.learnt is None else [model.learnt.known(one) for one in own]
         left, given = prediction_effects.opened(own, self._reaching)
         equations = [one for one in self._reaching if _stage(one) in EQUATIONS]
         return (*left, *prediction_effects.parameters(equations)), given
@@ -473,7 +475,8 @@ class SeriesPrediction:
         return self.measured.frequency if lines is None else self.measured.frequency[lines]
 
     def _at(self, offsets: problem.Offsets) -> problem.Offsets:
-        return {**offsets, **self._opened[1]}
+        at, learnt = {**offsets, **self._opened[1]}, self.tested.model.learnt
+        return at if learnt is None else learnt.at(at, [*at, *(one.name for one in self._opened[0])])
 
     def _carried(
         self, at: problem.Offsets, frequency: Array, drive: BaseDrive, *, derivatives: bool
