@@ -487,6 +487,7 @@ PROGRAMS = (
 """Whose versions stand in the report, beside Python's: every library that reads, computes or draws what is on it."""
 
 NOT_ASKED = "--no-diagnosis"
+WITHOUT = "this report was asked for without it"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -565,7 +566,7 @@ def reported(asked: ReportOptions, *, quiet: bool = False) -> Report:
         comparison = compared(study, told)
     with stages("diagnosing", quiet=quiet) as told:
         found: Diagnosis | None = None
-        why = "" if asked.diagnosis else NOT_ASKED
+        why = "" if asked.diagnosis else WITHOUT
         if asked.diagnosis:
             try:
                 if not study.tests:
