@@ -12,19 +12,18 @@ against each campaign that was left out of it: where hardware then pays more tha
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from math import log, sqrt
+from math import sqrt
 
 import numpy as np
 
 from geometry.errors import BadInput
-from geometry.frames import Array
 from identification.campaign import Campaign
 from validation.diagnose.search import GoodnessOfFit, goodness_of_fit
 from validation.estimation.fit import fit
 from validation.estimation.problem import FITTED, Fit, Problem
-from validation.model.learnt import MOUNTED, Learnt, Offset, Spread
+from validation.model.learnt import ANEW, Learnt, Offset, Spread
 from validation.model.model import Model
-from validation.model.tolerance_classes import METROLOGY, Row
+from validation.model.tolerance_classes import METROLOGY
 from validation.prediction.dynamic_mass import MOUNTING
 from validation.prediction.series import SeriesPrediction, predictions, supported_dynamic_mass
 
@@ -57,6 +56,22 @@ class HeldOut:
     limit: float
     price: float
     quiet: bool
+
+    @classmethod
+    def of(cls, one: SeriesPrediction, learnt: Learnt) -> "HeldOut":
+        """The campaign of `one`, fitted by a laboratory that has `learnt` without it."""
+        tested, known = one.tested, one.tested.model.knowing(learnt)
+        carried = supported_dynamic_mass(known, tested.campaign, tested.carried.standing, one.measured.name)
+        problem = Problem((replace(one, tested=replace(tested, model=known, carried=carried)),)).thinned()
+        found = fit(problem, FITTED)
+        mine = [k for k, each in enumerate(found.parameters) if each.name in learnt.offsets and each.tolerance > 0]
+        prior = np.array([found.parameters[k].tolerance for k in mine])
+        due = float(np.sum(1 - np.clip(np.diag(found.covariance)[mine] / prior**2, 0.0, 1.0)))
+        stands = goodness_of_fit(found, problem)
+        paid = float(np.sum((found.offsets[mine] / prior) ** 2))
+        return cls(
+            campaign=one.measured.name, misfit=stands.misfit, limit=stands.limit, price=paid / max(due, 1.0), quiet=stands.null
+        )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -97,16 +112,10 @@ def laboratory(model: Model, campaigns: Sequence[Campaign], progress: Progress |
     for k, one in enumerate(made if len(made) > 1 else ()):
         tell(f"holding out {one.measured.name}", k / len(made))
         others = Problem(tuple(each for each in made if each is not one)).thinned()
-        held.append(_held_against(one, _learnt(model, others, fit(others, FITTED, start=found.by_name), 1.0)))
+        held.append(HeldOut.of(one, _learnt(model, others, fit(others, FITTED, start=found.by_name), 1.0)))
     widened = sqrt(max(1.0, float(np.mean([one.price for one in held])))) if held else 1.0
     learnt = _learnt(model, whole, found, widened)
     return LaboratoryFindings(learnt=learnt, held_out=tuple(held), widened=widened, stands=goodness_of_fit(found, whole))
-
-
-def knowing(model: Model, learnt: Learnt) -> Model:
-    """`model` of a laboratory that has `learnt` this."""
-    spread = {row.name: learnt.spreads[row.key].deviation for row in MOUNTED if row.key in learnt.spreads}
-    return replace(model, learnt=learnt, mounting=replace(model.mounting, **spread))
 
 
 def _learnt(model: Model, of: Problem, found: Fit, widened: float) -> Learnt:
@@ -118,13 +127,13 @@ def _learnt(model: Model, of: Problem, found: Fit, widened: float) -> Learnt:
         if one.family.partition("-")[0] in HARDWARE and sd > 0 and np.isfinite(one.tolerance)
     }
     spreads = {}
-    for row in MOUNTED:
+    for row in ANEW:
         drawn = [
             by_name[name] for name in by_name if name.startswith(f"{MOUNTING}:") and name.rpartition(":")[2] in ALONG[row.name]
         ]
         told = [(x, sd, one.tolerance) for one, x, sd in drawn if 0 < sd < TOLD * one.tolerance]
         if len(told) > 1:
-            spreads[row.key] = _scatter(row, np.array(told))
+            spreads[row.key] = Spread.of_draws(told)
     return Learnt(
         source="",
         hardware=model.hardware or of.predictions[0].measured.hardware,
@@ -132,34 +141,4 @@ def _learnt(model: Model, of: Problem, found: Fit, widened: float) -> Learnt:
         campaigns=tuple(one.measured.name for one in of.predictions),
         offsets=offsets,
         spreads=spreads,
-    )
-
-
-def _scatter(row: Row, told: Array) -> Spread:
-    """Of draws `told` (n, 3): posterior offset, its standard deviation, and that of its prior."""
-    x, sd, prior = told.T
-    variance = 1 / (1 / sd**2 - 1 / prior**2)
-    alone = x * variance / sd**2
-    before = float(prior[0])
-    tau = before * np.exp2(np.linspace(-6, 3, 400))
-    total = variance[:, None] + tau**2
-    density = -0.5 * np.sum(np.log(total) + alone[:, None] ** 2 / total, axis=0) - 0.5 * (np.log(tau / before) / log(2)) ** 2
-    share = np.cumsum(np.exp(density - density.max()))
-    low, middle, high = (float(np.interp(p, share / share[-1], tau)) for p in (0.05, 0.5, 0.95))
-    return Spread(deviation=middle, low=low, high=high, before=before, count=len(told))
-
-
-def _held_against(one: SeriesPrediction, learnt: Learnt) -> HeldOut:
-    """The campaign of `one`, fitted by a laboratory that has `learnt` without it."""
-    tested, known = one.tested, knowing(one.tested.model, learnt)
-    carried = supported_dynamic_mass(known, tested.campaign, tested.carried.standing, one.measured.name)
-    problem = Problem((replace(one, tested=replace(tested, model=known, carried=carried)),)).thinned()
-    found = fit(problem, FITTED)
-    mine = [k for k, each in enumerate(found.parameters) if each.name in learnt.offsets and each.tolerance > 0]
-    prior = np.array([found.parameters[k].tolerance for k in mine])
-    due = float(np.sum(1 - np.clip(np.diag(found.covariance)[mine] / prior**2, 0.0, 1.0)))
-    stands = goodness_of_fit(found, problem)
-    paid = float(np.sum((found.offsets[mine] / prior) ** 2))
-    return HeldOut(
-        campaign=one.measured.name, misfit=stands.misfit, limit=stands.limit, price=paid / max(due, 1.0), quiet=stands.null
     )

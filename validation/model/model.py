@@ -1,7 +1,7 @@
 """`Model`: what a model file says. One model serves a whole series: a campaign's `article` picks the set-up."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -18,7 +18,7 @@ from identification.campaign import Campaign
 from identification.campaign_file import NAME
 from validation.effects.catalogue import FAMILIES, Named, of_parts, on_article
 from validation.effects.effect import ABREAST, ACCELEROMETER, AXES, CHANNEL, FORCE, PART, PLACE, Vocabulary
-from validation.model.learnt import Learnt
+from validation.model.learnt import ANEW, Learnt
 from validation.model.setups import above_fmd
 from validation.model.tolerance_classes import METROLOGY, MountingTolerances
 from validation.model.tolerance_classes import StructureTolerances as StructureTolerances
@@ -127,6 +127,11 @@ class Model:
             object.__setattr__(self, "cell_stiffness", frozen(self.cell_stiffness, (3,), "cell_stiffness"))
             if np.any(self.cell_stiffness <= 0):
                 raise ValueError("`cell_stiffness` must be positive")
+
+    def knowing(self, learnt: Learnt) -> "Model":
+        """The same of a laboratory that has `learnt` this of itself."""
+        spread = {row.name: learnt.spreads[row.key].deviation for row in ANEW if row.key in learnt.spreads}
+        return replace(self, learnt=learnt, mounting=replace(self.mounting, **spread))
 
 
 # Do two channel tables say the same of one hardware? Positions count as seen from F: a frame is everyone's own.

@@ -30,7 +30,7 @@ from identification.chain import assumed_stiffness
 from validation.classical.files import Fields
 from validation.effects.catalogue import FAMILIES, Named, parse
 from validation.effects.effect import Vocabulary, built_in_places
-from validation.model import learnt as learnt_file
+from validation.model.learnt import Learnt
 from validation.model.model import BEAM, KINDS, LIMITED, USER, Added, Model, Requirement
 from validation.model.setups import FMD as KNOWN_FMD
 from validation.model.setups import above_fmd, is_file, is_stack
@@ -322,7 +322,7 @@ def of_table(table: dict[str, Any], source: str) -> Model:
     stated = whole.inner("tolerances").only([CLASS, *(row.key for row in OF_LABORATORY)])
     known = tolerance_class(stated.choice(CLASS, CLASSES) if CLASS in stated.table else METROLOGY)
     told = laboratory.text("learnt")
-    learnt = learnt_file.read(Path(source).parent / told, laboratory.text("hardware")) if told else None
+    learnt = Learnt.read(Path(source).parent / told, laboratory.text("hardware")) if told else None
     for row in OF_LABORATORY:
         if learnt is not None and row.key in learnt.spreads:
             known = known.setting(row, learnt.spreads[row.key].deviation)

@@ -326,35 +326,6 @@ def mounting_parameters(campaign: str, stands: MountedArticle, known: MountingTo
     return tuple(one for one in made if one.tolerance > 0)
 
 
-def as_mounted(
-    parameters: Sequence[Parameter], of: MountedDynamicMass, offsets: Offsets
-) -> tuple[Seated, dict[str, tuple[Array, Array]]]:
-    """How the article of `of` stands at `offsets`, and by parameter d X and d (sum of dp_k E_k), (6, 6) each."""
-    beside, turn, more = np.zeros(3), np.zeros(3), np.zeros((6, 6))
-    to_cog, still, told = rigid_transformation_6(of.cog), np.zeros((6, 6)), {}
-    for one in parameters:
-        family, last, x = one.family, one.name.rpartition(":")[2], offsets.get(one.name, 0.0)
-        if family == ARTICLE:
-            E = to_cog.T @ BASIS[PARAMETERS.index(last)] @ to_cog
-            more += x * E
-            told[one.name] = (still, E)
-        else:
-            (beside if MOTIONS.index(last) < 3 else turn)[MOTIONS.index(last) % 3] = x
-    Q = rotation_by(turn)
-    back, T = np.kron(np.eye(2), Q.T), rigid_transformation_6(of.seat + beside)
-    for one in parameters:
-        if one.family == MOUNTING:
-            axis = MOTIONS.index(one.name.rpartition(":")[2])
-            e = np.eye(3)[axis % 3]
-            if axis < 3:
-                dX = back @ (rigid_transformation_6(of.seat + beside + e) - T)
-            else:  # a small turn more rotates what is turned already about J e
-                about = left_jacobian(turn) @ e
-                dX = np.kron(np.eye(2), -Q.T @ skew(about)) @ T
-            told[one.name] = (dX, still)
-    return Seated(transformation=back @ T, more=more), told
-
-
 # The dynamic mass of all that the load cells carry, about F: the article with its effects, mounted, and the FMD beside it.
 
 Tangents = dict[str, ComplexArray]
@@ -401,7 +372,7 @@ class SupportedDynamicMass:
             return H, found
         mounted, changes = self._mounted(self.nuisances, offsets, effects, frequency, drive, derivatives=derivatives)
         if self.mounted:
-            seated, told = as_mounted(self.mounted, mounted, offsets)
+            seated, told = self._seated(mounted, offsets)
             T, article = seated.transformation, mounted.matrix + seated.more
         else:
             T, told, article = rigid_transformation_6(mounted.seat), {}, mounted.matrix
@@ -429,6 +400,32 @@ class SupportedDynamicMass:
             name: (turn @ rows @ answer @ back, turn @ rows[:, b:] @ answer[:, b:] @ back)
             for name, rows in matrices.places.items()
         }
+
+    def _seated(self, of: MountedDynamicMass, offsets: Offsets) -> tuple[Seated, dict[str, tuple[Array, Array]]]:
+        """How the article of `of` stands at `offsets`, and by parameter d X and d (sum of dp_k E_k), (6, 6) each."""
+        beside, turn, more = np.zeros(3), np.zeros(3), np.zeros((6, 6))
+        to_cog, still, told = rigid_transformation_6(of.cog), np.zeros((6, 6)), {}
+        for one in self.mounted:
+            family, last, x = one.family, one.name.rpartition(":")[2], offsets.get(one.name, 0.0)
+            if family == ARTICLE:
+                E = to_cog.T @ BASIS[PARAMETERS.index(last)] @ to_cog
+                more += x * E
+                told[one.name] = (still, E)
+            else:
+                (beside if MOTIONS.index(last) < 3 else turn)[MOTIONS.index(last) % 3] = x
+        Q = rotation_by(turn)
+        back, T = np.kron(np.eye(2), Q.T), rigid_transformation_6(of.seat + beside)
+        for one in self.mounted:
+            if one.family == MOUNTING:
+                axis = MOTIONS.index(one.name.rpartition(":")[2])
+                e = np.eye(3)[axis % 3]
+                if axis < 3:
+                    dX = back @ (rigid_transformation_6(of.seat + beside + e) - T)
+                else:  # a small turn more rotates what is turned already about J e
+                    about = left_jacobian(turn) @ e
+                    dX = np.kron(np.eye(2), -Q.T @ skew(about)) @ T
+                told[one.name] = (dX, still)
+        return Seated(transformation=back @ T, more=more), told
 
     def _mounted(
         self, of: Nuisances, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: BaseDrive, *, derivatives: bool

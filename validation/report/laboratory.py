@@ -12,7 +12,8 @@ from geometry.toml_file import one_of, string
 from identification import campaign_file
 from validation.effects.practical_units import written_as
 from validation.identify.laboratory import LaboratoryFindings, laboratory
-from validation.model import learnt, model_file
+from validation.model import model_file
+from validation.model.learnt import ANEW, Offset
 from validation.model.model import require_pair
 from validation.model.tolerance_classes import AS_DELIVERED, METROLOGY, NAMES, ROWS
 from validation.output import print_json, require_file, stages, to_json
@@ -49,7 +50,7 @@ def answer(campaigns: Sequence[str], path: str | None, tolerance_class: str | No
     with stages("learning", quiet=as_json) as told:
         found = laboratory(model, read_data(campaigns, model).campaigns, told)
     if out is not None:
-        write_text(out, learnt.text(found.learnt))
+        write_text(out, found.learnt.text)
     if as_json:
         print_json({"campaigns": list(campaigns), **to_json(found)})
         return
@@ -61,14 +62,14 @@ def answer(campaigns: Sequence[str], path: str | None, tolerance_class: str | No
 def document(found: LaboratoryFindings) -> doc.Document:
     """All of it, in the order in which it is read."""
     of = found.learnt
-    families: dict[str, list[learnt.Offset]] = {}
+    families: dict[str, list[Offset]] = {}
     for name, one in of.offsets.items():
         families.setdefault(name.partition(":")[0], []).append(one)
 
-    def share(row: tuple[str, list[learnt.Offset]]) -> float:
+    def share(row: tuple[str, list[Offset]]) -> float:
         return 100 * float(np.median([one.deviation / one.before for one in row[1]]))
 
-    def farthest(row: tuple[str, list[learnt.Offset]]) -> float:
+    def farthest(row: tuple[str, list[Offset]]) -> float:
         return max(abs(one.offset) / one.before for one in row[1])
 
     rows = {row.key: row for row in ROWS}
@@ -111,6 +112,23 @@ def document(found: LaboratoryFindings) -> doc.Document:
             doc.Column("so", lambda one: "quiet" if one.quiet else "not quiet", words=True),
         ),
     )
+
+    def notes() -> Iterator[str]:
+        if found.widened > 1:
+            yield f"All deviations of the hardware are widened by {found.widened:.2f}: so much more than due was paid."
+        if not found.held_out:
+            yield "One campaign alone proves nothing: mount it again, and name both."
+        shares: dict[str, list[float]] = {}
+        for name, one in found.learnt.offsets.items():
+            shares.setdefault(name.partition(":")[0], []).append(one.deviation / one.before)
+        dull = [family for family, of in shares.items() if np.median(of) > NARROW]
+        if dull:
+            yield f"Little was learnt of {', '.join(dull)}: another known body would, or the same turned by 90 degrees."
+        missing = [row.key for row in ANEW if row.key not in found.learnt.spreads]
+        if missing:
+            yield f"Nothing was learnt of {', '.join(missing)}: these data tell them no better than their class."
+        yield "What drifts from run to run is not told apart: it counts as noise, or as of the mounting."
+
     quiet = sum(one.quiet for one in found.held_out)
     opening = [
         f"Learnt of {of.hardware or 'a nameless hardware'} from {len(of.campaigns)} campaigns, at first {of.tolerance_class}.",
@@ -121,22 +139,5 @@ def document(found: LaboratoryFindings) -> doc.Document:
         title="What the laboratory knows of itself",
         opening=opening,
         blocks=(hardware, mountings, proof),
-        notes=list(_notes(found)),
+        notes=list(notes()),
     )
-
-
-def _notes(found: LaboratoryFindings) -> Iterator[str]:
-    if found.widened > 1:
-        yield f"All deviations of the hardware are widened by {found.widened:.2f}: so much more than due did the held-out pay."
-    if not found.held_out:
-        yield "One campaign alone proves nothing: mount it again, and name both."
-    shares: dict[str, list[float]] = {}
-    for name, one in found.learnt.offsets.items():
-        shares.setdefault(name.partition(":")[0], []).append(one.deviation / one.before)
-    dull = [family for family, of in shares.items() if np.median(of) > NARROW]
-    if dull:
-        yield f"Little was learnt of {', '.join(dull)}: another known body, or the same turned by 90 and by 180 degrees, would."
-    missing = [row.key for row in learnt.MOUNTED if row.key not in found.learnt.spreads]
-    if missing:
-        yield f"Nothing was learnt of {', '.join(missing)}: these data tell them no better than their class."
-    yield "What drifts from run to run is not told apart: it counts as noise, or as of the mounting."
