@@ -56,6 +56,7 @@ LONG = {
         "README.md",
         "python.md",
         "league.md",
+        "laboratories.md",
         "your-own-structure.md",
     ),
 }
