@@ -17,7 +17,7 @@ from geometry.toml_file import nearest
 from identification.campaign import Campaign
 from identification.campaign_file import NAME
 from validation.effects.catalogue import FAMILIES, Named, of_parts, on_article
-from validation.effects.effect import ABREAST, ACCELEROMETER, AXES, CHANNEL, FORCE, PART, PLACE, Vocabulary
+from validation.effects.effect import ABREAST, ACCELEROMETER, AT, AXES, CHANNEL, FORCE, PART, PLACE, Vocabulary
 from validation.model.setups import above_fmd
 
 BEAM, RIGID, USER = KINDS = ("beam", "rigid", "own")
@@ -86,6 +86,8 @@ class Model:
     structure : tolerances of the structure
     tests : tables [[test]] of response functions and modal tables, read when a study is opened
     effects : in the order in which they act
+    looked_at : places by coordinates, as `validation.effects.effect.position` reads them, that the structure is made ready for
+        beside those of the effects
     """
 
     source: str
@@ -105,6 +107,13 @@ class Model:
     structure: StructureTolerances = field(default_factory=StructureTolerances)
     tests: tuple[Mapping[str, Any], ...] = ()
     effects: tuple[Added, ...] = ()
+    looked_at: tuple[str, ...] = ()
+
+    @property
+    def positions(self) -> tuple[str, ...]:
+        """Places by coordinates at which its effects act, or may."""
+        targets = (target for one in self.effects for target in one.named.targets if target.startswith(AT))
+        return tuple(dict.fromkeys((*targets, *self.looked_at)))
 
     def __post_init__(self) -> None:
         if self.cell_stiffness is not None:
