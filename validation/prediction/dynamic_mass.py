@@ -60,7 +60,7 @@ class CondensedTransfer:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Attached:
+class AttachedResponse:
     """What a mass at places, which moves with them along one axis alone, changes of what is read, to first order.
 
     Attributes
