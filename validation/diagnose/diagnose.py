@@ -16,6 +16,7 @@ from identification.campaign import Campaign
 from identification.quality import NORMAL_90
 from validation.correct import CORRECTIONS
 from validation.diagnose import candidates, diagnosis, pendulum, search
+from validation.diagnose.everywhere import found_nodes, without_a_name
 from validation.diagnose.mistakes import mistakes
 from validation.diagnose.next_test import advised
 from validation.diagnose.nonlinear import differing_levels, nonlinear
@@ -79,9 +80,16 @@ def diagnosed(
         tell("fitting the model as it is", 0.0)
         fit = right.all_free(lambda share: tell("fitting the model as it is", share))
         base = diagnosis.Candidate(effects=(), fit=fit, problem=right.problem())
+        tell("looking everywhere on the mesh", 0.0)
+        nodes = tuple(one for one in found_nodes(base)[1] if candidates.looked_for(one.named, only, leave_out))
+        if fitted := without_a_name(right, base, nodes):
+            again = {one.kind for one in fitted}
+            nodes = (*fitted, *(one for one in nodes if one.kind not in again))
+            right = right.ready_at([one.named.target for one in fitted])
+            base = diagnosis.Candidate(effects=(), fit=right.all_free(), problem=right.problem())
         menu = menu if only else candidates.candidates(right, leave_out=leave_out)
         at, steps = stepwise_search(right, base, menu, tell)
-        found = answer(right, at, steps, tell)
+        found = replace(answer(right, at, steps, tell), everywhere=nodes)
     whole = with_mistakes(of, found, mistaken) if mistaken else found
     return replace(whole, only=tuple(only), settings={**whole.settings, "only": list(only), "leave_out": list(leave_out)})
 

@@ -165,6 +165,44 @@ class Advice:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class FoundNode:
+    """The node of a structure's mesh at which something of one kind would explain most, beside the model as it is.
+
+    Attributes
+    ----------
+    named : what would sit there, with its size
+    article : the structure
+    evidence : [nats] for it somewhere on the mesh, with what looking everywhere costs taken off
+    position : (x, y, z) [m] in the article's frame
+    nearest : the named place nearest to it; empty where none has coordinates
+    distance : [m] to that
+    named_place, named_evidence : the place with a name that would explain most, and how much [nats]; empty where there is none
+    looked : [nats] that looking everywhere costs
+    """
+
+    evidence: float = entry("evidence_nats", unit="nats", null=inf)
+    named: Named = entry("written", write=str, read=lambda written: parse(written, ANY))
+    article: str
+    position: tuple[float, float, float] = entry("position_m", unit="m")
+    nearest: str = entry("nearest_place", null="", default="")
+    distance: float | None = entry("distance_m", unit="m", default=None)
+    named_place: str = entry(null="", default="")
+    named_evidence: float = entry("named_evidence_nats", unit="nats", null=inf, default=0.0)
+    looked: float = unwritten(default=0.0)
+
+    @property
+    def kind(self) -> str:
+        """Its family, with the direction of a spring."""
+        return ":".join((self.named.family, *self.named.targets[1:]))
+
+    @property
+    @derived("id", before="evidence_nats")
+    def id(self) -> str:
+        """``family:target``."""
+        return self.named.id
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Leftover:
     """What no effect explains, described.
 
@@ -305,6 +343,7 @@ class Diagnosis(Answer):
     before, after : the four errors without and with what was accepted; the same where nothing was
     known_better : calibrations that come with the answer, the surest first; none is missing from the model
     steps : how it was found
+    everywhere : of a structure with a mesh, where on it something of each kind would explain most, the best first
     hold_out : what was held out, in words
     remarks : warnings, about data that were left out and the like
     only : families and ids that alone were looked for; empty where everything was
@@ -315,6 +354,7 @@ class Diagnosis(Answer):
     levels: tuple[LevelDifference, ...] = ()
     known_better: tuple[KnownBetter, ...] = entry(rare=True, default=())
     steps: tuple[ReportedStep, ...] = ()
+    everywhere: tuple[FoundNode, ...] = entry(default=(), later=True)
     hold_out: tuple[str, ...] = entry("held_out", default=())
     remarks: tuple[str, ...] = entry("warnings", default=())
     before: Evaluation = entry(write=lambda of: _evaluation_json(of))

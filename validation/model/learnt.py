@@ -21,7 +21,7 @@ from geometry.errors import BadInput
 from geometry.toml_file import string
 from identification.parameter import Parameter
 from validation.classical.files import Fields
-from validation.model.tolerance_classes import NAMES, ROWS, ToleranceRow
+from validation.model.tolerance_classes import NAMES, ROWS, ClassedTolerance
 
 KIND = "laboratory"
 
@@ -184,7 +184,7 @@ class Learnt:
             f"campaigns = [{named}]",
         ]
         for key, one in self.spreads.items():
-            row: ToleranceRow = next(row for row in ANEW if row.key == key)
+            row: ClassedTolerance = next(row for row in ANEW if row.key == key)
             sd, low, high, before = (f"{size / row.si(1.0):.4g}" for size in (one.deviation, one.low, one.high, one.before))
             lines += ["", f"[mounting.{key}]  # {row.what}; 90 % interval, what its class says, figures that told it"]
             lines += [f"sd = {sd}", f"low = {low}", f"high = {high}", f"before = {before}", f"count = {one.count}"]

@@ -17,7 +17,7 @@ from geometry.toml_file import nearest
 from identification.campaign import Campaign
 from identification.campaign_file import NAME
 from validation.effects.catalogue import FAMILIES, Named, of_parts, on_article
-from validation.effects.effect import ABREAST, ACCELEROMETER, AXES, CHANNEL, FORCE, PART, PLACE, Vocabulary
+from validation.effects.effect import ABREAST, ACCELEROMETER, AT, AXES, CHANNEL, FORCE, PART, PLACE, Vocabulary
 from validation.model.learnt import ANEW, Learnt
 from validation.model.setups import above_fmd
 from validation.model.tolerance_classes import METROLOGY, MountingTolerances
@@ -96,6 +96,8 @@ class Model:
     effects : in the order in which they act
     revision : of this file, as a report cites it
     requirements : that its article has to meet
+    looked_at : places by coordinates, as `validation.effects.effect.position` reads them, that the structure is made ready for
+        beside those of the effects
     """
 
     source: str
@@ -121,6 +123,13 @@ class Model:
     effects: tuple[Added, ...] = ()
     revision: str = ""
     requirements: tuple[Requirement, ...] = ()
+    looked_at: tuple[str, ...] = ()
+
+    @property
+    def positions(self) -> tuple[str, ...]:
+        """Places by coordinates at which its effects act, or may."""
+        targets = (target for one in self.effects for target in one.named.targets if target.startswith(AT))
+        return tuple(dict.fromkeys((*targets, *self.looked_at)))
 
     def __post_init__(self) -> None:
         if self.cell_stiffness is not None:

@@ -59,7 +59,7 @@ class MountingTolerances:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ToleranceRow:
+class ClassedTolerance:
     """One tolerance in all classes.
 
     Attributes
@@ -89,7 +89,7 @@ class ToleranceRow:
 
 
 ROWS = (
-    ToleranceRow(
+    ClassedTolerance(
         key="gain",
         of="chain",
         name="gain",
@@ -98,7 +98,7 @@ ROWS = (
         what="relative, load cells and accelerometers on cover plate and article",
         source="ISO 16063-21: comparison calibration to 1 % with k = 2; data sheets: sensitivity within 2 %",
     ),
-    ToleranceRow(
+    ClassedTolerance(
         key="table_gain",
         of="chain",
         name="table_gain",
@@ -107,7 +107,7 @@ ROWS = (
         what="relative, accelerometers below the FMD",
         source="pilots of a shaker control: as `gain` of a data sheet, recalibrated at longer intervals",
     ),
-    ToleranceRow(
+    ClassedTolerance(
         key="delay_s",
         of="chain",
         name="delay",
@@ -116,7 +116,7 @@ ROWS = (
         what="of every channel",
         source="match of channels of a front end, 0.1 to 0.2 degrees at 10 Hz; phase of a sensor below a tenth of its resonance",
     ),
-    ToleranceRow(
+    ClassedTolerance(
         key="position_mm",
         of="chain",
         name="position",
@@ -125,7 +125,7 @@ ROWS = (
         what="of a pick-up along each axis",
         source="a steel rule to half a millimetre; seismic centre of a pick-up within 1 to 2 mm of the middle of its housing",
     ),
-    ToleranceRow(
+    ClassedTolerance(
         key="angle_deg",
         of="chain",
         name="angle",
@@ -135,7 +135,7 @@ ROWS = (
         source="ISO 5347-11, ISO 16063-31: transverse sensitivity, which reads like an angle, at most 5 % on data sheets, 2 % "
         "where measured, direction unknown: limit / sqrt(6) along each axis, beside 0.3 to 0.6 degrees of gluing",
     ),
-    ToleranceRow(
+    ClassedTolerance(
         key="cell_stiffness",
         of="chain",
         name="cell_stiffness",
@@ -144,7 +144,7 @@ ROWS = (
         what="relative, of each load cell along each axis",
         source="data sheets of quartz cells: rigidity without tolerance; scatter of preload by a tenth (ISO 16047 for bolts)",
     ),
-    ToleranceRow(
+    ClassedTolerance(
         key="crosstalk",
         of="chain",
         name="crosstalk",
@@ -153,7 +153,7 @@ ROWS = (
         what="relative, of each resultant in the others of its kind",
         source="flatness of the measuring plane; what cells hear of other axes is `cell_crosstalk`",
     ),
-    ToleranceRow(
+    ClassedTolerance(
         key="cell_crosstalk",
         of="opened",
         name="cell-crosstalk",
@@ -163,7 +163,7 @@ ROWS = (
         source="data sheets of three-component quartz cells: cross-talk at most 1 to 3 % (x, y in z and z in x, y), sensitivity "
         "of a cell within 2 %; a tenth where a calibration matrix is applied",
     ),
-    ToleranceRow(
+    ClassedTolerance(
         key="highpass_hz",
         of="opened",
         name="force-highpass accelerometer-highpass",
@@ -173,7 +173,7 @@ ROWS = (
         source="data sheets of IEPE pick-ups and charge amplifiers: corner 0.1 Hz and below, time constant known to 30 % (5 % "
         "where measured)",
     ),
-    ToleranceRow(
+    ClassedTolerance(
         key="force_plane_mm",
         of="opened",
         name="force-plane-offset",
@@ -182,7 +182,7 @@ ROWS = (
         what="height at which the cells feel a lateral force, along x and along y",
         source="data sheets of three-component cells: middle plane of the quartz within 0.5 to 1 mm, with preload and plates",
     ),
-    ToleranceRow(
+    ClassedTolerance(
         key="mounting_mm",
         of="mounting",
         name="place",
@@ -191,7 +191,7 @@ ROWS = (
         what="place of the article along x and y, anew in every campaign",
         source="ISO 273: clearance of bolts, 0.5 mm with dowels or fine holes, 1 to 2 mm of the medium series at M10 to M16",
     ),
-    ToleranceRow(
+    ClassedTolerance(
         key="height_mm",
         of="mounting",
         name="height",
@@ -200,7 +200,7 @@ ROWS = (
         what="height of the article, anew in every campaign",
         source="ISO 2768-1 m: 0.1 to 0.3 mm on thicknesses of plates up to 120 mm",
     ),
-    ToleranceRow(
+    ClassedTolerance(
         key="turn_deg",
         of="mounting",
         name="turn",
@@ -209,7 +209,7 @@ ROWS = (
         what="turn of the article about z, anew in every campaign",
         source="the clearance of `mounting_mm` over half a pitch circle of 100 to 200 mm",
     ),
-    ToleranceRow(
+    ClassedTolerance(
         key="tilt_deg",
         of="mounting",
         name="tilt",
@@ -218,7 +218,7 @@ ROWS = (
         what="tilt of the article on its seat about x and y, anew in every campaign",
         source="ISO 2768-2 H, K: flatness and perpendicularity of 0.1 to 0.4 mm over 100 to 300 mm",
     ),
-    ToleranceRow(
+    ClassedTolerance(
         key="inertia",
         of="mounting",
         name="inertia",
@@ -228,7 +228,7 @@ ROWS = (
         source="density of aluminium and steel within an alloy 0.3 to 1 % (EN 573-3, EN 10088-1), weighed parts 0.1 %; bolts of "
         "0.5 % of an article",
     ),
-    ToleranceRow(
+    ClassedTolerance(
         key="damping",
         of="structure",
         name="damping",
@@ -237,7 +237,7 @@ ROWS = (
         what="of every part's loss factor, or of the logarithm of every mode's damping",
         source="scatter of damping ratios between builds of one structure: 10 to 50 % (ECSS-E-HB-32-26A)",
     ),
-    ToleranceRow(
+    ClassedTolerance(
         key="mode_damping",
         of="structure",
         name="mode_damping",
@@ -272,13 +272,13 @@ class ToleranceClass:
     mounting: MountingTolerances = field(default_factory=MountingTolerances)
     structure: StructureTolerances = field(default_factory=StructureTolerances)
 
-    def setting(self, row: ToleranceRow, size: float) -> "ToleranceClass":
+    def setting(self, row: ClassedTolerance, size: float) -> "ToleranceClass":
         """The same with the tolerance of `row` at `size` [SI]."""
         if row.of == "opened":
             return replace(self, opened=MappingProxyType({**self.opened, **dict.fromkeys(row.name.split(), size)}))
         return replace(self, **{row.of: replace(getattr(self, row.of), **{row.name: size})})
 
-    def of(self, row: ToleranceRow) -> float:
+    def of(self, row: ClassedTolerance) -> float:
         """The tolerance of `row` [SI]."""
         if row.of == "opened":
             return self.opened.get(row.name.split()[0], 0.0)

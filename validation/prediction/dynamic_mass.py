@@ -59,6 +59,20 @@ class CondensedTransfer:
         return turning(self.frequency, self.decay_rate)
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AttachedResponse:
+    """What a mass at places, which moves with them along one axis alone, changes of what is read, to first order.
+
+    Attributes
+    ----------
+    readings : (r, m, c, q, 3) by run, line, channel, place and axis, per kilogram
+    spring : (r, m) factor that makes of it what a spring to the ground does along the axis, per N/m: -1 / omega²
+    """
+
+    readings: ComplexArray
+    spring: ComplexArray
+
+
 def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike) -> CondensedTransfer:
     """Blocked dynamic mass (n, 6, 6) about the article's origin at `frequency` (n,) [Hz], above zero.
 

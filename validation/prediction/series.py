@@ -24,10 +24,9 @@ from geometry.errors import BadInput
 from geometry.frames import Array
 from identification.campaign import Campaign, Processing, Run
 from identification.chain import Chain, chain
-from identification.spectra.line_spectra import Spectra
+from identification.spectra.line_spectra import Spectra, hann
 from identification.spectra.noise import of_block, of_full_record
 from identification.spectra.of_campaign import SAME_LINE, grid, spectra
-from identification.spectra.peak_hold import hann
 from validation.effects.catalogue import FAMILIES, There, acts
 from validation.effects.effect import AMPLITUDE, BODY_STAGE, CHANNEL_STAGE, NOISE_STAGE, OPENED, PROCESSING, STRUCTURE_STAGE
 from validation.effects.stages import ChannelResponse, NoiseModel, leak

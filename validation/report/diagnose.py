@@ -234,7 +234,8 @@ def rows(of: Sequence[results.Detectable]) -> tuple[DetectableRow, ...]:
     for name, family in FAMILIES.items():
         every = [one for one in of if one.id.partition(":")[0] == name]
         for unit in dict.fromkeys(one.unit for one in every):
-            own = sorted((one for one in every if one.unit == unit), key=lambda one: one.size)
+            # Mirror images differ by rounding: of these the order of names decides
+            own = sorted((one for one in every if one.unit == unit), key=lambda one: (float(f"{one.size:.6g}"), one.id))
             least, greatest = own[0], own[-1]
             low, high = said(least.size, unit), said(greatest.size, unit)
             together = greatest.size <= SPREAD * least.size or low == high

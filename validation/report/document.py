@@ -24,7 +24,7 @@ from validation.reference.reference import IDENTIFIED, MEASURED, PUBLISHED, Refe
 from validation.reference.statement import COG, MASS, QUANTITIES, TENSOR, Quantity, Row, Stated
 
 if TYPE_CHECKING:
-    from validation.report.charts.static import Figure
+    from validation.report.charts.figure import Figure
 
 
 # HTML that cannot be broken into: whatever is not `Safe` is escaped on its way in.
@@ -473,13 +473,13 @@ class Figures:
         """
         name = f"figure-{len(self._json) + 1}"
         self._keep(name, figure)
-        height = int(figure.layout.height or 400)
+        height = int(figure.layout.get("height", 400))
         plot = tag(
             "div",
             class_="plot",
             id=name,
             role="img",
-            aria_label=unescape(str(figure.layout.title.text)),
+            aria_label=unescape(figure.layout["title"]["text"]),
             style=f"min-height:{height}px",
             data_group=group or None,
             data_shown=shown or None,
@@ -505,9 +505,7 @@ class Figures:
         return len(self._json)
 
     def _keep(self, name: str, figure: "Figure") -> None:
-        from validation.report.charts.interactive import figure_json
-
-        self._json[name] = figure_json(figure)
+        self._json[name] = figure.json()
 
 
 def _script(name: str, text: str) -> str:

@@ -1,4 +1,4 @@
-"""What is known better now: tolerances that data narrow and that are not at their nominal; never what is identified anyway."""
+"""What is known better now: tolerances that data narrow and that do not stand at their nominal; never what is identified."""
 
 from dataclasses import replace
 
