@@ -14,14 +14,14 @@ The equation gets the stage, the targets and the values in SI by key, and return
 changes nothing. Equations of structure add, those of channels are linear in what they get, so that derivatives pass through.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
 from geometry.dynamic_mass import MOTIONS
 from geometry.inertia import PARAMETERS
-from validation.output import entry
+from validation.output import entry, unwritten
 
 STRUCTURE, FORCES, ACCELERATIONS, MISTAKE, AMPLITUDE, PROCESSING, PENDULUM = SIDES = (
     "structure",
@@ -52,6 +52,26 @@ Change = Callable[[Any, tuple[str, ...], Values], Any]
 EVERY = "every"
 """Name of all joints together: what was made alike is often wrong alike."""
 
+TOGETHER = "all@"
+"""With which the name of a joint begins that is between a node and all that meets there (`fem.user_model.frame`)."""
+
+
+def joints_named(target: str, joints: Iterable[str]) -> tuple[str, ...]:
+    """Those of `joints` that `target` names: one, those of every end (`EVERY`), or those of every node (`TOGETHER` `EVERY`), where
+    a joint of its one end is that of the node."""
+    nodes = {one.removeprefix(TOGETHER) for one in joints if one.startswith(TOGETHER)}
+    if target == EVERY:
+        return tuple(one for one in joints if not one.startswith(TOGETHER))
+    if target == TOGETHER + EVERY:
+        return tuple(one for one in joints if one.startswith(TOGETHER) or one.partition("@")[2] not in nodes)
+    return (target,)
+
+
+def alike(joints: Collection[str]) -> tuple[str, ...]:
+    """Names by which several of `joints` are meant at once."""
+    together = any(one.startswith(TOGETHER) for one in joints)
+    return ((EVERY, TOGETHER + EVERY) if together else (EVERY,)) if len(joints) > 1 else ()
+
 
 @dataclass(frozen=True, kw_only=True)
 class SizeSpec:
@@ -68,6 +88,7 @@ class SizeSpec:
     plausible : standard deviation of a fault before anything was measured, of the logarithm where `logarithmic`; 0 for a size
         that is not fitted
     logarithmic : whether it is fitted by its logarithm: positive, and known to a factor
+    stated : the size that mechanics says it has wherever the effect is; None where nothing says so
     """
 
     key: str = ""
@@ -79,6 +100,7 @@ class SizeSpec:
     null: float = 0.0
     plausible: float = entry(null=0.0, default=0.0)
     logarithmic: bool = False
+    stated: float | None = unwritten(default=None)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

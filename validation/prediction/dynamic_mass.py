@@ -78,7 +78,7 @@ def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike) -> CondensedTrans
 def turning(frequency: Array, decay_rate: float) -> npt.NDArray[Any]:
     """(n,) [rad/s] s / i at `frequency` (n,) [Hz] on the axis s = i omega + decay_rate, real where that is 0."""
     omega = 2 * np.pi * frequency
-    return omega - 1j * decay_rate if decay_rate else omega
+    return omega - 1j * decay_rate if np.any(decay_rate) else omega
 
 
 def accelerance(
