@@ -71,7 +71,7 @@ def _weights(frequency: Array, at: Array, width: float) -> Array:
 
 
 def resonances(frequency: Array, values: ComplexArray, noise: Array) -> Resonances:
-    """Those that accelerances `values` (r, n, c) with standard deviations `noise` (r, n, c) show at the lines `frequency` (n,) [Hz].
+    """Those that accelerances (r, n, c) with standard deviations `noise` (r, n, c) show at the lines `frequency` (n,) [Hz].
 
     One peak of all functions together is one resonance; its frequency, damping and residues are those of a mode by itself beside
     it, and its shape is what the residues of all runs have in common.

@@ -11,9 +11,10 @@
     masses = { floor-1 = "1.83 kg", floor-2 = "1.83 kg" }
 
 Every member is a part, its ends are joints ``member@node`` that give next to nothing, every node is a place, and a mass on a node
-is a part that has mass alone. Where several members meet, one more joint, ``all@node``, is between the node and all of them: where
-it gives, they stay joined to each other, as a column does that runs through a floor. What the weight above a member takes of its stiffness (`Structure.geometric`) is that of a beam
-under its axial force, cubic shapes (J. S. Przemieniecki, Theory of Matrix Structural Analysis, 1968, section 15.2).
+is a part that has mass alone. Where several members meet, one more joint, ``all@node``, is between the node and all of them:
+where it gives, they stay joined to each other, as a column does that runs through a floor. What the weight above a member takes
+of its stiffness (`Structure.geometric`) is that of a beam under its axial force, cubic shapes (J. S. Przemieniecki, Theory of
+Matrix Structural Analysis, 1968, section 15.2).
 """
 
 from collections.abc import Mapping

@@ -7,6 +7,7 @@ Order of work ("What bit" of the catalogue): discrete mistakes, two levels, a co
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from importlib.metadata import version
+from math import inf
 
 import numpy as np
 
@@ -200,7 +201,7 @@ def answer_from_afar(
     asis = base if floor is None else replace(base, fit=nearby(base.problem, FITTED, base.fit.by_name, floor=floor))
     before = told(asis, "errors of the model as it is")
     after = told(candidate, "errors with what was found")
-    estimates = found.estimates(fit)
+    estimates = found.estimates()
     accepted = tuple(
         diagnosis.Cause(
             named=one.named,
@@ -221,7 +222,8 @@ def answer_from_afar(
                 for value in (one.added.named.values[size.key],)
             ),
             evidence=one.evidence,
-            null=False,
+            misfit=one.misfit,
+            price=inf,
         )
         for one in found.alone
     )
@@ -234,14 +236,10 @@ def answer_from_afar(
         verdict = diagnosis.AMBIGUOUS if several else diagnosis.MISSING
     alike = tuple(dict.fromkeys(id for ids in (found.alike.values() if len(effects) == 1 else several) for id in ids))
     off = found.off(SOUND)
-    words = [f"{where} by {sd:.1f} of what a sound model may be off" for where, sd in off[:MOST_OFF]]
-    next_one = found.after
-    nearest_left = (
-        f" What comes closest to that is {next_one.added.named.id}, {max(next_one.evidence, 0.0):.1f} nats, which is not enough for a name."
-        if next_one is not None
-        else ""
-    )
-    left = f"Something is left: {'; '.join(words) or stands.text}.{nearest_left}"
+    words = "; ".join(f"{where} by {sd:.1f} of what a sound model may be" for where, sd in off[:MOST_OFF]) or stands.text
+    left = f"Something is left. Still off: {words}."
+    if found.after is not None:
+        left += f" {found.after.added.named.id} comes closest to that, with {max(found.after.evidence, 0.0):.1f} nats too little."
     total = sum(sd**2 for _, sd in off) or 1.0
     return diagnosis.Diagnosis(
         verdict=verdict,

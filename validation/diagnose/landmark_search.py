@@ -1,23 +1,25 @@
 """Search from afar: which effects bring resonances, shapes and levels to where they were measured.
 
 A fit of all lines finds its way only where resonances of model and data overlap. Farther off, landmarks are compared
-(`validation.prediction.landmarks`), which change smoothly with the sizes of effects however large these are. The response is exact
-for the reduced structure at every size, nothing is linear but the tolerances, which are taken out in closed form: with residuals r
-in units of what a sound model may be off, their derivatives J by the tolerances at the model as it is, and T = diag(tolerance),
+(`validation.prediction.landmarks`), which change smoothly with the sizes of effects however large these are. The response is
+exact for the reduced structure at every size; nothing is linear but the tolerances, which are taken out in closed form. With
+residuals r in units of what a sound model may be off, their derivatives J by the tolerances at the model as it is, and T =
+diag(tolerance),
 
     chi² = r^T (1 + J T² J^T)^-1 r .
 
 Each candidate is looked at over its whole plausible range, the best are fitted, and beside the best few of these all others
-again, up to `MOST_EFFECTS` at once: two effects may do together what neither does alone. An effect whose size mechanics states has
-no free size; it is there or not. Sizes of others are known to an order of magnitude beforehand, by a Cauchy density of their
+again, up to `MOST_EFFECTS` at once: two effects may do together what neither does alone. An effect whose size mechanics states
+has no free size; it is there or not. Sizes of others are known to an order of magnitude beforehand, by a Cauchy density of their
 plausible size.
 
-No model of known effects comes down to a chi² of one per number where something else is missing, too. What the best of all leaves,
-c = chi² / (numbers - sizes), is then taken for the variance of what landmarks are off, and evidence is counted in it (quasi-likelihood:
-R. W. M. Wedderburn, Biometrika 61 (1974), 439; K. P. Burnham and D. R. Anderson, Model Selection and Multimodel Inference, 2002,
-section 2.5).
+No model of known effects comes down to a chi² of one per number where something else is missing, too. What the best of all
+leaves, c = chi² / (numbers - sizes), is then taken for the variance of what landmarks are off, and evidence is counted in it
+(quasi-likelihood: R. W. M. Wedderburn, Biometrika 61 (1974), 439; K. P. Burnham and D. R. Anderson, Model Selection and
+Multimodel Inference, 2002, section 2.5).
 """
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -48,8 +50,12 @@ OCTAVES = np.arange(-3.0, 5.0)
 MOST_EFFECTS = 3
 """[count] of effects of free size at once. By definition."""
 
-KEPT = 3
+KEPT = 5
 """[count] of explanations beside which others are looked for. Held by tests/validation/diagnosing/test_landmark_search.py."""
+
+OF_A_FAMILY = 2
+"""[count] of these whose newest effect is of one family, for where one joint yields others nearly do, too. Held by
+tests/validation/diagnosing/test_landmark_search.py."""
 
 TRIED = 6
 """[count] of effects that are fitted beside each of these. Held by tests/validation/diagnosing/test_landmark_search.py."""
@@ -104,11 +110,11 @@ class Explanation:
         return frozenset(one.named.id for one in self.effects)
 
     def log_evidence(self, variance: float) -> float:
-        """[nats] where landmarks are off by this `variance`, by Laplace's approximation; no effect is worth more than a known one."""
+        """[nats] where landmarks are off by this `variance`, by Laplace's approximation; no free size gains by being free."""
         prior = -float(np.sum(np.log(np.pi * (1 + self.sizes**2))))
         _, logdet = np.linalg.slogdet(self._precision(variance))
         occam = prior + 0.5 * len(self.sizes) * np.log(2 * np.pi) - 0.5 * float(logdet)
-        return -0.5 * self.chi2 / variance + min(occam, 0.0)
+        return float(-0.5 * self.chi2 / variance + min(occam, 0.0))
 
     def covariance(self, variance: float) -> Array:
         """(p, p) of the sizes, in plausible sizes."""
@@ -229,10 +235,12 @@ class Alternative:
     ----------
     added : at its size
     evidence : [nats] against the model without it
+    misfit : chi² a number of the landmarks with it
     """
 
     added: Added
     evidence: float
+    misfit: float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -263,8 +271,10 @@ class FromAfar:
     view: DistantView
 
     def off(self, limit: float) -> list[tuple[str, float]]:
-        """Landmarks that are still off, in words, by more than `limit` of what a sound model may be, the farthest first; of neighbours
-        the farthest alone."""
+        """Landmarks that are still off by more than `limit` of what a sound model may be, in words, the farthest first.
+
+        Of one resonance, one shape and one channel it is the farthest alone.
+        """
         given = [replace(one, fixed=True) for one in self.best.effects]
         found: dict[str, tuple[str, float]] = {}
         for mark in self.view.marks:
@@ -275,41 +285,37 @@ class FromAfar:
                     found[which] = (where, float(sd))
         return sorted(found.values(), key=lambda one: -one[1])
 
-    def estimates(self, fit: Fit) -> dict[str, tuple[EffectEstimate, ...]]:
-        """By id the sizes of the effects: where `fit` ended, between 90 % limits that hold what landmarks say of them, too.
+    def estimates(self) -> dict[str, tuple[EffectEstimate, ...]]:
+        """By id the sizes of the effects, between 90 % limits.
 
-        They are those of a fit in which every size is free, also one that is stated, and beside it what comes closest to what is left.
+        They are those of a fit in which every size is free, one that is stated, too, beside what comes closest to what is left.
+        Those of a size that is stated lie about what that fit finds of it.
         """
         beside = () if self.after is None else (self.after.added,)
         again = self.view.explained(tuple(replace(one, fixed=False) for one in (*self.best.effects, *beside)))
-        sizes = self.view.sizes(again.effects)
         spread = np.sqrt(np.diag(again.covariance(self.variance)))
-        told = {one.name: (one, float(x), float(sd)) for one, x, sd in zip(sizes, again.sizes, spread, strict=True)}
-        values = {one.name: one.value(float(x)) for one, x in zip(fit.parameters, fit.offsets, strict=True)}
+        told = {one.name: (one, float(sd)) for one, sd in zip(self.view.sizes(again.effects), spread, strict=True)}
         found = {}
         for one in self.best.effects:
             own = []
             for size in one.named.sizes:
-                which = name(one.named, size.key)
-                value = one.named.values[size.key] if one.fixed else values.get(which, one.named.values[size.key])
+                value = one.named.values[size.key]
                 low = high = value
-                if which in told:
-                    parameter, x, sd = told[which]
-                    at = parameter.tolerance * np.array([x - NORMAL_90 * sd, x + NORMAL_90 * sd])
-                    if parameter.logarithmic:  # counted from where the fit ended
-                        at = at - parameter.tolerance * x
-                    ends = sorted(parameter.value(float(end)) for end in at)
-                    low, high = (
-                        min(max(min(ends[0], value), size.low), size.high),
-                        max(min(max(ends[1], value), size.high), size.low),
-                    )
+                if (which := name(one.named, size.key)) in told:
+                    free, sd = told[which]
+                    about = free.start if one.fixed else free.offset(value)
+                    ends = sorted(free.value(about + side * NORMAL_90 * sd * free.tolerance) for side in (-1, 1))
+                    low, high = (min(max(end, size.low), size.high) for end in ends)
                 own.append(EffectEstimate(key=size.key, value=value, unit=size.unit, low=low, high=high))
             found[one.named.id] = tuple(own)
         return found
 
 
 def from_afar(data: Study, menu: Sequence[Added], progress: Progress) -> FromAfar | None:
-    """The effects of `menu` that bring the landmarks of the tests of `data` nearest; None where the model is not far, or none does."""
+    """The effects of `menu` that bring the landmarks of the tests of `data` nearest.
+
+    None where the model is not far, or none brings them near.
+    """
     view = DistantView(marks=landmarks(data.predictions))
     if not view.marks:
         return None
@@ -321,9 +327,9 @@ def from_afar(data: Study, menu: Sequence[Added], progress: Progress) -> FromAfa
     firsts = [group[0] for group in groups]
     # What mechanics states is asked first: it has no size by which it could explain anything else
     start = base
-    for one in stated(menu):
-        there = view.explained((*start.effects, one))
-        start = there if start.chi2 - there.chi2 > 0 else start
+    for known in stated(menu):
+        with_it = view.explained((*start.effects, known))
+        start = with_it if with_it.chi2 < start.chi2 else start
     nodes: dict[frozenset[str], Explanation] = {base.ids: base, start.ids: start}
     beam = [start]
     for depth in range(MOST_EFFECTS):
@@ -332,39 +338,45 @@ def from_afar(data: Study, menu: Sequence[Added], progress: Progress) -> FromAfa
             progress("looking from afar", (depth + k / len(beam)) / MOST_EFFECTS)
             others = [one for one in firsts if one.named.id not in node.ids]
             looked = sorted((view.scanned(node, one) for one in others), key=lambda each: each[0])
-            for _, there in looked[:TRIED]:
+            for there in _diverse([there for _, there in looked], TRIED):
                 ids = node.ids | {there.named.id}
                 if ids not in made:
                     made[ids] = view.explained((*node.effects, there))
         nodes |= made
         variance = _variance(view, nodes.values())
-        beam = sorted(made.values(), key=lambda one: -one.log_evidence(variance))[:KEPT]
+        ordered = sorted(made.values(), key=lambda one: -one.log_evidence(variance))
+        newest = {id(one.effects[-1]): one for one in ordered}
+        beam = [newest[id(one)] for one in _diverse([one.effects[-1] for one in ordered], KEPT)]
     variance = _variance(view, nodes.values())
     progress("telling what is near apart by lines", 0.9)
     best = _needed(data, view, [one for one in nodes.values() if one.ids >= start.ids], start, variance)
-    for one in start.effects:
-        # one of stated size is there wherever it acts: it is named where it brings enough by itself
-        alone_gain = view.explained((one,)).log_evidence(variance) - base.log_evidence(variance)
-        if alone_gain < evidence_threshold(one.named.family):
-            best = view.explained(tuple(each for each in best.effects if each is not one))
-    gains = {}
-    for one in best.effects:
-        left = tuple(each for each in best.effects if each is not one)
-        if one.fixed:
-            gains[one.named.id] = view.explained((one,)).log_evidence(variance) - base.log_evidence(variance)
+    gains: dict[str, float] = {}
+    for added in best.effects:
+        left = tuple(each for each in best.effects if each is not added)
+        if added.fixed:  # it is there wherever it acts, and is named where it brings enough by itself
+            gains[added.named.id] = view.explained((added,)).log_evidence(variance) - base.log_evidence(variance)
         else:
-            rest = nodes.get(best.ids - {one.named.id}) or view.explained(left)
-            gains[one.named.id] = best.log_evidence(variance) - rest.log_evidence(variance)
+            rest = nodes.get(best.ids - {added.named.id}) or view.explained(left)
+            gains[added.named.id] = best.log_evidence(variance) - rest.log_evidence(variance)
+    faint = {one.named.id for one in best.effects if one.fixed and gains[one.named.id] < evidence_threshold(one.named.family)}
+    if faint:
+        best = view.explained(tuple(one for one in best.effects if one.named.id not in faint))
+        gains = {id: gain for id, gain in gains.items() if id not in faint}
     if not best.effects or base.chi2 - best.chi2 < EXPLAINED * (base.chi2 - view.number):
         return None
-    alike = {}
-    for one in best.effects:
-        alike[one.named.id] = (one.named.id,) if one.fixed else _alike(view, best, one, groups, nodes, variance)
-    singles = [
-        node for node in nodes.values() if len(node.effects) - len(start.effects) == 1 or (node is start and start is not base)
-    ]
+    alike = {
+        each.named.id: (each.named.id,) if each.fixed else _alike(view, best, each, groups, nodes, variance)
+        for each in best.effects
+    }
+    with_one = [node for node in nodes.values() if len(node.effects) == len(start.effects) + 1]
+    with_one += [start] if start.effects else []
     alone = [
-        Alternative(added=one.effects[-1], evidence=one.log_evidence(variance) - base.log_evidence(variance)) for one in singles
+        Alternative(
+            added=one.effects[-1],
+            evidence=one.log_evidence(variance) - base.log_evidence(variance),
+            misfit=one.chi2 / max(view.number - len(one.sizes), 1.0),
+        )
+        for one in with_one
     ]
     beside = [node for node in nodes.values() if node.ids > best.ids and len(node.effects) == len(best.effects) + 1]
     nearest = max(beside, key=lambda one: one.log_evidence(variance), default=None)
@@ -381,9 +393,21 @@ def from_afar(data: Study, menu: Sequence[Added], progress: Progress) -> FromAfa
         else Alternative(
             added=next(one for one in nearest.effects if one.named.id not in best.ids),
             evidence=nearest.log_evidence(variance) - best.log_evidence(variance),
+            misfit=nearest.chi2 / max(view.number - len(nearest.sizes), 1.0),
         ),
         view=view,
     )
+
+
+def _diverse(found: Sequence[Added], most: int) -> list[Added]:
+    """The first `most` of `found`, no more than `OF_A_FAMILY` of one family."""
+    count: Counter[str] = Counter()
+    kept = []
+    for one in found:
+        count[one.named.family] += 1
+        if count[one.named.family] <= OF_A_FAMILY:
+            kept.append(one)
+    return kept[:most]
 
 
 def _groups(view: DistantView, menu: Sequence[Added]) -> list[list[Added]]:

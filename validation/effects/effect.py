@@ -57,8 +57,10 @@ TOGETHER = "all@"
 
 
 def joints_named(target: str, joints: Iterable[str]) -> tuple[str, ...]:
-    """Those of `joints` that `target` names: one, those of every end (`EVERY`), or those of every node (`TOGETHER` `EVERY`), where
-    a joint of its one end is that of the node."""
+    """Those of `joints` that `target` names: one, those of every end (`EVERY`), or those of every node (`TOGETHER` `EVERY`).
+
+    Where a single member ends, its joint is that of the node.
+    """
     nodes = {one.removeprefix(TOGETHER) for one in joints if one.startswith(TOGETHER)}
     if target == EVERY:
         return tuple(one for one in joints if not one.startswith(TOGETHER))

@@ -1,13 +1,13 @@
 """Landmarks of a test of a structure: what is compared while a model is still far from the data.
 
-Where resonances of model and test do not overlap, lines say only that both are elsewhere, and their slopes point nowhere. Landmarks
-change smoothly all the way:
+Where resonances of model and test do not overlap, lines say only that both are elsewhere, and their slopes point nowhere.
+Landmarks change smoothly all the way:
 
     resonance frequencies   ln f_model / f                              of a table, or picked from functions
     shapes                  what no factor brings from one to the other
-    levels                  ln |H_model / H| beside the axis, at s = (i + w) omega, where every peak is broad; of each run and line
-                            the channels count by what they share of the level, so that a small reading decides nothing, and
-                            what is between two resonances counts as much as what is between two others
+    levels                  ln |H_model / H| beside the axis, at s = (i + w) omega, where every peak is broad; of each run and
+                            line the channels count by what they share of the level, so that a small reading decides nothing,
+                            and what is between two resonances counts as much as what is between two others
 
 Logarithms of functions are compared because their sum of squares has one minimum over a shift of resonances where that of the
 functions has many (E. Balmès, Frequency domain identification of structural dynamics using the pole/residue parametrization,
@@ -20,6 +20,7 @@ from math import isfinite
 
 import numpy as np
 
+from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
 from identification.modal_table import SOUND_SHAPE, ModalTable
 from identification.resonances import Resonances, beside_axis, noise_beside_axis, resonances
@@ -31,7 +32,8 @@ from validation.prediction.response_functions import ResponseFunctionTest
 from validation.prediction.structure_tests import StructurePrediction
 
 SOUND_FREQUENCY = 0.01
-"""[share] that a frequency of a sound model may be off, beside its tolerances. Held by tests/validation/prediction/test_landmarks.py."""
+"""[share] that a frequency of a sound model may be off, beside its tolerances. Held by
+tests/validation/prediction/test_landmarks.py."""
 
 SOUND_LEVEL = 0.15
 """[log] that the level of a sound model may be off beside the axis. Held by tests/validation/prediction/test_landmarks.py."""
@@ -181,16 +183,14 @@ def _levels(of: ResponseFunctionTest, shown: Resonances) -> list[Landmark]:
     at = at[(at * (1 - WIDTH) > low) & (at * (1 + WIDTH) < high)]
     if not len(at):
         return []
-    values, noise = (
-        of_lines(data.frequency, one, at, WIDTH)
-        for of_lines, one in ((beside_axis, data.values), (noise_beside_axis, data.noise))
-    )
+    values = beside_axis(data.frequency, data.values, at, WIDTH)
+    noise = noise_beside_axis(data.frequency, data.noise, at, WIDTH)
     share = np.abs(values) ** 2 / np.sum(np.abs(values) ** 2, axis=2, keepdims=True)
     kept = (share > LEAST_SHARE) & (noise < SILENT * np.abs(values))
     if not kept.any():
         return []
     share = np.where(kept, share / (1 + (noise / (SOUND_LEVEL * np.abs(values))) ** 2), 0.0)  # what is noise counts less
-    # What lies between two resonances, below the first or above the last, is one number of every run and channel that shares in it
+    # What lies between two resonances, below the first or above the last, is a number of every run and channel that shares in it
     band = np.searchsorted(shown.frequency, at)
     weight, number = np.zeros(share.shape), 0.0
     for run, k in np.ndindex(len(data.runs), len(shown.frequency) + 1):
@@ -227,7 +227,7 @@ def _levels(of: ResponseFunctionTest, shown: Resonances) -> list[Landmark]:
     ]
 
 
-def _whole(predicted: Predicted, name: str) -> Array:
+def _whole(predicted: Predicted, name: str) -> ComplexArray:
     """(r, n, c, 1) change of all channels."""
     change = predicted.changes[name]
     found = np.zeros(predicted.rows.shape, dtype=np.complex128)
