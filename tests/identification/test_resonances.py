@@ -1,4 +1,4 @@
-"""Tests of resonances that functions show by themselves: a chain of three masses in closed form, noise, gaps and what is no resonance."""
+"""Resonances that functions show by themselves: of a chain of masses in closed form, and none of noise."""
 
 import numpy as np
 import pytest

@@ -299,7 +299,7 @@ OF_SIZE: Mapping[str, Rule] = MappingProxyType(
     {
         **dict.fromkeys(("unit", "key"), TEXT),
         **dict.fromkeys(("low", "high", "null", "plausible"), NUMBER),
-        "default": (lambda value: value is None or _number(value), "a number, or None"),
+        **dict.fromkeys(("default", "stated"), (lambda value: value is None or _number(value), "a number, or None")),
         **dict.fromkeys(("whole", "logarithmic"), FLAG),
     }
 )
