@@ -11,8 +11,10 @@
     masses = { floor-1 = "1.83 kg", floor-2 = "1.83 kg" }
 
 Every member is a part, its ends are joints ``member@node`` that give next to nothing, every node is a place, and a mass on a node
-is a part that has mass alone. What the weight above a member takes of its stiffness (`Structure.geometric`) is that of a beam
-under its axial force, cubic shapes (J. S. Przemieniecki, Theory of Matrix Structural Analysis, 1968, section 15.2).
+is a part that has mass alone. Where several members meet, one more joint, ``all@node``, is between the node and all of them:
+where it gives, they stay joined to each other, as a column does that runs through a floor. What the weight above a member takes
+of its stiffness (`Structure.geometric`) is that of a beam under its axial force, cubic shapes (J. S. Przemieniecki, Theory of
+Matrix Structural Analysis, 1968, section 15.2).
 """
 
 from collections.abc import Mapping
@@ -33,6 +35,9 @@ from geometry.inertia import Inertia
 KEYS = ("name", "kind", "nodes", "fixed", "moves", "members", "section", "material", "masses", "elements", "loss_factor", "down")
 SECTION = ("width", "thickness", "across", "count")
 MOTIONS = ("x", "y", "z", "rx", "ry", "rz")
+
+HUB = "all@"
+"""With which the name of a joint begins that is between a node and all members that meet there."""
 
 STIFF = 1e4
 """[1] Of the member's own: an end this stiff is clamped to four digits of a frequency, and what it gives more shows at once."""
@@ -76,6 +81,14 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
             pieces, "a whole number from 1 to 100", source, f"{where}.elements", "How many beams a member is made of"
         )
     points, members, ports = list(nodes.values()), list[frame.Member](), list[frame.Ports]()
+    own = max(section.bending_y, section.bending_z, section.torsion)
+
+    def join(one: int, other: int, length: float, joint: str) -> None:
+        stiff = STIFF * np.array([*3 * [12 * own / length**3 + section.axial / length], *3 * [4 * own / length]])
+        S = np.diag(stiff)
+        ports.append(frame.Ports(nodes=(one, other), stiffness=np.block([[S, -S], [-S, S]]), mass=np.zeros((12, 12)), part=joint))
+
+    meeting: dict[int, list[tuple[str, int, float]]] = {}  # by node the members that end there, where, and how long they are
     for name, ends in _table(table, "members", source, where).items():
         at = f"{where}.members.{name}"
         if not isinstance(ends, list) or len(ends) != 2:
@@ -91,13 +104,15 @@ def structure(table: Mapping[str, Any], source: str, where: str = "fe_model") ->
         points += [points[a] + share * (points[b] - points[a]) for share in np.linspace(0.0, 1.0, pieces + 1)]
         members.append(frame.Member(nodes=tuple(range(first, len(points))), section=section, z_axis=across, part=name))
         for node, end in ((a, first), (b, len(points) - 1)):
-            own = max(section.bending_y, section.bending_z, section.torsion)
-            stiff = STIFF * np.array([*3 * [12 * own / length**3 + section.axial / length], *3 * [4 * own / length]])
-            S = np.diag(stiff)
-            port = frame.Ports(
-                nodes=(node, end), stiffness=np.block([[S, -S], [-S, S]]), mass=np.zeros((12, 12)), part=f"{name}@{names[node]}"
-            )
-            ports.append(port)
+            meeting.setdefault(node, []).append((name, end, length))
+    for node, joined in meeting.items():
+        hub = node
+        if len(joined) > 1:
+            hub = len(points)
+            points.append(points[node])
+            join(node, hub, min(length for _, _, length in joined), f"{HUB}{names[node]}")
+        for name, end, length in joined:
+            join(hub, end, length, f"{name}@{names[node]}")
     plan = frame.Plan(nodes=np.array(points), carriers=tuple(range(len(points))), members=tuple(members), ports=tuple(ports))
     made = frame.assemble(plan)
     size = 6 * len(points)

@@ -7,6 +7,7 @@ Order of work ("What bit" of the catalogue): discrete mistakes, two levels, a co
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from importlib.metadata import version
+from math import inf
 
 import numpy as np
 
@@ -17,17 +18,18 @@ from identification.quality import NORMAL_90
 from validation.correct import CORRECTIONS
 from validation.diagnose import candidates, diagnosis, pendulum, search
 from validation.diagnose.everywhere import found_nodes, without_a_name
+from validation.diagnose.landmark_search import FromAfar, from_afar, line_fit
 from validation.diagnose.mistakes import mistakes
 from validation.diagnose.next_test import advised
 from validation.diagnose.nonlinear import differing_levels, nonlinear
-from validation.diagnose.search import GoodnessOfFit, SearchStep, goodness_of_fit, stepwise_search
+from validation.diagnose.search import SIZE_SCAN_FLOOR, GoodnessOfFit, SearchStep, goodness_of_fit, stepwise_search
 from validation.diagnose.unexplained import Explanation, described, unexplained
 from validation.effects import effect
 from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS
-from validation.estimation.evaluate import evaluate
-from validation.estimation.fit import FLOOR, unfitted
-from validation.estimation.problem import DECLARED, EFFECT, FITTED, SENSOR, Evaluation, Fit, Offsets
+from validation.estimation.evaluate import evaluate, folds
+from validation.estimation.fit import FLOOR, PLAIN_FLOOR, nearby, unfitted
+from validation.estimation.problem import DECLARED, EFFECT, FITTED, IDENTIFIED, SENSOR, Evaluation, Fit, Offsets
 from validation.history.add import completed
 from validation.model.model import Added, Model, require_target, vocabulary
 from validation.model.tolerance_classes import METROLOGY
@@ -89,7 +91,10 @@ def diagnosed(
             base = diagnosis.Candidate(effects=(), fit=right.all_free(), problem=right.problem())
         menu = menu if only else candidates.candidates(right, leave_out=leave_out)
         at, steps = stepwise_search(right, base, menu, tell)
-        found = replace(answer(right, at, steps, tell), everywhere=nodes)
+        unknown = right.tests and not right.made and not goodness_of_fit(at.fit, at.problem).null
+        afar = from_afar(right, menu, tell) if unknown else None
+        found = answer(right, at, steps, tell) if afar is None else answer_from_afar(right, base, steps, afar, tell)
+        found = replace(found, everywhere=nodes)
     whole = with_mistakes(of, found, mistaken) if mistaken else found
     return replace(whole, only=tuple(only), settings={**whole.settings, "only": list(only), "leave_out": list(leave_out)})
 
@@ -167,6 +172,135 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
             "parameters": len(base.fit.parameters),
         },
     )
+
+
+SOUND = 2.0
+"""[sd] of a sound model beyond which a landmark is said to be off. By definition."""
+
+MOST_OFF = 4
+"""[count] of landmarks of which that is said. By definition."""
+
+BLOCKS = 4
+"""[count] of blocks of frequency that are held out in turn where there is but one run. By definition."""
+
+
+def answer_from_afar(
+    study: Study, base: diagnosis.Candidate, steps: Sequence[SearchStep], found: FromAfar, progress: Progress
+) -> diagnosis.Diagnosis:
+    """The diagnosis that a search from afar leads to: its effects are named, and what they leave is said."""
+    effects = tuple(replace(one, fixed=False) for one in found.best.effects)
+    coarse = line_fit(study, found.best.effects)
+    problem = study.problem(found.best.effects)
+    begin = problem.start if coarse is None else coarse.by_name
+    fine = nearby(problem, FITTED, begin)
+    stands = goodness_of_fit(fine, problem)
+    floor = SIZE_SCAN_FLOOR if coarse is not None and not stands.null else None
+    fit = fine if floor is None or coarse is None else coarse
+    candidate = diagnosis.Candidate(effects=found.best.effects, fit=fit, problem=problem)
+
+    def told(of: diagnosis.Candidate, what: str) -> Evaluation:
+        whole = study.whole(of.effects)
+        return evaluate(
+            whole,
+            hold_out=study.hold_out,
+            blocks=0 if folds(whole) or coarse is None else BLOCKS,
+            fitted=of.fit,
+            quick=True,
+            floor=PLAIN_FLOOR if floor is None else floor,
+            progress=lambda share: progress(what, share),
+        )
+
+    asis = base if floor is None else replace(base, fit=nearby(base.problem, FITTED, base.fit.by_name, floor=floor))
+    before = told(asis, "errors of the model as it is")
+    after = told(candidate, "errors with what was found")
+    estimates = found.estimates()
+    accepted = tuple(
+        diagnosis.Cause(
+            named=one.named,
+            sizes=estimates[one.named.id],
+            evidence=found.gains[one.named.id],
+            misfit=stands.misfit,
+            price=stands.prior_penalty,
+            null=stands.null,
+        )
+        for one in effects
+    )
+    ranking = tuple(
+        diagnosis.Cause(
+            named=one.added.named,
+            sizes=tuple(
+                diagnosis.EffectEstimate(key=size.key, value=value, unit=size.unit, low=value, high=value)
+                for size in one.added.named.sizes
+                for value in (one.added.named.values[size.key],)
+            ),
+            evidence=one.evidence,
+            misfit=one.misfit,
+            price=inf,
+        )
+        for one in found.alone
+    )
+    several = [ids for ids in found.alike.values() if len(ids) > 1]
+    if not stands.null:
+        verdict = diagnosis.UNKNOWN
+    elif len(effects) > 1:
+        verdict = diagnosis.SEVERAL
+    else:
+        verdict = diagnosis.AMBIGUOUS if several else diagnosis.MISSING
+    alike = tuple(dict.fromkeys(id for ids in (found.alike.values() if len(effects) == 1 else several) for id in ids))
+    off = found.off(SOUND)
+    words = "; ".join(f"{where} by {sd:.1f} of what a sound model may be" for where, sd in off[:MOST_OFF]) or stands.text
+    left = f"Something is left. Still off: {words}."
+    if found.after is not None:
+        left += f" {found.after.added.named.id} comes closest to that, with {max(found.after.evidence, 0.0):.1f} nats too little."
+    total = sum(sd**2 for _, sd in off) or 1.0
+    return diagnosis.Diagnosis(
+        verdict=verdict,
+        text=left if verdict == diagnosis.UNKNOWN else "",
+        accepted=accepted,
+        ranking=ranking,
+        equivalence_class=alike,
+        advice=diagnosis.confirming(one.named for one in effects),
+        leftover=diagnosis.Leftover(
+            text=left,
+            looks_like="irregular",
+            channels=tuple(where for where, _ in off[:1]),
+            share=off[0][1] ** 2 / total if off else 0.0,
+        )
+        if verdict == diagnosis.UNKNOWN
+        else None,
+        detectable=candidates.detectable(steps[-1].screened),
+        before=before,
+        after=after,
+        steps=(
+            diagnosis.ReportedStep(
+                added=" and ".join(one.named.id for one in effects),
+                ranking=ranking,
+                misfit=stands.misfit,
+                price=stands.prior_penalty,
+                text=f"from afar, chi² of {found.number:.0f} landmarks falls from {found.base.chi2:.3g} to {found.best.chi2:.3g}",
+            ),
+        ),
+        hold_out=before.held_out_names,
+        remarks=open_gains(fit),
+        settings={
+            **settings(study),
+            **search.SETTINGS,
+            "landmarks": {"numbers": found.number, "variance": found.variance},
+            "candidates": len(steps[0].screened),
+            "lines": {one.measured.name: len(base.problem.lines_of(one)) for one in base.problem.predictions},
+            "parameters": len(fit.parameters),
+        },
+    )
+
+
+def open_gains(fit: Fit) -> tuple[str, ...]:
+    """What a fit found of gains of which nothing was known, in words; intervals are wider by what the data do not fit."""
+    wider, found = max(np.sqrt(fit.chi2 / max(fit.degrees_of_freedom, 1)), 1.0), []
+    for one, x, variance in zip(fit.parameters, fit.offsets, np.diag(fit.covariance), strict=True):
+        if one.kind == IDENTIFIED and np.isinf(one.tolerance):
+            low, high = (one.value(float(x + side * NORMAL_90 * wider * np.sqrt(max(variance, 0.0)))) for side in (-1, 1))
+            found.append(f"{one.name}, which was not known, is {one.value(float(x)):.4g} ({low:.4g} to {high:.4g})")
+    return tuple(found)
 
 
 NARROWED = 0.5

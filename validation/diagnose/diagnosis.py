@@ -598,9 +598,10 @@ def headline(found: Diagnosis) -> str:
     if found.verdict == SEVERAL:
         return f"SEVERAL ARE MISSING: {told}."
     if found.verdict == UNKNOWN:
-        known = f"; {names} alone leaves too much" if names else ""
         what = f"nothing{asked(found)}" if found.only else "no effect that massline knows"
-        return f"UNKNOWN: something is missing, and {what} explains it{known}."
+        if names:
+            return f"MISSING IN PART: {told}; and something is left that {what} explains."
+        return f"UNKNOWN: something is missing, and {what} explains it."
     if found.verdict == NONLINEAR:
         axes = listed(list(dict.fromkeys(level.axis for level in found.levels)))
         where, named = f" along {axes}" if axes else "", f": {told}" if told else ""

@@ -299,7 +299,7 @@ OF_SIZE: Mapping[str, Rule] = MappingProxyType(
     {
         **dict.fromkeys(("unit", "key"), TEXT),
         **dict.fromkeys(("low", "high", "null", "plausible"), NUMBER),
-        "default": (lambda value: value is None or _number(value), "a number, or None"),
+        **dict.fromkeys(("default", "stated"), (lambda value: value is None or _number(value), "a number, or None")),
         **dict.fromkeys(("whole", "logarithmic"), FLAG),
     }
 )
@@ -654,7 +654,7 @@ def there(article: str, matrices: Matrices, channels: tuple[str, ...] | None = N
         places=tuple(matrices.places),
         channels=channels,
         supports=matrices.supports,
-        joints=(*matrices.joints, *((effect_types.EVERY,) if len(matrices.joints) > 1 else ())),
+        joints=(*matrices.joints, *effect_types.alike(matrices.joints)),
         base=matrices.base > 0,
         rigid=bool(np.any(matrices.rigid)),
         weighed=bool(matrices.geometric.size),

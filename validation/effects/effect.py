@@ -14,7 +14,7 @@ The equation gets the stage, the targets and the values in SI by key, and return
 changes nothing. Equations of structure add, those of channels are linear in what they get, so that derivatives pass through.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from math import isfinite
@@ -22,7 +22,7 @@ from typing import Any
 
 from geometry.dynamic_mass import MOTIONS
 from geometry.inertia import PARAMETERS
-from validation.output import entry
+from validation.output import entry, unwritten
 
 STRUCTURE, FORCES, ACCELERATIONS, MISTAKE, AMPLITUDE, PROCESSING, PENDULUM = SIDES = (
     "structure",
@@ -53,6 +53,28 @@ Change = Callable[[Any, tuple[str, ...], Values], Any]
 EVERY = "every"
 """Name of all joints together: what was made alike is often wrong alike."""
 
+TOGETHER = "all@"
+"""With which the name of a joint begins that is between a node and all that meets there (`fem.user_model.frame`)."""
+
+
+def joints_named(target: str, joints: Iterable[str]) -> tuple[str, ...]:
+    """Those of `joints` that `target` names: one, those of every end (`EVERY`), or those of every node (`TOGETHER` `EVERY`).
+
+    Where a single member ends, its joint is that of the node.
+    """
+    nodes = {one.removeprefix(TOGETHER) for one in joints if one.startswith(TOGETHER)}
+    if target == EVERY:
+        return tuple(one for one in joints if not one.startswith(TOGETHER))
+    if target == TOGETHER + EVERY:
+        return tuple(one for one in joints if one.startswith(TOGETHER) or one.partition("@")[2] not in nodes)
+    return (target,)
+
+
+def alike(joints: Collection[str]) -> tuple[str, ...]:
+    """Names by which several of `joints` are meant at once."""
+    together = any(one.startswith(TOGETHER) for one in joints)
+    return ((EVERY, TOGETHER + EVERY) if together else (EVERY,)) if len(joints) > 1 else ()
+
 
 @dataclass(frozen=True, kw_only=True)
 class SizeSpec:
@@ -69,6 +91,7 @@ class SizeSpec:
     plausible : standard deviation of a fault before anything was measured, of the logarithm where `logarithmic`; 0 for a size
         that is not fitted
     logarithmic : whether it is fitted by its logarithm: positive, and known to a factor
+    stated : the size that mechanics says it has wherever the effect is; None where nothing says so
     """
 
     key: str = ""
@@ -80,6 +103,7 @@ class SizeSpec:
     null: float = 0.0
     plausible: float = entry(null=0.0, default=0.0)
     logarithmic: bool = False
+    stated: float | None = unwritten(default=None)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

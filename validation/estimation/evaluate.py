@@ -351,6 +351,7 @@ def evaluate(
     parent: Evaluation | Fit | None = None,
     fitted: Fit | None = None,
     quick: bool = False,
+    floor: float = PLAIN_FLOOR,
     progress: Progress | None = None,
 ) -> Evaluation:
     """The errors of a model.
@@ -366,6 +367,7 @@ def evaluate(
         that of all parameters
     fitted : the fit of all parameters, where it is known already; the plain one then begins there
     quick : whether every third line is enough, no configuration is held out, and folds are a single step away
+    floor : model-error floor of the plain fit, coarser for a model of which it is known that more is missing
     progress : told the share of the work that is done, 0 to 1
 
     Raises
@@ -378,7 +380,7 @@ def evaluate(
     thinned = problem.thinned()
     known = thinned if apart is None else without(thinned, apart)
     if fitted is not None:
-        plain = nearby(known, PLAIN, fitted.by_name, lambda share: tell(0.25 * share))
+        plain = nearby(known, PLAIN, fitted.by_name, lambda share: tell(0.25 * share), floor=floor)
     else:
         plain = fit(
             known,
@@ -399,7 +401,7 @@ def evaluate(
     else:
         turns = every_block(problem, blocks) if blocks else folds(problem)
         turns = tuple(one for one in turns if not (quick and one.configuration))
-        whole_fit, parts = solved(thinned, plain, PLAIN_FLOOR), []
+        whole_fit, parts = solved(thinned, plain, floor), []
         for done, fold in enumerate(turns):
             parts.append((fold, {**problem.start, **refitted(whole_fit, fold, quick=quick)}))
             tell(0.8 + 0.2 * (done + 1) / len(turns))

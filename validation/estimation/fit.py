@@ -285,14 +285,16 @@ def child(
     return fitted(end)
 
 
-def nearby(problem: Problem, kinds: Sequence[str], start: Offsets, progress: Progress | None = None) -> Fit:
-    """The fit to which the way leads straight down from `start`, as far as it ends.
+def nearby(
+    problem: Problem, kinds: Sequence[str], start: Offsets, progress: Progress | None = None, *, floor: float | None = None
+) -> Fit:
+    """The fit to which the way leads straight down from `start`, as far as it ends; `floor` as in `fit`.
 
     Raises
     ------
     CheckFailed : the model breaks down where it begins.
     """
-    cost = cost_of(problem, problem.free(kinds), floor_of(kinds), plain=SENSOR not in kinds)
+    cost = cost_of(problem, problem.free(kinds), floor_of(kinds) if floor is None else floor, plain=SENSOR not in kinds)
     return fitted(direct(cost, start, progress or (lambda share: None)))
 
 

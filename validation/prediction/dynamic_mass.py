@@ -51,7 +51,7 @@ class CondensedTransfer:
     left: ComplexArray
     right: ComplexArray
     sign: float
-    decay_rate: float = 0.0
+    decay_rate: float | Array = 0.0
 
     @property
     def omega(self) -> npt.NDArray[Any]:
@@ -90,14 +90,19 @@ def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike) -> CondensedTrans
     return CondensedTransfer(frequency=lines, matrix=H, left=T, right=T, sign=1.0)
 
 
-def turning(frequency: Array, decay_rate: float) -> npt.NDArray[Any]:
+def turning(frequency: Array, decay_rate: float | Array) -> npt.NDArray[Any]:
     """(n,) [rad/s] s / i at `frequency` (n,) [Hz] on the axis s = i omega + decay_rate, real where that is 0."""
     omega = 2 * np.pi * frequency
-    return omega - 1j * decay_rate if decay_rate else omega
+    return omega - 1j * decay_rate if np.any(decay_rate) else omega
 
 
 def accelerance(
-    matrices: Matrices, frequency: npt.ArrayLike, responses: npt.ArrayLike, drive: npt.ArrayLike, *, decay_rate: float = 0.0
+    matrices: Matrices,
+    frequency: npt.ArrayLike,
+    responses: npt.ArrayLike,
+    drive: npt.ArrayLike,
+    *,
+    decay_rate: float | Array = 0.0,
 ) -> CondensedTransfer:
     """Accelerations (n, r, d) [m/s² per N] of a held structure along `responses` for forces along `drive`.
 
@@ -105,7 +110,7 @@ def accelerance(
     ----------
     frequency : (n,) [Hz], above zero
     responses, drive : (r, k), (d, k) what each coordinate moves along them, see `along`
-    decay_rate : [1/s] of force and response that are windowed by exp(-decay_rate t)
+    decay_rate : [1/s] of force and response that are windowed by exp(-decay_rate t), or (n,) of each line
 
     Raises
     ------

@@ -52,7 +52,7 @@ class ResponseFunctionTest:
     effects : in the order in which they act
     quantity : of `identification.response_functions.QUANTITIES`
     gain, force_gain : tolerances of the gains, 0 for exact ones, infinite for unknown ones
-    decay_rate : [1/s] of an exponential window of force and responses
+    decay_rate : [1/s] of an exponential window of force and responses, or (n,) of each line
     scale : where the one factor that all readings share is not known: where a fit of it begins; None where it is known
     """
 
@@ -64,7 +64,7 @@ class ResponseFunctionTest:
     quantity: str = "acceleration"
     gain: float = GAIN
     force_gain: float = GAIN
-    decay_rate: float = 0.0
+    decay_rate: float | Array = 0.0
     scale: float | None = None
     remarks: tuple[str, ...] = ()
 

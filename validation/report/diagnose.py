@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +58,7 @@ def draw(found: results.Diagnosis, folder: Path) -> tuple[Path, ...]:
     named = results.listed([one.id for one in found.accepted])
     told = {
         results.NOTHING: "nothing is missing",
-        results.UNKNOWN: "unknown",
+        results.UNKNOWN: f"{named}, and something is left" if named else "unknown",
         results.AMBIGUOUS: f"one of {results.listed(found.equivalence_class, 'or')}",
     }
     title = f"Diagnosis: {told.get(found.verdict) or named or found.verdict}"
@@ -87,7 +88,7 @@ def asked(found: results.Diagnosis) -> float | None:
 #     mistake      the mistakes alone become rungs; what there is beside them is for the diagnosis of the new model to say
 #     ambiguous    the first of those that cannot be told apart becomes a rung, which says so; only another measurement goes on
 #     nonlinear    likewise, and what a linear fit would say beyond that is nonsense
-#     unknown      no name is worth a rung
+#     unknown      what is named beside what is left becomes rungs, and no more is looked for
 #     a rung that is not worth a parameter by the ladder's own figures is left again, and ends the climb
 
 
@@ -182,9 +183,7 @@ def climb(asked: Options, bench: Study, diagnose: Diagnose, heard: DiagnosisList
 
 
 def new(found: results.Diagnosis, model: Model) -> tuple[results.Cause, ...]:
-    """What becomes a rung: accepted, and not in `model` yet; of an unknown effect nothing does."""
-    if found.verdict == results.UNKNOWN:
-        return ()
+    """What becomes a rung: accepted, and not in `model` yet."""
     known = {one.named.id for one in model.effects}
     more = tuple(one for one in found.accepted if one.id not in known)
     wrong = tuple(one for one in more if FAMILIES[one.named.family].side == OF_MISTAKES)
@@ -693,7 +692,7 @@ class DiagnosisPage:
                 doc.Column("size", size),
                 doc.Column("evidence [nats]", lambda one: nats(one.evidence)),
                 doc.Column("chi²", lambda one: f"{one.misfit:.3g}"),
-                doc.Column("price", lambda one: f"{one.price:.3g}"),
+                doc.Column("price", lambda one: f"{one.price:.3g}" if isfinite(one.price) else NONE),
                 doc.Column("so", judged, words=True),
             ),
             on=doc.TERMINAL,

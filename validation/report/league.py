@@ -73,6 +73,7 @@ class Result:
             "said": self.said,
             "accepted": [] if of is None else [one.id for one in of.accepted],
             "class": [] if of is None else list(of.equivalence_class),
+            "left": None if of is None else of.left,
             "first": [] if of is None else [one.id for one in of.ranking[:FIRST]],
             "error_before_percent": None if of is None else of.before.plain.percent,
             "error_after_percent": None if of is None else of.after.plain.percent,

@@ -45,7 +45,7 @@ def test_a_building_of_thin_walls_is_a_chain_of_masses_on_twelve_ei_over_l_cubed
     assert_allclose(frequencies(found), chain([STOREY] * 3), rtol=1e-3)  # ends that give a ten-thousandth, and shear
     assert list(found.places) == ["floor-1", "floor-2", "floor-3"]
     assert set(found.part_mass) == {"floor-1", "floor-2", "floor-3"}
-    assert found.joints[:2] == ("walls-1@foot", "walls-1@floor-1")
+    assert found.joints[:3] == ("walls-1@foot", "all@floor-1", "walls-1@floor-1")
 
 
 def test_the_weight_above_takes_six_fifths_of_itself_over_the_height_from_a_storey():

@@ -82,13 +82,50 @@ def effects_words(opened):
 def test_every_joint_alike_is_all_of_them_one_after_the_other(opened):
     stage = opened[2][0].structure.nominal
     change = FAMILIES["connection-compliance"].change
-    together = change(stage, ("every", "beta"), {"": 1e-6})
-    apart = stage
-    for name in stage.joints:
-        apart = change(apart, (name, "beta"), {"": 1e-6})
-    assert_allclose(together.stiffness, apart.stiffness)
+    ends = ("low@foot", "low@floor", "high@floor", "high@roof")
+    for alike, names in (("every", ends), ("all@every", ("low@foot", "all@floor", "high@roof"))):
+        together = change(stage, (alike, "beta"), {"": 1e-6})
+        apart = stage
+        for name in names:
+            apart = change(apart, (name, "beta"), {"": 1e-6})
+        assert_allclose(together.stiffness, apart.stiffness)
     assert not np.allclose(together.stiffness, stage.stiffness, rtol=1e-9)
     assert acts(Named(family="connection-compliance", targets=("every", "x"), values={"": 0.0}), opened[2][0].there)
+
+
+def test_a_second_compliance_of_a_joint_is_in_series_with_the_first(opened):
+    stage = opened[2][0].structure.nominal
+    change = FAMILIES["connection-compliance"].change
+    twice = change(change(stage, ("every", "beta"), {"": 1e-3}), ("low@foot", "beta"), {"": 2e-3})
+    once = stage
+    for name in (one for one in stage.joints if not one.startswith("all@")):
+        once = change(once, (name, "beta"), {"": 3e-3 if name == "low@foot" else 1e-3})
+    assert_allclose(twice.stiffness, once.stiffness, rtol=1e-9, atol=1e-9 * np.abs(once.stiffness).max())
+    assert np.linalg.eigvalsh(twice.stiffness)[0] > 0
+
+
+E_I, L = 210e9 * 0.08 * 0.001**3 / 12, 0.2  # [N m²], [m] of the wall
+
+
+def two_floors_on_a_wall_that_runs_through(clamp):
+    """[Hz] of two floors that do not turn, on a wall held in foot, floor and roof by clamps of stiffness `clamp` [N m/rad]."""
+    K = np.zeros((6, 6))  # shift and turn of foot, floor, roof
+    for k in (0, 2):
+        a, b, c, d = 12 / L**2, 6 / L, 4.0, 2.0
+        beam = np.array([[a, b, -a, b], [b, c, -b, d], [-a, -b, a, -b], [b, d, -b, c]])
+        K[k : k + 4, k : k + 4] += E_I / L * beam
+    K[[1, 3, 5], [1, 3, 5]] += clamp
+    own, turns = [2, 4], [1, 3, 5]
+    left = K[np.ix_(own, own)] - K[np.ix_(own, turns)] @ np.linalg.solve(K[np.ix_(turns, turns)], K[np.ix_(turns, own)])
+    return np.sqrt(eigh(left, 1.83 * np.eye(2), eigvals_only=True)) / (2 * np.pi)
+
+
+@pytest.mark.parametrize("compliance", [1e-4, 1e-2, 0.1])
+def test_where_a_node_lets_go_of_all_its_members_they_run_through_it_as_one(opened, compliance):
+    stage = opened[2][0].structure.nominal
+    change = FAMILIES["connection-compliance"].change
+    found = change(stage, ("all@every", "beta"), {"": compliance})
+    assert_allclose(np.sqrt(lowest(found)) / (2 * np.pi), two_floors_on_a_wall_that_runs_through(1 / compliance), rtol=2e-3)
 
 
 def test_what_reaches_nothing_of_a_test_does_nothing_there(opened):

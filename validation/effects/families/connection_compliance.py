@@ -5,20 +5,25 @@ from dataclasses import replace
 import numpy as np
 
 from geometry.dynamic_mass import MOTIONS
-from validation.effects.effect import BETWEEN, EVERY, SHIFTING, STRUCTURE, STRUCTURE_STAGE, TURNING, Family, Values
+from validation.effects.effect import BETWEEN, SHIFTING, STRUCTURE, STRUCTURE_STAGE, TURNING, Family, Values, joints_named
 from validation.effects.stages import Matrices
 
 
 def change(stage: Matrices, targets: tuple[str, ...], values: Values) -> Matrices:
-    """``K -= c p p^T / (1 + c k)``: a spring of 1/c in series with k, p what the joint carries along the direction."""
-    names, d, c = stage.joints if targets[0] == EVERY else (targets[0],), MOTIONS.index(targets[1]), values[""]
-    stiffness = np.array(stage.stiffness)
+    """``K -= c p p^T / (1 + c k)``: a spring of 1/c in series with k, p what the joint carries along the direction.
+
+    The joint then has what is left of k, so that another compliance of it is in series with both.
+    """
+    names, d, c = joints_named(targets[0], tuple(stage.joints)), MOTIONS.index(targets[1]), values[""]
+    stiffness, joints = np.array(stage.stiffness), dict(stage.joints)
     for name in names:
         joint = stage.joints[name]
         share = np.trace(stage.parts[name]) / joint.trace  # what a modulus has made of it
         p, k = share * joint.loads[d], share * joint.stiffness[d]
         stiffness -= c / (1 + c * k) * np.outer(p, p)
-    return replace(stage, stiffness=stiffness)
+        left = np.where(np.arange(6) == d, 1 / (1 + c * k), 1.0)
+        joints[name] = replace(joint, loads=left[:, None] * joint.loads, stiffness=left * joint.stiffness)
+    return replace(stage, stiffness=stiffness, joints=joints)
 
 
 FAMILY = Family(

@@ -15,7 +15,7 @@ FAMILY = Family(
     name="gravity-stiffness",
     side=STRUCTURE,
     what="share of gravity that acts in the stiffness",
-    sizes=(SizeSpec(unit="1", low=-2.0, high=10.0, plausible=1.0),),
+    sizes=(SizeSpec(unit="1", low=-2.0, high=10.0, plausible=1.0, stated=1.0),),
     example="gravity-stiffness=1",
     stage=STRUCTURE_STAGE,
     change=change,

@@ -1,0 +1,509 @@
+"""Search from afar: which effects bring resonances, shapes and levels to where they were measured.
+
+A fit of all lines finds its way only where resonances of model and data overlap. Farther off, landmarks are compared
+(`validation.prediction.landmarks`), which change smoothly with the sizes of effects however large these are. The response is
+exact for the reduced structure at every size; nothing is linear but the tolerances, which are taken out in closed form. With
+residuals r in units of what a sound model may be off, their derivatives J by the tolerances at the model as it is, and T =
+diag(tolerance),
+
+    chi² = r^T (1 + J T² J^T)^-1 r .
+
+Each candidate is looked at over its whole plausible range, the best are fitted, and beside the best few of these all others
+again, up to `MOST_EFFECTS` at once: two effects may do together what neither does alone. An effect whose size mechanics states
+has no free size; it is there or not. Sizes of others are known to an order of magnitude beforehand, by a Cauchy density of their
+plausible size.
+
+No model of known effects comes down to a chi² of one per number where something else is missing, too. What the best of all
+leaves, c = chi² / (numbers - sizes), is then taken for the variance of what landmarks are off, and evidence is counted in it
+(quasi-likelihood: R. W. M. Wedderburn, Biometrika 61 (1974), 439; K. P. Burnham and D. R. Anderson, Model Selection and
+Multimodel Inference, 2002, section 2.5).
+"""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import cholesky, solve_triangular
+from scipy.optimize import least_squares
+
+from geometry.errors import CheckFailed
+from geometry.frames import Array
+from identification.quality import NORMAL_90
+from validation.diagnose.candidates import has_lines, is_resonator
+from validation.diagnose.diagnosis import EffectEstimate
+from validation.diagnose.search import SIZE_SCAN_FLOOR
+from validation.effects.catalogue import FAMILIES
+from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS, STRUCTURE, evidence_threshold
+from validation.estimation.fit import BREAKDOWNS, nearby
+from validation.estimation.problem import FITTED, Fit, Parameter
+from validation.model.model import Added
+from validation.prediction.effects import name
+from validation.prediction.landmarks import Landmark, landmarks, tolerances
+from validation.study import Study
+
+OCTAVES = np.arange(-3.0, 5.0)
+"""[octave] of a plausible size at which an effect is looked at, to either side. By definition."""
+
+MOST_EFFECTS = 3
+"""[count] of effects of free size at once. By definition."""
+
+KEPT = 5
+"""[count] of explanations beside which others are looked for. Held by tests/validation/diagnosing/test_landmark_search.py."""
+
+OF_A_FAMILY = 2
+"""[count] of these whose newest effect is of one family, for where one joint yields others nearly do, too. Held by
+tests/validation/diagnosing/test_landmark_search.py."""
+
+TRIED = 6
+"""[count] of effects that are fitted beside each of these. Held by tests/validation/diagnosing/test_landmark_search.py."""
+
+ALIKE = 0.9995
+"""[1] Cosine between what two effects do to the landmarks from which one is looked at for both. Held by
+tests/validation/diagnosing/test_landmark_search.py."""
+
+UNSEEN = 1e-6
+"""[sd] of a sound model that an effect moves all landmarks by at least to be looked for. By definition."""
+
+WIDEST = 10.0
+"""[log] that stands for a tolerance of which nothing is known. By definition."""
+
+AWAY = 1e3
+"""[sd] that stands for landmarks of a model that breaks down. By definition."""
+
+TRIALS = 12
+"""[count] of steps of the fit of an explanation. Held by tests/validation/diagnosing/test_landmark_search.py."""
+
+FAR = 2.0
+"""[factor] that chi² a number must exceed for a model to be far from the data: else lines say more. Held by
+tests/validation/diagnosing/test_landmark_search.py."""
+
+EXPLAINED = 0.5
+"""[share] of the chi² above one a number that effects must explain to be named. Held by
+tests/validation/diagnosing/test_landmark_search.py."""
+
+Progress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Explanation:
+    """Effects at the sizes that bring the landmarks nearest.
+
+    Attributes
+    ----------
+    effects : at these sizes
+    sizes : (p,) offsets of the free ones, in plausible sizes
+    chi2 : of the landmarks, tolerances taken out
+    curvature : (p, p) half the second derivatives of `chi2`
+    """
+
+    effects: tuple[Added, ...] = ()
+    sizes: Array = field(default_factory=lambda: np.zeros(0))
+    chi2: float
+    curvature: Array = field(default_factory=lambda: np.zeros((0, 0)))
+
+    @property
+    def ids(self) -> frozenset[str]:
+        """Of the effects."""
+        return frozenset(one.named.id for one in self.effects)
+
+    def log_evidence(self, variance: float) -> float:
+        """[nats] where landmarks are off by this `variance`, by Laplace's approximation; no free size gains by being free."""
+        prior = -float(np.sum(np.log(np.pi * (1 + self.sizes**2))))
+        _, logdet = np.linalg.slogdet(self._precision(variance))
+        occam = prior + 0.5 * len(self.sizes) * np.log(2 * np.pi) - 0.5 * float(logdet)
+        return float(-0.5 * self.chi2 / variance + min(occam, 0.0))
+
+    def covariance(self, variance: float) -> Array:
+        """(p, p) of the sizes, in plausible sizes."""
+        return np.asarray(np.linalg.inv(self._precision(variance)))
+
+    def _precision(self, variance: float) -> Array:
+        return np.asarray(self.curvature / variance + np.diag(1 / (1 + self.sizes**2)))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DistantView:
+    """A model and its data as they are seen from afar.
+
+    Attributes
+    ----------
+    marks : of all tests, by the model as it is
+    """
+
+    marks: tuple[Landmark, ...]
+
+    @cached_property
+    def number(self) -> float:
+        """Of independent numbers among the landmarks."""
+        return sum(one.number for one in self.marks)
+
+    @cached_property
+    def root(self) -> Array:
+        """(n, n) lower root of 1 + J T² J^T at the model as it is."""
+        known = tolerances(self.marks, ())
+        rows = []
+        for mark in self.marks:
+            left, moved = mark.at({}, (), derivatives=tuple(known))
+            nothing = np.zeros(len(left))
+            rows.append([min(one.tolerance, WIDEST) * moved.get(which, nothing) for which, one in known.items()])
+        J = np.hstack([np.reshape(one, (len(known), -1)) for one in rows])
+        return np.asarray(cholesky(np.eye(J.shape[1]) + J.T @ J, lower=True))
+
+    def residual(self, effects: Sequence[Added]) -> Array:
+        """(n,) with `effects` at their sizes, whitened."""
+        given = [replace(one, fixed=True) for one in effects]
+        try:
+            left = np.concatenate([one.at({}, given)[0] for one in self.marks])
+        except BREAKDOWNS:
+            return np.full(len(self.root), AWAY)
+        return np.asarray(solve_triangular(self.root, np.nan_to_num(left, nan=AWAY), lower=True, check_finite=False))
+
+    def sizes(self, effects: Sequence[Added]) -> tuple[Parameter, ...]:
+        """The free sizes of `effects`, in their order."""
+        every = tolerances(self.marks, effects) if any(not one.fixed for one in effects) else {}
+        wanted = (name(one.named, size.key) for one in effects if not one.fixed for size in one.named.fitted_sizes)
+        return tuple(every[which] for which in wanted if which in every)
+
+    def explained(self, effects: Sequence[Added]) -> Explanation:
+        """`effects`, fitted from the sizes at which they stand."""
+        free = self.sizes(effects)
+        if not free:
+            return Explanation(effects=tuple(effects), chi2=float(np.sum(self.residual(effects) ** 2)))
+        scale = np.array([one.tolerance for one in free])
+        low, high = (np.array([one.bounds(plain=False)[end] for one in free]) / scale for end in (0, 1))
+
+        def left(x: Array) -> Array:
+            return np.concatenate([self.residual(at_offsets(effects, free, x * scale)), np.sqrt(2 * np.log1p(x**2))])
+
+        start = np.clip(np.array([one.start for one in free]) / scale, low, high)
+        inside = np.clip(start, low + 1e-6 * np.minimum(high - low, 1.0), high - 1e-6 * np.minimum(high - low, 1.0))
+        size = np.maximum(np.abs(start), 0.1)
+        found = least_squares(left, inside, bounds=(low, high), x_scale=size, max_nfev=TRIALS, diff_step=1e-4)
+        J, r = found.jac[: -len(free)], found.fun[: -len(free)]
+        return Explanation(
+            effects=at_offsets(effects, free, found.x * scale), sizes=found.x, chi2=float(r @ r), curvature=J.T @ J
+        )
+
+    def scanned(self, at: Explanation, one: Added) -> tuple[float, Added]:
+        """chi² and size of `one` beside the effects of `at` where it is least; of a channel, which is linear, by one step."""
+        (free,) = self.sizes((one,))
+        low, high = free.bounds(plain=False)
+
+        def there(offset: float) -> tuple[float, Added]:
+            (moved,) = at_offsets((one,), (free,), [offset])
+            return float(np.sum(self.residual((*at.effects, moved)) ** 2)), moved
+
+        if FAMILIES[one.named.family].side != STRUCTURE:
+            step = 0.1 * free.tolerance
+            here = self.residual(at.effects)
+            moved = (self.residual((*at.effects, there(step)[1])) - here) / step
+            square = float(moved @ moved)
+            return there(float(np.clip(-moved @ here / square, low, high)) if square > 0 else step)
+        steps = free.tolerance * np.exp2(OCTAVES)
+        looked = [float(x) for x in (*-steps[::-1], *steps) if low < x < high]
+        return min((there(x) for x in looked), key=lambda each: each[0])
+
+
+def at_offsets(effects: Sequence[Added], free: Sequence[Parameter], offsets: Sequence[float] | Array) -> tuple[Added, ...]:
+    """`effects` with the sizes that `free` have at these `offsets`."""
+    values = {one.name: one.value(float(x)) for one, x in zip(free, offsets, strict=True)}
+    found = []
+    for one in effects:
+        own = {size.key: values[name(one.named, size.key)] for size in one.named.sizes if name(one.named, size.key) in values}
+        found.append(one if one.fixed else replace(one, named=replace(one.named, values={**one.named.values, **own})))
+    return tuple(found)
+
+
+def stated(menu: Sequence[Added]) -> tuple[Added, ...]:
+    """Those of `menu` whose size mechanics states, at that size."""
+    found = []
+    for one in menu:
+        sizes = {size.key: size.stated for size in one.named.sizes if size.stated is not None}
+        if sizes and len(sizes) == len(one.named.sizes):
+            found.append(replace(one, named=replace(one.named, values=sizes), fixed=True))
+    return tuple(found)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Alternative:
+    """An effect that was looked at in place of one that was found, or alone.
+
+    Attributes
+    ----------
+    added : at its size
+    evidence : [nats] against the model without it
+    misfit : chi² a number of the landmarks with it
+    """
+
+    added: Added
+    evidence: float
+    misfit: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FromAfar:
+    """What a search from afar found.
+
+    Attributes
+    ----------
+    best : the effects that are named
+    variance : of what landmarks are off, that no effects explain, in that of a sound model
+    number : of independent numbers
+    base : the model as it is
+    gains : by id of each of the effects [nats] against the others alone
+    alike : by id of each of the effects those that could stand for it, itself the first
+    alone : every effect that was fitted by itself, the most evidence first
+    after : the effect that comes closest to what is left; None for none
+    view : that all this was seen in
+    """
+
+    best: Explanation
+    variance: float
+    number: float
+    base: Explanation
+    gains: dict[str, float]
+    alike: dict[str, tuple[str, ...]]
+    alone: tuple[Alternative, ...]
+    after: Alternative | None
+    view: DistantView
+
+    def off(self, limit: float) -> list[tuple[str, float]]:
+        """Landmarks that are still off by more than `limit` of what a sound model may be, in words, the farthest first.
+
+        Of one resonance, one shape and one channel it is the farthest alone.
+        """
+        given = [replace(one, fixed=True) for one in self.best.effects]
+        found: dict[str, tuple[str, float]] = {}
+        for mark in self.view.marks:
+            left, _ = mark.at({}, given)
+            for where, sd in zip(mark.where, np.abs(left), strict=True):
+                which = where.partition(" about ")[0].partition(" at ")[0]
+                if sd > found.get(which, ("", limit))[1]:
+                    found[which] = (where, float(sd))
+        return sorted(found.values(), key=lambda one: -one[1])
+
+    def estimates(self) -> dict[str, tuple[EffectEstimate, ...]]:
+        """By id the sizes of the effects, between 90 % limits.
+
+        They are those of a fit in which every size is free, one that is stated, too, beside what comes closest to what is left.
+        Those of a size that is stated lie about what that fit finds of it.
+        """
+        beside = () if self.after is None else (self.after.added,)
+        again = self.view.explained(tuple(replace(one, fixed=False) for one in (*self.best.effects, *beside)))
+        spread = np.sqrt(np.diag(again.covariance(self.variance)))
+        told = {one.name: (one, float(sd)) for one, sd in zip(self.view.sizes(again.effects), spread, strict=True)}
+        found = {}
+        for one in self.best.effects:
+            own = []
+            for size in one.named.sizes:
+                value = one.named.values[size.key]
+                low = high = value
+                if (which := name(one.named, size.key)) in told:
+                    free, sd = told[which]
+                    about = free.start if one.fixed else free.offset(value)
+                    ends = sorted(free.value(about + side * NORMAL_90 * sd * free.tolerance) for side in (-1, 1))
+                    low, high = (min(max(end, size.low), size.high) for end in ends)
+                own.append(EffectEstimate(key=size.key, value=value, unit=size.unit, low=low, high=high))
+            found[one.named.id] = tuple(own)
+        return found
+
+
+def from_afar(data: Study, menu: Sequence[Added], progress: Progress) -> FromAfar | None:
+    """The effects of `menu` that bring the landmarks of the tests of `data` nearest.
+
+    None where the model is not far, or none brings them near.
+    """
+    view = DistantView(marks=landmarks(data.predictions))
+    if not view.marks:
+        return None
+    base = view.explained(())
+    if base.chi2 <= FAR * view.number:
+        return None
+    progress("looking from afar", 0.0)
+    groups = _groups(view, menu)
+    firsts = [group[0] for group in groups]
+    # What mechanics states is asked first: it has no size by which it could explain anything else
+    start = base
+    for known in stated(menu):
+        with_it = view.explained((*start.effects, known))
+        start = with_it if with_it.chi2 < start.chi2 else start
+    nodes: dict[frozenset[str], Explanation] = {base.ids: base, start.ids: start}
+    beam = [start]
+    for depth in range(MOST_EFFECTS):
+        made: dict[frozenset[str], Explanation] = {}
+        for k, node in enumerate(beam):
+            progress("looking from afar", (depth + k / len(beam)) / MOST_EFFECTS)
+            others = [one for one in firsts if one.named.id not in node.ids]
+            looked = sorted((view.scanned(node, one) for one in others), key=lambda each: each[0])
+            for there in _diverse([there for _, there in looked], TRIED):
+                ids = node.ids | {there.named.id}
+                if ids not in made:
+                    made[ids] = view.explained((*node.effects, there))
+        nodes |= made
+        variance = _variance(view, nodes.values())
+        ordered = sorted(made.values(), key=lambda one: -one.log_evidence(variance))
+        newest = {id(one.effects[-1]): one for one in ordered}
+        beam = [newest[id(one)] for one in _diverse([one.effects[-1] for one in ordered], KEPT)]
+    variance = _variance(view, nodes.values())
+    progress("telling what is near apart by lines", 0.9)
+    best = _needed(data, view, [one for one in nodes.values() if one.ids >= start.ids], start, variance)
+    gains: dict[str, float] = {}
+    for added in best.effects:
+        left = tuple(each for each in best.effects if each is not added)
+        if added.fixed:  # it is there wherever it acts, and is named where it brings enough by itself
+            gains[added.named.id] = view.explained((added,)).log_evidence(variance) - base.log_evidence(variance)
+        else:
+            rest = nodes.get(best.ids - {added.named.id}) or view.explained(left)
+            gains[added.named.id] = best.log_evidence(variance) - rest.log_evidence(variance)
+    faint = {one.named.id for one in best.effects if one.fixed and gains[one.named.id] < evidence_threshold(one.named.family)}
+    if faint:
+        best = view.explained(tuple(one for one in best.effects if one.named.id not in faint))
+        gains = {id: gain for id, gain in gains.items() if id not in faint}
+    if not best.effects or base.chi2 - best.chi2 < EXPLAINED * (base.chi2 - view.number):
+        return None
+    alike = {
+        each.named.id: (each.named.id,) if each.fixed else _alike(view, best, each, groups, nodes, variance)
+        for each in best.effects
+    }
+    with_one = [node for node in nodes.values() if len(node.effects) == len(start.effects) + 1]
+    with_one += [start] if start.effects else []
+    alone = [
+        Alternative(
+            added=one.effects[-1],
+            evidence=one.log_evidence(variance) - base.log_evidence(variance),
+            misfit=one.chi2 / max(view.number - len(one.sizes), 1.0),
+        )
+        for one in with_one
+    ]
+    beside = [node for node in nodes.values() if node.ids > best.ids and len(node.effects) == len(best.effects) + 1]
+    nearest = max(beside, key=lambda one: one.log_evidence(variance), default=None)
+    return FromAfar(
+        best=best,
+        variance=variance,
+        number=view.number,
+        base=base,
+        gains=gains,
+        alike=alike,
+        alone=tuple(sorted(alone, key=lambda one: -one.evidence)),
+        after=None
+        if nearest is None
+        else Alternative(
+            added=next(one for one in nearest.effects if one.named.id not in best.ids),
+            evidence=nearest.log_evidence(variance) - best.log_evidence(variance),
+            misfit=nearest.chi2 / max(view.number - len(nearest.sizes), 1.0),
+        ),
+        view=view,
+    )
+
+
+def _diverse(found: Sequence[Added], most: int) -> list[Added]:
+    """The first `most` of `found`, no more than `OF_A_FAMILY` of one family."""
+    count: Counter[str] = Counter()
+    kept = []
+    for one in found:
+        count[one.named.family] += 1
+        if count[one.named.family] <= OF_A_FAMILY:
+            kept.append(one)
+    return kept[:most]
+
+
+def _groups(view: DistantView, menu: Sequence[Added]) -> list[list[Added]]:
+    """Those of `menu` that have one free size and move the landmarks, the alike together."""
+    home, known = view.residual(()), {one.named.id for one in stated(menu)}
+    found: list[tuple[Array, list[Added]]] = []
+    for one in menu:
+        if one.fixed or is_resonator(one.named) or one.named.id in known:
+            continue
+        free = view.sizes((one,))
+        if len(free) != 1:
+            continue
+        step = 0.1 * free[0].tolerance
+        moved = view.residual(at_offsets((one,), free, [step if step < free[0].bounds(plain=False)[1] else -step])) - home
+        length = float(np.linalg.norm(moved))
+        if length < UNSEEN:
+            continue
+        for direction, group in found:
+            if abs(direction @ moved) > ALIKE * length:
+                group.append(one)
+                break
+        else:
+            found.append((moved / length, [one]))
+    return [group for _, group in found]
+
+
+def _variance(view: DistantView, nodes: Iterable[Explanation]) -> float:
+    """What the best of `nodes` leaves, one at least."""
+    return max(1.0, min(one.chi2 / max(view.number - len(one.sizes), 1.0) for one in nodes))
+
+
+def line_fit(data: Study, effects: Sequence[Added]) -> Fit | None:
+    """The fit of all lines of the response functions of `data` with `effects`, from the sizes at which they stand, over the floor
+    of what is still far; None where there are no lines, or none is found."""
+    problem = data.problem(effects)
+    if not all(has_lines(one) for one in problem.predictions):
+        return None
+    with suppress(CheckFailed):
+        return nearby(problem, FITTED, problem.start, floor=SIZE_SCAN_FLOOR)
+    return None
+
+
+def _needed(data: Study, view: DistantView, nodes: Sequence[Explanation], start: Explanation, variance: float) -> Explanation:
+    """That of `nodes`, each of which has the effects of `start`, that has no effect more than can be told.
+
+    Landmarks bring resonances together, and then lines say more. So of explanations with as many effects that landmarks do not
+    tell apart the fit of all lines over a coarse floor decides; its cost is that of as many independent numbers as there are
+    landmarks. One effect more is needed where landmarks gain what its family asks for, or gain at all, and lines what tells two
+    explanations apart.
+    """
+    costs: dict[frozenset[str], float] = {}
+
+    def cost(one: Explanation) -> float:
+        """Of the fit of all lines; none where there are no lines."""
+        if one.ids not in costs:
+            told = line_fit(data, one.effects)
+            costs[one.ids] = float("nan") if told is None else told.cost
+        return costs[one.ids]
+
+    best = start
+    for count in range(len(start.effects) + 1, len(start.effects) + MOST_EFFECTS + 1):
+        more = sorted((one for one in nodes if len(one.effects) == count), key=lambda one: -one.log_evidence(variance))
+        if not more:
+            break
+        first = more[0].log_evidence(variance)
+        near = [one for one in more[:KEPT] if one.log_evidence(variance) > first - EVIDENCE_THRESHOLD]
+        there = min(near, key=lambda one: np.nan_to_num(cost(one), nan=-one.log_evidence(variance))) if len(near) > 1 else near[0]
+        gained = max(first, there.log_evidence(variance)) - best.log_evidence(variance)
+        asked = max(evidence_threshold(one.named.family) for one in there.effects if not one.fixed)
+        by_lines = 0.5 * view.number * float(np.log(cost(best) / cost(there))) if gained > 0 else 0.0
+        if gained >= asked * (count - len(best.effects)) or by_lines >= INDISTINGUISHABLE_NATS * (count - len(best.effects)):
+            best = there
+    return best
+
+
+def _alike(
+    view: DistantView,
+    best: Explanation,
+    one: Added,
+    groups: Sequence[Sequence[Added]],
+    nodes: dict[frozenset[str], Explanation],
+    variance: float,
+) -> tuple[str, ...]:
+    """Ids of what could stand for `one` beside the other effects of `best`, the best first."""
+    others = best.ids - {one.named.id}
+    left = tuple(each for each in best.effects if each is not one)
+    found = {one.named.id: best.log_evidence(variance)}
+    for group in groups:
+        first = group[0].named.id
+        if first in others:
+            continue
+        near = nodes.get(others | {first})
+        if near is None or near.log_evidence(variance) < found[one.named.id] - INDISTINGUISHABLE_NATS:
+            continue
+        for each in group:
+            if each.named.id not in best.ids:
+                again = near if each is group[0] else view.explained((*left, view.scanned(replace(best, effects=left), each)[1]))
+                found[each.named.id] = again.log_evidence(variance)
+    return tuple(id for id in found if found[id] >= found[one.named.id] - INDISTINGUISHABLE_NATS)
