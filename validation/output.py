@@ -348,6 +348,11 @@ def two_digits(value: float) -> str:
     return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
 
 
+def nats(value: float) -> str:
+    """Evidence with its sign: tenths below ten, where they decide, and whole nats beyond."""
+    return f"{value:+.1f}" if abs(value) < 9.95 else f"{value:+.0f}"
+
+
 def percent(value: float) -> str:
     """`value` with three digits, and no exponent of what is large."""
     return f"{value:.0f} %" if value >= 100 else f"{value:.3g} %"

@@ -63,6 +63,31 @@ class Added:
     fixed: bool = False
 
 
+LIMITED = {
+    "mass": "mass",
+    **{f"cog_{axis}": "length" for axis in "xyz"},
+    **{f"{kind}_{axes}": "moment of inertia" for kind, of in (("moi", "xx yy zz"), ("poi", "xy xz yz")) for axes in of.split()},
+}
+"""What a requirement may limit, in the order of a statement, and its dimension."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Requirement:
+    """Within what the model's article must lie, CoG from its own origin, moments and products about the CoG.
+
+    Attributes
+    ----------
+    quantity : of `LIMITED`
+    low, high : [SI]; None where that side is open
+    clause : where it is demanded, as a report cites it
+    """
+
+    quantity: str
+    low: float | None = None
+    high: float | None = None
+    clause: str = ""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Model:
     """A model.
@@ -86,6 +111,8 @@ class Model:
     structure : tolerances of the structure
     tests : tables [[test]] of response functions and modal tables, read when a study is opened
     effects : in the order in which they act
+    revision : of this file, as a report cites it
+    requirements : that its article has to meet
     """
 
     source: str
@@ -105,6 +132,8 @@ class Model:
     structure: StructureTolerances = field(default_factory=StructureTolerances)
     tests: tuple[Mapping[str, Any], ...] = ()
     effects: tuple[Added, ...] = ()
+    revision: str = ""
+    requirements: tuple[Requirement, ...] = ()
 
     def __post_init__(self) -> None:
         if self.cell_stiffness is not None:

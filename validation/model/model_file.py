@@ -30,7 +30,7 @@ from identification.chain import assumed_stiffness
 from validation.classical.files import Fields
 from validation.effects.catalogue import FAMILIES, Named, parse
 from validation.effects.effect import Vocabulary, built_in_places
-from validation.model.model import BEAM, KINDS, USER, Added, Model, StructureTolerances
+from validation.model.model import BEAM, KINDS, LIMITED, USER, Added, Model, Requirement, StructureTolerances
 from validation.model.setups import FMD as KNOWN_FMD
 from validation.model.setups import above_fmd, is_file, is_stack
 
@@ -270,8 +270,9 @@ def _inertia(table: Fields) -> Inertia | None:
 STRUCTURE_FILE = ("fe_model", "stated")
 """Tables of a user's own structure, which may stand in the model file itself."""
 
-TABLES = ("format", "model", "laboratory", "tolerances", "structure", *STRUCTURE_FILE, "test", "effect")
-MODEL = ("title", "article")
+TABLES = ("format", "model", "requirement", "laboratory", "tolerances", "structure", *STRUCTURE_FILE, "test", "effect")
+MODEL = ("title", "article", "revision")
+REQUIREMENT = ("quantity", "min", "max", "clause")
 STRUCTURE = ("kind", "modes", "damping_ratio", "dimensions", "own", "tolerances")
 
 MOST_MODES = 500
@@ -359,7 +360,30 @@ def of_table(table: dict[str, Any], source: str) -> Model:
         ),
         tests=tuple(one.table for one in whole.each("test")) if "test" in whole.table else (),
         effects=effects_of(whole, anywhere=bool(own)),
+        revision=about.text("revision"),
+        requirements=tuple(map(_requirement, whole.each("requirement"))) if "requirement" in table else (),
     )
+
+
+def _requirement(entry: Fields) -> Requirement:
+    entry.only(REQUIREMENT)
+    name = entry.choice("quantity", tuple(LIMITED))
+    low, high = (one and one.nominal_value for one in (entry.optional(key, LIMITED[name]) for key in ("min", "max")))
+    if low is None and high is None:
+        raise entry.refused("min", "neither min nor max is stated", 'Write for example max = "33 kg"')
+    if low is not None and high is not None and low > high:
+        problem = f"must not be above max = {entry.table['max']!r}, found {entry.table['min']!r}"
+        raise entry.refused("min", problem, "Exchange them, or correct one")
+    return Requirement(quantity=name, low=low, high=high, clause=entry.text("clause"))
+
+
+def _requirement_text(one: Requirement) -> str:
+    unit = toml_file.SI_UNITS[LIMITED[one.quantity]]
+    limits = [
+        (key, string(f"{number(value)} {unit}"), "") for key, value in (("min", one.low), ("max", one.high)) if value is not None
+    ]
+    clause = [("clause", string(one.clause), "")] if one.clause else []
+    return block("[[requirement]]", [("quantity", string(one.quantity), ""), *limits, *clause])
 
 
 def _article(about: Fields, own: Mapping[str, str], kind: str) -> str:
@@ -615,6 +639,7 @@ def text(model: Model) -> str:
     about = [
         ("title", string(model.title), ""),
         ("article", string(model.article), "the set-up, bottom to top; one model serves a whole series"),
+        *([("revision", string(model.revision), "of this file, as a report cites it")] if model.revision else []),
     ]
     stiffness = numbers(assumed_stiffness() if model.cell_stiffness is None else model.cell_stiffness)
     unknown = "# " if model.cell_stiffness is None else ""
@@ -637,6 +662,7 @@ def text(model: Model) -> str:
         known = _inertia_lines(model.fmd)
     blocks = [
         block(f"{_HEAD}format = {toml_file.FORMAT}\n\n[model]", about),
+        *map(_requirement_text, model.requirements),
         block("[laboratory]", laboratory),
         block(_FMD, [*known, ("tolerance", number(model.fmd_tolerance), "")]),
         block("# What is not known of the measurement chain, one standard deviation each; 0 is exact.\n[tolerances]", tolerances),

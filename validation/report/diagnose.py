@@ -29,7 +29,7 @@ from validation.history.add import at_offsets, kept_offsets
 from validation.history.history import HistoryPosition, Version, history_position, is_worth_adding, reminded, undone
 from validation.model import model_file
 from validation.model.model import Added, Model
-from validation.output import NONE, json_text, share_done, significant, stages, to_json, two_digits, with_unit
+from validation.output import NONE, json_text, nats, share_done, significant, stages, to_json, two_digits, with_unit
 from validation.reference.reference import file_name
 from validation.report import document as doc
 from validation.report import history
@@ -333,7 +333,7 @@ def classical_document(found: SwingAnswer, named: str) -> doc.Document:
         rows=list(places.items()),
         columns=(
             doc.Column("effect", lambda row: row[0]),
-            doc.Column("evidence [nats]", lambda row: max(one.evidence for one in row[1]), "+.1f"),
+            doc.Column("evidence [nats]", lambda row: max(one.evidence for one in row[1]), nats),
             doc.Column("size that would explain it by itself", lambda row: size(row[1]), words=True),
         ),
     )
@@ -347,7 +347,7 @@ def classical_document(found: SwingAnswer, named: str) -> doc.Document:
         ),
     )
 
-    def nats(gain: float) -> str:
+    def expected(gain: float) -> str:
         """Of a test; where it decides anyway, no more than that."""
         return NONE if gain == 0 else f"> {SURE:.0f}" if gain > SURE else significant(gain, 2)
 
@@ -355,7 +355,7 @@ def classical_document(found: SwingAnswer, named: str) -> doc.Document:
         rows=list(enumerate(found.advice[:MOST], start=1)),
         columns=(
             doc.Column("next", lambda row: f"{row[0]}"),
-            doc.Column("nats", lambda row: nats(row[1].gain), aligned=False),
+            doc.Column("nats", lambda row: expected(row[1].gain), aligned=False),
             doc.Column(MEASURE, lambda row: f"{row[1].test[:1].upper()}{row[1].test[1:]}", words=True),
         ),
     )
@@ -518,7 +518,7 @@ class DiagnosisPage:
             if one is None:
                 return f"does the same to these data, and was not fitted: {FAMILIES[id.partition(':')[0]].what}"
             sizes = "; ".join(results.sized(one, size) for size in one.sizes)
-            return f"{sizes}, {one.evidence:+.1f} nats: {one.named.what}"
+            return f"{sizes}, {nats(one.evidence)} nats: {one.named.what}"
 
         lines = tuple((id, what(id)) for id in self.found.equivalence_class)
         header = ("one of these", "size (90 %), evidence, and what it is")
@@ -590,7 +590,7 @@ class DiagnosisPage:
         kept = [(name, cells) for name, cells in error_lines(*both) if set(cells) != {NONE}]
         gain = after.fitted.log_evidence - before.fitted.log_evidence
         if len(both) > 1 and self.found.verdict not in NOT_FITTED:
-            kept.append(("evidence gained [nats]", [NONE, f"{gain:+.1f}"]))
+            kept.append(("evidence gained [nats]", [NONE, nats(gain)]))
         columns = [doc.aligned(tuple(column)) for column in zip(*(cells for _, cells in kept), strict=True)]
         header = ("the four errors", "before", "after") if len(both) > 1 else ("the four errors", "now")
         return doc.Grid(header=header, lines=tuple(zip((name for name, _ in kept), *columns, strict=True)))
@@ -629,7 +629,7 @@ class DiagnosisPage:
             rows=rows,
             columns=(
                 doc.Column("cause", lambda row: row[0].id, words=True),
-                doc.Column("evidence", lambda row: row[0].evidence, "+.1f", unit="nats"),
+                doc.Column("evidence", lambda row: row[0].evidence, nats, unit="nats"),
                 doc.Column("asked for", lambda row: evidence_threshold(row[0].named.family), "g", unit="nats"),
                 doc.Column("number", lambda row: row[1][0], words=True),
                 doc.Column("size", lambda row: row[1][1]),
@@ -668,7 +668,7 @@ class DiagnosisPage:
             columns=(
                 doc.Column("tried", lambda one: one.id, words=True),
                 doc.Column("size", size),
-                doc.Column("evidence [nats]", lambda one: f"{one.evidence:+.1f}"),
+                doc.Column("evidence [nats]", lambda one: nats(one.evidence)),
                 doc.Column("chi²", lambda one: f"{one.misfit:.3g}"),
                 doc.Column("price", lambda one: f"{one.price:.3g}"),
                 doc.Column("so", judged, words=True),

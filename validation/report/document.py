@@ -236,7 +236,7 @@ class Column:
     ----------
     head : its name
     of : what stands in it, of a row: a text, a number or a cell
-    form : of a number
+    form : of a number, or what makes a text of it
     unit : of its numbers; empty where they have none
     words : whether it is read from the left, as words are
     said : its name on a terminal, where that is another; with the form of its numbers, or what makes a text of them
@@ -247,7 +247,7 @@ class Column:
 
     head: str
     of: Callable[[Any], Any] = str
-    form: str = ".4g"
+    form: str | Callable[[float], str] = ".4g"
     unit: str = ""
     words: bool = False
     said: str | tuple[str, str | Callable[[Any], str]] = ""
@@ -264,9 +264,9 @@ class Column:
         """On a terminal."""
         value = self.of(row)
         form = self.said[1] if isinstance(self.said, tuple) else self.form
-        if not isinstance(value, str) and callable(form):
+        if isinstance(self.said, tuple) and not isinstance(value, str) and callable(form):
             return form(value)
-        shown = value if isinstance(value, str) else value.text if isinstance(value, Number) else number(value, str(form)).text
+        shown = value if isinstance(value, str) else value.text if isinstance(value, Number) else number(value, form).text
         return shown if self.words else shown.replace("−", "-")
 
     @property
@@ -399,11 +399,11 @@ SHORT, TINY = 24, 8
 NOTHING = Number(value=None, text=NONE)
 
 
-def number(value: float | None, form: str = ".4g") -> Number:
+def number(value: float | None, form: str | Callable[[float], str] = ".4g") -> Number:
     """`value` shown in the form `form`."""
     if value is None or not isfinite(value):
         return NOTHING
-    return Number(value=value, text=format(value, form).replace("-", "−"))
+    return Number(value=value, text=(form(value) if callable(form) else format(value, form)).replace("-", "−"))
 
 
 def toleranced(value: float | None, tolerance: float | None) -> Number:

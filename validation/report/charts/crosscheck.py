@@ -14,6 +14,7 @@ from validation.diagnose.diagnosis import Cause, Diagnosis
 from validation.effects.effect import evidence_threshold
 from validation.estimation.problem import Evaluation, Share
 from validation.estimation.verdicts import MISFIT, absurd, expected_z2, misfit
+from validation.output import nats
 from validation.report.charts import interactive, spec, static
 from validation.report.charts.figure import Figure
 from validation.report.charts.static import finish, grid_lines, new_figure, require_format
@@ -201,7 +202,7 @@ def causes_of(found: Diagnosis, title: str = "", note: str = "", threshold: floa
             rows=tuple(one.id for one in own),
             values=tuple(one.evidence for one in own),
             words=tuple(
-                f"{one.evidence:+.1f} nats   " + "; ".join(diagnosis.sized(one, size) for size in one.sizes[:1]) for one in own
+                f"{nats(one.evidence)} nats   " + "; ".join(diagnosis.sized(one, size) for size in one.sizes[:1]) for one in own
             ),
             roles=standing,
             about=tuple(one.named.what for one in own),
