@@ -11,6 +11,7 @@ with their errors written out; "The likelihood" of the catalogue of effects.
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import log
 from types import MappingProxyType
 
@@ -338,28 +339,28 @@ class Loads(Placed):
         f = factors(self.names, "force", "force", x, frequency)
         return np.asarray(f[:, :, None] * self._mixed(x))
 
-    def changes(self, x: Offsets, frequency: Array, wanted: Collection[str]) -> Iterator[tuple[str, list[int], ComplexArray]]:
-        """By open parameter of those `wanted`: the channels it touches and d A1 / d offset of these, (n, k, 6)."""
+    def changes(
+        self, x: Offsets, frequency: Array, H: ComplexArray, wanted: Collection[str]
+    ) -> Iterator[tuple[str, list[int], ComplexArray]]:
+        """By open parameter of those `wanted`: the channels it touches and d (A1 H) / d offset of these, (n, k, 6)."""
         f = factors(self.names, "force", "force", x, frequency)
         reading, X, even = self._reading(x), _moved(x), self._even()
-        A1 = f[:, :, None] * self._mixed(x)
+        rows = f[:, :, None] * (self._mixed(x) @ H)
         for key, touched, slope in channel_changes(self.names, "force", "force", x, frequency, wanted):
-            yield key, touched, slope[:, :, None] * A1[:, touched]
-        every = list(range(len(self.channels)))
-        for key, change in self._reading_changes(x):
-            if key in wanted:
-                yield key, every, f[:, :, None] * (change @ X + even @ _heard(x) @ _lost(key))
-        carried = self._loads(x) @ X
+            yield key, touched, slope[:, :, None] * rows[:, touched]
+        heard, carried = even @ _heard(x), _carried(x)
+        mixed = {key: change @ X + heard @ _lost(key) for key, change in self._reading_changes(x) if key in wanted}
+        mixed |= {key: even @ change @ carried for key, change in _crosstalk(x) if key in wanted}
+        mixed |= {key: reading @ change for key, change in _offsets(x) if key in wanted}
+        shared = self._loads(x) @ X
         for key, to, of in self._inside():
             if key in wanted:
                 touched = self._adding_up(to)
-                yield key, touched, f[:, touched, None] * np.outer(self.sums.adds[touched, to], carried[of])
-        for key, change in _crosstalk(x):
-            if key in wanted:
-                yield key, every, f[:, :, None] * (even @ change @ _carried(x))
-        for key, change in _offsets(x):
-            if key in wanted:
-                yield key, every, f[:, :, None] * (reading @ change)
+                yield key, touched, f[:, touched, None] * (np.outer(self.sums.adds[touched, to], shared[of]) @ H)
+        if mixed:  # all of them by one product
+            every, count = list(range(len(self.channels))), len(self.channels)
+            made = (np.concatenate(list(mixed.values())) @ H).reshape(len(f), len(mixed), count, 6)
+            yield from ((key, every, f[:, :, None] * made[:, k]) for k, key in enumerate(mixed))
 
     def _mixed(self, x: Offsets) -> Array:
         """(c, 6) reading for a unit load: cells share it as they are stiff, cross-talk shows in all of them alike."""
@@ -507,6 +508,12 @@ PARALLEL = 1e-6
 Rows = tuple[ComplexArray, ComplexArray]
 """A0 and A1, (n, c, 6) each."""
 
+Vector = tuple[float, float, float]
+
+KEPT = 4096
+"""[count] of pick-ups where they were last asked for, whose rows are kept: most stay where they are from one evaluation to the
+next, and only those that a fit moves are placed anew."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PickUps(Placed):
@@ -552,47 +559,44 @@ class PickUps(Placed):
         geometry, upward = self._geometry(x)
         return self._sight(x, frequency).seen(geometry, upward, list(range(len(self.channels))))
 
-    def changes(self, x: Offsets, frequency: Array, wanted: Collection[str]) -> Iterator[tuple[str, list[int], Rows]]:
-        """By parameter of those `wanted`: the channels it touches, and d A0, d A1 / d offset of these, (n, k, 6) each."""
+    def changes(
+        self, x: Offsets, frequency: Array, H: ComplexArray, wanted: Collection[str]
+    ) -> Iterator[tuple[str, list[int], ComplexArray]]:
+        """By parameter of those `wanted`: the channels it touches, and d (A0 + A1 H) / d offset of these, (n, k, 6)."""
         sight = self._sight(x, frequency)
         geometry, upward = self._geometry(x)
         every = list(range(len(self.channels)))
         A0, A1 = sight.seen(geometry, upward, every)
+        rows = A0 + A1 @ H
         for key, touched, slope in channel_changes(self.names, "accelerometer", self.group, x, frequency, wanted):
-            yield key, touched, (slope[:, :, None] * A0[:, touched], slope[:, :, None] * A1[:, touched])
-        for key, k, change, rise in self._geometry_changes(x, wanted):
-            yield key, [k], sight.seen(change[None], rise[None], [k])
+            yield key, touched, slope[:, :, None] * rows[:, touched]
+        if moved := list(self._geometry_changes(x, wanted)):  # all of them by one product
+            keys, at, changes, rises = zip(*moved, strict=True)
+            A0, A1 = sight.seen(np.array(changes), np.array(rises), list(at))
+            rows = A0 + A1 @ H
+            yield from ((key, [k], rows[:, [place]]) for place, (key, k) in enumerate(zip(keys, at, strict=True)))
         common = self._common_changes(x, sight, geometry, upward)
-        yield from ((key, every, change) for key, change in common if key in wanted)
+        yield from ((key, every, A0 + A1 @ H) for key, (A0, A1) in common if key in wanted)
 
     def _geometry(self, x: Offsets) -> tuple[Array, Array]:
         """d^T [G(p)] (c, 6), and the vertical component of d (c,), as they are."""
-        made = [self._placed(channel, x) for channel in self.channels]
+        made = [placed(channel, *self._away(channel, x)) for channel in self.channels]
         return np.array([row for row, _ in made]).reshape(-1, 6), np.array([up for _, up in made])
 
-    def _placed(self, channel: Channel, x: Offsets) -> tuple[Array, float]:
+    def _away(self, channel: Channel, x: Offsets) -> tuple[Vector, Vector, Vector]:
+        """The reference point, and by how much `channel` is shifted and turned."""
         shift, turn = (_vector(x, f"accelerometer-{family}:{channel.name}") for family in ("position", "misalignment"))
-        Q = rotation_by(turn)
-        directions = [Q @ place.direction for place in channel.places]
-        arms = [place.position + shift - self.point for place in channel.places]
-        row = np.mean([d @ rigid_transformation(arm) for d, arm in zip(directions, arms, strict=True)], axis=0)
-        return np.asarray(row), float(np.mean([d[2] for d in directions]))
+        return _three(self.point), shift, turn
 
-    def _geometry_changes(self, x: Offsets, wanted: Collection[str]) -> Iterator[tuple[str, int, Array, Array]]:
-        """By `wanted` parameter of position and angle: the channel, the changes (6,) of its row and () of its rise."""
+    def _geometry_changes(self, x: Offsets, wanted: Collection[str]) -> Iterator[tuple[str, int, Array, float]]:
+        """By `wanted` parameter of position and angle: the channel, the changes (6,) of its row and of its rise."""
         for k, channel in enumerate(self.channels):
-            shift, turn = (_vector(x, f"accelerometer-{family}:{channel.name}") for family in ("position", "misalignment"))
-            Q, J = rotation_by(turn), left_jacobian(turn)
-            for axis, e in zip(AXES, np.eye(3), strict=True):
-                if (key := f"accelerometer-position:{channel.name}:{axis}") in wanted:
-                    d = np.mean([Q @ place.direction for place in channel.places], axis=0)
-                    yield key, k, np.concatenate([np.zeros(3), -d @ skew(e)]), np.zeros(())
-                if (key := f"accelerometer-misalignment:{channel.name}:{axis}") in wanted:
-                    turned = [
-                        (np.cross(J @ e, Q @ place.direction), place.position + shift - self.point) for place in channel.places
-                    ]
-                    change = np.mean([d @ rigid_transformation(arm) for d, arm in turned], axis=0)
-                    yield key, k, np.asarray(change), np.asarray(np.mean([d[2] for d, _ in turned]))
+            names = {family: f"accelerometer-{family}:{channel.name}" for family in ("position", "misalignment")}
+            if not any(f"{name}:{axis}" in wanted for name in names.values() for axis in AXES):
+                continue
+            for (family, axis), (change, rise) in placed_changes(channel, *self._away(channel, x)).items():
+                if (key := f"{names[family]}:{axis}") in wanted:
+                    yield key, k, change, rise
 
     def _sight(self, x: Offsets, frequency: Array) -> "Sight":
         table = self.group == "table"
@@ -655,8 +659,39 @@ class Sight:
         return np.asarray(A0), np.asarray(A1)
 
 
-def _vector(x: Offsets, stem: str) -> Array:
-    return np.array([x.get(f"{stem}:{axis}", 0.0) for axis in AXES])
+def _vector(x: Offsets, stem: str) -> Vector:
+    return x.get(f"{stem}:x", 0.0), x.get(f"{stem}:y", 0.0), x.get(f"{stem}:z", 0.0)
+
+
+def _three(vector: Array) -> Vector:
+    x, y, z = vector.tolist()
+    return x, y, z
+
+
+@lru_cache(maxsize=KEPT)
+def placed(channel: Channel, point: Vector, shift: Vector, turn: Vector) -> tuple[Array, float]:
+    """d^T [G(p)] (6,) of a `channel` about `point` [m], shifted [m] and turned [rad], and the vertical component of d."""
+    Q = rotation_by(turn)
+    directions = [Q @ place.direction for place in channel.places]
+    arms = [place.position + np.array(shift) - np.array(point) for place in channel.places]
+    row = np.mean([d @ rigid_transformation(arm) for d, arm in zip(directions, arms, strict=True)], axis=0)
+    return frozen(row, (6,), "row"), float(np.mean([d[2] for d in directions]))
+
+
+@lru_cache(maxsize=KEPT)
+def placed_changes(channel: Channel, point: Vector, shift: Vector, turn: Vector) -> dict[tuple[str, str], tuple[Array, float]]:
+    """By family and axis, how both answer to a further shift or turn."""
+    J = left_jacobian(turn)
+    directions = [rotation_by(turn) @ place.direction for place in channel.places]
+    arms = [place.position + np.array(shift) - np.array(point) for place in channel.places]
+    found: dict[tuple[str, str], tuple[Array, float]] = {}
+    for axis, e in zip(AXES, np.eye(3), strict=True):
+        d = np.mean(directions, axis=0)
+        found["position", axis] = np.concatenate([np.zeros(3), -d @ skew(e)]), 0.0
+        turned = [np.cross(J @ e, direction) for direction in directions]
+        change = np.mean([d @ rigid_transformation(arm) for d, arm in zip(turned, arms, strict=True)], axis=0)
+        found["misalignment", axis] = np.asarray(change), float(np.mean([d[2] for d in turned]))
+    return found
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -746,17 +781,18 @@ class Chain:
         Of parameters whose names are not `wanted` there are none; by default all are.
         """
         names = [one.name for one in self.parameters if wanted is None or one.name in wanted]
-        x, lines, matrix = self._offsets(theta), _lines(frequency), np.asarray(H, dtype=np.complex128)
+        x, lines = self._offsets(theta), _lines(frequency)
+        matrix = np.broadcast_to(np.asarray(H, dtype=np.complex128), (len(lines), 6, 6))
         found: dict[str, list[tuple[list[int], ComplexArray]]] = {name: [] for name in names}
         for part in (self.cover, self.table):
-            for key, touched, (A0, A1) in part.changes(x, lines, found):
-                found[key].append(([part.first + k for k in touched], A0 + A1 @ matrix))
-        for key, touched, A1 in self.forces.changes(x, lines, found):
-            found[key].append(([self.forces.first + k for k in touched], A1 @ matrix))
+            for key, touched, rows in part.changes(x, lines, matrix, found):
+                found[key].append(([part.first + k for k in touched], rows))
+        for key, touched, rows in self.forces.changes(x, lines, matrix, found):
+            found[key].append(([self.forces.first + k for k in touched], rows))
         return tuple(
             Derivative(
                 channels=tuple(k for touched, _ in found[name] for k in touched),
-                rows=np.concatenate([rows for _, rows in found[name]], axis=1),
+                rows=found[name][0][1] if len(found[name]) == 1 else np.concatenate([rows for _, rows in found[name]], axis=1),
             )
             for name in names
         )

@@ -1,7 +1,9 @@
 """The four errors of a model, on the data that it was fitted to and on data that it has not seen."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 from itertools import pairwise
 from types import MappingProxyType
 
@@ -48,8 +50,17 @@ class Squares:
     fold: str = ""
 
 
-def squares(prediction: Prediction, offsets: Offsets, lines: Lines | None = None, *, fold: str = "") -> list[Squares]:
+def squares(
+    prediction: Prediction,
+    offsets: Offsets,
+    lines: Lines | None = None,
+    *,
+    fold: str = "",
+    predicted: Predicted | None = None,
+) -> list[Squares]:
     """Of every run of `prediction` at `offsets` and `lines` (indices), all by default; none where no channel is judged.
+
+    `predicted` is what it says there, where that is known already.
 
     Raises
     ------
@@ -60,7 +71,7 @@ def squares(prediction: Prediction, offsets: Offsets, lines: Lines | None = None
         return []
     chosen = np.arange(len(measured.frequency), dtype=np.int64) if lines is None else lines
     try:
-        predicted = prediction.at(offsets, chosen, derivatives=False)
+        predicted = predicted or prediction.at(offsets, chosen, derivatives=False)
     except BREAKDOWNS as error:
         raise CheckFailed(f"the model of {measured.name} breaks down: {error}") from error
     seen, judged = observed(measured, chosen), measured.judged
@@ -327,15 +338,16 @@ def refitted(at: Solved, fold: Fold, *, quick: bool = False) -> dict[str, float]
     # frequency: one line of every data set tells it
     for _ in range(SHORTER):
         try:
-            rest.size(x + step)
+            size = rest.size(x + step)
         except BREAKDOWNS:
             step = step / 2
         else:
             break
     else:
         step = np.zeros_like(step)
+        size = rest.size(x)
     offsets = rest.offsets(x + step)
-    if quick or float(step @ matrix @ step) < (NEAR * excess(left, rest.size(x))) ** 2:
+    if quick or float(step @ matrix @ step) < (NEAR * excess(left, size)) ** 2:
         return offsets
     try:  # with the data that are left; folds tell their number, not their share
         return direct(rest.holding({}), offsets, lambda share: None, most=FEW, again=0).offsets
@@ -411,12 +423,12 @@ def evaluate(
         nominal=share(_squares(known, problem.start, quick)),
         plain=share(_squares(known, offsets, quick)),
         held_out=_held_out(problem, runs, quick),
-        held_out_nominal=_held_out(problem, _at(runs, problem.start), quick),
+        held_out_nominal=_held_out(problem, runs, quick, problem.start),
         plain_fit=plain,
         fitted=fitted,
         held_out_names=tuple(fold.name for fold, _ in parts),
         held_out_configurations=_held_out(problem, whole, quick),
-        held_out_configurations_nominal=_held_out(problem, _at(whole, problem.start), quick),
+        held_out_configurations_nominal=_held_out(problem, whole, quick, problem.start),
     )
 
 
@@ -425,19 +437,33 @@ def _squares(problem: Problem, offsets: Offsets, quick: bool) -> list[Squares]:
     return [one for prediction in problem.predictions for one in squares(prediction, offsets, _even(prediction, quick))]
 
 
-def _at(parts: Sequence[tuple[Fold, Offsets]], offsets: Offsets) -> list[tuple[Fold, Offsets]]:
-    return [(fold, offsets) for fold, _ in parts]
-
-
-def _held_out(problem: Problem, parts: Sequence[tuple[Fold, Offsets]], quick: bool) -> Share | None:
-    """The error on what every fold holds out, at its offsets."""
-    found = [
-        one
-        for fold, offsets in parts
-        for prediction, lines in held(problem, fold)
-        for one in squares(prediction, offsets, _even(prediction, quick) if lines is None else lines, fold=fold.name)
-    ]
+def _held_out(
+    problem: Problem, parts: Sequence[tuple[Fold, Offsets]], quick: bool, everywhere: Offsets | None = None
+) -> Share | None:
+    """The error on what every fold holds out, at its offsets, or `everywhere` at the same."""
+    of = {one.measured.name: one for one in problem.predictions}
+    said: dict[str, Predicted] = {}  # by data set, `everywhere`
+    found = []
+    for fold, offsets in parts:
+        for prediction, block in held(problem, fold):
+            whole, lines = of[prediction.measured.name], _even(prediction, quick) if block is None else block
+            known = None
+            if everywhere is not None and block is None:
+                name, every = whole.measured.name, np.arange(len(whole.measured.frequency), dtype=np.int64)
+                if name not in said:
+                    with suppress(*BREAKDOWNS):
+                        said[name] = whole.at(everywhere, every if lines is None else lines, derivatives=False)
+                known = _of_runs(said[name], whole.measured.runs, prediction.measured.runs) if name in said else None
+            at = offsets if everywhere is None else everywhere
+            found += squares(prediction, at, lines, fold=fold.name, predicted=known)
     return share(found) if found else None
+
+
+def _of_runs(predicted: Predicted, every: Sequence[str], some: Sequence[str]) -> Predicted:
+    """What is `predicted` of `some` of the runs `every`, without derivatives."""
+    at = [every.index(run) for run in some]
+    rows = predicted.rows if predicted.rows.ndim == 3 else predicted.rows[at]
+    return Predicted(rows=rows, noise=None if predicted.noise is None else predicted.noise[at])
 
 
 def _even(prediction: Prediction, quick: bool) -> Lines | None:
@@ -465,7 +491,6 @@ class Residuals:
     data_set : its name
     frequency : (n,) [Hz]
     values : (r, n, c) complex, measured less predicted, SI
-    sigma : (r, n, c) standard deviation to be expected of `values`, E|value|² = sigma²
     level : (r, n, c) smoothed level of the channels
     inputs : (r, n, k) as known or estimated
     """
@@ -473,9 +498,14 @@ class Residuals:
     data_set: str
     frequency: Array
     values: ComplexArray
-    sigma: Array
     level: Array
     inputs: ComplexArray
+    _sigma: Callable[[], Array] = field(repr=False)
+
+    @cached_property
+    def sigma(self) -> Array:
+        """(r, n, c) standard deviation to be expected of `values`, E|value|² = sigma², by derivatives of all that is loose."""
+        return self._sigma()
 
 
 def residuals(problem: Problem, at: Fit | Offsets, *, floor: float = FIT_FLOOR, every_line: bool = True) -> tuple[Residuals, ...]:
@@ -497,7 +527,7 @@ def residuals(problem: Problem, at: Fit | Offsets, *, floor: float = FIT_FLOOR, 
     for one in problem.predictions:
         measured = one.measured
         lines = np.arange(len(measured.frequency)) if every_line else problem.lines_of(one)
-        predicted, seen = one.at(offsets, lines), observed(measured, lines)
+        predicted, seen = one.at(offsets, lines, derivatives=False), observed(measured, lines)
         weight = seen.weight(floor, predicted.noise)
         rows = (predicted.rows if predicted.rows.ndim == 3 else predicted.rows[run] for run in range(len(measured.runs)))
         left = [left_of_run(seen, A, weight[run], run) for run, A in enumerate(rows)]
@@ -507,24 +537,29 @@ def residuals(problem: Problem, at: Fit | Offsets, *, floor: float = FIT_FLOOR, 
                 data_set=measured.name,
                 frequency=measured.frequency[lines],
                 values=np.stack([run.values for run in left]),
-                sigma=np.stack([_sigma(run, predicted, variance[k], loose, k) for k, run in enumerate(left)]),
                 level=smoothed_level(measured.frequency, measured.values)[:, lines],
                 inputs=np.stack([run.inputs for run in left]),
+                _sigma=partial(_expected, one, offsets, lines, left, variance, loose),
             )
         )
     return tuple(found)
 
 
-def _sigma(left: Left, predicted: Predicted, variance: Array, loose: dict[str, float], run: int) -> Array:
-    """(m, c) of one run, from the variance (m, c) of its values."""
-    found = variance if left.gain is None else (np.abs(left.gain) ** 2 @ variance[..., None])[..., 0]
-    for name, change in predicted.changes.items():
-        if name in loose:
-            rows = change.rows if change.rows.ndim == 3 else change.rows[run]
-            moved = rows @ left.inputs[..., None]
-            channels = list(change.channels)
-            if left.gain is None:
-                found[:, channels] += loose[name] ** 2 * np.abs(moved[..., 0]) ** 2
-            else:
-                found = found + loose[name] ** 2 * np.abs((left.gain[:, :, channels] @ moved)[..., 0]) ** 2
-    return np.asarray(np.sqrt(found))
+def _expected(
+    prediction: Prediction, offsets: Offsets, lines: Lines, left: Sequence[Left], variances: Array, loose: dict[str, float]
+) -> Array:
+    """(r, m, c) of all runs, from the variances (r, m, c) of their values."""
+    predicted, every = prediction.at(offsets, lines), []
+    for run, (own, variance) in enumerate(zip(left, variances, strict=True)):
+        found = variance.copy() if own.gain is None else (np.abs(own.gain) ** 2 @ variance[..., None])[..., 0]
+        for name, change in predicted.changes.items():
+            if name in loose:
+                rows = change.rows if change.rows.ndim == 3 else change.rows[run]
+                moved = rows @ own.inputs[..., None]
+                channels = list(change.channels)
+                if own.gain is None:
+                    found[:, channels] += loose[name] ** 2 * np.abs(moved[..., 0]) ** 2
+                else:
+                    found = found + loose[name] ** 2 * np.abs((own.gain[:, :, channels] @ moved)[..., 0]) ** 2
+        every.append(np.sqrt(found))
+    return np.stack(every)

@@ -275,11 +275,6 @@ class Cost:
         left, _ = self._facts(x)
         return whole, data, 2 * data.cost + float(left @ left)
 
-    def predicted(self, x: Array) -> list[tuple[ObservedLines, Predicted]]:
-        """At `x` (p,) without derivatives, by data set."""
-        offsets = self.offsets(x)
-        return [(seen, one.at(offsets, lines, derivatives=False)) for one, lines, seen in self.observed]
-
     def size(self, x: Array) -> int:
         """Real numbers that the data leave when latent inputs are taken out, and the facts; counted at `x` (p,)."""
         offsets, found = self.offsets(x), len(self.problem.facts)
@@ -311,9 +306,11 @@ def log_evidence(cost: Cost, x: Array, whole: Normal) -> float:
     _, logdet = np.linalg.slogdet(scale[:, None] * whole.matrix * scale)
     # Of the noise at `x` against that of the data
     found = 0.0
-    for seen, predicted in cost.predicted(x):
-        if predicted.noise is None:
+    offsets = cost.offsets(x)
+    for one, lines, seen in cost.observed:
+        if one.at(offsets, lines[:1], derivatives=False).noise is None:  # then at no line
             continue
+        predicted = one.at(offsets, lines, derivatives=False)
         new, old = seen.weight(cost.floor, predicted.noise), seen.weight(cost.floor)
         found += 2 * float(np.sum(np.log(new / old)))
         if seen.inputs is None:
