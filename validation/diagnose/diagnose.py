@@ -79,7 +79,8 @@ def diagnosed(
         fit = right.all_free(lambda share: tell("fitting the model as it is", share))
         base = diagnosis.Candidate(effects=(), fit=fit, problem=right.problem())
         tell("looking everywhere on the mesh", 0.0)
-        nodes = tuple(one for one in found_nodes(base)[1] if candidates.looked_for(one.named, only, leave_out))
+        every, best = found_nodes(base)
+        nodes = tuple(one for one in best if candidates.looked_for(one.named, only, leave_out))
         if fitted := without_a_name(right, base, nodes):
             again = {one.kind for one in fitted}
             nodes = (*fitted, *(one for one in nodes if one.kind not in again))
@@ -87,7 +88,7 @@ def diagnosed(
             base = diagnosis.Candidate(effects=(), fit=right.all_free(), problem=right.problem())
         menu = menu if only else candidates.candidates(right, leave_out=leave_out)
         at, steps = stepwise_search(right, base, menu, tell)
-        found = replace(answer(right, at, steps, tell), everywhere=nodes)
+        found = replace(answer(right, at, steps, tell), everywhere=nodes, nodes=every)
     whole = with_mistakes(of, found, mistaken) if mistaken else found
     return replace(whole, only=tuple(only), settings={**whole.settings, "only": list(only), "leave_out": list(leave_out)})
 

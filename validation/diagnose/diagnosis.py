@@ -321,6 +321,7 @@ class Diagnosis(Answer):
     before, after : the four errors without and with what was accepted; the same where nothing was
     steps : how it was found
     everywhere : of a structure with a mesh, where on it something of each kind would explain most, the best first
+    nodes : what the data say of every node (`validation.diagnose.everywhere.NodeScores`), to be drawn
     hold_out : what was held out, in words
     remarks : warnings, about data that were left out and the like
     only : families and ids that alone were looked for; empty where everything was
@@ -331,6 +332,7 @@ class Diagnosis(Answer):
     levels: tuple[LevelDifference, ...] = ()
     steps: tuple[ReportedStep, ...] = ()
     everywhere: tuple[FoundNode, ...] = entry(default=(), later=True)
+    nodes: tuple[Any, ...] = unwritten(default=())
     hold_out: tuple[str, ...] = entry("held_out", default=())
     remarks: tuple[str, ...] = entry("warnings", default=())
     before: Evaluation = entry(write=lambda of: _evaluation_json(of))
