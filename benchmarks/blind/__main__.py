@@ -18,6 +18,8 @@ from benchmarks.blind.drawing.draw import draw
 from benchmarks.blind.keeping import Kept, present_code
 from benchmarks.blind.running import finished
 from benchmarks.blind.score.line import line
+from benchmarks.blind.structures import drawing as structure_drawing
+from benchmarks.blind.structures.drawing import STRUCTURES
 
 DEVELOPMENT, TEST = DRAWS = ("development", "test")
 
@@ -28,8 +30,9 @@ DEVELOPMENT, TEST = DRAWS = ("development", "test")
 @click.option("--kinds", default=",".join(KINDS), show_default=True)
 @click.option("--cases", type=click.IntRange(min=1), help="Of every kind; all by default.")
 @click.option("--only", default="", help="Cases of a development draw by name, separated by commas.")
+@click.option("--structures", type=click.IntRange(min=1), flag_value=STRUCTURES, is_flag=False, help="Random structures instead.")
 @click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="Series at a time.")
-def main(which: str, seed: int | None, kinds: str, cases: int | None, only: str, jobs: int) -> None:
+def main(which: str, seed: int | None, kinds: str, cases: int | None, only: str, structures: int | None, jobs: int) -> None:
     """Diagnose the cases of a draw; what is finished is kept, and not done again by the same code."""
     console, book = Console(stderr=True), ledger.read()
     chosen = _seed(which, seed, book)
@@ -37,8 +40,9 @@ def main(which: str, seed: int | None, kinds: str, cases: int | None, only: str,
     if unknown := set(wanted) - set(KINDS):
         raise click.BadParameter(f"no kind is called {', '.join(sorted(unknown))}; there are {', '.join(KINDS)}")
     names = {one.strip() for one in only.split(",") if one.strip()}
-    drawn = [one for one in draw(chosen, wanted, cases) if not names or one.name in names]
-    kept = Kept(seed=chosen, code=present_code())
+    every = structure_drawing.draw(chosen, wanted, structures) if structures else draw(chosen, wanted, cases)
+    drawn = [one for one in every if not names or one.name in names]
+    kept = Kept(seed=chosen, code=present_code(), what="structures" if structures else "")
     console.print(f"{len(drawn)} series of the {which} draw, code {kept.code}", style="dim")
     try:
         for number, case in enumerate(finished(drawn, kept, jobs), start=1):

@@ -23,6 +23,7 @@ ROOMS = (
     "identification",
     "validation",
     "benchmarks/blind/drawing",
+    "benchmarks/blind/structures",
 )
 
 FACES = ("validation/report", "validation/app", "validation/cli")
@@ -60,11 +61,13 @@ class Kept:
     seed : of the draw
     code : that made them
     folder : of all results
+    what : of what kind, if it is none of Clumod's series
     """
 
     seed: int
     code: str
     folder: Path = FOLDER
+    what: str = ""
 
     def keep_truth(self, name: str, truth: Json) -> None:
         """Of the case `name`."""
@@ -88,7 +91,7 @@ class Kept:
 
     @property
     def _place(self) -> Path:
-        return self.folder / self.code / f"{self.seed}"
+        return self.folder / self.code / f"{self.what}{self.seed}"
 
     def _file(self, what: str, name: str) -> Path:
         return self._place / what / f"{name}.json"

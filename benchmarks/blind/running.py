@@ -23,6 +23,9 @@ from benchmarks.blind.drawing.case import Case
 from benchmarks.blind.keeping import Kept
 from benchmarks.blind.names import ANSWER, Json
 from benchmarks.blind.sealing import sealed
+from benchmarks.blind.sealing import truth as truth_of
+from benchmarks.blind.structures import sealing as structures
+from benchmarks.blind.structures.drawing import StructureCase
 from benchmarks.cross_check_proof import SWEEPS
 from identification.campaign import Processing
 
@@ -35,11 +38,14 @@ LAST = 2000
 """Characters of what a broken process said that are kept."""
 
 
+AnyCase = Case | StructureCase
+
+
 class Interrupted(Exception):
     """A case was ended from outside; it has no answer."""
 
 
-def finished(cases: Sequence[Case], kept: Kept, jobs: int) -> Iterator[Case]:
+def finished(cases: Sequence[AnyCase], kept: Kept, jobs: int) -> Iterator[AnyCase]:
     """The `cases` as they are finished, those first that were finished before.
 
     Parameters
@@ -60,14 +66,14 @@ def finished(cases: Sequence[Case], kept: Kept, jobs: int) -> Iterator[Case]:
             pool.shutdown(cancel_futures=True)
 
 
-def _finish(case: Case, kept: Kept, stop: Event) -> None:
+def _finish(case: AnyCase, kept: Kept, stop: Event) -> None:
     truth, answer = solved(case, stop=stop)
     kept.keep_truth(case.name, truth)
     kept.keep_answer(case.name, answer)
 
 
 def solved(
-    case: Case, *, driven: Mapping[str, Any] = SWEEPS, processing: Processing | None = None, stop: Event | None = None
+    case: AnyCase, *, driven: Mapping[str, Any] = SWEEPS, processing: Processing | None = None, stop: Event | None = None
 ) -> tuple[Json, Json]:
     """Truth and answer of `case`.
 
@@ -84,7 +90,10 @@ def solved(
     with TemporaryDirectory(prefix="massline-blind-") as scratch:
         folder = Path(scratch) / "series"
         try:
-            truth = sealed(case, folder, driven=driven, processing=processing, progress=lambda share: _go_on(ended))
+            if isinstance(case, StructureCase):
+                truth = structures.sealed(case, folder)
+            else:
+                truth = sealed(case, folder, driven=driven, processing=processing, progress=lambda share: _go_on(ended))
         except Interrupted:
             raise
         except Exception:
@@ -97,10 +106,9 @@ def _go_on(ended: Event) -> None:
         raise Interrupted
 
 
-def _without_drawn(case: Case) -> Json:
-    from benchmarks.blind.sealing import truth
-
-    return truth(case, {})
+def _without_drawn(case: AnyCase) -> Json:
+    """Its truth without the sizes that were to be drawn."""
+    return structures.truth(case, (), 0.0) if isinstance(case, StructureCase) else truth_of(case, {})
 
 
 def _diagnosed(folder: Path, ended: Event) -> Json:

@@ -83,7 +83,8 @@ def diagnosed(
         fit = right.all_free(lambda share: tell("fitting the model as it is", share))
         base = diagnosis.Candidate(effects=(), fit=fit, problem=right.problem())
         tell("looking everywhere on the mesh", 0.0)
-        nodes = tuple(one for one in found_nodes(base)[1] if candidates.looked_for(one.named, only, leave_out))
+        every, best = found_nodes(base)
+        nodes = tuple(one for one in best if candidates.looked_for(one.named, only, leave_out))
         if fitted := without_a_name(right, base, nodes):
             again = {one.kind for one in fitted}
             nodes = (*fitted, *(one for one in nodes if one.kind not in again))
@@ -94,7 +95,7 @@ def diagnosed(
         unknown = right.tests and not right.made and not goodness_of_fit(at.fit, at.problem).null
         afar = from_afar(right, menu, tell) if unknown else None
         found = answer(right, at, steps, tell) if afar is None else answer_from_afar(right, base, steps, afar, tell)
-        found = replace(found, everywhere=nodes)
+        found = replace(found, everywhere=nodes, nodes=every)
     whole = with_mistakes(of, found, mistaken) if mistaken else found
     return replace(whole, only=tuple(only), settings={**whole.settings, "only": list(only), "leave_out": list(leave_out)})
 

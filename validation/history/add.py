@@ -733,6 +733,8 @@ def added(study: Study, asked: AddedEffectOptions, progress: Progress | None = N
     if _sized(model) != _sized(study.model):  # the file went on since the study was opened
         study = study.by(model)
     effect, left = _effect(asked, at, model, study.campaigns)
+    if looked_at := set(replace(model, effects=(effect,)).positions) - set(study.model.positions):
+        study = study.ready_at(sorted(looked_at))
     tell("looking for aliases", 0.0)
     chosen = candidate(effect, left, study, allowed=asked.alias_ok)
     try:

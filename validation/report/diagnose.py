@@ -1,16 +1,18 @@
 """The pictures of `massline diagnose`: what each of them shows, from the diagnosis."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from math import isfinite
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import click
 
 from geometry.atomic import probe, write_text
-from geometry.errors import BadInput
+from geometry.errors import BadInput, CheckFailed
 from validation.compare.compare import mapped_all
 from validation.compare.maps import modes_of
 from validation.diagnose import diagnose
@@ -40,11 +42,12 @@ from validation.report.compare import draw_channels
 from validation.report.document import NOTHING as EMPTY
 from validation.report.history import of_ladder
 from validation.report.parts import ERRORS as ERROR_NAMES
-from validation.report.parts import Report, error_figures, error_lines, paragraphs, section
+from validation.report.parts import Picture, Report, error_figures, error_lines, paragraphs, picture, section
 from validation.report.parts import notes as parts_notes
+from validation.report.scenes.nodes import NOTE, draw_nodes
 from validation.study import Options, Study, only_files
 
-EVIDENCE, ERRORS = "diagnose-evidence.png", "diagnose-errors.png"
+EVIDENCE, ERRORS, EVERYWHERE = "diagnose-evidence.png", "diagnose-errors.png", "diagnose-everywhere.png"
 EVIDENCE_NOTE = (
     "How much more probable the data are with the effect than without it, each beside the model before the last was found."
 )
@@ -69,7 +72,8 @@ def draw(found: results.Diagnosis, folder: Path) -> tuple[Path, ...]:
     after = None if found.after is found.before else found.after
     held = f"Held out: {results.listed(found.hold_out)}." if found.hold_out else ""
     crosscheck.draw_before_after(crosscheck.changes_of(found.before, after, title, held), folder / ERRORS)
-    return (*made, folder / ERRORS)
+    nodes = draw_nodes(found.nodes, folder / EVERYWHERE)
+    return (*made, folder / ERRORS, *(() if nodes is None else (nodes,)))
 
 
 def asked(found: results.Diagnosis) -> float | None:
@@ -470,6 +474,8 @@ class DiagnosisPage:
                 self.alike() if len(found.equivalence_class) > 1 else None,
                 self.advice(),
                 self.leftover(),
+                self.everywhere(),
+                self.pictured,
                 self.levels(),
                 doc.Drawn(lambda: before_and_after(found.before, after)),
                 self.errors(),
@@ -572,6 +578,25 @@ class DiagnosisPage:
         )
         kept = tuple(line for line in lines if line[1] != NONE)
         return doc.Grid(header=("leftover", "in words"), lines=kept, words=True, caption="What no effect explains")
+
+    def everywhere(self) -> doc.Grid | None:
+        """Where on the mesh something of each kind would explain most."""
+        lines = []
+        for one in self.found.everywhere:
+            x, y, z = (1e3 * value for value in one.position)
+            away = NONE if one.distance is None else f"{one.nearest}, {1e3 * one.distance:.3g} mm away"
+            lines.append((str(one.named), f"{one.evidence:+.1f}", f"{x:.4g}, {y:.4g}, {z:.4g}", away))
+        if not lines:
+            return None
+        header = ("everywhere on the mesh", "evidence [nats]", "x, y, z [mm]", "nearest place with a name")
+        return doc.Grid(header=header, lines=tuple(lines), words=True, caption="Everywhere on the mesh")
+
+    def pictured(self, figures: doc.Figures) -> doc.Safe | None:
+        """The same on the user's own mesh; nothing where nothing can be drawn."""
+        with TemporaryDirectory() as folder, suppress(CheckFailed):
+            if made := draw_nodes(self.found.nodes, Path(folder) / EVERYWHERE):
+                return picture(Picture(png=made.read_bytes(), said=f"Everywhere on the mesh. {NOTE}"))
+        return None
 
     def levels(self) -> doc.Grid:
         """Axes that answer otherwise at another level."""

@@ -151,6 +151,9 @@ TILE = (400, 500)
 CAPTION = 62
 """Pixels above a tile for number, frequency and words."""
 
+MEANS = "displacement over its largest"
+"""What the colours of a mode are."""
+
 HEAD, FOOT = 78, 66
 MARGIN = 14.0
 
@@ -171,23 +174,32 @@ class DrawnMode:
     frequency : [Hz]
     text : what it is
     bodies : with their displacement
+    heading : above it; by default number and frequency
     """
 
     number: int
     frequency: float
     text: str
     bodies: tuple[MovingBody, ...]
+    heading: str = ""
 
     @property
     def caption(self) -> str:
-        """Number and frequency."""
-        return f"{self.number}   {self.frequency:.2f} Hz"
+        """Above the picture."""
+        return self.heading or f"{self.number}   {self.frequency:.2f} Hz"
 
 
-def mode_sheet(title: str, modes: Sequence[DrawnMode], path: Path, note: str = "", about: str = "") -> None:
+def mode_sheet(
+    title: str, modes: Sequence[DrawnMode], path: Path, note: str = "", about: str = "", swing: float = 1.0, means: str = MEANS
+) -> None:
     """Write all of `modes` on one sheet, all seen from the same side and in the same scale.
 
     A PNG carries the words `about`, which `validation.report.charts.static.said_about` reads again.
+
+    Parameters
+    ----------
+    swing : share of the displacement that is drawn, beside its colour
+    means : what the colours are
 
     Raises
     ------
@@ -203,7 +215,7 @@ def mode_sheet(title: str, modes: Sequence[DrawnMode], path: Path, note: str = "
     rows = -(-len(modes) // columns)
     with scene.off_screen():
         view = view_of([mode.bodies for mode in modes], TILE, MARGIN)
-        tiles = [rendered(view, mode.bodies, 1.0) for mode in modes]
+        tiles = [rendered(view, mode.bodies, swing) for mode in modes]
     width, height = max(columns * TILE[0], 2 * TILE[0]), HEAD + rows * (TILE[1] + CAPTION) + FOOT
     figure, canvas = scene.blank(width, height)
     scene.write(canvas, 24, 40, title, 26, weight="bold", va="center")
@@ -219,7 +231,7 @@ def mode_sheet(title: str, modes: Sequence[DrawnMode], path: Path, note: str = "
     bar = ColorbarBase(axes, cmap=colour_map(), orientation="horizontal", ticks=[0, 0.5, 1])
     bar.ax.tick_params(labelsize=8.5, colors=FAINT, length=2, pad=2)
     bar.outline.set_visible(False)
-    axes.set_title("displacement over its largest", fontsize=9, color=FAINT, pad=4)
+    axes.set_title(means, fontsize=9, color=FAINT, pad=4)
     for i, line in enumerate(textwrap.wrap(note, (width - 420) // 8, max_lines=2, placeholder=" …")):
         scene.write(canvas, 24, height - FOOT + 26 + 20 * i, line, 14, FAINT, va="center")
     more = {"metadata": {ABOUT: about}} if about else {}

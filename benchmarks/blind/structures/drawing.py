@@ -1,0 +1,151 @@
+"""`draw`: a seed becomes structures, laboratories and faults; each structure serves once with nothing missing, as a null.
+
+What a fault's limit is, is said by the diagnosis' own screening of the null (`limits_of`): a draw makes it before it plants.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+
+from benchmarks.blind.drawing.case import LEFT_OUT, NULL, PAIR, SINGLE
+from benchmarks.blind.structures import shapes
+from geometry.frames import Array
+from validation.effects.effect import at_position
+from validation.virtual_test.layout import stream
+
+STRUCTURES = 60
+"""[count] of a draw: 60 nulls, 180 single faults, 30 pairs and 30 that have no name."""
+
+MULTIPLES = (5.0, 15.0, 2.0)
+"""Sizes over the detection limit, in the order in which they are drawn."""
+
+ATTACHED = ("point-mass", "cable", "absorber", "slosh", "rigid-inertia")
+"""Families that a diagnosis does without of what is attached somewhere and has no name then."""
+
+FUNCTIONS, TABLE = TESTS = ("response-functions", "modal-table")
+
+LARGEST: Mapping[str, float] = MappingProxyType(
+    {
+        "modulus": 0.6,
+        "mass": 1.0,
+        "thickness": 0.4,
+        "support-stiffness": 20.0,
+        "connection-compliance": 1e-4,
+        "structural-damping": 0.5,
+        "point-mass": 1e3,
+        "cable": 1e8,
+    }
+)
+"""By family, beyond which a fault is none of a laboratory: nobody overlooks it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StructureCase:
+    """One sealed test; its first fields are those of `benchmarks.blind.drawing.case.Case`.
+
+    Attributes
+    ----------
+    name, kind, laboratory, leave_out, null : as there
+    shape : of `benchmarks.blind.structures.shapes.KINDS`
+    structure : seed of it and of its sensors
+    test : of `TESTS`
+    wanted : of every fault its family, which of them it is, its sign, and its size over the limit
+    """
+
+    name: str
+    kind: str
+    laboratory: int
+    shape: str
+    structure: int
+    test: str
+    wanted: tuple[tuple[str, int, int, float], ...] = ()
+    leave_out: tuple[str, ...] = ()
+    null: str = ""
+
+
+def draw(seed: int, kinds: Sequence[str], structures: int) -> tuple[StructureCase, ...]:
+    """The cases of `seed` on so many structures, the kinds of structures in turn."""
+    found: list[StructureCase] = []
+    for number in range(structures):
+        generator = stream(seed, "structure", f"{number}")
+        name = f"structure-{number:03d}"
+        of = StructureCase(
+            name=f"{name}-null",
+            kind=NULL,
+            laboratory=int(generator.integers(1, 2**31)),
+            shape=shapes.KINDS[number % len(shapes.KINDS)],
+            structure=int(generator.integers(1, 2**31)),
+            test=TESTS[(number // len(shapes.KINDS)) % 2],
+            null=f"{name}-null",
+        )
+        found += [one for one in _of(of, name, number, generator) if one.kind in kinds]
+    return tuple(found)
+
+
+def _of(null: StructureCase, name: str, number: int, generator: np.random.Generator) -> Iterator[StructureCase]:
+    yield null
+    named = ["modulus", "mass", *(["thickness"] if null.shape in (shapes.PLATE, shapes.BARREL) else [])]
+    named += ["support-stiffness"] if null.shape in (shapes.FRAME, shapes.TRUSS) else []
+    named += 2 * ["connection-compliance"] if null.shape == shapes.BOXES else []
+    named += ["structural-damping"] if null.test == FUNCTIONS else []
+    everywhere = ("point-mass", "cable")
+
+    def one(family: str, multiple: float) -> tuple[str, int, int, float]:
+        return family, int(generator.integers(1 << 30)), int(generator.choice([-1, 1])), multiple
+
+    def made(what: str, kind: str, *wanted: tuple[str, int, int, float], leave_out: tuple[str, ...] = ()) -> StructureCase:
+        return replace(null, name=f"{name}-{what}", kind=kind, wanted=wanted, leave_out=leave_out)
+
+    first, second = (str(each) for each in generator.choice(named, 2))
+    order = [MULTIPLES[(number + k) % 3] for k in range(3)]
+    yield made("single-1", SINGLE, one(first, order[0]))
+    yield made("single-2", SINGLE, one(second, order[1]))
+    yield made("single-3", SINGLE, one(everywhere[number % 2], order[2]))
+    if number % 2:
+        yield made("pair", PAIR, one(first, 15.0), one(everywhere[(number // 2) % 2], 15.0))
+    else:
+        family = everywhere[(number // 2) % 2]
+        yield made("left-out", LEFT_OUT, one(family, 15.0), leave_out=ATTACHED)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Fault:
+    """One fault at its size.
+
+    Attributes
+    ----------
+    id : as the catalogue has it; of a place without a name by its coordinates
+    size : SI
+    multiple : size over the limit
+    """
+
+    id: str
+    size: float
+    multiple: float
+
+
+def fault(wanted: tuple[str, int, int, float], limits: Mapping[str, float]) -> Fault | None:
+    """What is `wanted` at its size; None where the data would not tell it below what is plausible."""
+    family, which, sign, multiple = wanted
+    ids = sorted(id for id in limits if id.partition(":")[0] == family)
+    for k in range(len(ids)):
+        id = ids[(which + k) % len(ids)]
+        for times in dict.fromkeys((multiple, *(each for each in (5.0, 2.0) if each < multiple))):
+            size = times * limits[id]
+            if size > LARGEST[family]:
+                continue
+            if family == "support-stiffness":
+                return Fault(id=id, size=1 + size if sign > 0 else 1 / (1 + size), multiple=times)
+            negative = sign < 0 and (family in ("modulus", "thickness") or (family == "mass" and size < 0.6))
+            return Fault(id=id, size=-size if negative else size, multiple=times)
+    return None
+
+
+def at_node(family: str, node: Array, axis: str) -> str:
+    """The id of a fault at a node."""
+    place = at_position(node.tolist())
+    return f"{family}:{place}:{axis}" if family == "cable" else f"{family}:{place}"

@@ -1,0 +1,262 @@
+"""A case of a structure becomes a folder, as a laboratory would hand it over, and its truth, which goes elsewhere.
+
+The model is the plan on its coarse mesh. The test is one of another mesh: finer, of other elements, its parts off by what a
+laboratory admits, with the fault in its stiffness, mass or losses.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from benchmarks.blind.names import MODEL, SETTINGS, Json
+from benchmarks.blind.structures import shapes
+from benchmarks.blind.structures.drawing import FUNCTIONS, TABLE, Fault, StructureCase, at_node, fault
+from fem.damping import Damping
+from fem.structure import Structure, place_rows
+from fem.user_model import reading
+from geometry.atomic import write_text
+from geometry.dynamic_mass import MOTIONS
+from geometry.frames import Array
+from validation.diagnose.candidates import candidates, detectable, screen
+from validation.diagnose.diagnosis import Candidate
+from validation.effects.catalogue import FAMILIES
+from validation.effects.effect import position
+from validation.prediction import dynamic_mass, modal_table
+from validation.prediction import structure as reduction
+from validation.study import Study
+from validation.virtual_test.layout import stream
+
+MESH, TEST, DATA = "mesh.inp", "test.toml", "functions.csv"
+
+ARTICLE = "structure"
+
+SENSORS, MODES, LINES = 10, 8, 120
+"""[count] of sensors of a test, modes in its band, and lines."""
+
+NODES = 4
+"""[count] of nodes without a name at which a draw looks for one that the data tell."""
+
+NOISE, GAIN, FREQUENCY, SHAPE = 0.004, 0.003, 1e-3, 0.02
+"""Relative, one standard deviation: of a response function, of a sensor, of a measured frequency, of an entry of a shape."""
+
+KNOWN = ("modulus", "mass", "thickness", "support-stiffness", "connection-compliance", "structural-damping")
+"""Families whose faults have names."""
+
+
+def sealed(case: StructureCase, folder: Path) -> Json:
+    """The truth of `case`, whose model and test are written into `folder`."""
+    plan = shapes.drawn(case.shape, stream(case.structure, "plan"))
+    places = _sensors(plan, case)
+    with TemporaryDirectory() as scratch:
+        fine = _written(plan, places, Path(scratch), fine=True)
+        faults: list[Fault] = []
+        if case.wanted:
+            null = _handed_over(case, plan, places, fine, (), Path(scratch) / "null")
+            limits = limits_of(null, case)
+            for k, wanted in enumerate(case.wanted):
+                found = fault(wanted, limits)
+                if found is None:  # what these data do not tell at any size that is plausible: a modulus in its place
+                    found = fault(("modulus", wanted[1] + k, *wanted[2:]), limits)
+                if found is not None and found.id not in {one.id for one in faults}:
+                    faults.append(found)
+        _handed_over(case, plan, places, fine, faults, folder)
+    apart = np.array(list(places.values())) / 1e3
+    near = [float(np.sort(np.linalg.norm(apart - one, axis=1))[1]) for one in apart]
+    return truth(case, faults, float(np.mean(near)))
+
+
+def truth(case: StructureCase, faults: Sequence[Fault], spacing: float) -> Json:
+    """What `case` is; `spacing` [m] is the mean distance of a sensor from the one nearest to it."""
+    return {
+        "name": case.name,
+        "kind": case.kind,
+        "laboratory": case.laboratory,
+        "shape": case.shape,
+        "test": case.test,
+        "null": case.null,
+        "leave_out": list(case.leave_out),
+        "articles": [ARTICLE],
+        "hold_out": [],
+        "spacing": spacing,
+        "planted": [{"id": one.id, "sizes": {"": one.size}, "multiple": one.multiple, "told": one.multiple} for one in faults],
+    }
+
+
+def _sensors(plan: shapes.Plan, case: StructureCase) -> dict[str, shapes.Point]:
+    """Places of the sensors on the coarse mesh, as far apart as they come; none where the ground holds."""
+    mesh, generator = plan.mesh(fine=False), stream(case.structure, "sensors")
+    held = set(mesh.held)
+    free = np.array([point for point, number in mesh.nodes.items() if number not in held])
+    chosen = [int(generator.integers(len(free)))]
+    while len(chosen) < SENSORS:
+        away = np.min([np.linalg.norm(free - free[k], axis=1) for k in chosen], axis=0)
+        chosen.append(int(np.argmax(away * generator.uniform(0.7, 1.0, len(free)))))
+    return {f"s{k + 1}": (float(x), float(y), float(z)) for k, (x, y, z) in enumerate(free[chosen])}
+
+
+def _written(plan: shapes.Plan, places: Mapping[str, shapes.Point], folder: Path, *, fine: bool) -> Structure:
+    folder.mkdir(parents=True, exist_ok=True)
+    write_text(folder / MESH, plan.mesh(fine=fine).text())
+    write_text(folder / "fe.toml", f"format = 1\n{plan.description(MESH, places)}")
+    found = reading.read(folder / "fe.toml")
+    assert isinstance(found, Structure)
+    return found
+
+
+def limits_of(folder: Path, case: StructureCase) -> dict[str, float]:
+    """By id the smallest size that the null in `folder` would name, of faults with names and at some nodes that have none."""
+    study = Study.open(folder / MODEL, [folder / TEST])
+    base = Candidate(effects=(), fit=study.all_free(), problem=study.problem())
+    menu = [one for one in candidates(study) if one.named.family in KNOWN and "every" not in one.named.targets]
+    found = {one.id: one.size for one in detectable(screen(study, base, menu))}
+    generator = stream(case.laboratory, "nodes", case.name)
+    reduced = study.tests[0].structure.reduced  # type: ignore[union-attr]
+    assert reduced is not None
+    points, moved = reduced.nodes()
+    size = np.linalg.norm(reduced.basis[moved][:, :, :MODES], axis=(1, 2))
+    lively = np.flatnonzero(size > 0.2 * size.max())
+    nodes = points[generator.choice(lively, NODES, replace=False)]
+    ready = study.ready_at([at_node("point-mass", node, "").partition(":")[2] for node in nodes])
+    base = Candidate(effects=(), fit=ready.all_free(), problem=ready.problem())
+    there = [one for one in candidates(ready, only=("point-mass", "cable")) if position(one.named.target) is not None]
+    found |= {one.id: one.size for one in detectable(screen(ready, base, there))}
+    return found
+
+
+def _handed_over(
+    case: StructureCase, plan: shapes.Plan, places: Mapping[str, shapes.Point], fine: Structure, faults: Sequence[Fault], to: Path
+) -> Path:
+    """`to`, with the model, the test and the settings in it."""
+    to.mkdir(parents=True, exist_ok=True)
+    write_text(to / MESH, plan.mesh(fine=False).text())
+    head = f'format = 1\nmodel = {{ title = "a structure", article = "{ARTICLE}" }}\n'
+    write_text(to / MODEL, head + plan.description(MESH, places))
+    write_text(to / SETTINGS, json.dumps({"data": [TEST], "hold_out": [], "leave_out": list(case.leave_out)}))
+    tested, losses = with_faults(fine, case.laboratory, faults)
+    band = _band(fine)
+    made = reduction.by_itself(tested, band[1], damping=Damping(loss_factors=losses))
+    generator = stream(case.laboratory, "test")
+    sensors = [f"{name}:{'xyz'[int(generator.integers(3))]}" for name in places]
+    rows = np.array([made.matrices.places[one[:-2]]["xyz".index(one[-1])] for one in sensors])
+    gains = 1 + GAIN * generator.standard_normal(len(sensors))
+    writer = _functions if case.test == FUNCTIONS else _table
+    writer(made, rows, sensors, gains, band, generator, to)
+    return to
+
+
+def _band(fine: Structure) -> tuple[float, float]:
+    from fem.modes import floating_shift, lowest
+    from fem.structure import hold
+
+    free = hold(fine)
+    rigid = 6 if fine.floating else 0
+    shift = floating_shift(free.stiffness, free.mass) if rigid else 0.0
+    squares = lowest(free.stiffness, free.mass, MODES + 1 + rigid, shift=shift).values[rigid:]
+    f = np.sqrt(np.abs(squares)) / (2 * np.pi)
+    return 0.6 * float(f[0]), float(np.sqrt(f[MODES - 1] * max(f[MODES], 1.01 * f[MODES - 1])))
+
+
+def with_faults(fine: Structure, laboratory: int, faults: Sequence[Fault]) -> tuple[Structure, dict[str, float]]:
+    """`fine` off by what a laboratory admits, with `faults`, and the loss factors of its parts."""
+    generator = stream(laboratory, "tolerances")
+    K, M, losses = {}, {}, {}
+    sizes = {one.id: one.size for one in faults}
+    for name in sorted({*fine.part_stiffness, *fine.part_mass}):
+        support = name in fine.supports
+        stiffer = float(np.exp((0.1 if support else 0.025) * generator.standard_normal()))
+        denser = float(1 + FAMILIES["mass"].tolerance * generator.standard_normal())
+        thicker = float(np.exp(FAMILIES["thickness"].tolerance * generator.standard_normal()))
+        lossier = float(np.exp(0.2 * generator.standard_normal()))
+        stiffer = sizes.get(f"support-stiffness:{name}", stiffer) if support else stiffer
+        stiffer = 1 + sizes[f"modulus:{name}"] if f"modulus:{name}" in sizes else stiffer
+        denser = 1 + sizes[f"mass:{name}"] if f"mass:{name}" in sizes else denser
+        thicker = 1 + sizes[f"thickness:{name}"] if f"thickness:{name}" in sizes else thicker
+        thicker = thicker if name in fine.sections else 1.0
+        if name in fine.part_stiffness:
+            share = fine.part_stiffness[name]
+            if name in fine.sections:
+                one, cubed = fine.sections[name]
+                share = share + (thicker - 1) * one + (thicker**3 - 1) * cubed
+            K[name] = stiffer * share
+            if name in fine.loss_factors:
+                losses[name] = lossier * fine.loss_factors[name] + sizes.get(f"structural-damping:{name}", 0.0)
+        if name in fine.part_mass:
+            M[name] = denser * thicker * fine.part_mass[name]
+    for one in faults:
+        family, *targets = one.id.split(":")
+        if family == "connection-compliance":
+            springs = reduction.joint_springs(fine, targets[0])
+            assert springs is not None
+            p, k = springs[0][MOTIONS.index(targets[1])], springs[1][MOTIONS.index(targets[1])]
+            at = np.flatnonzero(p)
+            from scipy.sparse import csr_array
+
+            column = csr_array((p[at], (at, np.zeros_like(at))), shape=(len(p), 1))
+            K[targets[0]] = K[targets[0]] - one.size / (1 + one.size * k) * (column @ column.T)
+        elif family in ("point-mass", "cable"):
+            rows = place_rows(fine, np.array(position(targets[0])))[0]
+            if family == "point-mass":
+                M["attached"] = one.size * (rows.T @ rows)
+            else:
+                row = rows[["xyz".index(targets[1])]]
+                K["attached"] = one.size * (row.T @ row)
+    whole, mass = (sum(list(each.values())[1:], next(iter(each.values()))) for each in (K, M))
+    lossy = {name: share for name, share in K.items() if name in losses}
+    lossy["others"] = whole - sum(list(lossy.values())[1:], next(iter(lossy.values())))
+    bare = replace(fine, stiffness=whole.tocsr(), mass=mass.tocsr(), part_stiffness=lossy, part_mass={}, sections={})
+    grounded = fine.grounded or any(one.id.startswith("cable") for one in faults)
+    return replace(bare, supports=(), joints=(), loss_factors=losses, grounded=grounded), losses
+
+
+def _functions(
+    made: reduction.ReducedStructure,
+    rows: Array,
+    sensors: Sequence[str],
+    gains: Array,
+    band: tuple[float, float],
+    generator: np.random.Generator,
+    to: Path,
+) -> None:
+    """Accelerances of all sensors for a force at the first two."""
+    f = np.linspace(*band, LINES)
+    A = dynamic_mass.accelerance(made.matrices, f, rows, rows[:2]).matrix * gains[:, None]
+    noise = generator.standard_normal((*A.shape, 2)) @ np.array([1, 1j]) / np.sqrt(2)
+    floor = 0.2 * np.sqrt(np.mean(np.abs(A) ** 2, axis=0, keepdims=True))
+    A = A + NOISE * noise * np.hypot(np.abs(A), floor)
+    columns = ",".join(f"{one.replace(':', '-')} re,{one.replace(':', '-')} im" for one in sensors)
+    files = []
+    for k in range(A.shape[2]):
+        values = np.ascontiguousarray(A[:, :, k]).view(np.float64)
+        body = [f"frequency,{columns}", *(",".join(f"{x:.8g}" for x in each) for each in np.column_stack([f, values]))]
+        write_text(to / f"{k}-{DATA}", "\n".join(body) + "\n")
+        files.append(f'{{ path = "{k}-{DATA}", drive = "{sensors[k]}" }}')
+    lines = ["format = 1", f'kind = "{FUNCTIONS}"', f'article = "{ARTICLE}"', f"responses = {json.dumps(list(sensors))}"]
+    write_text(to / TEST, "\n".join([*lines, f"files = [{', '.join(files)}]", f"share = {NOISE}"]) + "\n")
+
+
+def _table(
+    made: reduction.ReducedStructure,
+    rows: Array,
+    sensors: Sequence[str],
+    gains: Array,
+    band: tuple[float, float],
+    generator: np.random.Generator,
+    to: Path,
+) -> None:
+    """Frequencies, damping and shapes of the modes in the band."""
+    modes = modal_table.real_modes(made.matrices)
+    inside = np.flatnonzero((modes.frequency > 0.1 * band[0]) & (modes.frequency < band[1]))
+    f = modes.frequency[inside] * (1 + FREQUENCY * generator.standard_normal(len(inside)))
+    seen = (gains[:, None] * (rows @ modes.shapes[:, inside])).T
+    seen = seen + SHAPE * np.abs(seen).max(axis=1, keepdims=True) * generator.standard_normal(seen.shape)
+    lines = ["format = 1", f'kind = "{TABLE}"', f'article = "{ARTICLE}"', f"sensors = {json.dumps(list(sensors))}"]
+    lines.append(f"frequencies = {json.dumps([f'{one:.6g} +/- {FREQUENCY * one:.3g} Hz' for one in f])}")
+    lines.append(f"shapes = {json.dumps([[float(f'{x:.5g}') for x in row] for row in seen])}")
+    lines.append(f"shapes_deviation = {SHAPE}")
+    write_text(to / TEST, "\n".join(lines) + "\n")
