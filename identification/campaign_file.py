@@ -290,8 +290,11 @@ class Reader:
             value = found.get(key)
             if isinstance(value, date):
                 found[key] = value.isoformat()
-            elif isinstance(value, str) and not is_day(value):
-                self.refuse(f"{where}.{key}", f"must be a day, found {value!r}", "Write it as 2026-03-31")
+            elif isinstance(value, str):
+                try:
+                    datetime.fromisoformat(value)
+                except ValueError:
+                    self.refuse(f"{where}.{key}", f"must be a day, found {value!r}", "Write it as 2026-03-31")
         return found
 
     def instrument(self, entry: dict[str, Any], where: str, *, channels: tuple[str, ...]) -> campaigns.Instrument | None:
@@ -322,15 +325,6 @@ class Reader:
                 number = self.number(value, where, key, low=0.0)
                 figures |= {} if number is None else {key: number}
         return campaigns.Excitation(kind=kind, figures=figures)
-
-
-def is_day(text: str) -> bool:
-    """Whether `text` is a day, or a day and a time, in ISO 8601."""
-    try:
-        datetime.fromisoformat(text)
-    except ValueError:
-        return False
-    return True
 
 
 def is_number(value: Any) -> bool:

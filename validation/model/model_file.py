@@ -376,15 +376,6 @@ def _requirement(entry: Fields) -> Requirement:
     return Requirement(quantity=name, low=low, high=high, clause=entry.text("clause"))
 
 
-def _requirement_text(one: Requirement) -> str:
-    unit = toml_file.SI_UNITS[LIMITED[one.quantity]]
-    limits = [
-        (key, string(f"{number(value)} {unit}"), "") for key, value in (("min", one.low), ("max", one.high)) if value is not None
-    ]
-    clause = [("clause", string(one.clause), "")] if one.clause else []
-    return block("[[requirement]]", [("quantity", string(one.quantity), ""), *limits, *clause])
-
-
 def _article(about: Fields, own: Mapping[str, str], kind: str) -> str:
     name = about.text("article")
     if not name:
@@ -654,9 +645,15 @@ def text(model: Model) -> str:
         known = [("inertia", string(DRAWING), ""), *((f"# {key}", value, note) for key, value, note in _inertia_lines(rounded))]
     else:
         known = _inertia_lines(model.fmd)
+    required = []
+    for one in model.requirements:
+        unit = toml_file.SI_UNITS[LIMITED[one.quantity]]
+        limits = [(key, f"{number(size)} {unit}") for key, size in (("min", one.low), ("max", one.high)) if size is not None]
+        said = (("quantity", one.quantity), *limits, ("clause", one.clause))
+        required.append(block("[[requirement]]", [(key, string(words), "") for key, words in said if words]))
     blocks = [
         block(f"{_HEAD}format = {toml_file.FORMAT}\n\n[model]", about),
-        *map(_requirement_text, model.requirements),
+        *required,
         block("[laboratory]", laboratory),
         block(_FMD, [*known, ("tolerance", number(model.fmd_tolerance), "")]),
         block("# What is not known of the measurement chain, one standard deviation each; 0 is exact.\n[tolerances]", tolerances),

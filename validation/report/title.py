@@ -37,18 +37,34 @@ def html(report: Report, figures: Figures) -> Safe:
         "classical": "; ".join(one.title for one in report.classical),
         "effects in it": ", ".join(found.effects),
     }
+    met = BLANK
+    if asked := report.model.requirements:
+        values, half, _ = _identified(report)
+        met = joined(f"{len(asked)} stated, none judged: see below")
+        if values is not None and half is not None:
+            words = [judged(one, values, half) for one in asked]
+            worst = next((word for word in (NOT_MET, OPEN) if word in words), MET)
+            met = joined(f"{words.count(MET)} of {len(asked)} met ", verdict(worst, KINDS[worst]))
     facts = {
         "articles": ", ".join(dict.fromkeys(one.configuration for one in found.maps)),
         "serial number": _stated(campaigns, "serial_number"),
         "date of the test": _stated(campaigns, "date"),
         "place": _stated(campaigns, "place"),
         "operator": _stated(campaigns, "operator"),
-        "requirements": _met(report) if report.model.requirements else BLANK,
+        "requirements": met,
         **{name: said for name, said in optional.items() if said},
         "model": found.source,
         "revision": report.model.revision or BLANK,
         "report made": f"{made.when}, with massline {made.versions.get('massline', '')}{', by ' + made.by if made.by else ''}",
     }
+    columns = [Column(head=head, words=True) for head in ("instrument", "serial number", "calibrated", "due", "channels")]
+    tools: list[list[Cell]] = []
+    for campaign in campaigns:
+        for one in campaign.instruments:
+            due = f"{one.due}: {TOO_OLD}" if one.due and campaign.date and one.due[:10] < campaign.date[:10] else one.due
+            row = [said or BLANK for said in (one.name, one.serial_number, one.calibrated, due)]
+            tools += [[*row, ", ".join(one.channels)]]
+    tools = [row for k, row in enumerate(tools) if row not in tools[:k]]  # campaigns share their instruments
     signed = {"prepared by": made.by, "checked by": "", "released by, date": ""}
     lines = [tag("div", tag("span", name, class_="signed"), tag("span", what, class_="what")) for what, name in signed.items()]
     rows = [tag("tr", tag("th", name, scope="row"), tag("td", said)) for name, said in facts.items()]
@@ -57,7 +73,7 @@ def html(report: Report, figures: Figures) -> Safe:
         tag("p", "massline · report of a model and its measurements", class_="kind"),
         tag("h1", found.title),
         tag("table", tag("tbody", *rows), class_="facts"),
-        _instruments(campaigns) if campaigns else None,
+        table("Instruments", columns, tools or [[BLANK] * len(columns)]) if campaigns else None,
         tag("div", *lines, class_="signatures"),
         id="top",
     )
@@ -66,21 +82,6 @@ def html(report: Report, figures: Figures) -> Safe:
 def _stated(campaigns: Sequence[Campaign], key: str) -> str:
     """What the `campaigns` state under `key`, each once; a blank where none does."""
     return "; ".join(dict.fromkeys(value for one in campaigns if (value := getattr(one, key)))) or BLANK
-
-
-def _instruments(campaigns: Sequence[Campaign]) -> Safe:
-    rows: list[list[Cell]] = []
-    for campaign in campaigns:
-        for one in campaign.instruments:
-            late = f"{one.due}: {TOO_OLD}" if one.due and campaign.date and one.due[:10] < campaign.date[:10] else one.due
-            row: list[Cell] = [
-                *(said or BLANK for said in (one.name, one.serial_number, one.calibrated, late)),
-                ", ".join(one.channels),
-            ]
-            if row not in rows:
-                rows.append(row)
-    columns = [Column(head=head, words=True) for head in ("instrument", "serial number", "calibrated", "due", "channels")]
-    return table("Instruments", columns, rows or [[BLANK] * len(columns)])
 
 
 # Requirements of the model file, held against what was identified.
@@ -135,14 +136,3 @@ def _identified(report: Report) -> tuple[Array | None, Array | None, str]:
         if part.findings is not None and part.findings.article == article:
             return part.findings.result.values, part.findings.result.half_width, f"Found: {article}, from the raw records alone."
     return None, None, f"No inertia of {article} alone was identified, so nothing is judged."
-
-
-def _met(report: Report) -> Safe:
-    """How many of the requirements are met, in the head."""
-    values, half, _ = _identified(report)
-    asked = report.model.requirements
-    if values is None or half is None:
-        return joined(f"{len(asked)} stated, none judged: see below")
-    words = [judged(one, values, half) for one in asked]
-    worst = NOT_MET if NOT_MET in words else OPEN if OPEN in words else MET
-    return joined(f"{words.count(MET)} of {len(asked)} met ", verdict(worst, KINDS[worst]))
