@@ -6,11 +6,15 @@ from math import inf
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
+from identification.quality import NORMAL_90
+from validation.correct import CORRECTIONS
 from validation.effects import practical_units
 from validation.effects.catalogue import FAMILIES, Named, parse
 from validation.effects.effect import MISTAKE as OF_MISTAKES
 from validation.effects.effect import Vocabulary
-from validation.estimation.problem import Evaluation, Fit, Parameter, Problem
+from validation.estimation.problem import DECLARED, SENSOR, Evaluation, Fit, Parameter, Problem
 from validation.estimation.screening import ScoreTest
 from validation.estimation.verdicts import expected_z2, largest_z, misfit
 from validation.model.model import Added
@@ -252,6 +256,14 @@ class LevelDifference:
     sigma: float
 
 
+NARROWED = 0.5
+"""[share] of what was admitted of a tolerance to which data must narrow it for it to be known better. Held by
+tests/validation/diagnosing/test_known_better.py."""
+
+SIGNIFICANT = 2.0
+"""[sd] from no effect, or from nominal, at which something is one. Exercised by tests/validation/diagnosing/test_diagnosed.py."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class KnownBetter:
     """A tolerance of the laboratory of which these data say more than was known, and something else than its nominal.
@@ -272,6 +284,31 @@ class KnownBetter:
     high: float = entry("interval90/1")
     before: float = entry("admitted_sd")
     correctable: bool
+
+    @staticmethod
+    def of(fit: Fit) -> "tuple[KnownBetter, ...]":
+        """What a fit tells of the tolerances of a laboratory beyond what was admitted, the surest first.
+
+        A tolerance is there that data narrow, and that does not stand at its nominal; of what data leave as wide as it was, and
+        of what turned out as stated, there is nothing to tell.
+        """
+        found = []
+        spread = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))
+        for one, x, sd in zip(fit.parameters, map(float, fit.offsets), map(float, spread), strict=True):
+            if one.kind not in (DECLARED, SENSOR) or not 0 < sd <= NARROWED * one.tolerance or abs(x) <= SIGNIFICANT * sd:
+                continue
+            ends = (one.value(x - NORMAL_90 * sd), one.value(x + NORMAL_90 * sd))
+            known = KnownBetter(
+                id=one.name,
+                value=one.value(x),
+                unit=one.unit,
+                low=min(ends),
+                high=max(ends),
+                before=one.tolerance * abs(one.slope(0.0)),
+                correctable=one.family in CORRECTIONS,
+            )
+            found.append((abs(x) / sd, known))
+        return tuple(known for _, known in sorted(found, key=lambda pair: -pair[0]))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -18,7 +18,7 @@ import numpy as np
 from geometry.errors import CheckFailed
 from geometry.frames import Array
 from validation.diagnose.candidates import aliases, band, has_lines, is_resonator, screen
-from validation.diagnose.diagnosis import Candidate, Screened
+from validation.diagnose.diagnosis import SIGNIFICANT, Candidate, Screened
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, STRUCTURE, evidence_threshold
 from validation.estimation.fit import BREAKDOWNS, FLOOR, child, nearby
@@ -39,9 +39,6 @@ ROUGH_FIT_PART = 0.25
 UNSEEN_STEP = 0.05
 """[nats] that a finished fit may cost more than where its trial stopped: the last step is taken unseen. Set by the development
 draws of `make blind`."""
-
-SIGNIFICANT = 2.0
-"""[sd] from no effect at which an effect is one. Exercised by tests/validation/diagnosing/test_diagnosed.py."""
 
 
 # When a fit counts as that of a model that misses nothing: limits that were set from tests in which nothing is wrong. The figures

@@ -1,14 +1,4 @@
-"""What a laboratory learns of itself from campaigns of known bodies and repeated mountings.
-
-All tolerances are fitted to all campaigns together. What is of the hardware - gains, delays, places and angles of pick-ups, cells
-and what they hear, the FMD - is common to them, and its posterior is what the laboratory knows now. How an article stands is new
-with every mounting: there the scatter tau of the draws is what is learnt, by its likelihood over a grid,
-
-    p(tau) ∝ prod over draws of N(x_i; 0, s_i² + tau²) · N(ln tau; ln tau_class, ln 2),
-
-x_i and s_i what the data alone say of a draw (A. Gelman et al., Bayesian Data Analysis, 2013, chapter 5). What is learnt is held
-against each campaign that was left out of it: where hardware then pays more than is due, all its standard deviations are widened.
-"""
+"""What a laboratory learns of itself from campaigns of known bodies and repeated mountings."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -26,6 +16,17 @@ from validation.model.model import Model
 from validation.model.tolerance_classes import METROLOGY
 from validation.prediction.dynamic_mass import MOUNTING
 from validation.prediction.series import SeriesPrediction, predictions, supported_dynamic_mass
+
+# All tolerances are fitted to all campaigns together. What is of the hardware - gains, delays, places and angles of pick-ups,
+# cells and what they hear, the FMD - is common to them, and its posterior is what the laboratory knows now. How an article
+# stands is new with every mounting: there the scatter tau of the draws is what is learnt, by its likelihood over a grid,
+#
+#     p(tau) ∝ prod over draws of N(x_i; 0, s_i² + tau²) · N(ln tau; ln tau_class, ln 2),
+#
+# x_i and s_i what the data alone say of a draw (A. Gelman et al., Bayesian Data Analysis, 2013, chapter 5). What is learnt is
+# held against each campaign that was left out of it: where hardware then pays more than is due, all its standard deviations are
+# widened.
+
 
 HARDWARE = ("force", "accelerometer", "cell", "fmd")
 """What the names of parameters begin with that are of the hardware."""

@@ -1,12 +1,4 @@
-"""What a laboratory has learnt of itself: how its hardware is, and how well articles are mounted; and the file that says so.
-
-    [laboratory]
-    learnt = "lab.toml"          # in a model file
-
-`massline laboratory` writes it, `validation.identify.laboratory` works it out. Of every parameter of the hardware it has the
-offset at which it stands and the standard deviation that is left; of every tolerance that is drawn anew with each mounting the
-standard deviation of these draws.
-"""
+"""What a laboratory has learnt of itself: how its hardware is, and how well articles are mounted; and the file that says so."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -22,6 +14,14 @@ from geometry.toml_file import string
 from identification.parameter import Parameter
 from validation.classical.files import Fields
 from validation.model.tolerance_classes import NAMES, ROWS, ClassedTolerance
+
+#     [laboratory]
+#     learnt = "lab.toml"          # in a model file
+#
+# `massline laboratory` writes it, `validation.identify.laboratory` works it out. Of every parameter of the hardware it has the
+# offset at which it stands and the standard deviation that is left; of every tolerance that is drawn anew with each mounting the
+# standard deviation of these draws.
+
 
 KIND = "laboratory"
 

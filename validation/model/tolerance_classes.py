@@ -1,10 +1,4 @@
-"""Classes of laboratories: what is not known of a test, by what a laboratory has in hand, each figure with its source.
-
-`metrology` is a laboratory that has calibrated its own chain against known masses and measured where all stands; `calibrated` one
-with certificates of its sensors; `as-delivered` one with data sheets alone. Of a limit, within which any figure is as good as
-another, the standard deviation is limit / sqrt(3) (GUM, JCGM 100:2008, 4.3.7); of an expanded uncertainty U with k = 2 it is U/2.
-A model file names a class in one line, and what it states itself goes before.
-"""
+"""Classes of laboratories: what is not known of a test, by what a laboratory has in hand, each figure with its source."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -12,6 +6,12 @@ from math import radians
 from types import MappingProxyType
 
 from geometry.sensors import Tolerances
+
+# `metrology` is a laboratory that has calibrated its own chain against known masses and measured where all stands; `calibrated`
+# one with certificates of its sensors; `as-delivered` one with data sheets alone. Of a limit, within which any figure is as
+# good as another, the standard deviation is limit / sqrt(3) (GUM, JCGM 100:2008, 4.3.7); of an expanded uncertainty U with k =
+# 2 it is U/2. A model file names a class in one line, and what it states itself goes before.
+
 
 METROLOGY, CALIBRATED, AS_DELIVERED = NAMES = ("metrology", "calibrated", "as-delivered")
 
@@ -284,10 +284,10 @@ class ToleranceClass:
             return self.opened.get(row.name.split()[0], 0.0)
         return float(getattr(getattr(self, row.of), row.name))
 
-
-def named(name: str) -> ToleranceClass:
-    """The class `name` of `NAMES`."""
-    made = ToleranceClass(name=name)
-    for row in ROWS if name != METROLOGY else ():
-        made = made.setting(row, row.si(row.classes[NAMES.index(name)]))
-    return made
+    @staticmethod
+    def named(name: str) -> "ToleranceClass":
+        """The class `name` of `NAMES`."""
+        made = ToleranceClass(name=name)
+        for row in ROWS if name != METROLOGY else ():
+            made = made.setting(row, row.si(row.classes[NAMES.index(name)]))
+        return made

@@ -327,22 +327,22 @@ class Seated:
     transformation: Array
     more: Array
 
-
-def mounting_parameters(campaign: str, stands: MountedArticle, known: MountingTolerances) -> tuple[Parameter, ...]:
-    """Of what stands in `campaign`; a tolerance of 0 closes a parameter, and an FMD alone has none."""
-    if stands.matrices is None:
-        return ()
-    sizes = (known.place, known.place, known.height, known.tilt, known.tilt, known.turn)
-    units = ("m",) * 3 + ("rad",) * 3
-    made = [
-        Parameter(name=f"{MOUNTING}:{campaign}:{axis}", unit=unit, tolerance=size, low=-FARTHEST * size, high=FARTHEST * size)
-        for axis, unit, size in zip(MOTIONS, units, sizes, strict=True)
-    ]
-    about_origin, *_ = np.linalg.lstsq(BASIS.reshape(10, 36).T, stands.matrices.mass[:6, :6].ravel(), rcond=None)
-    drawn = Inertia(parameters=about_origin).about(stands.matrices.cog)
-    ten = zip(PARAMETERS, UNITS, (known.inertia * scales(drawn)).tolist(), strict=True)
-    made += [Parameter(name=f"{ARTICLE}:{stands.article}:{name}", unit=unit, tolerance=sd) for name, unit, sd in ten]
-    return tuple(one for one in made if one.tolerance > 0)
+    @staticmethod
+    def parameters(campaign: str, stands: MountedArticle, known: MountingTolerances) -> tuple[Parameter, ...]:
+        """Of what stands in `campaign`; a tolerance of 0 closes a parameter, and an FMD alone has none."""
+        if stands.matrices is None:
+            return ()
+        sizes = (known.place, known.place, known.height, known.tilt, known.tilt, known.turn)
+        units = ("m",) * 3 + ("rad",) * 3
+        made = [
+            Parameter(name=f"{MOUNTING}:{campaign}:{axis}", unit=unit, tolerance=size, low=-FARTHEST * size, high=FARTHEST * size)
+            for axis, unit, size in zip(MOTIONS, units, sizes, strict=True)
+        ]
+        about_origin, *_ = np.linalg.lstsq(BASIS.reshape(10, 36).T, stands.matrices.mass[:6, :6].ravel(), rcond=None)
+        drawn = Inertia(parameters=about_origin).about(stands.matrices.cog)
+        ten = zip(PARAMETERS, UNITS, (known.inertia * scales(drawn)).tolist(), strict=True)
+        made += [Parameter(name=f"{ARTICLE}:{stands.article}:{name}", unit=unit, tolerance=sd) for name, unit, sd in ten]
+        return tuple(one for one in made if one.tolerance > 0)
 
 
 # The dynamic mass of all that the load cells carry, about F: the article with its effects, mounted, and the FMD beside it.

@@ -578,7 +578,7 @@ def supported_dynamic_mass(model: Model, campaign: Campaign, stands: MountedArti
         moving=moving_part(model),
         exact=model.fmd_tolerance == 0,
         nuisances=of_structure,
-        mounted=dynamic_mass.mounting_parameters(name, stands, model.mounting),
+        mounted=dynamic_mass.Seated.parameters(name, stands, model.mounting),
     )
 
 

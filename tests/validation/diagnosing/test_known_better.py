@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from identification.parameter import Parameter
-from validation.diagnose.diagnose import known_better
 from validation.diagnose.diagnosis import KnownBetter
 from validation.estimation.problem import EFFECT, IDENTIFIED, SENSOR, Fit
 from validation.output import from_json, to_json
@@ -34,7 +33,7 @@ def named(of: Parameter, name: str, **changes: str) -> Parameter:
 
 
 def test_what_data_narrow_and_is_not_as_stated_is_a_calibration():
-    found = known_better(
+    found = KnownBetter.of(
         fitted(
             (PLANE, 2.4e-4, 4e-5),
             (named(PLANE, "narrow-enough"), -2.4e-4, 1.0e-4),
@@ -55,6 +54,6 @@ def test_what_data_narrow_and_is_not_as_stated_is_a_calibration():
 def test_a_logarithm_is_told_as_what_it_means_and_correct_knows_its_families():
     cell = Parameter(name="cell-stiffness:1x", unit="1", tolerance=0.1, kind=SENSOR, nominal=1.0, logarithmic=True, above=-1.0)
     gain = Parameter(name="force-gain:fmd-z2", unit="1", tolerance=0.01, kind=SENSOR)
-    stiff, loud = sorted(known_better(fitted((cell, 0.1, 0.01), (gain, 0.008, 0.001))), key=lambda one: one.id)
+    stiff, loud = sorted(KnownBetter.of(fitted((cell, 0.1, 0.01), (gain, 0.008, 0.001))), key=lambda one: one.id)
     assert (stiff.correctable, loud.correctable) == (False, True)
     np.testing.assert_allclose(stiff.value, np.expm1(0.1))

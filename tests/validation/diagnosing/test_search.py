@@ -527,9 +527,9 @@ def noisy(monkeypatch) -> Any:
     return SimpleNamespace(predictions=(of_spread(0.0),), lines_of=lambda one: None)
 
 
-def of_spread(spread: float, scatter: float = 0.0) -> SimpleNamespace:
+def of_spread(spread: float, scatter: float = 0.0, discrepancy: float = 0.0) -> SimpleNamespace:
     """A data set whose noise is known so well."""
-    return SimpleNamespace(measured=SimpleNamespace(noise_spread=spread, noise_scatter=scatter))
+    return SimpleNamespace(measured=SimpleNamespace(noise_spread=spread, discrepancy=discrepancy, noise_scatter=scatter))
 
 
 def one_far(z: float) -> np.ndarray:
@@ -551,6 +551,17 @@ def test_the_misfit_of_a_null_is_the_share_of_noise_and_an_estimate_of_the_noise
         0.5 * (1 + search.SCATTER * np.hypot(np.sqrt(2 / FREEDOM), 0.025)),
         rtol=1e-12,
     )
+
+
+def test_a_class_that_admits_a_discrepancy_is_judged_by_replicated_data(noisy):
+    """Residuals of the whole variance, half of it noise, come to chi² = 1 on average, and stay below the limit."""
+    noisy.predictions = (of_spread(0.0, discrepancy=1.0),)
+    limit = search.goodness_of_fit(fitted(), noisy).limit
+    replicated = np.random.default_rng(3).chisquare(FREEDOM, 2000) / FREEDOM
+    assert np.mean(replicated) == pytest.approx(1.0, rel=1e-2)
+    assert 0.995 < np.mean(replicated <= limit) < 1.0
+    noisy.predictions = (of_spread(0.0),)
+    assert search.goodness_of_fit(fitted(), noisy).limit < 0.6
 
 
 def test_a_fit_within_noise_that_pays_what_is_due_is_that_of_a_null(noisy):

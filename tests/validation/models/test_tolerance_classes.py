@@ -18,7 +18,6 @@ from validation.model.tolerance_classes import (
     MountingTolerances,
     StructureTolerances,
     ToleranceClass,
-    named,
 )
 
 PAGE = (Path(__file__).parents[3] / "docs" / "laboratories.md").read_text(encoding="utf-8")
@@ -48,13 +47,13 @@ def test_classes_widen_from_one_to_the_next_and_every_figure_has_a_source():
         assert list(row.classes) == sorted(row.classes), row.key
         assert row.classes[2] < row.largest, row.key
         assert len(row.source) > 30, row.key
-    assert [named(name).name for name in NAMES] == list(NAMES)
+    assert [ToleranceClass.named(name).name for name in NAMES] == list(NAMES)
 
 
 def test_what_a_file_states_goes_before_its_class_and_all_is_written_back():
     text = f'{SMALLEST}[tolerances]\nclass = "{AS_DELIVERED}"\ngain = 0.004\nmounting_mm = 2.5\ncell_crosstalk = 0\n'
     found = model_file.of_text(text + "[structure.tolerances]\ndamping = 0.2\n", "m.toml")
-    usual = named(AS_DELIVERED)
+    usual = ToleranceClass.named(AS_DELIVERED)
     assert (found.tolerances.gain, found.mounting.place, found.opened["cell-crosstalk"]) == (0.004, 0.0025, 0.0)
     assert found.structure.damping == 0.2
     assert found.tolerances.position == usual.chain.position

@@ -10,7 +10,7 @@ from geometry.frames import Pose, rotation_by
 from validation.effects.catalogue import parse
 from validation.model.model import Added, Model
 from validation.model.tolerance_classes import MountingTolerances
-from validation.prediction.dynamic_mass import ARTICLE, MOUNTING, BaseDrive, SupportedDynamicMass, mounting_parameters
+from validation.prediction.dynamic_mass import ARTICLE, MOUNTING, BaseDrive, Seated, SupportedDynamicMass
 from validation.prediction.series import SeriesPrediction, supported_dynamic_mass
 
 KNOWN = MountingTolerances(place=1e-3, height=3e-4, turn=5e-3, tilt=1e-3, inertia=0.01)
@@ -61,5 +61,5 @@ def test_every_derivative_is_the_limit_of_differences(carried):
 
 
 def test_an_fmd_alone_is_mounted_nowhere(carried):
-    assert mounting_parameters("spring", replace(carried.standing, matrices=None), KNOWN) == ()
-    assert mounting_parameters("spring", carried.standing, MountingTolerances()) == ()
+    assert Seated.parameters("spring", replace(carried.standing, matrices=None), KNOWN) == ()
+    assert Seated.parameters("spring", carried.standing, MountingTolerances()) == ()
