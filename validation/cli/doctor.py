@@ -71,9 +71,7 @@ def doctor_command(as_json: bool) -> None:
         lines.append(f"browser       {browser or 'none: a report as PDF needs one (MASSLINE_BROWSER)'}")
         lines.append(f"factorisers   {', '.join(installed())}")
         there = data is not None and Path(data).is_dir()
-        lines.append(
-            f"data          {data if there else 'not there: MASSLINE_DATA names the folder of measured data'}"
-        )
+        lines.append(f"data          {data if there else 'not there: MASSLINE_DATA names the folder of measured data'}")
         click.echo("\n".join(lines))
     if shadowed:
         raise CheckFailed(
