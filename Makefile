@@ -50,7 +50,7 @@ blind: $(READY) ## proof on data whose answer is sealed: draws, diagnoses, score
 # No registry's host and no path of this machine ends up in it.
 lock: ## requirements.lock from pyproject.toml
 	@command -v uv >/dev/null || { echo "massline: uv is missing; https://docs.astral.sh/uv says how to install it." >&2; exit 1; }
-	uv pip compile pyproject.toml --extra dev --python-version 3.11 --generate-hashes --no-annotate --no-header --no-emit-index-url \
+	uv pip compile pyproject.toml --extra dev --extra all --python-version 3.11 --generate-hashes --no-annotate --no-header --no-emit-index-url \
 		--no-emit-find-links --quiet --output-file requirements.lock
 
 clean: ## everything that was made here

@@ -4,6 +4,7 @@ import faulthandler
 import hashlib
 import io
 import os
+import re
 import signal
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -136,6 +137,17 @@ def read(path: Path) -> tuple[Body, ...]:
     return tuple(bodies)
 
 
+def stated_unit(path: Path) -> str:
+    """The unit of length in which the STEP file `path` is written, in words; OCC has turned it into millimetres."""
+    with path.open("rb") as file:
+        content = file.read()
+    if inch := re.search(rb"CONVERSION_BASED_UNIT\s*\(\s*'(INCH|FOOT)'", content, re.IGNORECASE):
+        return {b"INCH": "inches", b"FOOT": "feet"}[inch[1].upper()]
+    metric = re.search(rb"LENGTH_UNIT[^;]*?SI_UNIT\s*\(\s*(\$|\.\w+\.)\s*,\s*\.METRE\.", content)
+    prefix = {b"$": "", b".MILLI.": "milli", b".CENTI.": "centi", b".MICRO.": "micro", b".KILO.": "kilo"}
+    return f"{prefix[metric[1]]}metres" if metric and metric[1] in prefix else "an unknown unit"
+
+
 def moved(solid: OccShape, pose: Pose) -> OccShape:
     """`solid` [mm], given in its own frame, at `pose` of an outer frame."""
     return solid.moved(location(pose))
@@ -155,6 +167,9 @@ def curved_reach(solid: OccShape) -> tuple[float, Array]:
     corners = np.array([[[b.xmin, b.ymin, b.zmin], [b.xmax, b.ymax, b.zmax]] for b in boxes])
     return sum(face.Area() for face in curved) * MM**2, np.abs(corners).max(axis=(0, 1)) * MM
 
+
+_ENTRY = re.compile(r"=>\s*\[[\d:]+\]|Open CASCADE STEP translator [\d. ]+")
+"""What OCC calls an instance or product that nobody named: where it refers to, or itself."""
 
 _AGAIN = "Check that the file is whole and what its ending says, and export it again as STEP (AP203, AP214 or AP242)"
 
@@ -208,6 +223,7 @@ def _walk(tool: Any, label: Any, location: Any, inherited: str) -> Iterator[tupl
 
     attribute = TDataStd_Name()
     own = str(attribute.Get().ToExtString()).strip() if label.FindAttribute(TDataStd_Name.GetID_s(), attribute) else ""
+    own = "" if _ENTRY.fullmatch(own) else own
     name = own or inherited
     if tool.IsReference_s(label):
         target = TDF_Label()

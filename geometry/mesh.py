@@ -181,6 +181,58 @@ def winding_number(mesh: TriangleMesh, point: Array) -> int:
     return round(float(enclosed(mesh.vertices, mesh.faces, point.reshape(1, 3))[0]))
 
 
+def winding_numbers(mesh: TriangleMesh, points: Array) -> Array:
+    """(n,) generalised winding number of `mesh`, closed or not, about `points` (n, 3) [m]: the share of a full turn it closes."""
+    from igl import fast_winding_number
+
+    vertices, faces = np.array(mesh.vertices), np.array(mesh.faces)
+    return np.asarray(fast_winding_number(vertices, faces, np.ascontiguousarray(points)))
+
+
+def oriented(mesh: TriangleMesh) -> TriangleMesh:
+    """`mesh` with neighbours that agree on what is outside; a patch that is open has its outside where it sees more of the sky.
+
+    A patch that is closed, or that sees as much of the sky from either side, keeps the turn that most of its faces have.
+    """
+    from igl import ambient_occlusion, bfs_orient
+
+    if not len(mesh.faces):
+        return mesh
+    faces, patch = (np.array(one) for one in bfs_orient(np.array(mesh.faces)))
+    patch = patch.reshape(-1)
+    same = np.any([(faces == np.roll(mesh.faces, k, axis=1)).all(axis=1) for k in range(3)], axis=0)
+    turn = np.bincount(patch, weights=np.where(same, 1.0, -1.0)) < 0
+    found = edges(mesh)
+    is_open = np.zeros(len(turn), dtype=np.bool_)
+    is_open[patch[(found.uses[found.of_face] != 2).any(axis=1)]] = True
+    # The largest faces of every open patch look out along their normals and against them
+    t = mesh.vertices[faces]
+    normal = np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0])
+    area = np.linalg.norm(normal, axis=1)
+    order = np.lexsort((-area, patch))
+    rank = np.arange(len(order)) - np.searchsorted(patch[order], patch[order])
+    looking = order[(rank < LOOKING) & is_open[patch[order]] & (area[order] > 0)]
+    if looking.size:
+        unit = normal[looking] / area[looking, None]
+        away = 1e-6 * float(np.linalg.norm(np.ptp(mesh.bounds, axis=0)))
+        middles = t[looking].mean(axis=1)
+        hidden = [
+            np.asarray(
+                ambient_occlusion(np.array(mesh.vertices), faces, middles + sign * away * unit, sign * unit, RAYS)
+            ).reshape(-1)
+            for sign in (1.0, -1.0)
+        ]
+        sky = np.bincount(patch[looking], weights=area[looking] * (hidden[1] - hidden[0]), minlength=len(turn))
+        size = np.bincount(patch[looking], weights=area[looking], minlength=len(turn))
+        clear = is_open & (np.abs(sky) > 2 / np.sqrt(RAYS) * size)
+        turn = np.where(clear, sky < 0, turn)
+    return TriangleMesh(vertices=mesh.vertices, faces=np.where(turn[patch][:, None], faces[:, ::-1], faces))
+
+
+LOOKING, RAYS = 8, 32
+"""How many faces of a patch look for the sky, and along how many rays each; what they see differs by chance by 1 / sqrt(rays)."""
+
+
 # The separate bodies of one mesh: every outer skin with the cavities inside it.
 
 

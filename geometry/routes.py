@@ -136,8 +136,11 @@ def of_mesh(mesh: TriangleMesh, density: float) -> Mapping[str, Inertia]:
     about_middle = density * np.asarray(body.computeMomentofInertia())
     volume, centre = float(body.computeVolume()), np.asarray(body.computeCOM())
     tensor = about_middle - parallel_axis(density * volume, centre)
-    return {
-        "occ": cad.of_triangles(mesh, density),
+    try:
+        by_occ = {"occ": cad.of_triangles(mesh, density)}
+    except ModuleNotFoundError:  # the extra `cad` is not installed: two routes are left
+        by_occ = {}
+    return by_occ | {
         "trimesh": meshes.inertia_unchecked(mesh, density),
         "pinocchio": Inertia.from_cog(density * volume, centre + middle, 0.5 * (tensor + tensor.T)),
     }

@@ -45,6 +45,9 @@ def read(name: str | Path, *, remedy: str = "Check the path") -> dict[str, Any]:
     if not name.strip():
         raise BadInput(source="file", problem=f"the name is empty, found {name!r}", remedy=remedy)
     if path.is_dir():
+        if (path / "campaign.toml").is_file():
+            said = "it is the folder of a campaign, where a file is needed"
+            raise BadInput(source=name, problem=said, remedy=f"MODEL comes first and DATA behind it. {remedy}")
         raise BadInput(source=name, problem="it is a folder, where a file is needed", remedy=remedy)
     if path.is_char_device() or path.is_block_device():
         raise BadInput(source=name, problem="it is a device, where a file is needed", remedy=remedy)
@@ -223,8 +226,19 @@ def one_of(value: object, choices: Collection[str], *, source: str, where: str) 
     raise BadInput(source=source, field=where, problem=problem, remedy=nearest(str(value), choices) or "Choose one of them")
 
 
+TURNS = {
+    **dict.fromkeys(("rx", "rotx", "thetax", "roll"), "alpha"),
+    **dict.fromkeys(("ry", "roty", "thetay", "pitch"), "beta"),
+    **dict.fromkeys(("rz", "rotz", "thetaz", "yaw"), "gamma"),
+}
+"""What others call the turns about x, y and z."""
+
+
 def nearest(word: str, known: Collection[str]) -> str:
-    """'Did you mean ...? ', or nothing when no known word is near."""
+    """'Did you mean ...? ', or nothing when no known word is near; a turn about an axis is meant by its other names, too."""
+    turn = TURNS.get(word.lower().replace("_", ""), "")
+    if turn in known:
+        return f"Did you mean {turn}? "
     near = difflib.get_close_matches(word, list(known), n=1)
     return f"Did you mean {near[0]}? " if near else ""
 

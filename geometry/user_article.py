@@ -12,10 +12,11 @@ from geometry import mesh as meshes
 from geometry import toml_file
 from geometry.article import Material, material
 from geometry.errors import BadInput
-from geometry.frames import Pose, frozen, rotation_about
+from geometry.frames import Array, Pose, frozen, rotation_about
 from geometry.inertia import Inertia
+from geometry.repair import EstimatedBody, estimated, mended
 from geometry.routes import Agreement, held_together, missing_mass, rounding
-from geometry.toml_file import MILLIMETRE, doubts, length_unit, quantity
+from geometry.toml_file import MILLIMETRE, length_unit, quantity
 
 if TYPE_CHECKING:
     pass
@@ -259,6 +260,8 @@ class UserPart:
     mesh : its skin, closed and checked
     chord : [m], how far `mesh` may lie from the true surface: 0 when the mesh is what the file holds
     solid : its CadQuery solid [mm], when it came from a STEP file; else None
+    refused : why `mesh` is no skin of a body though `solid` is sound; empty where it is one
+    estimate : at unit density in the article's frame, where `mesh` is no skin and nothing else is known
     """
 
     name: str
@@ -267,6 +270,8 @@ class UserPart:
     mesh: meshes.TriangleMesh
     chord: float = 0.0
     solid: Any = None
+    refused: str = ""
+    estimate: EstimatedBody | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -303,26 +308,55 @@ class UserArticle:
 # Solids from STEP go two ways: OCC integrates the B-rep, trimesh a closed mesh of it with a stated chord
 # error. Meshes are already what trimesh integrates, exactly, and there is no second opinion on them.
 
+ESTIMATE = "estimate"
+"""The route of what encloses no volume by definition."""
+
+LEAST, MOST = 5e-3, 5.0
+"""Largest dimension [m] of a STEP file outside of which its own unit is doubted: nobody chose it on the command line."""
+
 NOTHING = 1e-3
 """Share of the smaller of two parts that their meshes may have in common before it is worth a warning."""
 
 
 def inertias(article: UserArticle) -> Mapping[str, Inertia]:
-    """Inertia of `article` about its origin by route: "trimesh", and before it "occ" when every part is a solid."""
-    nothing = Inertia(parameters=np.zeros(10))
-    by_mesh = sum((meshes.inertia_unchecked(part.mesh, part.material.density) for part in article.parts), nothing)
-    if not article.exact:
-        return {"trimesh": by_mesh}
-    from geometry.cad import from_occ
+    """Inertia of `article` about its origin by route: "trimesh", and before it "occ" when every part is a solid.
 
-    return {"occ": sum((from_occ(part.solid, part.material.density) for part in article.parts), nothing), "trimesh": by_mesh}
+    "occ" alone where the mesh of a solid is no skin; `ESTIMATE` alone where that is so of a part that is a mesh.
+    """
+    nothing = Inertia(parameters=np.zeros(10))
+    if any(part.estimate for part in article.parts):
+        one_by_one = (
+            meshes.inertia_unchecked(part.mesh, part.material.density)
+            if part.estimate is None
+            else part.estimate.inertia.scaled(part.material.density)
+            for part in article.parts
+        )
+        return {ESTIMATE: sum(one_by_one, nothing)}
+    found = {}
+    if article.exact:
+        from geometry.cad import from_occ
+
+        found["occ"] = sum((from_occ(part.solid, part.material.density) for part in article.parts), nothing)
+    if not any(part.refused for part in article.parts):
+        found["trimesh"] = sum((meshes.inertia_unchecked(part.mesh, part.material.density) for part in article.parts), nothing)
+    return found
+
+
+def estimate_error(article: UserArticle) -> Array:
+    """Half-widths (10,) of the intervals of an estimate about the article's origin, those of its parts added up."""
+    errors = [part.estimate.error * part.material.density for part in article.parts if part.estimate is not None]
+    return np.sum(errors, axis=0) if errors else np.zeros(10)
 
 
 def agreement(article: UserArticle, found: Mapping[str, Inertia]) -> Agreement:
     """Hold "occ" against "trimesh", to rounding and to what the chord error of the curved faces can make."""
+    nothing = frozen(np.zeros(10), (10,), "nothing")
+    if refused := [f"{part.name} ({part.refused})" for part in article.parts if part.refused]:
+        words = "estimated from generalised winding numbers, with 95 % intervals" if ESTIMATE in found else "occ alone"
+        text = f"{words}: no mesh route, since the mesh is no skin of a body: {'; '.join(refused)}"
+        return Agreement(agree=False, text=text, difference=nothing, tolerance=nothing, excess=0.0)
     if "occ" not in found:
         text = "one route only: a mesh is integrated exactly as it is, and nothing else is known of it"
-        nothing = frozen(np.zeros(10), (10,), "nothing")
         return Agreement(agree=True, text=text, difference=nothing, tolerance=nothing, excess=0.0)
     from geometry import cad
 
@@ -343,6 +377,8 @@ def overlap_warnings(article: str, parts: tuple[UserPart, ...]) -> Iterator[str]
     """
     for first, second in combinations(parts, 2):
         a, b = first.mesh, second.mesh
+        if first.refused or second.refused:
+            continue
         if np.any(np.maximum(a.bounds[0], b.bounds[0]) >= np.minimum(a.bounds[1], b.bounds[1])):
             continue
         share = meshes.shared_volume(a, b) / min(a.volume, b.volume)
@@ -363,13 +399,20 @@ ENDINGS = (*STEP_ENDINGS, *meshes.MESH_ENDINGS, ".toml")
 """Files that can be an article, upper or lower case; a folder stands for the ``article.toml`` in it."""
 
 
-def load(path: str | Path, *, unit: str | None = None, material: str | None = None, chord: float | None = None) -> UserArticle:
+def load(
+    path: str | Path,
+    *,
+    unit: str | None = None,
+    material: str | None = None,
+    chord: float | None = None,
+    repair: bool = False,
+) -> UserArticle:
     """The article in the file or folder `path`, every mesh closed and checked, every body with its material.
 
     `unit` is that of a mesh file's numbers (mm, cm, m, in, ft); it may be left out where the file itself states one, and STEP
     always does. `material` is a name of the library or a density such as ``"7800 kg/m^3"``, for all bodies; of an
     ``article.toml`` both go to the parts that state none themselves. `chord` [m] is that of the meshes made of STEP solids, by
-    default `RELATIVE_CHORD` of each.
+    default `RELATIVE_CHORD` of each. `repair` mends what is safe in a mesh and estimates what is left, see `geometry.repair`.
 
     Raises
     ------
@@ -384,11 +427,11 @@ def load(path: str | Path, *, unit: str | None = None, material: str | None = No
         noticed: list[str] = []
         for entry in found.parts:
             default = None if entry.file.suffix.lower() in STEP_ENDINGS else unit
-            there, said = _parts(replace(entry, unit=entry.unit or default, material=entry.material or given), chord)
+            there, said = _parts(replace(entry, unit=entry.unit or default, material=entry.material or given), chord, repair)
             bodies_read += there
             noticed += said
         return _finished(found.name, tuple(bodies_read), f"{found.name}: read from {path.name}.", tuple(noticed))
-    parts, warnings = _parts(PartEntry(name=path.stem, file=path, unit=unit, material=given), chord)
+    parts, warnings = _parts(PartEntry(name=path.stem, file=path, unit=unit, material=given), chord, repair)
     return _finished(path.stem, parts, f"{path.stem}: read from {path.name}.", warnings)
 
 
@@ -428,10 +471,16 @@ def _unreadable(path: Path) -> BadInput:
 
 
 def _finished(name: str, parts: tuple[UserPart, ...], note: str, warnings: tuple[str, ...]) -> UserArticle:
+    if all(part.solid is not None for part in parts):
+        from geometry.cad import stated_unit
+
+        size = np.ptp(np.vstack([part.mesh.bounds for part in parts]), axis=0)
+        units = dict.fromkeys(stated_unit(Path(part.source)) for part in parts)
+        note = f"{note[:-1]}, in {' and '.join(units)}: {' x '.join(f'{1e3 * one:.4g}' for one in size)} mm."
     return UserArticle(name=name, parts=parts, note=note, warnings=(*dict.fromkeys(warnings), *overlap_warnings(name, parts)))
 
 
-def _parts(entry: PartEntry, chord: float | None) -> tuple[tuple[UserPart, ...], tuple[str, ...]]:
+def _parts(entry: PartEntry, chord: float | None, repair: bool) -> tuple[tuple[UserPart, ...], tuple[str, ...]]:
     """The bodies that one entry stands for, and what was noticed."""
     ending = entry.file.suffix.lower()
     if ending in STEP_ENDINGS:
@@ -466,21 +515,44 @@ def _parts(entry: PartEntry, chord: float | None) -> tuple[tuple[UserPart, ...],
             solid = cad.moved(body.solid, entry.pose)
             fine = chord or RELATIVE_CHORD * cad.diagonal(solid)
             mesh = cad.tessellate_solid(solid, fine)
-            meshes.require_closed_volume(mesh, f"{entry.file}, mesh of {body.name}", MILLIMETRE)
+            refused = ""
+            try:
+                meshes.require_closed_volume(mesh, f"{entry.file}, mesh of {body.name}", MILLIMETRE)
+            except BadInput as error:  # the solid is sound, and its exact route needs no mesh
+                refused = error.problem
             name = body.name if not entry.named else entry.name if len(found) == 1 else f"{entry.name}/{body.name}"
-            parts.append(UserPart(name=name, material=made, source=str(entry.file), mesh=mesh, chord=fine, solid=solid))
+            parts.append(
+                UserPart(name=name, material=made, source=str(entry.file), mesh=mesh, chord=fine, solid=solid, refused=refused)
+            )
         corners = np.vstack([part.mesh.bounds for part in parts])
-        return tuple(parts), doubts(float(np.ptp(corners, axis=0).max()), str(entry.file))
+        longest, own = float(np.ptp(corners, axis=0).max()), cad.stated_unit(entry.file)
+        doubt = (
+            f"{entry.file}: in {own}, its own unit, it is {longest:.4g} m long, which is suspicious; check the unit of the export"
+        )
+        return tuple(parts), () if LEAST <= longest <= MOST else (doubt,)
     if ending in meshes.MESH_ENDINGS:
-        return _from_mesh(entry)
+        return _from_mesh(entry, repair)
     raise _unreadable(entry.file)
 
 
-def _from_mesh(entry: PartEntry) -> tuple[tuple[UserPart, ...], tuple[str, ...]]:
+def _from_mesh(entry: PartEntry, repair: bool) -> tuple[tuple[UserPart, ...], tuple[str, ...]]:
     source = str(entry.file)
     mesh, unit, doubts = meshes.read_mesh(entry.file, entry.unit)
-    touching = meshes.require_closed_volume(mesh, source, unit)
-    found = meshes.bodies(mesh)
+    refused, found, touching = "", tuple[meshes.TriangleMesh, ...](), tuple[str, ...]()
+    try:
+        touching = meshes.require_closed_volume(mesh, source, unit)
+        found = meshes.bodies(mesh)
+    except BadInput as error:
+        if not repair:
+            mend = "or add --repair: what is safe is mended, and the rest estimated"
+            raise BadInput(source=source, field=error.field, problem=error.problem, remedy=f"{error.remedy}; {mend}") from None
+        after = mended(mesh, unit)
+        mesh, doubts = after.mesh, (*doubts, f"{source}: {error.problem}", *(f"{source}: {step}" for step in after.steps))
+        try:
+            touching = meshes.require_closed_volume(mesh, source, unit)
+            found = meshes.bodies(mesh)
+        except BadInput as left:
+            refused = left.problem
     if entry.materials:
         raise BadInput(
             source=source,
@@ -495,6 +567,9 @@ def _from_mesh(entry: PartEntry) -> tuple[tuple[UserPart, ...], tuple[str, ...]]
             problem="no material is given",
             remedy='Give a name (steel) or a density ("7800 kg/m^3")',
         )
+    if entry.body is not None and refused:
+        problem = f"its bodies cannot be told apart, since {refused}"
+        raise BadInput(source=source, field="body", problem=problem, remedy="Mend the mesh, or leave the body out")
     if entry.body is not None:
         numbers = [str(number) for number in range(1, len(found) + 1)]
         if entry.body not in numbers:
@@ -512,8 +587,14 @@ def _from_mesh(entry: PartEntry) -> tuple[tuple[UserPart, ...], tuple[str, ...]]
             f"[[part]] with its own body = 1, 2 ... and material in an {DESCRIPTION}"
         )
         doubts = (*doubts, *touching, several)
-    part = UserPart(name=entry.name, material=entry.material, source=source, mesh=meshes.placed(mesh, entry.pose))
-    return (part,), doubts
+    placed, estimate = meshes.placed(mesh, entry.pose), None
+    if refused:
+        try:
+            estimate = estimated(placed)
+        except ValueError:
+            raise BadInput(source=source, problem=f"it encloses nothing: {refused}", remedy="Export the body again") from None
+    made = entry.material
+    return (UserPart(name=entry.name, material=made, source=source, mesh=placed, refused=refused, estimate=estimate),), doubts
 
 
 def _no_body(entry: PartEntry, names: list[str], wanted: str | None = None) -> NoReturn:

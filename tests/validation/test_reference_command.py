@@ -267,3 +267,45 @@ def test_a_file_name_at_the_head_of_a_footnote_keeps_its_letters(run, tmp_path):
     assert "r.json: it says that it is about rig, held against my.obj" in out
     assert "R.json" not in out
     assert "A body can have these parameters" in out
+
+
+def test_a_sound_solid_whose_mesh_is_no_skin_has_its_exact_table_and_ends_with_1(run, tmp_path):
+    """A block with a bore of 40 mm that touches its outer wall along a line."""
+    from cadquery import Workplane, exporters
+
+    bore = Workplane().workplane(offset=-30).center(30, 0).circle(20).extrude(60)
+    exporters.export(Workplane().box(100, 100, 100).cut(bore), str(tmp_path / "touch.step"))
+    code, out, err = run("reference", "touch.step", "--material", "1000 kg/m^3", "--json")
+    article = json.loads(out)["articles"]["touch.step"]
+    assert (code, list(article["routes"])) == (main.FAILED_CHECK, ["occ"])
+    assert_allclose(article["routes"]["occ"]["mass_kg"], 1e-6 * (100**3 - np.pi * 20**2 * 60), rtol=1e-9)  # closed form
+    assert "no mesh route, since the mesh is no skin of a body: body" in err
+    assert "in millimetres: 100 x 100 x 100 mm" in article["note"]
+
+
+def test_a_broken_mesh_is_refused_mended_or_estimated_and_never_silently(run, refused, tmp_path):
+    from trimesh import Trimesh, creation
+
+    ball = creation.icosphere(subdivisions=3, radius=50.0)
+    holes = {"small": np.arange(len(ball.faces)) > 0, "large": ball.triangles_center[:, 0] < 35}
+    for name, kept in holes.items():
+        Trimesh(ball.vertices, ball.faces[kept], process=False).export(tmp_path / f"{name}.stl")
+    asked = ("--unit", "mm", "--material", "1000 kg/m^3")
+    assert "add --repair" in refused("reference", "small.stl", *asked)
+    code, out, _ = run("reference", "small.stl", *asked, "--repair")
+    assert code == main.DONE
+    assert "1 small hole closed" in out
+    code, out, err = run("reference", "large.stl", *asked, "--repair", "--json")
+    article = json.loads(out)["articles"]["large.stl"]
+    assert (code, article["routes"]) == (main.FAILED_CHECK, {})
+    assert "estimated from generalised winding numbers" in err
+    found, within = (article["estimate"][key]["mass_kg"] if key else article["estimate"]["mass_kg"] for key in ("", "tolerance"))
+    assert abs(found - ball.volume * 1e-6) <= within
+
+
+def test_a_share_of_what_cannot_be_told_from_zero_is_no_per_cent():
+    from validation.reference.statement import Row
+
+    row = Row(quantity="CoG x", value=2e-4, tolerance=1e-3, unit="mm", reference=2e-5, reference_tolerance=1e-6)
+    assert row.deviation_percent is None
+    assert Row(quantity="Mass", value=2.0, tolerance=0.1, unit="kg", reference=1.0).deviation_percent == 100

@@ -157,6 +157,9 @@ def read(name: str, kinds: tuple[str, ...]) -> Fields:
         table = toml_file.read(name, remedy=remedy)
     fields = Fields(source=name, place="", table=table)
     toml_file.require_format(fields.table, name)
+    if "model" in fields.table and "kind" not in fields.table:
+        problem = "it is a model file, where a measurement is needed"
+        raise BadInput(source=name, problem=problem, remedy="MODEL comes first and DATA, campaigns or measurements, behind it")
     kind = fields.choice("kind", KINDS)
     if kind not in kinds:
         commands = {"weighing": "massline weigh", "crane-cog": "massline cog", "pendulum": "massline pendulum"}

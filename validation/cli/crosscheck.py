@@ -70,6 +70,10 @@ def add_command(model: Path, effect: str, fixed: bool, alias_ok: bool, as_json: 
     """
     from validation.history.add import AddedEffectOptions
     from validation.report.history import add
+
+    if Path(effect).exists():
+        problem = f"{effect} is a file or folder, and the effect stands before DATA"
+        raise BadInput(source="EFFECT", problem=problem, remedy="massline add MODEL EFFECT DATA; massline effects lists them")
     from validation.study import Options
 
     add(Options(model=str(model), **given), AddedEffectOptions(effect=effect, fixed=fixed, alias_ok=alias_ok), as_json=as_json)

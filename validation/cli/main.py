@@ -99,6 +99,7 @@ COMMANDS = {
     "league": "Real tests that others made: what was expected, what is said of each, and the errors.",
     "undo": "Go back to the rung below; what was there is kept.",
     "app": "The workbench in the browser: compare, diagnose, add, undo, what if.",
+    "doctor": "What is installed here: Python, libraries by extra, browser, factorisers, data.",
 }
 """Every command and its line in the help; `validation.cli.<name>` holds it."""
 
@@ -107,8 +108,18 @@ MODULES = {
     "reference": ("reference", "validate", "weigh", "cog", "pendulum"),
     "predict": ("verify", "swing", "modes", "dynamic-mass", "excite", "simulate"),
     "identify": ("pretest", "check", "identify", "laboratory"),
+    "doctor": ("doctor",),
 }
 """The modules of `validation.cli` by the commands that they hold, each as the function ``NAME_command``."""
+
+
+EXTRAS = {
+    "cad": ("cadquery", "OCP"),
+    "fem": ("exudyn", "gmsh", "skfem"),
+    "pictures": ("pyvista", "vtk", "vtkmodules"),
+    "app": ("trame", "trame_client", "trame_vuetify", "wslink", "aiohttp"),
+}
+"""The extras of `pyproject.toml`, by the modules that come with each; everything else is in the core."""
 
 
 class _LazyGroup(click.Group):
@@ -172,6 +183,13 @@ def run(arguments: list[str] | None = None) -> int:
         return _say(f"{error.filename or 'file'}: {error.strerror or error}. Check the path and its permissions.", BAD_INPUT)
     except CheckFailed as error:
         return _say(str(error), FAILED_CHECK)
+    except ModuleNotFoundError as error:
+        library = (error.name or "").partition(".")[0]
+        extra = next((name for name, modules in EXTRAS.items() if library in modules), None)
+        if extra is None:
+            raise
+        said = f"this needs {library}, which is not installed. It comes with the extra `{extra}`: pip install 'massline[{extra}]'"
+        return _say(f"{said}; massline doctor says what is there.", BAD_INPUT)
     except SystemExit:  # how click and rich answer a closed pipe, both with the code of a failed check; commands leave otherwise
         return READER_LEFT
     except (KeyboardInterrupt, click.Abort):

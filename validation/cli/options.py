@@ -103,7 +103,7 @@ UNIT = click.option("--unit", metavar="UNIT", help="Unit of length of your own m
 
 
 def asked(command: Command) -> Command:
-    """How articles are read: ``--set``, ``--chord``, ``--unit``, ``--material``."""
+    """How articles are read: ``--set``, ``--chord``, ``--unit``, ``--material``, ``--repair``."""
     return _with(
         command,
         SET,
@@ -114,6 +114,11 @@ def asked(command: Command) -> Command:
         ),
         UNIT,
         click.option("--material", metavar="NAME", help="Material or density of your own file, for every body that has none."),
+        click.option(
+            "--repair",
+            is_flag=True,
+            help="Mend what is safe in your own mesh, say each step, and estimate one that is no skin of a body all the same.",
+        ),
     )
 
 
@@ -176,8 +181,10 @@ def flexible_asked(
     )
 
 
-def reading(chord: str | None, unit: str | None, material: str | None, settings: Sequence[str]) -> ArticleOptions:
-    """The four options, checked.
+def reading(
+    chord: str | None, unit: str | None, material: str | None, settings: Sequence[str], repair: bool = False
+) -> ArticleOptions:
+    """The options, checked.
 
     Raises
     ------
@@ -187,6 +194,7 @@ def reading(chord: str | None, unit: str | None, material: str | None, settings:
         chord=None if chord is None else _length(chord, "--chord", CHORDS, '"2 um"'),
         unit=unit,
         material=material,
+        repair=repair,
         changes=reference.read(settings),
     )
 

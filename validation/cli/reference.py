@@ -54,6 +54,7 @@ def reference_command(
     chord: str | None,
     unit: str | None,
     material: str | None,
+    repair: bool,
     settings: tuple[str, ...],
 ) -> None:
     """Mass, CoG and inertia of articles by three routes, beside published, measured and identified values.
@@ -80,7 +81,7 @@ def reference_command(
     if column is not None and form in TABLES:
         raise BadInput(source="--column", problem=f"a {form} table has every column", remedy="Add --format urdf, nastran ...")
     names = list(dict.fromkeys(articles)) or list(DEFAULT_ARTICLES)
-    asked = options.reading(chord, unit, material, settings)
+    asked = options.reading(chord, unit, material, settings, repair)
     options.require_articles(names)
     require_use(names, asked)
     pose = None if frame is None else read_frame(frame)
@@ -203,6 +204,7 @@ def validate_command(
     chord: str | None,
     unit: str | None,
     material: str | None,
+    repair: bool,
     settings: tuple[str, ...],
 ) -> None:
     """Anyone's identified ten parameters against the reference of ARTICLE.
@@ -223,7 +225,7 @@ def validate_command(
     options.require_articles([article])
     pose = None if frame is None else read_frame(frame)
     said = reference.read_result(result, article=article, frame=pose)
-    asked = options.reading(chord, unit, material, settings)
+    asked = options.reading(chord, unit, material, settings, repair)
     reference.require_use([article], asked)
     with shown(f"reference of {article}", quiet=as_json):
         chosen, known = reference.reference(article, choice, asked, pose or Pose())

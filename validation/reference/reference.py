@@ -19,6 +19,7 @@ from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, Pose
 from geometry.inertia import Inertia, judge
 from geometry.routes import DEFAULT_CHORD, ROUTES, agreement, by_mesh, by_routes, rounding, tessellation_error
+from geometry.user_article import ESTIMATE
 from validation.model.setups import is_file, is_stack
 from validation.output import derived, entry, to_json, unwritten
 from validation.reference import statement
@@ -122,11 +123,8 @@ class ReferenceTable:
     def statements(self) -> dict[str, Any]:
         """Routes, and the columns that others state, None where nothing is stated."""
         routes = {route: self.columns[route] for route in ROUTES if route in self.columns}
-        return (
-            {"routes": routes}
-            | {column: self.columns.get(column) for column in (PUBLISHED, MEASURED, IDENTIFIED)}
-            | ({STATED: self.columns[STATED]} if STATED in self.columns else {})
-        )
+        others = {column: self.columns.get(column) for column in (PUBLISHED, MEASURED, IDENTIFIED)}
+        return {"routes": routes} | others | {name: self.columns[name] for name in (STATED, ESTIMATE) if name in self.columns}
 
     @property
     @derived("rows", before="note")
@@ -220,7 +218,7 @@ def route_statement(name: str, inertia: Inertia, error: Array | None = None) -> 
             for v, zero, t in zip(values, least, tolerance, strict=True)
         ),
         source=f"route {name}",
-        tolerance_note="rounding" if error is None else "rounding and tessellation",
+        tolerance_note="rounding" if error is None else "95 % interval" if name == ESTIMATE else "rounding and tessellation",
     )
 
 
@@ -251,12 +249,14 @@ class ArticleOptions:
     ----------
     chord : chord error of the mesh route [m]; None for `DEFAULT_CHORD`, and for a share of each solid's size in a user's file
     unit, material : of user's files
+    repair : whether a user's mesh is mended where that is safe, and estimated where it is no skin all the same
     changes : the user's own dimensions of built-in articles, see `validation.reference.reference`
     """
 
     chord: float | None = None
     unit: str | None = None
     material: str | None = None
+    repair: bool = False
     changes: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -286,7 +286,8 @@ def require_use(names: Sequence[str], asked: ArticleOptions) -> None:
     ------
     BadInput : unit or material are given, and every article is built in; a change, and no article has that part.
     """
-    given = [option for option, value in (("--unit", asked.unit), ("--material", asked.material)) if value is not None]
+    values = (("--unit", asked.unit), ("--material", asked.material), ("--repair", asked.repair or None))
+    given = [option for option, value in values if value is not None]
     if given and all(map(is_stack, names)):
         raise BadInput(source=given[0], problem="a built-in article states its own", remedy="Leave it out, or name a file")
     if asked.changes:
@@ -356,7 +357,7 @@ def reference(name: str, choice: str | None, asked: ArticleOptions, frame: Pose)
         return choice, seen_from(printed[choice], frame)
     only = None if asked.changes else choice or ROUTES[0]
     routes = _of_file(name, asked) if is_file(name) else _of_built_in(name, asked, only=only)
-    if not routes.agree:
+    if not routes.agree and not asked.repair:
         raise CheckFailed(f"{name}: {routes.text}")
     chosen = choice or next(iter(routes.inertias))
     if chosen not in routes.inertias:
@@ -417,12 +418,13 @@ def _of_built_in(name: str, asked: ArticleOptions, only: str | None = None) -> _
 def _of_file(name: str, asked: ArticleOptions) -> _Routes:
     from geometry import user_article
 
-    article = user_article.load(name, unit=asked.unit, material=asked.material, chord=asked.chord)
+    article = user_article.load(name, unit=asked.unit, material=asked.material, chord=asked.chord, repair=asked.repair)
     inertias = user_article.inertias(article)
     verdict = user_article.agreement(article, inertias)
+    errors = {user_article.ESTIMATE: user_article.estimate_error(article), "trimesh": verdict.tolerance}
     return _Routes(
         inertias=inertias,
-        errors={"trimesh": verdict.tolerance} if "occ" in inertias else {},
+        errors={route: error for route, error in errors.items() if error.any()},
         agree=verdict.agree,
         text=verdict.text,
         note=article.note,

@@ -19,6 +19,7 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from geometry.routes import ROUTES
+from geometry.user_article import ESTIMATE
 from validation.output import NONE, PIPED_WIDTH, SIGNIFICANT, fixed, page_width, plain_unit, rounded
 from validation.reference.reference import IDENTIFIED, MEASURED, PUBLISHED, ReferenceTable, farthest, row, verdict
 from validation.reference.statement import COG, MASS, QUANTITIES, TENSOR, Quantity, Row, Stated
@@ -151,7 +152,7 @@ def notes(table: ReferenceTable) -> tuple[str, ...]:
     tolerances = tuple(
         f"Tolerance of {said.name}: {said.tolerance_note}."
         for column, said in table.columns.items()
-        if column in (PUBLISHED, MEASURED, IDENTIFIED) and said.tolerance_note
+        if column in (PUBLISHED, MEASURED, IDENTIFIED, ESTIMATE) and said.tolerance_note
     )
     return (
         *((table.note,) if table.note else ()),
@@ -171,6 +172,8 @@ def _value(table: ReferenceTable, column: str, k: int) -> str:
     if stated is None:
         return NONE
     per_si = QUANTITIES[k].per_si
+    if column == ESTIMATE:
+        return plus_minus(stated.value * per_si, (stated.tolerance or 0.0) * per_si)
     printed = stated.decimals is not None
     decimals = stated.decimals if stated.decimals is not None else _decimals(table, k)
     text, size = fixed(stated.value * per_si, decimals), (stated.tolerance or 0.0) * per_si

@@ -149,7 +149,9 @@ def test_code_of_the_user_and_the_browser_that_prints_are_said(series, tmp_path,
 
 
 def test_every_library_that_reads_computes_or_draws_has_its_version(root):
-    declared = tomllib.loads((root / "pyproject.toml").read_text("utf-8"))["project"]["dependencies"]
+    project = tomllib.loads((root / "pyproject.toml").read_text("utf-8"))["project"]
+    extras = [one for name in ("cad", "fem", "pictures", "app") for one in project["optional-dependencies"][name]]
+    declared = [*project["dependencies"], *extras]
     names = {re.split(r"[<>=~ \[]", one)[0] for one in declared}
     faces = {"click", "rich", *(one for one in names if one.startswith("trame"))}
     assert names - faces <= set(page.PROGRAMS)

@@ -1,0 +1,26 @@
+"""Arguments that stand in each other's place, or that are forgotten, are said to be that."""
+
+import pytest
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (
+            ("compare", "series", "m.toml"),
+            "it is the folder of a campaign, where a file is needed. MODEL comes first",
+        ),
+        (("identify", "m.toml"), "it is a model file, where the folder of a campaign is needed"),
+        (("compare", "m.toml", "m.toml"), "it is a model file, where a measurement is needed"),
+        (("check", "m.toml"), "it is a model file without a [[test]], no measurement"),
+        (("add", "m.toml", "series"), "the effect stands before DATA"),
+        (("excite", "fmd", "--axis", "rx"), "Did you mean alpha?"),
+        (("excite", "fmd", "--axis", "ry"), "Did you mean beta?"),
+        (("excite", "fmd", "--axis", "Yaw"), "Did you mean gamma?"),
+    ],
+)
+def test_what_was_mistaken_is_said(refused, run, tmp_path, arguments, words):
+    run("model", "fmd+clumod-1", "--out", "m.toml")
+    (tmp_path / "series").mkdir()
+    (tmp_path / "series" / "campaign.toml").write_text("format = 1\n", encoding="utf-8")
+    assert words in refused(*arguments)
