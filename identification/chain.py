@@ -501,15 +501,7 @@ class PickUps(Placed):
         yield from channel_parameters(self.names, self.first, "accelerometer", self.group, gain, known)
         for family, unit, size in (("position", "m", known.position), ("misalignment", "rad", known.angle)):
             for k, channel in zip(self.columns, self.channels, strict=True):
-                # Axes along which a shift, or the two about which a turn, changes what `channel` reads
-                across = np.array(
-                    [np.min(np.abs([np.linalg.norm(np.cross(e, p.direction)) for p in channel.places])) for e in np.eye(3)]
-                )
-                if family == "position":
-                    axes = "".join(axis for axis, size in zip(AXES, across, strict=True) if size > PARALLEL)
-                else:
-                    kept = sorted(np.argsort(-across, kind="stable")[:2])
-                    axes = "".join(AXES[k] for k in kept)
+                axes = across(channel)[family]
                 for axis in axes:
                     yield Parameter(
                         name=f"accelerometer-{family}:{channel.name}:{axis}", unit=unit, tolerance=size, channels=(k,)
@@ -629,6 +621,16 @@ def _vector(x: Offsets, stem: str) -> Vector:
 def _three(vector: Array) -> Vector:
     x, y, z = vector.tolist()
     return x, y, z
+
+
+@lru_cache(maxsize=KEPT)
+def across(channel: Channel) -> dict[str, str]:
+    """Axes along which a shift, and the two about which a turn, changes what `channel` reads."""
+    sizes = np.array([np.min(np.abs([np.linalg.norm(np.cross(e, p.direction)) for p in channel.places])) for e in np.eye(3)])
+    return {
+        "position": "".join(axis for axis, size in zip(AXES, sizes, strict=True) if size > PARALLEL),
+        "misalignment": "".join(AXES[k] for k in sorted(np.argsort(-sizes, kind="stable")[:2])),
+    }
 
 
 @lru_cache(maxsize=KEPT)
