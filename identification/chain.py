@@ -501,7 +501,7 @@ class PickUps(Placed):
         yield from channel_parameters(self.names, self.first, "accelerometer", self.group, gain, known)
         for family, unit, size in (("position", "m", known.position), ("misalignment", "rad", known.angle)):
             for k, channel in zip(self.columns, self.channels, strict=True):
-                axes = across(channel)[family]
+                axes = self._across(channel)[family]
                 for axis in axes:
                     yield Parameter(
                         name=f"accelerometer-{family}:{channel.name}:{axis}", unit=unit, tolerance=size, channels=(k,)
@@ -533,6 +533,16 @@ class PickUps(Placed):
         common = self._common_changes(x, sight, geometry, upward)
         yield from ((key, every, A0 + A1 @ H) for key, (A0, A1) in common if key in wanted)
 
+    @staticmethod
+    @lru_cache(maxsize=KEPT)
+    def _across(channel: Channel) -> dict[str, str]:
+        """Axes along which a shift, and the two about which a turn, changes what `channel` reads."""
+        sizes = np.array([np.min(np.abs([np.linalg.norm(np.cross(e, p.direction)) for p in channel.places])) for e in np.eye(3)])
+        return {
+            "position": "".join(axis for axis, size in zip(AXES, sizes, strict=True) if size > PARALLEL),
+            "misalignment": "".join(AXES[k] for k in sorted(np.argsort(-sizes, kind="stable")[:2])),
+        }
+
     def _geometry(self, x: Offsets) -> tuple[Array, Array]:
         """d^T [G(p)] (c, 6), and the vertical component of d (c,), as they are."""
         made = [placed(channel, *self._away(channel, x)) for channel in self.channels]
@@ -540,8 +550,13 @@ class PickUps(Placed):
 
     def _away(self, channel: Channel, x: Offsets) -> tuple[Vector, Vector, Vector]:
         """The reference point, and by how much `channel` is shifted and turned."""
-        shift, turn = (_vector(x, f"accelerometer-{family}:{channel.name}") for family in ("position", "misalignment"))
-        return _three(self.point), shift, turn
+
+        def vector(family: str) -> Vector:
+            stem = f"accelerometer-{family}:{channel.name}"
+            return x.get(f"{stem}:x", 0.0), x.get(f"{stem}:y", 0.0), x.get(f"{stem}:z", 0.0)
+
+        along, across, up = self.point.tolist()
+        return (along, across, up), vector("position"), vector("misalignment")
 
     def _geometry_changes(self, x: Offsets, wanted: Collection[str]) -> Iterator[tuple[str, int, Array, float]]:
         """By `wanted` parameter of position and angle: the channel, the changes (6,) of its row and of its rise."""
@@ -612,25 +627,6 @@ class Sight:
         A1 = -f * ((square * geometry + sensed * more) @ self.compliance)
         A1[..., 2] -= f[..., 0] * square[..., 0] * self.bending * upward
         return np.asarray(A0), np.asarray(A1)
-
-
-def _vector(x: Offsets, stem: str) -> Vector:
-    return x.get(f"{stem}:x", 0.0), x.get(f"{stem}:y", 0.0), x.get(f"{stem}:z", 0.0)
-
-
-def _three(vector: Array) -> Vector:
-    x, y, z = vector.tolist()
-    return x, y, z
-
-
-@lru_cache(maxsize=KEPT)
-def across(channel: Channel) -> dict[str, str]:
-    """Axes along which a shift, and the two about which a turn, changes what `channel` reads."""
-    sizes = np.array([np.min(np.abs([np.linalg.norm(np.cross(e, p.direction)) for p in channel.places])) for e in np.eye(3)])
-    return {
-        "position": "".join(axis for axis, size in zip(AXES, sizes, strict=True) if size > PARALLEL),
-        "misalignment": "".join(AXES[k] for k in sorted(np.argsort(-sizes, kind="stable")[:2])),
-    }
 
 
 @lru_cache(maxsize=KEPT)
