@@ -29,8 +29,8 @@ from validation.estimation.problem import IDENTIFIED, Change, Lines, Measured, O
 from validation.model.model import Added
 from validation.prediction import dynamic_mass, series
 from validation.prediction import effects as prediction_effects
-from validation.prediction.dynamic_mass import structure
-from validation.prediction.effects import Nuisances
+from validation.prediction.dynamic_mass import AttachedResponse, structure
+from validation.prediction.effects import Nuisances, Tangent
 
 FORCE = "force-gain:force"
 """One force cell serves all runs."""
@@ -93,6 +93,36 @@ class ResponseFunctionTest:
         opened = [one for one in effects if one.named.id not in self._factors or isfinite(self._factors[one.named.id].tolerance)]
         return replace(self, effects=prediction_effects.reaching(opened, self.there))
 
+    def by(self, structure: Nuisances) -> "ResponseFunctionTest":
+        """The same data by another model of the structure."""
+        return replace(self, structure=structure)
+
+    def attached(self, offsets: Offsets, lines: Lines, rows: Array) -> AttachedResponse:
+        """What a mass at places would change, to first order.
+
+        With D = M - (K + ...) / omega² a mass on phi changes phi_r^T D^-1 phi_d by -(phi D^-1 phi_r)(phi D^-1 phi_d): two
+        solutions a line, one for the sensors and one for the drives, serve every place.
+
+        Parameters
+        ----------
+        rows : (q, 3, k) what each coordinate of the structure moves the places along x, y, z
+        """
+        known = {**offsets, **self._opened[1]}
+        f, q = self.measured.frequency[lines], len(rows)
+        effects = tuple(replace(one, fixed=True) for one in prediction_effects.at(self.effects, known))
+        answered, factor, _ = self._answered(known, f, effects, derivatives=False)
+        own = rows.reshape(3 * q, -1)
+        left, right = (np.tensordot(own, side[: own.shape[1]], axes=1) for side in (answered.left, answered.right))
+        changed = answered.sign * factor[..., None] * np.einsum("qnc,qnr->ncrq", left, right, optimize=True)
+        gains = np.array([self._factors[name].value(known.get(name, 0.0)) for name in self._gains])
+        read = [
+            self._read(f, factor * answered.matrix[:, :, run, None], {"": changed[:, :, run]}, gains, effects, False)[1][""]
+            for run in range(changed.shape[2])
+        ]
+        whole = np.stack(read)
+        spring = np.broadcast_to(-1 / answered.omega**2, whole.shape[:2])
+        return AttachedResponse(readings=whole.reshape(*whole.shape[:3], q, 3), spring=np.asarray(spring, dtype=np.complex128))
+
     def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
         """The prediction at `offsets` and the lines with these indices; all lines by default.
 
@@ -118,16 +148,23 @@ class ResponseFunctionTest:
         self, offsets: Offsets, f: Array, effects: Sequence[Added], *, derivatives: bool
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
         """(r, n, c, 1) of the quantity that is read per newton, and its derivatives by parameter."""
+        answered, factor, tangents = self._answered(offsets, f, effects, derivatives=derivatives)
+        moved = dynamic_mass.transfer_tangents(answered, tangents)
+        return _by_run(factor * answered.matrix), {name: _by_run(factor * change) for name, change in moved.items()}
+
+    def _answered(
+        self, offsets: Offsets, f: Array, effects: Sequence[Added], *, derivatives: bool
+    ) -> tuple[dynamic_mass.CondensedTransfer, ComplexArray, Mapping[str, Tangent]]:
+        """Accelerances, the factor (n, 1, 1) to the quantity that is read, and how the matrices change."""
         matrices, tangents = structure(self.structure, offsets, effects, derivatives=derivatives)
         rows, forces = (
             np.array([dynamic_mass.along(matrices, point.place, point.direction) for point in points])
             for points in (self.responses, self.drives)
         )
         answered = dynamic_mass.accelerance(matrices, f, rows, forces, decay_rate=self.decay_rate)
-        moved = dynamic_mass.transfer_tangents(answered, tangents)
         omega = 1j * answered.omega[:, None, None]
         factor = {"acceleration": np.ones_like(omega), "velocity": 1 / omega, "displacement": omega**-2}[self.quantity]
-        return _by_run(factor * answered.matrix), {name: _by_run(factor * change) for name, change in moved.items()}
+        return answered, factor, tangents
 
     def _read(
         self, f: Array, A: ComplexArray, dA: Mapping[str, ComplexArray], gains: Array, effects: Sequence[Added], derivatives: bool

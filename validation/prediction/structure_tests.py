@@ -9,14 +9,16 @@ import numpy as np
 from fem.damping import Damping
 from fem.structure import Sparse, Structure, place_rows
 from geometry.errors import BadInput
+from geometry.frames import Array
 from geometry.toml_file import nearest
 from identification.modal_table import ModalTable
 from identification.response_functions import ResponseFunctions
 from validation.effects.catalogue import There
-from validation.estimation.problem import Prediction
+from validation.estimation.problem import Lines, Offsets, Prediction
 from validation.model.model import Added, Model
 from validation.prediction import effects, modal_table, response_functions
 from validation.prediction import structure as reduction
+from validation.prediction.dynamic_mass import AttachedResponse
 
 Test = ModalTable | ResponseFunctions
 
@@ -43,6 +45,26 @@ class StructurePrediction(Prediction, Protocol):
 
     def with_effects(self, effects: Sequence[Added]) -> Self:
         """The same by a model with these `effects` instead of its own."""
+
+
+@runtime_checkable
+class OnNodes(StructurePrediction, Protocol):
+    """A prediction of a structure by itself, which says what anything attached to any node would do."""
+
+    @property
+    def structure(self) -> effects.Nuisances:
+        """What was tested, before any effect."""
+
+    def by(self, structure: effects.Nuisances) -> Self:
+        """The same data by another model of the structure."""
+
+    def attached(self, offsets: Offsets, lines: Lines, rows: Array) -> AttachedResponse:
+        """What a mass at places would change, to first order.
+
+        Parameters
+        ----------
+        rows : (q, 3, k) what each coordinate of the structure moves the places along x, y, z
+        """
 
 
 def predictions(model: Model, tests: Sequence[Test]) -> tuple[StructurePrediction, ...]:
@@ -102,17 +124,28 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
         elif point.position is not None:
             rows[point.place] = place_rows(structure, point.position)[0]
     known = {name: row for name, row in structure.places.items() if name.replace("-", " ", 1) not in rows}  # dof-20 and dof 20
-    structure = replace(structure, places={**known, **rows})
+    structure = reduction.with_positions(replace(structure, places={**known, **rows}), model.positions)
     band = max(one.band[1] if isinstance(one, ResponseFunctions) else float(np.max(one.frequency)) for one in tests)
     damping = users.damping if model.damping_ratio is None else Damping(ratio=model.damping_ratio)
-    made = reduction.by_itself(structure, band, damping=damping)
-    return effects.nuisances(
-        article,
-        made.matrices,
-        made.frequency,
-        made.losses,
-        model.structure,
-        highest=reduction.REACH * band,
-        part_tolerances=structure.part_tolerances,
-        scaled=users.units.known,
+    return effects.nuisances_of(
+        article, reduction.by_itself(structure, band, damping=damping), model.structure, scaled=users.units.known
     )
+
+
+def ready_at(tests: Sequence[StructurePrediction], positions: Sequence[str]) -> tuple[StructurePrediction, ...]:
+    """`tests` by the same models, made ready for effects at `positions`, which are written as coordinates.
+
+    Raises
+    ------
+    BadInput, CheckFailed : outside the mesh.
+    """
+    made: dict[int, effects.Nuisances] = {}
+    found: list[StructurePrediction] = []
+    for one in tests:
+        if isinstance(one, OnNodes) and one.structure.reduced is not None:
+            of = one.structure
+            known = made.get(id(of)) or made.setdefault(id(of), of.at_positions(positions))
+            found.append(one.by(known))
+        else:
+            found.append(one)
+    return tuple(found)

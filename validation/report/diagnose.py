@@ -22,7 +22,7 @@ from validation.diagnose.pendulum import only_classical
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import MISTAKE as OF_MISTAKES
 from validation.effects.effect import evidence_threshold
-from validation.effects.practical_units import said
+from validation.effects.practical_units import said, written_as
 from validation.estimation.evaluate import named, without
 from validation.history import add
 from validation.history.add import at_offsets, kept_offsets
@@ -425,6 +425,9 @@ def draw_left(found: results.Diagnosis, bench: Study, folder: Path, progress: Ca
 RANKED = 8
 """Causes that the page shows; JSON has all."""
 
+CALIBRATIONS = 12
+"""What is known better now that the page shows; JSON has all."""
+
 CLOSE = 3.0
 """[nats] from which what was not worth a name is worth a word: 20 to 1."""
 
@@ -473,6 +476,7 @@ class DiagnosisPage:
                 self.errors(),
                 self.errors_of_page(),
                 self.ranking(),
+                self.known_better() if found.known_better else None,
                 self.steps(),
                 grid(found.detectable) if found.detectable and found.verdict == results.NOTHING else None,
             ),
@@ -612,6 +616,25 @@ class DiagnosisPage:
             on=doc.PAGE,
         )
 
+    def known_better(self) -> doc.Table:
+        """What of the laboratory is known better now, the surest first."""
+        shown = self.found.known_better[:CALIBRATIONS]
+
+        def figures(one: results.KnownBetter) -> tuple[tuple[str, ...], str]:
+            return written_as(one.unit, (one.value, one.low, one.high, one.before))
+
+        return doc.Table(
+            caption="Known better now: what is within the class of the laboratory, and not missing",
+            rows=shown,
+            columns=(
+                doc.Column("known better now", lambda one: one.id, words=True),
+                doc.Column("value", lambda one: figures(one)[0][0]),
+                doc.Column("90 % interval", lambda one: "{1} to {2}".format(*figures(one)[0])),
+                doc.Column("admitted (sd)", lambda one: figures(one)[0][3].lstrip("+")),
+                doc.Column("unit", lambda one: figures(one)[1] or NONE, words=True),
+            ),
+        )
+
     def tried(self) -> doc.Table:
         """Every cause that was tried, a line for each of its numbers: name, value, both ends of its interval, unit."""
         every = {one.id: one for one in (*self.found.ranking, *self.found.accepted)}.values()  # as it was accepted
@@ -700,6 +723,11 @@ class DiagnosisPage:
         )
         if len(self.found.ranking) > RANKED:
             yield f"{len(self.found.ranking) - RANKED} more effects were tried and explain less; --json has all of them."
+        if self.found.known_better:
+            more = len(self.found.known_better) - CALIBRATIONS
+            words = f"; --json has {more} more" if more > 0 else ""
+            correct = "`massline correct` takes gains, delays and places of these out of a record"
+            yield f"Known better now: within what the class of the laboratory admits, and so not missing{words}; {correct}."
         if self.found.detectable and self.found.verdict != results.NOTHING:
             yield f"--json has the smallest size at which each of {len(self.found.detectable)} effects would have been named."
         if self.found.verdict == results.NONLINEAR:
