@@ -50,7 +50,7 @@ FAULT = ("--effect", "force-gain:fmd-z2=0.05")
 SHORTEST = 1000
 """[samples] of a record; shorter arrays of a file say something else."""
 
-ROUNDS = 2
+ROUNDS = 1
 """[count] of runs of each command, of which the cheaper one counts."""
 
 

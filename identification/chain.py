@@ -352,11 +352,11 @@ class Loads(Placed):
         mixed = {key: change @ X + heard @ _lost(key) for key, change in self._reading_changes(x) if key in wanted}
         mixed |= {key: even @ change @ carried for key, change in _crosstalk(x) if key in wanted}
         mixed |= {key: reading @ change for key, change in _offsets(x) if key in wanted}
-        shared = self._loads(x) @ X
+        moved = self._loads(x) @ X
         for key, to, of in self._inside():
             if key in wanted:
                 touched = self._adding_up(to)
-                yield key, touched, f[:, touched, None] * (np.outer(self.sums.adds[touched, to], shared[of]) @ H)
+                yield key, touched, f[:, touched, None] * (np.outer(self.sums.adds[touched, to], moved[of]) @ H)
         if mixed:  # all of them by one product
             every, count = list(range(len(self.channels))), len(self.channels)
             made = (np.concatenate(list(mixed.values())) @ H).reshape(len(f), len(mixed), count, 6)
@@ -538,15 +538,7 @@ class PickUps(Placed):
         yield from channel_parameters(self.names, self.first, "accelerometer", self.group, gain, known)
         for family, unit, size in (("position", "m", known.position), ("misalignment", "rad", known.angle)):
             for k, channel in zip(self.columns, self.channels, strict=True):
-                # Axes along which a shift, or the two about which a turn, changes what `channel` reads
-                across = np.array(
-                    [np.min(np.abs([np.linalg.norm(np.cross(e, p.direction)) for p in channel.places])) for e in np.eye(3)]
-                )
-                if family == "position":
-                    axes = "".join(axis for axis, size in zip(AXES, across, strict=True) if size > PARALLEL)
-                else:
-                    kept = sorted(np.argsort(-across, kind="stable")[:2])
-                    axes = "".join(AXES[k] for k in kept)
+                axes = self._across(channel)[family]
                 for axis in axes:
                     yield Parameter(
                         name=f"accelerometer-{family}:{channel.name}:{axis}", unit=unit, tolerance=size, channels=(k,)
@@ -578,6 +570,16 @@ class PickUps(Placed):
         common = self._common_changes(x, sight, geometry, upward)
         yield from ((key, every, A0 + A1 @ H) for key, (A0, A1) in common if key in wanted)
 
+    @staticmethod
+    @lru_cache(maxsize=KEPT)
+    def _across(channel: Channel) -> dict[str, str]:
+        """Axes along which a shift, and the two about which a turn, changes what `channel` reads."""
+        sizes = np.array([np.min(np.abs([np.linalg.norm(np.cross(e, p.direction)) for p in channel.places])) for e in np.eye(3)])
+        return {
+            "position": "".join(axis for axis, size in zip(AXES, sizes, strict=True) if size > PARALLEL),
+            "misalignment": "".join(AXES[k] for k in sorted(np.argsort(-sizes, kind="stable")[:2])),
+        }
+
     def _geometry(self, x: Offsets) -> tuple[Array, Array]:
         """d^T [G(p)] (c, 6), and the vertical component of d (c,), as they are."""
         made = [placed(channel, *self._away(channel, x)) for channel in self.channels]
@@ -585,8 +587,13 @@ class PickUps(Placed):
 
     def _away(self, channel: Channel, x: Offsets) -> tuple[Vector, Vector, Vector]:
         """The reference point, and by how much `channel` is shifted and turned."""
-        shift, turn = (_vector(x, f"accelerometer-{family}:{channel.name}") for family in ("position", "misalignment"))
-        return _three(self.point), shift, turn
+
+        def vector(family: str) -> Vector:
+            stem = f"accelerometer-{family}:{channel.name}"
+            return x.get(f"{stem}:x", 0.0), x.get(f"{stem}:y", 0.0), x.get(f"{stem}:z", 0.0)
+
+        along, across, up = self.point.tolist()
+        return (along, across, up), vector("position"), vector("misalignment")
 
     def _geometry_changes(self, x: Offsets, wanted: Collection[str]) -> Iterator[tuple[str, int, Array, float]]:
         """By `wanted` parameter of position and angle: the channel, the changes (6,) of its row and of its rise."""
@@ -659,19 +666,10 @@ class Sight:
         return np.asarray(A0), np.asarray(A1)
 
 
-def _vector(x: Offsets, stem: str) -> Vector:
-    return x.get(f"{stem}:x", 0.0), x.get(f"{stem}:y", 0.0), x.get(f"{stem}:z", 0.0)
-
-
-def _three(vector: Array) -> Vector:
-    x, y, z = vector.tolist()
-    return x, y, z
-
-
 @lru_cache(maxsize=KEPT)
 def placed(channel: Channel, point: Vector, shift: Vector, turn: Vector) -> tuple[Array, float]:
     """d^T [G(p)] (6,) of a `channel` about `point` [m], shifted [m] and turned [rad], and the vertical component of d."""
-    Q = rotation_by(turn)
+    Q = rotation_by(np.array(turn))
     directions = [Q @ place.direction for place in channel.places]
     arms = [place.position + np.array(shift) - np.array(point) for place in channel.places]
     row = np.mean([d @ rigid_transformation(arm) for d, arm in zip(directions, arms, strict=True)], axis=0)
@@ -681,8 +679,8 @@ def placed(channel: Channel, point: Vector, shift: Vector, turn: Vector) -> tupl
 @lru_cache(maxsize=KEPT)
 def placed_changes(channel: Channel, point: Vector, shift: Vector, turn: Vector) -> dict[tuple[str, str], tuple[Array, float]]:
     """By family and axis, how both answer to a further shift or turn."""
-    J = left_jacobian(turn)
-    directions = [rotation_by(turn) @ place.direction for place in channel.places]
+    J = left_jacobian(np.array(turn))
+    directions = [rotation_by(np.array(turn)) @ place.direction for place in channel.places]
     arms = [place.position + np.array(shift) - np.array(point) for place in channel.places]
     found: dict[tuple[str, str], tuple[Array, float]] = {}
     for axis, e in zip(AXES, np.eye(3), strict=True):

@@ -96,16 +96,7 @@ def residual(observed: Observed, rows: Rows) -> ComplexArray:
 
 def normal(observed: Observed, rows: Rows) -> Normal:
     """The normal equations of the campaign, run by run; chain parameters first, then structural ones."""
-    A, of = rows.a0 + rows.a1 @ rows.dynamic_mass, ways(rows)
-    found = []
-    for y, w in zip(observed.values, observed.weight, strict=True):
-        r, Q, u = solve.eliminated(A, y, w)
-        found.append(by_ways(of, r, Q, u, w))
-    return solve.total(found, of.count)
-
-
-def ways(rows: Rows) -> Ways:
-    """How the channels see its parameters: the structural ones through the loads, most of the chain in one channel each."""
+    # The channels see structural parameters through the loads, most of the chain in one channel each
     lines, channels, _ = rows.a1.shape
     moved = np.zeros((lines, 6, 6, 0), dtype=np.complex128) if rows.structure is None else rows.structure
     loaded = np.flatnonzero(np.any(rows.a1 != 0, axis=(0, 2)))
@@ -114,7 +105,7 @@ def ways(rows: Rows) -> Ways:
     whole = np.zeros((len(others), lines, channels, 6), dtype=np.complex128)
     for place, k in enumerate(others):
         whole[place][:, rows.chain[k].channels] = rows.chain[k].rows
-    return Ways(
+    of = Ways(
         count=len(rows.chain) + moved.shape[-1],
         channels=loaded,
         through=rows.a1[:, loaded],
@@ -126,30 +117,28 @@ def ways(rows: Rows) -> Ways:
         others=np.array(others, dtype=np.int64),
         whole=whole,
     )
+    A, found = rows.a0 + rows.a1 @ rows.dynamic_mass, []
+    for y, w in zip(observed.values, observed.weight, strict=True):
+        r, Q, u = solve.eliminated(A, y, w)
+        found.append(by_ways(of, r, Q, u, w))
+    return solve.total(found, of.count)
 
 
 def gradients(observed: Observed, rows: Rows) -> Array:
     """(r, n, k) what every line of every run contributes to the gradient."""
-    A = rows.a0 + rows.a1 @ rows.dynamic_mass
-    found = []
+    A, found = rows.a0 + rows.a1 @ rows.dynamic_mass, []
+    structural = 0 if rows.structure is None else rows.structure.shape[-1]
     for y, w in zip(observed.values, observed.weight, strict=True):
         r, _, u = solve.eliminated(A, y, w)
-        found.append(-np.einsum("nc,knc->nk", r.conj(), _changes(rows, w, u)).real)
+        # (k, n, c) W (dA) u
+        V = np.zeros((len(rows.chain) + structural, *w.shape), dtype=np.complex128)
+        for k, change in enumerate(rows.chain):
+            V[k][:, change.channels] = (change.rows @ u[..., None])[..., 0]
+        if rows.structure is not None:
+            load = np.einsum("nijk,nj->nik", rows.structure, u, optimize=True)
+            V[len(rows.chain) :] = (rows.a1 @ load).transpose(2, 0, 1)
+        found.append(-np.einsum("nc,knc->nk", r.conj(), w * V).real)
     return np.stack(found)
-
-
-def _changes(rows: Rows, w: Array, u: ComplexArray) -> ComplexArray:
-    """(k, n, c) W (dA) u of one run."""
-    lines, channels = w.shape
-    structural = 0 if rows.structure is None else rows.structure.shape[-1]
-    V = np.zeros((len(rows.chain) + structural, lines, channels), dtype=np.complex128)
-    for k, change in enumerate(rows.chain):
-        V[k][:, change.channels] = (change.rows @ u[..., None])[..., 0]
-    if rows.structure is not None:
-        load = np.einsum("nijk,nj->nik", rows.structure, u, optimize=True)
-        V[len(rows.chain) :] = (rows.a1 @ load).transpose(2, 0, 1)
-    V *= w
-    return V
 
 
 # Which lines the joint fit uses: few where H is smooth, all of them across a resonance.

@@ -58,6 +58,12 @@ class Density:
 
 def density(campaign: Campaign) -> Density | None:
     """The spectral density of the quiet parts of all runs; None where no run has one."""
+
+    def around(values: Array, width: int) -> Array:
+        """(k, c, width) an odd number of lines of `values` (k, c) about each; the first and the last go on beyond the ends."""
+        padded = np.pad(values, ((width // 2, width // 2), (0, 0)), mode="edge")
+        return np.lib.stride_tricks.sliding_window_view(padded, width, axis=0)
+
     rate, parts = 0.0, []  # the samples (n, c) of every row of quiet blocks; of one rate, another would need a grid of its own
     for one in campaign.recordings.values():
         quiet = quiet_blocks(one, campaign.table)
@@ -81,16 +87,10 @@ def density(campaign: Campaign) -> Density | None:
     # A running mean, but the density itself where it stands out of the running median
     segments = kept.sum(axis=0)
     step = frequency[1] - frequency[0]
-    median = np.median(_around(mean, 2 * max(round(AROUND / step), 1) + 1), axis=-1)
+    median = np.median(around(mean, 2 * max(round(AROUND / step), 1) + 1), axis=-1)
     top = median * (1 + 6 / np.sqrt(segments))  # six standard deviations of a mean of so many periodograms
-    even = np.mean(_around(np.minimum(mean, top), _width(step)), axis=-1)
+    even = np.mean(around(np.minimum(mean, top), _width(step)), axis=-1)
     return Density(frequency=frequency, values=np.where(mean > top, mean, even), segments=kept.sum(axis=0))
-
-
-def _around(values: Array, width: int) -> Array:
-    """(k, c, width) the lines of `values` (k, c) about each line, an odd number; the first and the last go on beyond the ends."""
-    padded = np.pad(values, ((width // 2, width // 2), (0, 0)), mode="edge")
-    return np.lib.stride_tricks.sliding_window_view(padded, width, axis=0)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

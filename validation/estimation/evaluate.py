@@ -453,17 +453,14 @@ def _held_out(
                 if name not in said:
                     with suppress(*BREAKDOWNS):
                         said[name] = whole.at(everywhere, every if lines is None else lines, derivatives=False)
-                known = _of_runs(said[name], whole.measured.runs, prediction.measured.runs) if name in said else None
+                if name in said:
+                    rows, noise = said[name].rows, said[name].noise
+                    runs = [whole.measured.runs.index(run) for run in prediction.measured.runs]
+                    rows = rows if rows.ndim == 3 else rows[runs]
+                    known = Predicted(rows=rows, noise=None if noise is None else noise[runs])
             at = offsets if everywhere is None else everywhere
             found += squares(prediction, at, lines, fold=fold.name, predicted=known)
     return share(found) if found else None
-
-
-def _of_runs(predicted: Predicted, every: Sequence[str], some: Sequence[str]) -> Predicted:
-    """What is `predicted` of `some` of the runs `every`, without derivatives."""
-    at = [every.index(run) for run in some]
-    rows = predicted.rows if predicted.rows.ndim == 3 else predicted.rows[at]
-    return Predicted(rows=rows, noise=None if predicted.noise is None else predicted.noise[at])
 
 
 def _even(prediction: Prediction, quick: bool) -> Lines | None:
@@ -524,6 +521,24 @@ def residuals(problem: Problem, at: Fit | Offsets, *, floor: float = FIT_FLOOR, 
     fitted = set(known) if isinstance(at, Fit) else set()
     loose = {one.name: one.tolerance for one in problem.parameters if one.name not in fitted and 0 < one.tolerance < np.inf}
     offsets, found = {**problem.start, **known}, []
+
+    def expected(prediction: Prediction, lines: Lines, left: Sequence[Left], variances: Array) -> Array:
+        """(r, m, c) of all runs, from the variances (r, m, c) of their values."""
+        predicted, every = prediction.at(offsets, lines), []
+        for run, (own, variance) in enumerate(zip(left, variances, strict=True)):
+            found = variance.copy() if own.gain is None else (np.abs(own.gain) ** 2 @ variance[..., None])[..., 0]
+            for name, change in predicted.changes.items():
+                if name in loose:
+                    rows = change.rows if change.rows.ndim == 3 else change.rows[run]
+                    moved = rows @ own.inputs[..., None]
+                    channels = list(change.channels)
+                    if own.gain is None:
+                        found[:, channels] += loose[name] ** 2 * np.abs(moved[..., 0]) ** 2
+                    else:
+                        found = found + loose[name] ** 2 * np.abs((own.gain[:, :, channels] @ moved)[..., 0]) ** 2
+            every.append(np.sqrt(found))
+        return np.stack(every)
+
     for one in problem.predictions:
         measured = one.measured
         lines = np.arange(len(measured.frequency)) if every_line else problem.lines_of(one)
@@ -539,27 +554,7 @@ def residuals(problem: Problem, at: Fit | Offsets, *, floor: float = FIT_FLOOR, 
                 values=np.stack([run.values for run in left]),
                 level=smoothed_level(measured.frequency, measured.values)[:, lines],
                 inputs=np.stack([run.inputs for run in left]),
-                _sigma=partial(_expected, one, offsets, lines, left, variance, loose),
+                _sigma=partial(expected, one, lines, left, variance),
             )
         )
     return tuple(found)
-
-
-def _expected(
-    prediction: Prediction, offsets: Offsets, lines: Lines, left: Sequence[Left], variances: Array, loose: dict[str, float]
-) -> Array:
-    """(r, m, c) of all runs, from the variances (r, m, c) of their values."""
-    predicted, every = prediction.at(offsets, lines), []
-    for run, (own, variance) in enumerate(zip(left, variances, strict=True)):
-        found = variance.copy() if own.gain is None else (np.abs(own.gain) ** 2 @ variance[..., None])[..., 0]
-        for name, change in predicted.changes.items():
-            if name in loose:
-                rows = change.rows if change.rows.ndim == 3 else change.rows[run]
-                moved = rows @ own.inputs[..., None]
-                channels = list(change.channels)
-                if own.gain is None:
-                    found[:, channels] += loose[name] ** 2 * np.abs(moved[..., 0]) ** 2
-                else:
-                    found = found + loose[name] ** 2 * np.abs((own.gain[:, :, channels] @ moved)[..., 0]) ** 2
-        every.append(np.sqrt(found))
-    return np.stack(every)

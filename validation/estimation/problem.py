@@ -3,6 +3,7 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from operator import attrgetter
 from types import MappingProxyType
 from typing import Any, Protocol, Self
 
@@ -212,6 +213,8 @@ FEWEST = 20
 AGREED = ("unit", "kind", "logarithmic", "tolerance", "nominal", "start", "within", "low", "high")
 """What two predictions must say alike of a parameter that they share."""
 
+said_alike = attrgetter(*AGREED)
+
 
 @dataclass(frozen=True, eq=False)
 class Problem:
@@ -250,13 +253,13 @@ class Problem:
         for source, parameters in (*sources, *((one.name, one.parameters) for one in self.facts)):
             for parameter in parameters:
                 first, said_by = found.setdefault(parameter.name, (parameter, source))
-                for what in AGREED:
-                    one, other = getattr(first, what), getattr(parameter, what)
-                    if one != other:
-                        raise ValueError(
-                            f"parameter {first.name!r} must be the same in all data sets: its {what} is {one!r} in "
-                            f"{said_by} and {other!r} in {source}; give them one value or two names"
-                        )
+                if first is parameter or said_alike(first) == said_alike(parameter):
+                    continue
+                what = next(what for what in AGREED if getattr(first, what) != getattr(parameter, what))
+                raise ValueError(
+                    f"parameter {first.name!r} must be the same in all data sets: its {what} is {getattr(first, what)!r} in "
+                    f"{said_by} and {getattr(parameter, what)!r} in {source}; give them one value or two names"
+                )
         return tuple(parameter for parameter, _ in found.values())
 
     @cached_property

@@ -66,8 +66,6 @@ def node_displacement(structure: Structure, shapes: Array) -> Array:
 
 def _with_section(structure: Structure, shapes: Array, part: Part, points: Array) -> Array:
     """Motion (n, 3, m) of `points` of one part with the sections of its axis, or with the nearest node where it has none."""
-    from scipy.interpolate import CubicHermiteSpline
-
     # A point of the part's axis [m], its direction, and the part's length along it [m]: of the largest solid
     largest = max(part.shape.solids, key=lambda placed: placed.primitive.volume)
     pose, primitive = part.pose @ largest.pose, largest.primitive
@@ -94,8 +92,13 @@ def _with_section(structure: Structure, shapes: Array, part: Part, points: Array
         stretch, e = np.gradient(np.einsum("pim,i->pm", u, axis), s, axis=0), axis[None, :, None]
         slopes = np.cross(turned, e, axis=1) + stretch[:, None, :] * e
         before = np.clip(np.searchsorted(s, place, side="right") - 1, 0, len(s) - 2)
-        share = ((place - s[before]) / (s[before + 1] - s[before]))[:, None, None]
-        moved, turned = CubicHermiteSpline(s, u, slopes)(place), (1 - share) * turned[before] + share * turned[before + 1]
+        width = (s[before + 1] - s[before])[:, None, None]
+        share = (place - s[before])[:, None, None] / width
+        turned = (1 - share) * turned[before] + share * turned[before + 1]
+        # The cubic of each piece through both its ends with their slopes
+        rest = 1 - share
+        ends = rest**2 * (1 + 2 * share) * u[before] + share**2 * (1 + 2 * rest) * u[before + 1]
+        moved = ends + width * share * rest * (rest * slopes[before] - share * slopes[before + 1])
     feet = structure.points[nodes[0]] + np.outer(place - s[0], axis)
     return np.asarray(moved + np.cross(turned, (points - feet)[:, :, None], axis=1))
 

@@ -52,10 +52,17 @@ class Figure:
         titles : above the panels of the first row
         shared : whether the panels of a column show the same frequencies, which the lowest names
         """
+
+        def places(sizes: Sequence[float], gap: float) -> list[tuple[float, float]]:
+            """Where each of several begins and ends along an edge of length 1 with a `gap` between them."""
+            lengths = [(1 - gap * (len(sizes) - 1)) * size / sum(sizes) for size in sizes]
+            begins = [end + gap * k for k, end in enumerate([0.0, *accumulate(lengths[:-1])])]
+            return [(begin, begin + length) for begin, length in zip(begins, lengths, strict=True)]
+
         self.data: list[Values] = list(traces)
         self.layout: Values = {}
         self._columns = columns
-        below, beside = _places(heights or [1.0] * rows, vertical), _places(widths or [1.0] * columns, horizontal)
+        below, beside = places(heights or [1.0] * rows, vertical), places(widths or [1.0] * columns, horizontal)
         if rows == columns == 1:
             self.layout |= {"xaxis": {}, "yaxis": {}}
             return
@@ -154,14 +161,6 @@ def _merge(into: Values, more: Mapping[str, Any]) -> None:
             _merge(into[key], value)
         elif value is not None:
             into[key] = value
-
-
-def _places(sizes: Sequence[float], gap: float) -> list[tuple[float, float]]:
-    """Where each of several begins and ends along an edge of length 1 with a `gap` between them."""
-    room = 1 - gap * (len(sizes) - 1)
-    lengths = [room * size / sum(sizes) for size in sizes]
-    begins = [end + gap * k for k, end in enumerate([0.0, *accumulate(lengths[:-1])])]
-    return [(begin, begin + length) for begin, length in zip(begins, lengths, strict=True)]
 
 
 def _number(k: int) -> str:
