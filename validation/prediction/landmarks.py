@@ -100,7 +100,7 @@ def landmarks(tests: Sequence[StructurePrediction]) -> tuple[Landmark, ...]:
         if isinstance(one, ResponseFunctionTest):
             shown = resonances(one.measured.frequency, one.measured.values, one.measured.noise)
             found += _levels(one, shown)
-            for part in _picked(one, shown):
+            for part in resonance_table(one, shown):
                 found.append(_frequencies(part) if isinstance(part, TableFrequencies) else _shapes(part))
         elif isinstance(one, TableFrequencies):
             found.append(_frequencies(one))
@@ -109,9 +109,13 @@ def landmarks(tests: Sequence[StructurePrediction]) -> tuple[Landmark, ...]:
     return tuple(found)
 
 
-def _picked(test: ResponseFunctionTest, found: Resonances) -> tuple[TableFrequencies | TableShapes, ...]:
-    """The resonances of functions as a table of modes; nothing where they show none, or more than the model has."""
+def resonance_table(test: ResponseFunctionTest, shown: Resonances | None = None) -> tuple[TableFrequencies | TableShapes, ...]:
+    """The resonances that the functions of `test` show, looked for where they are not known, as a table of modes.
+
+    Nothing where they show none, or more than the model has.
+    """
     data = test.measured
+    found = shown or resonances(data.frequency, data.values, data.noise)
     m, s = found.shapes.shape
     modes = real_modes(dynamic_mass.structure(test.structure, {}, test.effects, derivatives=False)[0])
     if not 0 < m <= np.sum(np.isfinite(modes.squares)):
