@@ -53,6 +53,9 @@ MOST_EFFECTS = 3
 KEPT = 5
 """[count] of explanations beside which others are looked for. Held by tests/validation/diagnosing/test_landmark_search.py."""
 
+LOOKED_AT = 40
+"""[count] of effects that are looked at beside another. Held by tests/validation/diagnosing/test_landmark_search.py."""
+
 OF_A_FAMILY = 2
 """[count] of these whose newest effect is of one family, for where one joint yields others nearly do, too. Held by
 tests/validation/diagnosing/test_landmark_search.py."""
@@ -426,6 +429,9 @@ class FromAfar:
                 progress("looking from afar", (depth + k / len(beam)) / MOST_EFFECTS)
                 others = [one for one in firsts if one.named.id not in node.ids]
                 looked = sorted((view.scanned(node, one) for one in others), key=lambda each: each[0])
+                if node is start:  # what does least by itself is not looked at beside others where there is very much
+                    best_first = {there.named.id: place for place, (_, there) in enumerate(looked)}
+                    firsts = sorted(firsts, key=lambda one: best_first[one.named.id])[:LOOKED_AT]
                 for there in _diverse([there for _, there in looked], TRIED):
                     ids = node.ids | {there.named.id}
                     if ids not in made:

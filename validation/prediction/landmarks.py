@@ -163,11 +163,12 @@ class Landmark:
             return []
         values = beside_axis(data.frequency, data.values, at, WIDTH)
         noise = noise_beside_axis(data.frequency, data.noise, at, WIDTH)
-        share = np.abs(values) ** 2 / np.sum(np.abs(values) ** 2, axis=2, keepdims=True)
-        kept = (share > LEAST_SHARE) & (noise < SILENT * np.abs(values))
+        level = np.maximum(np.abs(values), np.finfo(np.float64).tiny ** 0.25)  # a channel may be silent
+        share = level**2 / np.sum(level**2, axis=2, keepdims=True)
+        kept = (share > LEAST_SHARE) & (noise < SILENT * level)
         if not kept.any():
             return []
-        share = np.where(kept, share / (1 + (noise / (SOUND_LEVEL * np.abs(values))) ** 2), 0.0)  # what is noise counts less
+        share = np.where(kept, share / (1 + (noise / (SOUND_LEVEL * level)) ** 2), 0.0)  # what is noise counts less
         # What lies between two resonances, or beyond them, is a number of every run and channel that shares in it
         band = np.searchsorted(shown.frequency, at)
         weight, number = np.zeros(share.shape), 0.0
@@ -177,7 +178,7 @@ class Landmark:
                 channels = float(own.sum() ** 2 / np.sum(own.sum(axis=0) ** 2))
                 weight[run, band == k] = channels * own / own.sum()
                 number += channels
-        log = np.log(np.abs(values))
+        log = np.log(level)
         moved_to = replace(
             of,
             measured=replace(
