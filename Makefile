@@ -12,7 +12,7 @@ $(READY): requirements.lock pyproject.toml tools/setup.sh tools/pip.sh tools/doc
 	@sh tools/setup.sh .venv
 	@touch $@
 
-.PHONY: help setup demo test proof check bench blind lock clean
+.PHONY: help setup demo test proof check bench blind league lock clean
 
 help: ## what each target does
 	@grep -E '^[a-z]+:.*## ' Makefile | sed -E 's/^([a-z]+):[^#]*## /  make \1\t/' | expand -t 16
@@ -45,6 +45,9 @@ bench: $(READY) ## times as ratios, 10,000 damaged files, planted effects found,
 blind: $(READY) ## proof on data whose answer is sealed: draws, diagnoses, scores (hours; what is done is kept); ARGS="--jobs 2" runs two at a time
 	@$(PYTHON) -m benchmarks.blind $(ARGS)
 	@$(PYTHON) -m benchmarks.blind.score
+
+league: $(READY) ## the real tests of docs/league.md, whose data MASSLINE_DATA names (minutes); ARGS="footbridge --json" picks
+	@$(PYTHON) -P -c "import sys; from validation.cli.main import run; sys.exit(run(['league', *sys.argv[1:]]))" $(ARGS)
 
 # Needs uv on the path (any recent one) and the network. Pins that still fit are kept: delete the file first to renew them all.
 # No registry's host and no path of this machine ends up in it.

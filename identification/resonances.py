@@ -29,6 +29,9 @@ PROMINENT = 2.0
 ABOVE_NOISE = 5.0
 """[factor] by which it stands above the noise. Held by tests/identification/test_resonances.py."""
 
+NEXT_TO_NOTHING = 1e-9
+"""[share] of the largest that a reading of zero is taken for. By definition."""
+
 PER_OCTAVE = 96
 """[count] of lines in an octave at which they are looked for: several in each `WIDTH`. By definition."""
 
@@ -86,7 +89,9 @@ def resonances(frequency: Array, values: ComplexArray, noise: Array) -> Resonanc
         near = np.abs(frequency / peak - 1) < 2 * WIDTH
         if near.sum() < 4:  # three unknowns and the constant beside them
             continue
-        mode = lone_mode(frequency[near], values[:, near].transpose(1, 0, 2).reshape(near.sum(), -1), float(peak), WIDTH / 3)
+        readings = values[:, near].transpose(1, 0, 2).reshape(near.sum(), -1)
+        readings = np.where(readings == 0, NEXT_TO_NOTHING * np.abs(readings).max(), readings)  # errors are relative
+        mode = lone_mode(frequency[near], readings, float(peak), WIDTH / 3)
         residues = (mode.residues * np.exp(-1j * mode.turn)).real.reshape(len(values), -1)
         shape = np.linalg.svd(residues)[2][0]
         if abs(mode.frequency / peak - 1) < 2 * WIDTH:

@@ -31,6 +31,15 @@ def test_frequencies_damping_and_shapes_are_those_of_the_chain(drives):
         assert (one @ other) ** 2 / (one @ one) / (other @ other) > 0.995
 
 
+def test_a_channel_that_reads_nothing_hides_none_and_has_no_part_in_a_shape():
+    f = np.arange(2.0, 60.0, 0.05)
+    H, frequency, _ = chain(2j * np.pi * f, (0,))
+    H[:, :, 1] = 0.0
+    found = resonances(f, H, 1e-3 * np.abs(H).mean() * np.ones(H.shape))
+    assert_allclose(found.frequency, frequency, rtol=2e-3)
+    assert_allclose(found.shapes[:, 1], 0.0, atol=1e-6)
+
+
 def test_noise_alone_shows_none():
     rng = np.random.default_rng(4)
     f, shape = np.arange(2.0, 60.0, 0.1), (2, 580, 3)

@@ -9,6 +9,7 @@ import numpy as np
 from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.frames import Array
 from geometry.inertia import LOADS
+from validation.compare.correlation import FunctionCorrelation, ModalCorrelation, correlations
 from validation.compare.maps import LENGTHS, Map, NamedMode, Rig, doubt, mapped, modes_of
 from validation.estimation import verdicts
 from validation.estimation.evaluate import residuals
@@ -80,8 +81,13 @@ def of_evaluation(study: Study, fitted: Problem, evaluation: Evaluation, progres
         modes=modes,
         worst=spots,
         facts=tuple(facts),
+        correlation=(alike := correlations(made)),
         effects=tuple(one.named.id for one in model.effects),
-        remarks=tuple(dict.fromkeys(text.rstrip(".") for text in _remarks(made, maps, evaluation))),
+        remarks=tuple(
+            dict.fromkeys(
+                text.rstrip(".") for text in (*_remarks(made, maps, evaluation), *(text for one in alike for text in one.remarks))
+            )
+        ),
     )
 
 
@@ -180,6 +186,7 @@ class Comparison:
     modes : of each data set's configuration
     worst : the worst spots, worst first
     facts : classical measurements
+    correlation : of tests of structures what analysts deliver, by the model as it is
     effects : ids of the effects that are in the model
     remarks : sentences: what was assumed, what is missing
     """
@@ -195,6 +202,7 @@ class Comparison:
     modes: tuple[tuple[NamedMode, ...], ...] = unwritten()
     worst: "tuple[Spot, ...]" = unwritten()
     facts: tuple[FactComparison, ...] = entry("classical", default=())
+    correlation: tuple[ModalCorrelation | FunctionCorrelation, ...] = unwritten(default=())
     remarks: tuple[str, ...] = entry("warnings", default=())
 
     @property
@@ -238,6 +246,7 @@ class Comparison:
         of = self.evaluation
         return {
             "parameters": {"plain": of.plain_fit.by_parameter, "fitted": of.fitted.by_parameter},
+            **({"correlation": self.correlation} if self.correlation else {}),
             "worst_pairs": worst_pairs(self.maps, WRITTEN_PAIRS),
             "maps": [
                 {

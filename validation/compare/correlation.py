@@ -7,6 +7,7 @@ all functions have in common. Where they are green and the sigmas are not, the r
 import csv
 import io
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +16,9 @@ import numpy.typing as npt
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
 from identification.modal_table import ModalTable, mac
-from validation.estimation.problem import Offsets
+from validation.estimation.problem import Offsets, Prediction
 from validation.output import derived
+from validation.prediction.landmarks import resonance_table
 from validation.prediction.modal_table import RealModes, TableFrequencies, TableShapes, partners, seen
 from validation.prediction.response_functions import ResponseFunctionTest
 
@@ -250,6 +252,18 @@ def functions(test: ResponseFunctionTest, offsets: Offsets) -> FunctionCorrelati
         wrong = f"its level is {level[worst]:+.1f} dB off; FRAC does not see a factor"
         said.append(f"FRAC of {worst} is {alike[worst]:.2f}, and {wrong}")
     return FunctionCorrelation(data_set=test.measured.name, frac=alike, ratio=level, remarks=tuple(said))
+
+
+def correlations(made: Sequence[Prediction]) -> tuple[ModalCorrelation | FunctionCorrelation, ...]:
+    """Of all tests of structures among `made`, by the models as they are; of functions also that of the resonances they show."""
+    found: list[ModalCorrelation | FunctionCorrelation] = []
+    for one in made:
+        tables = resonance_table(one) if isinstance(one, ResponseFunctionTest) else (one,)
+        start = {each.name: each.start for each in one.parameters}
+        with suppress(ValueError, np.linalg.LinAlgError):
+            found += [modal(table, start) for table in tables if isinstance(table, TableFrequencies)]
+            found += [functions(one, start)] if isinstance(one, ResponseFunctionTest) else []
+    return tuple(found)
 
 
 def frac(measured: ComplexArray, model: ComplexArray) -> float:

@@ -17,7 +17,7 @@ from identification.campaign import Campaign
 from identification.quality import NORMAL_90
 from validation.diagnose import candidates, diagnosis, pendulum, search
 from validation.diagnose.everywhere import found_nodes, without_a_name
-from validation.diagnose.landmark_search import FromAfar, from_afar, line_fit
+from validation.diagnose.landmark_search import FromAfar, line_fit
 from validation.diagnose.mistakes import mistakes
 from validation.diagnose.next_test import advised
 from validation.diagnose.nonlinear import differing_levels, nonlinear
@@ -28,7 +28,7 @@ from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS
 from validation.estimation.evaluate import evaluate, folds
 from validation.estimation.fit import FLOOR, PLAIN_FLOOR, nearby, unfitted
-from validation.estimation.problem import EFFECT, FITTED, IDENTIFIED, Evaluation, Fit, Offsets
+from validation.estimation.problem import EFFECT, FITTED, IDENTIFIED, Evaluation, Offsets
 from validation.history.add import completed
 from validation.model.model import Added, Model, require_target, vocabulary
 from validation.model.tolerance_classes import METROLOGY
@@ -92,7 +92,7 @@ def diagnosed(
         menu = menu if only else candidates.candidates(right, leave_out=leave_out)
         at, steps = stepwise_search(right, base, menu, tell)
         unknown = right.tests and not right.made and not goodness_of_fit(at.fit, at.problem).null
-        afar = from_afar(right, menu, tell) if unknown else None
+        afar = FromAfar.search(right, menu, tell) if unknown else None
         found = answer(right, at, steps, tell) if afar is None else answer_from_afar(right, base, steps, afar, tell)
         found = replace(found, everywhere=nodes, nodes=every)
     whole = with_mistakes(of, found, mistaken) if mistaken else found
@@ -253,6 +253,12 @@ def answer_from_afar(
     if found.after is not None:
         left += f" {found.after.added.named.id} comes closest to that, with {max(found.after.evidence, 0.0):.1f} nats too little."
     total = sum(sd**2 for _, sd in off) or 1.0
+    # Gains of which nothing was known; their intervals are wider by what the data do not fit
+    wider, gains = NORMAL_90 * max(np.sqrt(fit.chi2 / max(fit.degrees_of_freedom, 1)), 1.0), []
+    for one, x, square in zip(fit.parameters, map(float, fit.offsets), map(float, np.diag(fit.covariance)), strict=True):
+        if one.kind == IDENTIFIED and np.isinf(one.tolerance):
+            low, high = (one.value(x + side * wider * np.sqrt(max(square, 0.0))) for side in (-1, 1))
+            gains.append(f"{one.name}, which was not known, is {one.value(x):.4g} ({low:.4g} to {high:.4g})")
     return diagnosis.Diagnosis(
         verdict=verdict,
         text=left if verdict == diagnosis.UNKNOWN else "",
@@ -281,7 +287,7 @@ def answer_from_afar(
             ),
         ),
         hold_out=before.held_out_names,
-        remarks=open_gains(fit),
+        remarks=tuple(gains),
         settings={
             **settings(study),
             **search.SETTINGS,
@@ -291,16 +297,6 @@ def answer_from_afar(
             "parameters": len(fit.parameters),
         },
     )
-
-
-def open_gains(fit: Fit) -> tuple[str, ...]:
-    """What a fit found of gains of which nothing was known, in words; intervals are wider by what the data do not fit."""
-    wider, found = max(np.sqrt(fit.chi2 / max(fit.degrees_of_freedom, 1)), 1.0), []
-    for one, x, variance in zip(fit.parameters, fit.offsets, np.diag(fit.covariance), strict=True):
-        if one.kind == IDENTIFIED and np.isinf(one.tolerance):
-            low, high = (one.value(float(x + side * NORMAL_90 * wider * np.sqrt(max(variance, 0.0)))) for side in (-1, 1))
-            found.append(f"{one.name}, which was not known, is {one.value(float(x)):.4g} ({low:.4g} to {high:.4g})")
-    return tuple(found)
 
 
 def settings(study: Study) -> Mapping[str, object]:

@@ -41,7 +41,7 @@ from validation.estimation.fit import BREAKDOWNS, nearby
 from validation.estimation.problem import FITTED, Fit, Parameter
 from validation.model.model import Added
 from validation.prediction.effects import name
-from validation.prediction.landmarks import Landmark, landmarks, tolerances
+from validation.prediction.landmarks import Landmark, tolerances
 from validation.study import Study
 
 OCTAVES = np.arange(-3.0, 5.0)
@@ -52,6 +52,9 @@ MOST_EFFECTS = 3
 
 KEPT = 5
 """[count] of explanations beside which others are looked for. Held by tests/validation/diagnosing/test_landmark_search.py."""
+
+LOOKED_AT = 40
+"""[count] of effects that are looked at beside another. Held by tests/validation/diagnosing/test_landmark_search.py."""
 
 OF_A_FAMILY = 2
 """[count] of these whose newest effect is of one family, for where one joint yields others nearly do, too. Held by
@@ -206,6 +209,94 @@ class DistantView:
         looked = [float(x) for x in (*-steps[::-1], *steps) if low < x < high]
         return min((there(x) for x in looked), key=lambda each: each[0])
 
+    def groups(self, menu: Sequence[Added]) -> list[list[Added]]:
+        """Those of `menu` that have one free size and move the landmarks, the alike together."""
+        home, known = self.residual(()), {one.named.id for one in stated(menu)}
+        found: list[tuple[Array, list[Added]]] = []
+        for one in menu:
+            if one.fixed or is_resonator(one.named) or one.named.id in known:
+                continue
+            free = self.sizes((one,))
+            if len(free) != 1:
+                continue
+            step = 0.1 * free[0].tolerance
+            moved = self.residual(at_offsets((one,), free, [step if step < free[0].bounds(plain=False)[1] else -step])) - home
+            length = float(np.linalg.norm(moved))
+            if length < UNSEEN:
+                continue
+            for direction, group in found:
+                if abs(direction @ moved) > ALIKE * length:
+                    group.append(one)
+                    break
+            else:
+                found.append((moved / length, [one]))
+        return [group for _, group in found]
+
+    def variance(self, nodes: Iterable[LandmarkFit]) -> float:
+        """What the best of `nodes` leaves, one at least."""
+        return max(1.0, min(one.chi2 / max(self.number - len(one.sizes), 1.0) for one in nodes))
+
+    def needed(self, data: Study, nodes: Sequence[LandmarkFit], start: LandmarkFit, variance: float) -> LandmarkFit:
+        """That of `nodes`, each of which has the effects of `start`, that has no effect more than can be told.
+
+        Landmarks bring resonances together, and then lines say more. So of explanations with as many effects that landmarks do
+        not tell apart the fit of all lines over a coarse floor decides; its cost is that of as many independent numbers as there
+        are landmarks. One effect more is needed where landmarks gain what its family asks for, or gain at all, and lines what
+        tells two explanations apart.
+        """
+        costs: dict[frozenset[str], float] = {}
+
+        def cost(one: LandmarkFit) -> float:
+            """Of the fit of all lines; none where there are no lines."""
+            if one.ids not in costs:
+                told = line_fit(data, one.effects)
+                costs[one.ids] = float("nan") if told is None else told.cost
+            return costs[one.ids]
+
+        best = start
+        for count in range(len(start.effects) + 1, len(start.effects) + MOST_EFFECTS + 1):
+            more = sorted((one for one in nodes if len(one.effects) == count), key=lambda one: -one.log_evidence(variance))
+            if not more:
+                break
+            first = more[0].log_evidence(variance)
+            near = [one for one in more[:KEPT] if one.log_evidence(variance) > first - EVIDENCE_THRESHOLD]
+            there = (
+                min(near, key=lambda one: np.nan_to_num(cost(one), nan=-one.log_evidence(variance))) if len(near) > 1 else near[0]
+            )
+            gained = max(first, there.log_evidence(variance)) - best.log_evidence(variance)
+            asked = max(evidence_threshold(one.named.family) for one in there.effects if not one.fixed)
+            by_lines = 0.5 * self.number * float(np.log(cost(best) / cost(there))) if gained > 0 else 0.0
+            if gained >= asked * (count - len(best.effects)) or by_lines >= INDISTINGUISHABLE_NATS * (count - len(best.effects)):
+                best = there
+        return best
+
+    def alike(
+        self,
+        best: LandmarkFit,
+        one: Added,
+        groups: Sequence[Sequence[Added]],
+        nodes: dict[frozenset[str], LandmarkFit],
+        variance: float,
+    ) -> tuple[str, ...]:
+        """Ids of what could stand for `one` beside the other effects of `best`, the best first."""
+        others = best.ids - {one.named.id}
+        left = tuple(each for each in best.effects if each is not one)
+        found = {one.named.id: best.log_evidence(variance)}
+        for group in groups:
+            first = group[0].named.id
+            if first in others:
+                continue
+            near = nodes.get(others | {first})
+            if near is None or near.log_evidence(variance) < found[one.named.id] - INDISTINGUISHABLE_NATS:
+                continue
+            for each in group:
+                if each.named.id not in best.ids:
+                    again = (
+                        near if each is group[0] else self.explained((*left, self.scanned(replace(best, effects=left), each)[1]))
+                    )
+                    found[each.named.id] = again.log_evidence(variance)
+        return tuple(id for id in found if found[id] >= found[one.named.id] - INDISTINGUISHABLE_NATS)
+
 
 def at_offsets(effects: Sequence[Added], free: Sequence[Parameter], offsets: Sequence[float] | Array) -> tuple[Added, ...]:
     """`effects` with the sizes that `free` have at these `offsets`."""
@@ -310,93 +401,96 @@ class FromAfar:
             found[one.named.id] = tuple(own)
         return found
 
+    @classmethod
+    def search(cls, data: Study, menu: Sequence[Added], progress: Progress) -> "FromAfar | None":
+        """The effects of `menu` that bring the landmarks of the tests of `data` nearest.
 
-def from_afar(data: Study, menu: Sequence[Added], progress: Progress) -> FromAfar | None:
-    """The effects of `menu` that bring the landmarks of the tests of `data` nearest.
-
-    None where the model is not far, or none brings them near.
-    """
-    view = DistantView(marks=landmarks(data.predictions))
-    if not view.marks:
-        return None
-    base = view.explained(())
-    if base.chi2 <= FAR * view.number:
-        return None
-    progress("looking from afar", 0.0)
-    groups = _groups(view, menu)
-    firsts = [group[0] for group in groups]
-    # What mechanics states is asked first: it has no size by which it could explain anything else
-    start = base
-    for known in stated(menu):
-        with_it = view.explained((*start.effects, known))
-        start = with_it if with_it.chi2 < start.chi2 else start
-    nodes: dict[frozenset[str], LandmarkFit] = {base.ids: base, start.ids: start}
-    beam = [start]
-    for depth in range(MOST_EFFECTS):
-        made: dict[frozenset[str], LandmarkFit] = {}
-        for k, node in enumerate(beam):
-            progress("looking from afar", (depth + k / len(beam)) / MOST_EFFECTS)
-            others = [one for one in firsts if one.named.id not in node.ids]
-            looked = sorted((view.scanned(node, one) for one in others), key=lambda each: each[0])
-            for there in _diverse([there for _, there in looked], TRIED):
-                ids = node.ids | {there.named.id}
-                if ids not in made:
-                    made[ids] = view.explained((*node.effects, there))
-        nodes |= made
-        variance = _variance(view, nodes.values())
-        ordered = sorted(made.values(), key=lambda one: -one.log_evidence(variance))
-        newest = {id(one.effects[-1]): one for one in ordered}
-        beam = [newest[id(one)] for one in _diverse([one.effects[-1] for one in ordered], KEPT)]
-    variance = _variance(view, nodes.values())
-    progress("telling what is near apart by lines", 0.9)
-    best = _needed(data, view, [one for one in nodes.values() if one.ids >= start.ids], start, variance)
-    gains: dict[str, float] = {}
-    for added in best.effects:
-        left = tuple(each for each in best.effects if each is not added)
-        if added.fixed:  # it is there wherever it acts, and is named where it brings enough by itself
-            gains[added.named.id] = view.explained((added,)).log_evidence(variance) - base.log_evidence(variance)
-        else:
-            rest = nodes.get(best.ids - {added.named.id}) or view.explained(left)
-            gains[added.named.id] = best.log_evidence(variance) - rest.log_evidence(variance)
-    faint = {one.named.id for one in best.effects if one.fixed and gains[one.named.id] < evidence_threshold(one.named.family)}
-    if faint:
-        best = view.explained(tuple(one for one in best.effects if one.named.id not in faint))
-        gains = {id: gain for id, gain in gains.items() if id not in faint}
-    if not best.effects or base.chi2 - best.chi2 < EXPLAINED * (base.chi2 - view.number):
-        return None
-    alike = {
-        each.named.id: (each.named.id,) if each.fixed else _alike(view, best, each, groups, nodes, variance)
-        for each in best.effects
-    }
-    with_one = [node for node in nodes.values() if len(node.effects) == len(start.effects) + 1]
-    with_one += [start] if start.effects else []
-    alone = [
-        LandmarkAlternative(
-            added=one.effects[-1],
-            evidence=one.log_evidence(variance) - base.log_evidence(variance),
-            misfit=one.chi2 / max(view.number - len(one.sizes), 1.0),
+        None where the model is not far, or none brings them near.
+        """
+        view = DistantView(marks=Landmark.of_tests(data.predictions))
+        if not view.marks:
+            return None
+        base = view.explained(())
+        if base.chi2 <= FAR * view.number:
+            return None
+        progress("looking from afar", 0.0)
+        groups = view.groups(menu)
+        firsts = [group[0] for group in groups]
+        # What mechanics states is asked first: it has no size by which it could explain anything else
+        start = base
+        for known in stated(menu):
+            with_it = view.explained((*start.effects, known))
+            start = with_it if with_it.chi2 < start.chi2 else start
+        nodes: dict[frozenset[str], LandmarkFit] = {base.ids: base, start.ids: start}
+        beam = [start]
+        for depth in range(MOST_EFFECTS):
+            made: dict[frozenset[str], LandmarkFit] = {}
+            for k, node in enumerate(beam):
+                progress("looking from afar", (depth + k / len(beam)) / MOST_EFFECTS)
+                others = [one for one in firsts if one.named.id not in node.ids]
+                looked = sorted((view.scanned(node, one) for one in others), key=lambda each: each[0])
+                if node is start:  # what does least by itself is not looked at beside others where there is very much
+                    best_first = {there.named.id: place for place, (_, there) in enumerate(looked)}
+                    firsts = sorted(firsts, key=lambda one: best_first[one.named.id])[:LOOKED_AT]
+                for there in _diverse([there for _, there in looked], TRIED):
+                    ids = node.ids | {there.named.id}
+                    if ids not in made:
+                        made[ids] = view.explained((*node.effects, there))
+            nodes |= made
+            variance = view.variance(nodes.values())
+            ordered = sorted(made.values(), key=lambda one: -one.log_evidence(variance))
+            newest = {id(one.effects[-1]): one for one in ordered}
+            beam = [newest[id(one)] for one in _diverse([one.effects[-1] for one in ordered], KEPT)]
+        variance = view.variance(nodes.values())
+        progress("telling what is near apart by lines", 0.9)
+        best = view.needed(data, [one for one in nodes.values() if one.ids >= start.ids], start, variance)
+        gains: dict[str, float] = {}
+        for added in best.effects:
+            left = tuple(each for each in best.effects if each is not added)
+            if added.fixed:  # it is there wherever it acts, and is named where it brings enough by itself
+                gains[added.named.id] = view.explained((added,)).log_evidence(variance) - base.log_evidence(variance)
+            else:
+                rest = nodes.get(best.ids - {added.named.id}) or view.explained(left)
+                gains[added.named.id] = best.log_evidence(variance) - rest.log_evidence(variance)
+        faint = {one.named.id for one in best.effects if one.fixed and gains[one.named.id] < evidence_threshold(one.named.family)}
+        if faint:
+            best = view.explained(tuple(one for one in best.effects if one.named.id not in faint))
+            gains = {id: gain for id, gain in gains.items() if id not in faint}
+        if not best.effects or base.chi2 - best.chi2 < EXPLAINED * (base.chi2 - view.number):
+            return None
+        alike = {
+            each.named.id: (each.named.id,) if each.fixed else view.alike(best, each, groups, nodes, variance)
+            for each in best.effects
+        }
+        with_one = [node for node in nodes.values() if len(node.effects) == len(start.effects) + 1]
+        with_one += [start] if start.effects else []
+        alone = [
+            LandmarkAlternative(
+                added=one.effects[-1],
+                evidence=one.log_evidence(variance) - base.log_evidence(variance),
+                misfit=one.chi2 / max(view.number - len(one.sizes), 1.0),
+            )
+            for one in with_one
+        ]
+        beside = [node for node in nodes.values() if node.ids > best.ids and len(node.effects) == len(best.effects) + 1]
+        nearest = max(beside, key=lambda one: one.log_evidence(variance), default=None)
+        return cls(
+            best=best,
+            variance=variance,
+            number=view.number,
+            base=base,
+            gains=gains,
+            alike=alike,
+            alone=tuple(sorted(alone, key=lambda one: -one.evidence)),
+            after=None
+            if nearest is None
+            else LandmarkAlternative(
+                added=next(one for one in nearest.effects if one.named.id not in best.ids),
+                evidence=nearest.log_evidence(variance) - best.log_evidence(variance),
+                misfit=nearest.chi2 / max(view.number - len(nearest.sizes), 1.0),
+            ),
+            view=view,
         )
-        for one in with_one
-    ]
-    beside = [node for node in nodes.values() if node.ids > best.ids and len(node.effects) == len(best.effects) + 1]
-    nearest = max(beside, key=lambda one: one.log_evidence(variance), default=None)
-    return FromAfar(
-        best=best,
-        variance=variance,
-        number=view.number,
-        base=base,
-        gains=gains,
-        alike=alike,
-        alone=tuple(sorted(alone, key=lambda one: -one.evidence)),
-        after=None
-        if nearest is None
-        else LandmarkAlternative(
-            added=next(one for one in nearest.effects if one.named.id not in best.ids),
-            evidence=nearest.log_evidence(variance) - best.log_evidence(variance),
-            misfit=nearest.chi2 / max(view.number - len(nearest.sizes), 1.0),
-        ),
-        view=view,
-    )
 
 
 def _diverse(found: Sequence[Added], most: int) -> list[Added]:
@@ -410,35 +504,6 @@ def _diverse(found: Sequence[Added], most: int) -> list[Added]:
     return kept[:most]
 
 
-def _groups(view: DistantView, menu: Sequence[Added]) -> list[list[Added]]:
-    """Those of `menu` that have one free size and move the landmarks, the alike together."""
-    home, known = view.residual(()), {one.named.id for one in stated(menu)}
-    found: list[tuple[Array, list[Added]]] = []
-    for one in menu:
-        if one.fixed or is_resonator(one.named) or one.named.id in known:
-            continue
-        free = view.sizes((one,))
-        if len(free) != 1:
-            continue
-        step = 0.1 * free[0].tolerance
-        moved = view.residual(at_offsets((one,), free, [step if step < free[0].bounds(plain=False)[1] else -step])) - home
-        length = float(np.linalg.norm(moved))
-        if length < UNSEEN:
-            continue
-        for direction, group in found:
-            if abs(direction @ moved) > ALIKE * length:
-                group.append(one)
-                break
-        else:
-            found.append((moved / length, [one]))
-    return [group for _, group in found]
-
-
-def _variance(view: DistantView, nodes: Iterable[LandmarkFit]) -> float:
-    """What the best of `nodes` leaves, one at least."""
-    return max(1.0, min(one.chi2 / max(view.number - len(one.sizes), 1.0) for one in nodes))
-
-
 def line_fit(data: Study, effects: Sequence[Added]) -> Fit | None:
     """The fit of all lines of the response functions of `data` with `effects`, from the sizes at which they stand, over the floor
     of what is still far; None where there are no lines, or none is found."""
@@ -448,62 +513,3 @@ def line_fit(data: Study, effects: Sequence[Added]) -> Fit | None:
     with suppress(CheckFailed):
         return nearby(problem, FITTED, problem.start, floor=SIZE_SCAN_FLOOR)
     return None
-
-
-def _needed(data: Study, view: DistantView, nodes: Sequence[LandmarkFit], start: LandmarkFit, variance: float) -> LandmarkFit:
-    """That of `nodes`, each of which has the effects of `start`, that has no effect more than can be told.
-
-    Landmarks bring resonances together, and then lines say more. So of explanations with as many effects that landmarks do not
-    tell apart the fit of all lines over a coarse floor decides; its cost is that of as many independent numbers as there are
-    landmarks. One effect more is needed where landmarks gain what its family asks for, or gain at all, and lines what tells two
-    explanations apart.
-    """
-    costs: dict[frozenset[str], float] = {}
-
-    def cost(one: LandmarkFit) -> float:
-        """Of the fit of all lines; none where there are no lines."""
-        if one.ids not in costs:
-            told = line_fit(data, one.effects)
-            costs[one.ids] = float("nan") if told is None else told.cost
-        return costs[one.ids]
-
-    best = start
-    for count in range(len(start.effects) + 1, len(start.effects) + MOST_EFFECTS + 1):
-        more = sorted((one for one in nodes if len(one.effects) == count), key=lambda one: -one.log_evidence(variance))
-        if not more:
-            break
-        first = more[0].log_evidence(variance)
-        near = [one for one in more[:KEPT] if one.log_evidence(variance) > first - EVIDENCE_THRESHOLD]
-        there = min(near, key=lambda one: np.nan_to_num(cost(one), nan=-one.log_evidence(variance))) if len(near) > 1 else near[0]
-        gained = max(first, there.log_evidence(variance)) - best.log_evidence(variance)
-        asked = max(evidence_threshold(one.named.family) for one in there.effects if not one.fixed)
-        by_lines = 0.5 * view.number * float(np.log(cost(best) / cost(there))) if gained > 0 else 0.0
-        if gained >= asked * (count - len(best.effects)) or by_lines >= INDISTINGUISHABLE_NATS * (count - len(best.effects)):
-            best = there
-    return best
-
-
-def _alike(
-    view: DistantView,
-    best: LandmarkFit,
-    one: Added,
-    groups: Sequence[Sequence[Added]],
-    nodes: dict[frozenset[str], LandmarkFit],
-    variance: float,
-) -> tuple[str, ...]:
-    """Ids of what could stand for `one` beside the other effects of `best`, the best first."""
-    others = best.ids - {one.named.id}
-    left = tuple(each for each in best.effects if each is not one)
-    found = {one.named.id: best.log_evidence(variance)}
-    for group in groups:
-        first = group[0].named.id
-        if first in others:
-            continue
-        near = nodes.get(others | {first})
-        if near is None or near.log_evidence(variance) < found[one.named.id] - INDISTINGUISHABLE_NATS:
-            continue
-        for each in group:
-            if each.named.id not in best.ids:
-                again = near if each is group[0] else view.explained((*left, view.scanned(replace(best, effects=left), each)[1]))
-                found[each.named.id] = again.log_evidence(variance)
-    return tuple(id for id in found if found[id] >= found[one.named.id] - INDISTINGUISHABLE_NATS)

@@ -92,26 +92,126 @@ class Landmark:
         left, moved = self.compared(predicted, [name for name in derivatives if name in predicted.changes])
         return left / self.deviation, {name: change / self.deviation for name, change in moved.items()}
 
+    @classmethod
+    def of_tests(cls, tests: Sequence[StructurePrediction]) -> "tuple[Landmark, ...]":
+        """Those of all `tests`."""
+        found: list[Landmark] = []
+        for one in tests:
+            if isinstance(one, ResponseFunctionTest):
+                shown = resonances(one.measured.frequency, one.measured.values, one.measured.noise)
+                found += cls.of_levels(one, shown)
+                for part in resonance_table(one, shown):
+                    found.append(cls.of_frequencies(part) if isinstance(part, TableFrequencies) else cls.of_shapes(part))
+            elif isinstance(one, TableFrequencies):
+                found.append(cls.of_frequencies(one))
+            elif isinstance(one, TableShapes):
+                found.append(cls.of_shapes(one))
+        return tuple(found)
 
-def landmarks(tests: Sequence[StructurePrediction]) -> tuple[Landmark, ...]:
-    """Those of all `tests`."""
-    found: list[Landmark] = []
-    for one in tests:
-        if isinstance(one, ResponseFunctionTest):
-            shown = resonances(one.measured.frequency, one.measured.values, one.measured.noise)
-            found += _levels(one, shown)
-            for part in _picked(one, shown):
-                found.append(_frequencies(part) if isinstance(part, TableFrequencies) else _shapes(part))
-        elif isinstance(one, TableFrequencies):
-            found.append(_frequencies(one))
-        elif isinstance(one, TableShapes):
-            found.append(_shapes(one))
-    return tuple(found)
+    @classmethod
+    def of_frequencies(cls, of: TableFrequencies) -> "Landmark":
+        data = of.measured
+        f, sd = data.values[:, 0, 0].real, data.noise[:, 0, 0]
+
+        def compared(predicted: Predicted, names: Sequence[str]) -> tuple[Array, dict[str, Array]]:
+            own = predicted.rows[:, 0, 0, 0].real
+            return np.log(own / f), {name: _whole(predicted, name)[:, 0, 0, 0].real / own for name in names}
+
+        return cls(
+            kind="frequency",
+            prediction=of,
+            compared=compared,
+            deviation=np.hypot(sd / f, SOUND_FREQUENCY),
+            where=tuple(f"frequency of {run}" for run in data.runs),
+            number=float(len(f)),
+        )
+
+    @classmethod
+    def of_shapes(cls, of: TableShapes) -> "Landmark":
+        data = of.measured
+        y, sd = data.values[:, 0].real, data.noise[:, 0]  # noise has `SOUND_SHAPE` in it
+        m, s = y.shape
+        number = max(min(s - 1, m), 1)
+        weight = SOUND_SHAPE / sd
+
+        def compared(predicted: Predicted, names: Sequence[str]) -> tuple[Array, dict[str, Array]]:
+            a, b = weight * predicted.rows[:, 0, :, 0].real, weight * y
+            square = np.sum(a**2, axis=1, keepdims=True)
+            factor = np.sum(a * b, axis=1, keepdims=True) / square
+            moved = {}
+            for name in names:
+                d = weight * _whole(predicted, name)[:, 0, :, 0].real
+                moved[name] = (factor * (d - a * np.sum(a * d, axis=1, keepdims=True) / square)).ravel()
+            return (factor * a - b).ravel(), moved
+
+        return cls(
+            kind="shape",
+            prediction=of,
+            compared=compared,
+            deviation=np.full(m * s, SOUND_SHAPE * np.sqrt(s / number)),
+            where=tuple(f"shape of {run} at {channel}" for run in data.runs for channel in data.channels),
+            number=float(m * number),
+        )
+
+    @classmethod
+    def of_levels(cls, of: ResponseFunctionTest, shown: Resonances) -> "list[Landmark]":
+        data = of.measured
+        low, high = float(data.frequency[0]), float(data.frequency[-1])
+        at = np.geomspace(low, high, max(int(PER_OCTAVE * np.log2(high / low)), 3))
+        at = at[(at * (1 - WIDTH) > low) & (at * (1 + WIDTH) < high)]
+        if not len(at):
+            return []
+        values = beside_axis(data.frequency, data.values, at, WIDTH)
+        noise = noise_beside_axis(data.frequency, data.noise, at, WIDTH)
+        level = np.maximum(np.abs(values), np.finfo(np.float64).tiny ** 0.25)  # a channel may be silent
+        share = level**2 / np.sum(level**2, axis=2, keepdims=True)
+        kept = (share > LEAST_SHARE) & (noise < SILENT * level)
+        if not kept.any():
+            return []
+        share = np.where(kept, share / (1 + (noise / (SOUND_LEVEL * level)) ** 2), 0.0)  # what is noise counts less
+        # What lies between two resonances, or beyond them, is a number of every run and channel that shares in it
+        band = np.searchsorted(shown.frequency, at)
+        weight, number = np.zeros(share.shape), 0.0
+        for run, k in np.ndindex(len(data.runs), len(shown.frequency) + 1):
+            own = share[run, band == k]
+            if own.sum() > 0:
+                channels = float(own.sum() ** 2 / np.sum(own.sum(axis=0) ** 2))
+                weight[run, band == k] = channels * own / own.sum()
+                number += channels
+        log = np.log(level)
+        moved_to = replace(
+            of,
+            measured=replace(
+                data, frequency=at, values=values, noise=noise, inputs=np.ones((len(data.runs), len(at), 1), dtype=np.complex128)
+            ),
+            decay_rate=of.decay_rate + WIDTH * 2 * np.pi * at,
+        )
+
+        def compared(predicted: Predicted, names: Sequence[str]) -> tuple[Array, dict[str, Array]]:
+            rows = predicted.rows[..., 0]
+            moved = {name: (_whole(predicted, name)[..., 0] / rows).real[kept] for name in names}
+            return (np.log(np.abs(rows)) - log)[kept], moved
+
+        places = [f"level of {channel} about {f:.3g} Hz" for _ in data.runs for f in at for channel in data.channels]
+        return [
+            cls(
+                kind="level",
+                prediction=moved_to,
+                compared=compared,
+                deviation=SOUND_LEVEL / np.sqrt(weight[kept]),
+                where=tuple(where for where, one in zip(places, kept.ravel(), strict=True) if one),
+                number=number,
+            )
+        ]
 
 
-def _picked(test: ResponseFunctionTest, found: Resonances) -> tuple[TableFrequencies | TableShapes, ...]:
-    """The resonances of functions as a table of modes; nothing where they show none, or more than the model has."""
+def resonance_table(test: ResponseFunctionTest, shown: Resonances | None = None) -> tuple[TableFrequencies | TableShapes, ...]:
+    """The resonances that the functions of `test` show, looked for where they are not known, as a table of modes.
+
+    Nothing where they show none, or more than the model has.
+    """
     data = test.measured
+    found = shown or resonances(data.frequency, data.values, data.noise)
     m, s = found.shapes.shape
     modes = real_modes(dynamic_mass.structure(test.structure, {}, test.effects, derivatives=False)[0])
     if not 0 < m <= np.sum(np.isfinite(modes.squares)):
@@ -129,102 +229,6 @@ def _picked(test: ResponseFunctionTest, found: Resonances) -> tuple[TableFrequen
         names=tuple(f"{f:.4g} Hz" for f in found.frequency),
     )
     return tuple(one.with_effects(test.effects) for one in modal_table.of(test.structure, table))
-
-
-def _frequencies(of: TableFrequencies) -> Landmark:
-    data = of.measured
-    f, sd = data.values[:, 0, 0].real, data.noise[:, 0, 0]
-
-    def compared(predicted: Predicted, names: Sequence[str]) -> tuple[Array, dict[str, Array]]:
-        own = predicted.rows[:, 0, 0, 0].real
-        return np.log(own / f), {name: _whole(predicted, name)[:, 0, 0, 0].real / own for name in names}
-
-    return Landmark(
-        kind="frequency",
-        prediction=of,
-        compared=compared,
-        deviation=np.hypot(sd / f, SOUND_FREQUENCY),
-        where=tuple(f"frequency of {run}" for run in data.runs),
-        number=float(len(f)),
-    )
-
-
-def _shapes(of: TableShapes) -> Landmark:
-    data = of.measured
-    y, sd = data.values[:, 0].real, data.noise[:, 0]  # noise has `SOUND_SHAPE` in it
-    m, s = y.shape
-    number = max(min(s - 1, m), 1)
-    weight = SOUND_SHAPE / sd
-
-    def compared(predicted: Predicted, names: Sequence[str]) -> tuple[Array, dict[str, Array]]:
-        a, b = weight * predicted.rows[:, 0, :, 0].real, weight * y
-        square = np.sum(a**2, axis=1, keepdims=True)
-        factor = np.sum(a * b, axis=1, keepdims=True) / square
-        moved = {}
-        for name in names:
-            d = weight * _whole(predicted, name)[:, 0, :, 0].real
-            moved[name] = (factor * (d - a * np.sum(a * d, axis=1, keepdims=True) / square)).ravel()
-        return (factor * a - b).ravel(), moved
-
-    return Landmark(
-        kind="shape",
-        prediction=of,
-        compared=compared,
-        deviation=np.full(m * s, SOUND_SHAPE * np.sqrt(s / number)),
-        where=tuple(f"shape of {run} at {channel}" for run in data.runs for channel in data.channels),
-        number=float(m * number),
-    )
-
-
-def _levels(of: ResponseFunctionTest, shown: Resonances) -> list[Landmark]:
-    data = of.measured
-    low, high = float(data.frequency[0]), float(data.frequency[-1])
-    at = np.geomspace(low, high, max(int(PER_OCTAVE * np.log2(high / low)), 3))
-    at = at[(at * (1 - WIDTH) > low) & (at * (1 + WIDTH) < high)]
-    if not len(at):
-        return []
-    values = beside_axis(data.frequency, data.values, at, WIDTH)
-    noise = noise_beside_axis(data.frequency, data.noise, at, WIDTH)
-    share = np.abs(values) ** 2 / np.sum(np.abs(values) ** 2, axis=2, keepdims=True)
-    kept = (share > LEAST_SHARE) & (noise < SILENT * np.abs(values))
-    if not kept.any():
-        return []
-    share = np.where(kept, share / (1 + (noise / (SOUND_LEVEL * np.abs(values))) ** 2), 0.0)  # what is noise counts less
-    # What lies between two resonances, below the first or above the last, is a number of every run and channel that shares in it
-    band = np.searchsorted(shown.frequency, at)
-    weight, number = np.zeros(share.shape), 0.0
-    for run, k in np.ndindex(len(data.runs), len(shown.frequency) + 1):
-        own = share[run, band == k]
-        if own.sum() > 0:
-            channels = float(own.sum() ** 2 / np.sum(own.sum(axis=0) ** 2))
-            weight[run, band == k] = channels * own / own.sum()
-            number += channels
-    log = np.log(np.abs(values))
-    moved_to = replace(
-        of,
-        measured=replace(
-            data, frequency=at, values=values, noise=noise, inputs=np.ones((len(data.runs), len(at), 1), dtype=np.complex128)
-        ),
-        decay_rate=of.decay_rate + WIDTH * 2 * np.pi * at,
-    )
-
-    def compared(predicted: Predicted, names: Sequence[str]) -> tuple[Array, dict[str, Array]]:
-        rows = predicted.rows[..., 0]
-        return (np.log(np.abs(rows)) - log)[kept], {name: (_whole(predicted, name)[..., 0] / rows).real[kept] for name in names}
-
-    places = [(run, f, channel) for run in data.runs for f in at for channel in data.channels]
-    return [
-        Landmark(
-            kind="level",
-            prediction=moved_to,
-            compared=compared,
-            deviation=SOUND_LEVEL / np.sqrt(weight[kept]),
-            where=tuple(
-                f"level of {channel} about {f:.3g} Hz" for (run, f, channel), one in zip(places, kept.ravel(), strict=True) if one
-            ),
-            number=number,
-        )
-    ]
 
 
 def _whole(predicted: Predicted, name: str) -> ComplexArray:

@@ -12,6 +12,7 @@ from geometry.atomic import write_text
 from geometry.dynamic_mass import DynamicMass
 from geometry.frames import Array
 from validation.compare.compare import Comparison, compared, run, text, worst_pairs
+from validation.compare.correlation import FunctionCorrelation, ModalCorrelation
 from validation.compare.maps import Map, NamedMode
 from validation.estimation.verdicts import ABSURD, STANDS_OUT, StatedError, absurd, misfit
 from validation.output import NONE, json_text, shown, stages, to_json, two_digits, with_unit
@@ -54,6 +55,8 @@ def document(found: Comparison) -> doc.Document:
             page.entries(),
             page.tolerances(),
             page.facts(),
+            page.pairs(),
+            page.frac(),
         ),
         notes=tuple(page.notes()),
     )
@@ -234,6 +237,38 @@ class ComparisonPage:
             ),
         )
 
+    def pairs(self) -> doc.Table:
+        """Modes of tables, or resonances that functions show, beside their partners in the model as it is."""
+        rows = [(one.data_set, pair) for one in self.found.correlation if isinstance(one, ModalCorrelation) for pair in one.pairs]
+        return doc.Table(
+            caption="Modes and resonances beside the model as it is",
+            rows=rows,
+            columns=(
+                doc.Column("mode", lambda row: row[1].measured, words=True),
+                doc.Column("measured", lambda row: row[1].measured_hz, ".4g", unit="Hz"),
+                doc.Column("model", lambda row: row[1].model_hz, ".4g", unit="Hz"),
+                doc.Column("too high", lambda row: row[1].percent, "+.2f", unit="%"),
+                doc.Column("deviation", lambda row: row[1].sigmas, "+.1f", unit="σ", on=doc.PAGE),
+                doc.Column("MAC", lambda row: row[1].mac, ".3f"),
+                doc.Column("of", lambda row: row[0], words=True, on=doc.PAGE),
+            ),
+            note="JSON and CSV have MAC and cross-orthogonality of all modes, and COMAC by sensor.",
+        )
+
+    def frac(self) -> doc.Table:
+        """Response functions beside those of the model as it is."""
+        every = [one for one in self.found.correlation if isinstance(one, FunctionCorrelation)]
+        return doc.Table(
+            caption="Response functions beside the model as it is",
+            rows=[(one.data_set, name, one.frac[name], one.ratio[name]) for one in every for name in one.frac],
+            columns=(
+                doc.Column("function", lambda row: row[1], words=True),
+                doc.Column("FRAC", lambda row: row[2], ".3f"),
+                doc.Column("level", lambda row: row[3], "+.1f", unit="dB"),
+                doc.Column("of", lambda row: row[0], words=True, on=doc.PAGE),
+            ),
+        )
+
     def notes(self) -> Iterator[str]:
         """What must be known to read the tables, then what was assumed."""
         first = self.found.worst[0].sigma if self.found.worst else 0.0
@@ -352,6 +387,11 @@ def answer(asked: Options, *, as_json: bool, folder: Path | None) -> None:
     if folder is not None:
         write_text(folder / RESULT, whole + "\n")
         click.echo(f"massline: wrote {folder / RESULT}.", err=True)
+        for one in found.correlation:
+            for name, rows in one.tables().items():
+                path = folder / f"{file_name(f'compare-{one.data_set}-{name}')}.csv"
+                write_text(path, rows)
+                click.echo(f"massline: wrote {path}.", err=True)
         with shown("pictures", quiet=as_json):
             paths = draw(found, folder)
         for path in paths:

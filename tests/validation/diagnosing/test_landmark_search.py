@@ -61,7 +61,7 @@ def accelerances(folder: Path, *, clamp: float = np.inf, masses: tuple[float, fl
 
 def from_afar(model: Path) -> landmark_search.FromAfar | None:
     study = Study.open(model, ())
-    return landmark_search.from_afar(study, candidates(study), lambda what, share: None)
+    return landmark_search.FromAfar.search(study, candidates(study), lambda what, share: None)
 
 
 def test_a_model_that_is_near_is_not_looked_at_from_afar(tmp_path):

@@ -83,6 +83,14 @@ def test_of_what_was_asked_for_alone_the_sentence_says_so(made):
     assert "nothing of what was asked for (force-gain and cell-stiffness:2z) explains it" in said
 
 
+def test_what_is_named_beside_what_is_left_stands_first(made):
+    named = replace(made("unknown"), accepted=made("missing").accepted)
+    said = diagnosis.headline(named)
+    assert said.startswith(f"MISSING IN PART: {diagnosis.cause(named.accepted[0])}; and something is left")
+    assert to_json(named)["verdict"] == "unknown"
+    assert [one["id"] for one in to_json(named)["accepted"]] == [named.accepted[0].id]
+
+
 @pytest.mark.parametrize("verdict", VERDICTS)
 def test_the_text_of_json_is_never_empty(verdict, made):
     assert to_json(replace(made(verdict), text=""))["text"] == diagnosis.headline(made(verdict))

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from validation.effects.catalogue import Named
 from validation.model.model import Added
 from validation.prediction import landmarks as under_test
-from validation.prediction.landmarks import landmarks
+from validation.prediction.landmarks import Landmark
 from validation.study import Study
 
 MODEL = """\
@@ -57,7 +57,7 @@ def study(tmp_path_factory):
 
 
 def test_of_the_model_that_made_the_data_no_landmark_is_off(study):
-    marks = landmarks(study.tests)
+    marks = Landmark.of_tests(study.tests)
     assert {one.kind for one in marks} == {"level", "frequency", "shape"}
     for one in marks:
         left, _ = one.at({}, ())
@@ -65,7 +65,7 @@ def test_of_the_model_that_made_the_data_no_landmark_is_off(study):
 
 
 def test_clamps_that_yield_move_all_frequencies_one_way_and_twice_as_much_moves_them_farther(study):
-    marks = landmarks(study.tests)
+    marks = Landmark.of_tests(study.tests)
     sums = []
     for size in (0.0, 1e-4, 3e-4, 1e-3, 3e-3):
         effect = Added(named=replace(CLAMPS, values={"": size}), fixed=True)
@@ -75,7 +75,7 @@ def test_clamps_that_yield_move_all_frequencies_one_way_and_twice_as_much_moves_
 
 def test_derivatives_by_tolerances_are_those_of_small_steps(study):
     step = 1e-5
-    for mark in landmarks(study.tests):
+    for mark in Landmark.of_tests(study.tests):
         for name in ("modulus:legs-1", "accelerometer-gain:floor-2-x"):
             left, moved = mark.at({}, (), derivatives=(name,))
             there, _ = mark.at({name: step}, ())
@@ -86,7 +86,7 @@ def test_derivatives_by_tolerances_are_those_of_small_steps(study):
 
 
 def test_what_is_off_by_what_a_sound_model_may_be_counts_one(study):
-    frequency = next(one for one in landmarks(study.tests) if one.kind == "frequency")
+    frequency = next(one for one in Landmark.of_tests(study.tests) if one.kind == "frequency")
     softer = 2 * under_test.SOUND_FREQUENCY  # of the stiffness: half of that of a frequency
     left, _ = frequency.at({f"modulus:legs-{k}": -softer for k in (1, 2, 3)}, ())
     assert_allclose(left, -1.0, atol=0.2)
