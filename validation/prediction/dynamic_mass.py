@@ -9,7 +9,7 @@ because H is stationary in the answer (Fox & Kapoor, AIAA Journal 6, 1968, for e
 and none of the solution itself. Likewise an accelerance A = phi_r^T D^-1 phi_d, with dA = -(D^-1 phi_r)^T dD (D^-1 phi_d).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -72,6 +72,11 @@ class Attached:
     spring: ComplexArray
 
 
+Finite = Callable[[Array, Array, Array], ComplexArray]
+"""``read(row, mass, spring)``: what is read (r, m, c, 1) with a mass [kg] and a spring to the ground [N/m] along each axis, (3,)
+both, at a place that coordinates move by `row` (3, k)."""
+
+
 def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike) -> CondensedTransfer:
     """Blocked dynamic mass (n, 6, 6) about the article's origin at `frequency` (n,) [Hz], above zero.
 
@@ -124,6 +129,16 @@ def accelerance(
         sign=-1.0,
         decay_rate=decay_rate,
     )
+
+
+def inverse(matrices: Matrices, frequency: Array, decay_rate: float = 0.0) -> ComplexArray:
+    """D^-1 (n, k, k) at `frequency` (n,) [Hz], above zero; see `accelerance`.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError : a line lies on an undamped mode.
+    """
+    return np.asarray(np.linalg.inv(_dynamic(matrices, turning(frequency, decay_rate))))
 
 
 def along(matrices: Matrices, place: str, direction: npt.ArrayLike) -> Array:

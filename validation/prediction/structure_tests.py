@@ -18,7 +18,7 @@ from validation.estimation.problem import Lines, Offsets, Prediction
 from validation.model.model import Added, Model
 from validation.prediction import effects, modal_table, response_functions
 from validation.prediction import structure as reduction
-from validation.prediction.dynamic_mass import Attached
+from validation.prediction.dynamic_mass import Attached, Finite
 
 Test = ModalTable | ResponseFunctions
 
@@ -65,6 +65,9 @@ class OnNodes(StructurePrediction, Protocol):
         ----------
         rows : (q, 3, k) what each coordinate of the structure moves the places along x, y, z
         """
+
+    def finite(self, offsets: Offsets, lines: Lines) -> Finite:
+        """What is read with a mass or a spring of any size at a place."""
 
 
 def predictions(model: Model, tests: Sequence[Test]) -> tuple[StructurePrediction, ...]:
