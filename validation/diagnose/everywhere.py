@@ -69,7 +69,7 @@ NARROW = np.arange(-2.0, 2.5)
 STEPS, AROUND = (0.2, 0.1, 0.05, 0.02), 10
 """[share] of the structure's size by which a node is looked for beside the best, and how many are asked there."""
 
-FITTED = 1
+FITTED = 2
 """[count] of kinds, the best first, that are worth a fit at a place without a name, from either tolerances."""
 
 ROUNDS = 2

@@ -74,7 +74,9 @@ def _renamed(answer: Json, names: Mapping[str, str]) -> Json:
     def one(cause: Json) -> Json:
         return {**cause, "id": names.get(cause["id"], cause["id"])}
 
-    lists = {key: [one(each) for each in answer.get(key) or ()] for key in ("accepted", "ranking", "detectable") if key in answer}
+    lists: Json = {
+        key: [one(each) for each in answer.get(key) or ()] for key in ("accepted", "ranking", "detectable") if key in answer
+    }
     alike = [names.get(id, id) for id in answer.get("equivalence_class") or ()]
     return {**answer, **lists, "equivalence_class": alike}
 

@@ -89,7 +89,7 @@ HIDDEN = np.array([0.21, 0.0, 0.24])
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
     model = mesh(tmp_path_factory.mktemp("portal"), 10)
-    return Study.open(model, [written(model, f"point-mass:{at_position(HIDDEN)}=0.05")])
+    return Study.open(model, [written(model, f"point-mass:{at_position(HIDDEN)}=0.01")])
 
 
 def of_effect(study: Study, test: OnNodes, text: str, size: float) -> tuple[Array, Array]:
@@ -132,7 +132,7 @@ def test_a_mass_at_no_named_place_is_found_on_the_mesh_and_added_by_its_coordina
     assert cause.named.family == "point-mass"
     assert place is not None
     assert np.linalg.norm(np.array(place) - HIDDEN) < 0.03  # one beam of the coarse mesh
-    assert abs(cause.named.value / 0.05 - 1) < 0.1
+    assert abs(cause.named.value / 0.01 - 1) < 0.1
     best = found.everywhere[0]
     assert (best.named.target, best.nearest) == (cause.named.target, "c")
     assert best.evidence > best.named_evidence
