@@ -14,6 +14,7 @@ from geometry.errors import BadInput
 from geometry.toml_file import nearest
 from identification.campaign import Campaign
 from identification.quality import NORMAL_90
+from validation.correct import CORRECTIONS
 from validation.diagnose import candidates, diagnosis, pendulum, search
 from validation.diagnose.everywhere import found_nodes, without_a_name
 from validation.diagnose.mistakes import mistakes
@@ -26,9 +27,10 @@ from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS
 from validation.estimation.evaluate import evaluate
 from validation.estimation.fit import FLOOR, unfitted
-from validation.estimation.problem import EFFECT, FITTED, Evaluation, Offsets
+from validation.estimation.problem import DECLARED, EFFECT, FITTED, SENSOR, Evaluation, Fit, Offsets
 from validation.history.add import completed
 from validation.model.model import Added, Model, require_target, vocabulary
+from validation.model.tolerance_classes import METROLOGY
 from validation.prediction.effects import name
 from validation.study import Data, Options, Study, read
 
@@ -141,6 +143,7 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
         detectable=candidates.detectable(steps[-1].screened),
         before=before,
         after=after,
+        known_better=known_better(found.fit) if study.model.tolerance_class != METROLOGY else (),
         steps=tuple(
             diagnosis.ReportedStep(
                 added=one.added,
@@ -165,6 +168,36 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
             "parameters": len(base.fit.parameters),
         },
     )
+
+
+NARROWED = 0.5
+"""[share] of what was admitted of a tolerance to which data must narrow it for it to be known better. Held by
+tests/validation/diagnosing/test_known_better.py."""
+
+
+def known_better(of: Fit) -> tuple[diagnosis.KnownBetter, ...]:
+    """What a fit tells of the tolerances of a laboratory beyond what was admitted, the surest first.
+
+    A tolerance is there that data narrow, and that does not stand at its nominal; of what data leave as wide as it was, and of
+    what turned out as stated, there is nothing to tell.
+    """
+    found = []
+    spread = np.sqrt(np.maximum(np.diag(of.covariance), 0.0))
+    for one, x, sd in zip(of.parameters, map(float, of.offsets), map(float, spread), strict=True):
+        if one.kind not in (DECLARED, SENSOR) or not 0 < sd <= NARROWED * one.tolerance or abs(x) <= search.SIGNIFICANT * sd:
+            continue
+        ends = (one.value(x - NORMAL_90 * sd), one.value(x + NORMAL_90 * sd))
+        known = diagnosis.KnownBetter(
+            id=one.name,
+            value=one.value(x),
+            unit=one.unit,
+            low=min(ends),
+            high=max(ends),
+            before=one.tolerance * abs(one.slope(0.0)),
+            correctable=one.family in CORRECTIONS,
+        )
+        found.append((abs(x) / sd, known))
+    return tuple(known for _, known in sorted(found, key=lambda pair: -pair[0]))
 
 
 def settings(study: Study) -> Mapping[str, object]:

@@ -252,6 +252,28 @@ class LevelDifference:
     sigma: float
 
 
+@dataclass(frozen=True, kw_only=True)
+class KnownBetter:
+    """A tolerance of the laboratory of which these data say more than was known, and something else than its nominal.
+
+    Attributes
+    ----------
+    id : of the parameter, where the catalogue has it that of the effect
+    value, low, high : SI, with its 90 % interval
+    unit : of them
+    before : standard deviation of what the laboratory's class admits of it, in the same unit
+    correctable : whether `massline correct` takes ``id=value`` out of a record
+    """
+
+    id: str
+    value: float
+    unit: str
+    low: float = entry("interval90/0")
+    high: float = entry("interval90/1")
+    before: float = entry("admitted_sd")
+    correctable: bool
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ReportedStep:
     """One round of the search.
@@ -319,6 +341,7 @@ class Diagnosis(Answer):
     text : what the sentence of the verdict (`headline`) does not say; empty where it says all
     levels : axes that answer differently at two levels
     before, after : the four errors without and with what was accepted; the same where nothing was
+    known_better : calibrations that come with the answer, the surest first; none is missing from the model
     steps : how it was found
     everywhere : of a structure with a mesh, where on it something of each kind would explain most, the best first
     nodes : what the data say of every node (`validation.diagnose.everywhere.NodeScores`), to be drawn
@@ -330,6 +353,7 @@ class Diagnosis(Answer):
 
     text: str = unwritten()
     levels: tuple[LevelDifference, ...] = ()
+    known_better: tuple[KnownBetter, ...] = entry(rare=True, default=())
     steps: tuple[ReportedStep, ...] = ()
     everywhere: tuple[FoundNode, ...] = entry(default=(), later=True)
     nodes: tuple[Any, ...] = unwritten(default=())

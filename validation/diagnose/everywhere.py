@@ -1,6 +1,6 @@
 """A mass, a spring to the ground or a resonator at every node of a structure: where no name is known for what is missing.
 
-The answers of the whole structure to the sensors and to the drives (`Attached`) tell to first order what anything attached to
+The answers of the whole structure to sensors and drives (`AttachedResponse`) tell to first order what anything attached to
 any node would change of every reading, and `validation.diagnose.unexplained_fit` what that would explain once all tolerances
 have taken what they may of it: no node needs a solution of its own. Where it explains most the same is asked without the first
 order, at sizes from next to nothing to far beyond what is plausible, of the few nodes that stand out.

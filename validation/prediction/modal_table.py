@@ -221,7 +221,7 @@ class _TablePart(ABC):
         """The same data by another model of the structure."""
         return replace(self, structure=structure)
 
-    def attached(self, offsets: Offsets, lines: Lines, rows: Array) -> dynamic_mass.Attached:
+    def attached(self, offsets: Offsets, lines: Lines, rows: Array) -> dynamic_mass.AttachedResponse:
         """What a mass at places would change, to first order: all modes serve every place.
 
         Parameters
@@ -236,7 +236,7 @@ class _TablePart(ABC):
         changed = np.stack([self._attached(modes, k, moved) for k in of])
         read = self._seen(changed, modes, of, known, effects)[:, None].reshape(len(of), 1, -1, q, 3)
         spring = -1 / modes.squares[list(of)]
-        return dynamic_mass.Attached(readings=read, spring=spring[:, None].astype(np.complex128))
+        return dynamic_mass.AttachedResponse(readings=read, spring=spring[:, None].astype(np.complex128))
 
     def finite(self, offsets: Offsets, lines: Lines) -> dynamic_mass.Finite:
         """What is read with a mass or a spring of any size at a place."""

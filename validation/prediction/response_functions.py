@@ -29,7 +29,7 @@ from validation.estimation.problem import IDENTIFIED, Change, Lines, Measured, O
 from validation.model.model import Added
 from validation.prediction import dynamic_mass, series
 from validation.prediction import effects as prediction_effects
-from validation.prediction.dynamic_mass import Attached, Finite, structure
+from validation.prediction.dynamic_mass import AttachedResponse, Finite, structure
 from validation.prediction.effects import Nuisances, Tangent
 
 FORCE = "force-gain:force"
@@ -97,7 +97,7 @@ class ResponseFunctionTest:
         """The same data by another model of the structure."""
         return replace(self, structure=structure)
 
-    def attached(self, offsets: Offsets, lines: Lines, rows: Array) -> Attached:
+    def attached(self, offsets: Offsets, lines: Lines, rows: Array) -> AttachedResponse:
         """What a mass at places would change, to first order.
 
         With D = M - (K + ...) / omega² a mass on phi changes phi_r^T D^-1 phi_d by -(phi D^-1 phi_r)(phi D^-1 phi_d): two
@@ -121,7 +121,7 @@ class ResponseFunctionTest:
         ]
         whole = np.stack(read)
         spring = np.broadcast_to(-1 / answered.omega**2, whole.shape[:2])
-        return Attached(readings=whole.reshape(*whole.shape[:3], q, 3), spring=np.asarray(spring, dtype=np.complex128))
+        return AttachedResponse(readings=whole.reshape(*whole.shape[:3], q, 3), spring=np.asarray(spring, dtype=np.complex128))
 
     def finite(self, offsets: Offsets, lines: Lines) -> Finite:
         """What is read with a mass or a spring of any size at a place, of which D^-1 serves all (Sherman and Morrison, Annals of

@@ -18,7 +18,7 @@ from validation.estimation.problem import Lines, Offsets, Prediction
 from validation.model.model import Added, Model
 from validation.prediction import effects, modal_table, response_functions
 from validation.prediction import structure as reduction
-from validation.prediction.dynamic_mass import Attached, Finite
+from validation.prediction.dynamic_mass import AttachedResponse, Finite
 
 Test = ModalTable | ResponseFunctions
 
@@ -58,7 +58,7 @@ class OnNodes(StructurePrediction, Protocol):
     def by(self, structure: effects.Nuisances) -> Self:
         """The same data by another model of the structure."""
 
-    def attached(self, offsets: Offsets, lines: Lines, rows: Array) -> Attached:
+    def attached(self, offsets: Offsets, lines: Lines, rows: Array) -> AttachedResponse:
         """What a mass at places would change, to first order.
 
         Parameters
