@@ -403,7 +403,11 @@ def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> 
         return ()
     found: dict[str, FoundNode] = {}
     asked: set[str] = set()
-    declared = [one for one in found_nodes(as_declared(base))[1] if _is_worth(one)]
+    # All tolerances where they are declared, and what the data then say of them to first order
+    cost = cost_of(base.problem, base.fit.parameters, FLOOR, base.problem.start)
+    x = cost.at(base.problem.start)
+    at_home = replace(base, fit=replace(base.fit, offsets=x, covariance=inverse(cost.total(x)[0].matrix)))
+    declared = [one for one in found_nodes(at_home)[1] if _is_worth(one)]
     # A resonator far above the band is a mass, and takes a fit of three sizes: it comes last, where it promises more than those
     both = [each for some in (worth, declared) for each in [one for one in some if one.kind != RESONATOR][:FITTED]]
     for one in (*both, *(each for each in worth if each.kind == RESONATOR)):
@@ -435,13 +439,6 @@ def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> 
                 break
             here = replace(here, targets=(moved, *here.targets[1:]), values={"": size})
     return tuple(sorted((one for one in found.values() if _is_worth(one)), key=lambda one: -one.evidence))
-
-
-def as_declared(of: Candidate) -> Candidate:
-    """`of` with all tolerances where they are declared, and what the data then say of them to first order."""
-    cost = cost_of(of.problem, of.fit.parameters, FLOOR, of.problem.start)
-    x = cost.at(of.problem.start)
-    return replace(of, fit=replace(of.fit, offsets=x, covariance=inverse(cost.total(x)[0].matrix)))
 
 
 def _is_worth(node: FoundNode) -> bool:

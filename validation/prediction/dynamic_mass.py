@@ -87,7 +87,7 @@ def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike) -> CondensedTrans
     """
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     b = matrices.base
-    D = _dynamic(matrices, 2 * np.pi * lines)
+    D = dynamic_matrix(matrices, 2 * np.pi * lines)
     answer = -np.linalg.solve(D[:, b:, b:], D[:, b:, :b])
     H = D[:, :b, :b] + D[:, :b, b:] @ answer
     moved = np.broadcast_to(np.eye(b, dtype=np.complex128), (len(lines), b, b))
@@ -120,7 +120,7 @@ def accelerance(
     rows, forces = np.atleast_2d(np.asarray(responses, dtype=np.float64)), np.atleast_2d(np.asarray(drive, dtype=np.float64))
     loads = np.vstack([rows, forces]).T.astype(np.complex128)
     whole = np.broadcast_to(loads, (len(lines), *loads.shape))
-    both = np.asarray(np.linalg.solve(_dynamic(matrices, turning(lines, decay_rate)), whole), dtype=np.complex128)
+    both = np.asarray(np.linalg.solve(dynamic_matrix(matrices, turning(lines, decay_rate)), whole), dtype=np.complex128)
     left, right = both[:, :, : len(rows)], both[:, :, len(rows) :]
     return CondensedTransfer(
         frequency=lines,
@@ -130,16 +130,6 @@ def accelerance(
         sign=-1.0,
         decay_rate=decay_rate,
     )
-
-
-def inverse(matrices: Matrices, frequency: Array, decay_rate: float = 0.0) -> ComplexArray:
-    """D^-1 (n, k, k) at `frequency` (n,) [Hz], above zero; see `accelerance`.
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError : a line lies on an undamped mode.
-    """
-    return np.asarray(np.linalg.inv(_dynamic(matrices, turning(frequency, decay_rate))))
 
 
 def along(matrices: Matrices, place: str, direction: npt.ArrayLike) -> Array:
@@ -192,7 +182,7 @@ def _product(left: ComplexArray, matrix: Array, right: ComplexArray, crossing: i
     return np.asarray(left.transpose(1, 2, 0) @ pulled.transpose(1, 0, 2))
 
 
-def _dynamic(matrices: Matrices, at: npt.NDArray[Any]) -> ComplexArray:
+def dynamic_matrix(matrices: Matrices, at: npt.NDArray[Any]) -> ComplexArray:
     """D (n, k, k) at s / i (n,) [rad/s]."""
     omega = at[:, None, None]
     if np.iscomplexobj(omega):

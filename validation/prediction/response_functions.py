@@ -131,7 +131,7 @@ class ResponseFunctionTest:
         effects = tuple(replace(one, fixed=True) for one in prediction_effects.at(self.effects, known))
         matrices, _ = structure(self.structure, known, effects, derivatives=False)
         answered, factor, _ = self._answered(known, f, effects, derivatives=False)
-        whole = dynamic_mass.inverse(matrices, f, self.decay_rate)
+        whole = np.linalg.inv(dynamic_mass.dynamic_matrix(matrices, dynamic_mass.turning(f, self.decay_rate)))
         gains = np.array([self._factors[name].value(known.get(name, 0.0)) for name in self._gains])
 
         def read(row: Array, mass: Array, spring: Array) -> ComplexArray:

@@ -130,8 +130,17 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
     structure = reduction.with_positions(replace(structure, places={**known, **rows}), model.positions)
     band = max(one.band[1] if isinstance(one, ResponseFunctions) else float(np.max(one.frequency)) for one in tests)
     damping = users.damping if model.damping_ratio is None else Damping(ratio=model.damping_ratio)
-    return effects.nuisances_of(
-        article, reduction.by_itself(structure, band, damping=damping), model.structure, scaled=users.units.known
+    made = reduction.by_itself(structure, band, damping=damping)
+    return effects.nuisances(
+        article,
+        made.matrices,
+        made.frequency,
+        made.losses,
+        model.structure,
+        highest=reduction.REACH * band,
+        part_tolerances=structure.part_tolerances,
+        scaled=users.units.known,
+        reduced=made,
     )
 
 
