@@ -358,6 +358,14 @@ def read(path: Path) -> MeshDescription:
     interface = table.table.get("interface", [])
     if not isinstance(interface, list) or any(isinstance(each, bool) or not isinstance(each, int | str) for each in interface):
         raise table.wrong("interface", "a list of groups or node numbers", 'Write it like ["foot"]')
+    twice = next((each for k, each in enumerate(interface) if each in interface[:k]), None)
+    if twice is not None:
+        raise BadInput(source=source, field=f"{text.TABLE}.interface", problem=f"names {twice!r} twice", remedy="Name it once")
+    for name, one in springs.items():
+        alike = (other for other, two in springs.items() if two.at == one.at and np.array_equal(two.stiffness, one.stiffness))
+        if (first := next(alike)) != name:
+            problem = f"is {first} once more: the same stiffness at the same place"
+            raise BadInput(source=source, field=f"{text.TABLE}.springs.{name}", problem=problem, remedy="Leave one of them out")
     if support == "base" and not interface and kind == "mesh":
         raise table.wrong("interface", "the groups that the base carries", 'Write interface = ["foot"], or support = "free"')
     if support == "free" and (interface or any(len(spring.at) == 1 for spring in springs.values())):

@@ -16,6 +16,7 @@ Probability, 1961, section 1.6: a law of which one constant is not known).
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -28,11 +29,13 @@ from validation.diagnose.candidates import DAMPING, OCCAM, PER_OCTAVE, SAME_DIRE
 from validation.diagnose.diagnosis import Candidate, FoundNode
 from validation.diagnose.search import can_restart, fit_with, restarted_from_priors
 from validation.effects.catalogue import FAMILIES, Named
-from validation.effects.effect import AT, INDISTINGUISHABLE_NATS, at_position, evidence_threshold, position
+from validation.effects.effect import INDISTINGUISHABLE_NATS, at_position, evidence_threshold, position
 from validation.estimation import likelihood
 from validation.estimation.fit import BREAKDOWNS, FLOOR
 from validation.estimation.likelihood import cost_of
+from validation.estimation.problem import Predicted
 from validation.model.model import Added
+from validation.prediction.dynamic_mass import Finite
 from validation.prediction.effects import UNSEEN, Nuisances
 from validation.prediction.structure import ReducedStructure
 from validation.prediction.structure_tests import OnNodes, StructurePrediction
@@ -67,10 +70,10 @@ STEPS, AROUND = (0.2, 0.1, 0.05, 0.02), 10
 """[share] of the structure's size by which a node is looked for beside the best, and how many are asked there."""
 
 FITTED = 2
-"""[count] of kinds, the best first, that are worth a fit at a place without a name."""
+"""[count] of kinds, the best first, that are worth a fit at a place without a name, from either tolerances."""
 
-ROUNDS = 3
-"""[count] of times that a node is looked for again from where the fit with the one before ended."""
+ROUNDS = 2
+"""[count] of fits at a place, the second at a node that was looked for again from where the first ended."""
 
 NAMED = 3
 """[count] of places with a name, the best to first order, that are asked likewise."""
@@ -306,17 +309,23 @@ class MeshSearch:
         gain, name = max((self.sized(kind, rows[k], size[k])[0], names[k]) for k in np.argsort(-first)[:NAMED].tolist())
         return name, gain
 
+    @cached_property
+    def finite(self) -> tuple[Finite, ...]:
+        """By test, what is read with a mass or a spring of any size."""
+        return tuple(one.finite(self.offsets, left.of.lines) for left, one in self.tests)
+
     def _at(self, kind: str, row: Array, size: float, spread: float) -> float:
         """Evidence [nats] of a size."""
-        family, _, along = kind.partition(":")
-        named, of = Named(family=family, targets=(AT, along) if along else (AT,), values={"": size}), self.structure
-        there = replace(of, nominal=replace(of.nominal, places={**of.nominal.places, AT: row}))
-        gain, turned = 0.0, np.zeros_like(self.tests[0][0].slope)
+        mass, spring = np.zeros(3), np.zeros(3)
+        if kind == MASS:
+            mass[:] = size
+        else:
+            spring[SPRINGS.index(kind)] = size
         slope = self.tests[0][0].slope
-        for left, one in self.tests:
-            other = one.by(there).with_effects((*one.effects, Added(named=named, fixed=True)))
+        gain, turned = 0.0, np.zeros_like(slope)
+        for (left, _), read in zip(self.tests, self.finite, strict=True):
             try:
-                predicted = other.at(self.offsets, left.of.lines, derivatives=False)
+                predicted = Predicted(rows=read(row, mass, spring), noise=left.of.predicted.noise)
                 d = left.of.values - likelihood.residual(left.of.seen, predicted, FLOOR)
             except BREAKDOWNS:
                 return -np.inf
@@ -393,10 +402,22 @@ def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> 
     if not worth:
         return ()
     found: dict[str, FoundNode] = {}
-    declared = [one for one in found_nodes(as_declared(base))[1] if _is_worth(one)]
-    for one in (*worth[:FITTED], *declared[:FITTED]):
+    asked: set[str] = set()
+    # All tolerances where they are declared, and what the data then say of them to first order
+    cost = cost_of(base.problem, base.fit.parameters, FLOOR, base.problem.start)
+    x = cost.at(base.problem.start)
+    at_home = replace(base, fit=replace(base.fit, offsets=x, covariance=inverse(cost.total(x)[0].matrix)))
+    declared = [one for one in found_nodes(at_home)[1] if _is_worth(one)]
+    # A resonator far above the band is a mass, and takes a fit of three sizes: it comes last, where it promises more than those
+    both = [each for some in (worth, declared) for each in [one for one in some if one.kind != RESONATOR][:FITTED]]
+    for one in (*both, *(each for each in worth if each.kind == RESONATOR)):
         kind, here, most = one.kind, one.named, -np.inf
+        if kind == RESONATOR and any(one.evidence < each.evidence + INDISTINGUISHABLE_NATS for each in found.values()):
+            continue
         for _ in range(ROUNDS):
+            if here.id in asked:
+                break
+            asked.add(here.id)
             ready = _with_node(data, here.target)
             start, effect = Candidate(effects=(), fit=base.fit, problem=ready.problem()), Added(named=here)
             there = restarted_from_priors(ready, start, effect) if can_restart(effect) else fit_with(ready, start, effect)
@@ -418,13 +439,6 @@ def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> 
                 break
             here = replace(here, targets=(moved, *here.targets[1:]), values={"": size})
     return tuple(sorted((one for one in found.values() if _is_worth(one)), key=lambda one: -one.evidence))
-
-
-def as_declared(of: Candidate) -> Candidate:
-    """`of` with all tolerances where they are declared, and what the data then say of them to first order."""
-    cost = cost_of(of.problem, of.fit.parameters, FLOOR, of.problem.start)
-    x = cost.at(of.problem.start)
-    return replace(of, fit=replace(of.fit, offsets=x, covariance=inverse(cost.total(x)[0].matrix)))
 
 
 def _is_worth(node: FoundNode) -> bool:

@@ -167,10 +167,11 @@ def candidate(added: Added, left: Sequence[str], study: Study, *, allowed: bool)
     named, before, after = added.named, study.whole().thinned(), study.whole([added]).thinned()
     names = names_of(after, named)
     if not (noticed(after, names) > NOTICED if names else _differ(before, after)):
+        by_itself = "; they are tests of a structure by itself, without a base, an FMD or its cells" if not study.made else ""
         raise BadInput(
             source=ARGUMENT,
             field=named.id,
-            problem="it acts nowhere on these data: no channel would read anything else",
+            problem=f"it acts nowhere on these data: no channel would read anything else{by_itself}",
             remedy="Name data of an article that has it, or of a run that drives it",
         )
     # Every effect of the models free, those too whose size was given

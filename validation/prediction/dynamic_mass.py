@@ -9,7 +9,7 @@ because H is stationary in the answer (Fox & Kapoor, AIAA Journal 6, 1968, for e
 and none of the solution itself. Likewise an accelerance A = phi_r^T D^-1 phi_d, with dA = -(D^-1 phi_r)^T dD (D^-1 phi_d).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -73,6 +73,11 @@ class AttachedResponse:
     spring: ComplexArray
 
 
+Finite = Callable[[Array, Array, Array], ComplexArray]
+"""``read(row, mass, spring)``: what is read (r, m, c, 1) with a mass [kg] and a spring to the ground [N/m] along each axis, (3,)
+both, at a place that coordinates move by `row` (3, k)."""
+
+
 def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike) -> CondensedTransfer:
     """Blocked dynamic mass (n, 6, 6) about the article's origin at `frequency` (n,) [Hz], above zero.
 
@@ -82,7 +87,7 @@ def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike) -> CondensedTrans
     """
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     b = matrices.base
-    D = _dynamic(matrices, 2 * np.pi * lines)
+    D = dynamic_matrix(matrices, 2 * np.pi * lines)
     answer = -np.linalg.solve(D[:, b:, b:], D[:, b:, :b])
     H = D[:, :b, :b] + D[:, :b, b:] @ answer
     moved = np.broadcast_to(np.eye(b, dtype=np.complex128), (len(lines), b, b))
@@ -120,7 +125,7 @@ def accelerance(
     rows, forces = np.atleast_2d(np.asarray(responses, dtype=np.float64)), np.atleast_2d(np.asarray(drive, dtype=np.float64))
     loads = np.vstack([rows, forces]).T.astype(np.complex128)
     whole = np.broadcast_to(loads, (len(lines), *loads.shape))
-    both = np.asarray(np.linalg.solve(_dynamic(matrices, turning(lines, decay_rate)), whole), dtype=np.complex128)
+    both = np.asarray(np.linalg.solve(dynamic_matrix(matrices, turning(lines, decay_rate)), whole), dtype=np.complex128)
     left, right = both[:, :, : len(rows)], both[:, :, len(rows) :]
     return CondensedTransfer(
         frequency=lines,
@@ -182,7 +187,7 @@ def _product(left: ComplexArray, matrix: Array, right: ComplexArray, crossing: i
     return np.asarray(left.transpose(1, 2, 0) @ pulled.transpose(1, 0, 2))
 
 
-def _dynamic(matrices: Matrices, at: npt.NDArray[Any]) -> ComplexArray:
+def dynamic_matrix(matrices: Matrices, at: npt.NDArray[Any]) -> ComplexArray:
     """D (n, k, k) at s / i (n,) [rad/s]."""
     omega = at[:, None, None]
     if np.iscomplexobj(omega):

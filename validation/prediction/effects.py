@@ -20,7 +20,7 @@ from validation.effects.effect import BODY_STAGE, CHANNEL_STAGE, OPENED, STRUCTU
 from validation.effects.stages import ChannelResponse, Matrices, MountedDynamicMass
 from validation.estimation.problem import DECLARED, EFFECT, STRUCTURAL, WITHIN, Offsets, Parameter
 from validation.model.model import Added, StructureTolerances
-from validation.prediction.structure import HIGHEST, REACH, ReducedStructure, sheet
+from validation.prediction.structure import HIGHEST, ReducedStructure, sheet
 
 # What a model declares to know of a structure only within tolerances: moduli, frequencies, damping, participation, coupling.
 #
@@ -327,6 +327,8 @@ def nuisances(
     *,
     highest: float = HIGHEST,
     part_tolerances: Mapping[str, Mapping[str, float]] = MappingProxyType({}),
+    scaled: bool = True,
+    reduced: ReducedStructure | None = None,
 ) -> Nuisances:
     """The nuisances of `matrices`.
 
@@ -336,6 +338,7 @@ def nuisances(
     losses : loss factor by part of the structure, sheets of one material alike; none where damping is given by mode
     highest : [Hz] modes above are taken as computed
     part_tolerances : as in `fem.structure.Structure`
+    scaled, reduced : as `Nuisances` has them
     """
     return Nuisances(
         configuration=configuration,
@@ -344,23 +347,9 @@ def nuisances(
         frequency=np.asarray(frequency[np.asarray(frequency) <= highest], dtype=np.float64),
         tolerances=tolerances or StructureTolerances(),
         part_tolerances=part_tolerances,
+        scaled=scaled,
+        reduced=reduced,
     )
-
-
-def nuisances_of(
-    configuration: str, made: ReducedStructure, tolerances: StructureTolerances | None = None, *, scaled: bool = True
-) -> Nuisances:
-    """The nuisances of a structure by itself; for `scaled` see `Nuisances`."""
-    known = nuisances(
-        configuration,
-        made.matrices,
-        made.frequency,
-        made.losses,
-        tolerances,
-        highest=REACH * made.band,
-        part_tolerances=made.structure.part_tolerances,
-    )
-    return replace(known, scaled=scaled, reduced=made)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -238,6 +238,25 @@ class _TablePart(ABC):
         spring = -1 / modes.squares[list(of)]
         return dynamic_mass.AttachedResponse(readings=read, spring=spring[:, None].astype(np.complex128))
 
+    def finite(self, offsets: Offsets, lines: Lines) -> dynamic_mass.Finite:
+        """What is read with a mass or a spring of any size at a place."""
+        known = {**offsets, **self._opened[1]}
+        modes, _, _, effects = self.found(known, derivatives=False)
+
+        def read(row: Array, mass: Array, spring: Array) -> ComplexArray:
+            own = np.pad(row, ((0, 0), (0, len(modes.squares) - row.shape[1])))
+            whole = modes.matrices
+            M, K = whole.mass + (own.T * mass) @ own, whole.stiffness + (own.T * spring) @ own
+            there = real_modes(replace(whole, mass=M, stiffness=K))
+            every = partners(there, self.table)
+            return self._modes_read(there, [every[k] for k in self.modes], known, effects)
+
+        return read
+
+    @abstractmethod
+    def _modes_read(self, modes: RealModes, of: Sequence[int], offsets: Offsets, effects: Sequence[Added]) -> ComplexArray:
+        """(r, 1, c, 1) what is read of the modes `of`."""
+
     @abstractmethod
     def _attached(self, modes: RealModes, mode: int, moved: Array) -> Array:
         """(c, q) of one of `modes`, for masses on each of `moved` (q, k), before what is read of it."""
@@ -278,6 +297,11 @@ class TableFrequencies(_TablePart):
             ]
             changes[name] = _change(np.array(pairs, dtype=np.complex128)[:, :wanted], lines_count)
         return Predicted(rows=_by_line(rows, lines_count), changes=changes)
+
+    def _modes_read(self, modes: RealModes, of: Sequence[int], offsets: Offsets, effects: Sequence[Added]) -> ComplexArray:
+        wanted = len(self.measured.channels)
+        rows = np.array([[modes.frequency[k], modes.damping_ratio(k)][:wanted] for k in of], dtype=np.complex128)
+        return _by_line(rows, 1)
 
     def _attached(self, modes: RealModes, mode: int, moved: Array) -> Array:
         square, _, ratio = modes.attached(mode, moved)
@@ -330,6 +354,10 @@ class TableShapes(_TablePart):
         along = np.sum(shapes * self.measured.values[:, 0].real, axis=1, keepdims=True)
         sign = np.where(along < 0, -1.0, 1.0)
         return rows, sign, sign * shapes, np.array([1 + offsets.get(name, 0.0) for name in self._gains])
+
+    def _modes_read(self, modes: RealModes, of: Sequence[int], offsets: Offsets, effects: Sequence[Added]) -> ComplexArray:
+        _, _, shapes, gains = self._shapes(modes, of, offsets)
+        return _by_line(self._read(shapes, {}, gains, effects, derivatives=False)[0], 1)
 
     def _attached(self, modes: RealModes, mode: int, moved: Array) -> Array:
         return np.asarray(seen(modes.matrices, self.table) @ modes.attached(mode, moved)[1])

@@ -29,7 +29,7 @@ from validation.estimation.problem import IDENTIFIED, Change, Lines, Measured, O
 from validation.model.model import Added
 from validation.prediction import dynamic_mass, series
 from validation.prediction import effects as prediction_effects
-from validation.prediction.dynamic_mass import AttachedResponse, structure
+from validation.prediction.dynamic_mass import AttachedResponse, Finite, structure
 from validation.prediction.effects import Nuisances, Tangent
 
 FORCE = "force-gain:force"
@@ -122,6 +122,31 @@ class ResponseFunctionTest:
         whole = np.stack(read)
         spring = np.broadcast_to(-1 / answered.omega**2, whole.shape[:2])
         return AttachedResponse(readings=whole.reshape(*whole.shape[:3], q, 3), spring=np.asarray(spring, dtype=np.complex128))
+
+    def finite(self, offsets: Offsets, lines: Lines) -> Finite:
+        """What is read with a mass or a spring of any size at a place, of which D^-1 serves all (Sherman and Morrison, Annals of
+        Mathematical Statistics 21 (1950), 124)."""
+        known = {**offsets, **self._opened[1]}
+        f = self.measured.frequency[lines]
+        effects = tuple(replace(one, fixed=True) for one in prediction_effects.at(self.effects, known))
+        matrices, _ = structure(self.structure, known, effects, derivatives=False)
+        answered, factor, _ = self._answered(known, f, effects, derivatives=False)
+        whole = np.linalg.inv(dynamic_mass.dynamic_matrix(matrices, dynamic_mass.turning(f, self.decay_rate)))
+        gains = np.array([self._factors[name].value(known.get(name, 0.0)) for name in self._gains])
+
+        def read(row: Array, mass: Array, spring: Array) -> ComplexArray:
+            axes = np.flatnonzero((mass != 0) | (spring != 0))
+            added = mass[axes] - spring[axes] / answered.omega[:, None] ** 2
+            own = row[axes]
+            left, right = (
+                np.tensordot(own, side[: own.shape[1]], axes=1).transpose(1, 0, 2) for side in (answered.left, answered.right)
+            )
+            there = own @ whole[:, : own.shape[1], : own.shape[1]] @ own.T + np.eye(len(axes)) / added[:, None, :]
+            A = answered.matrix - left.transpose(0, 2, 1) @ np.linalg.solve(there, right)
+            made = [self._read(f, factor * A[:, :, run, None], {}, gains, effects, False)[0] for run in range(A.shape[2])]
+            return np.stack(made)
+
+        return read
 
     def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
         """The prediction at `offsets` and the lines with these indices; all lines by default.

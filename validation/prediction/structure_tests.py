@@ -18,7 +18,7 @@ from validation.estimation.problem import Lines, Offsets, Prediction
 from validation.model.model import Added, Model
 from validation.prediction import effects, modal_table, response_functions
 from validation.prediction import structure as reduction
-from validation.prediction.dynamic_mass import AttachedResponse
+from validation.prediction.dynamic_mass import AttachedResponse, Finite
 
 Test = ModalTable | ResponseFunctions
 
@@ -65,6 +65,9 @@ class OnNodes(StructurePrediction, Protocol):
         ----------
         rows : (q, 3, k) what each coordinate of the structure moves the places along x, y, z
         """
+
+    def finite(self, offsets: Offsets, lines: Lines) -> Finite:
+        """What is read with a mass or a spring of any size at a place."""
 
 
 def predictions(model: Model, tests: Sequence[Test]) -> tuple[StructurePrediction, ...]:
@@ -127,8 +130,17 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
     structure = reduction.with_positions(replace(structure, places={**known, **rows}), model.positions)
     band = max(one.band[1] if isinstance(one, ResponseFunctions) else float(np.max(one.frequency)) for one in tests)
     damping = users.damping if model.damping_ratio is None else Damping(ratio=model.damping_ratio)
-    return effects.nuisances_of(
-        article, reduction.by_itself(structure, band, damping=damping), model.structure, scaled=users.units.known
+    made = reduction.by_itself(structure, band, damping=damping)
+    return effects.nuisances(
+        article,
+        made.matrices,
+        made.frequency,
+        made.losses,
+        model.structure,
+        highest=reduction.REACH * band,
+        part_tolerances=structure.part_tolerances,
+        scaled=users.units.known,
+        reduced=made,
     )
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from fem.user_model import examine, reading
+from geometry import toml_file
 from geometry.errors import BadInput, CheckFailed
 from validation.output import print_json, shown, to_json
 from validation.report.document import Column, Document, Table
@@ -19,6 +20,8 @@ def answer(path: str, *, as_json: bool) -> None:
     CheckFailed : something is wrong with it.
     """
     if not Path(path).exists() or not reading.is_model(path):
+        if Path(path).suffix.lower() == ".toml" and Path(path).is_file():
+            toml_file.read(path)  # which says what is no TOML, such as a support that is named twice
         problem = "there is no such file" if not Path(path).exists() else "it is no finite-element model"
         remedy = f"Name one of {', '.join(reading.DATA_ENDINGS)}, or a description (.toml with [fe_model])"
         raise BadInput(source=path, problem=problem, remedy=remedy)

@@ -14,6 +14,7 @@ from rich.console import Console
 from benchmarks.blind import ledger
 from benchmarks.blind.keeping import Kept, present_code
 from benchmarks.blind.score import page, printed
+from benchmarks.blind.score import structures as of_structures
 from benchmarks.blind.score.families import by_family
 from benchmarks.blind.score.outcome import outcome
 from benchmarks.blind.score.rows import rows
@@ -25,12 +26,15 @@ TEST = "test"
 @click.option("--draw", "which", type=click.Choice(("development", TEST)), default=TEST, show_default=True)
 @click.option("--seed", type=int, help="Of a draw that is no test any more; the newest for development by default.")
 @click.option("--code", help="Hash of the code whose results are meant; that of the present code by default.")
+@click.option("--structures", is_flag=True, help="Of random structures.")
 @click.option("--page", "to_page", is_flag=True, help="Write the table into docs/diagnosis-proven-blind.md, too.")
-def main(which: str, seed: int | None, code: str | None, to_page: bool) -> None:
+def main(which: str, seed: int | None, code: str | None, structures: bool, to_page: bool) -> None:
     """Print the table of bars and one row a family."""
     console, book = Console(), ledger.read()
     chosen = book.test if which == TEST else seed or book.development[-1]
-    kept = Kept(seed=chosen, code=code or present_code())
+    kept = Kept(seed=chosen, code=code or present_code(), what="structures" if structures else "")
+    if structures:
+        _of_structures(console, kept, which == TEST)
     outcomes = [outcome(truth, answer) for truth, answer in kept.pairs()]
     if not outcomes:
         console.print(f"nothing is there of draw {chosen} by code {kept.code}; `python -m benchmarks.blind` makes it")
@@ -45,6 +49,19 @@ def main(which: str, seed: int | None, code: str | None, to_page: bool) -> None:
         page.write(page.text(found, families, heading))
     blind = which != TEST or book.blind(chosen, kept.code)
     sys.exit(0 if blind and all(one.met is not False for one in found) else 1)
+
+
+def _of_structures(console: Console, kept: Kept, tested: bool) -> None:
+    """Print the table of bars, and one row a kind of structure and of effect; ends the program."""
+    found = [of_structures.structure_outcome(truth, answer) for truth, answer in kept.pairs()]
+    if not found:
+        console.print(f"nothing is there of draw {kept.seed} by code {kept.code}; `make blind ARGS=--structures` makes it")
+        sys.exit(1)
+    book = ledger.look(kept.seed, kept.code, len(found)) if tested else ledger.read()
+    table = of_structures.rows(found)
+    console.print(printed.bars(table, printed.heading(kept.seed, kept.code, [one.of for one in found], book)))
+    console.print(printed.groups(of_structures.by_group(found)))
+    sys.exit(0 if all(one.met is not False for one in table) else 1)
 
 
 if __name__ == "__main__":

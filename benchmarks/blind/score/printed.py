@@ -56,6 +56,16 @@ def families(found: Sequence[OfFamily]) -> Table:
     return table
 
 
+def groups(found: Sequence[tuple[str, Rate, Rate]]) -> Table:
+    """One row a group of single faults."""
+    table = Table(title="Single faults on random structures")
+    for head in ("of", "right", "named wrongly"):
+        table.add_column(head)
+    for name, right, wrong in found:
+        table.add_row(name, str(right), _of(wrong))
+    return table
+
+
 HEADS = ("family", "named first", "in the class", "extra claims", "median error", "interval holds", "instead")
 
 

@@ -54,7 +54,7 @@ def sealed(case: StructureCase, folder: Path) -> Json:
     plan = shapes.drawn(case.shape, stream(case.structure, "plan"))
     places = _sensors(plan, case)
     with TemporaryDirectory() as scratch:
-        fine = _written(plan, places, Path(scratch), fine=True)
+        fine = written(plan, places, Path(scratch), fine=True)
         faults: list[Fault] = []
         if case.wanted:
             null = _handed_over(case, plan, places, fine, (), Path(scratch) / "null")
@@ -100,7 +100,7 @@ def _sensors(plan: shapes.Plan, case: StructureCase) -> dict[str, shapes.Point]:
     return {f"s{k + 1}": (float(x), float(y), float(z)) for k, (x, y, z) in enumerate(free[chosen])}
 
 
-def _written(plan: shapes.Plan, places: Mapping[str, shapes.Point], folder: Path, *, fine: bool) -> Structure:
+def written(plan: shapes.Plan, places: Mapping[str, shapes.Point], folder: Path, *, fine: bool) -> Structure:
     folder.mkdir(parents=True, exist_ok=True)
     write_text(folder / MESH, plan.mesh(fine=fine).text())
     write_text(folder / "fe.toml", f"format = 1\n{plan.description(MESH, places)}")
@@ -184,8 +184,9 @@ def with_faults(fine: Structure, laboratory: int, faults: Sequence[Fault]) -> tu
                 one, cubed = fine.sections[name]
                 share = share + (thicker - 1) * one + (thicker**3 - 1) * cubed
             K[name] = stiffer * share
-            if name in fine.loss_factors:
-                losses[name] = lossier * fine.loss_factors[name] + sizes.get(f"structural-damping:{name}", 0.0)
+            lost = lossier * fine.loss_factors.get(name, 0.0) + sizes.get(f"structural-damping:{name}", 0.0)
+            if lost > 0:
+                losses[name] = lost
         if name in fine.part_mass:
             M[name] = denser * thicker * fine.part_mass[name]
     for one in faults:

@@ -1,6 +1,7 @@
 """What a description adds to a mesh (parts, sections, places, supports, joints, links, masses), each by its closed form."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from numpy.testing import assert_allclose
 from scipy.sparse.linalg import spsolve
 
 from benchmarks.read_meshes import STEEL, abaqus, bricks, plate
+from fem.mesh import description
 from fem.modes import fixed_base, floating_shift, lowest
 from fem.structure import Structure, hold
 from geometry.errors import BadInput
@@ -277,3 +279,25 @@ def test_a_beam_that_ends_on_a_solid_is_welded_to_it(meshed: Meshed) -> None:
     assert_allclose(found, [1 / (3 * E * IY), 1 / (3 * E * IZ)], rtol=0.02)
     free = meshed(mesh, parts)
     assert_allclose(free.stiffness @ free.rigid, 0, atol=1e-12 * abs(free.stiffness).max())
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        ('interface = ["foot", "side", "foot"]', "fe_model.interface.*names 'foot' twice"),
+        (
+            "\n".join(
+                f'springs.{name} = {{ at = ["1 m", "0 m", "0 m"], stiffness = ["1 N/m", "1 N/m", "{k} N/m", "1 N m/rad", '
+                '"1 N m/rad", "1 N m/rad"] }'
+                for name, k in (("one", 1), ("other", 2), ("again", 2))
+            ),
+            "fe_model.springs.again.*is other once more: the same stiffness at the same place",
+        ),
+    ],
+)
+def test_a_support_that_is_named_twice_is_refused(tmp_path: Path, lines: str, words: str) -> None:
+    text = f'format = 1\n[fe_model]\nkind = "mesh"\nunits = "mm"\nfile = "mesh.inp"\nsupport = "ground"\n{lines}\n'
+    (tmp_path / "mesh.inp").touch()
+    (tmp_path / "model.toml").write_text(f"{text}[fe_model.parts.p]\n{STEEL}\n")
+    with pytest.raises(BadInput, match=words):
+        description.read(tmp_path / "model.toml")

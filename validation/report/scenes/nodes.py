@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 
 from fem.mesh.places import Elements
-from fem.mesh.skin import skin
 from geometry.frames import Array
 from validation.diagnose.everywhere import MASS, RESONATOR, NodeScores
 from validation.report.scenes.motion import DrawnMode, MovingBody, mode_sheet
@@ -48,7 +47,7 @@ def body_of(scores: NodeScores, kind: str) -> MovingBody:
     away, nearest = cKDTree(scores.points).query(elements.points)
     size = float(np.ptp(elements.points, axis=0).max())
     values = np.where(away < 1e-9 * size, evidence[nearest], 0.0)
-    triangles, lines = skin(elements)
+    triangles, lines = elements.skin()
     along = elements.points[lines[:, 1]] - elements.points[lines[:, 0]]
     across = np.cross(along, np.where(np.abs(along[:, [0]]) < np.abs(along).max(axis=1, keepdims=True), [1.0, 0, 0], [0, 1.0, 0]))
     across *= THIN * size / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), np.finfo(np.float64).tiny)

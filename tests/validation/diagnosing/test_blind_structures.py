@@ -1,0 +1,61 @@
+"""Blind cases of random structures: what is planted is what the full matrices of the finer mesh become."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.blind.score.structures import structure_outcome
+from benchmarks.blind.structures import sealing, shapes
+from benchmarks.blind.structures.drawing import Fault, draw
+from fem.structure import place_rows
+from validation.virtual_test.layout import stream
+
+KINDS = ("nulls", "singles", "pairs", "left-out")
+
+
+def test_a_draw_is_the_same_each_time_and_has_every_kind_of_structure() -> None:
+    cases = draw(3, KINDS, 10)
+    assert cases == draw(3, KINDS, 10)
+    assert {one.shape for one in cases} == set(shapes.KINDS)
+    assert [sum(one.kind == kind for one in cases) for kind in KINDS] == [10, 30, 5, 5]
+
+
+@pytest.mark.parametrize("kind", shapes.KINDS)
+def test_the_finer_mesh_weighs_what_the_coarse_one_does_and_a_fault_changes_what_it_says(kind: str, tmp_path: Path) -> None:
+    plan = shapes.drawn(kind, stream(7, kind))
+    point = next(iter(plan.mesh(fine=False).nodes))
+    coarse, fine = (sealing.written(plan, {"a": point}, tmp_path / f"{k}", fine=bool(k)) for k in range(2))
+    assert abs(fine.rigid_mass[0, 0] / coarse.rigid_mass[0, 0] - 1) < 0.05  # the foot that the ground holds counts elsewise
+    part = next(iter(plan.parts))
+    place = "@" + ",".join(f"{value / 1e3:.9g}" for value in list(plan.mesh(fine=False).nodes)[-1])
+    sound, _ = sealing.with_faults(fine, 5, ())
+    faults = (Fault(id=f"modulus:{part}", size=0.3, multiple=5.0), Fault(id=f"point-mass:{place}", size=0.2, multiple=5.0))
+    faulty, losses = sealing.with_faults(fine, 5, faults)
+    rows = place_rows(fine, np.array([float(x) for x in place[1:].split(",")]))[0]
+    assert abs((faulty.mass - sound.mass) - 0.2 * rows.T @ rows).max() < 1e-9
+    softer = faulty.stiffness - sound.stiffness
+    share = fine.part_stiffness[part]
+    k = np.argmax(abs(share.diagonal()))
+    assert np.any(abs(softer.diagonal()) > 0.2 * share.diagonal()[k] * 0.9)
+    assert set(losses) == set(fine.loss_factors)
+
+
+def test_a_place_is_right_within_half_the_distance_of_sensors() -> None:
+    truth = {
+        "name": "x", "kind": "singles", "null": "n", "shape": "plate", "spacing": 0.2,
+        "planted": [{"id": "point-mass:@0.1,0,0", "sizes": {"": 0.05}, "multiple": 5.0, "told": 5.0}],
+    }  # fmt: skip
+
+    def said(x: float) -> dict[str, object]:
+        size = {"key": "", "value": 0.052, "interval90": [0.045, 0.06], "unit": "kg"}
+        return {"verdict": "missing", "accepted": [{"id": f"point-mass:@{x},0,0", "values": [size], "evidence_nats": 50.0}]}
+
+    near, far = (structure_outcome(truth, said(x)) for x in (0.15, 0.25))
+    assert near.right
+    assert not near.wrong
+    assert near.away == pytest.approx(0.25)
+    assert [one.inside for one in near.of.sizes] == [True]
+    assert far.wrong
+    assert not far.right
+    assert far.away == pytest.approx(0.75)

@@ -1,0 +1,149 @@
+"""Everywhere on the mesh: what one solution says of every node is what the effect at that node does."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fem.damping import Damping
+from fem.structure import Structure, place_rows
+from fem.user_model import reading
+from geometry.errors import BadInput
+from geometry.frames import Array
+from validation.diagnose.diagnose import diagnosed
+from validation.effects.catalogue import Named, parse
+from validation.effects.effect import Vocabulary, at_position, position
+from validation.history.add import names_of
+from validation.model.model import Added
+from validation.prediction import dynamic_mass
+from validation.prediction.structure import by_itself
+from validation.prediction.structure_tests import OnNodes
+from validation.study import Study
+
+LINES, WIDE, HIGH = 80, 300.0, 240.0
+ANYWHERE = Vocabulary(places=None)
+
+MODEL = """
+format = 1
+model = { title = "A frame", article = "portal" }
+[fe_model]
+kind = "mesh"
+units = "mm"
+file = "portal.inp"
+support = "ground"
+interface = ["HELD"]
+places = { a = ["0 mm", "0 mm", "240 mm"], b = ["300 mm", "0 mm", "240 mm"], c = ["150 mm", "0 mm", "240 mm"] }
+[fe_model.parts.posts]
+material = "steel"
+section = { width = "12 mm", height = "8 mm" }
+loss_factor = 0.01
+[fe_model.parts.lintel]
+material = "steel"
+section = { width = "12 mm", height = "8 mm" }
+loss_factor = 0.01
+"""
+
+
+def mesh(path: Path, count: int) -> Path:
+    """A portal of `count` beams a side, and its model, in the folder `path`."""
+    left = [(0.0, HIGH * k / count) for k in range(count + 1)]
+    top = [(WIDE * k / count, HIGH) for k in range(1, count + 1)]
+    right = [(WIDE, HIGH * (1 - k / count)) for k in range(1, count + 1)]
+    nodes = [*left, *top, *right]
+    lines = ["*NODE", *(f"{k + 1}, {x:g}, 0, {z:g}" for k, (x, z) in enumerate(nodes))]
+    for part, some in (("posts", [*range(count), *range(2 * count, 3 * count)]), ("lintel", range(count, 2 * count))):
+        lines += [f"*ELEMENT, TYPE=B31, ELSET={part}", *(f"{k + 1}, {k + 1}, {k + 2}" for k in some)]
+    path.mkdir(exist_ok=True)
+    (path / "portal.inp").write_text("\n".join([*lines, "*NSET, NSET=HELD", "1,", f"{len(nodes)},"]) + "\n")
+    (path / "model.toml").write_text(MODEL)
+    return path / "model.toml"
+
+
+def written(model: Path, text: str) -> Path:
+    """A test of the structure of `model`, made on a finer mesh, with the effect `text` in it: accelerances at three places."""
+    fine = reading.read(mesh(model.parent / "fine", 36))
+    assert isinstance(fine, Structure)
+    named = parse(text, ANYWHERE)
+    rows = place_rows(fine, np.array(position(named.target)))[0]
+    added = named.value * rows.T @ rows
+    whole = replace(fine, mass=(fine.mass + added).tocsr(), part_mass={})
+    made = by_itself(whole, 320.0, damping=Damping(loss_factors=fine.loss_factors))
+    frequency = np.linspace(20.0, 300.0, LINES)
+    seen = np.array([made.matrices.places[place]["xyz".index(axis)] for place, axis in ("ax", "bz", "cz", "cy", "bx")])
+    A = dynamic_mass.accelerance(made.matrices, frequency, seen, seen[[0, 3]]).matrix
+    noise = np.random.default_rng(3).standard_normal((*A.shape, 2)) @ [1, 1j]
+    A = A * (1 + 0.003 * noise)
+    for k in range(2):
+        table = np.column_stack([frequency, np.ascontiguousarray(A[:, :, k]).view(np.float64)])
+        np.savetxt(model.parent / f"{k}.csv", table, delimiter=",", header="f,a re,a im,b re,b im,c re,c im,d re,d im,e re,e im")
+    files = '[{ path = "0.csv", drive = "a:x" }, { path = "1.csv", drive = "c:y" }]'
+    head = 'format = 1\nkind = "response-functions"\narticle = "portal"\nshare = 0.004\nresponses = '
+    (model.parent / "test.toml").write_text(f'{head}["a:x", "b:z", "c:z", "c:y", "b:x"]\nfiles = {files}\n')
+    return model.parent / "test.toml"
+
+
+HIDDEN = np.array([0.21, 0.0, 0.24])
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    model = mesh(tmp_path_factory.mktemp("portal"), 10)
+    return Study.open(model, [written(model, f"point-mass:{at_position(HIDDEN)}=0.01")])
+
+
+def of_effect(study: Study, test: OnNodes, text: str, size: float) -> tuple[Array, Array]:
+    """What is read with the effect `text` of a small size less what is read without, by that size, and with one of `size`."""
+    named = parse(f"{text}=1", ANYWHERE)
+    (ready,) = study.ready_at([named.target]).tests
+    lines = np.arange(len(test.measured.frequency))
+
+    def read(value: float) -> Array:
+        effect = Added(named=Named(family=named.family, targets=named.targets, values={"": value}), fixed=True)
+        return np.asarray(ready.with_effects((effect,)).at({}, lines, derivatives=False).rows)
+
+    step = 1e-4 * size
+    return (read(step) - read(0.0)) / step, read(size)
+
+
+@pytest.mark.parametrize(("text", "size"), [("point-mass:@0.09,0,0.24", 0.05), ("cable:@0.09,0,0.24:z", 2e5)])
+def test_one_solution_says_of_a_node_what_the_effect_there_does_to_first_order_and_at_any_size(
+    study: Study, text: str, size: float
+) -> None:
+    (test,) = study.tests
+    assert isinstance(test, OnNodes)
+    whole, lines = test.structure.reduced, np.arange(len(test.measured.frequency))
+    assert whole is not None
+    points, moved = whole.nodes()
+    row = whole.basis[moved[np.argmin(np.linalg.norm(points - [0.09, 0.0, 0.24], axis=1))]]
+    attached, (slope, far) = test.attached({}, lines, row[None]), of_effect(study, test, text, size)
+    spring = text.startswith("cable")
+    found = attached.readings[..., 0, 2] * attached.spring[..., None] if spring else attached.readings[..., 0, :].sum(axis=-1)
+    assert np.abs(found - slope[..., 0]).max() < 1e-2 * np.abs(slope).max()  # the node has no static answer of its own in `test`
+    axis = np.array([0.0, 0.0, 1.0])
+    read = test.finite({}, lines)(row, *((0 * axis, size * axis) if spring else (np.full(3, size), 0 * axis)))
+    assert np.abs(read - far).max() < 0.02 * np.abs(far).max()
+
+
+def test_a_mass_at_no_named_place_is_found_on_the_mesh_and_added_by_its_coordinates(study: Study) -> None:
+    found = diagnosed(study)
+    (cause,) = found.accepted
+    place = position(cause.named.target)
+    assert cause.named.family == "point-mass"
+    assert place is not None
+    assert np.linalg.norm(np.array(place) - HIDDEN) < 0.03  # one beam of the coarse mesh
+    assert abs(cause.named.value / 0.01 - 1) < 0.1
+    best = found.everywhere[0]
+    assert (best.named.target, best.nearest) == (cause.named.target, "c")
+    assert best.evidence > best.named_evidence
+    assert names_of(study.ready_at([cause.named.target]).whole([Added(named=cause.named)]), cause.named)
+
+
+def test_a_place_outside_the_mesh_is_refused_with_the_nearest_point_of_it(study: Study) -> None:
+    with pytest.raises(BadInput, match=r"100 mm outside the mesh; the nearest point is \(0, 0, 120\) mm"):
+        study.ready_at(["@-0.1,0,0.12"])
+
+
+def test_a_place_that_is_no_three_numbers_is_refused() -> None:
+    with pytest.raises(BadInput, match="no x,y,z in metres"):
+        parse("point-mass:@1,2=3", ANYWHERE)
