@@ -7,8 +7,9 @@ from typing import Protocol, Self, runtime_checkable
 import numpy as np
 
 from fem.damping import Damping
-from fem.structure import Sparse, Structure, place_rows
+from fem.structure import Sparse, Structure, place_rows, position_of
 from geometry.errors import BadInput
+from geometry.frames import Array
 from geometry.toml_file import nearest
 from identification.modal_table import ModalTable
 from identification.response_functions import ResponseFunctions
@@ -106,9 +107,10 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
     band = max(one.band[1] if isinstance(one, ResponseFunctions) else float(np.max(one.frequency)) for one in tests)
     damping = users.damping if model.damping_ratio is None else Damping(ratio=model.damping_ratio)
     made = reduction.by_itself(structure, band, damping=damping)
+    beside = gradients(structure, sorted({point.place for point in points}))
     return effects.nuisances(
         article,
-        made.matrices,
+        replace(made.matrices, gradients={name: slopes @ made.basis for name, slopes in beside.items()}),
         made.frequency,
         made.losses,
         model.structure,
@@ -116,3 +118,28 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
         part_tolerances=structure.part_tolerances,
         scaled=users.units.known,
     )
+
+
+NEARBY = 1e-4
+"""Share of the size of a structure by which a place is shifted to see how its motion changes. By definition."""
+
+
+def gradients(structure: Structure, places: Sequence[str]) -> dict[str, Array]:
+    """By place (3, 3, n) how what each degree of freedom moves it changes by a metre along x, y, z.
+
+    A place is found by how it turns with the whole structure. None of those about which nothing turns and no element is known.
+    """
+    if structure.elements is None and not len(structure.points):
+        return {}
+    size = float(np.ptp(structure.points, axis=0).max()) if len(structure.points) else 1.0
+    found = {}
+    for name in places:
+        if (at := position_of(structure, name)) is None:
+            continue
+        shifts = NEARBY * size * np.vstack([np.eye(3), -np.eye(3)])
+        try:
+            rows = [row.toarray() for row in place_rows(structure, at + shifts)]
+        except BadInput:  # beyond the end of the mesh
+            continue
+        found[name] = np.array([(rows[k] - rows[k + 3]) / (2 * NEARBY * size) for k in range(3)])
+    return found
