@@ -27,7 +27,7 @@ DRIVES = ("force-misalignment", "force-position", "wrong-reference")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Rows:
+class PointRows:
     """Rows of points.
 
     Attributes
@@ -60,7 +60,9 @@ def possible(
     return [Parameter(name=name, unit=units[name], tolerance=1.0) for name, (_, row) in changes.items() if np.any(row)]
 
 
-def rows(matrices: Matrices, points: Sequence[Point], others: Sequence[Point], names: Sequence[str], offsets: Offsets) -> Rows:
+def rows(
+    matrices: Matrices, points: Sequence[Point], others: Sequence[Point], names: Sequence[str], offsets: Offsets
+) -> PointRows:
     """Of `points` at `offsets`, and by the parameters `names`; one that points at nothing of these is left out."""
     stated = np.array([dynamic_mass.along(matrices, one.place, one.direction) for one in points]).reshape(len(points), -1)
     at = {one.name: k for k, one in enumerate(points)}
@@ -93,4 +95,4 @@ def rows(matrices: Matrices, points: Sequence[Point], others: Sequence[Point], n
     values = np.array(stated)
     for name, (k, change) in changes.items():
         values[k] += offsets.get(name, 0.0) * change
-    return Rows(values=values, changes=changes)
+    return PointRows(values=values, changes=changes)

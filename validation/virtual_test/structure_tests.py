@@ -324,6 +324,10 @@ def simulate(plan: StructurePlan) -> StructureTest:
         return StructureTest(table=_table(plan, lab, rows), truth=truth)
     about = {"format": 1, "kind": test_file.RESPONSE_FUNCTIONS, "title": plan.kind, "article": plan.article}
     about |= {"band": [float(one) for one in plan.band], "gain": GAIN, "force_gain": GAIN}
+    places = dict.fromkeys(one.place for one in (*plan.drives, *plan.responses))
+    where = {name: at for name in places if (at := position_of(lab.structure, name)) is not None}
+    if where:
+        about["coordinates"] = {name: [float(x) for x in at] for name, at in where.items()}
     elastic = lab.lossy[0][lab.lossy[0].real > 0.01 * plan.band[0] ** 2]
     slowest = float(np.min(elastic.imag / (2 * np.sqrt(elastic.real)) + lab.ratio * np.sqrt(elastic.real), initial=1e3))
     block = plan.block or min(LONGEST, max(RINGS_DOWN / slowest, 4 / plan.band[0]))
@@ -478,13 +482,16 @@ def _table(plan: StructurePlan, lab: TestedStructure, rows: Sequence[Array]) -> 
         if one.family == "channel-swap":
             other = names.index(one.targets[1])
             order[k], order[other] = order[other], order[k]
-        elif one.family in ("accelerometer-gain", "polarity", "unit"):
-            gains[k] *= {"accelerometer-gain": 1 + one.value, "polarity": -1.0, "unit": one.value}[one.family]
+        elif one.family in ("accelerometer-gain", "polarity"):
+            gains[k] *= 1 + one.value if one.family == "accelerometer-gain" else -1.0
     least = max(s, 1e-6)
     window = sum(one.value for one in plan.each("exponential-window"))
     zeta = lab.ratio + eta[inside] / 2 + window / (2 * np.pi * hertz[inside])
     shapes = ((np.array(rows) @ lab.modes[1]) @ turned[:, inside]).real.T[:, order] * gains
     shapes = shapes / np.abs(shapes).max(axis=1, keepdims=True) + 10 * s * rng.standard_normal(shapes.shape)
+    for one in plan.each("unit"):
+        if one.target in names:
+            shapes[:, names.index(one.target)] *= one.value
     shapes = shapes * rng.choice([-1.0, 1.0], len(shapes))[:, None] * rng.uniform(0.5, 2.0, len(shapes))[:, None]
     f = hertz[inside] * (1 + s * rng.standard_normal(len(inside)))
     zeta = zeta * (1 + 100 * s * rng.standard_normal(len(inside)))
