@@ -669,8 +669,8 @@ def answer_of_test(path: str, band: tuple[float, float] | None, *, as_json: bool
     columns = tuple(doc.Column(head, itemgetter(k), words=k < 2) for k, head in enumerate(heads))
     cells = [(name, unit, f"{value:.5g}", f"±{half:.2g}", f"{other:.5g}") for name, unit, value, half, other in rows]
     notes = [
-        f"Joint fit: {found.band[0]:.4g} to {found.band[1]:.4g} Hz, {len(found.poles)} elastic modes taken apart; mass line alone: "
-        f"{found.straight[0]:.4g} to {found.straight[1]:.4g} Hz.",
+        f"Joint fit: {found.band[0]:.4g} to {found.band[1]:.4g} Hz, {len(found.poles)} elastic modes taken apart; mass line "
+        f"alone: {found.straight[0]:.4g} to {found.straight[1]:.4g} Hz.",
         f"Misfit {found.misfit:.2f} of what noise and tolerances are expected to leave"
         + (": too much, and the intervals are widened by it." if found.misfit > free_body.SOUND else "."),
         "About the origin of the coordinates of the points, products as entries of the matrix.",

@@ -1,6 +1,5 @@
 """Faults of sensors, blows and methods in tests of any structure: simulated by other code, predicted at their size, derived."""
 
-import runpy
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -20,42 +19,17 @@ from validation.virtual_test import structure_tests
 ANY = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
 POINTS = ("tip:x", "tip:z", "elbow:x", "elbow:y")
 
-BRACKET = """format = 1
-model = { title = "Column and arm", article = "bracket" }
-[fe_model]
-kind = "matrices"
-units = "mm-t-N-s"
-support = "ground"
-file = "bracket-parts.npz"
-places = { foot = 101, elbow = 107, tip = 110 }
-[fe_model.joints.soil]
-between = ["foot", "ground"]
-stiffness = ["1e6 N/mm", "1e6 N/mm", "1e6 N/mm", "1e9 N mm/rad", "1e9 N mm/rad", "1e9 N mm/rad"]
-"""
-
-
-@pytest.fixture(scope="module")
-def model(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A column and an arm of twenty nodes with coordinates, on stiff ground."""
-    folder = tmp_path_factory.mktemp("bracket")
-    own = runpy.run_path(str(root / "examples" / "own_model.py"))
-    nodes, coordinates, _, _ = own["bracket"]()
-    dof = np.array([(node, component) for node in nodes for component in range(1, 7)])
-    np.savez(folder / "bracket-parts.npz", dof=dof, nodes=nodes, coordinates=coordinates, **own["parts"]())
-    (folder / "bracket.toml").write_text(BRACKET)
-    return folder / "bracket.toml"
-
 
 @pytest.fixture
-def tested(model: Path, tmp_path: Path) -> Callable[..., tuple[Any, ...]]:
+def tested(bracket: Path, tmp_path: Path) -> Callable[..., tuple[Any, ...]]:
     """``tested(kind, effects, **options)``: predictions of a virtual test of the bracket, without tolerances."""
 
     def of(kind: str, effects: tuple[str, ...] = (), **options: Any) -> tuple[Any, ...]:
         usual = {"drives": ("tip:x", "elbow:y"), "responses": POINTS, "band": (60.0, 700.0), "block": 1.0}
         given = {"seed": 1, "noise": 1.0, "tolerances": 0.0, **usual, **options}
-        plan = structure_tests.plan_of(str(model), kind=kind, effects=effects, **given)
+        plan = structure_tests.plan_of(str(bracket), kind=kind, effects=effects, **given)
         structure_tests.simulate(plan).fill(tmp_path / "test")
-        return Study.open(str(model), [str(tmp_path / "test" / "test.toml")]).tests
+        return Study.open(str(bracket), [str(tmp_path / "test" / "test.toml")]).tests
 
     return of
 
