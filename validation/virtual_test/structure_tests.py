@@ -23,7 +23,7 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import AXES, Point, point
-from geometry.toml_file import nearest, string
+from geometry.toml_file import nearest
 from identification import test_file
 from identification.files import files
 from identification.files.files import Signals
@@ -259,16 +259,8 @@ class StructureTest:
         folder.mkdir(parents=True, exist_ok=True)
         for name, signals in self.signals.items():
             files.write(folder / name, signals)
-        lines = [f"{key} = {_as_toml(value)}" for key, value in self.table.items()]
+        lines = [f"{key} = {model_file.inline(value)}" for key, value in self.table.items()]
         (folder / "test.toml").write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
-def _as_toml(value: Any) -> str:
-    if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{key} = {_as_toml(one)}" for key, one in value.items()) + " }"
-    if isinstance(value, list | tuple):
-        return "[" + ", ".join(_as_toml(one) for one in value) + "]"
-    return string(value) if isinstance(value, str) else f"{value:.9g}" if isinstance(value, float) else str(value).lower()
 
 
 def _row(structure: Structure, at: Point, faults: Sequence[Named], points: Mapping[str, Point]) -> Array:

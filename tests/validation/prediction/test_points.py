@@ -1,5 +1,6 @@
 """Faults of sensors, blows and methods in tests of any structure: simulated by other code, predicted at their size, derived."""
 
+import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -9,9 +10,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from geometry.errors import BadInput
 from validation.effects.catalogue import parse
 from validation.effects.effect import Vocabulary
 from validation.estimation.problem import Prediction
+from validation.model import model_file
 from validation.model.model import Added
 from validation.study import Study
 from validation.virtual_test import structure_tests
@@ -149,3 +152,28 @@ def test_a_virtual_test_without_noise_is_the_prediction_whatever_its_losses(test
     test = replace(one, decay_rate=0.0)
     assert misfit(test) > 0.5
     assert misfit(test, tuple(added(text) for text in effects)) < 0.015  # the reduced basis at peaks of 0.3 % damping
+
+
+def test_a_test_in_other_axes_is_turned_and_one_that_does_not_match_is_refused_with_its_misfit(
+    tested: Callable[..., tuple[Any, ...]], bracket: Path, tmp_path: Path
+) -> None:
+    points = ("low:x", "elbow:x", "tip:z")
+    (one,) = tested("functions", noise=0.0, drives=("elbow:x",), responses=points)
+    path = tmp_path / "test" / "test.toml"
+    text = path.read_text()
+    table = tomllib.loads(text)
+    # The axes of the test: x of the model is its y, y is -x, and its origin is elsewhere
+    at = {name: [-y + 1.0, x, z] for name, (x, y, z) in table["coordinates"].items()}
+    stated = next(line for line in text.splitlines() if line.startswith("coordinates"))
+    turned = text.replace(stated, f"coordinates = {model_file.inline(at)}").replace(":x", ":y")
+    path.write_text(turned)
+    (found,) = Study.open(str(bracket), [str(path)]).tests
+    assert_allclose(found.at({}, derivatives=False).rows, one.at({}, derivatives=False).rows, rtol=1e-6)
+    far = {**table["coordinates"], "tip": [0.1, 0.2, 0.3]}
+    for wrong, words in (
+        (far, "lies .* mm off"),
+        ({k: [1e3 * x for x in v] for k, v in at.items()}, "times 0.001 they would match"),
+    ):
+        path.write_text(text.replace(stated, f"coordinates = {model_file.inline(wrong)}"))
+        with pytest.raises(BadInput, match=words):
+            Study.open(str(bracket), [str(path)])
