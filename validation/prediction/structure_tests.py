@@ -191,7 +191,8 @@ def aligned(model: Model, article: str, test: Test) -> Test:
             source=test.source,
             field="coordinates",
             problem="the points of test and model do not match: aligned as well as can be, "
-            f"{list(there)[int(np.argmax(off))]} lies {1e3 * off.max():.4g} mm off, all {len(there)} {1e3 * np.sqrt(np.mean(off**2)):.4g} mm in the mean{units}",
+            f"{list(there)[int(np.argmax(off))]} lies {1e3 * off.max():.4g} mm off, "
+            f"all {len(there)} {1e3 * np.sqrt(np.mean(off**2)):.4g} mm in the mean{units}",
             remedy="Correct the coordinates or the names of places, or leave the coordinates out",
         )
     if np.allclose(R, np.eye(3), atol=1e-3):
