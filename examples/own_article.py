@@ -1,4 +1,4 @@
-"""Write a hammer of two materials as a CAD and a mesher would: one STEP assembly, and two STL files with their article.toml.
+"""Write a hammer of two materials as a CAD and a mesher would: one STEP assembly, two STL files with their article.toml, a URDF.
 
 Run it as ``python examples/own_article.py [FOLDER]``; ``docs/own-article.md`` works with what it leaves in the folder
 (``out/own-article`` when none is given).
@@ -34,6 +34,28 @@ unit = "mm"
 density = "7800 kg/m^3"
 """
 
+ROBOT = """\
+<robot name="hammer">
+  <link name="handle">
+    <inertial>
+      <origin xyz="0 0 0.125"/>
+      <mass value="0.0687"/>
+      <inertia ixx="3.6e-4" ixy="0" ixz="0" iyy="3.6e-4" iyz="0" izz="5.4e-6"/>
+    </inertial>
+    <visual><geometry><mesh filename="handle.stl" scale="0.001 0.001 0.001"/></geometry></visual>
+  </link>
+  <link name="head">
+    <inertial>
+      <origin xyz="0 0 0.265"/>
+      <mass value="0.772"/>
+      <inertia ixx="1.16e-4" ixy="0" ixz="0" iyy="8.36e-4" iyz="0" izz="8.36e-4"/>
+    </inertial>
+    <visual><geometry><mesh filename="head.stl"/></geometry></visual>
+  </link>
+</robot>
+"""
+"""The head's mesh is taken for metres: somebody forgot its scale."""
+
 
 def parts() -> tuple[Part, Part]:
     """A round oak handle of 25 mm and 250 mm, and on it a steel head of 110 x 30 x 30 mm; z up, origin under the handle."""
@@ -52,6 +74,7 @@ def write(folder: Path) -> None:
     for name, body in solids.items():
         write_stl(folder / f"{name}.stl", body)
     atomic.write_text(folder / "article.toml", ARTICLE)
+    atomic.write_text(folder / "robot.urdf", ROBOT)
 
 
 if __name__ == "__main__":

@@ -270,6 +270,10 @@ def from_occ(shape: OccShape, density: float) -> Inertia:
 
     properties = GProp_GProps()
     BRepGProp.VolumeProperties_s(shape.wrapped, properties, INTEGRATION_ERROR, False, False)
+    return _of_properties(properties, density)
+
+
+def _of_properties(properties: Any, density: float) -> Inertia:
     centre, matrix = properties.CentreOfMass(), properties.MatrixOfInertia()
     tensor = np.array([[matrix.Value(i, j) for j in (1, 2, 3)] for i in (1, 2, 3)])
     return Inertia.from_cog(
@@ -277,6 +281,27 @@ def from_occ(shape: OccShape, density: float) -> Inertia:
         np.array([centre.X(), centre.Y(), centre.Z()]) * MM,
         density * tensor * MM**5,
     )
+
+
+def of_triangles(mesh: TriangleMesh, density: float) -> Inertia:
+    """Inertia about the mesh's origin of the body of `density` [kg/m³] within a closed `mesh`, as OCC integrates triangles."""
+    from OCP.BRep import BRep_Builder
+    from OCP.BRepGProp import BRepGProp
+    from OCP.gp import gp_Pnt
+    from OCP.GProp import GProp_GProps
+    from OCP.Poly import Poly_Triangle, Poly_Triangulation
+    from OCP.TopoDS import TopoDS_Face
+
+    surface = Poly_Triangulation(len(mesh.vertices), len(mesh.faces), False)
+    middle = mesh.bounds.mean(axis=0)  # integrated about its middle, so that a body far from the origin loses no digits
+    for number, place in enumerate(((mesh.vertices - middle) / MM).tolist(), start=1):
+        surface.SetNode(number, gp_Pnt(*place))
+    for number, corners in enumerate((mesh.faces + 1).tolist(), start=1):
+        surface.SetTriangle(number, Poly_Triangle(*corners))
+    face, properties = TopoDS_Face(), GProp_GProps()
+    BRep_Builder().MakeFace(face, surface)
+    BRepGProp.VolumeProperties_s(face, properties, False, False, True)
+    return _of_properties(properties, density).moved(middle)
 
 
 def to_occ(inertia: Inertia) -> tuple[float, tuple[float, float, float], tuple[tuple[float, ...], ...]]:

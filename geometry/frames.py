@@ -68,6 +68,19 @@ def rotation_about(axis: str, angle: float) -> Array:
     return rotation
 
 
+def rotation_by(turn: npt.ArrayLike) -> Array:
+    """(3, 3) rotation about the vector `turn` (3,) by its length [rad] (Rodrigues)."""
+    angle, S = float(np.linalg.norm(turn)), skew(turn)
+    return np.asarray(np.eye(3) + np.sinc(angle / np.pi) * S + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * S @ S)
+
+
+def left_jacobian(turn: npt.ArrayLike) -> Array:
+    """(3, 3) J: a small change t of `turn` (3,) [rad] rotates what `rotation_by` has turned already about ``J t``."""
+    angle, S = float(np.linalg.norm(turn)), skew(turn)
+    third = 1 / 6 if angle < 1e-3 else (angle - np.sin(angle)) / angle**3
+    return np.asarray(np.eye(3) + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * S + third * S @ S)
+
+
 def proper_rotation(value: npt.ArrayLike, name: str = "rotation") -> Array:
     """Read-only (3, 3) rotation matrix.
 

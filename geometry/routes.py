@@ -12,7 +12,7 @@ OCC cuts the voids; Pinocchio subtracts them. They differ when a void leaves the
 operation fails, and when either is fed a wrong place: a disagreement is a failed check, not a matter of taste.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from itertools import combinations
@@ -23,7 +23,8 @@ import numpy as np
 from geometry.article import Article, Box, Cylinder, Placed
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose, frozen
-from geometry.inertia import PARAMETERS, UNITS, Inertia, Kind, judge, require_physical
+from geometry.inertia import PARAMETERS, UNITS, Inertia, Kind, judge, parallel_axis, require_physical
+from geometry.mesh import TriangleMesh
 
 # Do inertias that were found by different routes agree, and what were they allowed to differ by?
 
@@ -115,6 +116,31 @@ def by_mesh(article: Article, chord: float = DEFAULT_CHORD) -> Inertia:
     for part in article.counted_parts:
         total = total + mesh.inertia(tessellate(part, chord), part.material.density, f"mesh of {part.name}")
     return total
+
+
+def of_mesh(mesh: TriangleMesh, density: float) -> Mapping[str, Inertia]:
+    """Inertia about the mesh's origin of the body of `density` [kg/m³] within a closed `mesh`, by three pieces of code.
+
+    OCC sums tetrahedra over a triangulated face, trimesh integrates polynomials over triangles (Mirtich 1996), coal, which comes
+    with Pinocchio, transforms a unit tetrahedron. All are exact for the polyhedron.
+    """
+    import coal
+
+    from geometry import cad
+    from geometry import mesh as meshes
+
+    middle, body = mesh.bounds.mean(axis=0), coal.BVHModelOBBRSS()
+    body.beginModel(len(mesh.faces), len(mesh.vertices))
+    body.addVertices(mesh.vertices - middle)
+    body.addTriangles(mesh.faces.astype(np.uint32))
+    about_middle = density * np.asarray(body.computeMomentofInertia())
+    volume, centre = float(body.computeVolume()), np.asarray(body.computeCOM())
+    tensor = about_middle - parallel_axis(density * volume, centre)
+    return {
+        "occ": cad.of_triangles(mesh, density),
+        "trimesh": meshes.inertia_unchecked(mesh, density),
+        "pinocchio": Inertia.from_cog(density * volume, centre + middle, 0.5 * (tensor + tensor.T)),
+    }
 
 
 def agreement(article: Article, inertias: Mapping[str, Inertia], chord: float = DEFAULT_CHORD) -> Agreement:
@@ -233,6 +259,24 @@ def _body(placed: Placed, density: float) -> PinocchioInertia:
     else:
         body = pinocchio.Inertia.FromCylinder(mass, primitive.diameter / 2, primitive.height)
     return _se3(placed.pose).act(body)
+
+
+def closed_form(kind: str, size: Sequence[float]) -> Inertia:
+    """Inertia at unit density of a box, cylinder, sphere, capsule or ellipsoid about its own centre, axis along z.
+
+    `size` [m]: edges of a box; radius and length of the straight part of a cylinder or capsule; radius of a sphere; half-axes of
+    an ellipsoid.
+    """
+    import pinocchio
+
+    volumes: Mapping[str, Callable[..., float]] = {
+        "box": lambda a, b, c: a * b * c,
+        "cylinder": lambda r, h: np.pi * r**2 * h,
+        "sphere": lambda r: 4 / 3 * np.pi * r**3,
+        "capsule": lambda r, h: np.pi * r**2 * h + 4 / 3 * np.pi * r**3,
+        "ellipsoid": lambda a, b, c: 4 / 3 * np.pi * a * b * c,
+    }
+    return from_pinocchio(getattr(pinocchio.Inertia, f"From{kind.capitalize()}")(volumes[kind](*size), *size))
 
 
 def _sum(bodies: list[PinocchioInertia]) -> PinocchioInertia:

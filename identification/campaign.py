@@ -159,6 +159,25 @@ class Run:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class Instrument:
+    """What measured, and when it was last held against a standard: for whoever signs.
+
+    Attributes
+    ----------
+    name : maker and type
+    serial_number : of the instrument
+    calibrated, due : dates, ISO 8601; empty where the file does not state them
+    channels : names of those that it measured
+    """
+
+    name: str
+    serial_number: str = ""
+    calibrated: str = ""
+    due: str = ""
+    channels: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Processing:
     """How spectra are to be made: the paper's settings where the file does not state others.
 
@@ -187,6 +206,8 @@ class Campaign:
     title, notes : free text
     article : the whole stack above the force plane, bottom to top, joined by "+", or a model file
     hardware : campaigns of the same id share FMD and sensors, and so their errors; empty when it is not stated
+    date, place, operator, serial_number : of the test and of its article, for whoever signs; ISO 8601; empty when not stated
+    instruments : that measured
     table : channels and the reference point, the paper's F
     runs : in the order of the file
     recordings : by name of the run; all of them, or none where only the description was read
@@ -204,6 +225,11 @@ class Campaign:
     recordings: Mapping[str, Recording] = field(default_factory=dict)
     hardware: str = ""
     notes: str = ""
+    date: str = ""
+    place: str = ""
+    operator: str = ""
+    serial_number: str = ""
+    instruments: tuple[Instrument, ...] = ()
     mounting: Pose | None = None
     gravity: float = 9.81
     processing: Processing | None = None

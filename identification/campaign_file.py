@@ -10,6 +10,7 @@ The contract is the page "campaign format" of the project's shared documents; `d
 import os.path
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from datetime import date, datetime
 from functools import partial
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any, TypeVar
@@ -157,8 +158,10 @@ class Reader:
             return None
         return np.array(value, dtype=np.float64) * scale
 
-    def named(self, table: Mapping[str, Any], key: str, make: Callable[[dict[str, Any], str], T | None]) -> list[T]:
-        """What `make` makes of every table of the array `key`, no two of one name."""
+    def named(
+        self, table: Mapping[str, Any], key: str, make: Callable[[dict[str, Any], str], T | None], *, alike: bool = False
+    ) -> list[T]:
+        """What `make` makes of every table of the array `key`; no two have one name unless they may be `alike`."""
         entries = table.get(key, [])
         if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
             self.refuse(key, "must be tables", f"Write each as [[{key}]]")
@@ -166,7 +169,7 @@ class Reader:
         if not entries:
             self.refuse(key, "there is none", f"Write each as [[{key}]]")
         names = [entry.get("name") for entry in entries]
-        for name in dict.fromkeys(n for n in names if isinstance(n, str) and names.count(n) > 1):
+        for name in dict.fromkeys(n for n in names if isinstance(n, str) and names.count(n) > 1 and not alike):
             self.refuse(f"{key}.{name}", f"{names.count(name)} have this name", "Give each its own")
         places = [name if isinstance(name, str) and name else str(k + 1) for k, name in enumerate(names)]
         made = [make(entry, f"{key}.{place}") for entry, place in zip(entries, places, strict=True)]
@@ -280,6 +283,29 @@ class Reader:
         excitation = self.excitation(known["excitation"], f"{where}.excitation") if "excitation" in known else None
         return None if len(self.problems.found) > before else campaigns.Run(**words, excitation=excitation)
 
+    def dated(self, table: dict[str, Any], where: str, keys: tuple[str, ...]) -> dict[str, Any]:
+        """`table` with the days under `keys` as text; a day is a date of TOML, or a text in ISO 8601."""
+        found = dict(table)
+        for key in keys:
+            value = found.get(key)
+            if isinstance(value, date):
+                found[key] = value.isoformat()
+            elif isinstance(value, str) and not is_day(value):
+                self.refuse(f"{where}.{key}", f"must be a day, found {value!r}", "Write it as 2026-03-31")
+        return found
+
+    def instrument(self, entry: dict[str, Any], where: str, *, channels: tuple[str, ...]) -> campaigns.Instrument | None:
+        before = len(self.problems.found)
+        known = self.dated(self.known(entry, where, INSTRUMENT), where, DATES)
+        words = self.strings(known, where, ("name",), ("serial_number", *DATES))
+        measured = known.get("channels", [])
+        if not isinstance(measured, list) or not all(isinstance(one, str) for one in measured):
+            self.refuse(f"{where}.channels", f"must be a list of channels, found {measured!r}", 'Write ["cover-z1", "cover-z2"]')
+            return None
+        for one in measured:
+            self.problems.attempt(toml_file.one_of, one, channels, source=self.source, where=f"{where}.channels")
+        return None if len(self.problems.found) > before else campaigns.Instrument(**words, channels=tuple(measured))
+
     def excitation(self, value: Any, where: str) -> campaigns.Excitation | None:
         kind = value.get("kind") if isinstance(value, dict) else value
         if not isinstance(value, dict) or not isinstance(kind, str) or kind not in EXCITATIONS:
@@ -296,6 +322,15 @@ class Reader:
                 number = self.number(value, where, key, low=0.0)
                 figures |= {} if number is None else {key: number}
         return campaigns.Excitation(kind=kind, figures=figures)
+
+
+def is_day(text: str) -> bool:
+    """Whether `text` is a day, or a day and a time, in ISO 8601."""
+    try:
+        datetime.fromisoformat(text)
+    except ValueError:
+        return False
+    return True
 
 
 def is_number(value: Any) -> bool:
@@ -327,8 +362,10 @@ LONGEST_NAME = 80
 # Everything that is wrong with it is collected, so that it can be corrected in one go. Lengths leave here in metres and noise
 # floors in SI, whatever the file is written in. Positions and the origin of [mounting] are in the `length_unit` of [frame].
 
-TOP = ("format", "campaign", "mounting", "environment", "frame", "processing", "channel", "run")
-CAMPAIGN = ("title", "article", "hardware", "notes")
+TOP = ("format", "campaign", "mounting", "environment", "frame", "processing", "instrument", "channel", "run")
+CAMPAIGN = ("title", "article", "hardware", "notes", "date", "place", "operator", "serial_number")
+DATES = ("calibrated", "due")
+INSTRUMENT = ("name", "serial_number", *DATES, "channels")
 RUN = ("name", "file", "axis", "excitation")
 PROCESSING = ("method", "block_size", "overlap", "frequency")
 
@@ -352,7 +389,8 @@ def parse(table: Mapping[str, Any], source: str, problems: Problems) -> campaign
     problems.attempt(toml_file.require_known, table, TOP, source=source)
     problems.attempt(toml_file.require_present, table, ("campaign", "environment", "channel", "run"), source=source)
     reader = Reader(source=source, problems=problems)
-    about = reader.strings(reader.table(table, "campaign", CAMPAIGN), "campaign", ("title", "article"), ("hardware", "notes"))
+    stated = reader.dated(reader.table(table, "campaign", CAMPAIGN), "campaign", ("date",))
+    about = reader.strings(stated, "campaign", CAMPAIGN[:2], CAMPAIGN[2:])
     frame = reader.table(table, "frame", ("origin", "length_unit"))
     unit = problems.attempt(length_unit, str(frame.get("length_unit", "m")), source, "frame.length_unit")
     metres = unit.metres if unit else 1.0
@@ -373,6 +411,9 @@ def parse(table: Mapping[str, Any], source: str, problems: Problems) -> campaign
     processing = reader.processing(table)
     channels = reader.named(table, "channel", partial(reader.channel, metres=metres))
     runs = reader.named(table, "run", reader.run)
+    names = tuple(one.name for one in channels)
+    made = partial(reader.instrument, channels=names)
+    instruments = reader.named(table, "instrument", made, alike=True) if "instrument" in table else []
     if len(problems.found) > before or origin is None or gravity is None:
         return None
     extent = np.ptp([place.position for one in channels for place in one.places], axis=0).max()
@@ -381,6 +422,11 @@ def parse(table: Mapping[str, Any], source: str, problems: Problems) -> campaign
         article=about.get("article", ""),
         hardware=about.get("hardware", ""),
         notes=about.get("notes", ""),
+        date=about.get("date", ""),
+        place=about.get("place", ""),
+        operator=about.get("operator", ""),
+        serial_number=about.get("serial_number", ""),
+        instruments=tuple(instruments),
         table=ChannelTable(channels=tuple(channels), origin=origin),
         runs=tuple(runs),
         mounting=mounting,
@@ -405,7 +451,7 @@ def text(campaign: campaigns.Campaign) -> str:
     BadInput : a mounting that is turned about another axis than z, which the format cannot say.
     """
     blocks: list[tuple[str, Lines]] = []
-    about = [(key, getattr(campaign, key)) for key in ("title", "article", "hardware", "notes")]
+    about = [(key, getattr(campaign, key)) for key in CAMPAIGN]
     blocks.append(("[campaign]", [(key, string(value)) for key, value in about if value]))
     if campaign.mounting is not None:
         R = campaign.mounting.rotation
@@ -422,6 +468,10 @@ def text(campaign: campaigns.Campaign) -> str:
         blocked = [("block_size", str(of.block_size)), ("overlap", _number(of.overlap))] if held else []
         grid = f"{{ start = {_number(of.start)}, stop = {_number(of.stop)}, step = {_number(of.step)} }}"
         blocks.append(("[processing]", [("method", string(of.method)), *blocked, ("frequency", grid)]))
+    for tool in campaign.instruments:
+        stated = [(key, string(value)) for key in INSTRUMENT[:-1] if (value := getattr(tool, key))]
+        measured = [("channels", f"[{', '.join(map(string, tool.channels))}]")] if tool.channels else []
+        blocks.append(("[[instrument]]", stated + measured))
     blocks += [("[[channel]]", _channel(channel)) for channel in campaign.table.channels]
     for run in campaign.runs:
         lines = [(key, string(value)) for key in ("name", "file", "axis") if (value := getattr(run, key)) or key != "axis"]

@@ -21,7 +21,7 @@ from geometry.article import rectangle
 from geometry.articles.parts import load
 from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.errors import BadInput
-from geometry.frames import Array, frozen, rigid_transformation, rigid_transformation_6, skew
+from geometry.frames import Array, frozen, left_jacobian, rigid_transformation, rigid_transformation_6, rotation_by, skew
 from geometry.sensors import Channel, ChannelTable, Place, Summation, Tolerances, row, summation
 from identification.base_motion import STANDARD_GRAVITY, TILT
 from identification.parameter import Parameter, opened
@@ -225,9 +225,8 @@ def channel_parameters(
         yield Parameter(name=f"{kind}-gain:{name}", unit="1", tolerance=gain, channels=(k,))
     for k, name in zip(columns, names, strict=True):
         yield Parameter(name=f"{kind}-delay:{name}", unit="s", tolerance=known.delay, channels=(k,))
-    if kind == "force":
-        for k, name in zip(columns, names, strict=True):
-            yield Parameter(name=f"force-highpass:{name}", unit="Hz", tolerance=0.0, channels=(k,))
+    for k, name in zip(columns, names, strict=True):
+        yield Parameter(name=f"{kind}-highpass:{name}", unit="Hz", tolerance=0.0, channels=(k,))
     yield Parameter(name=f"board-delay:{board}", unit="s", tolerance=0.0, channels=tuple(columns))
 
 
@@ -235,7 +234,7 @@ def factors(names: tuple[str, ...], kind: str, board: str, x: Offsets, frequency
     """(n, c) at `frequency` (n,) [Hz]."""
     gain, late, corner = (
         np.array([x.get(f"{family}:{name}", 0.0) for name in names])
-        for family in (f"{kind}-gain", f"{kind}-delay", "force-highpass")
+        for family in (f"{kind}-gain", f"{kind}-delay", f"{kind}-highpass")
     )
     turns = np.outer(frequency, late + x.get(f"board-delay:{board}", 0.0))
     passed = 1 - 1j * corner / frequency[:, None] if np.any(corner) else 1.0
@@ -252,7 +251,7 @@ def channel_changes(
             yield key, [k], np.full((len(frequency), 1), 1 / (1 + x[key]), dtype=np.complex128)
         if (key := f"{kind}-delay:{name}") in wanted:
             yield key, [k], late
-        if (key := f"force-highpass:{name}") in wanted:
+        if (key := f"{kind}-highpass:{name}") in wanted:
             yield key, [k], np.asarray(1j / (frequency - 1j * x[key]))[:, None]
     if (key := f"board-delay:{board}") in wanted:
         yield key, list(range(len(names))), np.repeat(late, len(names), axis=1)
@@ -287,15 +286,19 @@ class Placed:
 
 # Force and moment channels: from the load on the structure to what they read.
 #
-#     y = factor · S · diag(1 - lost) · R · X · H u
+#     y = factor · S · (1 + C) · diag(1 - lost) · R · X · H u
 #
-# X lets a resultant show in others (cross-talk of the measuring plane, moments that the cells miss), R shares the load between
-# the sensing elements, part of what each carries may pass it by (shunt), and S, the summation box, adds elements up. A moment
-# channel beside elements that carry everything reads the resultant moment.
+# C lets the force on a cell along one axis show in its elements along others, X lets a resultant show in others (cross-talk of
+# the measuring plane, moments that the cells miss), R shares the load between the sensing elements, part of what each carries may
+# pass it by (shunt), and S, the summation box, adds elements up. A moment channel beside elements that carry everything reads the
+# resultant moment.
 
 AXES = "xyz"
 CROSSTALK = tuple(f"{i}{j}" for i in AXES for j in AXES if i != j)
 """``zx``: the x resultant shows in the z channels."""
+
+INSIDE = "cell-crosstalk"
+"""``1zx``: the force on cell 1 along x shows in its z element; ``1zz`` is its own sensitivity."""
 
 SHUNTS = {f"load-path-shunt:{axis}": k for k, axis in enumerate(AXES)}
 """By name of the parameter: the axis along which a load goes past the cells."""
@@ -323,6 +326,8 @@ class Loads(Placed):
         yield from channel_parameters(self.names, self.first, "force", "force", known.gain, known)
         for pair in CROSSTALK if self.channels else ():
             yield Parameter(name=f"force-crosstalk:{pair}", unit="1", tolerance=known.crosstalk, channels=all_of_them)
+        for key, to, _ in self._inside():
+            yield Parameter(name=key, unit="1", tolerance=0.0, channels=tuple(self.first + k for k in self._adding_up(to)))
         for axis in AXES if self.channels else ():
             yield Parameter(name=f"load-path-shunt:{axis}", unit="1", tolerance=0.0, channels=all_of_them)
         for axis in OFFSETS if self.channels else ():
@@ -344,6 +349,11 @@ class Loads(Placed):
         for key, change in self._reading_changes(x):
             if key in wanted:
                 yield key, every, f[:, :, None] * (change @ X + even @ _heard(x) @ _lost(key))
+        carried = self._loads(x) @ X
+        for key, to, of in self._inside():
+            if key in wanted:
+                touched = self._adding_up(to)
+                yield key, touched, f[:, touched, None] * np.outer(self.sums.adds[touched, to], carried[of])
         for key, change in _crosstalk(x):
             if key in wanted:
                 yield key, every, f[:, :, None] * (even @ change @ _carried(x))
@@ -361,7 +371,34 @@ class Loads(Placed):
 
     def _reading(self, x: Offsets) -> Array:
         """(c, 6) reading for a unit resultant load, before the signal's way to the record."""
-        return np.asarray(self.sums.adds @ (self._passing(x)[:, None] * self._sharing(x)))
+        return np.asarray(self._adding(x) @ self._loads(x))
+
+    def _loads(self, x: Offsets) -> Array:
+        """(e, 6) what every element carries of a unit resultant load."""
+        return np.asarray(self._passing(x)[:, None] * self._sharing(x))
+
+    def _adding(self, x: Offsets) -> Array:
+        """(c, e) what the channels read of what the elements carry: their sums, and what shows of other elements of the cell."""
+        adds = self.sums.adds
+        heard = [(to, of, x[key]) for key, to, of in self._inside() if x.get(key, 0.0)]
+        if not heard:
+            return adds
+        adds = adds.copy()
+        for to, of, share in heard:
+            adds[:, of] += share * self.sums.adds[:, to]
+        return adds
+
+    def _inside(self) -> Iterator[tuple[str, int, int]]:
+        """By cross-talk inside a cell: its name, the element in which the load of another or its own shows, and that one."""
+        if not self.springs.of_cells:
+            return
+        at = list(zip(self.springs.names, self._of_force, strict=True))
+        for to, k in at:
+            yield from ((f"{INSIDE}:{to}{of[-1]}", k, j) for of, j in at if of[:-1] == to[:-1])
+
+    def _adding_up(self, element: int) -> list[int]:
+        """Which channels read `element`."""
+        return [int(k) for k in np.flatnonzero(self.sums.adds[:, element])]
 
     def _sharing(self, x: Offsets) -> Array:
         """(e, 6) reading of every element for a unit resultant load."""
@@ -387,7 +424,7 @@ class Loads(Placed):
 
     def _reading_changes(self, x: Offsets) -> Iterator[tuple[str, Array]]:
         """d `_reading` / d offset, (c, 6), of stiffnesses and shunts."""
-        passing, adds = self._passing(x), self.sums.adds
+        passing, adds = self._passing(x), self._adding(x)
         if self.springs.of_cells:
             force = self._of_force
             for key, change in self.springs.sharing_changes(x):
@@ -535,7 +572,7 @@ class PickUps(Placed):
 
     def _placed(self, channel: Channel, x: Offsets) -> tuple[Array, float]:
         shift, turn = (_vector(x, f"accelerometer-{family}:{channel.name}") for family in ("position", "misalignment"))
-        Q = _rotation(turn)
+        Q = rotation_by(turn)
         directions = [Q @ place.direction for place in channel.places]
         arms = [place.position + shift - self.point for place in channel.places]
         row = np.mean([d @ rigid_transformation(arm) for d, arm in zip(directions, arms, strict=True)], axis=0)
@@ -545,11 +582,7 @@ class PickUps(Placed):
         """By `wanted` parameter of position and angle: the channel, the changes (6,) of its row and () of its rise."""
         for k, channel in enumerate(self.channels):
             shift, turn = (_vector(x, f"accelerometer-{family}:{channel.name}") for family in ("position", "misalignment"))
-            # (3, 3) J: a small change t of `turn` rotates what is already turned about J t
-            angle, S = float(np.linalg.norm(turn)), skew(turn)
-            third = 1 / 6 if angle < 1e-3 else (angle - np.sin(angle)) / angle**3
-            left_jacobian = np.asarray(np.eye(3) + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * S + third * S @ S)
-            Q, J = _rotation(turn), left_jacobian
+            Q, J = rotation_by(turn), left_jacobian(turn)
             for axis, e in zip(AXES, np.eye(3), strict=True):
                 if (key := f"accelerometer-position:{channel.name}:{axis}") in wanted:
                     d = np.mean([Q @ place.direction for place in channel.places], axis=0)
@@ -624,12 +657,6 @@ class Sight:
 
 def _vector(x: Offsets, stem: str) -> Array:
     return np.array([x.get(f"{stem}:{axis}", 0.0) for axis in AXES])
-
-
-def _rotation(turn: Array) -> Array:
-    """(3, 3) rotation about the vector `turn` (3,) by its length [rad] (Rodrigues)."""
-    angle, S = float(np.linalg.norm(turn)), skew(turn)
-    return np.asarray(np.eye(3) + np.sinc(angle / np.pi) * S + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * S @ S)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -840,7 +867,8 @@ def _candidates(cover: PickUps, table: PickUps, forces: Loads, known: Tolerances
 
 _FAMILIES = (
     *("force-gain", "accelerometer-gain", "force-delay", "accelerometer-delay", "board-delay", "force-highpass"),
-    *("accelerometer-position", "accelerometer-misalignment", ELEMENT, COMPLIANCE, "force-crosstalk", "load-path-shunt"),
+    "accelerometer-highpass",
+    *("accelerometer-position", "accelerometer-misalignment", ELEMENT, COMPLIANCE, "force-crosstalk", INSIDE, "load-path-shunt"),
     *("force-plane-offset", "cover-plate-flexibility", STRUCTURE, SENSOR),
 )
 

@@ -36,7 +36,7 @@ class History(versions.HistoryPosition):
         """How the errors fell from version to version: a plotly figure, which a notebook shows by itself."""
         from validation.report.charts.history import falling_errors
 
-        return falling_errors(self, dark=dark)
+        return falling_errors(self, dark=dark).checked()
 
     def __str__(self) -> str:
         from validation.report.history import text

@@ -98,6 +98,7 @@ class Entry:
     null : what null stands for, where it is no None
     write, read : to JSON and back; None for what the field's type says
     later : whether files that were written before the field was there lack it
+    rare : whether it is written only where there is something: most results have nothing to say of it
     """
 
     path: tuple[str | int, ...]
@@ -106,6 +107,7 @@ class Entry:
     write: Callable[[Any], Any] | None = None
     read: Callable[[Any], Any] | None = None
     later: bool = False
+    rare: bool = False
 
 
 def entry(
@@ -116,12 +118,13 @@ def entry(
     write: Callable[[Any], Any] | None = None,
     read: Callable[[Any], Any] | None = None,
     later: bool = False,
+    rare: bool = False,
     default: Any = MISSING,
     default_factory: Any = MISSING,
 ) -> Any:
     """A field of a result; for the parameters see `Entry`, of whose path `key` is the text, empty for the field's name."""
     path = tuple(int(part) if part.isdecimal() else part for part in key.split("/")) if key else ()
-    said = Entry(path=path, unit=unit, null=null, write=write, read=read, later=later)
+    said = Entry(path=path, unit=unit, null=null, write=write, read=read, later=later or rare, rare=rare)
     return field(metadata={_CODEC: said}, **_default(default, default_factory))
 
 
@@ -178,6 +181,8 @@ def _object(of: Any) -> dict[str, Any]:
         if said is None:
             continue
         value, at = getattr(of, one.name), found
+        if said.rare and not value:
+            continue
         for part in said.path[:-1]:
             at = at.setdefault(str(part), {})
         null = said.null is not None and value == said.null
@@ -346,6 +351,11 @@ def significant(value: float, digits: int) -> str:
 def two_digits(value: float) -> str:
     """`value` with two digits that mean something, all of those before the point, and no exponent of what is large."""
     return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
+
+
+def nats(value: float) -> str:
+    """Evidence with its sign: tenths below ten, where they decide, and whole nats beyond."""
+    return f"{value:+.1f}" if abs(value) < 9.95 else f"{value:+.0f}"
 
 
 def percent(value: float) -> str:

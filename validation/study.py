@@ -20,7 +20,7 @@ from identification import campaign_file, test_file
 from identification.campaign import METHODS, Campaign
 from validation.classical import files
 from validation.effects.catalogue import There, words_of
-from validation.effects.effect import Vocabulary
+from validation.effects.effect import AXES, Vocabulary
 from validation.estimation.evaluate import evaluate, named, without
 from validation.estimation.fit import fit
 from validation.estimation.problem import FITTED, Evaluation, Fact, Fit, Problem
@@ -289,7 +289,7 @@ class Study:
         BadInput : an unknown name among what is held out; whatever makes no spectra.
         """
         tell, asked = progress or (lambda what, share: None), asked or Options(model=model.source)
-        bare = replace(model, effects=())
+        bare = replace(model, effects=(), looked_at=model.positions)
         made = predictions(
             bare, data.campaigns, band=asked.band, method=asked.spectra, progress=lambda share: tell("spectra", share)
         )
@@ -303,7 +303,7 @@ class Study:
         ------
         BadInput : an unknown name among what is held out.
         """
-        bare = replace(model, effects=())
+        bare = replace(model, effects=(), looked_at=model.positions)
         plain = tuple(one.with_effects(()) for one in made)
         tests = structure_tests.predictions(bare, data.tests)
         said = facts(bare, data.classical)
@@ -313,6 +313,16 @@ class Study:
         if names:
             without(whole, named(whole, names))  # refused before minutes are spent
         return replace(opened, hold_out=names)
+
+    def ready_at(self, positions: Sequence[str]) -> Self:
+        """The same with tests made ready for effects at `positions`, places that are written as coordinates.
+
+        Raises
+        ------
+        BadInput, CheckFailed : outside the mesh of a structure.
+        """
+        model = replace(self.model, looked_at=tuple(dict.fromkeys((*self.model.positions, *positions))))
+        return replace(self, model=model, tests=structure_tests.ready_at(self.tests, positions))
 
     def by(self, model: Model) -> Self:
         """The same data by a `model` of the same structure with other effects; spectra are not made again."""
@@ -381,6 +391,7 @@ class Study:
         of = vocabulary(self.model, self.campaigns)
         if self.tests:
             of = replace(of, places=None, parts=None, supports=None, joints=None, drives=None)
+            of = replace(of, ways=AXES if not self.campaigns else of.ways)
         of = words_of(self.there, of)
         responses = tuple(dict.fromkeys(name for one in self.tests for name in one.measured.channels))
         recorded = dict.fromkeys(name for one in self.tests for name in one.there.channels or ())

@@ -56,6 +56,7 @@ class Signals:
     frequency : (n,) [Hz], of spectra
     units : by name of the channel, the system of units that the file states for it
     labels : by name of the channel, what the file calls its unit; empty where it does not
+    places : by name of a response function, node and direction (1 to 6, negative against the axis) of response and of reference
     warnings : what is odd, in words
     """
 
@@ -65,6 +66,7 @@ class Signals:
     frequency: Array | None = None
     units: Mapping[str, StatedUnits] = field(default_factory=dict)
     labels: Mapping[str, str] = field(default_factory=dict)
+    places: Mapping[str, tuple[int, int, int, int]] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 
 

@@ -255,6 +255,9 @@ def _function_block(name: str, samples: Samples, signals: Signals, binary: bool,
         problem = f"does not fit an id line of {LONGEST_LINE} characters"
         raise BadInput(source=source, field=name, problem=problem, remedy="Rename the channel, or write .h5")
     is_spectrum = signals.frequency is not None
+    kind = RESPONSE_FUNCTION if name in signals.places else SPECTRUM if is_spectrum else TIME_RESPONSE
+    places = signals.places.get(name, (0, 0, 0, 0))
+    samples = samples.astype(np.complex128) if is_spectrum else samples
     start, step, even = _abscissa(signals, binary, source)
     abscissa = None if even else signals.frequency
     columns = [samples.real, samples.imag] if np.iscomplexobj(samples) else [samples]
@@ -262,7 +265,7 @@ def _function_block(name: str, samples: Samples, signals: Signals, binary: bool,
     rate = RATE.format(repr(float(signals.sampling_rate))) if signals.sampling_rate is not None else "NONE"
     lines = [
         *(f"{text:<80}" for text in (name, "NONE", "NONE", rate, "NONE")),
-        f"{12 if is_spectrum else 1:5d}{0:10d}{0:5d}{0:10d} {'NONE':<10}{0:10d}{0:4d} {'NONE':<10}{0:10d}{0:4d}",
+        f"{kind:5d}{0:10d}{0:5d}{0:10d} {'NONE':<10}{places[0]:10d}{places[1]:4d} {'NONE':<10}{places[2]:10d}{places[3]:4d}",
         f"{6 if is_spectrum else 4:10d}{len(samples):10d}{int(even):10d}{start:13.5E}{step:13.5E}{0:13.5E}",
         _characteristics(18 if is_spectrum else 17, "Hz" if is_spectrum else "s"),
         _characteristics(0, signals.labels.get(name) or "NONE"),
@@ -305,7 +308,7 @@ def _characteristics(kind: int, unit: str) -> str:
 
 ENDINGS = (".uff", ".unv")
 
-TIME_RESPONSE, SPECTRUM = 1, 12
+TIME_RESPONSE, RESPONSE_FUNCTION, SPECTRUM = 1, 4, 12
 
 CODES = {1: "SI", 2: "BG", 3: "MG", 4: "BA", 5: "MM", 6: "CM", 7: "IN", 8: "GM", 9: "user defined"}
 """Systems of units of dataset 164."""

@@ -25,6 +25,8 @@ from identification.chain import Derivative
 from identification.elastic.model import ElasticTerms
 from identification.self_calibration import solve
 from identification.self_calibration.solve import SILENT, Normal
+from identification.self_calibration.ways import Ways
+from identification.self_calibration.ways import normal as by_ways
 from identification.spectra.line_spectra import Spectra
 
 
@@ -94,12 +96,36 @@ def residual(observed: Observed, rows: Rows) -> ComplexArray:
 
 def normal(observed: Observed, rows: Rows) -> Normal:
     """The normal equations of the campaign, run by run; chain parameters first, then structural ones."""
-    A = rows.a0 + rows.a1 @ rows.dynamic_mass
+    A, of = rows.a0 + rows.a1 @ rows.dynamic_mass, ways(rows)
     found = []
     for y, w in zip(observed.values, observed.weight, strict=True):
         r, Q, u = solve.eliminated(A, y, w)
-        found.append(solve.normal_equations(r, Q, _changes(rows, w, u)))
-    return solve.total(found, len(rows.chain) + (0 if rows.structure is None else rows.structure.shape[-1]))
+        found.append(by_ways(of, r, Q, u, w))
+    return solve.total(found, of.count)
+
+
+def ways(rows: Rows) -> Ways:
+    """How the channels see its parameters: the structural ones through the loads, most of the chain in one channel each."""
+    lines, channels, _ = rows.a1.shape
+    moved = np.zeros((lines, 6, 6, 0), dtype=np.complex128) if rows.structure is None else rows.structure
+    loaded = np.flatnonzero(np.any(rows.a1 != 0, axis=(0, 2)))
+    single = [k for k, one in enumerate(rows.chain) if len(one.channels) == 1]
+    others = [k for k, one in enumerate(rows.chain) if len(one.channels) != 1]
+    whole = np.zeros((len(others), lines, channels, 6), dtype=np.complex128)
+    for place, k in enumerate(others):
+        whole[place][:, rows.chain[k].channels] = rows.chain[k].rows
+    return Ways(
+        count=len(rows.chain) + moved.shape[-1],
+        channels=loaded,
+        through=rows.a1[:, loaded],
+        common=len(rows.chain) + np.arange(moved.shape[-1]),
+        quantities=np.ascontiguousarray(moved.transpose(0, 3, 1, 2)),
+        single=np.array(single, dtype=np.int64),
+        at=np.array([rows.chain[k].channels[0] for k in single], dtype=np.int64),
+        rows=np.array([rows.chain[k].rows[:, 0] for k in single], dtype=np.complex128).reshape(len(single), lines, 6),
+        others=np.array(others, dtype=np.int64),
+        whole=whole,
+    )
 
 
 def gradients(observed: Observed, rows: Rows) -> Array:

@@ -22,7 +22,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array
 from identification.base_motion import base_motion, resultants
 from identification.campaign import NOMINAL, Campaign, block_length, quiet_blocks
-from identification.spectra.line_spectra import Spectra
+from identification.spectra.line_spectra import Spectra, hann, without_straight_line
 
 SEGMENT = 4
 """Blocks of `campaign.BLOCK` seconds that make a segment of the spectral density, where so many in a row are quiet."""
@@ -58,10 +58,6 @@ class Density:
 
 def density(campaign: Campaign) -> Density | None:
     """The spectral density of the quiet parts of all runs; None where no run has one."""
-    from scipy.ndimage import median_filter, uniform_filter1d
-    from scipy.signal import detrend
-    from scipy.signal.windows import hann
-
     rate, parts = 0.0, []  # the samples (n, c) of every row of quiet blocks; of one rate, another would need a grid of its own
     for one in campaign.recordings.values():
         quiet = quiet_blocks(one, campaign.table)
@@ -73,9 +69,9 @@ def density(campaign: Campaign) -> Density | None:
         return None
     length = min(max(len(part) for part in parts), SEGMENT * block_length(rate))
     # (s, k, c) two-sided densities of segments, overlapping by half, about their straight lines
-    window, hop = hann(length, sym=False), max(length // 2, 1)
+    window, hop = hann(length), max(length // 2, 1)
     cut = [part[start : start + length] for part in parts for start in range(0, len(part) - length + 1, hop)]
-    lines = [np.fft.rfft(detrend(piece, axis=0) * window[:, None], axis=0) for piece in cut]
+    lines = [np.fft.rfft(without_straight_line(piece) * window[:, None], axis=0) for piece in cut]
     powers = np.abs(np.stack(lines)) ** 2 / (rate * np.sum(window**2))
     total = powers.sum(axis=1)
     kept = total <= STILL * total.min(axis=0)
@@ -85,10 +81,16 @@ def density(campaign: Campaign) -> Density | None:
     # A running mean, but the density itself where it stands out of the running median
     segments = kept.sum(axis=0)
     step = frequency[1] - frequency[0]
-    median = median_filter(mean, size=(2 * max(round(AROUND / step), 1) + 1, 1), mode="nearest")
+    median = np.median(_around(mean, 2 * max(round(AROUND / step), 1) + 1), axis=-1)
     top = median * (1 + 6 / np.sqrt(segments))  # six standard deviations of a mean of so many periodograms
-    even = uniform_filter1d(np.minimum(mean, top), _width(step), axis=0, mode="nearest")
+    even = np.mean(_around(np.minimum(mean, top), _width(step)), axis=-1)
     return Density(frequency=frequency, values=np.where(mean > top, mean, even), segments=kept.sum(axis=0))
+
+
+def _around(values: Array, width: int) -> Array:
+    """(k, c, width) the lines of `values` (k, c) about each line, an odd number; the first and the last go on beyond the ends."""
+    padded = np.pad(values, ((width // 2, width // 2), (0, 0)), mode="edge")
+    return np.lib.stride_tricks.sliding_window_view(padded, width, axis=0)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

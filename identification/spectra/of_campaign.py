@@ -23,9 +23,9 @@ from geometry.sensors import ChannelTable, motion_rows
 from identification.base_motion import base_motion, resultants
 from identification.campaign import METHODS, Campaign, Processing, Recording, Run
 from identification.spectra import noise, peak_hold
-from identification.spectra.line_spectra import Spectra, full_record
+from identification.spectra.line_spectra import Spectra, full_record, hann, without_straight_line
 from identification.spectra.noise import of_redundancy
-from identification.spectra.peak_hold import hann, peak_reference_hold
+from identification.spectra.peak_hold import peak_reference_hold
 
 # How much of what the channels read one rigid base motion and one load explain: a coherence of a single run.
 #
@@ -167,13 +167,11 @@ def _restricted(lines: Array, band: tuple[float, float] | None, source: str) -> 
 def _transformed(
     campaign: Campaign, recorded: list[Recording], method: str, lines: Array, reference: str | None, progress: Progress
 ) -> Spectra:
-    from scipy.signal import detrend
-
     values, pilots, of = [], [], campaign.processing or Processing()
     rates = [one.sampling_rate or 0.0 for one in recorded]
     for k, (run, one, rate) in enumerate(zip(campaign.runs, recorded, rates, strict=True)):
         progress(k / len(recorded))
-        samples = np.asarray(detrend(one.values, axis=0))  # without their straight line
+        samples = without_straight_line(one.values)
         if method == "full-record":
             values.append(full_record(samples, rate, lines, one.source))
             continue

@@ -20,7 +20,7 @@ from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Array
 from identification.campaign import Campaign, block_rms, noise_floors
-from identification.spectra.line_spectra import full_record
+from identification.spectra.line_spectra import full_record, hann
 
 BLOCK_SIZE, OVERLAP = 8192, 0.9
 """The paper's settings."""
@@ -132,11 +132,6 @@ def model_lines(samples: int, rate: float, band: tuple[float, float]) -> Array:
     """Lines (n,) [Hz] within `band` at which `applied` needs the model: those of the record, padded to twice its length."""
     every = np.fft.rfftfreq(_padded(samples), 1 / rate)
     return np.asarray(every[(every >= band[0]) & (every <= band[1])], dtype=np.float64)
-
-
-def hann(size: int) -> Array:
-    """The periodic Hann window (size,)."""
-    return 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(size) / size)
 
 
 def _padded(samples: int) -> int:

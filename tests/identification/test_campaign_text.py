@@ -16,7 +16,7 @@ from geometry.errors import BadInput
 from geometry.frames import Pose, rotation_about
 from geometry.sensors import GROUPS, SI, Channel, ChannelTable, Place
 from identification import campaign_file
-from identification.campaign import METHODS, UNITS, Campaign, Excitation, Processing, Run
+from identification.campaign import METHODS, UNITS, Campaign, Excitation, Instrument, Processing, Run
 from identification.campaign_file import Problems, parse, text
 
 CONTRACT = """
@@ -26,6 +26,10 @@ title   = "Clumod, one blade"
 article = "fmd+clumod-1"
 hardware = "fmd-A/sensors-2002"
 notes   = "free text"
+date = 2026-03-31
+place = "hall 2"
+operator = "B. Tester"
+serial_number = "0042"
 [mounting]
 origin = [0.0, 0.0, 0.0445]
 rotation_deg = 90.0
@@ -39,6 +43,14 @@ method = "peak-reference-hold"
 block_size = 8192
 overlap = 0.9
 frequency = { start = 4.0, stop = 32.0, step = 0.05 }
+[[instrument]]
+name = "cell"
+serial_number = "4711"
+calibrated = 2025-02-03
+due = "2027-02-03"
+channels = ["fmd-x12"]
+[[instrument]]
+name = "cell"
 [[channel]]
 name = "cover-1x"
 quantity = "acceleration"
@@ -89,6 +101,10 @@ def problems_of(content: str) -> list[BadInput]:
 def test_the_example_of_the_contract_says_what_it_says() -> None:
     campaign = parsed(CONTRACT)
     assert (campaign.title, campaign.article, campaign.hardware) == ("Clumod, one blade", "fmd+clumod-1", "fmd-A/sensors-2002")
+    assert (campaign.date, campaign.place, campaign.operator) == ("2026-03-31", "hall 2", "B. Tester")
+    cell, other = campaign.instruments  # two of one type
+    assert (cell.serial_number, cell.calibrated, cell.due, cell.channels) == ("4711", "2025-02-03", "2027-02-03", ("fmd-x12",))
+    assert (campaign.serial_number, other.name, other.calibrated) == ("0042", "cell", "")
     assert_allclose(campaign.mounting.apply([1.0, 0.0, 0.0]), [0.0, 1.0, 0.0445], rtol=0, atol=1e-15)
     assert_allclose(campaign.table.origin, [0, 0, 0.01], rtol=0, atol=0)
     assert campaign.processing is not None
@@ -135,6 +151,10 @@ def test_lengths_are_metres_whatever_the_file_is_written_in(unit: str, size: flo
         ("format = 1\n", "", "format", "is missing"),
         ('title   = "Clumod, one blade"\n', "", "campaign.title", "is missing"),
         ('hardware = "', 'hardwear = "', "campaign.hardwear", "unknown key"),
+        ("date = 2026-03-31", 'date = "31.3.2026"', "campaign.date", "must be a day"),
+        ("calibrated = 2025-02-03", 'calibrated = "spring"', "instrument.cell.calibrated", "must be a day"),
+        ('channels = ["fmd-x12"]', 'channels = ["fmd-x21"]', "instrument.cell.channels", "fmd-x12"),
+        ('channels = ["fmd-x12"]', "channels = 3", "instrument.cell.channels", "a list of channels"),
         ("gravity = 9.81", "", "environment.gravity", "is missing"),
         ("gravity = 9.81", "gravity = true", "environment.gravity", "finite number"),
         ('length_unit = "m"', 'length_unit = "ell"', "frame.length_unit", "ell"),
@@ -176,8 +196,8 @@ def test_what_is_wrong_is_named_with_what_was_found(old: str, new: str, field: s
 
 
 def test_all_that_is_wrong_is_said_at_once() -> None:
-    spoilt = CONTRACT.replace("format = 1", "format = 7").replace('unit = "kN"', 'unit = "g"').replace('axis = "x"', 'axis = "w"')
-    assert {one.field for one in problems_of(spoilt)} == {"format", "channel.fmd-x12.unit", "run.x.axis"}
+    spoilt = CONTRACT.replace("format = 1", "format = 7").replace("m/s^2", "N").replace('axis = "x"', 'axis = "w"')
+    assert {one.field for one in problems_of(spoilt)} == {"format", "channel.cover-1x.unit", "run.x.axis"}
 
 
 @pytest.mark.parametrize(
@@ -231,6 +251,9 @@ def campaigns(draw: st.DrawFn) -> Campaign:
         article="fmd+clumod-1",
         hardware=draw(words),
         notes=draw(words),
+        place=draw(words),
+        operator=draw(words),
+        instruments=(Instrument(name="cell", serial_number=draw(words), due="2027-02-03", channels=(called[0],)),),
         table=ChannelTable(channels=tuple(draw(channels(name)) for name in called), origin=draw(points)),
         runs=tuple(
             Run(name=n, file="x.h5", axis=draw(st.sampled_from(["", "x", "gamma"])), excitation=draw(excitation))
@@ -293,5 +316,6 @@ def test_every_key_of_the_file_is_on_the_page_for_users(root: Path) -> None:
     page = (root / "docs" / "campaigns.md").read_text(encoding="utf-8")
     kinds = {word for kind, figures in campaign_file.EXCITATIONS.items() for word in (kind, *figures)}
     tables = (*campaign_file.TOP, *campaign_file.CAMPAIGN, *campaign_file.RUN, *campaign_file.PROCESSING, *campaign_file.CHANNEL)
+    tables += campaign_file.INSTRUMENT
     for key in (*tables, *kinds, *METHODS, *GROUPS, *SI):
         assert re.search(rf'`"?{re.escape(key)}"?`', page), key

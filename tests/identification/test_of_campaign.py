@@ -15,9 +15,8 @@ from identification.base_motion import base_motion, resultants
 from identification.campaign import Campaign, Processing, Recording
 from identification.dynamic_mass import from_runs
 from identification.spectra import noise
-from identification.spectra.line_spectra import full_record
+from identification.spectra.line_spectra import full_record, hann
 from identification.spectra.of_campaign import reference_channel, spectra
-from identification.spectra.peak_hold import hann
 
 BLOCK = Inertia.from_cog(mass=41.0, cog=np.array([0.0, 0.0, 0.1]), tensor=np.diag([0.9, 0.95, 0.75]))
 """That of examples/own_campaign.py."""

@@ -22,6 +22,7 @@ from validation.diagnose.diagnosis import listed as diagnosis_listed
 from validation.effects import practical_units
 from validation.effects.catalogue import parse
 from validation.report.charts import maps
+from validation.report.charts.figure import Figure
 from validation.report.charts.history import falling_errors, identified_inertia, way_to
 from validation.report.charts.interactive import escaped, phase
 from validation.report.charts.spec import ACCEPTED, ALIKE, LESS, TOO_MUCH_LEFT, signed_log
@@ -34,9 +35,9 @@ if TYPE_CHECKING:
 # Figures on their way to the page.
 
 
-def as_state(figure: Any) -> dict[str, Any]:
-    """A figure of `validation.report.charts.interactive` as JSON values; arrays stay packed, which plotly.js reads."""
-    made: dict[str, Any] = json.loads(figure.to_json(validate=False))
+def as_state(figure: Figure) -> dict[str, Any]:
+    """A figure as JSON values; arrays stay packed, which plotly.js reads."""
+    made: dict[str, Any] = json.loads(figure.json(template=True))
     return made
 
 
@@ -65,7 +66,7 @@ async def drawn(window: WindowState) -> None:
         """Named by its entry alone: the campaign is said beside it, and the button that enlarges it needs room, too."""
         figure = maps.overlay(pairs, load, motion, modes=modes, further=further, marked=marked, dark=dark)
         title = f"{maps.entry(load, motion)}: {maps.LOADS[load]} by {maps.MOTIONS[motion]}"
-        figure.update_layout(title_text=title, margin_t=figure.layout.margin.t - TITLE)
+        figure.update(title={"text": title}, margin={"t": figure.layout["margin"]["t"] - TITLE})
         return as_state(figure)
 
     def residuals(pairs: Pairs | None) -> dict[str, Any]:
@@ -74,9 +75,9 @@ async def drawn(window: WindowState) -> None:
             figure = maps.pair_map(pairs, modes=modes, dark=dark)
         else:
             figure = maps.channel_map(of, None if number == WORST_OF_ALL else number, modes=modes, dark=dark)
-        height = TOP + ROW * len(figure.data[0].y) + BOTTOM
-        figure.update_layout(title_text="", height=height, margin_t=TOP, margin_b=BOTTOM)
-        figure.update_xaxes(title_standoff=2, title_font_size=12, tickfont_size=11)
+        height = TOP + ROW * len(figure.data[0]["y"]) + BOTTOM
+        figure.update(title={"text": ""}, height=height, margin={"t": TOP, "b": BOTTOM})
+        figure.across(title={"standoff": 2, "font": {"size": 12}}, tickfont={"size": 11})
         return as_state(figure)
 
     state.fig_overlay = {} if of.pairs is None else await window.away(overlay, of.pairs)
@@ -160,16 +161,18 @@ async def rungs_shown(window: WindowState) -> None:
     def fall() -> dict[str, Any]:
         """With a legend in fewer words: a panel is narrower than a page."""
         figure = falling_errors(at, dark=dark)
-        figure.for_each_trace(lambda one: one.update(name=SHORTER.get(one.name, one.name)))
-        figure.update_layout(margin={"b": 28, "l": 54})
-        figure.update_yaxes(title_font_size=11, tickfont_size=11)
+        for one in figure.data:
+            one["name"] = SHORTER.get(one["name"], one["name"])
+        figure.update(margin={"b": 28, "l": 54})
+        figure.up(title={"font": {"size": 11}}, tickfont={"size": 11})
         return _untitled(figure, 60)
 
     def inertia() -> dict[str, Any]:
         """With its headings in two lines, likewise."""
         figure = identified_inertia(dict(list(bodies.items())[-BESIDE:]), dark=dark)
-        for heading, lines in HEADINGS.items():
-            figure.update_annotations(text=lines, font_size=11, selector={"text": heading})
+        for heading in figure.layout["annotations"]:
+            if heading["text"] in HEADINGS:
+                heading |= {"text": HEADINGS[heading["text"]], "font": {"size": 11}}
         return _untitled(figure, 78)
 
     # The first article's identified inertia on each rung of the way
@@ -178,10 +181,10 @@ async def rungs_shown(window: WindowState) -> None:
     state.fig_inertia = await window.away(inertia) if bodies else None
 
 
-def _untitled(figure: Any, top: int) -> dict[str, Any]:
+def _untitled(figure: Figure, top: int) -> dict[str, Any]:
     """Without its title, which the tab above it says, in a low panel; `top` [pixels] are left for a legend at the upper edge."""
     legend = {"yref": "container", "y": 1.0, "yanchor": "top", "font": {"size": 11}}
-    figure.update_layout(title_text="", height=LOW, margin_t=top, legend=legend)
+    figure.update(title={"text": ""}, height=LOW, margin={"t": top}, legend=legend)
     return as_state(figure)
 
 

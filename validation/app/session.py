@@ -679,7 +679,7 @@ def _tested(model: Model, said: dict[str, Any], prefix: str, held: Any) -> Teste
         model=model,
         campaign=replace(campaign, warnings=tuple(said["warnings"])),
         measured=Measured(**words, **{name: held[prefix + name] for name in said["arrays"]}),
-        carried=series.supported_dynamic_mass(model, campaign, mounted_article(model, campaign)),
+        carried=series.supported_dynamic_mass(model, campaign, mounted_article(model, campaign), words["name"]),
         drives=tuple(BaseDrive(amplitude=a, nominal=n, sweep_rate=float(r), block=float(b)) for a, n, r, b in drives),
         per_rms=held[prefix + "per_rms"],
         method=said["method"],

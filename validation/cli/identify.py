@@ -99,19 +99,35 @@ def identify_command(ctx: click.Context, /, plot: bool, out: Path | None, as_jso
 @click.argument("campaign")
 @options.JSON
 @click.option("--view", is_flag=True, help="Also draw pick-ups and load cells on the article, under out/.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Also write what was measured with its 95 % intervals: dynamic mass of a campaign, response functions of a test, as "
+    ".csv, .unv, .uff, .h5 or .mat.",
+)
 @click.pass_context
-def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool) -> None:
+def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool, out: Path | None) -> None:
     """What the folder CAMPAIGN holds: channels, runs, levels, noise, which motions and forces can be told. And all that is wrong.
+
+    CAMPAIGN may be the TOML file of a test of any structure, too, or of a model with its [[test]].
 
     Exit code 0 when nothing is wrong, 1 when the data can be used but there are warnings to read, 2 when they cannot be used as
     they are.
     """
     from validation.cli.main import BAD_INPUT, FAILED_CHECK
-    from validation.identify.check import summary
-    from validation.output import print_json, shown, to_json
+    from validation.identify.check import require_measurement, summary
+    from validation.output import print_json, require_ending, shown, to_json
     from validation.report import campaign as answer
     from validation.report.document import page
 
+    if out is not None:
+        require_ending(out, answer.FUNCTIONS, "what was measured", "out/H.unv")
+    if campaign.lower().endswith(".toml") and (tests := require_measurement(Path(campaign))) is not None:
+        if view:
+            raise BadInput(source="--view", problem="a test has no drawing of sensors", remedy="Leave it out")
+        answer.show_tests(campaign, tests, as_json=as_json, out=out)
+        return
     with shown(f"reading {campaign}", quiet=as_json):
         found = summary(campaign)
     if found.campaign is None and len(found.problems) == 1:
@@ -126,6 +142,10 @@ def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool) 
         with shown(f"sensor map of {campaign}", quiet=as_json):
             path = sensor_map(found.campaign, Path("out"))
         click.echo(f"massline: wrote {path}.", err=True)
+    if out is not None and found.campaign is not None and found.usable:
+        with shown(f"dynamic mass of {campaign}", quiet=as_json):
+            answer.write_dynamic_mass(out, found.campaign)
+        click.echo(f"massline: wrote {out}.", err=True)
     if not found.usable:
         ctx.exit(BAD_INPUT)
     if found.warnings:

@@ -77,7 +77,12 @@ def modes_command(
     "--about", default="article", show_default=True, metavar="POINT", help='F, article (its origin) or a point, "0 0 45 mm".'
 )
 @click.option("--plot", is_flag=True, help="Also draw diagonal and full 6x6 grid under out/.")
-@click.option("--out", type=click.Path(path_type=Path), metavar="FILE", help="Also write all entries to a .csv or .npz file.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Also write all entries, to .csv, .npz, .unv, .uff, .h5 or .mat.",
+)
 def dynamic_mass_command(
     article: str,
     as_json: bool,

@@ -3,24 +3,40 @@
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
+from geometry import toml_file
 from geometry.errors import BadInput, CheckFailed
 from validation.cli import options
 
-FORMATS = ("text", "markdown", "csv", "latex")
+if TYPE_CHECKING:
+    from validation.reference.reference import ReferenceTable
+    from validation.reference.robot import RobotFindings
+
+TABLES = {"text": ".txt", "markdown": ".md", "csv": ".csv", "latex": ".tex"}
+"""Forms of a table, and the endings of their files; what inertia is written for is `geometry.inertia_files.FORMATS`."""
 
 
 @click.command("reference")
 @click.argument("articles", nargs=-1, metavar="[ARTICLE ...]")
 @options.JSON
 @click.option(
-    "--format", "form", type=click.Choice(FORMATS), default="text", metavar="FORM", help="text (default), markdown, csv or latex."
+    "--format",
+    "form",
+    metavar="FORM",
+    help="A table: text (default), markdown, csv, latex. A body or the links of a robot for another program: urdf, mjcf, "
+    "sdf, nastran, opensees, adams, toml.",
 )
 @click.option(
-    "--out", type=click.Path(path_type=Path), metavar="FILE", help="Write there instead of on the screen, whole or not at all."
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write there instead of on the screen, whole or not at all; without --format its ending says in which.",
 )
+@click.option("--column", metavar="COLUMN", help="Which column goes to another program.  [default: identified, else first route]")
+@click.option("--link", metavar="LINK", help="Of a robot's links this one alone, as a table.")
 @click.option("--view", is_flag=True, help="Also write a picture of every article under out/.")
 @click.option("--identified", metavar="RESULT", help="Result file for the identified column (see massline validate).")
 @options.FRAME
@@ -28,8 +44,10 @@ FORMATS = ("text", "markdown", "csv", "latex")
 def reference_command(
     articles: tuple[str, ...],
     as_json: bool,
-    form: str,
+    form: str | None,
     out: Path | None,
+    column: str | None,
+    link: str | None,
     view: bool,
     identified: str | None,
     frame: str | None,
@@ -41,16 +59,26 @@ def reference_command(
     """Mass, CoG and inertia of articles by three routes, beside published, measured and identified values.
 
     ARTICLE is a built-in part (cuboid, disc, fmd, clumod-1, clumod-4), a stack of them from bottom to top (fmd+disc+cuboid), or a
-    STEP, STL, PLY, OBJ or article.toml file or folder of your own. Without any, all five built-in parts.
+    STEP, STL, PLY, OBJ or article.toml file or folder of your own, or a robot description, URDF or MuJoCo's .xml, whose links are
+    held against their meshes. Without any, all five built-in parts.
 
-    Exit code 1 when the routes of an article disagree by more than their stated errors.
+    Exit code 1 when the routes of an article disagree by more than their stated errors, or a robot's link is wrong.
     """
+    from geometry import inertia_files, robot
     from geometry.atomic import write_text
     from validation.output import counted, json_text, to_json
     from validation.reference.reference import DEFAULT_ARTICLES, IDENTIFIED, read_result, reference_table, require_use
+    from validation.reference.robot import findings as robot_findings
     from validation.reference.statement import read_frame
-    from validation.report.reference import draw, tables_text
+    from validation.report.reference import draw, exported, robot_document, tables_text
 
+    if form is None:
+        ending = "" if out is None else out.suffix
+        known = {ending: form for form, ending in TABLES.items()}
+        form = inertia_files.format_of(ending) or known.get(ending.lower(), "text")
+    toml_file.one_of(form, (*TABLES, *inertia_files.FORMATS), source="--format", where="")
+    if column is not None and form in TABLES:
+        raise BadInput(source="--column", problem=f"a {form} table has every column", remedy="Add --format urdf, nastran ...")
     names = list(dict.fromkeys(articles)) or list(DEFAULT_ARTICLES)
     asked = options.reading(chord, unit, material, settings)
     options.require_articles(names)
@@ -63,8 +91,20 @@ def reference_command(
             remedy="Name the one that was identified: massline reference ARTICLE --identified RESULT",
         )
     result = None if identified is None else read_result(identified, article=names[0], frame=pose)
-    tables = []
+    robots = [name for name in names if robot.is_robot(name)]
+    for option, value in (("--frame", frame), ("--identified", identified), ("--unit", unit), ("--material", material)):
+        if robots and value is not None:
+            problem = f"{robots[0]} is a robot, whose links have a frame, a mass and a unit of their own"
+            raise BadInput(source=option, problem=problem, remedy="Leave it out")
+    if link is not None and not robots:
+        raise BadInput(source="--link", problem="no robot is among the articles", remedy="Name a .urdf or .xml file")
+    tables: list[ReferenceTable] = []
+    found: list[RobotFindings] = []
     for name in counted(names, "three routes", quiet=as_json):
+        if name in robots:
+            found.append(robot_findings(Path(name), link))
+            tables += found[-1].tables
+            continue
         table = reference_table(name, asked)
         if pose is not None:
             note = f"Origin and axes: --frame {frame}, in the article's frame."
@@ -77,7 +117,13 @@ def reference_command(
         for article, warning in ((table.article, said) for table in tables for said in table.warnings):
             click.echo(f"massline: {warning if warning.startswith(article) else f'{article}: {warning}'}.", err=True)
     if as_json:
-        text = json_text({"articles": {table.article: to_json(table) for table in tables}, "warnings": list(warnings)}) + "\n"
+        said = {"articles": {table.article: to_json(table) for table in tables}, "warnings": list(warnings)}
+        text = json_text(said | ({"robots": [to_json(one) for one in found]} if found else {})) + "\n"
+    elif form in inertia_files.FORMATS:
+        text = exported(form, tables, found, column)
+    elif form == "text" and found and link is None:
+        shown = [one for one in tables if not any(one in of.tables for of in found)]
+        text = "\n".join([*(robot_document(one).text() for one in found), *([tables_text(shown, form)] if shown else [])])
     else:
         text = tables_text(tables, form, to_file=out is not None)
     if out is None:
@@ -85,9 +131,12 @@ def reference_command(
     else:
         write_text(out, text)
         click.echo(f"massline: wrote {out}.", err=True)
-    for name in counted(names, "picture", quiet=as_json) if view else ():
+    for name in counted([name for name in names if name not in robots], "picture", quiet=as_json) if view else ():
         click.echo(f"massline: wrote {draw(name, asked)}.", err=True)
     apart = [f"{table.article}: {table.agreement}" for table in tables if not table.agree]
+    for one in found:
+        if wrong := [link.name for link in one.links if link.wrong]:
+            apart.append(f"{one.source}: the inertia of {len(wrong)} of {len(one.links)} links is wrong: {', '.join(wrong)}")
     if apart:
         raise CheckFailed("; ".join(apart))
 

@@ -14,7 +14,9 @@ from geometry.errors import BadInput
 from geometry.toml_file import nearest
 from identification.campaign import Campaign
 from identification.quality import NORMAL_90
+from validation.correct import CORRECTIONS
 from validation.diagnose import candidates, diagnosis, pendulum, search
+from validation.diagnose.everywhere import found_nodes, without_a_name
 from validation.diagnose.mistakes import mistakes
 from validation.diagnose.next_test import advised
 from validation.diagnose.nonlinear import differing_levels, nonlinear
@@ -25,9 +27,10 @@ from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS
 from validation.estimation.evaluate import evaluate
 from validation.estimation.fit import FLOOR, unfitted
-from validation.estimation.problem import EFFECT, FITTED, Evaluation, Offsets
+from validation.estimation.problem import DECLARED, EFFECT, FITTED, SENSOR, Evaluation, Fit, Offsets
 from validation.history.add import completed
 from validation.model.model import Added, Model, require_target, vocabulary
+from validation.model.tolerance_classes import METROLOGY
 from validation.prediction.effects import name
 from validation.study import Data, Options, Study, read
 
@@ -77,9 +80,16 @@ def diagnosed(
         tell("fitting the model as it is", 0.0)
         fit = right.all_free(lambda share: tell("fitting the model as it is", share))
         base = diagnosis.Candidate(effects=(), fit=fit, problem=right.problem())
+        tell("looking everywhere on the mesh", 0.0)
+        nodes = tuple(one for one in found_nodes(base)[1] if candidates.looked_for(one.named, only, leave_out))
+        if fitted := without_a_name(right, base, nodes):
+            again = {one.kind for one in fitted}
+            nodes = (*fitted, *(one for one in nodes if one.kind not in again))
+            right = right.ready_at([one.named.target for one in fitted])
+            base = diagnosis.Candidate(effects=(), fit=right.all_free(), problem=right.problem())
         menu = menu if only else candidates.candidates(right, leave_out=leave_out)
         at, steps = stepwise_search(right, base, menu, tell)
-        found = answer(right, at, steps, tell)
+        found = replace(answer(right, at, steps, tell), everywhere=nodes)
     whole = with_mistakes(of, found, mistaken) if mistaken else found
     return replace(whole, only=tuple(only), settings={**whole.settings, "only": list(only), "leave_out": list(leave_out)})
 
@@ -132,6 +142,7 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
         detectable=candidates.detectable(steps[-1].screened),
         before=before,
         after=after,
+        known_better=known_better(found.fit) if study.model.tolerance_class != METROLOGY else (),
         steps=tuple(
             diagnosis.ReportedStep(
                 added=one.added,
@@ -156,6 +167,36 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
             "parameters": len(base.fit.parameters),
         },
     )
+
+
+NARROWED = 0.5
+"""[share] of what was admitted of a tolerance to which data must narrow it for it to be known better. Held by
+tests/validation/diagnosing/test_known_better.py."""
+
+
+def known_better(of: Fit) -> tuple[diagnosis.KnownBetter, ...]:
+    """What a fit tells of the tolerances of a laboratory beyond what was admitted, the surest first.
+
+    A tolerance is there that data narrow, and that does not stand at its nominal; of what data leave as wide as it was, and of
+    what turned out as stated, there is nothing to tell.
+    """
+    found = []
+    spread = np.sqrt(np.maximum(np.diag(of.covariance), 0.0))
+    for one, x, sd in zip(of.parameters, map(float, of.offsets), map(float, spread), strict=True):
+        if one.kind not in (DECLARED, SENSOR) or not 0 < sd <= NARROWED * one.tolerance or abs(x) <= search.SIGNIFICANT * sd:
+            continue
+        ends = (one.value(x - NORMAL_90 * sd), one.value(x + NORMAL_90 * sd))
+        known = diagnosis.KnownBetter(
+            id=one.name,
+            value=one.value(x),
+            unit=one.unit,
+            low=min(ends),
+            high=max(ends),
+            before=one.tolerance * abs(one.slope(0.0)),
+            correctable=one.family in CORRECTIONS,
+        )
+        found.append((abs(x) / sd, known))
+    return tuple(known for _, known in sorted(found, key=lambda pair: -pair[0]))
 
 
 def settings(study: Study) -> Mapping[str, object]:

@@ -165,6 +165,44 @@ class Advice:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class FoundNode:
+    """The node of a structure's mesh at which something of one kind would explain most, beside the model as it is.
+
+    Attributes
+    ----------
+    named : what would sit there, with its size
+    article : the structure
+    evidence : [nats] for it somewhere on the mesh, with what looking everywhere costs taken off
+    position : (x, y, z) [m] in the article's frame
+    nearest : the named place nearest to it; empty where none has coordinates
+    distance : [m] to that
+    named_place, named_evidence : the place with a name that would explain most, and how much [nats]; empty where there is none
+    looked : [nats] that looking everywhere costs
+    """
+
+    evidence: float = entry("evidence_nats", unit="nats", null=inf)
+    named: Named = entry("written", write=str, read=lambda written: parse(written, ANY))
+    article: str
+    position: tuple[float, float, float] = entry("position_m", unit="m")
+    nearest: str = entry("nearest_place", null="", default="")
+    distance: float | None = entry("distance_m", unit="m", default=None)
+    named_place: str = entry(null="", default="")
+    named_evidence: float = entry("named_evidence_nats", unit="nats", null=inf, default=0.0)
+    looked: float = unwritten(default=0.0)
+
+    @property
+    def kind(self) -> str:
+        """Its family, with the direction of a spring."""
+        return ":".join((self.named.family, *self.named.targets[1:]))
+
+    @property
+    @derived("id", before="evidence_nats")
+    def id(self) -> str:
+        """``family:target``."""
+        return self.named.id
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Leftover:
     """What no effect explains, described.
 
@@ -212,6 +250,28 @@ class LevelDifference:
     channels: tuple[str, ...]
     frequency: float = entry("frequency_hz", unit="Hz")
     sigma: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class KnownBetter:
+    """A tolerance of the laboratory of which these data say more than was known, and something else than its nominal.
+
+    Attributes
+    ----------
+    id : of the parameter, where the catalogue has it that of the effect
+    value, low, high : SI, with its 90 % interval
+    unit : of them
+    before : standard deviation of what the laboratory's class admits of it, in the same unit
+    correctable : whether `massline correct` takes ``id=value`` out of a record
+    """
+
+    id: str
+    value: float
+    unit: str
+    low: float = entry("interval90/0")
+    high: float = entry("interval90/1")
+    before: float = entry("admitted_sd")
+    correctable: bool
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -281,7 +341,9 @@ class Diagnosis(Answer):
     text : what the sentence of the verdict (`headline`) does not say; empty where it says all
     levels : axes that answer differently at two levels
     before, after : the four errors without and with what was accepted; the same where nothing was
+    known_better : calibrations that come with the answer, the surest first; none is missing from the model
     steps : how it was found
+    everywhere : of a structure with a mesh, where on it something of each kind would explain most, the best first
     hold_out : what was held out, in words
     remarks : warnings, about data that were left out and the like
     only : families and ids that alone were looked for; empty where everything was
@@ -290,7 +352,9 @@ class Diagnosis(Answer):
 
     text: str = unwritten()
     levels: tuple[LevelDifference, ...] = ()
+    known_better: tuple[KnownBetter, ...] = entry(rare=True, default=())
     steps: tuple[ReportedStep, ...] = ()
+    everywhere: tuple[FoundNode, ...] = entry(default=(), later=True)
     hold_out: tuple[str, ...] = entry("held_out", default=())
     remarks: tuple[str, ...] = entry("warnings", default=())
     before: Evaluation = entry(write=lambda of: _evaluation_json(of))

@@ -241,7 +241,7 @@ def planned(of: Template, campaign: Campaign, *, frequency: Array | None = None,
         was,
         campaign=replace(campaign, recordings={}),
         measured=unread,
-        carried=supported_dynamic_mass(was.model, campaign, mounted_article(was.model, campaign)),
+        carried=supported_dynamic_mass(was.model, campaign, mounted_article(was.model, campaign), unread.name),
         drives=drives,
     )
     inputs = level * of.inputs[:, near] * np.sqrt(of.frequency[near] / lines)[:, None]
@@ -516,7 +516,7 @@ def loaded(templates: Sequence[Template], asked: Sequence[str]) -> Iterator[Offe
         tested = test.prediction.tested
         stands = tested.carried.standing
         heavy = None if stands.matrices is None else heavier(stands.matrices, (place,), {"": ON_ARTICLE})
-        made = supported_dynamic_mass(tested.model, tested.campaign, replace(stands, matrices=heavy))
+        made = supported_dynamic_mass(tested.model, tested.campaign, replace(stands, matrices=heavy), tested.measured.name)
         yield OfferedTest(kind="load on the article", words=words, hours=HOURS, test=_carrying(test, made))
 
 

@@ -110,7 +110,7 @@ def goodness_of_fit(fit: Fit, problem: Problem) -> GoodnessOfFit:
     an estimate of relative variance v at a line, and its inverse is on average larger than that of what is estimated: by s v, to
     second order.
     """
-    from scipy.stats import chi2
+    from scipy.special import chdtrc
 
     shares, sums, tiny = [], [], np.finfo(np.float64).tiny
     for one in problem.predictions:
@@ -127,7 +127,7 @@ def goodness_of_fit(fit: Fit, problem: Problem) -> GoodnessOfFit:
         limit=float(np.mean(np.concatenate(shares))) * (1 + SCATTER * sqrt(2 / max(fit.degrees_of_freedom, 1) + sd**2)),
         prior_penalty=fit.tolerance_z2 / due,
         largest=largest_z(fit),
-        likely=float(chi2.sf(fit.tolerance_z2, due)),
+        likely=float(chdtrc(due, fit.tolerance_z2)),
     )
 
 

@@ -419,7 +419,11 @@ def parse(text: str, words: effect_types.Vocabulary | None = None, *, source: st
         raise _refused(source, name, f"it acts on {wanted}, found {':'.join(targets) or 'none'}", known)
     for kind, target in zip(kinds, targets, strict=False):
         legal = words.legal(kind)
-        if legal is not None and target not in legal:
+        if kind == effect_types.PLACE and legal is None and target.startswith(effect_types.AT):
+            if effect_types.position(target) is None:
+                remedy = f"Write for example {family}:{effect_types.at_position((0.1, 0, 0.25))}"
+                raise BadInput(source=source, field=name, problem=f"{target!r} is no x,y,z in metres", remedy=remedy)
+        elif legal is not None and target not in legal:
             remedy = f"{nearest(target, legal)}Known are {', '.join(legal)}" if legal else "Leave it out"
             raise BadInput(source=source, field=name, problem=f"no {kind} is called {target!r}", remedy=remedy)
     if len(set(targets)) < len(targets) and len(set(kinds)) < len(kinds):

@@ -14,9 +14,10 @@ The equation gets the stage, the targets and the values in SI by key, and return
 changes nothing. Equations of structure add, those of channels are linear in what they get, so that derivatives pass through.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from math import isfinite
 from typing import Any
 
 from geometry.dynamic_mass import MOTIONS
@@ -197,6 +198,27 @@ CHANNEL, FORCE, ACCELEROMETER, PLACE, PART = "channel", "force channel", "accele
 SUPPORT, BETWEEN, CABLE = "support", "joint between parts", "direction of a cable"
 DRIVE = "drive point"
 """Kinds of target that depend on what was tested, and with what."""
+
+AT = "@"
+"""Begins a place that is no name but coordinates in the article's frame, ``@0.1,0,0.25`` [m]."""
+
+
+def position(place: str) -> tuple[float, float, float] | None:
+    """(x, y, z) [m] of a `place` that is written as coordinates; None of a name, and of what is no three numbers."""
+    texts = place.removeprefix(AT).split(",")
+    if not place.startswith(AT) or len(texts) != 3:
+        return None
+    try:
+        x, y, z = (float(text) for text in texts)
+    except ValueError:
+        return None
+    return (x, y, z) if isfinite(x + y + z) else None
+
+
+def at_position(point: Sequence[float]) -> str:
+    """How the place at `point` (3,) [m] is written, to the micrometre."""
+    return AT + ",".join(f"{round(value, 6) + 0.0:.9g}" for value in point)
+
 
 ABREAST, EVERY_WAY = ("lateral", "vertical"), ("lateral", "vertical", *AXES)
 """Directions of a cable: those by which a mast that stands upright is told about, and all that there are."""

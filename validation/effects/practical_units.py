@@ -54,7 +54,13 @@ def is_ratio(family: str, key: str = "") -> bool:
 
 def written(family: str, key: str, unit: str, values: Sequence[float]) -> tuple[tuple[str, ...], str]:
     """`values` of one size of `family` with the digits that their differences deserve, and the unit in which they stand."""
-    ratio = is_ratio(family, key)
+    # Whether it may be more or less than none
+    signed = any(size.low < 0 for size in _described(family) if size.key == key)
+    return written_as(unit, values, ratio=is_ratio(family, key), signed=signed)
+
+
+def written_as(unit: str, values: Sequence[float], *, ratio: bool = True, signed: bool = True) -> tuple[tuple[str, ...], str]:
+    """The same of `values` in an SI `unit`, whatever they are of; `signed` ones above zero have a plus."""
     chosen = scale(unit, max((abs(one) for one in values if isfinite(one)), default=0.0), ratio=ratio)
     shown = [chosen.per_si * one for one in values]
     # With two digits of the width of `shown`, of one alone with three digits; with an exponent where zeros would be counted
@@ -67,8 +73,6 @@ def written(family: str, key: str, unit: str, values: Sequence[float]) -> tuple[
     else:
         first = floor(log10(width)) - 1 if width > 1e-6 * most else floor(log10(most)) - 2
         form = f"{{:.{max(-first, 0)}f}}"
-    # Whether it may be more or less than none
-    signed = any(size.low < 0 for size in _described(family) if size.key == key)
     return tuple(("+" if signed and value > 0 else "") + form.format(value) for value in shown), chosen.unit
 
 

@@ -136,9 +136,9 @@ def largest_z(of: Fit) -> float:
 
 def costly(z2: float, expected: float, largest: float) -> bool:
     """Whether a sum `z2` of z², where about `expected` is due, is more than chance, or the `largest` z of one tolerance is."""
-    from scipy.stats import chi2
+    from scipy.special import chdtrc
 
-    return largest >= ABSURD or bool(chi2.sf(z2, max(expected, 1.0)) < UNLIKELY)
+    return largest >= ABSURD or bool(chdtrc(max(expected, 1.0), z2) < UNLIKELY)
 
 
 def told(of: Evaluation, explained: ExplainedError, peak: float) -> tuple[StatedError, ...]:

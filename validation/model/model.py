@@ -17,34 +17,12 @@ from geometry.toml_file import nearest
 from identification.campaign import Campaign
 from identification.campaign_file import NAME
 from validation.effects.catalogue import FAMILIES, Named, of_parts, on_article
-from validation.effects.effect import ABREAST, ACCELEROMETER, AXES, CHANNEL, FORCE, PART, PLACE, Vocabulary
+from validation.effects.effect import ABREAST, ACCELEROMETER, AT, AXES, CHANNEL, FORCE, PART, PLACE, Vocabulary
 from validation.model.setups import above_fmd
+from validation.model.tolerance_classes import METROLOGY, MountingTolerances
+from validation.model.tolerance_classes import StructureTolerances as StructureTolerances
 
 BEAM, RIGID, USER = KINDS = ("beam", "rigid", "own")
-
-
-@dataclass(frozen=True, kw_only=True)
-class StructureTolerances:
-    """How well the structure is known beforehand; standard deviations, relative but for `damping_law` and `mode_coupling`.
-
-    Attributes
-    ----------
-    modulus : of every part's moduli
-    frequency : of every mode's frequency, beside the moduli
-    damping : of every part's loss factor, or of the logarithm of every mode's damping where that is given by mode
-    mode_damping : of the logarithm of every mode's damping beside the loss factors of the parts
-    damping_law : share of what parts lose that follows the velocity instead of the displacement
-    participation : of every mode's participation, along each axis, as a share of its largest
-    mode_coupling : of the damping that couples two modes, as a share of the geometric mean of theirs
-    """
-
-    modulus: float = 0.025
-    frequency: float = 0.0015
-    damping: float = 0.35
-    mode_damping: float = 0.1
-    damping_law: float = 0.5
-    participation: float = 0.02
-    mode_coupling: float = 0.5
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -63,6 +41,31 @@ class Added:
     fixed: bool = False
 
 
+LIMITED = {
+    "mass": "mass",
+    **{f"cog_{axis}": "length" for axis in "xyz"},
+    **{f"{kind}_{axes}": "moment of inertia" for kind, of in (("moi", "xx yy zz"), ("poi", "xy xz yz")) for axes in of.split()},
+}
+"""What a requirement may limit, in the order of a statement, and its dimension."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Requirement:
+    """Within what the model's article must lie, CoG from its own origin, moments and products about the CoG.
+
+    Attributes
+    ----------
+    quantity : of `LIMITED`
+    low, high : [SI]; None where that side is open
+    clause : where it is demanded, as a report cites it
+    """
+
+    quantity: str
+    low: float | None = None
+    high: float | None = None
+    clause: str = ""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Model:
     """A model.
@@ -77,7 +80,10 @@ class Model:
     fmd : inertia of the FMD's moving part about F; None for that of the drawing
     fmd_tolerance : standard deviation of its parameters, as a share
     cell_stiffness : (3,) [N/m] of one load cell along x, y, z; None where it is not known
+    tolerance_class : of `validation.model.tolerance_classes.NAMES`, whose tolerances hold where the file states none
     tolerances : of the measurement chain
+    opened : by family of its parameters that are closed otherwise, their standard deviation in SI
+    mounting : of where and as what articles stand
     kind : of `KINDS`, how the articles are modelled
     modes : how many are kept
     changes : a user's own dimensions of built-in articles, as `geometry.articles.parts` names them
@@ -86,6 +92,10 @@ class Model:
     structure : tolerances of the structure
     tests : tables [[test]] of response functions and modal tables, read when a study is opened
     effects : in the order in which they act
+    revision : of this file, as a report cites it
+    requirements : that its article has to meet
+    looked_at : places by coordinates, as `validation.effects.effect.position` reads them, that the structure is made ready for
+        beside those of the effects
     """
 
     source: str
@@ -96,7 +106,10 @@ class Model:
     fmd: Inertia | None = None
     fmd_tolerance: float = 0.05
     cell_stiffness: Array | None = None
+    tolerance_class: str = METROLOGY
     tolerances: Tolerances = field(default_factory=Tolerances)
+    opened: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    mounting: MountingTolerances = field(default_factory=MountingTolerances)
     kind: str = BEAM
     modes: int = 30
     changes: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
@@ -105,6 +118,15 @@ class Model:
     structure: StructureTolerances = field(default_factory=StructureTolerances)
     tests: tuple[Mapping[str, Any], ...] = ()
     effects: tuple[Added, ...] = ()
+    revision: str = ""
+    requirements: tuple[Requirement, ...] = ()
+    looked_at: tuple[str, ...] = ()
+
+    @property
+    def positions(self) -> tuple[str, ...]:
+        """Places by coordinates at which its effects act, or may."""
+        targets = (target for one in self.effects for target in one.named.targets if target.startswith(AT))
+        return tuple(dict.fromkeys((*targets, *self.looked_at)))
 
     def __post_init__(self) -> None:
         if self.cell_stiffness is not None:

@@ -7,9 +7,9 @@ import os
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import lru_cache, partial
-from math import degrees, inf, isfinite, nextafter, radians
+from math import inf, isfinite, nextafter
 from operator import add
 from pathlib import Path
 from typing import Any
@@ -31,9 +31,12 @@ from identification.chain import assumed_stiffness
 from validation.classical.files import Fields
 from validation.effects.catalogue import FAMILIES, Named, parse
 from validation.effects.effect import Vocabulary, built_in_places
-from validation.model.model import BEAM, KINDS, USER, Added, Model, StructureTolerances
+from validation.model.model import BEAM, KINDS, LIMITED, USER, Added, Model, Requirement
 from validation.model.setups import FMD as KNOWN_FMD
 from validation.model.setups import above_fmd, is_file, is_stack
+from validation.model.tolerance_classes import METROLOGY, OF_LABORATORY, StructureTolerances, ToleranceClass
+from validation.model.tolerance_classes import NAMES as CLASSES
+from validation.model.tolerance_classes import named as tolerance_class
 
 # TOML as a person would write it: numbers in the fewest digits that say the same, comments below each other.
 
@@ -218,26 +221,11 @@ def _deviation(entry: Fields, named: Named) -> Mapping[str, float]:
 # The tables [laboratory] and [tolerances] of a model file: gravity, the FMD, its cells, and what is not known of the chain.
 
 
+CLASS = "class"
 LABORATORY = ("hardware", "gravity_m_s2", "fmd", "cell_stiffness_N_m")
 INERTIA = ("mass_kg", "cog_mm", "moi_cog_kgm2", "poi_cog_kgm2")
 DRAWING = "drawing"
 FMD = ("inertia", "tolerance", *INERTIA)
-
-SCALES = {
-    "gain": ("gain", 1.0),
-    "table_gain": ("table_gain", 1.0),
-    "delay": ("delay_s", 0.01),
-    "position": ("position_mm", 100.0),
-    "angle": ("angle_deg", 30.0),
-    "cell_stiffness": ("cell_stiffness", 5.0),
-    "crosstalk": ("crosstalk", 1.0),
-}
-"""Fields of `Tolerances`, how the file calls them, and beyond what a unit was mistaken."""
-
-
-def si(name: str, written: float) -> float:
-    """The tolerance `name` in SI of the number `written` in the file."""
-    return {"position_mm": written / 1e3, "angle_deg": radians(written)}.get(SCALES[name][0], written)
 
 
 def _inertia(table: Fields) -> Inertia | None:
@@ -271,8 +259,9 @@ def _inertia(table: Fields) -> Inertia | None:
 STRUCTURE_FILE = ("fe_model", "stated")
 """Tables of a user's own structure, which may stand in the model file itself."""
 
-TABLES = ("format", "model", "laboratory", "tolerances", "structure", *STRUCTURE_FILE, "test", "effect")
-MODEL = ("title", "article")
+TABLES = ("format", "model", "requirement", "laboratory", "tolerances", "structure", *STRUCTURE_FILE, "test", "effect")
+MODEL = ("title", "article", "revision")
+REQUIREMENT = ("quantity", "min", "max", "clause")
 STRUCTURE = ("kind", "modes", "damping_ratio", "dimensions", "own", "tolerances")
 
 MOST_MODES = 500
@@ -330,10 +319,11 @@ def of_table(table: dict[str, Any], source: str) -> Model:
     fmd = laboratory.inner("fmd").only(FMD)
     stiff = "cell_stiffness_N_m" in laboratory.table
     fmd_tolerance = as_number(fmd, "tolerance", low=0.0, high=1.0) if "tolerance" in fmd.table else 0.05
-    chain = whole.inner("tolerances").only([key for key, _ in SCALES.values()])
-    told = {
-        name: si(name, as_number(chain, key, low=0.0, high=high)) for name, (key, high) in SCALES.items() if key in chain.table
-    }
+    stated = whole.inner("tolerances").only([CLASS, *(row.key for row in OF_LABORATORY)])
+    known = tolerance_class(stated.choice(CLASS, CLASSES) if CLASS in stated.table else METROLOGY)
+    for row in OF_LABORATORY:
+        if row.key in stated.table:
+            known = known.setting(row, row.si(as_number(stated, row.key, low=0.0, high=row.largest)))
     count = structure.integer("modes", Model.modes, 1)
     if count > MOST_MODES:
         problem = f"must lie between 1 and {MOST_MODES}, found {count}"
@@ -349,18 +339,45 @@ def of_table(table: dict[str, Any], source: str) -> Model:
         fmd=_inertia(fmd),
         fmd_tolerance=fmd_tolerance,
         cell_stiffness=np.array(three(laboratory, "cell_stiffness_N_m", low=1.0, high=1e15)) if stiff else None,
-        tolerances=Tolerances(**told, fmd_inertia=fmd_tolerance),
+        tolerance_class=known.name,
+        tolerances=replace(known.chain, fmd_inertia=fmd_tolerance),
+        opened=known.opened,
+        mounting=known.mounting,
         kind=kind,
         modes=count,
         changes=_changes(structure.inner("dimensions")),
         damping_ratio=as_number(structure, "damping_ratio", low=0.0, high=0.99) if "damping_ratio" in structure.table else None,
         own=own,
-        structure=StructureTolerances(
-            **{key: as_number(spread, key, low=0.0, high=LARGEST_SHARE) for key in names if key in spread.table}
+        structure=replace(
+            known.structure,
+            **{key: as_number(spread, key, low=0.0, high=LARGEST_SHARE) for key in names if key in spread.table},
         ),
         tests=tuple(one.table for one in whole.each("test")) if "test" in whole.table else (),
         effects=effects_of(whole, anywhere=bool(own)),
+        revision=about.text("revision"),
+        requirements=tuple(map(_requirement, whole.each("requirement"))) if "requirement" in table else (),
     )
+
+
+def _requirement(entry: Fields) -> Requirement:
+    entry.only(REQUIREMENT)
+    name = entry.choice("quantity", tuple(LIMITED))
+    low, high = (one and one.nominal_value for one in (entry.optional(key, LIMITED[name]) for key in ("min", "max")))
+    if low is None and high is None:
+        raise entry.refused("min", "neither min nor max is stated", 'Write for example max = "33 kg"')
+    if low is not None and high is not None and low > high:
+        problem = f"must not be above max = {entry.table['max']!r}, found {entry.table['min']!r}"
+        raise entry.refused("min", problem, "Exchange them, or correct one")
+    return Requirement(quantity=name, low=low, high=high, clause=entry.text("clause"))
+
+
+def _requirement_text(one: Requirement) -> str:
+    unit = toml_file.SI_UNITS[LIMITED[one.quantity]]
+    limits = [
+        (key, string(f"{number(value)} {unit}"), "") for key, value in (("min", one.low), ("max", one.high)) if value is not None
+    ]
+    clause = [("clause", string(one.clause), "")] if one.clause else []
+    return block("[[requirement]]", [("quantity", string(one.quantity), ""), *limits, *clause])
 
 
 def _article(about: Fields, own: Mapping[str, str], kind: str) -> str:
@@ -660,15 +677,6 @@ def _laid_out_otherwise(source: str) -> BadInput:
 # What is read back from `text` is the same model, bit for bit where it came from a file.
 
 
-TOLERANCE_NOTES = {
-    "gain": "relative, load cells and accelerometers on cover plate and article",
-    "table_gain": "relative, accelerometers below the FMD",
-    "delay": "of every channel",
-    "position": "of a pick-up along each axis",
-    "angle": "of a pick-up about the two axes across its direction",
-    "cell_stiffness": "relative, of each load cell along each axis",
-    "crosstalk": "relative, of each resultant in the others of its kind",
-}
 STRUCTURE_NOTES = {
     "modulus": "of every part's moduli",
     "frequency": "of every mode's frequency, beside the moduli",
@@ -685,6 +693,7 @@ def text(model: Model) -> str:
     about = [
         ("title", string(model.title), ""),
         ("article", string(model.article), "the set-up, bottom to top; one model serves a whole series"),
+        *([("revision", string(model.revision), "of this file, as a report cites it")] if model.revision else []),
     ]
     stiffness = numbers(assumed_stiffness() if model.cell_stiffness is None else model.cell_stiffness)
     unknown = "# " if model.cell_stiffness is None else ""
@@ -693,11 +702,12 @@ def text(model: Model) -> str:
         ("gravity_m_s2", number(model.gravity), ""),
         (f"{unknown}cell_stiffness_N_m", stiffness, "one load cell along x, y, z; leave it out where it is not known"),
     ]
-    tolerances = []
-    for name, (key, _) in SCALES.items():
-        size = getattr(model.tolerances, name)
-        near = {"position_mm": 1e3 * size, "angle_deg": degrees(size)}.get(key, size)
-        tolerances.append((key, number(shortest(size, partial(si, name), near)), TOLERANCE_NOTES[name]))
+    stated = ToleranceClass(name=model.tolerance_class, chain=model.tolerances, opened=model.opened, mounting=model.mounting)
+    tolerances = [] if stated.name == METROLOGY else [(CLASS, string(stated.name), "whose figures hold where none is stated")]
+    for row in OF_LABORATORY:
+        size = stated.of(row)
+        if row.of == "chain" or size != ToleranceClass().of(row) or stated.name != METROLOGY:
+            tolerances.append((row.key, number(shortest(size, row.si, size / row.si(1.0))), row.what))
     if model.fmd is None:
         # The drawing asked for, and its figures as a comment to write one's own over
         drawn = routes.inertia(built_in(KNOWN_FMD, changes_of(KNOWN_FMD, model.changes)))
@@ -707,6 +717,7 @@ def text(model: Model) -> str:
         known = _inertia_lines(model.fmd)
     blocks = [
         block(f"{_HEAD}format = {toml_file.FORMAT}\n\n[model]", about),
+        *map(_requirement_text, model.requirements),
         block("[laboratory]", laboratory),
         block(_FMD, [*known, ("tolerance", number(model.fmd_tolerance), "")]),
         block("# What is not known of the measurement chain, one standard deviation each; 0 is exact.\n[tolerances]", tolerances),

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from geometry import routes
+from geometry import robot, routes
 from geometry.articles import NAMES, built_in
 from geometry.errors import BadInput
 from geometry.frames import Pose
@@ -21,7 +21,11 @@ def is_file(name: str) -> bool:
     """Whether `name` is a user's own file or folder; the name of a built-in stack always means that."""
     if not name.strip() or is_stack(name):
         return False
-    return Path(name).exists() or name.lower().endswith((".step", ".stp", ".stl", ".ply", ".obj", ".toml")) or "/" in name
+    return (
+        Path(name).exists()
+        or name.lower().endswith((".step", ".stp", ".stl", ".ply", ".obj", ".toml", *robot.ENDINGS))
+        or "/" in name
+    )
 
 
 FMD = "fmd"

@@ -17,13 +17,14 @@ import numpy as np
 import numpy.typing as npt
 
 from geometry.dynamic_mass import MOTIONS, ComplexArray
-from geometry.frames import Array, Pose, frozen, rigid_transformation_6
+from geometry.frames import Array, Pose, frozen, left_jacobian, rigid_transformation_6, rotation_by, skew
 from geometry.inertia import PARAMETERS, UNITS, Inertia
 from identification.campaign import Campaign, Excitation, Processing
 from identification.rigid_body import BASIS
 from validation.effects.stages import Matrices, MountedDynamicMass
 from validation.estimation.problem import IDENTIFIED, Offsets, Parameter
 from validation.model.model import Added
+from validation.model.tolerance_classes import MountingTolerances
 from validation.prediction import effects as prediction_effects
 from validation.prediction.effects import Nuisances, Tangent
 from validation.prediction.structure import MountedArticle
@@ -56,6 +57,20 @@ class CondensedTransfer:
     def omega(self) -> npt.NDArray[Any]:
         """(n,) [rad/s], s / i of every line."""
         return turning(self.frequency, self.decay_rate)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AttachedResponse:
+    """What a mass at places, which moves with them along one axis alone, changes of what is read, to first order.
+
+    Attributes
+    ----------
+    readings : (r, m, c, q, 3) by run, line, channel, place and axis, per kilogram
+    spring : (r, m) factor that makes of it what a spring to the ground does along the axis, per N/m: -1 / omega²
+    """
+
+    readings: ComplexArray
+    spring: ComplexArray
 
 
 def dynamic_mass(matrices: Matrices, frequency: npt.ArrayLike) -> CondensedTransfer:
@@ -281,6 +296,79 @@ def at(nominal: Inertia, offsets: Offsets) -> Inertia:
     return made
 
 
+# How, and as what, an article stands on the cover plate: mounted anew in every campaign, the same body in all of them.
+#
+# With d and phi by which it stands beside its place and turned, seen along the axes of F, and dp what its ten parameters about
+# its centre of gravity are beside those of the drawing (density, bolts and holes that are not drawn),
+#
+#     H_F = X^T (H + sum of dp_k E_k) X,        X = diag(Q^T, Q^T) T(seat + d),        Q = exp(phi x)
+#
+# (paper Eq. 3; J. Wittenburg, Dynamics of Multibody Systems, 2008, section 3.1). H is symmetric: dH = dX^T H X + its transpose.
+
+MOUNTING, ARTICLE = "mounting", "article"
+"""Families: ``mounting:campaign:x`` [m], ``mounting:campaign:gamma`` [rad], and ``article:disc+cuboid:m`` [kg] and so on."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Seated:
+    """Where an article stands, and what it has beside the drawing.
+
+    Attributes
+    ----------
+    transformation : (6, 6) X
+    more : (6, 6) mass matrix about its origin, in the axes of F
+    """
+
+    transformation: Array
+    more: Array
+
+
+def mounting_parameters(campaign: str, stands: MountedArticle, known: MountingTolerances) -> tuple[Parameter, ...]:
+    """Of what stands in `campaign`; a tolerance of 0 closes a parameter, and an FMD alone has none."""
+    if stands.matrices is None:
+        return ()
+    sizes = (known.place, known.place, known.height, known.tilt, known.tilt, known.turn)
+    units = ("m",) * 3 + ("rad",) * 3
+    made = [
+        Parameter(name=f"{MOUNTING}:{campaign}:{axis}", unit=unit, tolerance=size, low=-FARTHEST * size, high=FARTHEST * size)
+        for axis, unit, size in zip(MOTIONS, units, sizes, strict=True)
+    ]
+    about_origin, *_ = np.linalg.lstsq(BASIS.reshape(10, 36).T, stands.matrices.mass[:6, :6].ravel(), rcond=None)
+    drawn = Inertia(parameters=about_origin).about(stands.matrices.cog)
+    ten = zip(PARAMETERS, UNITS, (known.inertia * scales(drawn)).tolist(), strict=True)
+    made += [Parameter(name=f"{ARTICLE}:{stands.article}:{name}", unit=unit, tolerance=sd) for name, unit, sd in ten]
+    return tuple(one for one in made if one.tolerance > 0)
+
+
+def as_mounted(
+    parameters: Sequence[Parameter], of: MountedDynamicMass, offsets: Offsets
+) -> tuple[Seated, dict[str, tuple[Array, Array]]]:
+    """How the article of `of` stands at `offsets`, and by parameter d X and d (sum of dp_k E_k), (6, 6) each."""
+    beside, turn, more = np.zeros(3), np.zeros(3), np.zeros((6, 6))
+    to_cog, still, told = rigid_transformation_6(of.cog), np.zeros((6, 6)), {}
+    for one in parameters:
+        family, last, x = one.family, one.name.rpartition(":")[2], offsets.get(one.name, 0.0)
+        if family == ARTICLE:
+            E = to_cog.T @ BASIS[PARAMETERS.index(last)] @ to_cog
+            more += x * E
+            told[one.name] = (still, E)
+        else:
+            (beside if MOTIONS.index(last) < 3 else turn)[MOTIONS.index(last) % 3] = x
+    Q = rotation_by(turn)
+    back, T = np.kron(np.eye(2), Q.T), rigid_transformation_6(of.seat + beside)
+    for one in parameters:
+        if one.family == MOUNTING:
+            axis = MOTIONS.index(one.name.rpartition(":")[2])
+            e = np.eye(3)[axis % 3]
+            if axis < 3:
+                dX = back @ (rigid_transformation_6(of.seat + beside + e) - T)
+            else:  # a small turn more rotates what is turned already about J e
+                about = left_jacobian(turn) @ e
+                dX = np.kron(np.eye(2), -Q.T @ skew(about)) @ T
+            told[one.name] = (dX, still)
+    return Seated(transformation=back @ T, more=more), told
+
+
 # The dynamic mass of all that the load cells carry, about F: the article with its effects, mounted, and the FMD beside it.
 
 Tangents = dict[str, ComplexArray]
@@ -297,12 +385,14 @@ class SupportedDynamicMass:
     moving : the FMD's moving part beforehand, about F
     exact : whether it is known exactly
     nuisances : what is not known of the structure; None where nothing stands there
+    mounted : what is not known of how and as what the article stands there
     """
 
     standing: MountedArticle
     moving: Inertia
     exact: bool
     nuisances: Nuisances | None
+    mounted: tuple[Parameter, ...] = ()
 
     def at(
         self, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: BaseDrive, *, derivatives: bool
@@ -324,8 +414,16 @@ class SupportedDynamicMass:
         if self.nuisances is None:
             return H, found
         mounted, changes = self._mounted(self.nuisances, offsets, effects, frequency, drive, derivatives=derivatives)
-        T = rigid_transformation_6(mounted.seat)
-        return H + T.T @ mounted.matrix @ T, {**found, **{name: T.T @ change @ T for name, change in changes.items()}}
+        if self.mounted:
+            seated, told = as_mounted(self.mounted, mounted, offsets)
+            T, article = seated.transformation, mounted.matrix + seated.more
+        else:
+            T, told, article = rigid_transformation_6(mounted.seat), {}, mounted.matrix
+        found |= {name: T.T @ change @ T for name, change in changes.items()}
+        for name, (turning, more) in told.items() if derivatives else ():
+            half = turning.T @ article @ T
+            found[name] = half + half.swapaxes(1, 2) + T.T @ more @ T
+        return H + T.T @ article @ T, found
 
     def moved(self, offsets: Offsets, effects: Sequence[Added], frequency: Array) -> dict[str, tuple[ComplexArray, ComplexArray]]:
         """By place of the article (n, 3, 6) its accelerations along the axes of F for a unit of every motion of F; and the same

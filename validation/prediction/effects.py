@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 
 from geometry.dynamic_mass import MOTIONS, ComplexArray
+from geometry.errors import CheckFailed
 from geometry.frames import Array, Integers
 from validation.effects.catalogue import FAMILIES, Named, There, acts, there
 from validation.effects.effect import BODY_STAGE, CHANNEL_STAGE, OPENED, STRUCTURE_STAGE, Family, SizeSpec
 from validation.effects.stages import ChannelResponse, Matrices, MountedDynamicMass
 from validation.estimation.problem import DECLARED, EFFECT, STRUCTURAL, WITHIN, Offsets, Parameter
 from validation.model.model import Added, StructureTolerances
-from validation.prediction.structure import HIGHEST, sheet
+from validation.prediction.structure import HIGHEST, REACH, ReducedStructure, sheet
 
 # What a model declares to know of a structure only within tolerances: moduli, frequencies, damping, participation, coupling.
 #
@@ -176,6 +177,7 @@ class Nuisances:
     tolerances : how well they are known
     part_tolerances : by part, of "modulus", "density", "loss_factor", "thickness", where they are stated for it
     scaled : whether the matrices are in SI; else nothing can be said of a mass or a spring at a place, only of shares
+    reduced : of which they are, of a structure by itself
     """
 
     configuration: str
@@ -185,6 +187,19 @@ class Nuisances:
     tolerances: StructureTolerances
     part_tolerances: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
     scaled: bool = True
+    reduced: ReducedStructure | None = None
+
+    def at_positions(self, positions: Sequence[str]) -> "Nuisances":
+        """The same made ready for effects at further `positions`, which are written as coordinates.
+
+        Raises
+        ------
+        BadInput, CheckFailed : outside the mesh, or no structure is known.
+        """
+        if self.reduced is None:
+            raise CheckFailed("Nothing is known of this structure but its reduced matrices: name a place.")
+        made = self.reduced.at(positions)
+        return replace(self, nominal=made.matrices, frequency=made.frequency[: len(self.frequency)], reduced=made)
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -312,7 +327,6 @@ def nuisances(
     *,
     highest: float = HIGHEST,
     part_tolerances: Mapping[str, Mapping[str, float]] = MappingProxyType({}),
-    scaled: bool = True,
 ) -> Nuisances:
     """The nuisances of `matrices`.
 
@@ -330,8 +344,23 @@ def nuisances(
         frequency=np.asarray(frequency[np.asarray(frequency) <= highest], dtype=np.float64),
         tolerances=tolerances or StructureTolerances(),
         part_tolerances=part_tolerances,
-        scaled=scaled,
     )
+
+
+def nuisances_of(
+    configuration: str, made: ReducedStructure, tolerances: StructureTolerances | None = None, *, scaled: bool = True
+) -> Nuisances:
+    """The nuisances of a structure by itself; for `scaled` see `Nuisances`."""
+    known = nuisances(
+        configuration,
+        made.matrices,
+        made.frequency,
+        made.losses,
+        tolerances,
+        highest=REACH * made.band,
+        part_tolerances=made.structure.part_tolerances,
+    )
+    return replace(known, scaled=scaled, reduced=made)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

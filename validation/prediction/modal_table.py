@@ -86,10 +86,7 @@ class RealModes:
         own, every = phi[at], self.shapes[at]
         mass = by.mass @ own
         force = every.T @ (by.stiffness @ own - square * mass)
-        moving = np.isfinite(self.squares)
-        gap = np.where(moving, square - self.squares, -1.0)
-        far = np.maximum(np.abs(gap), np.where(moving, CLOSEST * square, 0.0)) * np.where(gap < 0, -1.0, 1.0)
-        shares = force / far
+        shares = force / self._gaps(mode)
         shares[mode] = -own @ mass / 2
         shape, d_square = self.shapes @ shares, float(force[mode])
         # zeta = q / (2 omega²), q = phi^T (omega C + S) phi
@@ -98,6 +95,24 @@ class RealModes:
         loss = omega * C + S
         d_loss = own @ (omega * by.viscous + by.structural) @ own + d_omega * phi @ C @ phi + 2 * shape @ loss @ phi
         return d_square, shape, float((d_loss - phi @ loss @ phi * d_square / square) / (2 * square))
+
+    def attached(self, mode: int, moved: Array) -> tuple[Array, Array, Array]:
+        """The same of a mass on each of `moved` (q, k), what modes move a place along an axis: (q,), (k, q) and (q,), per kg."""
+        square, own = self.squares[mode], moved[:, mode]
+        far = self._gaps(mode)
+        shares = -square * (moved * own[:, None]).T / far[:, None]
+        shares[mode] = -(own**2) / 2
+        shapes, d_square = self.shapes @ shares, -square * own**2
+        omega, C, S, phi = np.sqrt(square), self.matrices.viscous, self.matrices.structural, self.shapes[:, mode]
+        lost = (omega * C + S) @ phi
+        d_loss = d_square / (2 * omega) * (phi @ C @ phi) + 2 * lost @ shapes
+        return d_square, shapes, (d_loss - phi @ lost * d_square / square) / (2 * square)
+
+    def _gaps(self, mode: int) -> Array:
+        """(k,) square of the frequency of `mode` less that of every other [1/s²], by which shapes mix."""
+        square, moving = self.squares[mode], np.isfinite(self.squares)
+        gap = np.where(moving, square - self.squares, -1.0)
+        return np.maximum(np.abs(gap), np.where(moving, CLOSEST * square, 0.0)) * np.where(gap < 0, -1.0, 1.0)
 
 
 def real_modes(matrices: Matrices) -> RealModes:
@@ -205,6 +220,37 @@ class _TablePart(ABC):
         """The same model of the runs named alone."""
         return replace(self, measured=self.measured.on(runs))
 
+    def by(self, structure: Nuisances) -> Self:
+        """The same data by another model of the structure."""
+        return replace(self, structure=structure)
+
+    def attached(self, offsets: Offsets, lines: Lines, rows: Array) -> dynamic_mass.AttachedResponse:
+        """What a mass at places would change, to first order: all modes serve every place.
+
+        Parameters
+        ----------
+        lines : the one of a table
+        rows : (q, 3, k) what each coordinate of the structure moves the places along x, y, z
+        """
+        known = {**offsets, **self._opened[1]}
+        modes, of, _, effects = self.found(known, derivatives=False)
+        q = len(rows)
+        moved = rows.reshape(3 * q, -1) @ modes.shapes[: rows.shape[2]]
+        changed = np.stack([self._attached(modes, k, moved) for k in of])
+        read = self._seen(changed, modes, of, known, effects)[:, None].reshape(len(of), 1, -1, q, 3)
+        spring = -1 / modes.squares[list(of)]
+        return dynamic_mass.AttachedResponse(readings=read, spring=spring[:, None].astype(np.complex128))
+
+    @abstractmethod
+    def _attached(self, modes: RealModes, mode: int, moved: Array) -> Array:
+        """(c, q) of one of `modes`, for masses on each of `moved` (q, k), before what is read of it."""
+
+    @abstractmethod
+    def _seen(
+        self, changed: Array, modes: RealModes, of: Sequence[int], offsets: Offsets, effects: Sequence[Added]
+    ) -> ComplexArray:
+        """(r, c, q) what is read of changes (r, c, q) of the modes `of`."""
+
     def with_effects(self, effects: Sequence[Added]) -> Self:
         """The same table by a model with these `effects` instead of its own; those that reach nothing here do nothing."""
         return replace(self, effects=prediction_effects.reaching(effects, self.there))
@@ -242,6 +288,16 @@ class TableFrequencies(_TablePart):
             changes[name] = _change(np.array(pairs, dtype=np.complex128)[:, :wanted], lines_count)
         return Predicted(rows=_by_line(rows, lines_count), changes=changes)
 
+    def _attached(self, modes: RealModes, mode: int, moved: Array) -> Array:
+        square, _, ratio = modes.attached(mode, moved)
+        both = np.stack([square / (8 * np.pi**2 * modes.frequency[mode]), ratio])
+        return np.asarray(both[: len(self.measured.channels)])
+
+    def _seen(
+        self, changed: Array, modes: RealModes, of: Sequence[int], offsets: Offsets, effects: Sequence[Added]
+    ) -> ComplexArray:
+        return changed.astype(np.complex128)
+
     @cached_property
     def _opened(self) -> tuple[tuple[Parameter, ...], Offsets]:
         ours = tuple(one for one in self.effects if FAMILIES[one.named.family].stage != CHANNEL_STAGE)
@@ -264,13 +320,9 @@ class TableShapes(_TablePart):
         """
         known = {**offsets, **self._opened[1]}
         modes, of, tangents, effects = self.found(known, derivatives=derivatives)
-        where = points.rows(modes.matrices, self.table.sensors, (), points.asked(self.effects, points.RESPONSES), known)
-        rows, count = where.values, 1 if lines is None else len(lines)
-        gains = np.array([1 + known.get(name, 0.0) for name in self._gains])
-        # (r, s) of the modes, and by parameter; the sign is that of the table, so that it does not hop
-        shapes = (rows @ modes.shapes[:, of]).T
-        along = np.sum(shapes * self.measured.values[:, 0].real, axis=1, keepdims=True)
-        sign = np.where(along < 0, -1.0, 1.0)
+        count = 1 if lines is None else len(lines)
+        where, sign, shapes, gains = self._shapes(modes, of, known)
+        rows = where.values
         moved = {
             name: sign * (rows @ np.array([modes.changed(k, tangent)[1] for k in of]).T).T
             for name, tangent in tangents.items()
@@ -279,9 +331,32 @@ class TableShapes(_TablePart):
         for name, (k, row) in where.changes.items() if derivatives else ():
             moved[name] = np.zeros_like(shapes)
             moved[name][:, k] = sign[:, 0] * (row @ modes.shapes[:, of])
-        made, changes = self._read(sign * shapes, moved, gains, effects, derivatives=bool(derivatives))
+        made, changes = self._read(shapes, moved, gains, effects, derivatives=bool(derivatives))
         found = {name: _change(change, count) for name, change in changes.items() if name not in self._opened[1]}
         return Predicted(rows=_by_line(made, count), changes=found)
+
+    def _shapes(self, modes: RealModes, of: Sequence[int], offsets: Offsets) -> tuple[points.PointRows, Array, Array, Array]:
+        """What coordinates move the sensors, signs (r, 1), shapes (r, s) of the modes `of` with them, and gains (s,).
+
+        The sign is that of the table, so that it does not hop.
+        """
+        asked = points.asked(self.effects, points.RESPONSES)
+        where = points.rows(modes.matrices, self.table.sensors, (), asked, offsets)
+        shapes = (where.values @ modes.shapes[:, list(of)]).T
+        along = np.sum(shapes * self.measured.values[:, 0].real, axis=1, keepdims=True)
+        sign = np.where(along < 0, -1.0, 1.0)
+        return where, sign, sign * shapes, np.array([1 + offsets.get(name, 0.0) for name in self._gains])
+
+    def _attached(self, modes: RealModes, mode: int, moved: Array) -> Array:
+        return np.asarray(seen(modes.matrices, self.table) @ modes.attached(mode, moved)[1])
+
+    def _seen(
+        self, changed: Array, modes: RealModes, of: Sequence[int], offsets: Offsets, effects: Sequence[Added]
+    ) -> ComplexArray:
+        _, sign, shapes, gains = self._shapes(modes, of, offsets)
+        places = {str(k): sign * changed[:, :, k] for k in range(changed.shape[2])}
+        read = self._read(shapes, places, gains, effects, derivatives=False)[1]
+        return np.stack(list(read.values()), axis=-1)
 
     def _read(
         self, shapes: Array, moved: Mapping[str, Array], gains: Array, effects: Sequence[Added], *, derivatives: bool

@@ -29,7 +29,7 @@ from validation.estimation.problem import IDENTIFIED, Change, Lines, Measured, O
 from validation.model.model import Added
 from validation.prediction import dynamic_mass, points, series
 from validation.prediction import effects as prediction_effects
-from validation.prediction.dynamic_mass import structure
+from validation.prediction.dynamic_mass import AttachedResponse, structure
 from validation.prediction.effects import Nuisances, Tangent
 
 FORCE_CHANNEL = "force"
@@ -38,6 +38,9 @@ FORCE = f"force-gain:{FORCE_CHANNEL}"
 
 WINDOW, LEAKAGE, TRANSDUCER = "exponential-window", "leakage", "transducer-mass"
 """Faults of the method, each a parameter where an effect opens it."""
+
+POWERS = {"acceleration": 0, "velocity": 1, "displacement": 2}
+"""Of 1 / (i omega) by quantity."""
 
 AXIS = 2.5
 """[1 / block] by which the axis is moved for a leakage: what lies a block beyond has e^-5 of its size. Held by
@@ -107,6 +110,38 @@ class ResponseFunctionTest:
         opened = [one for one in effects if one.named.id not in self._factors or isfinite(self._factors[one.named.id].tolerance)]
         return replace(self, effects=prediction_effects.reaching(opened, self.there))
 
+    def by(self, structure: Nuisances) -> "ResponseFunctionTest":
+        """The same data by another model of the structure."""
+        return replace(self, structure=structure)
+
+    def attached(self, offsets: Offsets, lines: Lines, rows: Array) -> AttachedResponse:
+        """What a mass at places would change, to first order.
+
+        With D = M - (K + ...) / omega² a mass on phi changes phi_r^T D^-1 phi_d by -(phi D^-1 phi_r)(phi D^-1 phi_d): two
+        solutions a line, one for the sensors and one for the drives, serve every place.
+
+        Parameters
+        ----------
+        rows : (q, 3, k) what each coordinate of the structure moves the places along x, y, z
+        """
+        known = {**offsets, **self._opened[1]}
+        f, q = self.measured.frequency[lines], len(rows)
+        effects = tuple(replace(one, fixed=True) for one in prediction_effects.at(self.effects, known))
+        answered, factor = self._answered(known, f, effects)
+        own = rows.reshape(3 * q, -1)
+        left, right = (np.tensordot(own, side[: own.shape[1]], axes=1) for side in (answered.left, answered.right))
+        changed = answered.sign * factor[..., None] * np.einsum("qnc,qnr->ncrq", left, right, optimize=True)
+        gains = np.array([self._factors[name].value(known.get(name, 0.0)) for name in self._gains])
+        delays = np.array([known.get(name, 0.0) for name in self._delays])
+        A = factor * answered.matrix
+        read = [
+            self._read(f, A[:, :, run, None], {"": changed[:, :, run]}, gains, delays, effects, False)[1][""]
+            for run in range(changed.shape[2])
+        ]
+        whole = np.stack(read)
+        spring = np.broadcast_to(-1 / answered.omega**2, whole.shape[:2])
+        return AttachedResponse(readings=whole.reshape(*whole.shape[:3], q, 3), spring=np.asarray(spring, dtype=np.complex128))
+
     def at(self, offsets: Offsets, lines: Lines | None = None, *, derivatives: Wanted = True) -> Predicted:
         """The prediction at `offsets` and the lines with these indices; all lines by default.
 
@@ -120,7 +155,7 @@ class ResponseFunctionTest:
         if not derivatives:
             effects = tuple(replace(one, fixed=True) for one in effects)
         moving = bool(derivatives)
-        A, dA = self._answers(known, f, effects, derivatives=moving)
+        A, dA = self._accelerances(known, f, effects, derivatives=moving)
         gains = np.array([self._factors[name].value(known.get(name, 0.0)) for name in self._gains])
         delays = np.array([known.get(name, 0.0) for name in self._delays])
         made = [
@@ -131,7 +166,7 @@ class ResponseFunctionTest:
         found = {name: Change(channels=every, rows=rows) for name, rows in changes.items() if name not in self._opened[1]}
         return Predicted(rows=np.stack([rows for rows, _ in made]), changes=found)
 
-    def _answers(
+    def _accelerances(
         self, offsets: Offsets, f: Array, effects: Sequence[Added], *, derivatives: bool
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
         """(r, n, c, 1) of the quantity that is read per newton, and its derivatives by parameter."""
@@ -156,6 +191,22 @@ class ResponseFunctionTest:
             found[LEAKAGE] = whole - plain
         return (1 - smeared) * plain + smeared * whole, found
 
+    def _answered(
+        self, offsets: Offsets, f: Array, effects: Sequence[Added]
+    ) -> tuple[dynamic_mass.CondensedTransfer, ComplexArray]:
+        """Accelerances before any leakage and any pick-up's mass, and the factor (n, 1, 1) to the quantity that is read."""
+        matrices, _ = structure(self.structure, offsets, effects, derivatives=False)
+        rows, forces = (one.values for one in self._rows(matrices, offsets))
+        decay = self.decay_rate + offsets.get(WINDOW, 0.0)
+        answered = dynamic_mass.accelerance(matrices, f, rows, forces, decay_rate=decay)
+        return answered, (1j * answered.omega[:, None, None]) ** -POWERS[self.quantity]
+
+    def _rows(self, matrices: Matrices, offsets: Offsets) -> tuple[points.PointRows, points.PointRows]:
+        """Of the responses and of the drives, with what is wrong with them."""
+        here, there = (points.asked(self.effects, families) for families in (points.RESPONSES, points.DRIVES))
+        of_responses = points.rows(matrices, self.responses, (), here, offsets)
+        return of_responses, points.rows(matrices, self.drives, self.responses, there, offsets)
+
     def _on_axis(
         self,
         matrices: Matrices,
@@ -166,10 +217,8 @@ class ResponseFunctionTest:
         *,
         derivatives: bool,
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
-        """As `_answers`, on the axis s = i omega + decay, before any leakage."""
-        here, there = (points.asked(self.effects, families) for families in (points.RESPONSES, points.DRIVES))
-        of_responses = points.rows(matrices, self.responses, (), here, offsets)
-        of_drives = points.rows(matrices, self.drives, self.responses, there, offsets)
+        """As `_accelerances`, on the axis s = i omega + decay, before any leakage."""
+        of_responses, of_drives = self._rows(matrices, offsets)
         c, r = len(self.responses), len(self.drives)
         roves = TRANSDUCER in self._asked
         ways = [dynamic_mass.along(matrices, one.place, axis) for one in self.responses if roves for axis in np.eye(3)]
@@ -184,7 +233,7 @@ class ResponseFunctionTest:
         for name, (at, row) in of_drives.changes.items() if derivatives else ():
             dT[name] = np.zeros_like(T)
             dT[name][:, :, at] = left @ row
-        omega, power = answered.omega[:, None, None], {"acceleration": 0, "velocity": 1, "displacement": 2}[self.quantity]
+        omega, power = answered.omega[:, None, None], POWERS[self.quantity]
         if derivatives and WINDOW in self._asked:
             # d D / d decay = -i (2 (K + i S) / omega³ + i C / omega²)
             whole = np.arange(len(matrices.mass))
@@ -215,7 +264,7 @@ class ResponseFunctionTest:
         factor = (gains[: c + 1] * np.where(np.arange(c + 1) < c, common, 1.0))[:, None] * np.exp(-1j * omega * delays[:, None])
         A, ones = np.asarray(A), np.ones((len(f), 1, 1), dtype=np.complex128)
         signals = np.concatenate([A, ones], axis=1)
-        tangents = {name: factor * np.concatenate([change, 0 * ones], axis=1) for name, change in dA.items()}
+        tangents = {name: factor * np.concatenate([change, 0 * change[:, :1]], axis=1) for name, change in dA.items()}
         if derivatives:
             slopes = [1.0 if self._factors[name].logarithmic else 1 / gain for name, gain in zip(self._gains, gains, strict=True)]
             for k, name in enumerate(self._gains[: c + 1]):

@@ -24,10 +24,9 @@ from geometry.errors import BadInput
 from geometry.frames import Array
 from identification.campaign import Campaign, Processing, Run
 from identification.chain import Chain, chain
-from identification.spectra.line_spectra import Spectra
+from identification.spectra.line_spectra import Spectra, hann
 from identification.spectra.noise import of_block, of_full_record
 from identification.spectra.of_campaign import SAME_LINE, grid, spectra
-from identification.spectra.peak_hold import hann
 from validation.effects.catalogue import FAMILIES, There, acts
 from validation.effects.effect import AMPLITUDE, BODY_STAGE, CHANNEL_STAGE, NOISE_STAGE, OPENED, PROCESSING, STRUCTURE_STAGE
 from validation.effects.stages import ChannelResponse, NoiseModel, leak
@@ -56,8 +55,10 @@ def laboratory(model: Model, campaign: Campaign, effects: Sequence[Added]) -> Ch
     BadInput : as `identification.chain.chain`.
     """
     drawn = _chain(model, campaign, {})
+    families = {name.partition(":")[0] for name in drawn.possible}
+    overrides = {family: size for family, size in model.opened.items() if family in families}
     needed = [one.named.id for one in effects if FAMILIES[one.named.family].stage == OPENED]
-    overrides = {name: HELD for name in needed if name in drawn.possible}
+    overrides |= {name: HELD for name in needed if name in drawn.possible}
     return _chain(model, campaign, overrides) if overrides else drawn
 
 
@@ -286,7 +287,7 @@ def predictions(
             model=model,
             campaign=replace(campaign, recordings={}),
             measured=made.measured,
-            carried=supported_dynamic_mass(model, campaign, stands),
+            carried=supported_dynamic_mass(model, campaign, stands, name),
             drives=tuple(driven[run] for run in made.measured.runs),
             per_rms=per_rms(campaign, made.method),
             method=made.method,
@@ -447,6 +448,7 @@ class SeriesPrediction:
         own = [
             *(() if carried.nuisances is None else carried.nuisances.parameters),
             *dynamic_mass.parameters(carried.moving, model.fmd_tolerance),
+            *carried.mounted,
         ]
         for one in self._chain.parameters:  # what is offset by its logarithm is 1 + its relative change there
             kind = KINDS.get(one.family, problem.SENSOR)
@@ -555,8 +557,8 @@ class SeriesPrediction:
         return np.stack(found)
 
 
-def supported_dynamic_mass(model: Model, campaign: Campaign, stands: MountedArticle) -> SupportedDynamicMass:
-    """What the cells carry in `campaign`, in which `stands` stands on the cover plate."""
+def supported_dynamic_mass(model: Model, campaign: Campaign, stands: MountedArticle, name: str) -> SupportedDynamicMass:
+    """What the cells carry in `campaign`, the data set `name`, in which `stands` stands on the cover plate."""
     of_structure = None
     if stands.matrices is not None:
         of_structure = prediction_effects.nuisances(
@@ -569,7 +571,11 @@ def supported_dynamic_mass(model: Model, campaign: Campaign, stands: MountedArti
             part_tolerances=stands.part_tolerances,
         )
     return SupportedDynamicMass(
-        standing=stands, moving=moving_part(model), exact=model.fmd_tolerance == 0, nuisances=of_structure
+        standing=stands,
+        moving=moving_part(model),
+        exact=model.fmd_tolerance == 0,
+        nuisances=of_structure,
+        mounted=dynamic_mass.mounting_parameters(name, stands, model.mounting),
     )
 
 

@@ -4,7 +4,7 @@ The campaign's `article` picks it: nothing for an FMD alone, a built-in stack of
 is mounted is what the campaign states, else the seat of the built-in FMD.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
@@ -19,16 +19,17 @@ from fem.damping import Damping, damping_per_mode, default_damping
 from fem.factorisers import factorise
 from fem.modes import Modes, fixed_base, floating_shift, lowest
 from fem.reduction import static_shapes
-from fem.structure import LOOSE, HeldBase, Sparse, Structure, hold, restricted
+from fem.structure import LOOSE, HeldBase, Sparse, Structure, hold, place_rows, position_of, restricted
 from fem.user_model.reading import UsersModel, is_model, load
 from geometry import routes
 from geometry.article import Article
 from geometry.articles import NAMES, built_in, changes_of, locations
 from geometry.errors import BadInput, CheckFailed
-from geometry.frames import Array, Pose, rigid_transformation, rigid_transformation_6
+from geometry.frames import Array, Integers, Pose, rigid_transformation, rigid_transformation_6
 from geometry.inertia import Inertia
 from identification.campaign import Campaign
 from validation.effects.catalogue import There, there
+from validation.effects.effect import position
 from validation.effects.families.layer_damping import LAYER
 from validation.effects.stages import JointSprings, Matrices
 from validation.flexible.model import nearest_part
@@ -457,16 +458,37 @@ class ReducedStructure:
 
     Attributes
     ----------
+    structure : all of it, and `damping` where it is not that of its parts
+    band : [Hz] where tests of it end
     matrices : base 0; about its origin
     frequency : (m,) [Hz] of the elastic modes, the first coordinates; behind them rigid motions, if it floats, and static answers
     losses : loss factor by part; none where damping is given by mode
     basis : (N, k) displacement of all degrees of freedom for each coordinate
     """
 
+    structure: Structure
+    damping: Damping | None
+    band: float
     matrices: Matrices
     frequency: Array
     losses: Mapping[str, float]
     basis: Array
+
+    def at(self, positions: Sequence[str]) -> "ReducedStructure":
+        """The same made ready for effects at further `positions`, which are written as coordinates.
+
+        Raises
+        ------
+        BadInput, CheckFailed : outside the mesh, or no coordinates are known.
+        """
+        whole = with_positions(self.structure, positions)
+        return by_itself(whole, self.band, damping=self.damping)
+
+    def nodes(self) -> tuple[Array, Integers]:
+        """(p, 3) [m] nodes that move, and (p, 3) the rows of `basis` by which they do."""
+        whole = self.structure
+        moving = np.any(self.basis[whole.translations.ravel()], axis=1).reshape(whole.translations.shape).any(axis=1)
+        return whole.points[moving], whole.translations[moving]
 
 
 def by_itself(structure: Structure, band: float, *, damping: Damping | None = None) -> ReducedStructure:
@@ -517,8 +539,56 @@ def by_itself(structure: Structure, band: float, *, damping: Damping | None = No
         n = len(frequency)
         T = np.linalg.inv(rigid_transformation_6(structure.reference_point))
         moves[:, n : n + rigid.shape[1]] = T @ directions[:, kept] / np.sqrt(square[kept])
-    matrices = replace(made, cog=cog, rigid=moves)
-    return ReducedStructure(matrices=matrices, frequency=frequency, losses=used.loss_factors, basis=free.expand(basis))
+    moved = free.expand(basis)
+    slopes = {name: one @ moved for name, one in gradients(structure, tuple(structure.places)).items()}
+    return ReducedStructure(
+        structure=structure,
+        damping=damping,
+        band=band,
+        matrices=replace(made, cog=cog, rigid=moves, gradients=slopes),
+        frequency=frequency,
+        losses=used.loss_factors,
+        basis=moved,
+    )
+
+
+NEARBY = 1e-4
+"""Share of the size of a structure by which a place is shifted to see how its motion changes. By definition."""
+
+
+def gradients(structure: Structure, places: Sequence[str]) -> dict[str, Array]:
+    """By place (3, 3, n) how what each degree of freedom moves it changes by a metre along x, y, z.
+
+    A place is found by how it turns with the whole structure. None of those about which nothing turns and no element is known.
+    """
+    if structure.elements is None and not len(structure.points):
+        return {}
+    size = float(np.ptp(structure.points, axis=0).max()) if len(structure.points) else 1.0
+    found = {}
+    for name in places:
+        if (at := position_of(structure, name)) is None:
+            continue
+        shifts = NEARBY * size * np.vstack([np.eye(3), -np.eye(3)])
+        try:
+            rows = [row.toarray() for row in place_rows(structure, at + shifts)]
+        except BadInput:  # beyond the end of the mesh
+            continue
+        found[name] = np.array([(rows[k] - rows[k + 3]) / (2 * NEARBY * size) for k in range(3)])
+    return found
+
+
+def with_positions(structure: Structure, positions: Sequence[str]) -> Structure:
+    """`structure` with places at `positions`, which are written as coordinates.
+
+    Raises
+    ------
+    BadInput, CheckFailed : outside the mesh, or no coordinates are known.
+    """
+    new = {name: at for name in positions if name not in structure.places and (at := position(name)) is not None}
+    if not new:
+        return structure
+    rows = place_rows(structure, np.array(list(new.values())))
+    return replace(structure, places={**structure.places, **dict(zip(new, rows, strict=True))})
 
 
 # A user's own article behind its path: an FE model as its file has it, or a drawing, of which a solid model is made.
@@ -631,6 +701,7 @@ def mounted_article(model: Model, campaign: Campaign) -> MountedArticle:
         damping_ratio=model.damping_ratio,
         changes=() if own else _changes(model, article),
         band=max(driven, default=BAND) if own else BAND,
+        positions=model.positions if own else (),
     )
     return replace(_made(recipe), pose=pose, remarks=said)
 
@@ -662,7 +733,7 @@ def drawn_inertia(model: Model, article: str) -> Inertia:
 class _Recipe:
     """Everything that decides the matrices of an article; `stamp` tells a user's file from the same one rewritten.
 
-    `band` [Hz] is where tests of a user's own model end.
+    `band` [Hz] is where tests of a user's own model end, `positions` are places of it by coordinates.
     """
 
     article: str
@@ -673,6 +744,7 @@ class _Recipe:
     damping_ratio: float | None = None
     changes: tuple[tuple[str, float], ...] = ()
     band: float = BAND
+    positions: tuple[str, ...] = ()
 
 
 def _own(model: Model, article: str, whole: str) -> str:
@@ -700,7 +772,7 @@ def _made(recipe: _Recipe) -> MountedArticle:
                 problem = f'is "{support}": it has no base that an FMD could carry'
                 remedy = 'State support = "base" with its interface; response functions and modal tables need none'
                 raise BadInput(source=recipe.own, field="fe_model.support", problem=problem, remedy=remedy)
-            return _of_structure(recipe, found.model, damping, {}, None)
+            return _of_structure(recipe, with_positions(found.model, recipe.positions), damping, {}, None)
         frequency = found.model.frequency
         modal = found.model if damping is None else replace(found.model, viscous=damping_per_mode(damping, 2 * np.pi * frequency))
         matrices = of_modes(modal, _inertia(recipe).cog)

@@ -15,10 +15,11 @@ from geometry.toml_file import nearest
 from identification.modal_table import ModalTable
 from identification.response_functions import ResponseFunctions
 from validation.effects.catalogue import There
-from validation.estimation.problem import Prediction
+from validation.estimation.problem import Lines, Offsets, Prediction
 from validation.model.model import Added, Model
 from validation.prediction import effects, modal_table, response_functions
 from validation.prediction import structure as reduction
+from validation.prediction.dynamic_mass import AttachedResponse
 
 Test = ModalTable | ResponseFunctions
 
@@ -45,6 +46,26 @@ class StructurePrediction(Prediction, Protocol):
 
     def with_effects(self, effects: Sequence[Added]) -> Self:
         """The same by a model with these `effects` instead of its own."""
+
+
+@runtime_checkable
+class OnNodes(StructurePrediction, Protocol):
+    """A prediction of a structure by itself, which says what anything attached to any node would do."""
+
+    @property
+    def structure(self) -> effects.Nuisances:
+        """What was tested, before any effect."""
+
+    def by(self, structure: effects.Nuisances) -> Self:
+        """The same data by another model of the structure."""
+
+    def attached(self, offsets: Offsets, lines: Lines, rows: Array) -> AttachedResponse:
+        """What a mass at places would change, to first order.
+
+        Parameters
+        ----------
+        rows : (q, 3, k) what each coordinate of the structure moves the places along x, y, z
+        """
 
 
 def predictions(model: Model, tests: Sequence[Test]) -> tuple[StructurePrediction, ...]:
@@ -105,46 +126,31 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
         elif point.position is not None:
             rows[point.place] = place_rows(structure, point.position)[0]
     known = {name: row for name, row in structure.places.items() if name.replace("-", " ", 1) not in rows}  # dof-20 and dof 20
-    structure = replace(structure, places={**known, **rows})
+    structure = reduction.with_positions(replace(structure, places={**known, **rows}), model.positions)
     band = max(one.band[1] if isinstance(one, ResponseFunctions) else float(np.max(one.frequency)) for one in tests)
     damping = users.damping if model.damping_ratio is None else Damping(ratio=model.damping_ratio)
-    made = reduction.by_itself(structure, band, damping=damping)
-    beside = gradients(structure, sorted({point.place for point in points}))
-    return effects.nuisances(
-        article,
-        replace(made.matrices, gradients={name: slopes @ made.basis for name, slopes in beside.items()}),
-        made.frequency,
-        made.losses,
-        model.structure,
-        highest=reduction.REACH * band,
-        part_tolerances=structure.part_tolerances,
-        scaled=users.units.known,
+    return effects.nuisances_of(
+        article, reduction.by_itself(structure, band, damping=damping), model.structure, scaled=users.units.known
     )
 
 
-NEARBY = 1e-4
-"""Share of the size of a structure by which a place is shifted to see how its motion changes. By definition."""
+def ready_at(tests: Sequence[StructurePrediction], positions: Sequence[str]) -> tuple[StructurePrediction, ...]:
+    """`tests` by the same models, made ready for effects at `positions`, which are written as coordinates.
 
-
-def gradients(structure: Structure, places: Sequence[str]) -> dict[str, Array]:
-    """By place (3, 3, n) how what each degree of freedom moves it changes by a metre along x, y, z.
-
-    A place is found by how it turns with the whole structure. None of those about which nothing turns and no element is known.
+    Raises
+    ------
+    BadInput, CheckFailed : outside the mesh.
     """
-    if structure.elements is None and not len(structure.points):
-        return {}
-    size = float(np.ptp(structure.points, axis=0).max()) if len(structure.points) else 1.0
-    found = {}
-    for name in places:
-        if (at := position_of(structure, name)) is None:
-            continue
-        shifts = NEARBY * size * np.vstack([np.eye(3), -np.eye(3)])
-        try:
-            rows = [row.toarray() for row in place_rows(structure, at + shifts)]
-        except BadInput:  # beyond the end of the mesh
-            continue
-        found[name] = np.array([(rows[k] - rows[k + 3]) / (2 * NEARBY * size) for k in range(3)])
-    return found
+    made: dict[int, effects.Nuisances] = {}
+    found: list[StructurePrediction] = []
+    for one in tests:
+        if isinstance(one, OnNodes) and one.structure.reduced is not None:
+            of = one.structure
+            known = made.get(id(of)) or made.setdefault(id(of), of.at_positions(positions))
+            found.append(one.by(known))
+        else:
+            found.append(one)
+    return tuple(found)
 
 
 COMMON = 3

@@ -87,7 +87,7 @@ def _refused(key: str, problem: str, remedy: str) -> BadInput:
 # (both in quadrature). A quantity's verdict names the columns that lie outside.
 
 
-PUBLISHED, MEASURED, IDENTIFIED = "published", "measured", "identified"
+PUBLISHED, MEASURED, IDENTIFIED, STATED = "published", "measured", "identified", "stated"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -122,7 +122,11 @@ class ReferenceTable:
     def statements(self) -> dict[str, Any]:
         """Routes, and the columns that others state, None where nothing is stated."""
         routes = {route: self.columns[route] for route in ROUTES if route in self.columns}
-        return {"routes": routes} | {column: self.columns.get(column) for column in (PUBLISHED, MEASURED, IDENTIFIED)}
+        return (
+            {"routes": routes}
+            | {column: self.columns.get(column) for column in (PUBLISHED, MEASURED, IDENTIFIED)}
+            | ({STATED: self.columns[STATED]} if STATED in self.columns else {})
+        )
 
     @property
     @derived("rows", before="note")

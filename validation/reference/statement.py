@@ -392,8 +392,10 @@ class Row:
     @property
     @derived("deviation_percent", before="dominated_by")
     def deviation_percent(self) -> float | None:
-        """Deviation in per cent of the reference; None without a reference or where the reference is zero."""
-        return None if not self.reference or self.deviation is None else 100 * self.deviation / abs(self.reference)
+        """Deviation in per cent of the reference; None without one, or where it cannot be told from zero: no share of nothing."""
+        if not self.reference or self.deviation is None or abs(self.reference) <= self.combined_tolerance:
+            return None
+        return 100 * self.deviation / abs(self.reference)
 
     @property
     def combined_tolerance(self) -> float:

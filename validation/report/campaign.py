@@ -11,8 +11,14 @@ from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import SI
-from identification import campaign_file
+from identification import campaign_file, measured
 from identification.campaign import Campaign
+from identification.files import files
+from identification.modal_table import ModalTable
+from identification.plain import setup as of_spectra
+from identification.request import Settings
+from identification.response_functions import ResponseFunctions
+from identification.spectra.of_campaign import spectra
 from validation.correct import AppliedCorrection, asked, in_turn
 from validation.identify.check import Summary
 from validation.output import NONE, print_json, require_folder, share_done, shown, to_json
@@ -212,3 +218,65 @@ def _corrected(campaign: Campaign, made: Campaign, steps: Sequence[AppliedCorrec
 
 def _vector(values: Array) -> str:
     return "(" + " ".join(f"{value:.4g}" for value in values + 0.0) + ")"
+
+
+# What was measured, written for other programs.
+
+FUNCTIONS = tuple(files.FORMATS)
+"""Endings of files that hold functions of frequency."""
+
+
+def write_dynamic_mass(path: Path, campaign: Campaign) -> None:
+    """Write the dynamic mass of everything that the load cells of `campaign` carry, about F, with its interval.
+
+    Raises
+    ------
+    BadInput : runs that do not tell six motions apart.
+    """
+    found = of_spectra(spectra(campaign), Settings(gravity=campaign.gravity, modes=0))
+    measured.write(path, measured.of_dynamic_mass(found.estimate.dynamic_mass, campaign.source, found.noise))
+
+
+def show_tests(name: str, tests: Sequence[ResponseFunctions | ModalTable], *, as_json: bool, out: Path | None) -> None:
+    """Print what the `tests` of the file `name` hold; write the response functions of the one that has them to `out`.
+
+    Raises
+    ------
+    BadInput : `out` is asked for, and not exactly one of them has response functions.
+    """
+    with_functions = [one for one in tests if isinstance(one, ResponseFunctions)]
+    if out is not None:
+        if len(with_functions) != 1:
+            problem = f"{name} has {len(with_functions)} tests with response functions, and a file holds one"
+            raise BadInput(source="--out", problem=problem, remedy="Name the file of one test")
+        measured.write(out, measured.of_responses(with_functions[0]))
+    rows = []
+    for one in tests:
+        lines = one.frequency
+        row = {
+            "article": one.article,
+            "what": "modes",
+            "count": len(lines),
+            "from_hz": lines[0],
+            "to_hz": lines[-1],
+            "coherence": None,
+        }
+        if isinstance(one, ResponseFunctions):
+            row |= {"what": f"{len(one.responses)} responses, {len(one.drives)} drives, {one.quantity}"}
+            row |= {"coherence": None if one.coherence is None else float(np.median(one.coherence))}
+        rows.append(row)
+    warnings = [f"{word}." for one in tests for word in one.warnings]
+    if as_json:
+        print_json({"source": name, "tests": to_json(rows), "warnings": warnings})
+    else:
+        columns = (
+            Column("article", lambda row: row["article"], words=True),
+            Column("measured", lambda row: row["what"], words=True),
+            Column("lines or modes", lambda row: row["count"], "d"),
+            Column("from [Hz]", lambda row: row["from_hz"]),
+            Column("to [Hz]", lambda row: row["to_hz"]),
+            Column("coherence, median", lambda row: row["coherence"], ".3f"),
+        )
+        click.echo(Document(title=name, blocks=[Table(columns=columns, rows=rows)], notes=warnings).text(), nl=False)
+    if out is not None:
+        click.echo(f"massline: wrote {out}.", err=True)

@@ -22,14 +22,14 @@ from validation.diagnose.pendulum import only_classical
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import MISTAKE as OF_MISTAKES
 from validation.effects.effect import evidence_threshold
-from validation.effects.practical_units import said
+from validation.effects.practical_units import said, written_as
 from validation.estimation.evaluate import named, without
 from validation.history import add
 from validation.history.add import at_offsets, kept_offsets
 from validation.history.history import HistoryPosition, Version, history_position, is_worth_adding, reminded, undone
 from validation.model import model_file
 from validation.model.model import Added, Model
-from validation.output import NONE, json_text, share_done, significant, stages, to_json, two_digits, with_unit
+from validation.output import NONE, json_text, nats, share_done, significant, stages, to_json, two_digits, with_unit
 from validation.reference.reference import file_name
 from validation.report import document as doc
 from validation.report import history
@@ -234,7 +234,8 @@ def rows(of: Sequence[results.Detectable]) -> tuple[DetectableRow, ...]:
     for name, family in FAMILIES.items():
         every = [one for one in of if one.id.partition(":")[0] == name]
         for unit in dict.fromkeys(one.unit for one in every):
-            own = sorted((one for one in every if one.unit == unit), key=lambda one: one.size)
+            # Mirror images differ by rounding: of these the order of names decides
+            own = sorted((one for one in every if one.unit == unit), key=lambda one: (float(f"{one.size:.6g}"), one.id))
             least, greatest = own[0], own[-1]
             low, high = said(least.size, unit), said(greatest.size, unit)
             together = greatest.size <= SPREAD * least.size or low == high
@@ -332,7 +333,7 @@ def classical_document(found: SwingAnswer, named: str) -> doc.Document:
         rows=list(places.items()),
         columns=(
             doc.Column("effect", lambda row: row[0]),
-            doc.Column("evidence [nats]", lambda row: max(one.evidence for one in row[1]), "+.1f"),
+            doc.Column("evidence [nats]", lambda row: max(one.evidence for one in row[1]), nats),
             doc.Column("size that would explain it by itself", lambda row: size(row[1]), words=True),
         ),
     )
@@ -346,7 +347,7 @@ def classical_document(found: SwingAnswer, named: str) -> doc.Document:
         ),
     )
 
-    def nats(gain: float) -> str:
+    def expected(gain: float) -> str:
         """Of a test; where it decides anyway, no more than that."""
         return NONE if gain == 0 else f"> {SURE:.0f}" if gain > SURE else significant(gain, 2)
 
@@ -354,7 +355,7 @@ def classical_document(found: SwingAnswer, named: str) -> doc.Document:
         rows=list(enumerate(found.advice[:MOST], start=1)),
         columns=(
             doc.Column("next", lambda row: f"{row[0]}"),
-            doc.Column("nats", lambda row: nats(row[1].gain), aligned=False),
+            doc.Column("nats", lambda row: expected(row[1].gain), aligned=False),
             doc.Column(MEASURE, lambda row: f"{row[1].test[:1].upper()}{row[1].test[1:]}", words=True),
         ),
     )
@@ -424,6 +425,9 @@ def draw_left(found: results.Diagnosis, bench: Study, folder: Path, progress: Ca
 RANKED = 8
 """Causes that the page shows; JSON has all."""
 
+CALIBRATIONS = 12
+"""What is known better now that the page shows; JSON has all."""
+
 CLOSE = 3.0
 """[nats] from which what was not worth a name is worth a word: 20 to 1."""
 
@@ -472,6 +476,7 @@ class DiagnosisPage:
                 self.errors(),
                 self.errors_of_page(),
                 self.ranking(),
+                self.known_better() if found.known_better else None,
                 self.steps(),
                 grid(found.detectable) if found.detectable and found.verdict == results.NOTHING else None,
             ),
@@ -517,7 +522,7 @@ class DiagnosisPage:
             if one is None:
                 return f"does the same to these data, and was not fitted: {FAMILIES[id.partition(':')[0]].what}"
             sizes = "; ".join(results.sized(one, size) for size in one.sizes)
-            return f"{sizes}, {one.evidence:+.1f} nats: {one.named.what}"
+            return f"{sizes}, {nats(one.evidence)} nats: {one.named.what}"
 
         lines = tuple((id, what(id)) for id in self.found.equivalence_class)
         header = ("one of these", "size (90 %), evidence, and what it is")
@@ -589,7 +594,7 @@ class DiagnosisPage:
         kept = [(name, cells) for name, cells in error_lines(*both) if set(cells) != {NONE}]
         gain = after.fitted.log_evidence - before.fitted.log_evidence
         if len(both) > 1 and self.found.verdict not in NOT_FITTED:
-            kept.append(("evidence gained [nats]", [NONE, f"{gain:+.1f}"]))
+            kept.append(("evidence gained [nats]", [NONE, nats(gain)]))
         columns = [doc.aligned(tuple(column)) for column in zip(*(cells for _, cells in kept), strict=True)]
         header = ("the four errors", "before", "after") if len(both) > 1 else ("the four errors", "now")
         return doc.Grid(header=header, lines=tuple(zip((name for name, _ in kept), *columns, strict=True)))
@@ -611,6 +616,25 @@ class DiagnosisPage:
             on=doc.PAGE,
         )
 
+    def known_better(self) -> doc.Table:
+        """What of the laboratory is known better now, the surest first."""
+        shown = self.found.known_better[:CALIBRATIONS]
+
+        def figures(one: results.KnownBetter) -> tuple[tuple[str, ...], str]:
+            return written_as(one.unit, (one.value, one.low, one.high, one.before))
+
+        return doc.Table(
+            caption="Known better now: what is within the class of the laboratory, and not missing",
+            rows=shown,
+            columns=(
+                doc.Column("known better now", lambda one: one.id, words=True),
+                doc.Column("value", lambda one: figures(one)[0][0]),
+                doc.Column("90 % interval", lambda one: "{1} to {2}".format(*figures(one)[0])),
+                doc.Column("admitted (sd)", lambda one: figures(one)[0][3].lstrip("+")),
+                doc.Column("unit", lambda one: figures(one)[1] or NONE, words=True),
+            ),
+        )
+
     def tried(self) -> doc.Table:
         """Every cause that was tried, a line for each of its numbers: name, value, both ends of its interval, unit."""
         every = {one.id: one for one in (*self.found.ranking, *self.found.accepted)}.values()  # as it was accepted
@@ -628,7 +652,7 @@ class DiagnosisPage:
             rows=rows,
             columns=(
                 doc.Column("cause", lambda row: row[0].id, words=True),
-                doc.Column("evidence", lambda row: row[0].evidence, "+.1f", unit="nats"),
+                doc.Column("evidence", lambda row: row[0].evidence, nats, unit="nats"),
                 doc.Column("asked for", lambda row: evidence_threshold(row[0].named.family), "g", unit="nats"),
                 doc.Column("number", lambda row: row[1][0], words=True),
                 doc.Column("size", lambda row: row[1][1]),
@@ -667,7 +691,7 @@ class DiagnosisPage:
             columns=(
                 doc.Column("tried", lambda one: one.id, words=True),
                 doc.Column("size", size),
-                doc.Column("evidence [nats]", lambda one: f"{one.evidence:+.1f}"),
+                doc.Column("evidence [nats]", lambda one: nats(one.evidence)),
                 doc.Column("chi²", lambda one: f"{one.misfit:.3g}"),
                 doc.Column("price", lambda one: f"{one.price:.3g}"),
                 doc.Column("so", judged, words=True),
@@ -699,6 +723,11 @@ class DiagnosisPage:
         )
         if len(self.found.ranking) > RANKED:
             yield f"{len(self.found.ranking) - RANKED} more effects were tried and explain less; --json has all of them."
+        if self.found.known_better:
+            more = len(self.found.known_better) - CALIBRATIONS
+            words = f"; --json has {more} more" if more > 0 else ""
+            correct = "`massline correct` takes gains, delays and places of these out of a record"
+            yield f"Known better now: within what the class of the laboratory admits, and so not missing{words}; {correct}."
         if self.found.detectable and self.found.verdict != results.NOTHING:
             yield f"--json has the smallest size at which each of {len(self.found.detectable)} effects would have been named."
         if self.found.verdict == results.NONLINEAR:

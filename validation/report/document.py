@@ -24,7 +24,7 @@ from validation.reference.reference import IDENTIFIED, MEASURED, PUBLISHED, Refe
 from validation.reference.statement import COG, MASS, QUANTITIES, TENSOR, Quantity, Row, Stated
 
 if TYPE_CHECKING:
-    from validation.report.charts.static import Figure
+    from validation.report.charts.figure import Figure
 
 
 # HTML that cannot be broken into: whatever is not `Safe` is escaped on its way in.
@@ -236,7 +236,7 @@ class Column:
     ----------
     head : its name
     of : what stands in it, of a row: a text, a number or a cell
-    form : of a number
+    form : of a number, or what makes a text of it
     unit : of its numbers; empty where they have none
     words : whether it is read from the left, as words are
     said : its name on a terminal, where that is another; with the form of its numbers, or what makes a text of them
@@ -247,7 +247,7 @@ class Column:
 
     head: str
     of: Callable[[Any], Any] = str
-    form: str = ".4g"
+    form: str | Callable[[float], str] = ".4g"
     unit: str = ""
     words: bool = False
     said: str | tuple[str, str | Callable[[Any], str]] = ""
@@ -264,9 +264,9 @@ class Column:
         """On a terminal."""
         value = self.of(row)
         form = self.said[1] if isinstance(self.said, tuple) else self.form
-        if not isinstance(value, str) and callable(form):
+        if isinstance(self.said, tuple) and not isinstance(value, str) and callable(form):
             return form(value)
-        shown = value if isinstance(value, str) else value.text if isinstance(value, Number) else number(value, str(form)).text
+        shown = value if isinstance(value, str) else value.text if isinstance(value, Number) else number(value, form).text
         return shown if self.words else shown.replace("−", "-")
 
     @property
@@ -399,11 +399,11 @@ SHORT, TINY = 24, 8
 NOTHING = Number(value=None, text=NONE)
 
 
-def number(value: float | None, form: str = ".4g") -> Number:
+def number(value: float | None, form: str | Callable[[float], str] = ".4g") -> Number:
     """`value` shown in the form `form`."""
     if value is None or not isfinite(value):
         return NOTHING
-    return Number(value=value, text=format(value, form).replace("-", "−"))
+    return Number(value=value, text=(form(value) if callable(form) else format(value, form)).replace("-", "−"))
 
 
 def toleranced(value: float | None, tolerance: float | None) -> Number:
@@ -473,13 +473,13 @@ class Figures:
         """
         name = f"figure-{len(self._json) + 1}"
         self._keep(name, figure)
-        height = int(figure.layout.height or 400)
+        height = int(figure.layout.get("height", 400))
         plot = tag(
             "div",
             class_="plot",
             id=name,
             role="img",
-            aria_label=unescape(str(figure.layout.title.text)),
+            aria_label=unescape(figure.layout["title"]["text"]),
             style=f"min-height:{height}px",
             data_group=group or None,
             data_shown=shown or None,
@@ -505,9 +505,7 @@ class Figures:
         return len(self._json)
 
     def _keep(self, name: str, figure: "Figure") -> None:
-        from validation.report.charts.interactive import figure_json
-
-        self._json[name] = figure_json(figure)
+        self._json[name] = figure.json()
 
 
 def _script(name: str, text: str) -> str:

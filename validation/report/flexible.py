@@ -18,6 +18,8 @@ from geometry.atomic import write_text, write_with
 from geometry.dynamic_mass import MOTIONS, DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Array
+from identification import measured
+from identification.files import files
 from validation import output
 from validation.compare.maps import NamedMode
 from validation.flexible.dynamic_mass import UNITS, Curves
@@ -340,7 +342,7 @@ def report(found: Curves, *, as_json: bool) -> None:
 # A dynamic mass as a file: comma-separated for a spreadsheet, ``.npz`` for numpy; no pickle, whole or not at all.
 
 
-ENDINGS = (".csv", ".npz")
+ENDINGS = (".csv", ".npz", *(ending for ending in files.FORMATS if ending != ".csv"))
 
 
 def require_ending(path: Path) -> None:
@@ -365,6 +367,8 @@ def write(path: Path, H: DynamicMass, article: str) -> None:
             flat = matrix.ravel()
             table.writerow([repr(float(f)), *(repr(float(v)) for v in np.column_stack([flat.real, flat.imag]).ravel())])
         write_text(path, text.getvalue())
+    elif path.suffix.lower() in files.FORMATS:
+        measured.write(path, measured.of_dynamic_mass(H, article))
     else:
         point, order = H.reference_point, np.array(MOTIONS)
         arrays: dict[str, Any] = {"frequency_hz": H.frequency, "matrix": H.matrix, "reference_point_m": point, "order": order}

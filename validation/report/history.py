@@ -14,7 +14,7 @@ from identification.quality import NORMAL_90
 from validation.history import history
 from validation.history.history import SHOWN, Body, HistoryPosition, Version, VersionSize, is_worth_adding, percent
 from validation.model import model_file
-from validation.output import NONE, json_text, require_ending, require_file, rounded, shown, stages, to_json, with_unit
+from validation.output import NONE, json_text, nats, require_ending, require_file, rounded, shown, stages, to_json, with_unit
 from validation.reference.statement import QUANTITIES
 from validation.report import document
 from validation.report.charts import history as charts
@@ -134,7 +134,7 @@ NONE_YET = "The model has no ladder yet: `massline add MODEL EFFECT DATA ...` ad
 def of_added(before: Version, after: Version) -> list[Grid]:
     """The four errors before and after, the sizes of all effects, and how far each article is from its reference."""
     lines = [one for one in error_lines(before.errors, after.errors) if one[0] != UNKEPT]
-    gain = ("", NONE if after.gain is None else f"{after.gain:+.1f} nats")
+    gain = ("", NONE if after.gain is None else f"{nats(after.gain)} nats")
     columns = [aligned(tuple(column)) for column in zip(*(cells for _, cells in lines), gain, strict=True)]
     names = (*(name for name, _ in lines), "evidence gained")
     header = ("", f"rung {before.number}", f"rung {after.number}")
@@ -218,7 +218,7 @@ def rungs(at: HistoryPosition) -> Table:
             Column("sum z²", lambda row: row[2]["tolerance_z2"], on=PAGE),
             Column("sum z²", lambda row: NONE if row[2]["due_z2"] is None else PRICE.format(**row[2]), on=TERMINAL),
             Column("due", lambda row: row[2]["due_z2"], on=PAGE),
-            Column("evidence", lambda row: row[1].gain, "+.1f", unit="nats"),
+            Column("evidence", lambda row: row[1].gain, nats, unit="nats"),
             Column("when", lambda row: row[1].when.replace("T", " ")[:16], words=True, on=PAGE),
         ),
     )

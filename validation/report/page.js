@@ -1,7 +1,8 @@
 "use strict";
 (() => {
   const root = document.documentElement;
-  const PAPER_WIDTH = 900; // CSS pixels between the margins of A4, as the style sheet shrinks figures in print
+  const PAPER_WIDTH = 799; // CSS pixels between the margins of A4, as the style sheet shrinks figures in print: letters of 11 are 7 pt
+  const PAPER_HEIGHT = 0.78; // of a figure's height on the screen
   const settings = { responsive: true }; // buttons and all else that must hold on every page comes with the library
   const plots = () => [...document.querySelectorAll(".plot")];
   let known = null;
@@ -22,12 +23,16 @@
 
   function layout(figure) {
     const own = { ...figure.layout, template: known.templates[dark() ? "dark" : "light"] };
-    return onPaper ? { ...own, width: PAPER_WIDTH } : own;
+    return onPaper ? { ...own, width: PAPER_WIDTH, height: PAPER_HEIGHT * own.height } : own;
+  }
+
+  function shown(plot) {
+    const group = plot.dataset.group;
+    return known.figures[group ? `${group}/${plot.dataset.shown}` : plot.id];
   }
 
   function draw(plot) {
-    const group = plot.dataset.group;
-    const figure = known.figures[group ? `${group}/${plot.dataset.shown}` : plot.id];
+    const figure = shown(plot);
     plot.setAttribute("aria-label", figure.layout.title.text.replace(/&lt;/g, "<").replace(/&gt;/g, ">").replace(/&amp;/g, "&"));
     return Plotly.react(plot, figure.data, layout(figure), settings);
   }
@@ -35,8 +40,9 @@
   // What a theme and a sheet of paper change of a figure that is there; what the reader zoomed into stays.
   function redress() {
     for (const plot of plots().filter((one) => one.layout)) {
-      const change = { template: known.templates[dark() ? "dark" : "light"], width: onPaper ? PAPER_WIDTH : null };
-      Plotly.relayout(plot, change);
+      const size = onPaper ? [PAPER_WIDTH, PAPER_HEIGHT] : [null, 1];
+      const height = size[1] * shown(plot).layout.height;
+      Plotly.relayout(plot, { template: known.templates[dark() ? "dark" : "light"], width: size[0], height });
       if (!onPaper) Plotly.Plots.resize(plot);
     }
   }

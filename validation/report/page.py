@@ -35,7 +35,7 @@ from validation.model.setups import FMD, above_fmd
 from validation.output import percent, require_ending, require_file, rounded, stages, to_json
 from validation.reference.reference import file_name
 from validation.reference.statement import QUANTITIES
-from validation.report import compare, flexible, history, identify, reference
+from validation.report import compare, flexible, history, identify, reference, title
 from validation.report import diagnose as report_diagnose
 from validation.report.document import Column, Figures, Safe, joined, plus_minus, table, tag, worded
 from validation.report.identify import campaign_part
@@ -206,42 +206,11 @@ def _between(parts: list[Safe]) -> list[str]:
     return [piece for k, one in enumerate(parts) for piece in ([one] if k == 0 else ["; ", one])]
 
 
-# The title block: what this is about, who made it of what and when, and where somebody signs.
-
-
-def title_html(report: Report, figures: Figures) -> Safe:
-    """The head of the page."""
-    made, found = report.provenance, report.comparison
-    counted = [(part.campaign, len(part.campaign.runs)) for part in report.campaigns]
-    campaigns = [f"{one.title} ({one.source}, {runs} run{'s' if runs != 1 else ''})" for one, runs in counted]
-    tests = [one.data_set for one in found.maps[len(counted) :]]  # campaigns come first
-    facts = {
-        "model": found.source,
-        "articles": ", ".join(dict.fromkeys(one.configuration for one in found.maps)),
-        **({"campaigns": "; ".join(campaigns)} if campaigns else {}),
-        **({"tests": "; ".join(tests)} if tests else {}),
-        **({"classical": "; ".join(one.title for one in report.classical)} if report.classical else {}),
-        **({"effects in it": ", ".join(found.effects)} if found.effects else {}),
-        "date": made.when,
-        "made with": f"massline {made.versions.get('massline', '')}{', by ' + made.by if made.by else ''}",
-    }
-    signed = {"prepared by": made.by, "checked by": "", "released by, date": ""}
-    lines = [tag("div", tag("span", name, class_="signed"), tag("span", what, class_="what")) for what, name in signed.items()]
-    rows = [tag("tr", tag("th", name, scope="row"), tag("td", said)) for name, said in facts.items()]
-    return tag(
-        "header",
-        tag("p", "massline · report of a model and its measurements", class_="kind"),
-        tag("h1", found.title),
-        tag("table", tag("tbody", *rows), class_="facts"),
-        tag("div", *lines, class_="signatures"),
-        id="top",
-    )
-
-
 Section = Callable[[Report, Figures], Safe]
 
 SECTIONS: tuple[tuple[str, str, Section], ...] = (
     ("summary", "Summary", summary_html),
+    ("requirements", "Requirements", title.requirements_html),
     ("articles", "Articles and reference", reference.html),
     ("modes", "Modes", flexible.html),
     ("sensors", "Sensors", compare.sensors_html),
@@ -288,8 +257,9 @@ def html(report: Report, progress: Progress | None = None) -> str:
         tell(heading, k / len(SECTIONS))
         if made := write_section(report, figures):
             parts.append((name, heading, made))
-    main = tag("main", title_html(report, figures), *(made for _, _, made in parts))
     links = [tag("li", tag("a", heading, href=f"#{name}")) for name, heading, _ in parts]
+    contents = tag("nav", tag("ol", *links), aria_label="Contents", class_="paper-only")
+    main = tag("main", title.html(report, figures), contents, *(made for _, _, made in parts))
     # What a reader can do, above the page
     light = tag("button", "light or dark", type="button", id="theme", aria_pressed="false")
     printed = tag("button", "print", type="button", id="print")
@@ -517,6 +487,7 @@ PROGRAMS = (
 """Whose versions stand in the report, beside Python's: every library that reads, computes or draws what is on it."""
 
 NOT_ASKED = "--no-diagnosis"
+WITHOUT = "this report was asked for without it"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -595,7 +566,7 @@ def reported(asked: ReportOptions, *, quiet: bool = False) -> Report:
         comparison = compared(study, told)
     with stages("diagnosing", quiet=quiet) as told:
         found: Diagnosis | None = None
-        why = "" if asked.diagnosis else NOT_ASKED
+        why = "" if asked.diagnosis else WITHOUT
         if asked.diagnosis:
             try:
                 if not study.tests:

@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, TypeVar
 
 from fem.user_model.reading import is_model
-from geometry import cache
+from geometry import cache, inertia_files
 from geometry.articles import built_in, changes_of
 from geometry.errors import BadInput, CheckFailed
 from geometry.inertia import Inertia
@@ -18,9 +18,10 @@ from validation.compare.compare import Comparison
 from validation.flexible.model import FlexibleOptions, flexible
 from validation.model.model import RIGID, Model
 from validation.model.setups import above_fmd, is_file, is_stack
-from validation.output import print_json, print_pages, rounded, to_json
+from validation.output import NONE, print_json, print_pages, rounded, to_json
 from validation.reference import reference
-from validation.reference.reference import ArticleOptions, ReferenceTable
+from validation.reference.reference import STATED, ArticleOptions, ReferenceTable
+from validation.reference.robot import LinkFindings, RobotFindings
 from validation.reference.statement import MIN_WORDS, QUANTITIES, Stated, Statement, headline, rows_table
 from validation.report import document
 from validation.report.document import NOTHING, Cell, Column, Figures, Number, Safe, number, tag, toleranced
@@ -75,7 +76,77 @@ def drawing(name: str, asked: ArticleOptions) -> "tuple[str, tuple[DrawnBody, ..
 # How `massline reference` answers: all articles in one of the formats of its tables.
 
 
-def tables_text(tables: Sequence[ReferenceTable], form: str, *, to_file: bool) -> str:
+def exported(form: str, tables: Sequence[ReferenceTable], robots: Sequence[RobotFindings], column: str | None) -> str:
+    """The inertia of every article and link as a file of another program; `column` says whose, by default what is identified.
+
+    Raises
+    ------
+    BadInput : no such column, or one that does not state all ten values.
+    """
+    of_links = [table for one in robots for table in one.tables]
+    bodies: dict[str, Inertia] = {}
+    for table in (one for one in tables if one not in of_links):
+        own = table.columns.get(reference.IDENTIFIED)
+        default = reference.IDENTIFIED if own is not None and own.complete else next(iter(table.columns))
+        chosen = table.columns.get(column or default)
+        if chosen is None or not chosen.complete:
+            complete = [name for name, said in table.columns.items() if said.complete]
+            problem = f"{table.article}: column {column or default!r} " + (
+                "is not there" if chosen is None else "does not state all ten values, and no other program takes fewer"
+            )
+            raise BadInput(source="--column", problem=problem, remedy=f"Choose one of {', '.join(complete)}")
+        bodies[table.article] = chosen.inertia
+    for one in robots:
+        of_one = one.bodies(column or STATED)
+        if not of_one:
+            raise BadInput(
+                source="--column",
+                problem=f"{one.source}: no link has {column!r}",
+                remedy=f"Choose one of {', '.join((STATED, *ROUTES))}",
+            )
+        bodies |= of_one
+    name = robots[0].robot.name if robots else next(iter(bodies))
+    return inertia_files.written(form, name, bodies)
+
+
+def robot_document(found: RobotFindings) -> document.Document:
+    """What a person reads of a robot: what is wrong, and a line for every link."""
+
+    def said(one: LinkFindings, label: str) -> tuple[str, ...]:
+        return one.wrong if label == "WRONG" else one.doubts
+
+    def ratios(one: LinkFindings) -> str:
+        return NONE if one.moments_ratio is None else " ".join(f"{ratio:.2f}" for ratio in one.moments_ratio)
+
+    columns = (
+        Column("link", lambda one: one.name, words=True),
+        Column("mass [kg]", lambda one: one.link.mass, ".4g"),
+        Column("a body", lambda one: {None: NONE, True: "yes", False: "NO"}[one.physical], words=True),
+        Column("shape", lambda one: one.shape or NONE, words=True),
+        Column("kg/m³", lambda one: one.density, ".0f"),
+        Column("CoG apart [mm]", lambda one: one.cog_apart, ".1f"),
+        Column("moments / shape's", ratios, words=True),
+        Column("of its shape", lambda one: one.notes[0].partition(";")[0][:90] if one.notes else "", words=True),
+    )
+    opening = [
+        f"{label}  {one.name}: {words}." for label in ("WRONG", "doubt") for one in found.links for words in said(one, label)
+    ]
+    notes = (
+        f"{len(found.links)} links, {found.mass:.5g} kg, {sum(bool(one.both) for one in found.links)} held against a shape: "
+        f"meshes by {', '.join(ROUTES)}; boxes, cylinders and the like in closed form.",
+        "Shape: visual where it is the skin of a body, else collision; uniform, at the stated mass, in the frame of the link. "
+        "Real links are not uniform: a difference alone is no mistake.",
+        "moments / shape's: principal moments about the centre of mass, ascending. --link NAME shows a link's ten values.",
+    )
+    return document.Document(
+        title=f"{found.robot.name} ({found.robot.form})",
+        opening=["\n".join(opening) or "No link states an inertia that is wrong or doubtful."],
+        blocks=[document.Table(columns=columns, rows=found.links)],
+        notes=notes,
+    )
+
+
+def tables_text(tables: Sequence[ReferenceTable], form: str, *, to_file: bool = False) -> str:
     """`tables` as text, markdown, csv or latex; a file does not depend on the terminal that it was written from."""
     if form == "csv":
         return document.render(tables)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from identification.spectra.peak_hold import hann, sweep_bias
+from identification.spectra.line_spectra import hann
+from identification.spectra.peak_hold import sweep_bias
 from validation.effects.catalogue import FAMILIES
 from validation.effects.families.sweep_bias import operator, window
 from validation.effects.stages import NEAREST, MountedDynamicMass, NoiseModel, leak

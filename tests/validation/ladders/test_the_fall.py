@@ -23,7 +23,7 @@ def test_what_tolerances_pay_is_told_over_what_is_due_wherever_it_is_drawn(rung,
     history.draw(at, tmp_path)
     (price,) = (name for name in history.FITTED if "z²" in name)
     on_paper = [one.errors[price] for one in seen]
-    (line,) = (one for one in falling_errors(at).data if "z²" in one.name and one.mode != "markers")
+    (line,) = (one for one in falling_errors(at).checked().data if "z²" in one.name and one.mode != "markers")
     assert_allclose(on_paper, 30.25 / 40.0, rtol=1e-12)
     assert_allclose(np.asarray(line.y, dtype=float), on_paper, rtol=1e-12)
     assert "due" in price

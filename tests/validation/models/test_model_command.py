@@ -18,6 +18,7 @@ from validation.correct import CORRECTIONS
 from validation.effects.catalogue import parse
 from validation.model import model_file
 from validation.model.model import KINDS, Added, StructureTolerances, require_pair
+from validation.model.tolerance_classes import ROWS
 
 STACKS = ("fmd", *(f"fmd+{name}" for name in NAMES if name != "fmd"), "fmd+disc+cuboid")
 
@@ -111,11 +112,11 @@ def test_the_example_says_what_nominal_json_says_and_belongs_to_the_campaigns_of
 
 
 def test_every_key_and_every_correction_is_on_the_page():
-    names = [one.name for one in fields(StructureTolerances)] + [key for key, _ in model_file.SCALES.values()]
+    names = [one.name for one in fields(StructureTolerances)] + ["class", *(row.key for row in ROWS)]
     tables = (*model_file.MODEL, *model_file.STRUCTURE, *model_file.LABORATORY, *model_file.FMD, *model_file.EFFECT, *KINDS)
     for key in (*names, *tables):
         assert re.search(rf"[`.]{key}[`\]= ]", PAGE), key
-    assert {one.name for one in fields(Tolerances)} == {*model_file.SCALES, "fmd_inertia"}
+    assert {one.name for one in fields(Tolerances)} == {*(row.name for row in ROWS if row.of == "chain"), "fmd_inertia"}
     for family in CORRECTIONS:
         assert f"`{family}`" in PAGE, family
 

@@ -1,7 +1,7 @@
 """The model file: what is written is read back, what cannot be meant is refused by name, and an edit leaves the rest alone."""
 
 import re
-from dataclasses import fields
+from dataclasses import asdict, fields
 from math import radians
 
 import numpy as np
@@ -14,7 +14,7 @@ from geometry.inertia import Inertia
 from geometry.sensors import Tolerances
 from validation.effects.catalogue import FAMILIES, parse
 from validation.model import model_file
-from validation.model.model import Added, Model, StructureTolerances
+from validation.model.model import Added, Model, Requirement, StructureTolerances
 
 SMALLEST = 'format = 1\n[model]\narticle = "fmd+clumod-1"\n'
 
@@ -75,6 +75,11 @@ def everything() -> Model:
             added("friction:flange:x=3,mass:2.5", _=0.5, mass=0.1),
             Added(named=parse("polarity:fmd-z1"), fixed=True),
         ),
+        revision="B",
+        requirements=(
+            Requirement(quantity="mass", low=32.0, high=33.3, clause="ICD 4.2"),
+            Requirement(quantity="cog_z", high=0.603),
+        ),
     )
 
 
@@ -87,10 +92,22 @@ def test_three_lines_are_a_model():
 def test_what_is_written_is_read_back_to_the_last_bit():
     model = everything()
     again = model_file.of_text(model_file.text(model), "m.toml")
-    for name in ("title", "article", "hardware", "gravity", "fmd_tolerance", "tolerances", "kind", "modes", "damping_ratio"):
+    for name in (
+        "title",
+        "article",
+        "hardware",
+        "gravity",
+        "fmd_tolerance",
+        "tolerances",
+        "kind",
+        "modes",
+        "damping_ratio",
+        "revision",
+    ):
         assert getattr(again, name) == getattr(model, name), name
     assert again.structure == model.structure
     assert again.changes == model.changes
+    assert list(map(asdict, again.requirements)) == list(map(asdict, model.requirements))
     assert model.cell_stiffness is not None
     np.testing.assert_array_equal(again.fmd.parameters, model.fmd.parameters)
     np.testing.assert_array_equal(again.cell_stiffness, model.cell_stiffness)
@@ -158,6 +175,10 @@ def test_dimensions_may_be_written_as_tables():
         ("format = 1\n[model]\narticle = 'fmd+clumod-2'", "model.article", "no built-in article is called 'clumod-2'"),
         ("format = 1\n[model]\narticle = 3", "model.article", "a text is expected, found 3"),
         (SMALLEST + "artikel = 'x'", "model.artikel", "Did you mean article"),
+        (SMALLEST + "[[requirement]]\nquantity = 'weight'\nmax = '3 kg'", "requirement[1].quantity", "found 'weight'"),
+        (SMALLEST + "[[requirement]]\nquantity = 'mass'", "requirement[1].min", "neither min nor max"),
+        (SMALLEST + "[[requirement]]\nquantity = 'mass'\nmax = '3 mm'", "requirement[1].max", "mm"),
+        (SMALLEST + "[[requirement]]\nquantity = 'mass'\nmin = '4 kg'\nmax = '3 kg'", "requirement[1].min", "above max"),
         (SMALLEST + "[labratory]", "labratory", "Did you mean laboratory"),
         (SMALLEST + "[laboratory]\ngravity = 9.81", "laboratory.gravity", "Did you mean gravity_m_s2"),
         (SMALLEST + "[laboratory]\ngravity_m_s2 = '9.81'", "laboratory.gravity_m_s2", "a number is expected"),

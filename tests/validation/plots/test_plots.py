@@ -108,19 +108,20 @@ LINES = UsedLines(frequency=F, condition=1 + F / 10, limit=3.0, kept=(F < 20).as
 @pytest.mark.parametrize("name", FIGURES)
 def test_dark_differs_by_the_template_alone_panels_say_their_units_and_names_from_files_are_no_markup(name):
     light, dark = FIGURES[name](False), FIGURES[name](True)
-    assert interactive.figure_json(light) == interactive.figure_json(dark)
+    assert light.json() == dark.json()
+    light, dark = light.checked(), dark.checked()  # plotly has every key and value of them
     assert light.layout.template.layout.paper_bgcolor != dark.layout.template.layout.paper_bgcolor
-    assert '"template"' not in interactive.figure_json(light)
-    layout = FIGURES[name](False).layout
+    assert '"template"' not in FIGURES[name](False).json()
+    layout = light.layout
     said = [layout[key].title.text for key in layout if key.startswith(("xaxis", "yaxis")) and layout[key].title.text]
     said += [note.text for note in layout.annotations]
     assert any("[" in text and "]" in text for text in said)
-    text = interactive.figure_json(FIGURES[name](False)).encode().decode("unicode_escape")
+    text = FIGURES[name](False).json().encode().decode("unicode_escape")
     assert not [one for one in ("<b>", "<mast>", "<i>", "<u>", "<s>") if one in text]
 
 
 def test_an_overlay_shows_magnitude_and_phase_of_its_entry_which_stays_where_it_is_in_a_little_noise():
-    figure = maps.overlay(pairs(), 3, 5, further={"with it": 2 * pairs().predicted})
+    figure = maps.overlay(pairs(), 3, 5, further={"with it": 2 * pairs().predicted}).checked()
     by_name = {trace.name: trace for trace in figure.data if trace.showlegend and trace.yaxis == "y"}
     H = pairs().predicted[:, 3, 5]
     assert_allclose(by_name["predicted"].y, np.abs(H), rtol=1e-6)
@@ -142,26 +143,26 @@ def test_units_of_the_entries(entry, unit):
 
 
 def test_an_entry_that_symmetry_makes_nothing_shows_no_phase_and_a_map_keeps_its_worst_cell():
-    figure = maps.overlay(pairs(), 0, 2)
+    figure = maps.overlay(pairs(), 0, 2).checked()
     low, _ = figure.layout.yaxis.range
     assert low > log10(1e-3)
     phase = next(trace for trace in figure.data if trace.name == "predicted" and trace.yaxis == "y2")
     assert np.isnan(phase.y).all()
-    heat = maps.channel_map(channel_map()).data[0]
+    heat = maps.channel_map(channel_map()).checked().data[0]
     assert tuple(heat.y) == maps.labels(channel_map()) == ("fmd-z1", "fmd-z2", "force along x")
     assert tuple(heat.customdata[1, 20]) == (7.5, F[20])
     assert heat.z[1, 20] == 5  # the step from 6 to 10 sigma
     assert np.isnan(heat.z[2]).all()
-    quiet = maps.channel_map(channel_map(), 0).data[0]
+    quiet = maps.channel_map(channel_map(), 0).checked().data[0]
     assert np.nanmax(quiet.customdata[:, :, 0]) == 0
 
 
 def test_the_band_is_two_standard_deviations_wide_and_a_map_of_pairs_names_load_first():
-    heat = maps.pair_map(pairs()).data[0]
+    heat = maps.pair_map(pairs()).checked().data[0]
     row = list(heat.y).index("zβ")
     assert_allclose(heat.customdata[row, :, 0], pairs().sigma[:, 2, 4], rtol=1e-6)
     assert not np.allclose(heat.customdata[row, :, 0], pairs().sigma[:, 4, 2])
-    figure = maps.overlay(pairs(), 1, 1)
+    figure = maps.overlay(pairs(), 1, 1).checked()
     low, high = (trace.y for trace in figure.data[:2])
     assert_allclose(high - low, 4 * 0.1, rtol=1e-2)  # single precision at a resonance
     assert figure.data[1].name == "expected, ± 2 σ"  # of a complex difference: of magnitudes no per cent is due in it
@@ -197,7 +198,7 @@ def test_a_line_that_nothing_checks_hides_no_other(most):
 
 
 def test_evidence_is_ranked_coloured_by_standing_and_told_with_its_size():
-    figure = crosscheck.evidence(diagnosed())
+    figure = crosscheck.evidence(diagnosed()).checked()
     assert list(figure.layout.yaxis.categoryarray) == ["force-gain:fmd-z2", "cell-stiffness:2z", "force-gain:fmd-z1"]
     bars = {bar.y[0]: bar for bar in figure.data if bar.type == "bar"}
     assert {name: bar.name for name, bar in bars.items()} == {
@@ -212,7 +213,7 @@ def test_evidence_is_ranked_coloured_by_standing_and_told_with_its_size():
 
 
 def test_the_ladder_follows_the_way_and_puts_branches_aside():
-    figure = history.falling_errors(standing())
+    figure = history.falling_errors(standing()).checked()
     strong = next(trace for trace in figure.data if trace.name == "plain, fitted data" and trace.showlegend)
     aside = next(trace for trace in figure.data if trace.name == "plain, fitted data" and not trace.showlegend)
     assert (list(strong.customdata), list(strong.y)) == ([0, 2], [4.0, 0.5])
@@ -220,12 +221,12 @@ def test_the_ladder_follows_the_way_and_puts_branches_aside():
 
 
 def test_inertia_is_shown_in_per_cent_and_millimetres_and_lines_that_were_left_out_are_marked():
-    figure = history.identified_inertia({"plain": body()})
+    figure = history.identified_inertia({"plain": body()}).checked()
     of_mass, of_cog, _ = figure.data
     assert_allclose(of_mass.y[0], 1.0)
     assert_allclose(of_cog.y, [0.0, 0.0, 3.1], atol=1e-9)  # [mm]
     assert_allclose(of_mass.error_y.array[0], 100 * 1.959964 * 0.01 / 47.4, rtol=1e-6)
-    left = next(trace for trace in identification.condition(LINES).data if trace.name == "left out")
+    left = next(trace for trace in identification.condition(LINES).checked().data if trace.name == "left out")
     assert_allclose(left.x, F[F >= 20])
 
 

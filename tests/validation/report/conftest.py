@@ -72,6 +72,8 @@ def series(tmp_path_factory) -> Series:
     assert main.run(["model", "fmd+cuboid", "--out", str(model)]) == 0
     for path in (campaign / "campaign.toml", model):
         path.write_text(re.sub(r'^title = ".*"$', f'title = "{HOSTILE}"', path.read_text("utf-8"), flags=re.MULTILINE), "utf-8")
+    limit = '[[requirement]]\nquantity = "mass"\nmax = "13 kg"\n\n[laboratory]'
+    model.write_text(model.read_text("utf-8").replace("[laboratory]", limit, 1), "utf-8")
     scale.write_text(SCALE, "utf-8")
     return Series(model=model, campaign=campaign, scale=scale)
 

@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from identification.campaign import Instrument
 from validation.history.history import Body
+from validation.model.model import Requirement
 from validation.output import to_json
 from validation.report import diagnose, page
 from validation.report.document import Figures
@@ -221,3 +223,25 @@ def test_a_cause_that_the_model_lacks_is_said_beside_the_inertia_that_does_not_k
 def test_why_no_inertia_was_identified_with_the_effects_is_said(report, parsed):
     text = parsed(html(replace(report, not_identified="the fit ended nowhere"))).text
     assert text.count("With the effects of the model no inertia was identified: the fit ended nowhere") == 2
+
+
+def test_what_is_required_is_judged_by_the_whole_interval_and_what_nobody_stated_is_a_line_to_write_on(report, parsed):
+    stated = {"mass": (11.9, 12.5), "cog_z": (None, 0.19), "moi_xx": (0.17, None)}  # inside; wholly outside; within the interval
+    asked = tuple(Requirement(quantity=name, low=low, high=high) for name, (low, high) in stated.items())
+    model = replace(report.model, requirements=asked, article="fmd+cuboid", revision="B")
+    narrow = replace(body(12.2), deviation=np.array([0.12, *3 * (1e-3,), 0.016, 0.018, 0.003, *3 * (0.001,)]))
+    page = html(replace(report, model=model, identified=(narrow,)))
+    rows = {row[0]: row for row in next(one for one in parsed(page).tables if "Requirements" in one.caption).rows}
+    assert [rows[name][-2] for name in ("Mass m", "CoG z", "MoI Θxx")] == ["PASS", "FAIL", "OPEN"]
+    assert "1 of 3 met" in page
+    head = page[page.index("<header") : page.index('class="signatures"')]
+    assert head.count('class="blank"') >= 4  # place, operator, serial number, date: the campaign of the tests states none
+
+
+def test_an_instrument_that_was_due_before_the_test_is_said_so(report, parsed):
+    part = report.campaigns[0]
+    tools = (Instrument(name="cell", due="2026-03-01"), Instrument(name="logger", due="2027-03-01"))
+    tested = replace(part.campaign, date="2026-03-31", operator="B. Tester", instruments=tools)
+    text = html(replace(report, campaigns=(replace(part, campaign=tested),)))
+    assert text.count("its calibration had run out") == 1
+    assert "B. Tester" in parsed(text).text

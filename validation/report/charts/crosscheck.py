@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -14,12 +14,10 @@ from validation.diagnose.diagnosis import Cause, Diagnosis
 from validation.effects.effect import evidence_threshold
 from validation.estimation.problem import Evaluation, Share
 from validation.estimation.verdicts import MISFIT, absurd, expected_z2, misfit
+from validation.output import nats
 from validation.report.charts import interactive, spec, static
+from validation.report.charts.figure import Figure
 from validation.report.charts.static import finish, grid_lines, new_figure, require_format
-
-if TYPE_CHECKING:
-    from plotly.graph_objects import Figure
-
 
 SHARES: tuple[tuple[str, Callable[[Evaluation], Share | None]], ...] = (
     ("nominal", lambda of: of.nominal),
@@ -96,18 +94,17 @@ def draw_errors(chart: spec.BarChart, path: Path) -> None:
     static.draw_bars(chart, path, size=(12.0, 6.4), room=room, legend=legend, thickness=0.62, further=1.12, lettering=8.5)
 
 
-def four_errors(found: Comparison, *, dark: bool = False) -> "Figure":
+def four_errors(found: Comparison, *, dark: bool = False) -> Figure:
     """The errors alone, coloured by their verdicts, and what is expected as a line."""
-    from plotly import graph_objects as go
-
     chart = errors_of(found, never_seen=True)
     panel, _ = chart.panels
     (one,) = panel.bars
-    figure = go.Figure(interactive.bars(one, chart, hovertemplate="%{y}: %{text}<extra></extra>"))
-    figure.update_yaxes(autorange="reversed", showgrid=False, automargin=True)
-    figure.update_xaxes(title_text=panel.label, range=[0, 1.18 * max(1e-9, *one.values)])
-    note = {"text": f"expected: {panel.limit:.2g} %", "yanchor": "bottom", "y": 1, "xanchor": "left"}
-    figure.add_vline(panel.limit, line={"dash": "dash", "width": 1.5}, annotation=note)
+    figure = Figure(interactive.bars(one, chart, hovertemplate="%{y}: %{text}<extra></extra>"))
+    figure.up(autorange="reversed", showgrid=False, automargin=True)
+    figure.across(title={"text": panel.label}, range=[0, 1.18 * max(1e-9, *one.values)])
+    figure.rule(x=panel.limit, dash="dash", width=1.5)
+    place: dict[str, Any] = {"x": panel.limit, "xref": "x", "xanchor": "left", "y": 1, "yref": "y domain", "yanchor": "bottom"}
+    figure.note(text=f"expected: {panel.limit:.2g} %", **place)
     return interactive.dressed(figure, "The errors of the model", 130 + 42 * len(one.rows), dark, margin={"t": 66})
 
 
@@ -151,23 +148,21 @@ def draw_before_after(chart: spec.BarChart, path: Path) -> None:
     static.draw_bars(chart, path, size=(12.0, height), room=room, thickness=0.36 if chart.legend else 0.5)
 
 
-def before_and_after(before: Evaluation, after: Evaluation | None, *, dark: bool = False) -> "Figure":
+def before_and_after(before: Evaluation, after: Evaluation | None, *, dark: bool = False) -> Figure:
     """The same side by side, on axes that begin at nothing."""
-    from plotly.subplots import make_subplots
-
     chart = changes_of(before, after)
     titles = [chart.on_page.get(one.label, one.label) for one in chart.panels]
-    figure = make_subplots(rows=1, cols=2, column_widths=[0.6, 0.4], horizontal_spacing=0.17, subplot_titles=titles)
+    figure = Figure(columns=2, widths=(0.6, 0.4), horizontal=0.17, titles=titles)
     for pair in zip(*(panel.bars for panel in chart.panels), strict=True):
         for column, one in enumerate(pair, start=1):
             told = {"name": one.name, "legendgroup": one.name, "showlegend": column == 1}
             hover = f"%{{y}}, {one.name}: %{{text}}<extra></extra>"
-            figure.add_trace(interactive.bars(one, chart, hovertemplate=hover, **told), 1, column)
-    figure.update_yaxes(autorange="reversed", showgrid=False, automargin=True)
+            figure.add(interactive.bars(one, chart, hovertemplate=hover, **told), column=column)
+    figure.up(autorange="reversed", showgrid=False, automargin=True)
     for column, (panel, least) in enumerate(zip(chart.panels, (1e-9, 1.5), strict=True), start=1):
         most = max(value for one in panel.bars for value in one.values)
-        figure.update_xaxes(range=[0, 1.3 * max(most, least)], row=1, col=column)
-    figure.add_vline(1.0, line={"dash": "dash", "width": 1.5}, row=1, col=2)
+        figure.across(range=[0, 1.3 * max(most, least)], row=1, column=column)
+    figure.rule(x=1.0, dash="dash", width=1.5, row=1, column=2)
     legend = interactive.legend_above(0.1) | {"traceorder": "normal"}
     margin = {"t": interactive.TITLE_ROOM + interactive.LEGEND_ROOM + 26, "b": 40}
     return interactive.dressed(figure, chart.title, 350, dark, legend=legend, margin=margin)
@@ -207,7 +202,7 @@ def causes_of(found: Diagnosis, title: str = "", note: str = "", threshold: floa
             rows=tuple(one.id for one in own),
             values=tuple(one.evidence for one in own),
             words=tuple(
-                f"{one.evidence:+.1f} nats   " + "; ".join(diagnosis.sized(one, size) for size in one.sizes[:1]) for one in own
+                f"{nats(one.evidence)} nats   " + "; ".join(diagnosis.sized(one, size) for size in one.sizes[:1]) for one in own
             ),
             roles=standing,
             about=tuple(one.named.what for one in own),
@@ -239,7 +234,7 @@ def draw_evidence(chart: spec.BarChart, path: Path) -> None:
     static.draw_bars(chart, path, size=(13.5, height), room=room, thickness=0.64)
 
 
-def evidence(found: Diagnosis, *, dark: bool = False) -> "Figure":
+def evidence(found: Diagnosis, *, dark: bool = False) -> Figure:
     """The same on a page; a click tells the id of the cause as `y`."""
     return interactive.evidence(causes_of(found, "Evidence of each cause, with its size and 90 % interval"), dark)
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import log10
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,13 +13,10 @@ from identification.quality import sizes
 from validation.history.history import Body, HistoryPosition, Version
 from validation.reference.statement import COG, QUANTITIES, inertia_of
 from validation.report.charts import interactive, static
+from validation.report.charts.figure import Figure
 from validation.report.charts.interactive import LEGEND_ROOM, TITLE_ROOM, decades, dressed, escaped, legend_above
 from validation.report.charts.spec import ASIDE, COLOURS, FAINT, FURTHER, INK, PAPER, PREDICTED, IntervalChart, Intervals
 from validation.report.charts.static import DPI, Axes, cut, finish, grid_lines, new_figure, require_format
-
-if TYPE_CHECKING:
-    from plotly.graph_objects import Figure
-
 
 BRANCH = "#c9ced6"
 """Of what branched off, in print."""
@@ -248,7 +245,7 @@ def draw_inertia(title: str, bodies: Mapping[str, Body], path: Path, note: str =
     static.draw_intervals(intervals_of(bodies, title, note), path)
 
 
-def identified_inertia(bodies: Mapping[str, Body], title: str = "", *, dark: bool = False) -> "Figure":
+def identified_inertia(bodies: Mapping[str, Body], title: str = "", *, dark: bool = False) -> Figure:
     """Distance of ten identified values from their reference, with 95 % intervals."""
     chart = intervals_of(bodies, title or "Identified inertia beside its reference, 95 % intervals")
     return interactive.intervals(chart, dark)
@@ -299,15 +296,13 @@ def _rungs(at: HistoryPosition) -> list[DrawnRung]:
 # The errors of a model falling from rung to rung, on a page.
 
 
-def falling_errors(at: HistoryPosition, *, dark: bool = False) -> "Figure":
+def falling_errors(at: HistoryPosition, *, dark: bool = False) -> Figure:
     """The way from the first rung to that on which the model stands; branches as open circles at their depth.
 
     A click tells the number of the rung as `customdata`.
     """
-    from plotly.subplots import make_subplots
-
     rungs = _rungs(at)
-    figure = make_subplots(rows=2, cols=1, shared_xaxes=True, row_heights=[0.62, 0.38], vertical_spacing=0.06)
+    figure = Figure(rows=2, heights=(0.62, 0.38), vertical=0.06, shared=True)
     way = sorted((one for one in rungs if one.here), key=lambda one: one.depth)
     for row, (group, title) in enumerate(((PERCENT, "error [%]"), (FITTED, "all fitted [1]")), start=1):
         for name in group:
@@ -316,25 +311,23 @@ def falling_errors(at: HistoryPosition, *, dark: bool = False) -> "Figure":
         known = [one.errors[name] for one in rungs for name in group if np.isfinite(one.errors[name])] or [1.0]
         low, high = log10(min(known)), log10(max(known))
         room = 0.22 * max(high - low, 0.4)  # for figures above and below
-        figure.update_yaxes(title_text=title, **decades(low - room, high + room), row=row, col=1)
+        figure.up(title={"text": title}, **decades(low - room, high + room), row=row, column=1)
     names = [f"{one.number}  {escaped(cut(one.title, LONGEST, '…'))}" for one in way]
     deepest = max((one.depth for one in rungs), default=0)
-    figure.update_xaxes(tickvals=list(range(len(names))), ticktext=names, range=[-0.35, max(deepest, 1) + 0.35])
-    figure.add_hline(1.0, line={"dash": "dash", "width": 1}, row=2, col=1)
+    figure.across(tickvals=list(range(len(names))), ticktext=names, range=[-0.35, max(deepest, 1) + 0.35])
+    figure.rule(y=1.0, dash="dash", width=1, row=2, column=1)
     for k, one in enumerate(way[1:], start=1):
         if one.gain is not None:
             said = f"{one.gain:+.0f} nats"
-            figure.add_annotation(x=k - 0.5, y=1, yref="paper", yanchor="bottom", text=said, showarrow=False, font={"size": 11})
+            figure.note(x=k - 0.5, y=1, yref="paper", yanchor="bottom", text=said, font={"size": 11})
     margin = {"t": TITLE_ROOM + LEGEND_ROOM + 24, "b": 40}
     return dressed(figure, "Errors from rung to rung", 500, dark, legend=legend_above(0.05), margin=margin)
 
 
 def _line(
-    figure: "Figure", row: int, error: str, rungs: Sequence[DrawnRung], group: Mapping[str, str], *, aside: bool = False
+    figure: Figure, row: int, error: str, rungs: Sequence[DrawnRung], group: Mapping[str, str], *, aside: bool = False
 ) -> None:
     """One error on some rungs; none where it is not known."""
-    from plotly import graph_objects as go
-
     seen = [(one, one.errors[error]) for one in rungs if np.isfinite(one.errors[error])]
     if not seen:
         return
@@ -344,20 +337,21 @@ def _line(
         places.append("top center" if value >= max(known) else "bottom center" if value <= min(known) else "middle right")
     name, colour = ON_PAGE.get(error, error), COLOURS[group[error]][1]
     symbol = {"symbol": "circle-open", "size": 8} if aside else {"symbol": "circle", "size": 9}
-    points = go.Scatter(
-        x=[one.depth for one, _ in seen],
-        y=[value for _, value in seen],
-        customdata=[one.number for one, _ in seen],
-        text=[f"{value:.3g}" for _, value in seen],
-        hovertext=[escaped(f"rung {one.number}, {one.title}: {value:.4g}") for one, value in seen],
-        hovertemplate=f"{name}<br>%{{hovertext}}<extra></extra>",
-        mode="markers" if aside else "lines+markers+text",
-        textposition=places,
-        cliponaxis=False,
-        name=name,
-        legendgroup=name,
-        showlegend=not aside,
-        marker={"color": colour, **symbol},
-        line={"color": colour, "width": 2.2},
-    )
-    figure.add_trace(points, row, 1)
+    points = {
+        "type": "scatter",
+        "x": [one.depth for one, _ in seen],
+        "y": [value for _, value in seen],
+        "customdata": [one.number for one, _ in seen],
+        "text": [f"{value:.3g}" for _, value in seen],
+        "hovertext": [escaped(f"rung {one.number}, {one.title}: {value:.4g}") for one, value in seen],
+        "hovertemplate": f"{name}<br>%{{hovertext}}<extra></extra>",
+        "mode": "markers" if aside else "lines+markers+text",
+        "textposition": places,
+        "cliponaxis": False,
+        "name": name,
+        "legendgroup": name,
+        "showlegend": not aside,
+        "marker": {"color": colour, **symbol},
+        "line": {"color": colour, "width": 2.2},
+    }
+    figure.add(points, row=row)

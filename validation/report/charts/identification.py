@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -11,13 +11,10 @@ from geometry.frames import Array
 from identification.spectra.peak_hold import SweepBias
 from validation.identify.identify import DrawnResiduals, UsedLines
 from validation.report.charts import interactive, static
+from validation.report.charts.figure import Figure
 from validation.report.charts.spec import CURVES, FAINT, INK, PAPER, SpectralLines
 from validation.report.scenes.motion import MovingBody, colour_map, displaced
 from validation.report.scenes.scene import DPI, blank, colours, fitted, off_screen, write
-
-if TYPE_CHECKING:
-    from plotly.graph_objects import Figure
-
 
 RUNS = ("#c8283c", "#1f8a4c", "#2456c4", "#d9541e", "#8e6fc0", "#c9a227", "#33373d", "#5f9ea0", "#b5838d")
 """Of runs in turn."""
@@ -458,7 +455,7 @@ def draw_bias(found: SweepBias, title: str, path: Path, note: str = "", about: s
 # Condition number of Eqs. 9 to 11, line by line.
 
 
-def condition(lines: UsedLines, name: str = "", *, dark: bool = False) -> "Figure":
+def condition(lines: UsedLines, name: str = "", *, dark: bool = False) -> Figure:
     """Scaled condition number of the base motions of all runs over frequency, its limit, and the lines that were left out.
 
     Parameters

@@ -9,18 +9,14 @@ from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise
 from math import ceil, floor, log10
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
 from validation.report.charts import spec
-
-if TYPE_CHECKING:
-    from plotly.graph_objects import Figure
-    from plotly.graph_objects.layout import Template
-
+from validation.report.charts.figure import Figure, Values, as_json
 
 SURFACE = {False: "#ffffff", True: "#171b22"}
 """Behind a figure, by whether it is dark."""
@@ -35,10 +31,8 @@ TITLE_ROOM, LEGEND_ROOM = 46, 32
 
 
 @cache
-def template(dark: bool) -> "Template":
+def template(dark: bool) -> Values:
     """What makes a figure light or `dark`."""
-    from plotly import graph_objects as go
-
     ink, grid, axis = "#e4e8ef" if dark else spec.INK, GRID[dark], AXIS[dark]
     of_axis = {
         "gridcolor": grid,
@@ -49,30 +43,28 @@ def template(dark: bool) -> "Template":
         "ticks": "outside",
         "zeroline": False,
     }
-    made = go.layout.Template(
-        layout={
-            "paper_bgcolor": SURFACE[dark],
-            "plot_bgcolor": SURFACE[dark],
-            "font": {"family": FONT, "size": 13, "color": ink},
-            "title": {"font": {"size": 15, "color": ink}, "x": 0, "xref": "container", "xanchor": "left", "pad": {"l": 12}},
-            "xaxis": of_axis,
-            "yaxis": of_axis,
-            "legend": {"font": {"color": ink}, "bgcolor": "rgba(0,0,0,0)"},
-            "hoverlabel": {"bgcolor": SURFACE[dark], "bordercolor": axis, "font": {"color": ink, "family": FONT}},
-            "shapedefaults": {"line": {"color": ink, "width": 1}},
-            "annotationdefaults": {"font": {"color": ink}},
-            "modebar": {"bgcolor": "rgba(0,0,0,0)", "color": axis, "activecolor": ink},
-        }
-    )
+    layout = {
+        "paper_bgcolor": SURFACE[dark],
+        "plot_bgcolor": SURFACE[dark],
+        "font": {"family": FONT, "size": 13, "color": ink},
+        "title": {"font": {"size": 15, "color": ink}, "x": 0, "xref": "container", "xanchor": "left", "pad": {"l": 12}},
+        "xaxis": of_axis,
+        "yaxis": of_axis,
+        "legend": {"font": {"color": ink}, "bgcolor": "rgba(0,0,0,0)"},
+        "hoverlabel": {"bgcolor": SURFACE[dark], "bordercolor": axis, "font": {"color": ink, "family": FONT}},
+        "shapedefaults": {"line": {"color": ink, "width": 1}},
+        "annotationdefaults": {"font": {"color": ink}},
+        "modebar": {"bgcolor": "rgba(0,0,0,0)", "color": axis, "activecolor": ink},
+    }
     # Steps of equal width, one a level
     colours = (*spec.PALE[dark], *spec.STRONG[dark])
     count = len(colours)
     sigmas = [[edge / count, colour] for k, colour in enumerate(colours) for edge in (k, k + 1)]
-    made.data.heatmap = [go.Heatmap(colorscale=sigmas, colorbar={"outlinecolor": axis, "tickcolor": axis})]
-    return made
+    heatmap = {"type": "heatmap", "colorscale": sigmas, "colorbar": {"outlinecolor": axis, "tickcolor": axis}}
+    return {"layout": layout, "data": {"heatmap": [heatmap]}}
 
 
-def dressed(figure: "Figure", title: str, height: int, dark: bool, **layout: Any) -> "Figure":
+def dressed(figure: Figure, title: str, height: int, dark: bool, **layout: Any) -> Figure:
     """`figure` with its template, a title above it and room for its modebar; it takes the width that it is given.
 
     Parameters
@@ -80,8 +72,9 @@ def dressed(figure: "Figure", title: str, height: int, dark: bool, **layout: Any
     height : [pixels]
     """
     margin = {"l": 70, "r": 16, "t": TITLE_ROOM, "b": 48} | layout.pop("margin", {})
-    figure.update_layout(template=template(dark), height=height, margin=margin, autosize=True, **layout)
-    figure.update_layout(title={"text": escaped(title), "y": 1, "yref": "container", "yanchor": "top", "pad": {"t": 12, "l": 12}})
+    named = {"text": escaped(title), "y": 1, "yref": "container", "yanchor": "top", "pad": {"t": 12, "l": 12}}
+    figure.update(height=height, margin=margin, autosize=True, title=named, **layout)
+    figure.layout["template"] = template(dark)
     return figure
 
 
@@ -130,10 +123,8 @@ directions 98 % of the differences are smaller, and more of the magnitudes.
 """
 
 
-def add_entry(figure: "Figure", panel: spec.EntryPanel, row: int, column: int, *, legend: bool = True, last: bool = True) -> None:
+def add_entry(figure: Figure, panel: spec.EntryPanel, row: int, column: int, *, legend: bool = True, last: bool = True) -> None:
     """Add magnitude in the panel at `row` and `column`, phase in that below; `last` names the frequency axis."""
-    from plotly import graph_objects as go
-
     f, values = panel.curves[0].frequency, [one.values for one in panel.curves]
     bands = [np.abs(one.values) + WIDE * one.expected for one in panel.curves if one.expected is not None]
     low, high = magnitude_range([values[0], *bands, *values[1:]])
@@ -141,14 +132,20 @@ def add_entry(figure: "Figure", panel: spec.EntryPanel, row: int, column: int, *
         if one.expected is None:
             continue
         # Where noise and tolerances that were not fitted let expect what is measured
-        size, edge = np.abs(one.values), {"mode": "lines", "line": {"width": 0}, "hoverinfo": "skip", **_lines(f)}
+        size = np.abs(one.values)
+        edge = {
+            "type": "scatter",
+            "mode": "lines",
+            "line": {"width": 0},
+            "hoverinfo": "skip",
+            "legendgroup": "expected",
+            **_lines(f),
+        }
         fill = {"fill": "tonexty", "fillcolor": "rgba(59,125,221,0.18)", "name": f"expected, ± {WIDE:g} σ"}
         bottom = _short(np.maximum(size - WIDE * one.expected, 10**low))
-        band = [
-            go.Scatter(y=bottom, showlegend=False, legendgroup="expected", **edge),
-            go.Scatter(y=_short(size + WIDE * one.expected), showlegend=legend, legendgroup="expected", **fill, **edge),
-        ]
-        figure.add_traces(band, rows=row, cols=column)
+        edge |= {"legendgroup": "expected"}
+        above = {"y": _short(size + WIDE * one.expected), "showlegend": legend}
+        figure.add({**edge, "y": bottom, "showlegend": False}, {**edge, **above, **fill}, row=row, column=column)
     others = 0
     for one in panel.curves:
         look: dict[str, Any] = {"mode": "lines", "line": {"color": spec.COLOURS[one.role][1], "width": 2}}
@@ -157,21 +154,23 @@ def add_entry(figure: "Figure", panel: spec.EntryPanel, row: int, column: int, *
         elif one.expected is None:
             look["line"]["dash"] = ("dash", "dot")[others // 2 % 2]
             others += 1
-        said = {"name": escaped(one.name), "legendgroup": escaped(one.name), **look, **_lines(f)}
+        said = {"type": "scatter", "name": escaped(one.name), "legendgroup": escaped(one.name), **look, **_lines(f)}
         above = {"y": _short(np.abs(one.values)), "hovertemplate": f"%{{y:.4g}} {panel.unit}", "showlegend": legend}
         # None where the magnitude is below the page, since the angle of next to nothing means nothing
         angle = _short(np.where(np.abs(one.values) >= 10**low, phase(one.values), np.nan))
         below = {"y": angle, "hovertemplate": "%{y:.1f}°", "showlegend": False}
-        figure.add_traces([go.Scatter(**above, **said), go.Scatter(**below, **said)], rows=[row, row + 1], cols=column)
+        figure.add({**said, **above}, row=row, column=column)
+        figure.add({**said, **below}, row=row + 1, column=column)
     if panel.modes:
         of_modes: dict[str, Any] = {"name": "modes of the model", "legendgroup": "modes", "showlegend": legend}
-        figure.add_trace(modes(panel.modes, 10 ** (high - 0.04 * (high - low)), 10, **of_modes), row, column)
+        figure.add(modes(panel.modes, 10 ** (high - 0.04 * (high - low)), 10, **of_modes), row=row, column=column)
     ends = [float(f[0]), float(f[-1])]
-    figure.update_xaxes(range=ends, showticklabels=False, row=row, col=column)
-    figure.update_xaxes(range=ends, title_text="frequency [Hz]" if last else None, row=row + 1, col=column)
-    figure.update_yaxes(title_text=f"|H| [{panel.unit}]", **decades(low, high), row=row, col=column)
+    named = {"title": {"text": "frequency [Hz]"}} if last else {}
+    figure.across(range=ends, showticklabels=False, row=row, column=column)
+    figure.across(range=ends, **named, row=row + 1, column=column)
+    figure.up(title={"text": f"|H| [{panel.unit}]"}, **decades(low, high), row=row, column=column)
     phases = {"range": [-190, 190], "tickvals": [-180, -90, 0, 90, 180]}
-    figure.update_yaxes(title_text="phase [°]", **phases, row=row + 1, col=column)
+    figure.up(title={"text": "phase [°]"}, **phases, row=row + 1, column=column)
 
 
 def magnitude_range(curves: Sequence[ComplexArray | Array]) -> tuple[float, float]:
@@ -208,24 +207,23 @@ def _short(values: Array) -> Any:
     return np.asarray(values, dtype=np.float32)
 
 
-def condition(lines: spec.SpectralLines, title: str, dark: bool) -> "Figure":
+def condition(lines: spec.SpectralLines, title: str, dark: bool) -> Figure:
     """Scaled condition number of the base motions of all runs over frequency, its limit, and the lines that were left out."""
-    from plotly import graph_objects as go
-
     look = {
+        "type": "scatter",
         "line": {"color": spec.COLOURS[spec.PREDICTED][1], "width": 1.8},
         "hovertemplate": "%{x:.2f} Hz: %{y:.3g}<extra></extra>",
     }
-    figure = go.Figure(go.Scatter(x=lines.frequency, y=lines.condition, mode="lines", name="condition number", **look))
+    figure = Figure({"x": lines.frequency, "y": lines.condition, "mode": "lines", "name": "condition number", **look})
     if lines.left_out.any():
         out = {"mode": "markers", "marker": {"color": spec.COLOURS[spec.ASIDE][1], "size": 5}, "name": "left out"}
-        figure.add_trace(go.Scatter(x=lines.frequency[lines.left_out], y=lines.condition[lines.left_out], **out))
-    figure.add_hline(lines.limit, line={"dash": "dash", "color": spec.COLOURS["limit"][1]})
-    place: dict[str, Any] = {"x": 1, "xref": "paper", "xanchor": "right", "yanchor": "bottom", "showarrow": False}
-    figure.add_annotation(y=float(np.log10(lines.limit)), text=f"limit {lines.limit:g}: worse lines are left out", **place)
+        figure.add({"type": "scatter", "x": lines.frequency[lines.left_out], "y": lines.condition[lines.left_out], **out})
+    figure.rule(y=lines.limit, dash="dash", color=spec.COLOURS["limit"][1])
+    place: dict[str, Any] = {"x": 1, "xref": "paper", "xanchor": "right", "yanchor": "bottom"}
+    figure.note(y=float(np.log10(lines.limit)), text=f"limit {lines.limit:g}: worse lines are left out", **place)
     top = float(np.log10(3 * max(float(lines.condition.max()), lines.limit)))
-    figure.update_yaxes(title_text="condition number [1]", **decades(0.0, top))
-    figure.update_xaxes(title_text="frequency [Hz]")
+    figure.up(title={"text": "condition number [1]"}, **decades(0.0, top))
+    figure.across(title={"text": "frequency [Hz]"})
     return dressed(figure, title, 310, dark, showlegend=False)
 
 
@@ -234,41 +232,39 @@ SYMBOLS = ("circle", "diamond", "square", "triangle-up", "x")
 """Of bodies in turn."""
 
 
-def intervals(chart: spec.IntervalChart, dark: bool) -> "Figure":
+def intervals(chart: spec.IntervalChart, dark: bool) -> Figure:
     """Distances from the reference with their intervals, a panel for what shares a unit."""
-    from plotly import graph_objects as go
-    from plotly.subplots import make_subplots
-
     widths = [len(own) for own in chart.groups.values()]
-    titles: dict[str, Any] = {"column_widths": widths, "horizontal_spacing": 0.07, "subplot_titles": list(chart.groups)}
-    figure = make_subplots(rows=1, cols=len(widths), **titles)
+    figure = Figure(columns=len(widths), widths=widths, horizontal=0.07, titles=list(chart.groups))
     for number, one in enumerate(chart.bodies):
         shift = 0.0 if len(chart.bodies) == 1 else 0.5 * (number / (len(chart.bodies) - 1) - 0.5)
         colour = BODIES[number % len(BODIES)]
         for column, own in enumerate(map(list, chart.groups.values()), start=1):
-            points = go.Scatter(
-                x=[at + shift for at in range(len(own))],
-                y=one.deviation[own],
-                error_y={"type": "data", "array": one.reach[own], "thickness": 1.8, "width": 5, "color": colour},
-                mode="markers",
-                marker={"color": colour, "size": 9, "symbol": SYMBOLS[number % len(SYMBOLS)]},
-                name=escaped(one.name),
-                legendgroup=escaped(one.name),
-                showlegend=column == 1,
-                text=[
+            points = {
+                "type": "scatter",
+                "x": [at + shift for at in range(len(own))],
+                "y": one.deviation[own],
+                "error_y": {"type": "data", "array": one.reach[own], "thickness": 1.8, "width": 5, "color": colour},
+                "mode": "markers",
+                "marker": {"color": colour, "size": 9, "symbol": SYMBOLS[number % len(SYMBOLS)]},
+                "name": escaped(one.name),
+                "legendgroup": escaped(one.name),
+                "showlegend": column == 1,
+                "text": [
                     f"{chart.quantities[k][0]}: {one.values[k]:.6g} ± {one.half_width[k]:.2g} {chart.quantities[k][1]}, "
                     f"reference {one.reference[k]:.6g}"
                     for k in own
                 ],
-                hovertemplate="%{text}<extra></extra>",
-            )
-            figure.add_trace(points, 1, column)
+                "hovertemplate": "%{text}<extra></extra>",
+            }
+            figure.add(points, column=column)
     for column, own in enumerate(map(list, chart.groups.values()), start=1):
         ticks = {"tickvals": list(range(len(own))), "ticktext": [chart.quantities[k][0].split(" ", 1)[1] for k in own]}
-        figure.update_xaxes(**ticks, range=[-0.6, len(own) - 0.4], showgrid=False, row=1, col=column)
-    figure.update_yaxes(zeroline=True, zerolinewidth=1.6, nticks=7)
-    figure.update_yaxes(title_text="identified less reference", row=1, col=1)
-    figure.update_annotations(font={"size": 12})
+        figure.across(**ticks, range=[-0.6, len(own) - 0.4], showgrid=False, row=1, column=column)
+    figure.up(zeroline=True, zerolinewidth=1.6, nticks=7)
+    figure.up(title={"text": "identified less reference"}, row=1, column=1)
+    for title in figure.layout["annotations"]:
+        title["font"] = {"size": 12}
     margin = {"t": TITLE_ROOM + LEGEND_ROOM + 26, "b": 36}
     return dressed(figure, chart.title, 390, dark, legend=legend_above(0.09), margin=margin)
 
@@ -317,21 +313,9 @@ def library() -> str:
     return f"{without_addresses(str(get_plotlyjs()))}\nPlotly.setPlotConfig({json.dumps(CONFIG)});\n"
 
 
-def figure_json(figure: "Figure") -> str:
-    """`figure` as JSON without its template, which a page has once for all of them."""
-    from plotly import graph_objects as go
-    from plotly.io import to_json
-
-    bare = go.Figure(figure)
-    bare.layout.template = None
-    return str(to_json(bare, validate=False))
-
-
 def template_json(dark: bool) -> str:
     """The template that makes any of the figures light or `dark`, as JSON."""
-    from plotly.io.json import to_json_plotly
-
-    return str(to_json_plotly(template(dark).to_plotly_json()))
+    return as_json(template(dark))
 
 
 # As many lines as a figure has pixels for, the worst of those that share one.
@@ -370,64 +354,63 @@ TICKS = (-1000, -100, -10, -5, 0, 5, 10, 30, 100, 300, 1000, 3000, 10_000, 100_0
 """Of an axis of evidence [nats]."""
 
 
-def bars(one: spec.Bars, chart: spec.BarChart, **more: Any) -> Any:
+def bars(one: spec.Bars, chart: spec.BarChart, **more: Any) -> Values:
     """The trace of `one`, its words at the ends of the bars."""
-    from plotly.graph_objects import Bar
-
     colours = spec.COLOURS[one.roles][1] if isinstance(one.roles, str) else [spec.COLOURS[role][1] for role in one.roles]
     look = {"marker": {"color": colours}, "text": one.words, "textposition": "outside", "cliponaxis": False}
     rows = [chart.on_page.get(row, row) for row in one.rows]
-    return Bar(orientation="h", x=one.values, y=rows, **look, **more)
+    return {"type": "bar", "orientation": "h", "x": one.values, "y": rows, **look, **more}
 
 
-def evidence(chart: spec.BarChart, dark: bool) -> "Figure":
+def evidence(chart: spec.BarChart, dark: bool) -> Figure:
     """A bar a cause, its words behind it, and a mark at what is asked for; a click tells the row as `y`."""
-    from plotly import graph_objects as go
-
     (panel,) = chart.panels
-    figure = go.Figure()
+    figure = Figure()
     for one in panel.bars:
         told = [(escaped(about), escaped(words)) for about, words in zip(one.about, one.words, strict=True)]
-        bar = go.Bar(
-            name=one.name,
-            orientation="h",
-            x=spec.signed_log(np.array(one.values)),
-            y=[escaped(row) for row in one.rows],
-            marker={"color": spec.COLOURS[one.name][1]},
-            customdata=told,
-            hovertemplate="%{y}: %{customdata[0]}<br>%{customdata[1]}<extra></extra>",
-        )
-        figure.add_trace(bar)
+        bar = {
+            "type": "bar",
+            "name": one.name,
+            "orientation": "h",
+            "x": spec.signed_log(np.array(one.values)),
+            "y": [escaped(row) for row in one.rows],
+            "marker": {"color": spec.COLOURS[one.name][1]},
+            "customdata": told,
+            "hovertemplate": "%{y}: %{customdata[0]}<br>%{customdata[1]}<extra></extra>",
+        }
+        figure.add(bar)
     rows = [escaped(row) for row in panel.rows]
     found = {row: told for one in panel.bars for row, told in zip(one.rows, zip(one.values, one.words, strict=True), strict=True)}
     reach = spec.signed_log(np.array([found[row][0] for row in panel.rows] or [0.0]))
     low, high = min(0.0, 1.15 * float(reach.min())), max(1.35 * spec.LINEAR_NATS, float(reach.max()))
-    ticks = {
+    ticks: Values = {
         "tickvals": spec.signed_log(np.array(TICKS, dtype=float)),
         "ticktext": [f"{one:,}".replace(",", " ") for one in TICKS],
     }
-    figure.update_xaxes(range=[low, low + 1.75 * (high - low)], zeroline=True, title_text=panel.label, **ticks)
-    figure.update_yaxes(categoryorder="array", categoryarray=rows, range=[len(rows) - 0.5, -0.5], showgrid=False, automargin=True)
-    asked = go.Scatter(
-        x=spec.signed_log(np.array(panel.asked)),
-        y=rows,
-        customdata=panel.asked,
-        mode="markers",
-        marker={"symbol": "line-ns", "size": 24, "line": {"width": 2.5, "color": spec.COLOURS[spec.MEASURED][1]}},
-        name="asked for",
-        hovertemplate="%{customdata:g} nats are asked for<extra></extra>",
-    )
-    words = go.Scatter(  # of a cause that the data speak against they stand behind the axis
-        x=np.maximum(reach[: len(rows)], 0.0),
-        y=rows,
-        text=[f"  {escaped(found[row][1])}" for row in panel.rows],
-        mode="text",
-        textposition="middle right",
-        cliponaxis=False,
-        showlegend=False,
-        hoverinfo="skip",
-    )
-    figure.add_traces([asked, words])
+    figure.across(range=[low, low + 1.75 * (high - low)], zeroline=True, title={"text": panel.label}, **ticks)
+    figure.up(categoryorder="array", categoryarray=rows, range=[len(rows) - 0.5, -0.5], showgrid=False, automargin=True)
+    asked = {
+        "type": "scatter",
+        "x": spec.signed_log(np.array(panel.asked)),
+        "y": rows,
+        "customdata": panel.asked,
+        "mode": "markers",
+        "marker": {"symbol": "line-ns", "size": 24, "line": {"width": 2.5, "color": spec.COLOURS[spec.MEASURED][1]}},
+        "name": "asked for",
+        "hovertemplate": "%{customdata:g} nats are asked for<extra></extra>",
+    }
+    words = {  # of a cause that the data speak against they stand behind the axis
+        "type": "scatter",
+        "x": np.maximum(reach[: len(rows)], 0.0),
+        "y": rows,
+        "text": [f"  {escaped(found[row][1])}" for row in panel.rows],
+        "mode": "text",
+        "textposition": "middle right",
+        "cliponaxis": False,
+        "showlegend": False,
+        "hoverinfo": "skip",
+    }
+    figure.add(asked, words)
     margin = {"t": TITLE_ROOM + LEGEND_ROOM}
     return dressed(figure, chart.title, 170 + 34 * len(rows), dark, legend=legend_above(), barmode="overlay", margin=margin)
 
@@ -438,14 +421,12 @@ def levels(sigma: Array) -> Array:
     return np.where(np.isnan(sigma), np.nan, found)
 
 
-def heat_map(one: spec.HeatMap, dark: bool) -> "Figure":
+def heat_map(one: spec.HeatMap, dark: bool) -> Figure:
     """A map of sigmas.
 
     A click tells the middle of its column as `x`, the name of its row as `y`, and as `customdata` the worst of the lines
     that share the cell: [σ, its frequency in Hz].
     """
-    from plotly import graph_objects as go
-
     thin = worst(one.frequency, one.values)
     rows = [escaped(row) for row in one.rows]
     bar = {
@@ -458,41 +439,47 @@ def heat_map(one: spec.HeatMap, dark: bool) -> "Figure":
     }
     of_modes = one.along == "mode"
     where = "mode %{customdata[1]:.0f}" if of_modes else "%{customdata[1]:.2f} Hz"
-    heat = go.Heatmap(
-        x=np.asarray(thin.middle, dtype=np.float32),
-        y=rows,
-        z=np.asarray(levels(thin.values).T, dtype=np.float32),
-        customdata=np.stack([thin.values.T, thin.at.T], axis=2).astype(np.float32),
-        zmin=-0.5,
-        zmax=len(spec.BOUNDS) - 0.5,
-        hoverongaps=False,
-        hovertemplate=f"%{{y}}<br>{where}: %{{customdata[0]:.1f}} σ<extra></extra>",
-        colorbar=bar,
-    )
-    figure = go.Figure(heat)
+    heat = {
+        "type": "heatmap",
+        "x": np.asarray(thin.middle, dtype=np.float32),
+        "y": rows,
+        "z": np.asarray(levels(thin.values).T, dtype=np.float32),
+        "customdata": np.stack([thin.values.T, thin.at.T], axis=2).astype(np.float32),
+        "zmin": -0.5,
+        "zmax": len(spec.BOUNDS) - 0.5,
+        "hoverongaps": False,
+        "hovertemplate": f"%{{y}}<br>{where}: %{{customdata[0]:.1f}} σ<extra></extra>",
+        "colorbar": bar,
+    }
+    figure = Figure(heat)
     if one.shown_modes:  # above the rows, on an axis of their own: a category without cells is more than a heat map bears
-        figure.add_trace(modes(one.shown_modes, 1.0, 9, yaxis="y2", showlegend=False))
-        figure.update_layout(yaxis2={"overlaying": "y", "range": [0, 1], "visible": False, "fixedrange": True})
+        figure.add(modes(one.shown_modes, 1.0, 9, yaxis="y2", showlegend=False))
+        figure.update(yaxis2={"overlaying": "y", "range": [0, 1], "visible": False, "fixedrange": True})
     for rule in one.rules:
-        figure.add_hline(rule - 0.5, line={"width": 1})
-    axis = {"type": "category", "categoryorder": "array", "categoryarray": rows, "range": [len(rows) - 0.5, -0.5], "ticks": ""}
-    figure.update_layout(yaxis={"showgrid": False, "tickmode": "array", "tickvals": rows, "tickfont": {"size": 11}, **axis})
-    figure.update_xaxes(title_text=one.along, showgrid=False, **({"dtick": 1} if of_modes else {}))
+        figure.rule(y=rule - 0.5, width=1)
+    axis: Values = {
+        "type": "category",
+        "categoryorder": "array",
+        "categoryarray": rows,
+        "range": [len(rows) - 0.5, -0.5],
+        "ticks": "",
+    }
+    figure.up(showgrid=False, tickmode="array", tickvals=rows, tickfont={"size": 11}, **axis)
+    figure.across(title={"text": one.along}, showgrid=False, **({"dtick": 1} if of_modes else {}))
     look = {"margin": {"l": 118, "r": 10}, "uirevision": escaped(one.title)}
     return dressed(figure, one.title, 130 + 15 * len(rows), dark, **look)
 
 
-def modes(shown: Sequence[tuple[str, float]], height: float, size: int, **more: Any) -> Any:
+def modes(shown: Sequence[tuple[str, float]], height: float, size: int, **more: Any) -> Values:
     """Triangles at the eigenfrequencies."""
-    from plotly.graph_objects import Scatter
-
-    return Scatter(
-        x=[frequency for _, frequency in shown],
-        y=[height] * len(shown),
-        text=[escaped(name) for name, _ in shown],
-        mode="markers",
-        marker={"symbol": "triangle-down", "size": size, "color": spec.COLOURS[spec.ASIDE][1]},
-        cliponaxis=False,
-        hovertemplate="%{text}, %{x:.2f} Hz<extra></extra>",
+    return {
+        "type": "scatter",
+        "x": [frequency for _, frequency in shown],
+        "y": [height] * len(shown),
+        "text": [escaped(name) for name, _ in shown],
+        "mode": "markers",
+        "marker": {"symbol": "triangle-down", "size": size, "color": spec.COLOURS[spec.ASIDE][1]},
+        "cliponaxis": False,
+        "hovertemplate": "%{text}, %{x:.2f} Hz<extra></extra>",
         **more,
-    )
+    }

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,12 +14,9 @@ from validation.compare.compare import SENSED, run
 from validation.compare.maps import Map, NamedMode, Pairs
 from validation.estimation.problem import Measured
 from validation.report.charts import interactive, spec, static
+from validation.report.charts.figure import Figure
 from validation.report.charts.interactive import LEGEND_ROOM, TITLE_ROOM, add_entry, dressed, escaped, legend_above
 from validation.report.charts.style import LABELS, unit
-
-if TYPE_CHECKING:
-    from plotly.graph_objects import Figure
-
 
 SIGNS = LABELS
 """Of loads and of base motions."""
@@ -67,7 +64,7 @@ def overlay(
     further: Mapping[str, ComplexArray] = NONE,
     marked: float | None = None,
     dark: bool = False,
-) -> "Figure":
+) -> Figure:
     """One entry of the blocked dynamic mass about F: measured as dots, predicted as a line, what is expected as a band.
 
     Parameters
@@ -78,12 +75,10 @@ def overlay(
     further : by name, more predictions (n, 6, 6) on the lines of `pairs`: with an effect, or before it was added
     marked : [Hz] where a line is drawn
     """
-    from plotly.subplots import make_subplots
-
-    figure = make_subplots(rows=2, cols=1, shared_xaxes=True, row_heights=[0.68, 0.32], vertical_spacing=0.04)
+    figure = Figure(rows=2, heights=(0.68, 0.32), vertical=0.04, shared=True)
     add_entry(figure, entry_of(pairs, load, motion, modes, further), 1, 1)
     if marked is not None:
-        figure.add_vline(marked, line={"color": spec.COLOURS["limit"][1], "width": 1.5, "dash": "dash"})
+        figure.rule(x=marked, color=spec.COLOURS["limit"][1], width=1.5, dash="dash")
     title = f"{entry(load, motion)} of {pairs.campaign}: {LOADS[load]} by {MOTIONS[motion]}"
     how: dict[str, Any] = {"hovermode": "x unified", "uirevision": escaped(f"{pairs.campaign} {load} {motion}")}
     room = LEGEND_ROOM + (SECOND_ROW if further else 0)
@@ -96,18 +91,16 @@ def diagonal(
     modes: Sequence[NamedMode] = (),
     further: Mapping[str, ComplexArray] = NONE,
     dark: bool = False,
-) -> "Figure":
+) -> Figure:
     """The six entries of the diagonal, as `overlay` draws each: translations on the left, rotations on the right."""
-    from plotly.subplots import make_subplots
-
-    figure = make_subplots(rows=6, cols=2, horizontal_spacing=0.11)
+    figure = Figure(rows=6, columns=2, horizontal=0.11)
     for k in range(6):
         row, column = 1 + 2 * (k % 3), 1 + k // 3
         add_entry(figure, entry_of(pairs, k, k, modes, further), row, column, legend=k == 0, last=k % 3 == 2)
         # Put magnitude and phase of the entry k close together, below their title and apart from the pair below
         top = 1 - (k % 3) / 3
         for below, (high, low) in enumerate(HEIGHTS):
-            figure.update_yaxes(domain=[top - low / 3, top - high / 3], row=row + below, col=column)
+            figure.up(domain=[top - low / 3, top - high / 3], row=row + below, column=column)
         side = 0.0 if column == 1 else 0.555
         name = {
             "text": f"{entry(k, k)}: {LOADS[k]} by {MOTIONS[k]}",
@@ -116,7 +109,7 @@ def diagonal(
             "xref": "paper",
             "yref": "paper",
         }
-        figure.add_annotation(**name, xanchor="left", yanchor="bottom", showarrow=False, font={"size": 12})
+        figure.note(**name, xanchor="left", yanchor="bottom", font={"size": 12})
     title = f"{pairs.campaign}: the diagonal of the dynamic mass"
     return dressed(figure, title, 1010, dark, legend=legend_above(), margin={"t": TITLE_ROOM + LEGEND_ROOM, "b": 24})
 
@@ -242,13 +235,13 @@ def pairs_of(pairs: Pairs, modes: Sequence[NamedMode]) -> spec.HeatMap:
     )
 
 
-def channel_map(of: Map, run_index: int | None = None, *, modes: Sequence[NamedMode] = (), dark: bool = False) -> "Figure":
+def channel_map(of: Map, run_index: int | None = None, *, modes: Sequence[NamedMode] = (), dark: bool = False) -> Figure:
     """Channels and loads of one run over frequency; the worst of all runs where `run_index` is None."""
     one = channels_of(of, modes)[-1 if run_index is None else run_index]
     return interactive.heat_map(replace(one, title=f"{of.data_set}, {one.title}: channels and loads"), dark)
 
 
-def pair_map(pairs: Pairs, *, modes: Sequence[NamedMode] = (), dark: bool = False) -> "Figure":
+def pair_map(pairs: Pairs, *, modes: Sequence[NamedMode] = (), dark: bool = False) -> Figure:
     """The map of `pairs` on a page."""
     return interactive.heat_map(pairs_of(pairs, modes), dark)
 

@@ -1,0 +1,255 @@
+"""Inertia written for other programs: robot descriptions, finite-element decks, multibody models, and our own result file.
+
+One table, `FORMATS`. Every format states mass, centre of mass and a tensor *about the centre of mass*, in SI and in the axes of
+the frame in which the body is given, and every file says so in a comment. What differs is the sign of the products and whether
+there are any:
+
+========== ======================= =======================================================================================
+format     products                source
+========== ======================= =======================================================================================
+urdf       matrix entries          ROS URDF specification, ``<inertia>``
+mjcf       none (principal axes)   MuJoCo XML reference, ``diaginertia`` in the axes of ``quat``
+sdf        matrix entries          SDFormat specification, ``<inertia>``
+nastran    positive integrals      MSC Nastran Quick Reference Guide, CONM2: the matrix has -I21, -I31, -I32
+opensees   none (six point masses) OpenSees ``mass`` takes a diagonal only
+adams      none (principal axes)   Adams/View ``part create rigid_body mass_properties`` about an inertia marker
+toml       matrix entries          `docs/reference-tables.md`
+========== ======================= =======================================================================================
+
+OpenSees has no products of inertia at a node, so the body is six equal point masses at ``± sqrt(3 s_k / m) e_k`` from its centre,
+with s_k and e_k the eigenvalues and eigenvectors of its second moments of mass, Sigma = tr(I)/2 1 - I: the same mass, centre and
+tensor exactly. MuJoCo and Adams get the principal moments and axes, which need no sign; MuJoCo would find the axes of a full
+tensor to six digits only (``fullinertia``, 3.3.7: 6e-7 of the largest moment).
+"""
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from geometry.errors import BadInput
+from geometry.frames import Array
+from geometry.inertia import Inertia, require_physical
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class InertiaFormat:
+    """One way to write inertia.
+
+    Attributes
+    ----------
+    program : what reads it
+    endings : of its files, the first one the usual
+    body : one body, filled in by `_fields`
+    head, tail : around all bodies; ``{title}`` is what the whole is called, ``{quoted}`` the same as an attribute of XML
+    most : how many bodies a file can hold
+    """
+
+    program: str
+    endings: tuple[str, ...]
+    body: str
+    head: str = ""
+    tail: str = ""
+    most: int = 9999
+
+
+def written(form: str, name: str, bodies: Mapping[str, Inertia]) -> str:
+    """`bodies` by name as a file of the format `form`, the whole called `name`; each in its own frame.
+
+    Raises
+    ------
+    BadInput : more bodies than the format holds, or parameters that no body has.
+    """
+    known = FORMATS[form]
+    if len(bodies) > known.most:
+        raise BadInput(
+            source="--format",
+            problem=f"a file of {form} holds {known.most} {'body' if known.most == 1 else 'bodies'}, found {len(bodies)}",
+            remedy="Choose one, or write one file for each",
+        )
+    title = " ".join(name.split())
+    text = [known.head.format(title=title, quoted=quoteattr(title))]
+    for number, (label, inertia) in enumerate(bodies.items(), start=1):
+        text.append(known.body.format_map(_fields(number, label, require_physical(inertia, label, rounding=1e-9))))
+    return "".join(text) + known.tail
+
+
+def format_of(ending: str) -> str | None:
+    """The format whose files end in `ending`, as ``.urdf``; None where it is none of them."""
+    return next((form for form, known in FORMATS.items() if ending.lower() in known.endings), None)
+
+
+def sixteen(value: float) -> str:
+    """`value` in a large field of Nastran: 16 characters, the exponent without its letter, as many digits as fit."""
+    texts = (f"{value + 0.0:.{digits}e}".split("e") for digits in range(16, 0, -1))
+    short = (f"{mantissa}{int(exponent):+d}" if int(exponent) else mantissa for mantissa, exponent in texts)
+    return next(f"{text:>16}" for text in short if len(text) <= 16)
+
+
+def equimomental(mass: float, tensor: Array) -> Array:
+    """Places (6, 3) [m] of six equal masses about their centre that have `mass` [kg] and `tensor` (3, 3) [kg m²] together."""
+    second, axes = np.linalg.eigh(0.5 * np.trace(tensor) * np.eye(3) - tensor)
+    arms = (axes * np.sqrt(3 * np.maximum(second, 0.0) / mass)).T
+    return np.vstack([arms, -arms])
+
+
+def _plain(values: Sequence[float] | Array, between: str = " ") -> str:
+    """Numbers with every digit that they have, zeros without a sign."""
+    return between.join(repr(float(value) + 0.0) for value in values)
+
+
+def _quaternion(rotation: Array) -> Array:
+    """Unit quaternion w, x, y, z (4,) of `rotation` (3, 3): largest eigenvector of Bar-Itzhack's K (JGCD 23, 2000)."""
+    R = rotation
+    K = np.array(
+        [
+            [R[0, 0] + R[1, 1] + R[2, 2], R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]],
+            [0, R[0, 0] - R[1, 1] - R[2, 2], R[1, 0] + R[0, 1], R[2, 0] + R[0, 2]],
+            [0, 0, R[1, 1] - R[0, 0] - R[2, 2], R[2, 1] + R[1, 2]],
+            [0, 0, 0, R[2, 2] - R[0, 0] - R[1, 1]],
+        ]
+    )
+    return np.asarray(np.linalg.eigh(K, UPLO="U")[1][:, -1])
+
+
+def _fields(number: int, label: str, body: Inertia) -> dict[str, str]:
+    """What the formats say of one body, as text by the names that `FORMATS` has in braces."""
+    mass, cog, tensor = body.mass, body.cog, body.tensor_cog
+    title = " ".join(label.split())
+    entries = [float(tensor[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+    xx, yy, zz, xy, xz, yz = entries
+    # CONM2: grid and frame 0, mass, X1 to X3, an empty field, I11, I21, I22, I31, I32, I33
+    cells = [" " * 16 if one is None else sixteen(one) for one in (mass, *cog, None, xx, -xy, yy, -xz, -yz, zz)]
+    rows = [f"CONM2*  {number:>16}{1000 + number:>16}{0:>16}{cells[0]}*"]
+    rows += ["*       " + "".join(cells[k : k + 4]) + "*" * (k < 9) for k in (1, 5, 9)]
+    masses = []
+    for k, place in enumerate(equimomental(mass, tensor), start=100 * number + 1):
+        share = _plain([mass / 6] * 3)
+        masses += [f"node {k} {_plain(cog + place)}", f"mass {k} {share} 0 0 0", f"rigidLink beam {100 * number} {k}"]
+    moments, axes = np.linalg.eigh(tensor)
+    axes = axes * np.sign(np.linalg.det(axes))
+    # Turns about z, x and z of the body, of which axes that stand upright leave one to choose
+    upright = math.hypot(axes[2, 0], axes[2, 1]) < 1e-12
+    turns = (
+        math.atan2(axes[1, 0], axes[0, 0]) if upright else math.atan2(axes[0, 2], -axes[1, 2]),
+        math.acos(max(-1.0, min(1.0, float(axes[2, 2])))),
+        0.0 if upright else math.atan2(axes[2, 0], axes[2, 1]),
+    )
+    listed = {
+        "cogs": ", ".join(f'"{_plain([one])} m"' for one in cog),
+        "moments": ", ".join(f'"{_plain([one])} kg m^2"' for one in entries[:3]),
+        "products": ", ".join(f'"{_plain([one])} kg m^2"' for one in entries[3:]),
+    }
+    return {
+        "number": str(number),
+        "grid": str(1000 + number),
+        "node": str(100 * number),
+        "title": title,
+        "quoted": quoteattr(title),
+        "word": re.sub(r"[^A-Za-z0-9_]", "_", title) or "part",
+        "mass": _plain([mass]),
+        "cog": _plain(cog),
+        "place": _plain(cog, ", "),
+        "conm2": "\n".join(row.rstrip() for row in rows),
+        "masses": "\n".join(masses),
+        "principal": _plain(moments),
+        "named": " ".join(f"i{key}={_plain([one])}" for key, one in zip(("xx", "yy", "zz"), moments, strict=True)),
+        "quat": _plain(_quaternion(axes)),
+        "turns": _plain(turns, ", "),
+        **listed,
+        **{key: _plain([value]) for key, value in zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), entries, strict=True)},
+    }
+
+
+_SAID = "SI; the tensor is about the centre of mass, in the axes of the body's frame; products are matrix entries"
+
+FORMATS: Mapping[str, InertiaFormat] = {
+    "urdf": InertiaFormat(
+        program="ROS, Gazebo, Pinocchio, Drake",
+        endings=(".urdf",),
+        head=f'<?xml version="1.0"?>\n<!-- {_SAID} -->\n<robot name={{quoted}}>\n  <link name="world"/>\n',
+        body="""  <link name={quoted}>
+    <inertial>
+      <origin xyz="{cog}" rpy="0 0 0"/>
+      <mass value="{mass}"/>
+      <inertia ixx="{ixx}" iyy="{iyy}" izz="{izz}" ixy="{ixy}" ixz="{ixz}" iyz="{iyz}"/>
+    </inertial>
+  </link>
+  <joint name="joint {number}" type="floating">
+    <parent link="world"/>
+    <child link={quoted}/>
+  </joint>
+""",
+        tail="</robot>\n",
+    ),
+    "mjcf": InertiaFormat(
+        program="MuJoCo",
+        endings=(".xml", ".mjcf"),
+        head=f'<!-- {_SAID} -->\n<mujoco model={{quoted}}>\n  <compiler angle="radian"/>\n  <worldbody>\n',
+        body="""    <body name={quoted}>
+      <freejoint/>
+      <inertial pos="{cog}" quat="{quat}" mass="{mass}" diaginertia="{principal}"/>
+    </body>
+""",
+        tail="  </worldbody>\n</mujoco>\n",
+    ),
+    "sdf": InertiaFormat(
+        program="Gazebo",
+        endings=(".sdf",),
+        head=f'<?xml version="1.0"?>\n<!-- {_SAID} -->\n<sdf version="1.9">\n  <model name={{quoted}}>\n',
+        body="""    <link name={quoted}>
+      <inertial>
+        <pose>{cog} 0 0 0</pose>
+        <mass>{mass}</mass>
+        <inertia>
+          <ixx>{ixx}</ixx><iyy>{iyy}</iyy><izz>{izz}</izz><ixy>{ixy}</ixy><ixz>{ixz}</ixz><iyz>{iyz}</iyz>
+        </inertia>
+      </inertial>
+    </link>
+""",
+        tail="  </model>\n</sdf>\n",
+    ),
+    "nastran": InertiaFormat(
+        program="Nastran",
+        endings=(".bdf", ".dat", ".nas"),
+        head="$ {title}: kg and m; about the centre of mass; I21, I31 and I32 are positive integrals, as CONM2 has them\n",
+        body="$ {title}: the grid is at the origin of its frame\nGRID,{grid},,0.,0.,0.\n{conm2}\n",
+    ),
+    "opensees": InertiaFormat(
+        program="OpenSees",
+        endings=(".tcl",),
+        head="# {title}: kg and m; a node has no products of inertia, so each body is six equal masses about its centre\n"
+        "# (model with -ndf 6, constraints Transformation)\n",
+        body="# {title}: node {node} is its centre of mass\nnode {node} {cog}\n{masses}\n",
+    ),
+    "adams": InertiaFormat(
+        program="Adams",
+        endings=(".cmd",),
+        head="! {title}: kg, m and rad (3-1-3, body-fixed); moments are principal, about markers along the principal axes\n"
+        "defaults units length=meter mass=kg angle=radians\nmodel create model_name=.massline\n",
+        body="""part create rigid_body name_and_position part_name=.massline.{word}
+marker create marker_name=.massline.{word}.cm location={place} orientation=0, 0, 0
+marker create marker_name=.massline.{word}.im location={place} orientation={turns}
+part create rigid_body mass_properties part_name=.massline.{word} mass={mass} center_of_mass_marker=.massline.{word}.cm &
+  inertia_marker=.massline.{word}.im {named} ixy=0 iyz=0 izx=0
+""",
+    ),
+    "toml": InertiaFormat(
+        program="massline validate",
+        endings=(".toml",),
+        head=f"# {{title}}: {_SAID}\nformat = 1\n\n",
+        body="""[inertia]
+about = "cog"
+mass = "{mass} kg"
+cog = [{cogs}]
+moments = [{moments}]
+products = [{products}]
+products_sign = "matrix-entry"
+""",
+        most=1,
+    ),
+}
+"""What can be written, by the word of ``--format``."""

@@ -1,0 +1,416 @@
+"""Robot descriptions, URDF and the MJCF of MuJoCo: the inertia that each link states, and the shapes that it is drawn with.
+
+Both are read as they are written, without the simulators. Lengths are metres. A link's frame is that of its joint (URDF) or body
+(MJCF); everything here is seen from it. The stated tensor is about the stated centre of mass, in the axes of the *inertial* frame
+(`origin` of URDF, `pos` and `quat` of MJCF), products as matrix entries.
+"""
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+
+from geometry.errors import BadInput
+from geometry.frames import Array, Pose, rotation_about
+from geometry.inertia import Inertia, tensor_from_six
+
+ENDINGS = (".urdf", ".xml")
+"""URDF, and MJCF."""
+
+MOST_BYTES = 64 << 20
+"""Of one description; the largest that are published have a few hundred kilobytes."""
+
+MOST_LEVELS = 60
+"""Of bodies within bodies, classes within classes and files that include files."""
+
+SIZES = {"box": 3, "cylinder": 2, "sphere": 1, "capsule": 2, "ellipsoid": 3}
+"""Shapes in closed form, and how many numbers say their size."""
+
+Element = ElementTree.Element
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LinkShape:
+    """One shape that a link is drawn with.
+
+    Attributes
+    ----------
+    use : "visual" or "collision"
+    kind : "mesh", or one of `SIZES`
+    pose : of the shape in the link
+    size : [m]; box: edges; cylinder and capsule: radius and length of the straight part; sphere: radius; ellipsoid: half-axes
+    file : of a mesh, else None; empty where the description names one that cannot be found, which `lost` then says
+    scale : (3,) [1], what the numbers of the mesh file are multiplied by to be metres; a mirrored mesh has a negative one
+    """
+
+    use: str
+    kind: str
+    pose: Pose = field(default_factory=Pose)
+    size: tuple[float, ...] = ()
+    file: Path | None = None
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    lost: str = ""
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether `scale` turns the mesh into its mirror image."""
+        return bool(np.prod(np.sign(self.scale)) < 0)
+
+    @property
+    def half_extent(self) -> Array:
+        """Half the edges (3,) [m] of the box around a shape in closed form."""
+        if self.kind == "box":
+            return 0.5 * np.array(self.size)
+        if self.kind in ("cylinder", "capsule"):
+            cap = self.size[0] if self.kind == "capsule" else 0.0
+            return np.array([self.size[0], self.size[0], 0.5 * self.size[1] + cap])
+        return np.broadcast_to(np.array(self.size, dtype=np.float64), (3,)).copy()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Link:
+    """One rigid body of a robot.
+
+    Attributes
+    ----------
+    name : unique in its robot
+    mass : as stated [kg]
+    inertia : as stated, about the link's origin, None where nothing is stated or no tensor can be made of it
+    inertial : pose of the frame in which the tensor is written; its origin is the stated centre of mass
+    half_unit : (10,) half a unit of the last written digit of mass [kg], centre of mass [m] and tensor [kg m²], inertial axes
+    tensor : (3, 3) [kg m²] as written, about the centre of mass in inertial axes
+    shapes : what it is drawn with
+    note : what is odd about its inertia, in words
+    """
+
+    name: str
+    mass: float = 0.0
+    inertia: Inertia | None = None
+    inertial: Pose = field(default_factory=Pose)
+    half_unit: Array = field(default_factory=lambda: np.zeros(10))
+    tensor: Array = field(default_factory=lambda: np.zeros((3, 3)))
+    shapes: tuple[LinkShape, ...] = ()
+    note: str = ""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Robot:
+    """A description as read: its `name`, `form` ("URDF" or "MJCF") and `links`, in the order of the file."""
+
+    name: str
+    form: str
+    links: tuple[Link, ...]
+
+
+def is_robot(name: str | Path) -> bool:
+    """Whether `name` ends as a robot description does."""
+    return Path(name).suffix.lower() in ENDINGS
+
+
+def read(path: Path) -> Robot:
+    """The robot that `path` describes; no mesh is opened.
+
+    Raises
+    ------
+    BadInput : no XML, neither `robot` nor `mujoco`, xacro that was not expanded, a number that is none, doubled names of links.
+    """
+    root = _parsed(path)
+    if root.tag == "robot":
+        form, links = "URDF", _Urdf(path).links(root)
+    elif root.tag == "mujoco":
+        form, links = "MJCF", _Mjcf(path, root).links()
+    else:
+        raise BadInput(
+            source=str(path),
+            problem=f"it is neither a URDF (<robot>) nor an MJCF (<mujoco>), found <{root.tag[:40]}>",
+            remedy="Give a robot description, or a STEP or mesh file",
+        )
+    names = [link.name for link in links]
+    if doubled := [name for name in dict.fromkeys(names) if names.count(name) > 1]:
+        raise BadInput(
+            source=str(path), field="name", problem=f"two links are called {doubled[0]!r}", remedy="Give each its own name"
+        )
+    if not links:
+        raise BadInput(source=str(path), problem="it has no link", remedy="Check that the file is whole")
+    return Robot(name=root.get("name") or root.get("model") or path.stem, form=form, links=links)
+
+
+def _parsed(path: Path) -> Element:
+    source = str(path)
+    if not path.is_file():
+        raise BadInput(source=source, problem="there is no such file", remedy="Check the path")
+    if path.stat().st_size > MOST_BYTES:
+        raise BadInput(source=source, problem=f"it is larger than {MOST_BYTES >> 20} MiB", remedy="Check what it is")
+    content = path.read_bytes()
+    if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
+        raise BadInput(source=source, problem="it declares a document type, which none of them needs", remedy="Remove <!DOCTYPE>")
+    try:
+        root = ElementTree.fromstring(content)
+    except (ElementTree.ParseError, ValueError, LookupError) as error:
+        raise BadInput(source=source, problem=f"it is no XML ({error})", remedy="Check that the file is whole") from None
+    if any("xacro" in one.tag or any("${" in text for text in one.attrib.values()) for one in root.iter()):
+        raise BadInput(source=source, problem="it has xacro macros that are not expanded", remedy="Run xacro on it first")
+    return root
+
+
+class _Numbers:
+    """Reads numbers of the elements of `path`."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def of(self, element: Element | None, name: str, default: Sequence[float], least: int | None = None) -> Array:
+        """The numbers of the attribute `name`, as many as `default` has (or from `least` on); `default` where it is missing."""
+        text = None if element is None else element.get(name)
+        if element is None or text is None:
+            return np.array(default, dtype=np.float64)
+        try:
+            numbers = np.array([float(part) for part in text.split()])
+        except ValueError:
+            numbers = np.empty(0)
+        fewest = len(default) if least is None else least
+        if not fewest <= len(numbers) <= len(default) or not np.isfinite(numbers).all():
+            raise BadInput(
+                source=str(self.path),
+                field=f"{element.tag} {name}",
+                problem=f"must be {len(default)} finite number{'s' * (len(default) > 1)}, found {text[:60]!r}",
+                remedy="Correct it",
+            )
+        return numbers
+
+    def half_units(self, element: Element | None, names: Sequence[str]) -> list[float]:
+        """Half a unit of the last written digit of every number of the attributes `names`."""
+        texts = (part for name in names for part in ("" if element is None else element.get(name, "")).split())
+        found = (re.fullmatch(r"[-+]?\d*(?:\.(\d*))?(?:[eE]([-+]?\d+))?", text) for text in texts)
+        return [0.5 * 10.0 ** (int(one[2] or 0) - len(one[1] or "")) if one else 0.0 for one in found]
+
+    def link(self, name: str, mass: float, six: Array, pose: Pose, written: list[float], shapes: tuple[LinkShape, ...]) -> Link:
+        """A link that states `mass` [kg] and the tensor `six` [kg m²] in the inertial frame at `pose`."""
+        tensor = tensor_from_six(six)
+        body = Inertia.from_cog(mass, pose.position, pose.rotation @ tensor @ pose.rotation.T) if mass else None
+        return Link(
+            name=name,
+            mass=mass,
+            inertia=body,
+            inertial=pose,
+            half_unit=np.array(written),
+            tensor=tensor,
+            shapes=shapes,
+            note="" if body is not None else "its mass is zero",
+        )
+
+
+class _Urdf(_Numbers):
+    def links(self, root: Element) -> tuple[Link, ...]:
+        return tuple(self.read(one) for one in root.findall("link"))
+
+    def read(self, element: Element) -> Link:
+        name = element.get("name", "")
+        shapes = tuple(
+            shape
+            for use in ("visual", "collision")
+            for one in element.findall(use)
+            if (shape := self.shape(one, use)) is not None
+        )
+        stated = element.find("inertial")
+        if stated is None:
+            return Link(name=name, shapes=shapes, note="it states no inertia")
+        pose, keys = self.pose(stated), ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+        mass, tensor = stated.find("mass"), stated.find("inertia")
+        six = np.array([self.of(tensor, key, [0.0])[0] for key in keys])
+        written = [
+            (self.half_units(mass, ["value"]) or [0.0])[0],
+            *(self.half_units(stated.find("origin"), ["xyz"]) or [0.0] * 3),
+            *((self.half_units(tensor, [key]) or [0.0])[0] for key in keys),
+        ]
+        return self.link(name, float(self.of(mass, "value", [0.0])[0]), six, pose, written, shapes)
+
+    def pose(self, element: Element) -> Pose:
+        """`origin`: fixed axes, roll about x, then pitch about y, then yaw about z."""
+        origin = element.find("origin")
+        roll, pitch, yaw = self.of(origin, "rpy", [0.0] * 3)
+        rotation = rotation_about("z", yaw) @ rotation_about("y", pitch) @ rotation_about("x", roll)
+        return Pose(position=self.of(origin, "xyz", [0.0] * 3), rotation=rotation)
+
+    def shape(self, element: Element, use: str) -> LinkShape | None:
+        geometry = element.find("geometry")
+        one = None if geometry is None else next(iter(geometry), None)
+        if one is None:
+            return None
+        pose = self.pose(element)
+        if one.tag == "mesh":
+            named = one.get("filename", "")
+            file = self.found(named)
+            x, y, z = self.of(one, "scale", [1.0] * 3).tolist()
+            lost = "" if file else f"its mesh {named} is not there"
+            return LinkShape(use=use, kind="mesh", pose=pose, file=file, scale=(x, y, z), lost=lost)
+        if one.tag == "box":
+            size = self.of(one, "size", [0.0] * 3)
+        elif one.tag in ("cylinder", "sphere", "capsule"):
+            keys = ("radius",) if one.tag == "sphere" else ("radius", "length")
+            size = np.array([self.of(one, key, [0.0])[0] for key in keys])
+        else:
+            return LinkShape(use=use, kind=one.tag, pose=pose, lost=f"a shape <{one.tag}> is not known")
+        return LinkShape(use=use, kind=one.tag, pose=pose, size=tuple(size.tolist()))
+
+    def found(self, named: str) -> Path | None:
+        """The file behind a plain path, ``file://`` or ``package://NAME/...``, looked for upwards from the description."""
+        plain = re.sub(r"^(file|package|model)://", "", named)
+        here = self.path.resolve().parent
+        tails = [plain, plain.partition("/")[2]] if "://" in named else [plain]
+        places = (folder / tail for tail in tails if tail for folder in (here, *here.parents[:6]))
+        return next((place for place in places if place.is_file()), None)
+
+
+class _Mjcf(_Numbers):
+    def __init__(self, path: Path, root: Element) -> None:
+        self.path, self.unnamed = path, 0
+        self._include(root, path.parent, 0)
+        self.root = root
+        compiler: dict[str, str] = {}
+        for one in root.findall("compiler"):
+            compiler |= one.attrib
+        self.degrees = compiler.get("angle", "degree") != "radian"
+        self.order = compiler.get("eulerseq", "xyz")
+        if not re.fullmatch("[xyzXYZ]{3}", self.order):
+            raise BadInput(
+                source=str(path), field="eulerseq", problem=f"must be three axes, found {self.order!r}", remedy="Correct it"
+            )
+        self.folder = path.parent / compiler.get("meshdir", compiler.get("assetdir", "."))
+        self.classes: dict[str, dict[str, dict[str, str]]] = {"main": {}}
+        for one in root.findall("default"):
+            self._collect(one, {}, 0)
+        self.meshes: dict[str, tuple[Path, Element, str]] = {}
+        for asset in root.findall("asset"):
+            for one in asset.findall("mesh"):
+                file = one.get("file", "")
+                self.meshes[one.get("name") or Path(file).stem] = (self.folder / file, self._full(one, ""), file)
+
+    def _include(self, element: Element, folder: Path, level: int) -> None:
+        for place, child in enumerate(list(element)):
+            if child.tag != "include":
+                self._include(child, folder, level)
+                continue
+            if level > MOST_LEVELS:
+                raise BadInput(
+                    source=str(self.path), field="include", problem="files include each other without end", remedy="Correct it"
+                )
+            inner = _parsed(folder / child.get("file", ""))
+            self._include(inner, folder, level + 1)
+            element.remove(child)
+            for number, one in enumerate(list(inner)):
+                element.insert(place + number, one)
+
+    def _collect(self, element: Element, above: Mapping[str, dict[str, str]], level: int) -> None:
+        own = {tag: dict(attributes) for tag, attributes in above.items()}
+        for one in element:
+            if one.tag != "default":
+                own[one.tag] = own.get(one.tag, {}) | one.attrib
+        self.classes[element.get("class", "main")] = own
+        for one in element.findall("default"):
+            if level < MOST_LEVELS:
+                self._collect(one, own, level + 1)
+
+    def _full(self, element: Element, child_class: str) -> Element:
+        """`element` with what its class says of it."""
+        defaults = self.classes.get(element.get("class") or child_class or "main", {}).get(element.tag, {})
+        return Element(element.tag, {**defaults, **element.attrib})
+
+    def links(self) -> tuple[Link, ...]:
+        bodies = (body for world in self.root.findall("worldbody") for body in world.findall("body"))
+        return tuple(link for body in bodies for link in self._below(body, "", 0))
+
+    def _below(self, body: Element, child_class: str, level: int) -> Iterator[Link]:
+        if level > MOST_LEVELS:
+            raise BadInput(
+                source=str(self.path), problem=f"more than {MOST_LEVELS} bodies within bodies", remedy="Check the file"
+            )
+        child_class = body.get("childclass", child_class)
+        self.unnamed += "name" not in body.attrib
+        name = body.get("name") or f"unnamed {self.unnamed}"
+        shapes = tuple(shape for one in body.findall("geom") if (shape := self.shape(self._full(one, child_class))) is not None)
+        stated = body.find("inertial")
+        if stated is None:
+            yield Link(name=name, shapes=shapes, note="it states no inertia; MuJoCo makes one of its geoms")
+        else:
+            yield self.stated(name, stated, shapes)
+        for one in body.findall("body"):
+            yield from self._below(one, child_class, level + 1)
+
+    def stated(self, name: str, stated: Element, shapes: tuple[LinkShape, ...]) -> Link:
+        pose = self.pose(stated)
+        full = stated.get("fullinertia") is not None
+        six = (
+            self.of(stated, "fullinertia", [0.0] * 6) if full else np.append(self.of(stated, "diaginertia", [0.0] * 3), [0.0] * 3)
+        )
+        tensor = self.half_units(stated, ["fullinertia" if full else "diaginertia"])
+        written = [
+            *(self.half_units(stated, ["mass"]) or [0.0]),
+            *(self.half_units(stated, ["pos"]) or [0.0] * 3),
+            *(tensor + [0.0] * (6 - len(tensor))),
+        ]
+        return self.link(name, float(self.of(stated, "mass", [0.0])[0]), six, pose, written, shapes)
+
+    def pose(self, element: Element) -> Pose:
+        """`pos` and one of quat, euler, axisangle, xyaxes and zaxis."""
+        position = self.of(element, "pos", [0.0] * 3)
+        turn = math.pi / 180 if self.degrees else 1.0
+        if element.get("euler") is not None:
+            rotation = np.eye(3)
+            for axis, angle in zip(self.order, self.of(element, "euler", [0.0] * 3), strict=True):
+                one = rotation_about(axis.lower(), float(angle) * turn)
+                rotation = rotation @ one if axis.islower() else one @ rotation
+        elif element.get("axisangle") is not None:
+            *about, angle = self.of(element, "axisangle", [0.0, 0.0, 1.0, 0.0])
+            half = 0.5 * angle * turn
+            rotation = self.turned(element, np.array([math.cos(half), *(math.sin(half) * self.unit(element, np.array(about)))]))
+        elif element.get("xyaxes") is not None:
+            both = self.of(element, "xyaxes", [0.0] * 6)
+            x = self.unit(element, both[:3])
+            y = self.unit(element, both[3:] - x * (x @ both[3:]))
+            rotation = np.column_stack([x, y, np.cross(x, y)])
+        elif element.get("zaxis") is not None:
+            z = self.unit(element, self.of(element, "zaxis", [0.0] * 3))
+            rotation = self.turned(element, np.array([1 + z[2], -z[1], z[0], 0.0]) if z[2] > -1 else np.array([0.0, 1, 0, 0]))
+        else:
+            rotation = self.turned(element, self.of(element, "quat", [1.0, 0.0, 0.0, 0.0]))
+        return Pose(position=position, rotation=rotation)
+
+    def unit(self, element: Element, vector: Array) -> Array:
+        length = float(np.linalg.norm(vector))
+        if not length > 1e-12:
+            raise BadInput(source=str(self.path), field=element.tag, problem="a direction has no length", remedy="Correct it")
+        return np.asarray(vector / length)
+
+    def turned(self, element: Element, quaternion: Array) -> Array:
+        w, x, y, z = self.unit(element, quaternion)
+        return np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+            ]
+        )
+
+    def shape(self, geom: Element) -> LinkShape | None:
+        kind = geom.get("type", "mesh" if geom.get("mesh") else "sphere")
+        use = "visual" if geom.get("contype", "1") == geom.get("conaffinity", "1") == "0" else "collision"
+        if kind in ("plane", "hfield", "sdf"):
+            return None
+        pose = self.pose(geom)
+        if kind == "mesh":
+            path, asset, named = self.meshes.get(geom.get("mesh", ""), (Path(), geom, geom.get("mesh", "")))
+            x, y, z = self.of(asset, "scale", [1.0] * 3).tolist()
+            moved = any(asset.get(key) for key in ("refpos", "refquat"))
+            lost = f"its mesh {named} has a reference pose of its own, which is not read" if moved else ""
+            lost = lost or ("" if named and path.is_file() else f"its mesh {named or '(without a file)'} is not there")
+            return LinkShape(use=use, kind=kind, pose=pose, file=None if lost else path, scale=(x, y, z), lost=lost)
+        if kind not in SIZES or geom.get("fromto") is not None:
+            return LinkShape(use=use, kind=kind, pose=pose, lost=f"a {kind} that is said by its ends or unknown is not read")
+        size = self.of(geom, "size", [0.0] * 3, least=1)[: SIZES[kind]]
+        doubled = 2 * size if kind == "box" else np.append(size[:1], 2 * size[1:]) if kind in ("cylinder", "capsule") else size
+        return LinkShape(use=use, kind=kind, pose=pose, size=tuple(doubled.tolist()))

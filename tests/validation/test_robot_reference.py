@@ -1,0 +1,222 @@
+"""`massline reference robot.urdf`: what is stated beside the mesh, every known slip found, frames and refusals."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pinocchio
+import pytest
+from numpy.testing import assert_allclose
+
+from geometry import robot
+from geometry.frames import Array, Pose, rotation_about
+from geometry.inertia import Inertia, six_from_tensor
+from geometry.robot import Link
+from validation.cli import main
+from validation.reference.robot import SLIPS, findings
+
+SKEW = np.array([[0.35, 0.2, -0.1], [0.05, 0.28, -0.1], [0.05, 0.2, -0.02], [0.05, 0.2, -0.1]])
+"""Corners [m] of a tetrahedron: no symmetry hides a mirror, a wrong axis or a wrong sign."""
+
+
+def write_mesh(folder: Path, scale: float = 1.0) -> None:
+    corners = [f"v {x!r} {y!r} {z!r}" for x, y, z in (scale * SKEW).tolist()]
+    (folder / "link.obj").write_text("\n".join([*corners, "f 1 2 3", "f 1 4 2", "f 2 4 3", "f 1 3 4"]), encoding="utf-8")
+
+
+def tetrahedron(mass: float = 2.0) -> Inertia:
+    """Closed form: the second moments of a tetrahedron are m/20 (sum v v^T + s s^T), v its corners and s their sum."""
+    v = SKEW
+    cog, s = v.mean(axis=0), v.sum(axis=0)
+    second = mass / 20 * (v.T @ v + np.outer(s, s)) - mass * np.outer(cog, cog)
+    return Inertia.from_cog(mass, cog, np.trace(second) * np.eye(3) - second)
+
+
+def urdf(folder: Path, body: Inertia, inertial: Pose | None = None, tensor: Array | None = None, scale: str = "") -> Path:
+    """One link that states `body` in the axes of `inertial`, or `tensor` as it stands."""
+    R = np.eye(3) if inertial is None else inertial.rotation
+    written = R.T @ body.tensor_cog @ R if tensor is None else tensor
+    roll, pitch, yaw = pinocchio.rpy.matrixToRpy(R).tolist()
+    six = " ".join(
+        f'{key}="{v!r}"'
+        for key, v in zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), six_from_tensor(written).tolist(), strict=True)
+    )
+    x, y, z = body.cog.tolist()
+    path = folder / "robot.urdf"
+    path.write_text(
+        f'<robot name="one"><link name="arm"><inertial><origin xyz="{x!r} {y!r} {z!r}" rpy="{roll!r} {pitch!r} {yaw!r}"/>'
+        f'<mass value="{body.mass!r}"/><inertia {six}/></inertial>'
+        f'<visual><geometry><mesh filename="package://one/link.obj" {scale}/></geometry></visual></link></robot>',
+        encoding="utf-8",
+    )
+    return path
+
+
+def off(body: Inertia, share: float = 0.08) -> Inertia:
+    """`body` with moments and CoG that are a little off, as a real link's are."""
+    second = 0.5 * np.trace(body.tensor_cog) * np.eye(3) - body.tensor_cog
+    wider = np.diag(1 + share * np.array([0.5, -0.4, 0.3])) @ second @ np.diag(1 + share * np.array([0.5, -0.4, 0.3]))
+    shift = share * np.sqrt(np.trace(second) / body.mass) * np.array([0.6, 0.6, 0.5])
+    return Inertia.from_cog(body.mass, body.cog + shift, np.trace(wider) * np.eye(3) - wider)
+
+
+def test_three_routes_of_a_mesh_are_the_closed_form_and_what_is_stated_is_seen_from_the_link(tmp_path: Path) -> None:
+    write_mesh(tmp_path)
+    turned = Pose(rotation=rotation_about("z", 0.7) @ rotation_about("x", -0.4))
+    path = urdf(tmp_path, tetrahedron(), turned)
+    (one,) = findings(path).links
+    assert (tuple(one.drawn.routes), one.wrong, one.doubts) == (("occ", "trimesh", "pinocchio"), (), ())
+    for found in (*one.drawn.routes.values(), one.link.inertia):
+        assert found is not None
+        assert_allclose(found.tensor_cog, tetrahedron().tensor_cog, rtol=0, atol=1e-12)  # rounding of a part of 0.01 kg m²
+        assert_allclose(found.cog, tetrahedron().cog, rtol=1e-12)
+    model = pinocchio.buildModelFromUrdf(str(path), pinocchio.JointModelFreeFlyer())
+    assert_allclose(one.link.inertia.tensor_cog, model.inertias[1].inertia, rtol=0, atol=1e-12)  # another reader of the frames
+    stated = one.table.columns["stated"]
+    assert all(said is not None for said in stated.values)
+    assert all(value is not None and abs(value.deviation_percent or 0) < 1e-6 for value in _rows(one.table))
+
+
+def _rows(table):  # type: ignore[no-untyped-def]
+    from validation.reference.reference import rows
+
+    return [row for k in range(10) for column, row in rows(table, k) if column == "stated"]
+
+
+def planted(folder: Path, slip: str) -> Path:
+    """A link 8 % off its shape in which the named slip was made."""
+    own, scale = off(tetrahedron()), 1.0
+    turned = Pose(rotation=rotation_about("y", 1.1) @ rotation_about("z", 0.6))
+    tensor: Array | None = None
+    factors = {"kg mm²": 1e6, "g mm²": 1e9, "kg cm²": 1e4}
+    if "scale 0.001" in slip or "scale 0.0254" in slip:
+        scale = 1000.0 if "0.001" in slip else 1 / 0.0254
+    elif "1000 times too small" in slip:
+        scale = 1e-3
+    elif "mirror" in slip:
+        flip = np.diag([-1.0 if axis == slip[-1] else 1.0 for axis in "xyz"])
+        own = Inertia.from_cog(own.mass, flip @ own.cog, flip @ own.tensor_cog @ flip)
+    elif "other sign" in slip:
+        tensor = turned.rotation.T @ own.tensor_cog @ turned.rotation
+        tensor = 2 * np.diag(np.diag(tensor)) - tensor
+    elif "about the link's origin" in slip:
+        tensor = turned.rotation.T @ own.about(np.zeros(3)).tensor @ turned.rotation
+    elif "axes of the link" in slip:
+        tensor = own.tensor_cog
+    elif "centre of mass is in millimetres" in slip:
+        own = Inertia.from_cog(own.mass, 1000 * own.cog, own.tensor_cog)
+    else:
+        tensor = turned.rotation.T @ own.tensor_cog @ turned.rotation * next(f for unit, f in factors.items() if unit in slip)
+    write_mesh(folder, scale)
+    return urdf(folder, own, turned, tensor)
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_a_planted_slip_is_named(slip: str, tmp_path: Path) -> None:
+    assert findings(planted(tmp_path, slip)).links[0].wrong[-1] == slip
+
+
+@pytest.mark.parametrize("share", [0.0, 0.08, 0.4])
+def test_a_link_that_is_not_uniform_is_not_called_wrong(share: float, tmp_path: Path) -> None:
+    write_mesh(tmp_path)
+    assert findings(urdf(tmp_path, off(tetrahedron(), share))).links[0].wrong == ()
+
+
+def test_a_mesh_mirrored_by_its_scale_is_the_mirror_image(tmp_path: Path) -> None:
+    flip, body = np.diag([1.0, -1.0, 1.0]), tetrahedron()
+    write_mesh(tmp_path)
+    mirrored = Inertia.from_cog(body.mass, flip @ body.cog, flip @ body.tensor_cog @ flip)
+    (one,) = findings(urdf(tmp_path, mirrored, scale='scale="1 -1 1"')).links
+    assert_allclose(one.drawn.routes["occ"].tensor_cog, mirrored.tensor_cog, rtol=0, atol=1e-12)
+    assert one.wrong == ()
+
+
+def test_mass_outside_the_shape_and_impossible_densities_are_doubted(tmp_path: Path) -> None:
+    write_mesh(tmp_path)
+    body = tetrahedron()
+    heavy = findings(urdf(tmp_path, body.scaled(1e4))).links[0]
+    assert "which nothing has" in heavy.doubts[0]
+    wide = Inertia.from_cog(body.mass, body.cog, 60 * body.tensor_cog)
+    assert "times as far as its visual shape allows" in findings(urdf(tmp_path, wide)).links[0].doubts[0]
+    away = Inertia.from_cog(body.mass, body.cog + np.array([0, 0, 0.5]), body.tensor_cog)
+    assert "outside its visual shape" in findings(urdf(tmp_path, away)).links[0].doubts[0]
+
+
+MJCF = """<mujoco model="m"><compiler angle="degree" meshdir="meshes" eulerseq="zyx"/>
+<default><default class="v"><geom contype="0" conaffinity="0" type="mesh"/><mesh scale="0.001 0.001 0.001"/></default></default>
+<asset><mesh class="v" name="part" file="link.obj"/></asset>
+<worldbody><body name="arm" childclass="v" pos="1 2 3" euler="10 20 30">{inertial}
+<geom mesh="part" pos="0.1 0.2 0.3" euler="90 0 0"/><geom type="box" class="main" size="1 1 1"/>
+<body><inertial mass="1" pos="0 0 0" diaginertia="1.0 1.0 3.0"/></body></body></worldbody></mujoco>"""
+
+
+def test_mjcf_has_its_classes_angles_and_frames_and_says_what_no_body_has(tmp_path: Path) -> None:
+    (tmp_path / "meshes").mkdir()
+    write_mesh(tmp_path / "meshes", 1000.0)
+    drawn = tetrahedron().placed(Pose(position=np.array([0.1, 0.2, 0.3]), rotation=rotation_about("z", np.pi / 2)))
+    full = " ".join(repr(v) for v in six_from_tensor(drawn.tensor_cog).tolist())
+    inertial = f'<inertial mass="2" pos="{" ".join(map(repr, drawn.cog.tolist()))}" fullinertia="{full}"/>'
+    path = tmp_path / "robot.xml"
+    path.write_text(MJCF.replace("{inertial}", inertial), encoding="utf-8")
+    arm, inner = findings(path).links
+    assert_allclose(arm.drawn.routes["pinocchio"].tensor_cog, drawn.tensor_cog, rtol=0, atol=1e-12)
+    assert (arm.shape, arm.wrong, inner.name) == ("visual", (), "unnamed 1")
+    assert "break the triangle inequality" in inner.wrong[0]
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ('quat="0.5 0.5 0.5 0.5"', rotation_about("z", np.pi / 2) @ rotation_about("x", np.pi / 2)),
+        ('axisangle="0 0 2 90"', rotation_about("z", np.pi / 2)),
+        ('xyaxes="0 1 0 -1 0 0"', rotation_about("z", np.pi / 2)),
+        ('zaxis="0 1 0"', rotation_about("x", -np.pi / 2)),
+        ('euler="90 0 90"', rotation_about("x", np.pi / 2) @ rotation_about("z", np.pi / 2)),
+    ],
+)
+def test_every_way_to_turn_a_frame_in_mjcf(words: str, expected: Array, tmp_path: Path) -> None:
+    body = f'<body name="b"><inertial mass="1" pos="0 0 0" diaginertia="1 1.5 2" {words}/></body>'
+    (tmp_path / "r.xml").write_text(f"<mujoco><worldbody>{body}</worldbody></mujoco>", encoding="utf-8")
+    (link,) = robot.read(tmp_path / "r.xml").links
+    assert isinstance(link, Link)
+    assert_allclose(link.inertia.tensor_cog, expected @ np.diag([1, 1.5, 2]) @ expected.T, atol=1e-12)  # type: ignore[union-attr]
+
+
+def test_the_command_says_what_is_wrong_first_ends_with_1_and_writes_for_other_programs(
+    run: Callable[..., tuple[int, str, str]], tmp_path: Path
+) -> None:
+    path = planted(tmp_path, "its tensor is in kg mm²")
+    code, out, err = run("reference", str(path))
+    assert code == main.FAILED_CHECK
+    assert out.index("WRONG  arm: its tensor is in kg mm²") < out.index("mass [kg]")
+    assert "the inertia of 1 of 1 links is wrong: arm" in err
+    write_mesh(tmp_path)
+    right = str(urdf(tmp_path, tetrahedron()))
+    assert run("reference", right, "--link", "arm")[0] == main.DONE
+    assert run("reference", right, "--column", "occ", "--out", "again.urdf")[0] == main.DONE
+    found = next(one for one in robot.read(tmp_path / "again.urdf").links if one.name == "arm")
+    assert_allclose(found.inertia.tensor_cog, tetrahedron().tensor_cog, rtol=0, atol=1e-12)  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(
+    ("text", "arguments", "words"),
+    [
+        ("<robot/>", (), "it has no link"),
+        ("<html/>", (), "neither a URDF"),
+        ("<robot><link", (), "it is no XML"),
+        ("<!DOCTYPE x><robot/>", (), "declares a document type"),
+        ('<robot><link name="${x}"/></robot>', (), "xacro macros that are not expanded"),
+        ('<robot><link name="a"/><link name="a"/></robot>', (), "two links are called 'a'"),
+        ('<robot><link name="a"><inertial><mass value="1,5"/></inertial></link></robot>', (), "mass value"),
+        ('<robot><link name="arm"/></robot>', ("--link", "arn"), "Did you mean arm"),
+        ('<robot><link name="arm"/></robot>', ("--unit", "mm"), "a frame, a mass and a unit of their own"),
+        ('<robot><link name="arm"/></robot>', ("--format", "urdf"), "no link has"),
+        ('<robot><link name="arm"/></robot>', ("--format", "urfd"), "Did you mean urdf"),
+        ('<robot><link name="arm"/></robot>', ("--column", "occ"), "a text table has every column"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused(
+    refused: Callable[..., str], tmp_path: Path, text: str, arguments: tuple[str, ...], words: str
+) -> None:
+    (tmp_path / "r.urdf").write_text(text, encoding="utf-8")
+    assert words in refused("reference", "r.urdf", *arguments)

@@ -1,0 +1,455 @@
+"""A mass, a spring to the ground or a resonator at every node of a structure: where no name is known for what is missing.
+
+The answers of the whole structure to sensors and drives (`AttachedResponse`) tell to first order what anything attached to
+any node would change of every reading, and `validation.diagnose.unexplained_fit` what that would explain once all tolerances
+have taken what they may of it: no node needs a solution of its own. Where it explains most the same is asked without the first
+order, at sizes from next to nothing to far beyond what is plausible, of the few nodes that stand out.
+
+What is looked for at thousands of nodes is found somewhere by chance. Where it sits is not known beforehand, so that what the
+data say of it somewhere is the mean over the nodes,
+
+    evidence = ln (1/p sum_n exp e_n) ,
+
+and the best node has to bring more than one that somebody named by as much as the mean falls short of it (H. Jeffreys, Theory of
+Probability, 1961, section 1.6: a law of which one constant is not known).
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fem.structure import Structure
+from geometry.dynamic_mass import ComplexArray
+from geometry.frames import Array, Integers
+from identification.self_calibration.solve import inverse
+from validation.diagnose import unexplained_fit as fit
+from validation.diagnose.candidates import DAMPING, OCCAM, PER_OCTAVE, SAME_DIRECTION, band, has_lines
+from validation.diagnose.diagnosis import Candidate, FoundNode
+from validation.diagnose.search import can_restart, fit_with, restarted_from_priors
+from validation.effects.catalogue import FAMILIES, Named
+from validation.effects.effect import AT, INDISTINGUISHABLE_NATS, at_position, evidence_threshold, position
+from validation.estimation import likelihood
+from validation.estimation.fit import BREAKDOWNS, FLOOR
+from validation.estimation.likelihood import cost_of
+from validation.model.model import Added
+from validation.prediction.effects import UNSEEN, Nuisances
+from validation.prediction.structure import ReducedStructure
+from validation.prediction.structure_tests import OnNodes, StructurePrediction
+from validation.study import Study
+
+MASS, SPRINGS, RESONATOR = "point-mass", ("cable:x", "cable:y", "cable:z"), "absorber"
+KINDS = (MASS, *SPRINGS, RESONATOR)
+"""What is looked for: a family, with its direction."""
+
+AT_ONCE = 256
+"""[count] of nodes that are worked out together: some ten megabytes."""
+
+SURVEYED = 128
+"""[count] of nodes, spread over the structure, at which frequency and damping of a resonator are looked up."""
+
+TUNED = 3
+"""[count] of frequencies, the best of those, at which every node is asked."""
+
+TRIED = 6
+"""[count] of nodes of a kind that are asked without the first order."""
+
+PROMISING = 3.0
+"""[nats] to first order that a kind must bring somewhere for that: 20 to 1."""
+
+OCTAVES = np.arange(-6.0, 4.0)
+"""Sizes at which they are asked, as powers of two of what is plausible."""
+
+NARROW = np.arange(-2.0, 2.5)
+"""Sizes of a node beside one of which the size is known, as powers of two of that in terms of what is plausible."""
+
+STEPS, AROUND = (0.2, 0.1, 0.05, 0.02), 10
+"""[share] of the structure's size by which a node is looked for beside the best, and how many are asked there."""
+
+FITTED = 2
+"""[count] of kinds, the best first, that are worth a fit at a place without a name."""
+
+ROUNDS = 3
+"""[count] of times that a node is looked for again from where the fit with the one before ended."""
+
+NAMED = 3
+"""[count] of places with a name, the best to first order, that are asked likewise."""
+
+APART = 0.03
+"""[share] of the structure's size by which these lie apart at least: closer ones say the same."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class NodeScores:
+    """What the data say of one structure's nodes.
+
+    Attributes
+    ----------
+    article : its name
+    structure : with its elements, to be drawn
+    points : (p, 3) [m] the nodes that move
+    evidence : by kind (p,) [nats], where the node is the only one that is looked at
+    size : by kind (p,) SI: kg, N/m, and the mass of a resonator
+    tuned : (p, 2) [Hz], [1] of that resonator; empty where none was looked for
+    """
+
+    article: str
+    structure: Structure
+    points: Array
+    evidence: Mapping[str, Array]
+    size: Mapping[str, Array]
+    tuned: Array
+
+    def somewhere(self, kind: str) -> float:
+        """[nats] for something of that kind of which nobody knows where."""
+        e = self.evidence[kind]
+        return float(np.log(np.mean(np.exp(e - e.max()))) + e.max())
+
+    def standing_out(self, kind: str) -> Integers:
+        """Up to `TRIED` nodes, the best first, each `APART` from those before it."""
+        left, found = np.argsort(-self.evidence[kind], kind="stable"), list[int]()
+        apart = APART * float(np.ptp(self.points, axis=0).max())
+        while len(left) and len(found) < TRIED:
+            found.append(int(left[0]))
+            left = left[np.linalg.norm(self.points[left] - self.points[left[0]], axis=1) > apart]
+        return np.array(found, dtype=np.int64)
+
+    def named(self, kind: str, node: int, size: float) -> Named:
+        """The effect at a node."""
+        family, _, along = kind.partition(":")
+        values = {"": size} if kind != RESONATOR else {"m": size, "f": self.tuned[node, 0], "zeta": self.tuned[node, 1]}
+        place = at_position(self.points[node])
+        return Named(family=family, targets=(place, along) if along else (place,), values=values)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MeshSearch:
+    """All tests of one structure beside the fit of a candidate.
+
+    Attributes
+    ----------
+    offsets : of the fit
+    structure, whole : as all its tests know it, and what that was reduced from
+    points, moved : (p, 3) [m] nodes that move, and (p, 3) by which rows of the basis
+    tests : by data set, what the fit leaves, and its prediction
+    """
+
+    offsets: Mapping[str, float]
+    structure: Nuisances
+    whole: ReducedStructure
+    points: Array
+    moved: Integers
+    tests: tuple[tuple[fit.Swallowing, OnNodes], ...]
+
+    @classmethod
+    def of(cls, candidate: Candidate) -> Iterator["MeshSearch"]:
+        """One for every structure of which nodes and units are known."""
+        found: dict[str, list[tuple[fit.Swallowing, OnNodes]]] = {}
+        tested = [one for one in candidate.problem.predictions if isinstance(one, OnNodes)]
+        if not any(one.structure.scaled and one.structure.reduced is not None for one in tested):
+            return
+        for one in fit.swallowing(candidate):
+            prediction = one.of.prediction
+            if isinstance(prediction, OnNodes) and prediction.structure.scaled:
+                found.setdefault(prediction.structure.configuration, []).append((one, prediction))
+        offsets = {**candidate.problem.start, **candidate.fit.by_name}
+        for tests in found.values():
+            whole = tests[0][1].structure.reduced
+            points, moved = (np.zeros((0, 3)), np.zeros((0, 3), dtype=np.intp)) if whole is None else whole.nodes()
+            if whole is not None and len(points):
+                structure = tests[0][1].structure
+                yield cls(offsets=offsets, structure=structure, whole=whole, points=points, moved=moved, tests=tuple(tests))
+
+    def rows(self, nodes: slice | Integers) -> Array:
+        """(q, 3, k) what each coordinate moves some `nodes` along x, y, z."""
+        return np.asarray(self.whole.basis[self.moved[nodes]])
+
+    def scores(self) -> NodeScores:
+        """Of every node."""
+        points = self.points
+        evidence = {kind: np.zeros(len(points)) for kind in KINDS if kind != RESONATOR or self.lined}
+        size = {kind: np.zeros(len(points)) for kind in evidence}
+        tuned, places = np.zeros((len(points), 2)), self.resonances() if self.lined else ()
+        for begin in range(0, len(points), AT_ONCE):
+            some = slice(begin, begin + AT_ONCE)
+            told = self.told(self.rows(some), places)
+            for kind, (e, c) in told.items():
+                if kind in evidence:
+                    evidence[kind][some], size[kind][some] = e, c
+            for frequency, ratio in places:
+                e, c = told[f"{RESONATOR}:{frequency}:{ratio}"]
+                better = e > evidence[RESONATOR][some]
+                evidence[RESONATOR][some], size[RESONATOR][some] = (
+                    np.where(better, new, old[some]) for new, old in ((e, evidence[RESONATOR]), (c, size[RESONATOR]))
+                )
+                tuned[some][better] = frequency, ratio
+        return NodeScores(
+            article=self.structure.configuration,
+            structure=self.whole.structure,
+            points=points,
+            evidence=evidence,
+            size=size,
+            tuned=tuned,
+        )
+
+    @property
+    def lined(self) -> bool:
+        """Whether there are lines of a spectrum, along which a resonator can be looked for."""
+        return any(has_lines(prediction) for _, prediction in self.tests)
+
+    def told(self, rows: Array, places: Sequence[tuple[float, float]]) -> dict[str, tuple[Array, Array]]:
+        """By kind evidence (q,) [nats] and size (q,), at nodes that coordinates move by `rows` (q, 3, k).
+
+        Parameters
+        ----------
+        places : frequency [Hz] and damping ratio of resonators, which stand under a kind of their own each
+        """
+        answers: dict[str, list[fit.Answers]] = {}
+        for of, prediction in self.tests:
+            made = prediction.attached(self.offsets, of.of.lines, rows)
+            mass = made.readings.sum(axis=-1)
+            answers.setdefault(MASS, []).append(_answers(of, mass))
+            for axis, kind in enumerate(SPRINGS):
+                along = made.readings[..., axis] * made.spring[:, :, None, None]
+                answers.setdefault(kind, []).append(_answers(of, along))
+            for f, ratio in places if has_lines(prediction) else ():
+                course = _resonator(of.of.frequency, f, ratio)[None, :, None, None]
+                answers.setdefault(f"{RESONATOR}:{f}:{ratio}", []).append(_answers(of, mass * course))
+        plausible = self.plausible(rows)
+        return {kind: self._evidence(kind, each, plausible) for kind, each in answers.items()}
+
+    def _evidence(self, kind: str, answers: Sequence[fit.Answers], plausible: Mapping[str, Array]) -> tuple[Array, Array]:
+        """[nats] and sizes; a spring that pushes and a resonator of less than no mass are none."""
+        found = fit.gains(answers, self.tests[0][0].slope)
+        gain, size = found.gain, found.size
+        if kind not in plausible:
+            own = sum(one.own for one in answers)
+            left = own - np.sum(np.square(sum(one.swallowed for one in answers)), axis=-1)
+            sound = (size > 0) & (left > SAME_DIRECTION * own)
+            return np.where(sound, gain - OCCAM, -OCCAM), np.maximum(size, 0.0)
+        # 1/2 c² q (q s²) / (1 + q s²) - 1/2 ln (1 + q s²), as of `validation.estimation.screening.ScoreTest`
+        q = np.divide(2 * gain, size**2, out=np.zeros_like(gain), where=size != 0)
+        wide = q * plausible[kind] ** 2
+        allowed = (size > 0) | (kind == MASS)
+        return np.where(allowed, gain * wide / (1 + wide), 0.0) - 0.5 * np.log1p(wide), np.where(allowed, size, 0.0)
+
+    def plausible(self, rows: Array) -> dict[str, Array]:
+        """By kind (q,) standard deviation of a fault, as `validation.prediction.effects.plausible` has it of a named place."""
+        modes = len(self.structure.frequency)
+        square = rows[:, :, :modes] ** 2
+        moved = {MASS: square.sum(axis=1).max(axis=-1)}
+        at = np.max(square / (2 * np.pi * self.structure.frequency) ** 2, axis=-1)
+        moved |= {kind: at[:, axis] for axis, kind in enumerate(SPRINGS)}
+        most = {kind: FAMILIES[kind.partition(":")[0]].sizes[0].high for kind in moved}
+        return {kind: UNSEEN / np.maximum(by, UNSEEN / most[kind]) for kind, by in moved.items()}
+
+    def resonances(self) -> tuple[tuple[float, float], ...]:
+        """Frequencies [Hz] and damping ratios at which a resonator explains most at any of some nodes."""
+        some = self.rows(np.unique(np.linspace(0, len(self.points) - 1, SURVEYED).astype(np.int64)))
+        lined = [(of, one) for of, one in self.tests if has_lines(one)]
+        low, high = band(of.of.frequency for of, _ in lined)
+        every = np.geomspace(low, high, max(int(PER_OCTAVE * np.log2(high / low)), 2))
+        places = [(float(f), ratio) for ratio in DAMPING for f in every]
+        answers = []
+        for of, one in lined:
+            mass = one.attached(self.offsets, of.of.lines, some).readings.sum(axis=-1)
+            products = fit.products(of, mass, np.arange(mass.shape[2]))
+            courses = np.stack([_resonator(of.of.frequency, f, ratio) for f, ratio in places])
+            answers.append(fit.following(products, courses, of.root))
+        found = fit.gains(answers, lined[0][0].slope)
+        best = np.where(found.size > 0, found.gain, 0.0).max(axis=1)
+        return tuple(places[k] for k in np.argsort(-best)[:TUNED])
+
+    def sized(self, kind: str, row: Array, first: float, octaves: Array = OCTAVES) -> tuple[float, float]:
+        """Evidence [nats] and size of a mass or a spring without the first order, where coordinates move by `row` (3, k).
+
+        Tolerances follow to first order what the effect does at each size, all of the sign of its size to `first` order.
+
+        Parameters
+        ----------
+        octaves : sizes, as powers of two of what is plausible
+        """
+        spread = float(self.plausible(row[None])[kind][0])
+        sizes = spread * np.exp2(octaves) * (-1 if first < 0 else 1)
+        return max((self._at(kind, row, float(size), spread), float(size)) for size in sizes)
+
+    def nearby(self, kind: str, point: Array, size: float) -> tuple[int, float, float]:
+        """The best node that is reached from `point` (3,), where `size` is that, its evidence [nats] and size."""
+        node = int(np.argmin(np.linalg.norm(self.points - point, axis=1)))
+        best = (*self.sized(kind, self.rows(np.array([node]))[0], size), node)
+        for step in STEPS:
+            away = np.linalg.norm(self.points - self.points[best[2]], axis=1) / np.ptp(self.points, axis=0).max()
+            near = np.argsort(away)[1 : 1 + int(np.sum(away <= step))]
+            asked = np.unique(near[np.linspace(0, len(near) - 1, AROUND).astype(np.int64)]) if len(near) else near
+            at = np.log2(abs(best[1]) / self.plausible(self.rows(np.array([best[2]])))[kind][0])
+            tried = [(*self.sized(kind, self.rows(asked[[k]])[0], size, at + NARROW), int(asked[k])) for k in range(len(asked))]
+            best = max([best, *tried])
+        return best[2], best[0], best[1]
+
+    def best_node(self, scores: NodeScores, kind: str) -> tuple[int, float, float]:
+        """The best of the nodes that stand out for `kind`, its evidence [nats] and size."""
+        evidence, size = scores.evidence[kind], scores.size[kind]
+        if kind == RESONATOR:
+            best = int(np.argmax(evidence))
+            return best, float(evidence[best]), float(size[best])
+        some = scores.standing_out(kind).tolist()
+        gain, found, node = max((*self.sized(kind, self.rows(np.array([one]))[0], size[one]), one) for one in some)
+        return node, gain, found
+
+    def best_name(self, kind: str) -> tuple[str, float]:
+        """The best of the places that have names, and its evidence [nats]; empty where there is none."""
+        names = [name for name in self.structure.nominal.places if position(name) is None]
+        if not names or kind == RESONATOR:
+            return "", 0.0
+        rows = np.stack([self.structure.nominal.places[name] for name in names])
+        first, size = self.told(rows, ())[kind]
+        gain, name = max((self.sized(kind, rows[k], size[k])[0], names[k]) for k in np.argsort(-first)[:NAMED].tolist())
+        return name, gain
+
+    def _at(self, kind: str, row: Array, size: float, spread: float) -> float:
+        """Evidence [nats] of a size."""
+        family, _, along = kind.partition(":")
+        named, of = Named(family=family, targets=(AT, along) if along else (AT,), values={"": size}), self.structure
+        there = replace(of, nominal=replace(of.nominal, places={**of.nominal.places, AT: row}))
+        gain, turned = 0.0, np.zeros_like(self.tests[0][0].slope)
+        slope = self.tests[0][0].slope
+        for left, one in self.tests:
+            other = one.by(there).with_effects((*one.effects, Added(named=named, fixed=True)))
+            try:
+                predicted = other.at(self.offsets, left.of.lines, derivatives=False)
+                d = left.of.values - likelihood.residual(left.of.seen, predicted, FLOOR)
+            except BREAKDOWNS:
+                return -np.inf
+            gain += float(np.sum((left.of.values.conj() * d).real)) - 0.5 * float(np.sum(np.abs(d) ** 2))
+            moved = left.moved.reshape(-1, left.moved.shape[-1])
+            turned = turned + (d.swapaxes(0, 1).reshape(-1).conj() @ moved).real @ left.root
+        gain += 0.5 * float(np.sum((slope + turned) ** 2 - slope**2))
+        known = 0.5 * (size / spread) ** 2 + 0.5 * float(np.log1p(2 * max(gain, 0.0) * (spread / size) ** 2))
+        return gain - known
+
+
+def _answers(of: fit.Swallowing, readings: ComplexArray) -> fit.Answers:
+    """Of changes of the readings (r, m, c, q): as `fit.following` of `fit.products`, lines summed at once."""
+    at, white = of.of, readings * of.of.weight[..., None]
+    kept = at.kept(white, np.arange(white.shape[2]))
+    q = white.shape[-1]
+    flat = white.swapaxes(0, 1).reshape(-1, q)
+    moved = of.moved.reshape(len(flat), -1)
+    met = flat.real.T @ moved.real + flat.imag.T @ moved.imag
+    return fit.Answers(
+        score=(flat.conj().T @ of.left.reshape(-1)).real,
+        own=np.sum(np.abs(kept) ** 2, axis=(0, 1, 2)),
+        swallowed=met @ of.root,
+    )
+
+
+def _resonator(frequency: Array, own: float, ratio: float) -> ComplexArray:
+    """(m,) what a resonator adds to the dynamic mass, times what its mass held there would add."""
+    spring = own**2 + 2j * ratio * own * frequency
+    return np.asarray(spring / (spring - frequency**2))
+
+
+def found_nodes(candidate: Candidate) -> tuple[tuple[NodeScores, ...], tuple[FoundNode, ...]]:
+    """What the data say of all nodes beside the fit of `candidate`, and the best node of every kind that explains anything."""
+    every, found = [], []
+    for search in MeshSearch.of(candidate):
+        scores = search.scores()
+        every.append(scores)
+        named = places_of(scores.structure)
+        at = np.array([*named.values()]).reshape(-1, 3)
+        for kind, evidence in scores.evidence.items():
+            if evidence.max() < PROMISING:
+                continue
+            node, gain, size = search.best_node(scores, kind)
+            (name, of_name), looked = search.best_name(kind), float(evidence.max()) - scores.somewhere(kind)
+            point = scores.points[node]
+            away = np.linalg.norm(at - point, axis=1)
+            near = int(np.argmin(away)) if len(away) else -1
+            found.append(
+                FoundNode(
+                    named=scores.named(kind, node, size),
+                    article=scores.article,
+                    evidence=gain - looked,
+                    looked=looked,
+                    position=(float(point[0]), float(point[1]), float(point[2])),
+                    nearest=list(named)[near] if len(away) else "",
+                    distance=float(away[near]) if len(away) else None,
+                    named_place=name,
+                    named_evidence=of_name,
+                )
+            )
+    return tuple(every), tuple(sorted(found, key=lambda one: -one.evidence))
+
+
+def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> tuple[FoundNode, ...]:
+    """Of the kinds of `nodes` the places that are worth a fit although they have no name: they would explain what is worth a
+    parameter, and what no place that has a name explains as well. As a fit of all tolerances left them, the best first.
+
+    A large fault has the fit without it move tolerances far, and then a node is not seen where it is. So the mesh is asked from
+    the tolerances as they are declared, too; the best places are fitted, and the mesh is asked again around each with the
+    tolerances as they are beside the effect.
+    """
+    worth = [one for one in nodes if _is_worth(one)]
+    if not worth:
+        return ()
+    found: dict[str, FoundNode] = {}
+    declared = [one for one in found_nodes(as_declared(base))[1] if _is_worth(one)]
+    for one in (*worth[:FITTED], *declared[:FITTED]):
+        kind, here, most = one.kind, one.named, -np.inf
+        for _ in range(ROUNDS):
+            ready = _with_node(data, here.target)
+            start, effect = Candidate(effects=(), fit=base.fit, problem=ready.problem()), Added(named=here)
+            there = restarted_from_priors(ready, start, effect) if can_restart(effect) else fit_with(ready, start, effect)
+            if there.fit.log_evidence <= most:
+                break
+            most, fitted = there.fit.log_evidence, there.effects[-1].named
+            place = position(here.target) or one.position
+            gain = most - base.fit.log_evidence - one.looked
+            if kind not in found or gain > found[kind].evidence:
+                found[kind] = replace(one, named=fitted, position=place, evidence=gain)
+            if kind == RESONATOR or not fitted.value:
+                break
+            offsets = np.array([there.fit.by_name[parameter.name] for parameter in base.fit.parameters])
+            beside = Candidate(effects=(), fit=replace(base.fit, offsets=offsets), problem=start.problem)
+            search = next(each for each in MeshSearch.of(beside) if each.structure.configuration == one.article)
+            node, _, size = search.nearby(kind, np.array(place), fitted.value)
+            moved = at_position(search.points[node])
+            if moved == here.target:
+                break
+            here = replace(here, targets=(moved, *here.targets[1:]), values={"": size})
+    return tuple(sorted((one for one in found.values() if _is_worth(one)), key=lambda one: -one.evidence))
+
+
+def as_declared(of: Candidate) -> Candidate:
+    """`of` with all tolerances where they are declared, and what the data then say of them to first order."""
+    cost = cost_of(of.problem, of.fit.parameters, FLOOR, of.problem.start)
+    x = cost.at(of.problem.start)
+    return replace(of, fit=replace(of.fit, offsets=x, covariance=inverse(cost.total(x)[0].matrix)))
+
+
+def _is_worth(node: FoundNode) -> bool:
+    return node.evidence >= max(evidence_threshold(node.named.family), node.named_evidence + INDISTINGUISHABLE_NATS)
+
+
+def _with_node(data: Study, place: str) -> Study:
+    """`data` with the node that is a `place`, as the coordinates that are there move it."""
+    tests: list[StructurePrediction] = []
+    for one in data.tests:
+        if isinstance(one, OnNodes) and (whole := one.structure.reduced) is not None:
+            points, moved = whole.nodes()
+            row = whole.basis[moved[np.argmin(np.linalg.norm(points - np.array(position(place)), axis=1))]]
+            of = one.structure.nominal
+            tests.append(one.by(replace(one.structure, nominal=replace(of, places={**of.places, place: row}))))
+        else:
+            tests.append(one)
+    return replace(data, tests=tuple(tests))
+
+
+def places_of(structure: Structure) -> dict[str, Array]:
+    """(3,) [m] by name of the places of `structure` that are names, by what the six rigid motions make of them."""
+    found = {}
+    for name, rows in structure.places.items():
+        moved = np.asarray(rows @ structure.rigid)
+        if position(name) is None and np.allclose(moved[:, :3], np.eye(3), atol=1e-6):  # one that nothing holds
+            found[name] = structure.reference_point + moved[[1, 2, 0], [5, 3, 4]]
+    return found
