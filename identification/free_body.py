@@ -133,7 +133,7 @@ def identify(data: ResponseFunctions) -> FreeBody:
         if len(lines) < FEWEST:
             break
         y = np.moveaxis(values[:, inside], 2, 1).reshape(-1, len(lines))  # (r c, n)
-        A0, variance, poles = _taken_apart(lines, y, _peaks(lines, y))
+        A0, variance, poles = _taken_apart(lines, y)
         straight = lines <= max((float(poles[0]) if len(poles) else float(lines[-1])) / 3, lines[0] * 1.5)
         plain = _mass_line(np.mean(y[:, straight].real, axis=1).reshape(shape), data, centre)
         A = A0.reshape(shape)
@@ -143,7 +143,8 @@ def identify(data: ResponseFunctions) -> FreeBody:
     if len(f[(f >= low) & (f <= high)]) < FEWEST:
         problem = f"fewer than {FEWEST} lines lie within {low:g} to {high:g} Hz"
         raise BadInput(source=data.source, field="band", problem=problem, remedy="Widen it, or measure with a finer resolution")
-    T = _moved(-centre)
+    # Parameters about the origin of those about the centre
+    T = np.array([Inertia(parameters=row).about(-centre).parameters for row in np.eye(10)]).T
     inertia = Inertia(parameters=T @ found)
     if inertia.mass <= 0 or np.linalg.eigvalsh(inertia.tensor_cog)[0] <= 0:
         raise CheckFailed(f"No body has what comes out of {data.source}: mass {inertia.mass:.4g} kg; look at signs and units")
@@ -165,23 +166,13 @@ def _rows(points: Sequence[Point], centre: Array) -> Array:
     return np.array([np.asarray(one.direction) @ arm for one, arm in zip(points, arms, strict=True)])
 
 
-def _moved(by: Array) -> Array:
-    """(10, 10) parameters about a point, in axes moved there, from those about the origin."""
-    return np.array([Inertia(parameters=row).about(by).parameters for row in np.eye(10)]).T
-
-
-def _peaks(f: Array, y: Array) -> Array:
-    from scipy.signal import find_peaks
-
-    size = np.abs(y)
-    level = np.mean(np.log(np.maximum(size, 1e-300)), axis=0)
-    return np.asarray(f[find_peaks(level, prominence=HEIGHT)[0]][:POLES])
-
-
-def _taken_apart(f: Array, y: Array, peaks: Array) -> tuple[Array, Array, Array]:
+def _taken_apart(f: Array, y: Array) -> tuple[Array, Array, Array]:
     """The mass lines (m,) of functions `y` (m, n), their variances, and the poles [Hz] as they were refined."""
     from scipy.optimize import least_squares
+    from scipy.signal import find_peaks
 
+    level = np.mean(np.log(np.maximum(np.abs(y), 1e-300)), axis=0)
+    peaks = f[find_peaks(level, prominence=HEIGHT)[0]][:POLES]
     weight = 1 / np.sqrt(np.mean(np.abs(y) ** 2, axis=0))
     scale = 1 / np.sqrt(np.mean(np.abs(y * weight) ** 2, axis=1, keepdims=True))
     target = scale * weight * y
