@@ -197,14 +197,14 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ResponseFun
         problem = f"must be [low, high] in Hz within {low:g} to {high:g}, found {band!r}"
         raise BadInput(source=source, field="band", problem=problem, remedy="Write band = [5, 200]")
     where = coordinates_of(table, source)
-    drives, responses = (
+    drives, read = (
         tuple(replace(one, position=where.get(one.place, one.position)) for one in each)
         for each in (whole.drives, whole.responses)
     )
     return replace(
         whole,
         drives=drives,
-        responses=responses,
+        responses=read,
         title=str(table.get("title", Path(source).stem)),
         article=str(table["article"]),
         quantity=quantity,
