@@ -150,6 +150,15 @@ def place_rows(structure: Structure, points: npt.ArrayLike) -> list[Sparse]:
     return found
 
 
+def position_of(structure: Structure, place: str) -> Array | None:
+    """(3,) [m] of a named place in the article's frame, by how it turns with the structure; None where that does not say."""
+    carried = np.asarray(structure.places[place] @ structure.rigid)
+    if carried.shape != (3, 6) or not np.allclose(carried[:, :3], np.eye(3), atol=1e-6):
+        return None
+    turns = carried[:, 3:]  # -[a], a the arm from the reference point
+    return np.asarray(structure.reference_point + np.array([turns[1, 2], turns[2, 0], turns[0, 1]]))
+
+
 def nearest_node(structure: Structure, point: Array) -> tuple[int, float, float]:
     """Number of the node nearest to `point` (3,) [m], its distance, and the widest gap between a node and its nearest [m]."""
     from scipy.spatial import cKDTree

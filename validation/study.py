@@ -390,7 +390,8 @@ class Study:
         """What effects can be about: channels, and parts and places of what was tested."""
         of = vocabulary(self.model, self.campaigns)
         if self.tests:
-            of = replace(of, places=None, parts=None, supports=None, joints=None, ways=AXES if not self.campaigns else of.ways)
+            of = replace(of, places=None, parts=None, supports=None, joints=None, drives=None)
+            of = replace(of, ways=AXES if not self.campaigns else of.ways)
         of = words_of(self.there, of)
         responses = tuple(dict.fromkeys(name for one in self.tests for name in one.measured.channels))
         recorded = dict.fromkeys(name for one in self.tests for name in one.there.channels or ())

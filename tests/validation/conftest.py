@@ -160,3 +160,30 @@ def leaves_by_no_click(script) -> Callable[[Any, Collection[str]], None]:
 def script() -> Callable[[str], str]:
     """A script of the folder js, to be evaluated in a page."""
     return lambda name: (Path(__file__).with_name("js") / f"{name}.js").read_text(encoding="utf-8")
+
+
+BRACKET = """format = 1
+model = { title = "Column and arm", article = "bracket" }
+[fe_model]
+kind = "matrices"
+units = "mm-t-N-s"
+support = "ground"
+file = "bracket-parts.npz"
+places = { foot = 101, low = 103, mid = 105, elbow = 107, arm = 109, tip = 110 }
+[fe_model.joints.soil]
+between = ["foot", "ground"]
+stiffness = ["1e6 N/mm", "1e6 N/mm", "1e6 N/mm", "1e9 N mm/rad", "1e9 N mm/rad", "1e9 N mm/rad"]
+"""
+
+
+@pytest.fixture(scope="session")
+def bracket(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A column and an arm of ten nodes with coordinates, on stiff ground; ``free.toml`` beside it floats."""
+    folder = tmp_path_factory.mktemp("bracket")
+    own = runpy.run_path(str(root / "examples" / "own_model.py"))
+    nodes, coordinates, _, _ = own["bracket"]()
+    dof = np.array([(node, component) for node in nodes for component in range(1, 7)])
+    np.savez(folder / "bracket-parts.npz", dof=dof, nodes=nodes, coordinates=coordinates, **own["parts"]())
+    (folder / "bracket.toml").write_text(BRACKET)
+    (folder / "free.toml").write_text(BRACKET.replace('"ground"', '"free"', 1).partition("[fe_model.joints")[0])
+    return folder / "bracket.toml"

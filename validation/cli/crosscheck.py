@@ -273,12 +273,22 @@ def league_command(names: tuple[str, ...], data: Path, studies: Path, as_json: b
 @click.option("--force", is_flag=True, help="Replace FILE if it is there.")
 @click.option("--examine", is_flag=True, help="Write nothing; say all that is wrong with the FE model in the file ARTICLE.")
 @click.option("--json", "as_json", is_flag=True, help="With --examine: print one JSON object instead.")
+@click.option(
+    "--test",
+    "tests",
+    multiple=True,
+    metavar="TEST.toml",
+    help="A test of your own FE model: write the study of both. Repeatable.",
+)
 @options.effects_from
-def model_command(article: str, out: Path | None, force: bool, examine: bool, as_json: bool) -> None:
+def model_command(article: str, out: Path | None, force: bool, examine: bool, as_json: bool, tests: tuple[str, ...]) -> None:
     """Write a commented model file for ARTICLE: laboratory, structure, tolerances, and place for effects.
 
     ARTICLE is a built-in stack on the force measurement device, such as fmd+clumod-1; a file of your own - FE model, STEP or
     mesh - which is put on it; or a model file, which is checked and written anew. docs/model-file.md explains every key.
+
+    With --test ARTICLE is an FE model of your own that was struck, shaken or measured by modes by itself; what is written is its
+    study, a model file that names both, to lie beside the data.
 
     With --examine ARTICLE is an FE model of your own, of which each finding says what is wrong, where, how much, and what to do;
     docs/own-model.md has an example. Exit code 0 when nothing is wrong, 1 with findings, 2 when the file cannot be read at all.
@@ -286,8 +296,11 @@ def model_command(article: str, out: Path | None, force: bool, examine: bool, as
     if examine:
         from validation.report.examine import answer
 
-        if out is not None or force:
-            problem, remedy = "it writes no file", "Leave out --out and --force; --json prints what was found as one object"
+        if out is not None or force or tests:
+            problem, remedy = (
+                "it writes no file",
+                "Leave out --out, --force and --test; --json prints what was found as one object",
+            )
             raise BadInput(source="--examine", problem=problem, remedy=remedy)
         answer(article, as_json=as_json)
         return
@@ -295,7 +308,7 @@ def model_command(article: str, out: Path | None, force: bool, examine: bool, as
         raise BadInput(source="--json", problem="a model file is TOML", remedy="Use it with --examine")
     from validation.report.history import model
 
-    model(article, out, force=force)
+    model(article, out, force=force, tests=tests)
 
 
 @click.command("report")

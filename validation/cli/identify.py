@@ -64,8 +64,12 @@ from validation.cli import options
 @click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Write identify.json and the pictures into DIR.")
 @options.JSON
 @options.FRAME
-def identify_command(plot: bool, out: Path | None, as_json: bool, frame: str | None, **given: Any) -> None:
+@click.pass_context
+def identify_command(ctx: click.Context, /, plot: bool, out: Path | None, as_json: bool, frame: str | None, **given: Any) -> None:
     """Mass, CoG, moments and products of inertia of the article of CAMPAIGN, with 95 % intervals and a verdict on each.
+
+    CAMPAIGN may be TEST.toml, response functions of a free or softly hung body with at least six references and coordinates of
+    all points: the mass line and a joint fit then stand side by side.
 
     Plain results (Eqs. 6 to 11, then 1 and 4) and self-calibrated ones, in which every tolerance of sensors and load cells is
     estimated over article and tare, stand side by side; docs/identification.md says how to read them. Without --tare the FMD's
@@ -75,8 +79,16 @@ def identify_command(plot: bool, out: Path | None, as_json: bool, frame: str | N
     """
     from validation.identify.identify import IdentifyOptions
     from validation.output import require_folder
-    from validation.report.identify import answer
+    from validation.report.identify import answer, answer_of_test
 
+    if str(given["campaign"]).lower().endswith(".toml") and Path(given["campaign"]).is_file():
+        typed = click.core.ParameterSource.COMMANDLINE
+        names = [name for name in ctx.params if ctx.get_parameter_source(name) is typed]
+        if other := sorted(set(names) - {"campaign", "band", "as_json"}):
+            problem = "has no meaning for response functions"
+            raise BadInput(source=f"--{other[0].replace('_', '-')}", problem=problem, remedy="Leave it out")
+        answer_of_test(given["campaign"], given["band"] or None, as_json=as_json)
+        return
     if out is not None:
         require_folder(out, "--out")
     folder = out if out is not None else Path("out") if plot else None

@@ -255,15 +255,40 @@ def excite_command(
     "--unit", "units", multiple=True, metavar="UNIT", help="Of the signal files where it is not SI: g, kN ... May be repeated."
 )
 @options.SET
-def simulate_command(articles: tuple[str, ...], out: Path, as_json: bool, **given: Any) -> None:
+@click.option("--test", "kind", metavar="KIND", help="Of MODEL.toml: hammer, shaker, functions or modes.  [default: hammer]")
+@click.option("--drive", "drives", multiple=True, metavar="PLACE:AXIS", help="Of MODEL.toml, where the force acts. Repeatable.")
+@click.option("--response", "responses", multiple=True, metavar="PLACE:AXIS", help="Of MODEL.toml, what is read. Repeatable.")
+@click.option("--block", type=float, metavar="S", help="Of MODEL.toml, length of a block.  [default: until all has rung down]")
+@click.pass_context
+def simulate_command(ctx: click.Context, /, articles: tuple[str, ...], out: Path, as_json: bool, **given: Any) -> None:
     """Simulate ARTICLE on the multi-axis shaker, as six sweeps would have recorded it: 22 channels, tolerances, noise, hum.
 
     ARTICLE is a stack on the force measurement device, such as fmd+disc+cuboid or fmd+clumod-1. Several are a series that
     shares FMD and sensors, a folder each below DIR; so are tests of one seed. The truth goes beside a campaign, DIR.truth.json.
+
+    `massline simulate MODEL.toml` strikes, shakes or tabulates the structure of a model file instead, with --test. Points and
+    band are those of the model's first [[test]] where nothing is said; DIR/test.toml is what `compare` and `diagnose` read.
     """
-    from validation.report.excite import simulate
+    from validation.report.excite import simulate, simulate_structure
     from validation.virtual_test.simulate import question
 
+    of_structure = {name: given.pop(name) for name in ("kind", "drives", "responses", "block")}
+    stated = {
+        name for name in (*given, *of_structure) if ctx.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE
+    }
+    if len(articles) == 1 and articles[0].lower().endswith(".toml"):
+        both = ("effects", "seed", "sealed", "noise", "tolerances", "band")
+        if other := sorted(stated - {*both, *of_structure}):
+            problem = "is an option of the multi-axis shaker, and a structure is struck, shaken or tabulated"
+            raise BadInput(source=f"--{other[0].replace('_', '-')}", problem=problem, remedy="Leave it out")
+        common = {name: given[name] for name in both}
+        simulate_structure(
+            articles[0], out, as_json=as_json, **{**common, "band": given["band"] if "band" in stated else None}, **of_structure
+        )
+        return
+    if other := sorted(stated & of_structure.keys()):
+        problem = "is an option of the test of a structure, and ARTICLE stands on the multi-axis shaker"
+        raise BadInput(source=f"--{other[0]}", problem=problem, remedy="Name a model file, or leave it out")
     simulate(question(articles=articles, out=out, **given), as_json=as_json)
 
 

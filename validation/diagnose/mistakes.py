@@ -10,9 +10,9 @@ averaged over lines and added over runs, since what a nominal model has wrong do
 20 %, delays of milliseconds and pick-ups that sit 5 cm beside their place are no mistakes.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import combinations, product
 from types import MappingProxyType
 
 import numpy as np
@@ -25,6 +25,9 @@ from identification.consistency import candidates
 from identification.quality import NORMAL_90
 from validation.diagnose.diagnosis import Cause, EffectEstimate
 from validation.effects.catalogue import Named
+from validation.model.model import Added
+from validation.prediction.modal_table import TableShapes
+from validation.prediction.response_functions import FORCE_CHANNEL, ResponseFunctionTest
 from validation.prediction.series import SeriesPrediction
 from validation.study import Study
 
@@ -263,6 +266,9 @@ def mistakes(data: Study) -> tuple[Cause, ...]:
     ------
     CheckFailed : a mistake of one campaign that another contradicts.
     """
+    if data.tests:
+        of_tests = mistakes_of_tests(data)
+        return of_tests if not data.made else (*of_tests, *mistakes(replace(data, tests=())))
     if not data.made:
         return ()
     every = [LowFrequencyReadings.of(one.with_effects(data.model.effects)) for one in data.made]
@@ -395,6 +401,276 @@ def _of_accelerometers(
         else replace(one, factor=float(np.sign(one.factor)), gain=0.0)
         for c, one in enumerate(taken)
     )
+
+
+# Tests of a structure by itself: what all channels of a line, or of a mode, read beside what a nominal model says, but for the
+# one factor that they have in common. Damping and the height of a peak are in that factor; signs, plugs, units, directions and
+# places of single channels are not. Frequencies of the model are first brought to those of the test, peak by peak.
+
+WARPED = 0.15
+"""[log] Difference of two frequencies up to which their peaks are one. Held by
+tests/validation/diagnosing/test_mistakes_of_tests.py."""
+
+LEAST_PEAK = 1.0
+"""[log] Height of a peak over its surroundings, in the mean of all functions. Held by the same tests."""
+
+ROWS = 240
+"""[count] of lines of a test that are looked at. Exercised by the same tests."""
+
+FAR = 0.5
+"""[share] Distance of a reading from what it should be from which another point is looked for. Held by the same tests."""
+
+INDEPENDENT = 4
+"""[count] of lines of functions, or of modes, that say something of their own at least. Exercised by the same tests."""
+
+MOST_SWAPPED = 12
+"""[count] of channels up to which every exchange of two is tried by itself. Exercised by the same tests."""
+
+FEWEST_CHANNELS = 3
+"""[count] of channels below which nobody tells which of them is wrong. By definition."""
+
+
+def mistakes_of_tests(data: Study) -> tuple[Cause, ...]:
+    """Wrong signs, exchanged plugs, wrong units, directions, places and references of response functions and tables of modes.
+
+    A mistake of a channel that several tests have must be in all of them: effects act by the name of a channel.
+    """
+    from identification.campaign import UNITS
+
+    tests = [one.with_effects(data.model.effects) for one in data.tests]
+    named = [set(one.measured.channels) for one in tests]
+    found: list[list[Cause]] = []
+    for one in tests:
+        if isinstance(one, ResponseFunctionTest):
+            found.append(_of_functions(one, UNITS))
+        elif isinstance(one, TableShapes):
+            shapes = one.at({}, derivatives=False).rows[:, 0, :, 0]
+            found.append(_of_channels(one, one.measured.values[:, 0], shapes, one.measured.noise[:, 0], UNITS))
+        else:
+            found.append([])
+    said = [{cause.id for cause in causes} for causes in found]
+    kept: dict[str, Cause] = {}
+    for causes in found:
+        for cause in causes:
+            others = [ids for ids, channels in zip(said, named, strict=True) if cause.named.target in channels]
+            if all(cause.id in ids for ids in others):
+                kept.setdefault(cause.id, cause)
+    order = ("polarity", "channel-swap", "wrong-direction", "wrong-place", "wrong-reference", "unit")
+    return tuple(sorted(kept.values(), key=lambda one: order.index(one.named.family)))
+
+
+def _of_functions(one: ResponseFunctionTest, units: Mapping[str, Mapping[str, float]]) -> list[Cause]:
+    """Of response functions."""
+    measured = one.measured
+    lines = np.unique(np.linspace(0, len(measured.frequency) - 1, ROWS).round().astype(np.int64))
+    y, noise = measured.values[:, lines], measured.noise[:, lines]
+
+    def predicted(of: ResponseFunctionTest, frequency: Array) -> ComplexArray:
+        whole = np.zeros((len(y), len(frequency), y.shape[2]))
+        moved = replace(measured, frequency=frequency, values=whole.astype(np.complex128), noise=whole + 1.0)
+        moved = replace(moved, inputs=np.ones((len(y), len(frequency), 1), dtype=np.complex128))
+        return np.asarray(replace(of, measured=moved).at({}, derivatives=False).rows[..., 0])
+
+    wide = np.geomspace(measured.frequency[0] * np.exp(-WARPED), measured.frequency[-1] * np.exp(WARPED), 4 * ROWS)
+    warped = _warped(measured.frequency, measured.values, wide, predicted(one, wide))(measured.frequency[lines])
+    c = y.shape[2]
+
+    def with_causes(causes: Sequence[Cause]) -> ResponseFunctionTest:
+        return one.with_effects((*one.effects, *(Added(named=cause.named, fixed=True) for cause in causes)))
+
+    p = predicted(one, warped)
+    causes = _of_channels(one, y.reshape(-1, c), p.reshape(-1, c), noise.reshape(-1, c), units, warped, predicted)
+    p = predicted(with_causes(causes), warped)
+    for r, drive in enumerate(one.drives):
+        # The factor of a line would hide where the force acted: here its sign counts
+        stated = _apart(y[r], p[r])
+        if stated < FAR:
+            continue
+        trials = {}
+        for name in (point.name for point in one.responses if point.name != drive.name):
+            named = Named(family="wrong-reference", targets=(drive.name, name), values={"": 1.0})
+            rows = predicted(with_causes((*causes, _cause(named.family, named.targets, 0.0, named.values))), warped)[r]
+            trials[name] = (_apart(y[r], rows), rows)
+        best = min(trials, key=lambda name: trials[name][0], default="")
+        if best and trials[best][0] < FAR / 2:
+            nats = float((stated**2 - trials[best][0] ** 2) / OFF**2 * max(2, c))
+            causes.append(_cause("wrong-reference", (drive.name, best), nats, {"": 1.0}))
+            p = np.concatenate([p[:r], trials[best][1][None], p[r + 1 :]])
+    loud = np.sqrt(np.mean(np.abs(p) ** 2, axis=2)).ravel() > TINY
+    ratio = np.sum(y * p.conj(), axis=2).ravel()[loud] / np.sum(np.abs(p) ** 2, axis=2).ravel()[loud]
+    if one.scale is None and np.all(np.abs(ratio) > TINY):
+        # What all channels share is the force's, unless it is a unit of acceleration
+        size, sign = float(np.exp(np.median(np.log(np.abs(ratio))))), float(np.mean(ratio.real / np.abs(ratio)))
+        if sign < -FAR:
+            causes.append(_cause("polarity", (FORCE_CHANNEL,), SURE + SIGN_PENALTY * len(measured.runs)))
+        if abs(np.log(size)) > np.log(USUAL):
+            of_force, of_motion = (_units_of(units[quantity]) for quantity in ("force", "acceleration"))
+            if (unit := of_force.nearest(1 / size)) is not None:
+                causes.append(_unit_cause(FORCE_CHANNEL, float(of_force.values[unit]), of_force.units[unit], SURE))
+            elif (unit := of_motion.nearest(size)) is not None:
+                value, pair = float(of_motion.values[unit]), of_motion.units[unit]
+                causes += [_unit_cause(name, value, pair, SURE) for name in measured.channels]
+    return causes
+
+
+def _apart(y: ComplexArray, p: ComplexArray) -> float:
+    """Distance, 0 to 1, of readings y (n, c) of one run from p, of either sign: 1 less the mean cosine between them."""
+    above = np.sum(y * p.conj(), axis=1).real
+    below = np.linalg.norm(y, axis=1) * np.linalg.norm(p, axis=1)
+    return float(1 - abs(np.mean(above / np.maximum(below, TINY))))
+
+
+def _warped(f: Array, y: ComplexArray, wide: Array, p: ComplexArray) -> Callable[[Array], Array]:
+    """Where the model has what the test has at a frequency, by the peaks of the mean level of all functions."""
+    from scipy.signal import find_peaks
+
+    def level(values: ComplexArray) -> Array:
+        size = np.log(np.maximum(np.abs(values), TINY))
+        return np.asarray(np.mean(size - np.median(size, axis=1, keepdims=True), axis=(0, 2)))
+
+    of_test, of_model = level(y), level(p)
+    ours, theirs = (np.log(axis[find_peaks(of, prominence=LEAST_PEAK)[0]]) for axis, of in ((f, of_test), (wide, of_model)))
+    logs = np.log(wide)
+    shifts = np.linspace(-WARPED, WARPED, 61)
+    on = np.linspace(np.log(f[0]), np.log(f[-1]), ROWS)
+    seen = np.interp(on, np.log(f), of_test)
+    scores = [float(np.corrcoef(seen, np.interp(on + shift, logs, of_model))[0, 1]) for shift in shifts]
+    whole = float(shifts[int(np.argmax(scores))]) if max(scores) > 0 else 0.0
+    knots = {float(np.log(f[0])): whole, float(np.log(f[-1])): whole}
+    if len(ours) and len(theirs):
+        from scipy.optimize import linear_sum_assignment
+
+        apart = np.abs(theirs[None] - ours[:, None] - whole)
+        for i, k in zip(*linear_sum_assignment(np.minimum(apart, WARPED)), strict=True):
+            if apart[i, k] < WARPED:
+                knots[float(ours[i])] = float(theirs[k] - ours[i])
+    places = np.array(sorted(knots))
+    moved = np.maximum.accumulate(places + np.array([knots[x] for x in places]))
+    return lambda at: np.asarray(np.exp(np.interp(np.log(at), places, moved)))
+
+
+def _units_of(sizes: Mapping[str, float]) -> _KnownFactors:
+    """Factors of numbers that are in another unit than the SI one."""
+    pairs = [(unit, 1 / size) for unit, size in sizes.items() if size != 1]
+    si = next(unit for unit, size in sizes.items() if size == 1)
+    return _KnownFactors(values=np.array([factor for _, factor in pairs]), units=tuple((si, unit) for unit, _ in pairs))
+
+
+def _unit_cause(channel: str, value: float, units: tuple[str, str], nats: float) -> Cause:
+    said, true = units
+    half = 0.0 if said else NORMAL_90 * OFF * value
+    size = EffectEstimate(key="", value=value, unit="1", low=value - half, high=value + half)
+    note = f"its numbers are in {true}, and the file says {said}" if said else ""
+    return _cause("unit", (channel,), nats, {"": value}, (size,), note)
+
+
+def _of_channels(
+    one: ResponseFunctionTest | TableShapes,
+    y: ComplexArray,
+    p: ComplexArray,
+    noise: Array,
+    units: Mapping[str, Mapping[str, float]],
+    warped: Array | None = None,
+    predicted: Callable[[ResponseFunctionTest, Array], ComplexArray] | None = None,
+) -> list[Cause]:
+    """Mistakes of single channels in readings y (m, c) of which p are expected.
+
+    Parameters
+    ----------
+    warped, predicted : of response functions, where the model has each line, and what it reads there
+    """
+    c, names = y.shape[1], one.measured.channels
+    if c < FEWEST_CHANNELS:
+        return []
+    size = np.sqrt(np.mean(np.abs(p) ** 2, axis=1, keepdims=True))
+    kept = size[:, 0] > TINY
+    y, p, noise = y[kept] / size[kept], p[kept] / size[kept], noise[kept] / size[kept]
+    factors = _shared_factor(y, p)
+    scaled = y / factors[:, None]
+    readings = LowFrequencyReadings(
+        name=one.measured.name,
+        channels=names,
+        quantities=("acceleration",) * c,
+        lines=max(1, len(scaled) // INDEPENDENT),
+        reading=scaled,
+        expected=p,
+        noise=np.minimum(noise / np.abs(factors)[:, None], OFF),  # a unit makes all others of a shape faint
+    )
+    known = (_units_of(units["acceleration"]),) * c
+    taken = _sources([readings], known)
+    causes = [_cause("polarity", (names[each.plug],), each.gain) for each in taken if each.factor < 0]
+    at = list(range(c))
+    for k, each in enumerate(taken):
+        if at[k] != each.plug:
+            swapped = at.index(each.plug)
+            at[k], at[swapped] = at[swapped], at[k]
+            causes.append(_cause("channel-swap", (names[k], names[swapped]), each.gain + taken[swapped].gain))
+    causes += [
+        _unit_cause(names[each.channel], abs(each.factor), each.units, each.gain) for each in taken if abs(each.factor) != 1
+    ]
+    distances = [each.distance([readings]) for each in taken]
+    if not causes and max(distances) > FAR and c <= MOST_SWAPPED:
+        # Of few channels two that are exchanged may agree with each other: each pair by itself, with a factor of its own
+        trials = {}
+        for pair in combinations(range(c), 2):
+            order = list(range(c))
+            order[pair[0]], order[pair[1]] = pair[1], pair[0]
+            turned = y[:, order]
+            trials[pair] = float(distance((turned / _shared_factor(turned, p)[:, None])[None], p[None]).max())
+        exchanged = min(trials, key=lambda pair: trials[pair])
+        if trials[exchanged] < NEAR:
+            nats = (max(distances) ** 2 - trials[exchanged] ** 2) / OFF**2 * min(len(y), INDEPENDENT)
+            return [_cause("channel-swap", (names[exchanged[0]], names[exchanged[1]]), float(nats))]
+    if np.mean(np.array(distances) < NEAR) < FAR:  # what most of the channels say is not what the model says
+        return causes
+    for k, (each, away) in enumerate(zip(taken, distances, strict=True)):
+        if not each.is_right or away < FAR:
+            continue
+        # Another direction, or another place, and either sign
+        best: tuple[float, Cause] | None = None
+        for family, words in (("wrong-direction", "xyz"), ("wrong-place", tuple(one.there.places))):
+            for word in words:
+                named = Named(family=family, targets=(names[k], word), values={"": 1.0})
+                other = one.with_effects((*one.effects, Added(named=named, fixed=True)))
+                if isinstance(other, ResponseFunctionTest) and predicted is not None and warped is not None:
+                    rows = predicted(other, warped)[..., k].reshape(-1)
+                else:
+                    rows = other.at({}, derivatives=False).rows[:, 0, k, 0]
+                rows = rows[kept] / size[kept, 0]
+                due = level(rows[None, :, None])[0, :, 0]
+                for sign in (1.0, -1.0):
+                    off = np.linalg.norm((scaled[:, k] - sign * rows) / due)
+                    total = np.linalg.norm(scaled[:, k] / due) + np.linalg.norm(rows / due)
+                    share = float(off / max(total, TINY))
+                    nats = float((away**2 - share**2) / OFF**2 * min(len(scaled), INDEPENDENT)) - PLUG_PENALTY
+                    if share < NEAR and nats > SURE and (best is None or share < best[0]):
+                        best = (share, _cause(family, (names[k], word), nats, {"": 1.0}))
+                        turned = sign < 0
+        if best is not None:
+            causes.append(best[1])
+            if turned:
+                causes.append(_cause("polarity", (names[k],), SURE))
+    return causes
+
+
+def _shared_factor(y: ComplexArray, p: ComplexArray) -> ComplexArray:
+    """(m,) y / p of every row, of each channel's own ratio the one that the others contradict least."""
+    costs, told = [], []
+    for k in range(y.shape[1]):
+        ratio = y[:, k] / np.where(np.abs(p[:, k]) > TINY, p[:, k], TINY)
+        weight = np.abs(p[:, k]) > FAINT
+        off = np.abs(y - ratio[:, None] * p) / np.maximum(np.abs(y) + np.abs(ratio[:, None] * p), TINY)
+        costs.append(np.where(weight, np.sum(off**2 / (off**2 + DISTANT**2), axis=1), np.inf))
+        told.append(ratio)
+    best = np.argmin(costs, axis=0)
+    factor = np.array(told)[best, np.arange(len(y))]
+    for _ in range(ROUNDS):  # again from all that are near, over all rows
+        near = distance(y[None] / factor[None, :, None], p[None]) < NEAR
+        if not np.any(near):
+            break
+        factor = np.sum(y[:, near] * p[:, near].conj(), axis=1) / np.maximum(np.sum(np.abs(p[:, near]) ** 2, axis=1), TINY)
+        factor = np.where(np.abs(factor) > TINY, factor, 1.0)
+    return np.asarray(factor)
 
 
 def _cause(

@@ -147,6 +147,8 @@ ORDER = [
     "force-highpass",
     "force-crosstalk",
     "force-plane-offset",
+    "force-misalignment",
+    "force-position",
     "fmd-compliance",
     "cell-stiffness",
     "accelerometer-gain",
@@ -155,9 +157,15 @@ ORDER = [
     "accelerometer-misalignment",
     "accelerometer-tilt",
     "cover-plate-flexibility",
+    "transducer-mass",
+    "exponential-window",
+    "leakage",
     "polarity",
     "channel-swap",
     "unit",
+    "wrong-direction",
+    "wrong-place",
+    "wrong-reference",
     "friction",
     "gap",
     "saturation",
@@ -618,6 +626,9 @@ OF_PARTS = (effect_types.PART, "part with a layer")
 LOCAL = (*OF_PARTS, effect_types.PLACE, effect_types.SUPPORT, effect_types.BETWEEN)
 """Kinds of target that a structure has or has not."""
 
+OF_TESTS = ("transducer-mass", "exponential-window", "leakage", "wrong-direction", "wrong-place", "wrong-reference")
+"""Families of tests of a structure by itself, which have no meaning for one on a base that moves."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class There:
@@ -633,6 +644,7 @@ class There:
     base : whether it stands on a base whose motion is measured
     rigid : whether it can move as a rigid body
     weighed : whether the stiffness that its weight gives it is known
+    drives : points at which it was struck or shaken
     """
 
     article: str = ""
@@ -644,6 +656,7 @@ class There:
     base: bool = True
     rigid: bool = True
     weighed: bool = False
+    drives: tuple[str, ...] = ()
 
 
 def there(article: str, matrices: Matrices, channels: tuple[str, ...] | None = None) -> There:
@@ -664,7 +677,7 @@ def there(article: str, matrices: Matrices, channels: tuple[str, ...] | None = N
 def words_of(found: Iterable[There], words: effect_types.Vocabulary) -> effect_types.Vocabulary:
     """`words` with the targets that the structures `found` have wherever any name would do; what has none gets none."""
     stands, made = tuple(found), {}
-    for kind in ("places", "parts", "supports", "joints"):
+    for kind in ("places", "parts", "supports", "joints", "drives"):
         if getattr(words, kind) is None:
             made[kind] = tuple(dict.fromkeys(name for one in stands for name in getattr(one, kind)))
     return replace(words, **made)
@@ -682,6 +695,10 @@ def acts(named: Named, there: There) -> bool:
     pairs = zip(family.targets, named.targets, strict=False)
     asked = [target for kind, target in pairs if kind in (effect_types.CHANNEL, effect_types.FORCE, effect_types.ACCELEROMETER)]
     is_recorded = there.channels is None or all(target in there.channels for target in asked)
+    if (family.targets[:1] == (effect_types.DRIVE,) and named.target not in there.drives) or (
+        family.name in OF_TESTS and there.base
+    ):
+        return False
     return is_recorded and (not on_article(named) or bool(there.article))
 
 
@@ -729,6 +746,7 @@ KINDS = (
     effect_types.SUPPORT,
     effect_types.BETWEEN,
     effect_types.CABLE,
+    effect_types.DRIVE,
 )
 NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 

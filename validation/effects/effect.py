@@ -178,6 +178,7 @@ DELAY = (SizeSpec(unit="s", low=-0.1, high=0.1, plausible=500e-6),)
 LENGTH = (SizeSpec(unit="m", low=-0.5, high=0.5, plausible=0.01),)
 ANGLE = (SizeSpec(unit="rad", low=-0.5, high=0.5, plausible=0.05),)
 SWITCH = (SizeSpec(unit="1", low=0.0, high=1.0, default=1.0, whole=True, null=1.0, plausible=1.0),)
+THERE = (SizeSpec(unit="1", low=0.0, high=1.0, default=1.0, whole=True),)
 TURNING = (SizeSpec(unit="rad/(N m)", low=1e-12, high=1e-2, plausible=2e-6),)
 SHIFTING = (SizeSpec(unit="m/N", low=1e-13, high=1e-3, plausible=1e-8),)
 MASS = (SizeSpec(unit="kg", low=-1e3, high=1e3, plausible=2.0),)
@@ -219,6 +220,7 @@ FIXED = {
 
 CHANNEL, FORCE, ACCELEROMETER, PLACE, PART = "channel", "force channel", "accelerometer", "place", "part"
 SUPPORT, BETWEEN, CABLE = "support", "joint between parts", "direction of a cable"
+DRIVE = "drive point"
 """Kinds of target that depend on what was tested, and with what."""
 
 AT = "@"
@@ -257,6 +259,7 @@ class Vocabulary:
     parts : of what was tested, supports and joints among them; None likewise
     supports, joints : those parts that are springs to the ground, and between two others; None likewise
     ways : directions that a cable may have
+    drives : points at which a structure was struck or shaken; None likewise
     """
 
     accelerometers: tuple[str, ...] | None = (*TABLE, *COVER)
@@ -266,6 +269,7 @@ class Vocabulary:
     supports: tuple[str, ...] | None = None
     joints: tuple[str, ...] | None = None
     ways: tuple[str, ...] = EVERY_WAY
+    drives: tuple[str, ...] | None = None
 
     def legal(self, kind: str) -> tuple[str, ...] | None:
         """All targets of a `kind`; None where any name will do."""
@@ -278,6 +282,7 @@ class Vocabulary:
             SUPPORT: self.supports,
             BETWEEN: self.joints,
             CABLE: self.ways,
+            DRIVE: self.drives,
         }
         return own[kind] if kind in own else FIXED[kind]
 

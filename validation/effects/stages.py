@@ -45,6 +45,7 @@ class Matrices:
     base : 6 or 0
     mass, stiffness, viscous, structural : (k, k) symmetric, SI
     places : by name (3, k), what each coordinate moves a place along x, y, z
+    gradients : by name (3, 3, k), how that changes by a metre along x, y, z; none of a place about which nothing is known
     parts : by name (k, k), the share of a part in `stiffness`
     cog : (3,) [m] of the article as drawn, from its origin
     part_mass : by name (k, k), the share of a part in `mass`; empty where it is not known
@@ -61,6 +62,7 @@ class Matrices:
     viscous: Array
     structural: Array
     places: Mapping[str, Array] = field(default_factory=lambda: NOTHING)
+    gradients: Mapping[str, Array] = field(default_factory=lambda: NOTHING)
     parts: Mapping[str, Array] = field(default_factory=lambda: NOTHING)
     cog: Array = field(default_factory=lambda: np.zeros(3))
     part_mass: Mapping[str, Array] = field(default_factory=lambda: NOTHING)
@@ -274,6 +276,7 @@ def with_resonators(stage: Matrices, place: str, axes: tuple[int, ...], values: 
             viscous=viscous,
             structural=structural,
             places={name: _grown(rows, 0) for name, rows in stage.places.items()},
+            gradients={name: np.pad(rows, ((0, 0), (0, 0), (0, 1))) for name, rows in stage.gradients.items()},
             parts={name: _grown(share, 1) for name, share in stage.parts.items()},
             part_mass={name: _grown(share, 1) for name, share in stage.part_mass.items()},
             joints={name: replace(one, loads=_grown(one.loads, 0)) for name, one in stage.joints.items()},

@@ -3,7 +3,8 @@
 ``docs/model-file.md`` shows the file, `validation.model.model_file` writes it.
 """
 
-import os.path
+import os
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import fields, replace
@@ -448,6 +449,75 @@ def _own(table: Fields) -> dict[str, str]:
             _checked(table, article, partial(require_file, path))
         found[article] = path
     return found
+
+
+# A study to start from: a structure of the user's own beside its tests, in a few lines.
+
+
+def study_text(path: str, tests: Sequence[str], out: Path) -> str:
+    """The model file that names the structure in `path` and the `tests`, whose files it finds from the folder of `out`.
+
+    Raises
+    ------
+    BadInput : no structure, no test, tests of two articles, a file that does not lie below the folder of `out`.
+    """
+    from fem.structure import Structure
+    from fem.user_model import reading
+    from identification import test_file
+
+    if not Path(path).is_file() or not reading.is_model(path):
+        problem = "it is no FE model of your own"
+        raise BadInput(source=path, problem=problem, remedy="Name its description or data; --test goes with these")
+    structure = reading.load(path)
+    if not isinstance(structure.model, Structure):
+        problem = "is known by modal data alone, which have no places"
+        raise BadInput(source=path, problem=problem, remedy="Bring its matrices, its mesh or a frame")
+
+    def seen(file: str, where: str) -> str:
+        found = os.path.relpath(file, out.resolve().parent)
+        if found.startswith(".."):
+            problem = f"{file} does not lie in {out.resolve().parent} or below"
+            raise BadInput(source=where, problem=problem, remedy="Write the study beside its data")
+        return found.replace(os.sep, "/")
+
+    tables, articles = list[dict[str, Any]](), dict[str, str]()
+    for name in tests:
+        found = test_file.read(name)
+        articles.setdefault(found.article, name)
+        table = toml_file.read(name)
+
+        def moved(value: Any, name: str = name) -> Any:
+            if isinstance(value, str):
+                return value if value.startswith("$") else seen(str(Path(name).resolve().parent / value), name)
+            return (
+                [moved({"path": one} if isinstance(one, str) else one) for one in value]
+                if isinstance(value, list)
+                else {key: moved(one) if key in ("file", "path") else one for key, one in value.items()}
+            )
+
+        changed = {key: moved(table[key]) for key in ("file", "files", "shapes", "frequencies") if key in table}
+        changed = {key: value for key, value in changed.items() if key in ("file", "files") or isinstance(table[key], dict)}
+        tables.append({key: changed.get(key, value) for key, value in table.items() if key not in ("format", "article")})
+    if len(articles) > 1:
+        problem = f"they are of {' and of '.join(articles)}"
+        raise BadInput(source="--test", problem=problem, remedy="Write a study for each")
+    article = next(iter(articles), re.sub(r"[^A-Za-z0-9_-]+", "-", Path(path).stem))
+    lines = ["format = 1", f"model = {{ title = {string(structure.name)}, article = {string(article)} }}"]
+    lines.append(f"structure = {{ own = {{ {string(article)} = {string(seen(path, 'ARTICLE'))} }} }}")
+    for table in tables:
+        lines += ["", "[[test]]", *(f"{key} = {inline(value)}" for key, value in table.items())]
+    return "\n".join(lines) + "\n"
+
+
+def inline(value: Any) -> str:
+    """A value of TOML on one line, numbers to nine digits."""
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{string(key)} = {inline(one)}" for key, one in value.items()) + " }"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(inline(one) for one in value) + "]"
+    if isinstance(value, str):
+        return string(value)
+    return f"{value:.9g}" if isinstance(value, float) else str(value).lower()
 
 
 # A model file to start from: an article as it is drawn, in an ordinary laboratory, with nothing added.

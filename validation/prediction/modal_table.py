@@ -32,12 +32,15 @@ from validation.effects.effect import CHANNEL_STAGE
 from validation.effects.stages import ChannelResponse, Matrices
 from validation.estimation.problem import Change, Lines, Measured, Offsets, Parameter, Predicted, Wanted
 from validation.model.model import Added
-from validation.prediction import dynamic_mass
+from validation.prediction import dynamic_mass, points
 from validation.prediction import effects as prediction_effects
 from validation.prediction.effects import Nuisances, Tangent
 
 FREQUENCY, DAMPING = "frequency", "damping"
 """Channels of the one data set of a table; those of the other are its sensors."""
+
+WINDOW = "exponential-window"
+"""A fault of the method, a parameter where an effect opens it."""
 
 SLOWEST = 0.01
 """Share of the lowest frequency of a table below which a mode of the model is the motion of a free body."""
@@ -286,14 +289,20 @@ class TableFrequencies(_TablePart):
         known = {**offsets, **self._opened[1]}
         modes, of, tangents, _ = self.found(known, derivatives=derivatives)
         wanted, lines_count = len(self.measured.channels), 1 if lines is None else len(lines)
-        rows = np.array([[modes.frequency[k], modes.damping_ratio(k)][:wanted] for k in of], dtype=np.complex128)
+        decay = known.get(WINDOW, 0.0)
+        each = [[modes.frequency[k], modes.damping_ratio(k) + decay / np.sqrt(modes.squares[k])][:wanted] for k in of]
+        rows = np.array(each, dtype=np.complex128)
         changes = {}
+        if derivatives and WINDOW in (one.name for one in self.parameters):
+            own = np.array([[0.0, 1 / np.sqrt(modes.squares[k])] for k in of], dtype=np.complex128)
+            changes[WINDOW] = _change(own[:, :wanted], lines_count)
         for name, tangent in tangents.items() if derivatives else ():
             if name in self._opened[1]:
                 continue
             moved = [modes.changed(k, tangent) for k in of]
             pairs = [
-                (square / (8 * np.pi**2 * modes.frequency[k]), ratio) for k, (square, _, ratio) in zip(of, moved, strict=True)
+                (square / (8 * np.pi**2 * modes.frequency[k]), ratio - decay * square / (2 * modes.squares[k] ** 1.5))
+                for k, (square, _, ratio) in zip(of, moved, strict=True)
             ]
             changes[name] = _change(np.array(pairs, dtype=np.complex128)[:, :wanted], lines_count)
         return Predicted(rows=_by_line(rows, lines_count), changes=changes)
@@ -316,7 +325,9 @@ class TableFrequencies(_TablePart):
     @cached_property
     def _opened(self) -> tuple[tuple[Parameter, ...], Offsets]:
         ours = tuple(one for one in self.effects if FAMILIES[one.named.family].stage != CHANNEL_STAGE)
-        left, given = prediction_effects.opened(self.structure.parameters, ours)
+        damped = DAMPING in self.measured.channels
+        window = [Parameter(name=WINDOW, unit="1/s", tolerance=1.0)] if damped and points.asked(ours, (WINDOW,)) else []
+        left, given = prediction_effects.opened([*self.structure.parameters, *window], ours)
         return (*left, *prediction_effects.parameters(ours, self.structure)), given
 
 
@@ -334,26 +345,31 @@ class TableShapes(_TablePart):
         known = {**offsets, **self._opened[1]}
         modes, of, tangents, effects = self.found(known, derivatives=derivatives)
         count = 1 if lines is None else len(lines)
-        rows, sign, shapes, gains = self._shapes(modes, of, known)
+        where, sign, shapes, gains = self._shapes(modes, of, known)
+        rows = where.values
         moved = {
             name: sign * (rows @ np.array([modes.changed(k, tangent)[1] for k in of]).T).T
             for name, tangent in tangents.items()
             if derivatives and name not in self._opened[1]
         }
+        for name, (k, row) in where.changes.items() if derivatives else ():
+            moved[name] = np.zeros_like(shapes)
+            moved[name][:, k] = sign[:, 0] * (row @ modes.shapes[:, of])
         made, changes = self._read(shapes, moved, gains, effects, derivatives=bool(derivatives))
         found = {name: _change(change, count) for name, change in changes.items() if name not in self._opened[1]}
         return Predicted(rows=_by_line(made, count), changes=found)
 
-    def _shapes(self, modes: RealModes, of: Sequence[int], offsets: Offsets) -> tuple[Array, Array, Array, Array]:
-        """What coordinates move the sensors (s, k), signs (r, 1), shapes (r, s) of the modes `of` with them, and gains (s,).
+    def _shapes(self, modes: RealModes, of: Sequence[int], offsets: Offsets) -> tuple[points.PointRows, Array, Array, Array]:
+        """What coordinates move the sensors, signs (r, 1), shapes (r, s) of the modes `of` with them, and gains (s,).
 
         The sign is that of the table, so that it does not hop.
         """
-        rows = seen(modes.matrices, self.table)
-        shapes = (rows @ modes.shapes[:, list(of)]).T
+        asked = points.asked(self.effects, points.RESPONSES)
+        where = points.rows(modes.matrices, self.table.sensors, (), asked, offsets)
+        shapes = (where.values @ modes.shapes[:, list(of)]).T
         along = np.sum(shapes * self.measured.values[:, 0].real, axis=1, keepdims=True)
         sign = np.where(along < 0, -1.0, 1.0)
-        return rows, sign, sign * shapes, np.array([1 + offsets.get(name, 0.0) for name in self._gains])
+        return where, sign, sign * shapes, np.array([1 + offsets.get(name, 0.0) for name in self._gains])
 
     def _modes_read(self, modes: RealModes, of: Sequence[int], offsets: Offsets, effects: Sequence[Added]) -> ComplexArray:
         _, _, shapes, gains = self._shapes(modes, of, offsets)
@@ -395,7 +411,8 @@ class TableShapes(_TablePart):
     @cached_property
     def _opened(self) -> tuple[tuple[Parameter, ...], Offsets]:
         gains = [Parameter(name=name, unit="1", tolerance=self.table.gain) for name in self._gains if self.table.gain > 0]
-        left, given = prediction_effects.opened([*self.structure.parameters, *gains], self.effects)
+        moved = points.possible(self.structure.nominal, self.table.sensors, (), self.effects, points.RESPONSES)
+        left, given = prediction_effects.opened([*self.structure.parameters, *gains, *moved], self.effects)
         return (*left, *prediction_effects.parameters(self.effects, self.structure)), given
 
 

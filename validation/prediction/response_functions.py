@@ -1,9 +1,9 @@
 """A response-function test: a structure shaken or struck at one point after the other, its answers per newton.
 
     reduced matrices of the structure       tolerances           effects of the structure
-    -> accelerances, a run a drive point    dynamic_mass         effects of the channels
+    -> accelerances, a run a drive point    dynamic_mass         points that are others than stated, window, leakage
     -> velocity or displacement             1 / (i omega), -1 / omega²
-    -> gains of sensors and force           gains
+    -> signals of sensors and force         gains                delays, effects of the channels
 
 The input of every run is the force, which is known: 1 N at each line of data that are divided by it. No base moves, so nothing
 of a dynamic mass is here, and an effect on one has no meaning. A structure may be free, held, or stand on springs: all of its
@@ -13,7 +13,7 @@ coordinates move.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import inf, isfinite
+from math import ceil, inf, isfinite
 
 import numpy as np
 import numpy.typing as npt
@@ -24,16 +24,34 @@ from geometry.frames import Array
 from geometry.sensors import Point
 from identification.response_functions import GAIN, ResponseFunctions
 from validation.effects.catalogue import There
-from validation.effects.stages import ChannelResponse
+from validation.effects.stages import ChannelResponse, Matrices
 from validation.estimation.problem import IDENTIFIED, Change, Lines, Measured, Offsets, Parameter, Predicted, Wanted
 from validation.model.model import Added
-from validation.prediction import dynamic_mass, series
+from validation.prediction import dynamic_mass, points, series
 from validation.prediction import effects as prediction_effects
 from validation.prediction.dynamic_mass import AttachedResponse, Finite, structure
 from validation.prediction.effects import Nuisances, Tangent
 
-FORCE = "force-gain:force"
+FORCE_CHANNEL = "force"
+FORCE = f"force-gain:{FORCE_CHANNEL}"
 """One force cell serves all runs."""
+
+WINDOW, LEAKAGE, TRANSDUCER = "exponential-window", "leakage", "transducer-mass"
+"""Faults of the method, each a parameter where an effect opens it."""
+
+POWERS = {"acceleration": 0, "velocity": 1, "displacement": 2}
+"""Of 1 / (i omega) by quantity."""
+
+AXIS = 2.5
+"""[1 / block] by which the axis is moved for a leakage: what lies a block beyond has e^-5 of its size. Held by
+tests/validation/prediction/test_points.py."""
+
+HALF_LINES = 8
+"""[count] of half lines to either side that a Hann window smears. Held by tests/validation/prediction/test_points.py."""
+
+ENOUGH = 12
+"""[count] of averages from which the coherence of a line tells its noise; of fewer, lines beside it help. Held by
+tests/validation/prediction/test_points.py."""
 
 SCALE = "scale"
 """Family of the parameter that stands for the one factor that readings without calibration share."""
@@ -76,9 +94,8 @@ class ResponseFunctionTest:
     @property
     def there(self) -> There:
         """What effects can act on."""
-        return prediction_effects.there_of(
-            self.measured.configuration, self.structure, (*self.measured.channels, FORCE.partition(":")[2])
-        )
+        of = prediction_effects.there_of(self.measured.configuration, self.structure, (*self.measured.channels, FORCE_CHANNEL))
+        return replace(of, drives=tuple(one.name for one in self.drives))
 
     def on(self, runs: Sequence[str]) -> "ResponseFunctionTest":
         """The same model of the runs named alone."""
@@ -110,13 +127,15 @@ class ResponseFunctionTest:
         known = {**offsets, **self._opened[1]}
         f, q = self.measured.frequency[lines], len(rows)
         effects = tuple(replace(one, fixed=True) for one in prediction_effects.at(self.effects, known))
-        answered, factor, _ = self._answered(known, f, effects, derivatives=False)
+        answered, factor = self._answered(known, f, effects)
         own = rows.reshape(3 * q, -1)
         left, right = (np.tensordot(own, side[: own.shape[1]], axes=1) for side in (answered.left, answered.right))
         changed = answered.sign * factor[..., None] * np.einsum("qnc,qnr->ncrq", left, right, optimize=True)
         gains = np.array([self._factors[name].value(known.get(name, 0.0)) for name in self._gains])
+        delays = np.array([known.get(name, 0.0) for name in self._delays])
+        A = factor * answered.matrix
         read = [
-            self._read(f, factor * answered.matrix[:, :, run, None], {"": changed[:, :, run]}, gains, effects, False)[1][""]
+            self._read(f, A[:, :, run, None], {"": changed[:, :, run]}, gains, delays, effects, False)[1][""]
             for run in range(changed.shape[2])
         ]
         whole = np.stack(read)
@@ -163,7 +182,10 @@ class ResponseFunctionTest:
         moving = bool(derivatives)
         A, dA = self._accelerances(known, f, effects, derivatives=moving)
         gains = np.array([self._factors[name].value(known.get(name, 0.0)) for name in self._gains])
-        made = [self._read(f, A[run], {k: d[run] for k, d in dA.items()}, gains, effects, moving) for run in range(len(A))]
+        delays = np.array([known.get(name, 0.0) for name in self._delays])
+        made = [
+            self._read(f, A[run], {k: d[run] for k, d in dA.items()}, gains, delays, effects, moving) for run in range(len(A))
+        ]
         changes = {name: np.stack([tangents[name] for _, tangents in made]) for name in made[0][1]}
         every = tuple(range(len(self.measured.channels)))
         found = {name: Change(channels=every, rows=rows) for name, rows in changes.items() if name not in self._opened[1]}
@@ -173,51 +195,153 @@ class ResponseFunctionTest:
         self, offsets: Offsets, f: Array, effects: Sequence[Added], *, derivatives: bool
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
         """(r, n, c, 1) of the quantity that is read per newton, and its derivatives by parameter."""
-        answered, factor, tangents = self._answered(offsets, f, effects, derivatives=derivatives)
-        moved = dynamic_mass.transfer_tangents(answered, tangents)
-        return _by_run(factor * answered.matrix), {name: _by_run(factor * change) for name, change in moved.items()}
+        matrices, tangents = structure(self.structure, offsets, effects, derivatives=derivatives)
+        decay, smeared = self.decay_rate + offsets.get(WINDOW, 0.0), offsets.get(LEAKAGE, 0.0)
+        plain, changes = self._on_axis(matrices, tangents, offsets, f, decay, derivatives=derivatives)
+        if LEAKAGE not in self._asked:
+            return plain, changes
+        # The transform of h(t) r(t), r what a Hann window correlates with itself: A over the transform of r, on an axis
+        # s + sigma on which A is smooth over the distance of lines however light its damping
+        passed = tangents if derivatives and smeared else {}
+        whole, moved = np.zeros_like(plain), {name: np.zeros_like(plain) for name in changes}
+        for away, weight in self._kernel:
+            shifted = f + away
+            answer, own = self._on_axis(matrices, passed, offsets, np.abs(shifted), decay + self._shift, derivatives=bool(passed))
+            turned = (shifted < 0)[:, None, None]
+            whole += weight * np.where(turned, answer.conj(), answer)
+            for name, change in own.items():
+                moved[name] += weight * np.where(turned, change.conj(), change)
+        found = {name: (1 - smeared) * change + smeared * moved[name] for name, change in changes.items()}
+        if derivatives:
+            found[LEAKAGE] = whole - plain
+        return (1 - smeared) * plain + smeared * whole, found
 
     def _answered(
-        self, offsets: Offsets, f: Array, effects: Sequence[Added], *, derivatives: bool
-    ) -> tuple[dynamic_mass.CondensedTransfer, ComplexArray, Mapping[str, Tangent]]:
-        """Accelerances, the factor (n, 1, 1) to the quantity that is read, and how the matrices change."""
-        matrices, tangents = structure(self.structure, offsets, effects, derivatives=derivatives)
-        rows, forces = (
-            np.array([dynamic_mass.along(matrices, point.place, point.direction) for point in points])
-            for points in (self.responses, self.drives)
-        )
-        answered = dynamic_mass.accelerance(matrices, f, rows, forces, decay_rate=self.decay_rate)
-        omega = 1j * answered.omega[:, None, None]
-        factor = {"acceleration": np.ones_like(omega), "velocity": 1 / omega, "displacement": omega**-2}[self.quantity]
-        return answered, factor, tangents
+        self, offsets: Offsets, f: Array, effects: Sequence[Added]
+    ) -> tuple[dynamic_mass.CondensedTransfer, ComplexArray]:
+        """Accelerances before any leakage and any pick-up's mass, and the factor (n, 1, 1) to the quantity that is read."""
+        matrices, _ = structure(self.structure, offsets, effects, derivatives=False)
+        rows, forces = (one.values for one in self._rows(matrices, offsets))
+        decay = self.decay_rate + offsets.get(WINDOW, 0.0)
+        answered = dynamic_mass.accelerance(matrices, f, rows, forces, decay_rate=decay)
+        return answered, (1j * answered.omega[:, None, None]) ** -POWERS[self.quantity]
+
+    def _rows(self, matrices: Matrices, offsets: Offsets) -> tuple[points.PointRows, points.PointRows]:
+        """Of the responses and of the drives, with what is wrong with them."""
+        here, there = (points.asked(self.effects, families) for families in (points.RESPONSES, points.DRIVES))
+        of_responses = points.rows(matrices, self.responses, (), here, offsets)
+        return of_responses, points.rows(matrices, self.drives, self.responses, there, offsets)
+
+    def _on_axis(
+        self,
+        matrices: Matrices,
+        tangents: Mapping[str, Tangent],
+        offsets: Offsets,
+        f: Array,
+        decay: float,
+        *,
+        derivatives: bool,
+    ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
+        """As `_accelerances`, on the axis s = i omega + decay, before any leakage."""
+        of_responses, of_drives = self._rows(matrices, offsets)
+        c, r = len(self.responses), len(self.drives)
+        roves = TRANSDUCER in self._asked
+        ways = [dynamic_mass.along(matrices, one.place, axis) for one in self.responses if roves for axis in np.eye(3)]
+        rows, forces = (np.vstack([one, *ways]) if ways else one for one in (of_responses.values, of_drives.values))
+        answered = dynamic_mass.accelerance(matrices, f, rows, forces, decay_rate=decay)
+        T = answered.matrix
+        dT = dynamic_mass.transfer_tangents(answered, tangents) if derivatives else {}
+        left, right = answered.left.transpose(1, 2, 0), answered.right.transpose(1, 2, 0)  # (n, c, k), (n, r, k)
+        for name, (at, row) in of_responses.changes.items() if derivatives else ():
+            dT[name] = np.zeros_like(T)
+            dT[name][:, at] = right @ row
+        for name, (at, row) in of_drives.changes.items() if derivatives else ():
+            dT[name] = np.zeros_like(T)
+            dT[name][:, :, at] = left @ row
+        omega, power = answered.omega[:, None, None], POWERS[self.quantity]
+        if derivatives and WINDOW in self._asked:
+            # d D / d decay = -i (2 (K + i S) / omega³ + i C / omega²)
+            whole = np.arange(len(matrices.mass))
+            none = np.zeros_like(matrices.mass)
+            held = Tangent(at=whole, mass=none, stiffness=matrices.stiffness, viscous=none, structural=matrices.structural)
+            lost = Tangent(at=whole, mass=none, stiffness=none, viscous=matrices.viscous, structural=none)
+            moved = dynamic_mass.transfer_tangents(answered, {"held": held, "lost": lost})
+            dT[WINDOW] = 1j / omega * (2 * moved["held"] + moved["lost"]) - power / (1j * omega) * T
+        A, dA = _roved(T, dT, offsets.get(TRANSDUCER, 0.0), c, r) if roves else (T, dT)
+        if not derivatives:
+            dA = {}
+        factor = (1j * omega) ** -power
+        return _by_run(factor * A), {name: _by_run(factor * change) for name, change in dA.items()}
 
     def _read(
-        self, f: Array, A: ComplexArray, dA: Mapping[str, ComplexArray], gains: Array, effects: Sequence[Added], derivatives: bool
+        self,
+        f: Array,
+        A: ComplexArray,
+        dA: Mapping[str, ComplexArray],
+        gains: Array,
+        delays: Array,
+        effects: Sequence[Added],
+        derivatives: bool,
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
-        """What the channels of one run read (n, c, 1), and its derivatives: gains, then effects of the channels."""
+        """What the channels of one run read (n, c, 1) per what the force reads, and its derivatives: gains, delays, effects."""
         c = len(self.measured.channels)
-        common = gains[c + 1] if self.scale is not None else 1.0
-        factor = common * (gains[:c] / gains[c])[:, None]
-        tangents = {name: factor * change for name, change in dA.items()}
+        common, omega = gains[c + 1] if self.scale is not None else 1.0, 2 * np.pi * f[:, None, None]
+        factor = (gains[: c + 1] * np.where(np.arange(c + 1) < c, common, 1.0))[:, None] * np.exp(-1j * omega * delays[:, None])
+        A, ones = np.asarray(A), np.ones((len(f), 1, 1), dtype=np.complex128)
+        signals = np.concatenate([A, ones], axis=1)
+        tangents = {name: factor * np.concatenate([change, 0 * change[:, :1]], axis=1) for name, change in dA.items()}
         if derivatives:
-            # Of scale * gain_c / gain_force * A by each gain, or by its logarithm
             slopes = [1.0 if self._factors[name].logarithmic else 1 / gain for name, gain in zip(self._gains, gains, strict=True)]
-            for k, name in enumerate(self._gains[:c]):
-                tangents[name] = np.zeros_like(A)
-                tangents[name][:, k] = slopes[k] * factor[k] * A[:, k]
-            tangents[FORCE] = -slopes[c] * factor * A
+            for k, name in enumerate(self._gains[: c + 1]):
+                tangents[name] = np.zeros_like(signals)
+                tangents[name][:, k] = slopes[k] * factor[:, k] * signals[:, k]
             if self.scale is not None:
-                tangents[self._gains[c + 1]] = factor * A
-        none = np.zeros((len(f), c))
-        reading = ChannelResponse(frequency=f, channels=self.measured.channels, rows=factor * A, amplitude=none)
+                tangents[self._gains[c + 1]] = np.concatenate([factor[:, :c] * A, 0 * ones], axis=1)
+            for k, name in enumerate(self._delays):
+                if name in self._asked:
+                    tangents[name] = np.zeros_like(signals)
+                    tangents[name][:, k] = -1j * omega[:, 0] * factor[:, k] * signals[:, k]
+        channels = (*self.measured.channels, FORCE_CHANNEL)
+        reading = ChannelResponse(frequency=f, channels=channels, rows=factor * signals, amplitude=np.zeros((len(f), c + 1)))
         reading, tangents = prediction_effects.channels(reading, tangents, effects)
-        return reading.rows, tangents
+        above, below = reading.rows[:, :c], reading.rows[:, c:]
+        read = above / below
+        return read, {name: (change[:, :c] - read * change[:, c:]) / below for name, change in tangents.items()}
 
     @cached_property
     def _gains(self) -> tuple[str, ...]:
         """Names of the gains: of the channels in their order, then of the force, then of all functions where it is open."""
         common = () if self.scale is None else (f"{SCALE}:{self.measured.name}",)
         return (*(f"accelerometer-gain:{channel}" for channel in self.measured.channels), FORCE, *common)
+
+    @cached_property
+    def _delays(self) -> tuple[str, ...]:
+        """Names of the delays, of the channels in their order and of the force."""
+        return (*(f"accelerometer-delay:{channel}" for channel in self.measured.channels), f"force-delay:{FORCE_CHANNEL}")
+
+    @cached_property
+    def _asked(self) -> tuple[str, ...]:
+        """Ids of the effects that want a parameter which the test has not by itself."""
+        families = (*points.RESPONSES, *points.DRIVES, "accelerometer-delay", "force-delay", WINDOW, LEAKAGE, TRANSDUCER)
+        return tuple(points.asked(self.effects, families))
+
+    @cached_property
+    def _shift(self) -> float:
+        """[1/s] by which the axis is moved for a leakage."""
+        return AXIS * float(np.median(np.diff(self.measured.frequency))) if len(self.measured.frequency) > 1 else 0.0
+
+    @cached_property
+    def _kernel(self) -> list[tuple[float, complex]]:
+        """Distances [Hz] of the lines that a Hann window of the resolution smears over each other, and their weights."""
+        T = AXIS / self._shift if self._shift else 0.0
+        if not T:
+            return []
+        u = np.linspace(-1.0, 1.0, 4001)
+        r = (1 - np.abs(u)) * (2 + np.cos(2 * np.pi * u)) / 3 + np.sin(2 * np.pi * np.abs(u)) / (2 * np.pi)
+        steps = np.arange(-HALF_LINES, HALF_LINES + 1)
+        turning = np.exp(AXIS * u + 1j * np.pi * steps[:, None] * u)
+        weights = np.sum(r * turning, axis=1) * (u[1] - u[0]) / 2
+        return [(k / (2 * T), complex(w)) for k, w in zip(steps.tolist(), weights, strict=True)]
 
     @cached_property
     def _factors(self) -> dict[str, Parameter]:
@@ -240,8 +364,41 @@ class ResponseFunctionTest:
         """The parameters, and the offsets of those that stand at a given size."""
         # The offset of a gain that is known to a tolerance is what it is beyond 1, as the effect of its name has it
         gains = [replace(one, nominal=one.nominal - (not one.logarithmic)) for one in self._factors.values() if one.tolerance > 0]
-        left, given = prediction_effects.opened([*self.structure.parameters, *gains], self.effects)
+        nominal = self.structure.nominal
+        moved = points.possible(nominal, self.responses, (), self.effects, points.RESPONSES)
+        moved += points.possible(nominal, self.drives, self.responses, self.effects, points.DRIVES)
+        late = [Parameter(name=name, unit="s", tolerance=1.0) for name in self._delays if name in self._asked]
+        method = [
+            Parameter(name=name, unit=unit, tolerance=1.0)
+            for name, unit in ((WINDOW, "1/s"), (LEAKAGE, "1"), (TRANSDUCER, "kg"))
+            if name in self._asked and (name != TRANSDUCER or self.structure.scaled)
+        ]
+        left, given = prediction_effects.opened([*self.structure.parameters, *gains, *moved, *late, *method], self.effects)
         return (*left, *prediction_effects.parameters(self.effects, self.structure)), given
+
+
+def _roved(
+    T: ComplexArray, dT: Mapping[str, ComplexArray], m: float, c: int, r: int
+) -> tuple[ComplexArray, dict[str, ComplexArray]]:
+    """The functions (n, c, r) of a structure with `m` [kg] more at each response in turn, and their derivatives.
+
+    `T` (n, c + 3 c, r + 3 c) has the three axes of every response behind the responses and behind the drives:
+    A' = A - m a Z, Z = (1 + m X)^-1 Y, a the response to forces at its own point, X that point's answers to them, Y to drives.
+    """
+    A = np.array(T[:, :c, :r])
+    found = {name: np.array(change[:, :c, :r]) for name, change in dT.items()}
+    found[TRANSDUCER] = np.zeros_like(A)
+    for k in range(c):
+        here, there = slice(c + 3 * k, c + 3 * k + 3), slice(r + 3 * k, r + 3 * k + 3)
+        a, X, Y = T[:, k : k + 1, there], T[:, here, there], T[:, here, :r]
+        inverse = np.linalg.inv(np.eye(3) + m * X)
+        Z = inverse @ Y
+        A[:, k] -= m * (a @ Z)[:, 0]
+        found[TRANSDUCER][:, k] = -(a @ Z)[:, 0] + m * (a @ (inverse @ (X @ Z)))[:, 0]
+        for name, change in dT.items() if m else ():
+            da, dX, dY = change[:, k : k + 1, there], change[:, here, there], change[:, here, :r]
+            found[name][:, k] -= m * (da @ Z + a @ (inverse @ (dY - m * dX @ Z)))[:, 0]
+    return A, found
 
 
 def of(structure: Nuisances, data: ResponseFunctions) -> tuple[ResponseFunctionTest, ...]:
@@ -261,6 +418,9 @@ def of(structure: Nuisances, data: ResponseFunctions) -> tuple[ResponseFunctionT
             raise BadInput(
                 source=data.source, field=point.place, problem=problem, remedy=f"Its places are {known}; name it there"
             )
+    from scipy.ndimage import uniform_filter1d
+    from scipy.special import digamma
+
     low, high = data.band
     kept = data.frequency > 0
     if not np.any(kept & (data.frequency >= low) & (data.frequency <= high)):
@@ -271,6 +431,11 @@ def of(structure: Nuisances, data: ResponseFunctions) -> tuple[ResponseFunctionT
         # |H| sqrt((1 - g²) / (g² averages)), both parts together: J. S. Bendat and A. G. Piersol, Random Data, 2010, section 9.2
         g = np.clip(np.asarray(data.coherence)[:, kept], 1e-6, 1.0)
         noise = np.asarray(np.abs(values) * np.sqrt((1 - g) / (g * data.averages)))
+        if (around := ceil(ENOUGH / data.averages) - 1) > 0 and np.all(noise > 0):
+            # A variance of so few averages is far too low at single lines: the mean of its logarithm, without its bias
+            low_by = digamma(data.averages - 1) - np.log(data.averages)
+            lines = uniform_filter1d(2 * np.log(noise), 2 * around + 1, axis=1, mode="nearest")
+            noise = np.exp((lines - low_by) / 2)
     share = data.share
     if share is None:  # as far as readings of one number differ: linear, it answers at i to a force at j as at j to one at i
         there = (data.frequency >= low) & (data.frequency <= high)

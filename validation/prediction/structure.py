@@ -19,7 +19,7 @@ from fem.damping import Damping, damping_per_mode, default_damping
 from fem.factorisers import factorise
 from fem.modes import Modes, fixed_base, floating_shift, lowest
 from fem.reduction import static_shapes
-from fem.structure import LOOSE, HeldBase, Sparse, Structure, hold, place_rows, restricted
+from fem.structure import LOOSE, HeldBase, Sparse, Structure, hold, place_rows, position_of, restricted
 from fem.user_model.reading import UsersModel, is_model, load
 from geometry import routes
 from geometry.article import Article
@@ -539,15 +539,42 @@ def by_itself(structure: Structure, band: float, *, damping: Damping | None = No
         n = len(frequency)
         T = np.linalg.inv(rigid_transformation_6(structure.reference_point))
         moves[:, n : n + rigid.shape[1]] = T @ directions[:, kept] / np.sqrt(square[kept])
+    moved = free.expand(basis)
+    slopes = {name: one @ moved for name, one in gradients(structure, tuple(structure.places)).items()}
     return ReducedStructure(
         structure=structure,
         damping=damping,
         band=band,
-        matrices=replace(made, cog=cog, rigid=moves),
+        matrices=replace(made, cog=cog, rigid=moves, gradients=slopes),
         frequency=frequency,
         losses=used.loss_factors,
-        basis=free.expand(basis),
+        basis=moved,
     )
+
+
+NEARBY = 1e-4
+"""Share of the size of a structure by which a place is shifted to see how its motion changes. By definition."""
+
+
+def gradients(structure: Structure, places: Sequence[str]) -> dict[str, Array]:
+    """By place (3, 3, n) how what each degree of freedom moves it changes by a metre along x, y, z.
+
+    A place is found by how it turns with the whole structure. None of those about which nothing turns and no element is known.
+    """
+    if structure.elements is None and not len(structure.points):
+        return {}
+    size = float(np.ptp(structure.points, axis=0).max()) if len(structure.points) else 1.0
+    found = {}
+    for name in places:
+        if (at := position_of(structure, name)) is None:
+            continue
+        shifts = NEARBY * size * np.vstack([np.eye(3), -np.eye(3)])
+        try:
+            rows = [row.toarray() for row in place_rows(structure, at + shifts)]
+        except BadInput:  # beyond the end of the mesh
+            continue
+        found[name] = np.array([(rows[k] - rows[k + 3]) / (2 * NEARBY * size) for k in range(3)])
+    return found
 
 
 def with_positions(structure: Structure, positions: Sequence[str]) -> Structure:

@@ -7,9 +7,10 @@ from typing import Protocol, Self, runtime_checkable
 import numpy as np
 
 from fem.damping import Damping
-from fem.structure import Sparse, Structure, place_rows
+from fem.structure import Sparse, Structure, place_rows, position_of
 from geometry.errors import BadInput
 from geometry.frames import Array
+from geometry.sensors import Point
 from geometry.toml_file import nearest
 from identification.modal_table import ModalTable
 from identification.response_functions import ResponseFunctions
@@ -88,6 +89,7 @@ def predictions(model: Model, tests: Sequence[Test]) -> tuple[StructurePredictio
                 problem=f"is {article}, and {model.source} has no model of it",
                 remedy=f"{nearest(article, model.own)}Name its file in [structure.own] of {model.source}, or correct the article",
             )
+        own = [aligned(model, article, one) for one in own]
         known = tested(model, article, own)
         for one in own:
             found += response_functions.of(known, one) if isinstance(one, ResponseFunctions) else modal_table.of(known, one)
@@ -161,3 +163,63 @@ def ready_at(tests: Sequence[StructurePrediction], positions: Sequence[str]) -> 
         else:
             found.append(one)
     return tuple(found)
+
+
+COMMON = 3
+"""[count] of points that test and model must have in common for their frames to be compared."""
+
+APART = 0.02
+"""[share] of the size of what is common by which points may lie apart. Held by
+tests/validation/prediction/test_structure_tests.py."""
+
+
+def aligned(model: Model, article: str, test: Test) -> Test:
+    """`test` in the axes of the structure, by all points whose coordinates both state, and the motion that brings them together.
+
+    W. Kabsch, Acta Crystallographica A32 (1976), 922.
+
+    Raises
+    ------
+    BadInput : they do not come together; by how much, where most, and the factor that would do it.
+    """
+    stated = (*test.drives, *test.responses) if isinstance(test, ResponseFunctions) else test.sensors
+    path = model.own[article]
+    users = reduction.users_model(path, reduction.stamp(path))
+    if not isinstance(users.model, Structure):
+        return test
+    known = {one.place: one for one in stated if one.position is not None and one.place in users.model.places}
+    pairs = {name: (np.asarray(one.position), position_of(users.model, name)) for name, one in known.items()}
+    there = {name: (own, of) for name, (own, of) in pairs.items() if of is not None}
+    if len(there) < COMMON:
+        return test
+    P, Q = (np.array([pair[k] for pair in there.values()]) for k in (0, 1))
+    p, q = P - P.mean(axis=0), Q - Q.mean(axis=0)
+    U, sizes, Vt = np.linalg.svd(p.T @ q)
+    if sizes[1] < 1e-6 * sizes[0]:  # on one line: nobody knows how it is turned about it
+        return test
+    flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(Vt.T @ U.T))])
+    R = Vt.T @ flip @ U.T
+    off = np.linalg.norm(p @ R.T - q, axis=1)
+    extent = float(np.sqrt(np.mean(np.sum(q**2, axis=1))))
+    if off.max() > APART * extent:
+        factor = float(np.sqrt(np.sum(q**2) / max(float(np.sum(p**2)), 1e-300)))
+        scaled = np.linalg.norm(factor * p @ R.T - q, axis=1).max()
+        units = f"; times {factor:.4g} they would match: look at their unit" if scaled < APART * extent else ""
+        raise BadInput(
+            source=test.source,
+            field="coordinates",
+            problem="the points of test and model do not match: aligned as well as can be, "
+            f"{list(there)[int(np.argmax(off))]} lies {1e3 * off.max():.4g} mm off, "
+            f"all {len(there)} {1e3 * np.sqrt(np.mean(off**2)):.4g} mm in the mean{units}",
+            remedy="Correct the coordinates or the names of places, or leave the coordinates out",
+        )
+    if np.allclose(R, np.eye(3), atol=1e-3):
+        R = np.eye(3)
+
+    def moved(one: Point) -> Point:
+        at = None if one.position is None else R @ (np.asarray(one.position) - P.mean(axis=0)) + Q.mean(axis=0)
+        return replace(one, direction=R @ np.asarray(one.direction), position=at)
+
+    if isinstance(test, ResponseFunctions):
+        return replace(test, drives=tuple(map(moved, test.drives)), responses=tuple(map(moved, test.responses)))
+    return replace(test, sensors=tuple(map(moved, test.sensors)))

@@ -29,6 +29,7 @@ from validation.report.charts.excitation import PanelRow, Sheet, Signal, Spectra
 from validation.report.charts.style import unit
 from validation.report.document import Column, Document, Grid, Table, aligned, page
 from validation.virtual_test import simulate as virtual_test
+from validation.virtual_test import structure_tests
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.simulate import SimulateOptions, VirtualTest
 
@@ -558,6 +559,71 @@ def simulate(question: SimulateOptions, *, as_json: bool) -> None:
     for one in done:
         instead = " in place of the virtual test that was there" if one.replaced else ""
         click.echo(f"massline: wrote {one.folder} and its truth {one.truth}{instead}.", err=True)
+
+
+def simulate_structure(
+    path: str,
+    out: Path,
+    *,
+    as_json: bool,
+    kind: str | None,
+    effects: Sequence[str],
+    seed: int,
+    sealed: Path | None,
+    noise: str,
+    tolerances: str,
+    band: tuple[float, float] | None,
+    drives: Sequence[str],
+    responses: Sequence[str],
+    block: float | None,
+) -> None:
+    """Answer `massline simulate MODEL.toml`.
+
+    Raises
+    ------
+    BadInput : a folder that cannot be written or would destroy what is there, a model without a structure, an option that cannot
+        be.
+    """
+    virtual_test.require_folder(out)
+    require_folder(out, "--out")
+    truth = sealed or out.parent / f"{out.name}.truth.json"
+    if sealed is not None:
+        require_file(sealed, "--sealed")
+    virtual_test.require_free(out, truth)
+    if block is not None and not 0 < block < 1e4:
+        raise BadInput(source="--block", problem=f"must be a time in seconds, found {block:g}", remedy="Write --block 4")
+    plan = structure_tests.plan_of(
+        path,
+        kind=kind or structure_tests.HAMMER,
+        effects=effects,
+        seed=seed,
+        noise=virtual_test.factor("--noise", noise),
+        tolerances=virtual_test.factor("--tolerances", tolerances),
+        band=band,
+        drives=drives,
+        responses=responses,
+        block=block or 0.0,
+    )
+    with shown(f"{plan.article}: simulating and writing {out}", quiet=as_json):
+        made = structure_tests.simulate(plan)
+        virtual_test.write(out, truth, made.truth, made.fill)
+    about: dict[str, Any] = {
+        "test": str(out / "test.toml"),
+        "truth": str(truth),
+        "kind": plan.kind,
+        "article": plan.article,
+        "drives": [] if plan.kind == structure_tests.MODES else [one.name for one in plan.drives],
+        "responses": [one.name for one in plan.responses],
+        "band_hz": list(plan.band),
+    }
+    if sealed is None:
+        about |= {"seed": seed, "effects": [str(one) for one in plan.effects]}
+    if as_json:
+        print_json(about)
+    else:
+        rows = [(key, ", ".join(map(str, value)) if isinstance(value, list) else str(value)) for key, value in about.items()]
+        click.echo("\n".join(f"{key:10} {value or 'none'}" for key, value in rows))
+    click.echo(f"massline: wrote {out} and its truth {truth}. `massline compare {path} {out / 'test.toml'}` reads it.", err=True)
 
 
 def _written_test(question: SimulateOptions, plan: Plan, words: str, *, quiet: bool) -> Written:

@@ -337,8 +337,8 @@ def _show(at: HistoryPosition, *, as_json: bool) -> None:
 # The run of `massline model`.
 
 
-def model(article: str, out: Path | None, *, force: bool) -> None:
-    """Print the model file for `article`, or write it to `out`.
+def model(article: str, out: Path | None, *, force: bool, tests: Sequence[str] = ()) -> None:
+    """Print the model file for `article`, or write it to `out`; with `tests` the study of an FE model beside them.
 
     Raises
     ------
@@ -353,7 +353,10 @@ def model(article: str, out: Path | None, *, force: bool) -> None:
                 source=str(out), field="--out", problem=problem, remedy="Name another file, or replace it with --force"
             )
         require_file(out, "--out")
-    text = model_file.text(model_file.draft(article, out))
+    if tests:
+        text = model_file.study_text(article, tests, out or Path("study.toml"))
+    else:
+        text = model_file.text(model_file.draft(article, out))
     model_file.of_text(text, str(out or "model.toml"))
     if out is None:
         click.echo(text, nl=False)

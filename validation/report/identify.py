@@ -14,10 +14,11 @@ from geometry.dynamic_mass import MOTIONS, ComplexArray, DynamicMass
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, Pose
 from geometry.inertia import PARAMETERS, judge
-from identification import request
+from identification import free_body, request, test_file
 from identification.campaign import Campaign
 from identification.elastic.model import dynamic_mass
 from identification.quality import NORMAL_95, impossible
+from identification.response_functions import ResponseFunctions
 from validation.compare.compare import Comparison
 from validation.history.add import body_of, conditions_of
 from validation.history.history import Body, HistoryPosition
@@ -25,7 +26,7 @@ from validation.identify import identify
 from validation.identify.identify import DrawnBandStudy, IdentificationFindings, IdentifyOptions, Reported
 from validation.model.model import Model
 from validation.model.setups import FMD, above_fmd, is_stack, stated, takes_fmd_off
-from validation.output import NONE, json_text, rounded, shown, to_json
+from validation.output import NONE, json_text, print_json, rounded, shown, to_json
 from validation.reference.reference import ArticleOptions, file_name, reference
 from validation.reference.statement import QUANTITIES, Statement
 from validation.report import document as doc
@@ -627,3 +628,53 @@ def _from_records(one: CampaignPart, figures: doc.Figures) -> doc.Safe:
         notes([*page.notes(), *one.missing, f"The same by itself: {one.command}" if one.command else ""]),
         class_="part",
     )
+
+
+# `massline identify TEST.toml`: response functions of a free or softly hung body.
+
+OF_BODY = (
+    ("mass", "kg", 1.0),
+    *((f"CoG {axis}", "mm", 1e3) for axis in "xyz"),
+    *((f"{name} about the CoG", "kg m²", 1.0) for name in PARAMETERS[4:]),
+)
+
+
+def answer_of_test(path: str, band: tuple[float, float] | None, *, as_json: bool) -> None:
+    """Print mass, CoG and inertia by response functions.
+
+    Raises
+    ------
+    BadInput : the test cannot be used for it.
+    CheckFailed : no body comes out.
+    """
+    data = test_file.read(path)
+    if not isinstance(data, ResponseFunctions):
+        problem = "a table of modes says nothing of a mass: its shapes have no scale"
+        raise BadInput(source=path, field="kind", problem=problem, remedy="Name response functions, or a campaign")
+    data = data if band is None else replace(data, band=band)
+    with shown(f"{path}: mass lines and their joint fit", quiet=as_json):
+        found = free_body.identify(data)
+    joint, plain, sd = found.figures(), found.figures(found.mass_line), found.deviations
+    rows = [
+        (name, unit, factor * value, factor * NORMAL_95 * spread, factor * other)
+        for (name, unit, factor), value, spread, other in zip(OF_BODY, joint, sd, plain, strict=True)
+    ]
+    if as_json:
+        keys = ("quantity", "unit", "value", "half_width_95", "mass_line")
+        about = {"test": path, "article": data.article, "band_hz": list(found.band), "mass_line_band_hz": list(found.straight)}
+        figures = [dict(zip(keys, row, strict=True)) for row in rows]
+        print_json({**about, "poles_hz": found.poles.tolist(), "misfit": found.misfit, "figures": figures, "gains": found.gains})
+        return
+    heads = ("", "unit", "joint fit", "95 %", "mass line alone")
+    columns = tuple(doc.Column(head, itemgetter(k), words=k < 2) for k, head in enumerate(heads))
+    cells = [(name, unit, f"{value:.5g}", f"±{half:.2g}", f"{other:.5g}") for name, unit, value, half, other in rows]
+    notes = [
+        f"Joint fit: {found.band[0]:.4g} to {found.band[1]:.4g} Hz, {len(found.poles)} elastic modes taken apart; mass line "
+        f"alone: {found.straight[0]:.4g} to {found.straight[1]:.4g} Hz.",
+        f"Misfit {found.misfit:.2f} of what noise and tolerances are expected to leave"
+        + (": too much, and the intervals are widened by it." if found.misfit > free_body.SOUND else "."),
+        "About the origin of the coordinates of the points, products as entries of the matrix.",
+        *data.warnings,
+    ]
+    blocks = (doc.Table(caption="Mass, centre of gravity and inertia", columns=columns, rows=cells),)
+    click.echo(doc.Document(title=f"{data.article} by {path}", blocks=blocks, notes=notes).text(), nl=False)

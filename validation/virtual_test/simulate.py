@@ -573,7 +573,7 @@ def question(
         raise BadInput(source="--rate", problem=error.problem, remedy="Record faster, or end lower with --band") from None
     changes = reference.read(settings)
     reference.require_used(articles, changes)
-    share = _factor("--tolerances", tolerances)
+    share = factor("--tolerances", tolerances)
     plans = tuple(
         planning.Plan(
             article=article,
@@ -587,8 +587,8 @@ def question(
             band=band,
             octaves_per_minute=octaves_per_minute,
             cross=cross,
-            noise_rms=_scaled(planning.NOISE, _factor("--noise", noise)),
-            mains=_scaled(PLAN_MAINS, _factor("--mains", mains)),
+            noise_rms=_scaled(planning.NOISE, factor("--noise", noise)),
+            mains=_scaled(PLAN_MAINS, factor("--mains", mains)),
             rate=rate,
             dimensions=changes,
         )
@@ -605,7 +605,13 @@ def _word(option: str, word: str, known: Collection[str]) -> None:
         raise BadInput(source=option, problem=f"must be one of {', '.join(known)}, found {word!r}", remedy=remedy)
 
 
-def _factor(option: str, text: str) -> float:
+def factor(option: str, text: str) -> float:
+    """The factor that `text` is, 0 for off.
+
+    Raises
+    ------
+    BadInput : it is none.
+    """
     if text.strip() == OFF:
         return 0.0
     remedy = f"1 is the ordinary one, {OFF} is none"

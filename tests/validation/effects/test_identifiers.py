@@ -14,6 +14,7 @@ from validation.effects.effect import (
     BETWEEN,
     CABLE,
     CHANNEL,
+    DRIVE,
     FIXED,
     FORCE,
     PART,
@@ -34,7 +35,7 @@ def test_every_example_of_the_catalogue_is_understood_and_written_back(text):
 
 def test_every_family_says_what_it_is_of_kinds_that_are_known():
     kinds = {kind for family in FAMILIES.values() for kind in family.targets}
-    assert kinds <= {*FIXED, CHANNEL, FORCE, ACCELEROMETER, PLACE, PART, SUPPORT, BETWEEN, CABLE}
+    assert kinds <= {*FIXED, CHANNEL, FORCE, ACCELEROMETER, PLACE, PART, SUPPORT, BETWEEN, CABLE, DRIVE}
     assert all(family.what and family.side for family in FAMILIES.values())
     assert all(not family.targets for family in FAMILIES.values() if family.side == PENDULUM)
 

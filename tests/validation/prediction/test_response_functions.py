@@ -183,8 +183,8 @@ def test_gains_that_are_unknown_each_by_itself_take_no_shape_for_evidence() -> N
 
 def test_noise_is_that_of_the_coherence_where_it_is_known() -> None:
     coherence, values = np.full((3, len(F), 3), 0.8), chain()
-    (test,) = response_functions.of(model(values).structure, functions(values, coherence=coherence, averages=10, share=0.0))
-    assert_allclose(test.measured.noise, np.abs(values) * np.sqrt(0.2 / 8), rtol=1e-12)
+    (test,) = response_functions.of(model(values).structure, functions(values, coherence=coherence, averages=20, share=0.0))
+    assert_allclose(test.measured.noise, np.abs(values) * np.sqrt(0.2 / 16), rtol=1e-12)
 
 
 def test_places_that_the_structure_has_not_are_refused() -> None:

@@ -1,0 +1,114 @@
+"""Discrete mistakes in response functions and tables of modes: named before any fit, and none in sound data."""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from validation.diagnose.mistakes import mistakes
+from validation.effects.catalogue import parse
+from validation.effects.effect import Vocabulary
+from validation.model.model import Added
+from validation.study import Study
+from validation.virtual_test import structure_tests
+
+ANY = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
+POINTS = ("low:x", "low:y", "mid:x", "mid:y", "elbow:x", "elbow:y", "arm:y", "arm:z", "tip:y", "tip:z")
+DRIVES = ("mid:x", "elbow:y", "tip:z")
+NAMES = tuple(point.replace(":", "-") for point in POINTS)
+
+
+def study(model: Path, folder: Path, kind: str, effects: tuple[str, ...], seed: int, tolerances: float = 1.0) -> Study:
+    """A virtual test of the bracket, whose moduli, losses and gains are off as far as their tolerances say."""
+    given = {"noise": 1.0, "tolerances": tolerances, "band": None, "drives": DRIVES, "responses": POINTS, "block": 0.4}
+    plan = structure_tests.plan_of(str(model), kind=kind, effects=effects, seed=seed, **given)  # type: ignore[arg-type]
+    structure_tests.simulate(plan).fill(folder)
+    return Study.open(str(model), [str(folder / "test.toml")])
+
+
+def named(of: Study) -> list[str]:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        return [str(cause.named) for cause in mistakes(of)]
+
+
+@pytest.mark.parametrize(
+    ("kind", "text"),
+    [
+        ("functions", "polarity:elbow-x"),
+        ("functions", "channel-swap:mid-x:arm-z"),
+        ("functions", "wrong-direction:mid-x:y"),
+        ("functions", "wrong-reference:tip-z:elbow-y"),
+        ("functions", "polarity:force"),
+        ("functions", "unit:force=0.224808943"),
+        ("modes", "unit:mid-x=0.101971621"),
+        ("modes", "polarity:arm-z"),
+    ],
+)
+def test_a_mistake_is_named_and_nothing_beside_it(kind: str, text: str, bracket: Path, tmp_path: Path) -> None:
+    found = named(study(bracket, tmp_path / "test", kind, (text,), seed=3))
+    assert [one.partition("=")[0] for one in found] == [text.partition("=")[0]]
+    if "unit" in text:
+        assert parse(found[0], ANY).value == pytest.approx(parse(text, ANY).value, rel=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["functions", "modes"])
+def test_sound_data_have_none(kind: str, bracket: Path, tmp_path: Path) -> None:
+    for seed in (11, 12):
+        assert named(study(bracket, tmp_path / str(seed), kind, (), seed=seed)) == []
+
+
+def visible(of: Study, text: str) -> bool:
+    """Whether the mistake changes what some channel reads by half at least."""
+    for one in of.tests:
+        p = one.at({}, derivatives=False).rows[..., 0]
+        q = one.with_effects((Added(named=parse(text, ANY), fixed=True),)).at({}, derivatives=False).rows[..., 0]
+        if one.measured.inputs is None:
+            q = (
+                q
+                * np.sum(p * q.conj(), axis=2, keepdims=True)
+                / np.maximum(np.sum(np.abs(q) ** 2, axis=2, keepdims=True), 1e-300)
+            )
+        before, change = (np.sqrt(np.mean(np.abs(x) ** 2, axis=(0, 1))) for x in (p, q - p))
+        if np.any(change > 0.5 * np.maximum(before, 0.1 * before.max())):
+            return True
+    return False
+
+
+def drawn(rng: np.random.Generator) -> tuple[str, str]:
+    kind = str(rng.choice(["functions", "modes"]))
+    kinds = ["polarity", "channel-swap", "unit", "wrong-direction", "wrong-place"]
+    what = str(rng.choice([*kinds, "wrong-reference", "polarity:force", "unit:force"] if kind == "functions" else kinds))
+    channel, other = (str(one) for one in rng.choice(NAMES, 2, replace=False))
+    place, _, axis = channel.partition("-")
+    drive = str(rng.choice(DRIVES)).replace(":", "-")
+    return kind, {
+        "polarity": f"polarity:{channel}",
+        "channel-swap": f"channel-swap:{min(channel, other)}:{max(channel, other)}",
+        "unit": f"unit:{channel}={rng.choice([1 / 9.80665, 1000.0])}",
+        "wrong-direction": f"wrong-direction:{channel}:{rng.choice([one for one in 'xyz' if one != axis])}",
+        "wrong-place": f"wrong-place:{channel}:{rng.choice([one for one in ('low', 'mid', 'elbow', 'tip') if one != place])}",
+        "wrong-reference": f"wrong-reference:{drive}:{rng.choice([one for one in NAMES if one != drive])}",
+        "polarity:force": "polarity:force",
+        "unit:force": f"unit:force={1 / 4.4482216}",
+    }[what]
+
+
+@pytest.mark.proof
+def test_of_a_hundred_planted_mistakes_95_are_named_and_none_is_in_a_hundred_sound_tests(bracket: Path, tmp_path: Path) -> None:
+    missed: list[tuple[str, str, list[str]]] = []
+    false: list[list[str]] = []
+    for seed in range(100):
+        rng = np.random.default_rng([22, seed])
+        while True:
+            kind, text = drawn(rng)
+            if visible(study(bracket, tmp_path / "nominal", kind, (), seed=0, tolerances=0.0), text):
+                break
+        found = named(study(bracket, tmp_path / "planted", kind, (text,), seed=seed))
+        if text.partition("=")[0] not in [one.partition("=")[0] for one in found]:
+            missed.append((kind, text, found))
+        if alarm := named(study(bracket, tmp_path / "sound", kind, (), seed=seed)):
+            false.append(alarm)
+    assert not false
+    assert len(missed) <= 5, missed

@@ -1,0 +1,98 @@
+"""What each coordinate of a structure moves the points of a test, as they are stated and as they may be instead.
+
+A point at p along d has the row dᵀ u(p). Turned about an axis e, beside its place along e, or at another point, it has
+
+    dᵀ u + v (e x d)ᵀ u ,        dᵀ u + v dᵀ ∂u/∂e ,        (1 - v) dᵀ u + v d'ᵀ u' ,
+
+each linear in v, so that every derivative is a row itself. They are the parameters that effects open: `possible` says which.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.frames import Array
+from geometry.sensors import AXES, Point
+from validation.effects.catalogue import FAMILIES
+from validation.effects.effect import OPENED
+from validation.effects.stages import Matrices
+from validation.estimation.problem import Offsets, Parameter
+from validation.model.model import Added
+from validation.prediction import dynamic_mass
+
+RESPONSES = ("accelerometer-misalignment", "accelerometer-position", "wrong-direction", "wrong-place")
+DRIVES = ("force-misalignment", "force-position", "wrong-reference")
+"""Families that move the points of responses, and those of drives."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PointRows:
+    """Rows of points.
+
+    Attributes
+    ----------
+    values : (p, k)
+    changes : by parameter the point concerned and d row / d offset (k,)
+    """
+
+    values: Array
+    changes: Mapping[str, tuple[int, Array]]
+
+
+def asked(effects: Sequence[Added], families: Sequence[str]) -> list[str]:
+    """Ids of the effects of these families that want a parameter to be opened."""
+    return [one.named.id for one in effects if one.named.family in families and FAMILIES[one.named.family].stage == OPENED]
+
+
+def possible(
+    matrices: Matrices, points: Sequence[Point], others: Sequence[Point], effects: Sequence[Added], families: Sequence[str]
+) -> list[Parameter]:
+    """Parameters of `points` that `effects` of the `families` ask for and that change anything.
+
+    Parameters
+    ----------
+    others : points at which a force may have acted instead
+    """
+    names = asked(effects, families)
+    changes = rows(matrices, points, others, names, {}).changes
+    units = {name: FAMILIES[name.partition(":")[0]].sizes[0].unit for name in changes}
+    return [Parameter(name=name, unit=units[name], tolerance=1.0) for name, (_, row) in changes.items() if np.any(row)]
+
+
+def rows(
+    matrices: Matrices, points: Sequence[Point], others: Sequence[Point], names: Sequence[str], offsets: Offsets
+) -> PointRows:
+    """Of `points` at `offsets`, and by the parameters `names`; one that points at nothing of these is left out."""
+    stated = np.array([dynamic_mass.along(matrices, one.place, one.direction) for one in points]).reshape(len(points), -1)
+    at = {one.name: k for k, one in enumerate(points)}
+    instead = {one.name: one for one in others}
+    changes = {}
+    for name in names:
+        family, *targets = name.split(":")
+        if not targets or targets[0] not in at:
+            continue
+        k = at[targets[0]]
+        point, word = points[k], targets[-1]
+        d = np.asarray(point.direction)
+        if family.endswith("-misalignment"):
+            change = dynamic_mass.along(matrices, point.place, np.cross(AXES[word], d))
+        elif family.endswith("-position"):
+            if point.place not in matrices.gradients:
+                continue
+            change = d @ matrices.gradients[point.place]["xyz".index(word)]
+        elif family == "wrong-direction":
+            change = dynamic_mass.along(matrices, point.place, np.asarray(AXES[word]) - d)
+        elif family == "wrong-place":
+            if word not in matrices.places:
+                continue
+            change = dynamic_mass.along(matrices, word, d) - stated[k]
+        else:
+            if word not in instead:
+                continue
+            change = dynamic_mass.along(matrices, instead[word].place, instead[word].direction) - stated[k]
+        changes[name] = (k, change)
+    values = np.array(stated)
+    for name, (k, change) in changes.items():
+        values[k] += offsets.get(name, 0.0) * change
+    return PointRows(values=values, changes=changes)

@@ -1,0 +1,596 @@
+"""A virtual test of any structure: struck, shaken, or its modes in a table, with effects that its model does not know.
+
+The structure is that of the model file with its effects added to the matrices themselves; nothing is reduced. With its modes
+Phi, all of them or the lowest and the static answer of the others at a shift,
+
+    A(omega) = -omega² (Psi (lambda - omega²)⁻¹ Psi^T + R) ,      (Lambda + i S) psi = lambda psi ,      Psi = Phi psi ,
+
+whatever its losses S (A. D. Nashif et al., Vibration Damping, 1985, chapter 2). Records are made of these by Fourier transforms
+long enough for all to ring down, and then cut to what a recorder would have kept. No code is shared with what predicts tests.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fem.structure import Sparse, Structure, place_rows, position_of
+from fem.user_model import reading
+from geometry.dynamic_mass import ComplexArray
+from geometry.errors import BadInput
+from geometry.frames import Array
+from geometry.sensors import AXES, Point, point
+from geometry.toml_file import nearest
+from identification import test_file
+from identification.files import files
+from identification.files.files import Signals
+from validation.effects.catalogue import Named, parse_all
+from validation.effects.effect import Vocabulary
+from validation.effects.stages import ALONG
+from validation.model import model_file
+from validation.model.model import Model
+
+HAMMER, SHAKER, FUNCTIONS, MODES = KINDS = ("hammer", "shaker", "functions", "modes")
+"""Records of blows, records of a random force, response functions, a table of modes."""
+
+GAIN = 0.01
+"""Standard deviation of the gains of sensors and of the force cell in these laboratories, as their tests state it."""
+
+NOISE = {HAMMER: 2e-4, SHAKER: 2e-4, FUNCTIONS: 0.005, MODES: 0.001}
+"""Ordinary noise: of records a share of each channel's largest value, of functions a share of each value and of the median of its
+function, of tables a share of a frequency; of damping and shapes a hundred and ten times that."""
+
+MOST_MODES = 80
+"""[count] of modes of a structure too large for all of them."""
+
+WHOLE = 1200
+"""[count] of degrees of freedom up to which all modes are computed."""
+
+MASSLESS = 1e-12
+"""Share of the mass of the slowest mode below which one has none."""
+
+BLOWS, BLOCKS = 4, 30
+RINGS_DOWN = 7.0
+"""[1] Natural logarithm of what is left of the slowest mode at the end of a block."""
+
+LONGEST = 60.0
+"""[s] of a block where nothing is said."""
+
+STRUCTURAL = (
+    "modulus",
+    "mass",
+    "thickness",
+    "structural-damping",
+    "support-stiffness",
+    "point-mass",
+    "cable",
+    "gravity-stiffness",
+)
+SENSORS = (
+    *("accelerometer-gain", "accelerometer-delay", "accelerometer-position", "accelerometer-misalignment"),
+    *("force-gain", "force-delay", "force-position", "force-misalignment", "transducer-mass", "exponential-window"),
+    *("polarity", "channel-swap", "unit", "wrong-direction", "wrong-place", "wrong-reference"),
+)
+OF_DRIVES = ("force-position", "force-misalignment", "wrong-reference")
+PLANTED = (*STRUCTURAL, *SENSORS)
+"""Families that can be hidden in such a test."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StructurePlan:
+    """All that decides such a test; the same plan gives the same files.
+
+    Attributes
+    ----------
+    model : whose structure it is; its own effects are there
+    kind : of `KINDS`
+    article : what is tested
+    drives, responses : points; of a table its sensors are the responses
+    effects : that are hidden
+    seed : of all that is drawn
+    noise, tolerances : factors on the ordinary noise, and on the tolerances from which moduli, losses and gains are drawn
+    band : (low, high) [Hz]
+    block : [s] of a block; 0 for one in which the slowest mode rings down
+    """
+
+    model: Model
+    kind: str
+    article: str
+    drives: tuple[Point, ...]
+    responses: tuple[Point, ...]
+    effects: tuple[Named, ...] = ()
+    seed: int = 0
+    noise: float = 1.0
+    tolerances: float = 1.0
+    band: tuple[float, float]
+    block: float = 0.0
+
+    def drawn(self, what: str) -> np.random.Generator:
+        """A stream of random numbers of its own."""
+        return np.random.default_rng([self.seed, *what.encode()])
+
+    def each(self, family: str) -> list[Named]:
+        """The hidden effects of a family."""
+        return [one for one in self.effects if one.family == family]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TestedStructure:
+    """A structure as it really is, on its modes.
+
+    Attributes
+    ----------
+    plan : of the test
+    structure : with all that is planted, on all degrees of freedom
+    losses : loss factor by part
+    ratio : damping ratio of every mode, beside these; 0 for none
+    """
+
+    plan: StructurePlan
+    structure: Structure
+    losses: Mapping[str, float]
+    ratio: float
+
+    @cached_property
+    def modes(self) -> tuple[Array, Array, float, Any]:
+        """omega² (m,), shapes on all degrees of freedom (n, m), a shift s below all, and what solves K - s M for what is left."""
+        from scipy.linalg import eigh
+        from scipy.sparse.linalg import eigsh, splu
+
+        free = self.structure.free
+        K, M = (one.tocsc()[free][:, free] for one in (self.structure.stiffness, self.structure.mass))
+        shift = -((2 * np.pi * 2 * self.plan.band[1]) ** 2)
+        above = (K - shift * M).tocsc()
+        solver = splu(above)
+        if len(free) <= WHOLE:  # what has no mass is a mode of infinite frequency, and static
+            shares, vectors = eigh(M.toarray(), above.toarray())
+            kept = shares > MASSLESS * shares.max()
+            squares, vectors = 1 / shares[kept] + shift, vectors[:, kept] / np.sqrt(shares[kept])
+        else:
+            squares, vectors = eigsh(K, k=min(MOST_MODES, len(free) - 2), M=M, sigma=shift)
+        order = np.argsort(squares)
+        whole = np.zeros((self.structure.mass.shape[0], len(squares)))
+        whole[free] = vectors[:, order]
+        return squares[order], whole, shift, solver
+
+    @cached_property
+    def lossy(self) -> tuple[ComplexArray, ComplexArray]:
+        """lambda (m,) and psi on the modes (m, m)."""
+        squares, shapes, _, _ = self.modes
+        shares = (eta * shapes.T @ (self.structure.part_stiffness[part] @ shapes) for part, eta in self.losses.items())
+        S = sum(shares, np.zeros((len(squares), len(squares))))
+        values, vectors = np.linalg.eig(np.diag(squares) + 1j * S)
+        return values, vectors / np.sqrt(np.sum(vectors**2, axis=0))
+
+    def accelerance(self, frequency: Array, rows: Sequence[Sparse], forces: Sequence[Sparse]) -> ComplexArray:
+        """(n, c, r) [m/s² per N] along `rows` for forces along `forces`, (n,) each."""
+        squares, shapes, shift, solver = self.modes
+        values, turned = self.lossy
+        left, right = (np.array([row @ shapes for row in of]) @ turned for of in (rows, forces))
+        omega = 2 * np.pi * np.maximum(frequency, 1e-6)[:, None]
+        omega2 = omega[:, 0] ** 2
+        viscous = 2j * self.ratio * np.sqrt(np.maximum(values.real, 0.0)) * omega
+        A = np.einsum("cm,nm,rm->ncr", left, 1 / (values - omega**2 + viscous), right)
+        free = self.structure.free
+        static = np.array([row[free] for row in rows]) @ solver.solve(np.array([one[free] for one in forces]).T)
+        far = (np.array([row @ shapes for row in rows]) / (squares - shift)) @ np.array([one @ shapes for one in forces]).T
+        A = A + (static - far)
+        return np.asarray(-omega2[:, None, None] * A)
+
+
+def tested(plan: StructurePlan) -> TestedStructure:
+    """The structure of `plan` as it really is.
+
+    Raises
+    ------
+    BadInput : it has no matrices; an effect on what it has not.
+    """
+    path = plan.model.own.get(plan.article, "")
+    users = reading.load(path) if path else None
+    if users is None or not isinstance(users.model, Structure):
+        problem = f"{plan.article} has no matrices, mesh or frame"
+        raise BadInput(source=plan.model.source, field="article", problem=problem, remedy="Name its file in [structure.own]")
+    made, damping = users.model, users.damping
+    ratio = plan.model.damping_ratio
+    losses: dict[str, float] = dict(damping.loss_factors) if damping is not None and ratio is None else {}
+    usual = 0.003 if not losses else 0.0
+    spread, rng = plan.tolerances, plan.drawn("structure")
+    K, M, shares = made.stiffness, made.mass, dict(made.part_stiffness)
+    tied = (*made.supports, *made.joints)
+    for part in shares if len(shares) > 1 or not made.part_mass else ():
+        own = made.part_tolerances.get(part, {}).get("modulus", plan.model.structure.modulus)
+        if part not in tied:
+            shares[part] = float(np.exp(spread * own * rng.standard_normal())) * shares[part]
+            K = K + shares[part] - made.part_stiffness[part]
+    losses = {part: eta * float(np.exp(0.1 * spread * rng.standard_normal())) for part, eta in losses.items()}
+
+    def share(of: Mapping[str, Sparse], named: Named) -> Sparse:
+        if named.target not in of:
+            problem, remedy = "the structure has nothing of that name", f"{nearest(named.target, of)}There are {', '.join(of)}"
+            raise BadInput(source="--effect", field=named.id, problem=problem, remedy=remedy)
+        return of[named.target]
+
+    for one in (*(added.named for added in plan.model.effects), *plan.effects):
+        value = one.value
+        if one.family == "modulus":
+            K = K + value * share(shares, one)
+        elif one.family == "support-stiffness":
+            K = K + (value - 1) * share(shares, one)
+        elif one.family == "mass":
+            M = M + value * share(made.part_mass, one)
+        elif one.family == "thickness":
+            linear, cubed = share(made.sections, one)
+            K, M = K + value * linear + ((1 + value) ** 3 - 1) * cubed, M + value * share(made.part_mass, one)
+        elif one.family == "structural-damping":
+            share(shares, one)
+            losses[one.target] = losses.get(one.target, 0.0) + value
+        elif one.family == "gravity-stiffness":
+            K = K + value * sum(made.geometric.values())
+        elif one.family in ("point-mass", "cable"):
+            rows = share(made.places, one)[list(ALONG["".join(one.targets[1:])])]
+            K, M = (K, M + value * (rows.T @ rows)) if one.family == "point-mass" else (K + value * (rows.T @ rows), M)
+        elif one.family not in SENSORS:
+            remedy = f"These can: {', '.join(PLANTED)}"
+            raise BadInput(source="--effect", field=one.id, problem="no virtual test of a structure can hide it", remedy=remedy)
+    structure = replace(made, stiffness=K, mass=M, part_stiffness=shares)
+    return TestedStructure(plan=plan, structure=structure, losses=losses, ratio=usual if ratio is None else ratio)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StructureTest:
+    """What a laboratory would hand over, and what was hidden in it.
+
+    Attributes
+    ----------
+    table : the description, as a TOML has it
+    signals : by file beside it
+    truth : what was planted and drawn
+    """
+
+    table: Mapping[str, Any]
+    signals: Mapping[str, Signals] = field(default_factory=dict)
+    truth: Mapping[str, Any] = field(default_factory=dict)
+
+    def fill(self, folder: Path) -> None:
+        """Write the test into `folder`."""
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, signals in self.signals.items():
+            files.write(folder / name, signals)
+        lines = [f"{key} = {model_file.inline(value)}" for key, value in self.table.items()]
+        (folder / "test.toml").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _row(structure: Structure, at: Point, faults: Sequence[Named], points: Mapping[str, Point]) -> Array:
+    """(n,) what moves a point along its direction, with the faults that name it."""
+    d, place, shift = np.array(at.direction), at.place, np.zeros(3)
+    for one in faults:
+        if one.target != at.name:
+            continue
+        word = one.targets[-1]
+        if one.family.endswith("-misalignment"):
+            d = d + one.value * np.cross(AXES[word], d)
+        elif one.family.endswith("-position"):
+            shift = shift + one.value * np.array(AXES[word])
+        elif one.family == "wrong-direction":
+            d = np.array(AXES[word])
+        elif one.family == "wrong-place":
+            place = word
+        elif one.family == "wrong-reference":
+            d, place = np.array(points[word].direction), points[word].place
+    if place not in structure.places:
+        problem = "the structure has no such place"
+        raise BadInput(source="simulate", field=place, problem=problem, remedy=f"Its places are {', '.join(structure.places)}")
+    rows = structure.places[place]
+    if np.any(shift):
+        centre = position_of(structure, place)
+        if centre is None:
+            problem = "nobody knows where this place is: the structure has no coordinates"
+            raise BadInput(source="--effect", field=place, problem=problem, remedy="Leave positions out")
+        rows = place_rows(structure, centre + shift)[0]
+    return np.asarray(d @ rows.toarray())
+
+
+def simulate(plan: StructurePlan) -> StructureTest:
+    """The test of `plan`.
+
+    Raises
+    ------
+    BadInput : as `tested`; a point that the structure has not.
+    """
+    lab = tested(plan)
+    points = {one.name: one for one in plan.responses}
+    of_drives = [one for one in plan.effects if one.family in OF_DRIVES]
+    rows = [_row(lab.structure, one, [e for e in plan.effects if e not in of_drives], points) for one in plan.responses]
+    forces = [_row(lab.structure, one, of_drives, points) for one in plan.drives]
+    truth = {
+        "effects": {one.id: dict(one.values) for one in plan.effects},
+        "seed": plan.seed,
+        "test": plan.kind,
+        "article": plan.article,
+        "frequency_hz": [float(np.sqrt(x.real) / (2 * np.pi)) for x in sorted(lab.lossy[0], key=abs)[:40] if x.real > 0],
+    }
+    if plan.kind == MODES:
+        return StructureTest(table=_table(plan, lab, rows), truth=truth)
+    about = {"format": 1, "kind": test_file.RESPONSE_FUNCTIONS, "title": plan.kind, "article": plan.article}
+    about |= {"band": [float(one) for one in plan.band], "gain": GAIN, "force_gain": GAIN}
+    places = dict.fromkeys(one.place for one in (*plan.drives, *plan.responses))
+    where = {name: at for name in places if (at := position_of(lab.structure, name)) is not None}
+    if where:
+        about["coordinates"] = {name: [float(x) for x in at] for name, at in where.items()}
+    elastic = lab.lossy[0][lab.lossy[0].real > 0.01 * plan.band[0] ** 2]
+    slowest = float(np.min(elastic.imag / (2 * np.sqrt(elastic.real)) + lab.ratio * np.sqrt(elastic.real), initial=1e3))
+    block = plan.block or min(LONGEST, max(RINGS_DOWN / slowest, 4 / plan.band[0]))
+    gains = 1 + GAIN * plan.tolerances * plan.drawn("gains").standard_normal(len(rows) + 1)
+    names = (*points, "force")
+    if plan.kind == FUNCTIONS:
+        f = np.arange(max(1, round(plan.band[0] * block)), round(plan.band[1] * block) + 1) / block
+        A = _heard(plan, names, gains, f, lab, rows, forces, slowest=0.0)
+        rng, share = plan.drawn("noise"), plan.noise * NOISE[FUNCTIONS]
+        scatter = rng.standard_normal((2, *A.shape))
+        level = np.hypot(np.abs(A), np.median(np.abs(A), axis=0, keepdims=True))
+        A = A + share * level * (scatter[0] + 1j * scatter[1]) / np.sqrt(2)
+        signals = {
+            f"functions-{k + 1}.h5": Signals(
+                source="virtual test", frequency=f, samples={name: A[:, c, k] for c, name in enumerate(points)}
+            )
+            for k in range(len(forces))
+        }
+        share_stated = {"share": share} if share else {}
+        return StructureTest(table={**about, **share_stated, **_files(plan, signals)}, signals=signals, truth=truth)
+    rate = 4.0 * plan.band[1]
+    size = 2 * round(block * rate / 2)
+    signals = {}
+    for k, drive in enumerate(plan.drives):
+        rng = plan.drawn(f"force {drive.name}")
+        if plan.kind == HAMMER:
+            ahead, length = round(0.02 * size), max(4, round(rate / plan.band[1]))
+            pulse = np.sin(np.pi * np.arange(length) / length)
+            pieces = []
+            for _ in range(BLOWS):
+                force = np.zeros(size)
+                force[ahead : ahead + length] = 100 * (1 + 0.2 * rng.uniform(-1, 1)) * pulse
+                pieces.append(_answered(plan, names, gains, force, rate, lab, rows, [forces[k]], slowest))
+            record = np.concatenate([*pieces, np.zeros((ahead + 1, len(names)))])
+            window = sum(one.value for one in plan.each("exponential-window"))
+            if window:  # by an analyser that says nothing of it
+                time = np.concatenate([*(np.arange(size) / rate for _ in range(BLOWS)), np.zeros(ahead + 1)])
+                record = record * np.exp(-window * np.maximum(time - ahead / rate, 0.0))[:, None]
+        else:
+            count = size * BLOCKS
+            spectrum = rng.standard_normal(count // 2 + 1) + 1j * rng.standard_normal(count // 2 + 1)
+            lines = np.fft.rfftfreq(count, 1 / rate)
+            spectrum *= (lines > 0.3 * plan.band[0]) & (lines < 1.2 * plan.band[1])
+            force = np.fft.irfft(spectrum, count)
+            force *= 10 / np.std(force)
+            record = _answered(plan, names, gains, force, rate, lab, rows, [forces[k]], slowest)
+        record = record + plan.noise * NOISE[plan.kind] * np.abs(record).max(axis=0) * plan.drawn(f"noise {k}").standard_normal(
+            record.shape
+        )
+        samples = {name: record[:, c] for c, name in enumerate(names)}
+        signals[f"records-{k + 1}.h5"] = Signals(source="virtual test", sampling_rate=rate, samples=samples)
+    records = {"kind": plan.kind, "block": size / rate}
+    return StructureTest(table={**about, "records": records, **_files(plan, signals)}, signals=signals, truth=truth)
+
+
+def _files(plan: StructurePlan, signals: Mapping[str, Signals]) -> dict[str, Any]:
+    def said(at: Point) -> Any:
+        axis = next((word for word, way in AXES.items() if not word.startswith("+") and np.allclose(way, at.direction)), None)
+        if axis is not None and at.name == Point(place=at.place, name=f"{at.place}:{axis.strip('-')}").name:
+            return f"{at.place}:{axis}"
+        return {"place": at.place, "direction": [float(x) for x in np.asarray(at.direction)], "name": at.name}
+
+    listed = [{"path": name, "drive": said(drive)} for name, drive in zip(signals, plan.drives, strict=True)]
+    return {"responses": [said(one) for one in plan.responses], "files": listed}
+
+
+def _heard(
+    plan: StructurePlan,
+    names: Sequence[str],
+    gains: Array,
+    f: Array,
+    lab: TestedStructure,
+    rows: Sequence[Array],
+    forces: Sequence[Array],
+    slowest: float,
+) -> ComplexArray:
+    """(n, c, r) what channels hear per newton that the force channel says, faults of the chain included."""
+    A = lab.accelerance(f, rows, forces)
+    m = sum(one.value for one in plan.each("transducer-mass"))
+    if m:  # each response by itself, on a structure that carries the mass there
+        for c, at in enumerate(plan.responses):
+            own = lab.structure.places[at.place]
+            heavier = replace(lab, structure=replace(lab.structure, mass=lab.structure.mass + m * (own.T @ own)))
+            A[:, c] = heavier.accelerance(f, [rows[c]], forces)[:, 0]
+    signals = np.concatenate([A, np.ones((len(f), 1, len(forces)))], axis=1)
+    scale = np.array(gains, dtype=np.complex128) * np.ones((len(f), 1))
+    order = list(range(len(names)))
+    for one in plan.effects:
+        if one.family not in SENSORS or one.target not in names:
+            continue
+        k = names.index(one.target)
+        if one.family.endswith("-gain"):
+            scale[:, k] *= 1 + one.value
+        elif one.family.endswith("-delay"):
+            scale[:, k] *= np.exp(-2j * np.pi * f * one.value)
+        elif one.family == "polarity":
+            scale[:, k] *= -1
+        elif one.family == "unit":
+            scale[:, k] *= one.value
+        elif one.family == "channel-swap":
+            other = names.index(one.targets[1])
+            order[k], order[other] = order[other], order[k]
+    read = scale[:, :, None] * signals[:, order]
+    window = sum(one.value for one in plan.each("exponential-window"))
+    if window and plan.kind == FUNCTIONS:
+        raise BadInput(
+            source="--effect",
+            field="exponential-window",
+            problem="a window acts on records, and functions are asked for",
+            remedy="Write --test hammer",
+        )
+    return np.asarray(read[:, :-1] / read[:, -1:]) if slowest == 0.0 else read
+
+
+def _answered(
+    plan: StructurePlan,
+    names: Sequence[str],
+    gains: Array,
+    force: Array,
+    rate: float,
+    lab: TestedStructure,
+    rows: Sequence[Array],
+    forces: Sequence[Array],
+    slowest: float,
+) -> Array:
+    """(n, c + 1) what is recorded of `force` (n,), long zeros behind it so that nothing comes round."""
+    count = len(force)
+    ring = count + round(7.0 / slowest * rate)  # e^-7 is a thousandth
+    whole = 1 << max(ring - 1, 1).bit_length()
+    lines = np.asarray(np.fft.rfftfreq(min(whole, 1 << 20), 1 / rate), dtype=np.float64)
+    read = _heard(plan, names, gains, lines, lab, rows, forces, slowest)[:, :, 0]
+    spectrum = np.fft.rfft(force, min(whole, 1 << 20))
+    return np.asarray(np.fft.irfft(read * spectrum[:, None], axis=0)[:count])
+
+
+def _table(plan: StructurePlan, lab: TestedStructure, rows: Sequence[Array]) -> dict[str, Any]:
+    """The table of modes within the band."""
+    values, turned = lab.lossy
+    hertz, eta = np.sqrt(np.maximum(values.real, 0)) / (2 * np.pi), values.imag / np.maximum(values.real, 1e-30)
+    inside = [int(k) for k in np.argsort(hertz) if plan.band[0] <= hertz[k] <= plan.band[1]]
+    if not inside:
+        problem = f"no mode of the structure lies within {plan.band[0]:g} to {plan.band[1]:g} Hz"
+        raise BadInput(source="--band", problem=problem, remedy="Widen it")
+    rng, s = plan.drawn("noise"), plan.noise * NOISE[MODES]
+    gains = 1 + GAIN * plan.tolerances * plan.drawn("gains").standard_normal(len(rows))
+    names = [one.name for one in plan.responses]
+    order = list(range(len(names)))
+    for one in plan.effects:
+        if one.family not in SENSORS or one.target not in names:
+            continue
+        k = names.index(one.target)
+        if one.family == "channel-swap":
+            other = names.index(one.targets[1])
+            order[k], order[other] = order[other], order[k]
+        elif one.family in ("accelerometer-gain", "polarity"):
+            gains[k] *= 1 + one.value if one.family == "accelerometer-gain" else -1.0
+    least = max(s, 1e-6)
+    window = sum(one.value for one in plan.each("exponential-window"))
+    zeta = lab.ratio + eta[inside] / 2 + window / (2 * np.pi * hertz[inside])
+    shapes = ((np.array(rows) @ lab.modes[1]) @ turned[:, inside]).real.T[:, order] * gains
+    shapes = shapes / np.abs(shapes).max(axis=1, keepdims=True) + 10 * s * rng.standard_normal(shapes.shape)
+    for one in plan.each("unit"):
+        if one.target in names:
+            shapes[:, names.index(one.target)] *= one.value
+    shapes = shapes * rng.choice([-1.0, 1.0], len(shapes))[:, None] * rng.uniform(0.5, 2.0, len(shapes))[:, None]
+    f = hertz[inside] * (1 + s * rng.standard_normal(len(inside)))
+    zeta = zeta * (1 + 100 * s * rng.standard_normal(len(inside)))
+    points = _files(plan, {})["responses"] if not plan.drives else _files(replace(plan, drives=()), {})["responses"]
+    return {
+        "format": 1,
+        "kind": test_file.MODAL_TABLE,
+        "title": "modes",
+        "article": plan.article,
+        "frequencies": [float(one) for one in f],
+        "frequency_deviation": least,
+        "damping": [float(one) for one in np.maximum(zeta, 1e-6)],
+        "damping_deviation": 100 * least,
+        "sensors": points,
+        "shapes": [[float(one) for one in row] for row in shapes],
+        "shapes_deviation": 10 * least,
+        "gain": GAIN,
+    }
+
+
+def plan_of(
+    path: str,
+    *,
+    kind: str,
+    effects: Sequence[str],
+    seed: int,
+    noise: float,
+    tolerances: float,
+    band: tuple[float, float] | None,
+    drives: Sequence[str],
+    responses: Sequence[str],
+    block: float,
+) -> StructurePlan:
+    """The plan of `massline simulate MODEL.toml`; points and band are those of the model's own test where it names one.
+
+    Raises
+    ------
+    BadInput : no model of a structure, an effect or a point that cannot be.
+    """
+    if kind not in KINDS:
+        problem = f"must be one of {', '.join(KINDS)}, found {kind!r}"
+        raise BadInput(source="--test", problem=problem, remedy=nearest(kind, KINDS) or "Choose one of them")
+    model = model_file.read(path)
+    article = model.article if model.article in model.own else next(iter(model.own), "")
+    words = Vocabulary(accelerometers=None, forces=None, places=None, parts=None)
+    named = parse_all(effects, words)
+    for one in named:
+        if one.family not in PLANTED:
+            remedy = f"These can: {', '.join(PLANTED)}"
+            raise BadInput(source="--effect", field=one.id, problem="no virtual test of a structure can hide it", remedy=remedy)
+    users = reading.load(model.own[article]) if article else None
+    if users is None or not isinstance(users.model, Structure):
+        problem = "it names no structure with matrices, a mesh or a frame"
+        raise BadInput(source=path, field="fe_model", problem=problem, remedy="`massline model FILE` begins one")
+    stated = [one for one in model.tests if one.get("kind") in test_file.KINDS]
+    own = stated[0] if stated else {}
+
+    def listed(given: Sequence[str], keys: Sequence[str], field: str) -> tuple[Point, ...]:
+        found = list(given) or [one for key in keys for one in _many(own.get(key))]
+        found = found or [one for entry in own.get("files", ()) for key in keys for one in _many(dict(entry).get(key))]
+        direction = str(own.get("direction", ""))
+        made = [point(one, source=path, field=field, direction=direction) for one in found]
+        return tuple({one.name: one for one in made}.values())
+
+    seen = listed(responses, ("responses", "sensors"), "--response")
+    if not seen:
+        every = [(name, axis, k) for name in users.model.places for k, axis in enumerate("xyz")]
+        moving = [f"{name}:{axis}" for name, axis, k in every if users.model.places[name][[k]].nnz]
+        seen = tuple(point(one, source=path, field="--response") for one in moving)
+    if not seen:
+        raise BadInput(source=path, field="places", problem="it names no place", remedy='Name points, --response "tip:z"')
+    driven = listed(drives, ("drive",), "--drive") or seen[:1]
+    for at in (*driven, *seen):
+        if at.place not in users.model.places:
+            known = ", ".join(list(users.model.places)[:20])
+            raise BadInput(
+                source=path, field=at.place, problem="the structure has no such place", remedy=f"Its places are {known}"
+            )
+    among = {"drive point": {one.name for one in driven}, "accelerometer": {one.name for one in seen}, "force": {"force"}}
+    for one in named:
+        if one.family in SENSORS and one.targets:
+            legal = among["drive point"] if one.family in OF_DRIVES else among["accelerometer"] | among["force"]
+            if one.target not in legal:
+                remedy = f"{nearest(one.target, legal)}There are {', '.join(sorted(legal))}"
+                raise BadInput(source="--effect", field=one.id, problem="the test has no such channel", remedy=remedy)
+    limits = band or tuple(own.get("band", ())) or None
+    if limits is None:
+        trial = StructurePlan(model=model, kind=MODES, article=article, drives=(), responses=seen, band=(1.0, 100.0))
+        squares = tested(trial).modes[0]
+        lowest = np.sqrt(squares[squares > 1e-6 * np.median(np.abs(squares))]) / (2 * np.pi)
+        limits = (0.5 * float(lowest[0]), 1.3 * float(lowest[min(4, len(lowest) - 1)]))
+    if not 0 < limits[0] < limits[1]:
+        raise BadInput(source="--band", problem=f"must rise from above 0, found {limits}", remedy="Write --band 5 200")
+    return StructurePlan(
+        model=model,
+        kind=kind,
+        article=article,
+        drives=driven,
+        responses=seen,
+        effects=tuple(named),
+        seed=seed,
+        noise=noise,
+        tolerances=tolerances,
+        band=(float(limits[0]), float(limits[1])),
+        block=block,
+    )
+
+
+def _many(value: Any) -> list[Any]:
+    return [] if value is None else list(value) if isinstance(value, list) else [value]
