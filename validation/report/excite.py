@@ -491,10 +491,12 @@ class Written:
     planted: tuple[Any, ...]
 
     def text(self) -> str:
-        """The page."""
+        """The page, of one screen: `massline check` has channels and levels."""
         found = of_campaign(self.folder, self.campaign)
-        grids = (*campaign_page.grids(found), *(() if self.sealed else self._behind()))
-        return page(campaign_page.title(found), grids, (*campaign_page.notes(found)[:-1], *self._notes()))
+        runs = [grid for grid in campaign_page.grids(found) if grid.header[0] == "run"]
+        more = f"{len(self.campaign.table)} channels, their levels and what they tell: massline check {self.folder}."
+        grids = (*runs, *(() if self.sealed else self._behind()))
+        return page(campaign_page.title(found), grids, (more, *self._notes()))
 
     def as_json(self) -> dict[str, Any]:
         """The same as one object; where it is sealed, nothing that was drawn or planted."""
