@@ -91,7 +91,7 @@ Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Explanation:
+class LandmarkFit:
     """Effects at the sizes that bring the landmarks nearest.
 
     Attributes
@@ -170,11 +170,11 @@ class DistantView:
         wanted = (name(one.named, size.key) for one in effects if not one.fixed for size in one.named.fitted_sizes)
         return tuple(every[which] for which in wanted if which in every)
 
-    def explained(self, effects: Sequence[Added]) -> Explanation:
+    def explained(self, effects: Sequence[Added]) -> LandmarkFit:
         """`effects`, fitted from the sizes at which they stand."""
         free = self.sizes(effects)
         if not free:
-            return Explanation(effects=tuple(effects), chi2=float(np.sum(self.residual(effects) ** 2)))
+            return LandmarkFit(effects=tuple(effects), chi2=float(np.sum(self.residual(effects) ** 2)))
         scale = np.array([one.tolerance for one in free])
         low, high = (np.array([one.bounds(plain=False)[end] for one in free]) / scale for end in (0, 1))
 
@@ -186,11 +186,11 @@ class DistantView:
         size = np.maximum(np.abs(start), 0.1)
         found = least_squares(left, inside, bounds=(low, high), x_scale=size, max_nfev=TRIALS, diff_step=1e-4)
         J, r = found.jac[: -len(free)], found.fun[: -len(free)]
-        return Explanation(
+        return LandmarkFit(
             effects=at_offsets(effects, free, found.x * scale), sizes=found.x, chi2=float(r @ r), curvature=J.T @ J
         )
 
-    def scanned(self, at: Explanation, one: Added) -> tuple[float, Added]:
+    def scanned(self, at: LandmarkFit, one: Added) -> tuple[float, Added]:
         """chi² and size of `one` beside the effects of `at` where it is least; of a channel, which is linear, by one step."""
         (free,) = self.sizes((one,))
         low, high = free.bounds(plain=False)
@@ -232,11 +232,11 @@ class DistantView:
                 found.append((moved / length, [one]))
         return [group for _, group in found]
 
-    def variance(self, nodes: Iterable[Explanation]) -> float:
+    def variance(self, nodes: Iterable[LandmarkFit]) -> float:
         """What the best of `nodes` leaves, one at least."""
         return max(1.0, min(one.chi2 / max(self.number - len(one.sizes), 1.0) for one in nodes))
 
-    def needed(self, data: Study, nodes: Sequence[Explanation], start: Explanation, variance: float) -> Explanation:
+    def needed(self, data: Study, nodes: Sequence[LandmarkFit], start: LandmarkFit, variance: float) -> LandmarkFit:
         """That of `nodes`, each of which has the effects of `start`, that has no effect more than can be told.
 
         Landmarks bring resonances together, and then lines say more. So of explanations with as many effects that landmarks do
@@ -246,7 +246,7 @@ class DistantView:
         """
         costs: dict[frozenset[str], float] = {}
 
-        def cost(one: Explanation) -> float:
+        def cost(one: LandmarkFit) -> float:
             """Of the fit of all lines; none where there are no lines."""
             if one.ids not in costs:
                 told = line_fit(data, one.effects)
@@ -272,10 +272,10 @@ class DistantView:
 
     def alike(
         self,
-        best: Explanation,
+        best: LandmarkFit,
         one: Added,
         groups: Sequence[Sequence[Added]],
-        nodes: dict[frozenset[str], Explanation],
+        nodes: dict[frozenset[str], LandmarkFit],
         variance: float,
     ) -> tuple[str, ...]:
         """Ids of what could stand for `one` beside the other effects of `best`, the best first."""
@@ -319,7 +319,7 @@ def stated(menu: Sequence[Added]) -> tuple[Added, ...]:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Alternative:
+class LookedAt:
     """An effect that was looked at in place of one that was found, or alone.
 
     Attributes
@@ -351,14 +351,14 @@ class FromAfar:
     view : that all this was seen in
     """
 
-    best: Explanation
+    best: LandmarkFit
     variance: float
     number: float
-    base: Explanation
+    base: LandmarkFit
     gains: dict[str, float]
     alike: dict[str, tuple[str, ...]]
-    alone: tuple[Alternative, ...]
-    after: Alternative | None
+    alone: tuple[LookedAt, ...]
+    after: LookedAt | None
     view: DistantView
 
     def off(self, limit: float) -> list[tuple[str, float]]:
@@ -421,10 +421,10 @@ class FromAfar:
         for known in stated(menu):
             with_it = view.explained((*start.effects, known))
             start = with_it if with_it.chi2 < start.chi2 else start
-        nodes: dict[frozenset[str], Explanation] = {base.ids: base, start.ids: start}
+        nodes: dict[frozenset[str], LandmarkFit] = {base.ids: base, start.ids: start}
         beam = [start]
         for depth in range(MOST_EFFECTS):
-            made: dict[frozenset[str], Explanation] = {}
+            made: dict[frozenset[str], LandmarkFit] = {}
             for k, node in enumerate(beam):
                 progress("looking from afar", (depth + k / len(beam)) / MOST_EFFECTS)
                 others = [one for one in firsts if one.named.id not in node.ids]
@@ -465,7 +465,7 @@ class FromAfar:
         with_one = [node for node in nodes.values() if len(node.effects) == len(start.effects) + 1]
         with_one += [start] if start.effects else []
         alone = [
-            Alternative(
+            LookedAt(
                 added=one.effects[-1],
                 evidence=one.log_evidence(variance) - base.log_evidence(variance),
                 misfit=one.chi2 / max(view.number - len(one.sizes), 1.0),
@@ -484,7 +484,7 @@ class FromAfar:
             alone=tuple(sorted(alone, key=lambda one: -one.evidence)),
             after=None
             if nearest is None
-            else Alternative(
+            else LookedAt(
                 added=next(one for one in nearest.effects if one.named.id not in best.ids),
                 evidence=nearest.log_evidence(variance) - best.log_evidence(variance),
                 misfit=nearest.chi2 / max(view.number - len(nearest.sizes), 1.0),
