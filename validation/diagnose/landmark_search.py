@@ -1,23 +1,4 @@
-"""Search from afar: which effects bring resonances, shapes and levels to where they were measured.
-
-A fit of all lines finds its way only where resonances of model and data overlap. Farther off, landmarks are compared
-(`validation.prediction.landmarks`), which change smoothly with the sizes of effects however large these are. The response is
-exact for the reduced structure at every size; nothing is linear but the tolerances, which are taken out in closed form. With
-residuals r in units of what a sound model may be off, their derivatives J by the tolerances at the model as it is, and T =
-diag(tolerance),
-
-    chi² = r^T (1 + J T² J^T)^-1 r .
-
-Each candidate is looked at over its whole plausible range, the best are fitted, and beside the best few of these all others
-again, up to `MOST_EFFECTS` at once: two effects may do together what neither does alone. An effect whose size mechanics states
-has no free size; it is there or not. Sizes of others are known to an order of magnitude beforehand, by a Cauchy density of their
-plausible size.
-
-No model of known effects comes down to a chi² of one per number where something else is missing, too. What the best of all
-leaves, c = chi² / (numbers - sizes), is then taken for the variance of what landmarks are off, and evidence is counted in it
-(quasi-likelihood: R. W. M. Wedderburn, Biometrika 61 (1974), 439; K. P. Burnham and D. R. Anderson, Model Selection and
-Multimodel Inference, 2002, section 2.5).
-"""
+"""Search from afar: which effects bring resonances, shapes and levels to where they were measured."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
@@ -43,6 +24,24 @@ from validation.model.model import Added
 from validation.prediction.effects import name
 from validation.prediction.landmarks import Landmark, tolerances
 from validation.study import Study
+
+# A fit of all lines finds its way only where resonances of model and data overlap. Farther off, landmarks are compared
+# (`validation.prediction.landmarks`), which change smoothly with the sizes of effects however large these are. The response is
+# exact for the reduced structure at every size; nothing is linear but the tolerances, which are taken out in closed form. With
+# residuals r in units of what a sound model may be off, their derivatives J by the tolerances at the model as it is, and T =
+# diag(tolerance),
+#
+#     chi² = r^T (1 + J T² J^T)^-1 r .
+#
+# Each candidate is looked at over its whole plausible range, the best are fitted, and beside the best few of these all others
+# again, up to `MOST_EFFECTS` at once: two effects may do together what neither does alone. An effect whose size mechanics states
+# has no free size; it is there or not. Sizes of others are known to an order of magnitude beforehand, by a Cauchy density of
+# their plausible size.
+#
+# No model of known effects comes down to a chi² of one per number where something else is missing, too. What the best of all
+# leaves, c = chi² / (numbers - sizes), is then taken for the variance of what landmarks are off, and evidence is counted in it
+# (quasi-likelihood: R. W. M. Wedderburn, Biometrika 61 (1974), 439; K. P. Burnham and D. R. Anderson, Model Selection and
+# Multimodel Inference, 2002, section 2.5).
 
 OCTAVES = np.arange(-3.0, 5.0)
 """[octave] of a plausible size at which an effect is looked at, to either side. By definition."""
@@ -319,7 +318,7 @@ def stated(menu: Sequence[Added]) -> tuple[Added, ...]:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class LandmarkAlternative:
+class LookedAt:
     """An effect that was looked at in place of one that was found, or alone.
 
     Attributes
@@ -357,8 +356,8 @@ class FromAfar:
     base: LandmarkFit
     gains: dict[str, float]
     alike: dict[str, tuple[str, ...]]
-    alone: tuple[LandmarkAlternative, ...]
-    after: LandmarkAlternative | None
+    alone: tuple[LookedAt, ...]
+    after: LookedAt | None
     view: DistantView
 
     def off(self, limit: float) -> list[tuple[str, float]]:
@@ -465,7 +464,7 @@ class FromAfar:
         with_one = [node for node in nodes.values() if len(node.effects) == len(start.effects) + 1]
         with_one += [start] if start.effects else []
         alone = [
-            LandmarkAlternative(
+            LookedAt(
                 added=one.effects[-1],
                 evidence=one.log_evidence(variance) - base.log_evidence(variance),
                 misfit=one.chi2 / max(view.number - len(one.sizes), 1.0),
@@ -484,7 +483,7 @@ class FromAfar:
             alone=tuple(sorted(alone, key=lambda one: -one.evidence)),
             after=None
             if nearest is None
-            else LandmarkAlternative(
+            else LookedAt(
                 added=next(one for one in nearest.effects if one.named.id not in best.ids),
                 evidence=nearest.log_evidence(variance) - best.log_evidence(variance),
                 misfit=nearest.chi2 / max(view.number - len(nearest.sizes), 1.0),
