@@ -184,7 +184,9 @@ def measured(folder: Path, names: list[str]) -> None:
         else:
             found, told = (seconds[name] - start) / u / job.campaigns, "u a campaign"
         bar = f"{job.bar:g}" if np.isfinite(job.bar) else ""
-        table.add_row(name, f"{found:.3g}", told, bar, ("met" if found <= job.bar else "missed") if bar else "")
+        row = (name, f"{found:.3g}", told, bar, ("met" if found <= job.bar else "missed") if bar else "")
+        sys.stderr.write("  ".join(row) + "\n")  # what is known is seen before all is
+        table.add_row(*row)
     console.print(table)
     console.print(f"start of any program that reads and computes: {start / u:.2f} u, taken off the rows in u")
 

@@ -207,7 +207,7 @@ def test_evidence_is_ranked_coloured_by_standing_and_told_with_its_size():
         "force-gain:fmd-z1": "leaves too much",
     }
     told = next(trace for trace in figure.data if trace.type == "scatter" and trace.mode == "text")
-    assert "+174.0 nats" in told.text[0]
+    assert "+174 nats" in told.text[0]
     assert "+8.0 % (+7.0 to +9.0)" in told.text[0]
     assert told.x[2] == 0.0  # a cause that the data speak against
 
