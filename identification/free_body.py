@@ -20,6 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, rigid_transformation
 from geometry.inertia import Inertia
@@ -166,7 +167,7 @@ def _rows(points: Sequence[Point], centre: Array) -> Array:
     return np.array([np.asarray(one.direction) @ arm for one, arm in zip(points, arms, strict=True)])
 
 
-def _taken_apart(f: Array, y: Array) -> tuple[Array, Array, Array]:
+def _taken_apart(f: Array, y: ComplexArray) -> tuple[Array, Array, Array]:
     """The mass lines (m,) of functions `y` (m, n), their variances, and the poles [Hz] as they were refined."""
     from scipy.optimize import least_squares
     from scipy.signal import find_peaks
@@ -274,7 +275,7 @@ def _joint(
         raise CheckFailed(f"The fit of mass lines of {data.source} did not converge; look at signs, units and places")
     misfit = float(np.sqrt(cost / A.size))
     inverse = np.linalg.pinv(J.T @ J)[:10, :10]
-    covariance = inverse * np.outer(units, units) * max(1.0, misfit**2)
+    covariance = np.asarray(inverse * np.outer(units, units) * max(1.0, misfit**2), dtype=np.float64)
     names = (*(one.name for one in data.responses), "force")
     gains = dict(zip(names, (1 + x[10 : 10 + c + 1] * spread[: c + 1]).tolist(), strict=True))
     return start + units * x[:10], covariance, misfit, gains

@@ -628,6 +628,7 @@ def _of_channels(
             continue
         # Another direction, or another place, and either sign
         best: tuple[float, Cause] | None = None
+        inverted = False
         for family, words in (("wrong-direction", "xyz"), ("wrong-place", tuple(one.there.places))):
             for word in words:
                 named = Named(family=family, targets=(names[k], word), values={"": 1.0})
@@ -639,16 +640,16 @@ def _of_channels(
                 rows = rows[kept] / size[kept, 0]
                 due = level(rows[None, :, None])[0, :, 0]
                 for sign in (1.0, -1.0):
-                    off = np.linalg.norm((scaled[:, k] - sign * rows) / due)
-                    total = np.linalg.norm(scaled[:, k] / due) + np.linalg.norm(rows / due)
-                    share = float(off / max(total, TINY))
+                    off = float(np.linalg.norm((scaled[:, k] - sign * rows) / due))
+                    total = float(np.linalg.norm(scaled[:, k] / due) + np.linalg.norm(rows / due))
+                    share = float(off / max(float(total), TINY))
                     nats = float((away**2 - share**2) / OFF**2 * min(len(scaled), INDEPENDENT)) - PLUG_PENALTY
                     if share < NEAR and nats > SURE and (best is None or share < best[0]):
                         best = (share, _cause(family, (names[k], word), nats, {"": 1.0}))
-                        turned = sign < 0
+                        inverted = sign < 0
         if best is not None:
             causes.append(best[1])
-            if turned:
+            if inverted:
                 causes.append(_cause("polarity", (names[k],), SURE))
     return causes
 

@@ -495,7 +495,7 @@ def study_text(path: str, tests: Sequence[str], out: Path) -> str:
                 else {key: moved(one) if key in ("file", "path") else one for key, one in value.items()}
             )
 
-        changed = {key: moved(table[key]) for key in ("file", "files", "shapes", "frequencies") if key in table}
+        changed: dict[str, Any] = {key: moved(table[key]) for key in ("file", "files", "shapes", "frequencies") if key in table}
         changed = {key: value for key, value in changed.items() if key in ("file", "files") or isinstance(table[key], dict)}
         tables.append({key: changed.get(key, value) for key, value in table.items() if key not in ("format", "article")})
     if len(articles) > 1:

@@ -46,6 +46,9 @@ AXIS = 2.5
 """[1 / block] by which the axis is moved for a leakage: what lies a block beyond has e^-5 of its size. Held by
 tests/validation/prediction/test_points.py."""
 
+RESOLVED = 4.0
+"""[count] of lines from which the width of a peak at half power is resolved; as many as a Hann window is wide."""
+
 HALF_LINES = 8
 """[count] of half lines to either side that a Hann window smears. Held by tests/validation/prediction/test_points.py."""
 
@@ -323,7 +326,17 @@ class ResponseFunctionTest:
     def _asked(self) -> tuple[str, ...]:
         """Ids of the effects that want a parameter which the test has not by itself."""
         families = (*points.RESPONSES, *points.DRIVES, "accelerometer-delay", "force-delay", WINDOW, LEAKAGE, TRANSDUCER)
-        return tuple(points.asked(self.effects, families))
+        found = points.asked(self.effects, families)
+        return tuple(one for one in found if one != LEAKAGE or self._is_coarse)
+
+    @property
+    def _is_coarse(self) -> bool:
+        """Whether the lines lie too far apart for some mode of the model: nothing else can leak."""
+        m, lines = self.structure.nominal, self.measured.frequency
+        f = self.structure.frequency[(self.structure.frequency >= lines[0]) & (self.structure.frequency <= lines[-1])]
+        at = m.base + np.flatnonzero(np.isin(self.structure.frequency, f))
+        width = (np.diag(m.viscous)[at] + np.diag(m.structural)[at] / (2 * np.pi * f)) / (2 * np.pi)  # [Hz] at half power
+        return bool(len(lines) > 1 and np.any(width < RESOLVED * float(np.median(np.diff(lines)))))
 
     @cached_property
     def _shift(self) -> float:
