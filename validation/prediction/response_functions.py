@@ -152,9 +152,10 @@ class ResponseFunctionTest:
         f = self.measured.frequency[lines]
         effects = tuple(replace(one, fixed=True) for one in prediction_effects.at(self.effects, known))
         matrices, _ = structure(self.structure, known, effects, derivatives=False)
-        answered, factor, _ = self._answered(known, f, effects, derivatives=False)
+        answered, factor = self._answered(known, f, effects)
         whole = np.linalg.inv(dynamic_mass.dynamic_matrix(matrices, dynamic_mass.turning(f, self.decay_rate)))
         gains = np.array([self._factors[name].value(known.get(name, 0.0)) for name in self._gains])
+        delays = np.array([known.get(name, 0.0) for name in self._delays])
 
         def read(row: Array, mass: Array, spring: Array) -> ComplexArray:
             axes = np.flatnonzero((mass != 0) | (spring != 0))
@@ -165,7 +166,7 @@ class ResponseFunctionTest:
             )
             there = own @ whole[:, : own.shape[1], : own.shape[1]] @ own.T + np.eye(len(axes)) / added[:, None, :]
             A = answered.matrix - left.transpose(0, 2, 1) @ np.linalg.solve(there, right)
-            made = [self._read(f, factor * A[:, :, run, None], {}, gains, effects, False)[0] for run in range(A.shape[2])]
+            made = [self._read(f, factor * A[:, :, run, None], {}, gains, delays, effects, False)[0] for run in range(A.shape[2])]
             return np.stack(made)
 
         return read
@@ -241,7 +242,7 @@ class ResponseFunctionTest:
         tangents: Mapping[str, Tangent],
         offsets: Offsets,
         f: Array,
-        decay: float,
+        decay: float | Array,
         *,
         derivatives: bool,
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
