@@ -1,26 +1,4 @@
-"""Inertia written for other programs: robot descriptions, finite-element decks, multibody models, and our own result file.
-
-One table, `FORMATS`. Every format states mass, centre of mass and a tensor *about the centre of mass*, in SI and in the axes of
-the frame in which the body is given, and every file says so in a comment. What differs is the sign of the products and whether
-there are any:
-
-========== ======================= =======================================================================================
-format     products                source
-========== ======================= =======================================================================================
-urdf       matrix entries          ROS URDF specification, ``<inertia>``
-mjcf       none (principal axes)   MuJoCo XML reference, ``diaginertia`` in the axes of ``quat``
-sdf        matrix entries          SDFormat specification, ``<inertia>``
-nastran    positive integrals      MSC Nastran Quick Reference Guide, CONM2: the matrix has -I21, -I31, -I32
-opensees   none (six point masses) OpenSees ``mass`` takes a diagonal only
-adams      none (principal axes)   Adams/View ``part create rigid_body mass_properties`` about an inertia marker
-toml       matrix entries          `docs/reference-tables.md`
-========== ======================= =======================================================================================
-
-OpenSees has no products of inertia at a node, so the body is six equal point masses at ``± sqrt(3 s_k / m) e_k`` from its centre,
-with s_k and e_k the eigenvalues and eigenvectors of its second moments of mass, Sigma = tr(I)/2 1 - I: the same mass, centre and
-tensor exactly. MuJoCo and Adams get the principal moments and axes, which need no sign; MuJoCo would find the axes of a full
-tensor to six digits only (``fullinertia``, 3.3.7: 6e-7 of the largest moment).
-"""
+"""Inertia written for other programs: robot descriptions, finite-element decks, multibody models, and our own result file."""
 
 import math
 import re
@@ -33,6 +11,27 @@ import numpy as np
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.inertia import Inertia, require_physical
+
+# One table, `FORMATS`. Every format states mass, centre of mass and a tensor *about the centre of mass*, in SI and in the axes of
+# the frame in which the body is given, and every file says so in a comment. What differs is the sign of the products and whether
+# there are any:
+#
+# ========== ======================= =======================================================================================
+# format     products                source
+# ========== ======================= =======================================================================================
+# urdf       matrix entries          ROS URDF specification, ``<inertia>``
+# mjcf       none (principal axes)   MuJoCo XML reference, ``diaginertia`` in the axes of ``quat``
+# sdf        matrix entries          SDFormat specification, ``<inertia>``
+# nastran    positive integrals      MSC Nastran Quick Reference Guide, CONM2: the matrix has -I21, -I31, -I32
+# opensees   none (six point masses) OpenSees ``mass`` takes a diagonal only
+# adams      none (principal axes)   Adams/View ``part create rigid_body mass_properties`` about an inertia marker
+# toml       matrix entries          `docs/reference-tables.md`
+# ========== ======================= =======================================================================================
+#
+# OpenSees has no products of inertia at a node, so the body is six equal point masses at ``± sqrt(3 s_k / m) e_k`` from its
+# centre, with s_k and e_k the eigenvalues and eigenvectors of its second moments of mass, Sigma = tr(I)/2 1 - I: the same mass,
+# centre and tensor exactly. MuJoCo and Adams get the principal moments and axes, which need no sign; MuJoCo would find the axes of a full
+# tensor to six digits only (``fullinertia``, 3.3.7: 6e-7 of the largest moment).
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -77,25 +76,6 @@ def written(form: str, name: str, bodies: Mapping[str, Inertia]) -> str:
     return "".join(text) + known.tail
 
 
-def format_of(ending: str) -> str | None:
-    """The format whose files end in `ending`, as ``.urdf``; None where it is none of them."""
-    return next((form for form, known in FORMATS.items() if ending.lower() in known.endings), None)
-
-
-def sixteen(value: float) -> str:
-    """`value` in a large field of Nastran: 16 characters, the exponent without its letter, as many digits as fit."""
-    texts = (f"{value + 0.0:.{digits}e}".split("e") for digits in range(16, 0, -1))
-    short = (f"{mantissa}{int(exponent):+d}" if int(exponent) else mantissa for mantissa, exponent in texts)
-    return next(f"{text:>16}" for text in short if len(text) <= 16)
-
-
-def equimomental(mass: float, tensor: Array) -> Array:
-    """Places (6, 3) [m] of six equal masses about their centre that have `mass` [kg] and `tensor` (3, 3) [kg m²] together."""
-    second, axes = np.linalg.eigh(0.5 * np.trace(tensor) * np.eye(3) - tensor)
-    arms = (axes * np.sqrt(3 * np.maximum(second, 0.0) / mass)).T
-    return np.vstack([arms, -arms])
-
-
 def _plain(values: Sequence[float] | Array, between: str = " ") -> str:
     """Numbers with every digit that they have, zeros without a sign."""
     return between.join(repr(float(value) + 0.0) for value in values)
@@ -122,11 +102,19 @@ def _fields(number: int, label: str, body: Inertia) -> dict[str, str]:
     entries = [float(tensor[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
     xx, yy, zz, xy, xz, yz = entries
     # CONM2: grid and frame 0, mass, X1 to X3, an empty field, I11, I21, I22, I31, I32, I33
-    cells = [" " * 16 if one is None else sixteen(one) for one in (mass, *cog, None, xx, -xy, yy, -xz, -yz, zz)]
+    cells = []
+    for one in (mass, *cog, None, xx, -xy, yy, -xz, -yz, zz):
+        # A large field of Nastran: 16 characters, the exponent without its letter, as many digits as fit
+        texts = (f"{(one or 0.0) + 0.0:.{digits}e}".split("e") for digits in range(16, 0, -1))
+        short = (f"{mantissa}{int(exponent):+d}" if int(exponent) else mantissa for mantissa, exponent in texts)
+        cells.append(" " * 16 if one is None else next(f"{text:>16}" for text in short if len(text) <= 16))
     rows = [f"CONM2*  {number:>16}{1000 + number:>16}{0:>16}{cells[0]}*"]
     rows += ["*       " + "".join(cells[k : k + 4]) + "*" * (k < 9) for k in (1, 5, 9)]
     masses = []
-    for k, place in enumerate(equimomental(mass, tensor), start=100 * number + 1):
+    # Six equal masses about their centre have together the mass and the tensor
+    second, own = np.linalg.eigh(0.5 * np.trace(tensor) * np.eye(3) - tensor)
+    arms = (own * np.sqrt(3 * np.maximum(second, 0.0) / mass)).T
+    for k, place in enumerate(np.vstack([arms, -arms]), start=100 * number + 1):
         share = _plain([mass / 6] * 3)
         masses += [f"node {k} {_plain(cog + place)}", f"mass {k} {share} 0 0 0", f"rigidLink beam {100 * number} {k}"]
     moments, axes = np.linalg.eigh(tensor)

@@ -106,11 +106,6 @@ class Robot:
     links: tuple[Link, ...]
 
 
-def is_robot(name: str | Path) -> bool:
-    """Whether `name` ends as a robot description does."""
-    return Path(name).suffix.lower() in ENDINGS
-
-
 def read(path: Path) -> Robot:
     """The robot that `path` describes; no mesh is opened.
 

@@ -12,7 +12,7 @@ from geometry import mesh as meshes
 from geometry import toml_file
 from geometry.article import Material, material
 from geometry.errors import BadInput
-from geometry.frames import Array, Pose, frozen, rotation_about
+from geometry.frames import Pose, frozen, rotation_about
 from geometry.inertia import Inertia
 from geometry.repair import EstimatedBody, estimated, mended
 from geometry.routes import Agreement, held_together, missing_mass, rounding
@@ -340,12 +340,6 @@ def inertias(article: UserArticle) -> Mapping[str, Inertia]:
     if not any(part.refused for part in article.parts):
         found["trimesh"] = sum((meshes.inertia_unchecked(part.mesh, part.material.density) for part in article.parts), nothing)
     return found
-
-
-def estimate_error(article: UserArticle) -> Array:
-    """Half-widths (10,) of the intervals of an estimate about the article's origin, those of its parts added up."""
-    errors = [part.estimate.error * part.material.density for part in article.parts if part.estimate is not None]
-    return np.sum(errors, axis=0) if errors else np.zeros(10)
 
 
 def agreement(article: UserArticle, found: Mapping[str, Inertia]) -> Agreement:

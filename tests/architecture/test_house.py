@@ -14,8 +14,8 @@ from tools.drawing import FLOORS, leads, upwards
 from tools.pages import quoted
 
 BARS = {
-    "product files": 295,
-    "product lines": 86_000,
+    "product files": 322,
+    "product lines": 93_500,
     "import circles": 0,
     "packages of validation": 17,
     "loose modules of validation": 3,
@@ -28,8 +28,9 @@ BARS = {
 Files and lines: the issue on the house asked for at most 260 files and 77,000 lines, and what it counted, the house of
 2026-11-22, keeps to that with 259 and 76,584. Issues 21 and 22 then let massline ask any structure by any test; meshes, users'
 matrices and frames with names for their parts, response functions, modal tables and what is predicted, correlated and reported
-of them came on top. The two bars are what was counted with all of it, 290 files and 85,300 lines, rounded up a little. The
-other bars are the same for old and new.
+of them came on top, 290 files and 85,300 lines. Then came classes of laboratories and what one learns of itself, the search from
+afar and everywhere on a mesh, faults of blows and windows, inertia of a free body, robots, mending of meshes, formats of others and
+the head of a report: 319 files and 93,000 lines, rounded up a little. The other bars are the same for old and new.
 """
 
 

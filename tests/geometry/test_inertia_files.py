@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
 from geometry.inertia import Inertia, tensor_from_six
-from geometry.inertia_files import FORMATS, format_of, written
+from geometry.inertia_files import FORMATS, written
 from geometry.routes import from_pinocchio
 from validation.reference.reference import read_result
 
@@ -142,4 +142,3 @@ def test_what_no_body_has_or_a_file_cannot_hold_is_refused() -> None:
         written("toml", "x", {"x": impossible, "y": impossible})
     endings = [ending for one in FORMATS.values() for ending in one.endings]
     assert len(set(endings)) == len(endings)
-    assert (format_of(".XML"), format_of(".txt")) == ("mjcf", None)

@@ -76,7 +76,8 @@ def reference_command(
     if form is None:
         ending = "" if out is None else out.suffix
         known = {ending: form for form, ending in TABLES.items()}
-        form = inertia_files.format_of(ending) or known.get(ending.lower(), "text")
+        by_ending = (form for form, one in inertia_files.FORMATS.items() if ending.lower() in one.endings)
+        form = next(by_ending, known.get(ending.lower(), "text"))
     toml_file.one_of(form, (*TABLES, *inertia_files.FORMATS), source="--format", where="")
     if column is not None and form in TABLES:
         raise BadInput(source="--column", problem=f"a {form} table has every column", remedy="Add --format urdf, nastran ...")
@@ -92,7 +93,7 @@ def reference_command(
             remedy="Name the one that was identified: massline reference ARTICLE --identified RESULT",
         )
     result = None if identified is None else read_result(identified, article=names[0], frame=pose)
-    robots = [name for name in names if robot.is_robot(name)]
+    robots = [name for name in names if Path(name).suffix.lower() in robot.ENDINGS]
     for option, value in (("--frame", frame), ("--identified", identified), ("--unit", unit), ("--material", material)):
         if robots and value is not None:
             problem = f"{robots[0]} is a robot, whose links have a frame, a mass and a unit of their own"

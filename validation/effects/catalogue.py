@@ -661,13 +661,16 @@ class There:
 
 def there(article: str, matrices: Matrices, channels: tuple[str, ...] | None = None) -> There:
     """What the structure with these `matrices` has."""
+    several = [effect_types.EVERY] if len(matrices.joints) > 1 else []
+    if several and any(one.startswith(effect_types.TOGETHER) for one in matrices.joints):
+        several.append(effect_types.TOGETHER + effect_types.EVERY)
     return There(
         article=article,
         parts=tuple(matrices.parts),
         places=tuple(matrices.places),
         channels=channels,
         supports=matrices.supports,
-        joints=(*matrices.joints, *effect_types.alike(matrices.joints)),
+        joints=(*matrices.joints, *several),
         base=matrices.base > 0,
         rigid=bool(np.any(matrices.rigid)),
         weighed=bool(matrices.geometric.size),

@@ -14,7 +14,7 @@ The equation gets the stage, the targets and the values in SI by key, and return
 changes nothing. Equations of structure add, those of channels are linear in what they get, so that derivatives pass through.
 """
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from math import isfinite
@@ -68,12 +68,6 @@ def joints_named(target: str, joints: Iterable[str]) -> tuple[str, ...]:
     if target == TOGETHER + EVERY:
         return tuple(one for one in joints if one.startswith(TOGETHER) or one.partition("@")[2] not in nodes)
     return (target,)
-
-
-def alike(joints: Collection[str]) -> tuple[str, ...]:
-    """Names by which several of `joints` are meant at once."""
-    together = any(one.startswith(TOGETHER) for one in joints)
-    return ((EVERY, TOGETHER + EVERY) if together else (EVERY,)) if len(joints) > 1 else ()
 
 
 @dataclass(frozen=True, kw_only=True)

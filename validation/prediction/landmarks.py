@@ -1,18 +1,4 @@
-"""Landmarks of a test of a structure: what is compared while a model is still far from the data.
-
-Where resonances of model and test do not overlap, lines say only that both are elsewhere, and their slopes point nowhere.
-Landmarks change smoothly all the way:
-
-    resonance frequencies   ln f_model / f                              of a table, or picked from functions
-    shapes                  what no factor brings from one to the other
-    levels                  ln |H_model / H| beside the axis, at s = (i + w) omega, where every peak is broad; of each run and
-                            line the channels count by what they share of the level, so that a small reading decides nothing,
-                            and what is between two resonances counts as much as what is between two others
-
-Logarithms of functions are compared because their sum of squares has one minimum over a shift of resonances where that of the
-functions has many (E. Balmès, Frequency domain identification of structural dynamics using the pole/residue parametrization,
-Proc. 14th IMAC, 1996). Each landmark has the deviation that a sound model may have there, beside that of what was measured.
-"""
+"""Landmarks of a test of a structure: what is compared while a model is still far from the data."""
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
@@ -30,6 +16,19 @@ from validation.prediction import dynamic_mass, modal_table
 from validation.prediction.modal_table import TableFrequencies, TableShapes, real_modes
 from validation.prediction.response_functions import ResponseFunctionTest
 from validation.prediction.structure_tests import StructurePrediction
+
+# Where resonances of model and test do not overlap, lines say only that both are elsewhere, and their slopes point nowhere.
+# Landmarks change smoothly all the way:
+#
+#     resonance frequencies   ln f_model / f                              of a table, or picked from functions
+#     shapes                  what no factor brings from one to the other
+#     levels                  ln |H_model / H| beside the axis, at s = (i + w) omega, where every peak is broad; of each run and
+#                             line the channels count by what they share of the level, so that a small reading decides nothing,
+#                             and what is between two resonances counts as much as what is between two others
+#
+# Logarithms of functions are compared because their sum of squares has one minimum over a shift of resonances where that of the
+# functions has many (E. Balmès, Frequency domain identification of structural dynamics using the pole/residue parametrization,
+# Proc. 14th IMAC, 1996). Each landmark has the deviation that a sound model may have there, beside that of what was measured.
 
 SOUND_FREQUENCY = 0.01
 """[share] that a frequency of a sound model may be off, beside its tolerances. Held by

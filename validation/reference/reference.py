@@ -421,7 +421,8 @@ def _of_file(name: str, asked: ArticleOptions) -> _Routes:
     article = user_article.load(name, unit=asked.unit, material=asked.material, chord=asked.chord, repair=asked.repair)
     inertias = user_article.inertias(article)
     verdict = user_article.agreement(article, inertias)
-    errors = {user_article.ESTIMATE: user_article.estimate_error(article), "trimesh": verdict.tolerance}
+    estimates = [one.estimate.error * one.material.density for one in article.parts if one.estimate is not None]
+    errors = {user_article.ESTIMATE: np.sum(estimates, axis=0) if estimates else np.zeros(10), "trimesh": verdict.tolerance}
     return _Routes(
         inertias=inertias,
         errors={route: error for route, error in errors.items() if error.any()},
