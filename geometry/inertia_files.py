@@ -30,8 +30,8 @@ from geometry.inertia import Inertia, require_physical
 #
 # OpenSees has no products of inertia at a node, so the body is six equal point masses at ``± sqrt(3 s_k / m) e_k`` from its
 # centre, with s_k and e_k the eigenvalues and eigenvectors of its second moments of mass, Sigma = tr(I)/2 1 - I: the same mass,
-# centre and tensor exactly. MuJoCo and Adams get the principal moments and axes, which need no sign; MuJoCo would find the axes of a full
-# tensor to six digits only (``fullinertia``, 3.3.7: 6e-7 of the largest moment).
+# centre and tensor exactly. MuJoCo and Adams get the principal moments and axes, which need no sign; MuJoCo would find the axes
+# of a full tensor to six digits only (``fullinertia``, 3.3.7: 6e-7 of the largest moment).
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -46,40 +46,56 @@ KINDS = (MASS, *SPRINGS, RESONATOR)
 """What is looked for: a family, with its direction."""
 
 AT_ONCE = 256
-"""[count] of nodes that are worked out together: some ten megabytes."""
+"""[count] of nodes that are worked out together: some ten megabytes. Exercised by
+tests/validation/diagnosing/test_everywhere.py."""
 
 SURVEYED = 128
-"""[count] of nodes, spread over the structure, at which frequency and damping of a resonator are looked up."""
+"""[count] of nodes, spread over the structure, at which frequency and damping of a resonator are looked up. Exercised by
+tests/validation/diagnosing/test_everywhere.py."""
 
 TUNED = 3
-"""[count] of frequencies, the best of those, at which every node is asked."""
+"""[count] of frequencies, the best of those, at which every node is asked. Exercised by
+tests/validation/diagnosing/test_everywhere.py."""
 
 TRIED = 6
-"""[count] of nodes of a kind that are asked without the first order."""
+"""[count] of nodes of a kind that are asked without the first order. Exercised by
+tests/validation/diagnosing/test_everywhere.py."""
 
 PROMISING = 3.0
-"""[nats] to first order that a kind must bring somewhere for that: 20 to 1."""
+"""[nats] to first order that a kind must bring somewhere for that: 20 to 1. Exercised by
+tests/validation/diagnosing/test_everywhere.py."""
 
 OCTAVES = np.arange(-6.0, 4.0)
-"""Sizes at which they are asked, as powers of two of what is plausible."""
+"""[log2] Sizes at which they are asked, of what is plausible. Exercised by
+tests/validation/diagnosing/test_everywhere.py."""
 
 NARROW = np.arange(-2.0, 2.5)
-"""Sizes of a node beside one of which the size is known, as powers of two of that in terms of what is plausible."""
+"""[log2] Sizes of a node beside one of which the size is known, of that size. Exercised by
+tests/validation/diagnosing/test_everywhere.py."""
 
-STEPS, AROUND = (0.2, 0.1, 0.05, 0.02), 10
-"""[share] of the structure's size by which a node is looked for beside the best, and how many are asked there."""
+STEPS = (0.2, 0.1, 0.05, 0.02)
+"""[share] of the structure's size by which a node is looked for beside the best. Exercised by
+tests/validation/diagnosing/test_everywhere.py."""
+
+AROUND = 10
+"""[count] of nodes that are asked there. Exercised by
+tests/validation/diagnosing/test_everywhere.py."""
 
 FITTED = 2
-"""[count] of kinds, the best first, that are worth a fit at a place without a name, from either tolerances."""
+"""[count] of kinds, the best first, that are worth a fit at a place without a name, from either tolerances. Exercised by
+tests/validation/diagnosing/test_everywhere.py."""
 
 ROUNDS = 2
-"""[count] of fits at a place, the second at a node that was looked for again from where the first ended."""
+"""[count] of fits at a place, the second at a node that was looked for again from where the first ended. Exercised by
+tests/validation/diagnosing/test_everywhere.py."""
 
 NAMED = 3
-"""[count] of places with a name, the best to first order, that are asked likewise."""
+"""[count] of places with a name, the best to first order, that are asked likewise. Exercised by
+tests/validation/diagnosing/test_everywhere.py."""
 
 APART = 0.03
-"""[share] of the structure's size by which these lie apart at least: closer ones say the same."""
+"""[share] of the structure's size by which these lie apart at least: closer ones say the same. Exercised by
+tests/validation/diagnosing/test_everywhere.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -412,19 +412,24 @@ WARPED = 0.15
 tests/validation/diagnosing/test_mistakes_of_tests.py."""
 
 LEAST_PEAK = 1.0
-"""[log] Height of a peak over its surroundings, in the mean of all functions. Held by the same tests."""
+"""[log] Height of a peak over its surroundings, in the mean of all functions. Exercised by
+tests/validation/diagnosing/test_mistakes_of_tests.py."""
 
 ROWS = 240
-"""[count] of lines of a test that are looked at. Exercised by the same tests."""
+"""[count] of lines of a test that are looked at. Exercised by
+tests/validation/diagnosing/test_mistakes_of_tests.py."""
 
 FAR = 0.5
-"""[share] Distance of a reading from what it should be from which another point is looked for. Held by the same tests."""
+"""[share] Distance of a reading from what it should be from which another point is looked for. Exercised by
+tests/validation/diagnosing/test_mistakes_of_tests.py."""
 
 INDEPENDENT = 4
-"""[count] of lines of functions, or of modes, that say something of their own at least. Exercised by the same tests."""
+"""[count] of lines of functions, or of modes, that say something of their own at least. Exercised by
+tests/validation/diagnosing/test_mistakes_of_tests.py."""
 
 MOST_SWAPPED = 12
-"""[count] of channels up to which every exchange of two is tried by itself. Exercised by the same tests."""
+"""[count] of channels up to which every exchange of two is tried by itself. Exercised by
+tests/validation/diagnosing/test_mistakes_of_tests.py."""
 
 FEWEST_CHANNELS = 3
 """[count] of channels below which nobody tells which of them is wrong. By definition."""
