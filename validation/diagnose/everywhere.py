@@ -66,11 +66,11 @@ PROMISING = 3.0
 tests/validation/diagnosing/test_everywhere.py."""
 
 OCTAVES = np.arange(-6.0, 4.0)
-"""[octaves] Sizes at which they are asked, of what is plausible. Exercised by
+"""[octave] Sizes at which they are asked, of what is plausible. Exercised by
 tests/validation/diagnosing/test_everywhere.py."""
 
 NARROW = np.arange(-2.0, 2.5)
-"""[octaves] Sizes of a node beside one of which the size is known, of that size. Exercised by
+"""[octave] Sizes of a node beside one of which the size is known, of that size. Exercised by
 tests/validation/diagnosing/test_everywhere.py."""
 
 STEPS = (0.2, 0.1, 0.05, 0.02)
