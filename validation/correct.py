@@ -153,7 +153,12 @@ OF_SIDE = {
 
 SHARING = "which of the cells carried what must be known to take it apart, and only a fit of the whole chain tells"
 
+OF_A_TEST = "it is a fault of a test of a structure, and a campaign of base motion has none"
+TEST_REMEDY = "Correct the test's own file, or massline add MODEL {named} DATA"
+
 OF_FAMILY = {
+    **dict.fromkeys(("force-misalignment", "force-position", "exponential-window", "leakage"), (OF_A_TEST, TEST_REMEDY)),
+    **dict.fromkeys(("transducer-mass", "wrong-direction", "wrong-place", "wrong-reference"), (OF_A_TEST, TEST_REMEDY)),
     "force-crosstalk": (SHARING, ADD),
     "force-plane-offset": (SHARING, ADD),
     "cell-stiffness": (SHARING, ADD),

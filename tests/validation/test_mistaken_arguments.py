@@ -10,7 +10,7 @@ import pytest
             ("compare", "series", "m.toml"),
             "it is the folder of a campaign, where a file is needed. MODEL comes first",
         ),
-        (("identify", "m.toml"), "it is a model file, where the folder of a campaign is needed"),
+        (("identify", "m.toml"), "it is a model file without a [[test]], no measurement"),
         (("compare", "m.toml", "m.toml"), "it is a model file, where a measurement is needed"),
         (("check", "m.toml"), "it is a model file without a [[test]], no measurement"),
         (("add", "m.toml", "series"), "the effect stands before DATA"),

@@ -137,9 +137,10 @@ class Remembering:
 
     def __init__(self, of: SupportedDynamicMass) -> None:
         self.standing, self.moving, self.exact, self.nuisances = of.standing, of.moving, of.exact, of.nuisances
+        self.mounted = of.mounted
         self._of = of
         own = () if of.nuisances is None else of.nuisances.parameters
-        self._names = (*(one.name for one in own), *dynamic_mass.names())
+        self._names = (*(one.name for one in (*own, *of.mounted)), *dynamic_mass.names())
         self._known: OrderedDict[Hashable, ComplexArray] = OrderedDict()
         self._changing = Lock()
 

@@ -92,7 +92,7 @@ def asked(found: results.Diagnosis) -> float | None:
 #     mistake      the mistakes alone become rungs; what there is beside them is for the diagnosis of the new model to say
 #     ambiguous    the first of those that cannot be told apart becomes a rung, which says so; only another measurement goes on
 #     nonlinear    likewise, and what a linear fit would say beyond that is nonsense
-#     unknown      what is named beside what is left becomes rungs, and no more is looked for
+#     unknown      no name is worth a rung; what is named beside what is left is for `massline add`
 #     a rung that is not worth a parameter by the ladder's own figures is left again, and ends the climb
 
 
@@ -187,7 +187,9 @@ def climb(asked: Options, bench: Study, diagnose: Diagnose, heard: DiagnosisList
 
 
 def new(found: results.Diagnosis, model: Model) -> tuple[results.Cause, ...]:
-    """What becomes a rung: accepted, and not in `model` yet."""
+    """What becomes a rung: accepted, and not in `model` yet; of an unknown effect nothing: what is named is for `massline add`."""
+    if found.verdict == results.UNKNOWN:
+        return ()
     known = {one.named.id for one in model.effects}
     more = tuple(one for one in found.accepted if one.id not in known)
     wrong = tuple(one for one in more if FAMILIES[one.named.family].side == OF_MISTAKES)

@@ -14,7 +14,7 @@ from geometry.dynamic_mass import MOTIONS, ComplexArray, DynamicMass
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, Pose
 from geometry.inertia import PARAMETERS, judge
-from identification import free_body, request, test_file
+from identification import free_body, request
 from identification.campaign import Campaign
 from identification.elastic.model import dynamic_mass
 from identification.quality import NORMAL_95, impossible
@@ -23,6 +23,7 @@ from validation.compare.compare import Comparison
 from validation.history.add import body_of, conditions_of
 from validation.history.history import Body, HistoryPosition
 from validation.identify import identify
+from validation.identify.check import require_measurement
 from validation.identify.identify import DrawnBandStudy, IdentificationFindings, IdentifyOptions, Reported
 from validation.model.model import Model
 from validation.model.setups import FMD, above_fmd, is_stack, stated, takes_fmd_off
@@ -647,7 +648,11 @@ def answer_of_test(path: str, band: tuple[float, float] | None, *, as_json: bool
     BadInput : the test cannot be used for it.
     CheckFailed : no body comes out.
     """
-    data = test_file.read(path)
+    found_tests = require_measurement(Path(path)) or ()
+    if len(found_tests) != 1:
+        problem = f"it describes {len(found_tests) or 'a campaign and no'} tests, where one is needed"
+        raise BadInput(source=path, problem=problem, remedy="Name the file of one test, or the folder of a campaign")
+    data = found_tests[0]
     if not isinstance(data, ResponseFunctions):
         problem = "a table of modes says nothing of a mass: its shapes have no scale"
         raise BadInput(source=path, field="kind", problem=problem, remedy="Name response functions, or a campaign")

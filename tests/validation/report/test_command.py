@@ -54,4 +54,4 @@ def test_the_diagnosis_can_be_left_out(series, monkeypatch):
     monkeypatch.setattr(page, "assembled", lambda *_, **given: given)
     given: Any = page.reported(page.ReportOptions(compared=series.asked, diagnosis=False), quiet=True)
     assert given["diagnosis"] is None
-    assert given["not_diagnosed"] == "--no-diagnosis"
+    assert given["not_diagnosed"] == page.WITHOUT

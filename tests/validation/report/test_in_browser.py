@@ -72,7 +72,8 @@ def test_paper_is_light_and_without_controls(opened, page, tmp_path):
         assert found.tab.evaluate(SURFACE) == "#ffffff"
         assert found.tab.evaluate("getComputedStyle(document.querySelector('section')).backgroundColor") == "rgb(255, 255, 255)"
         assert not found.tab.locator("button.copy").first.is_visible()
-        assert not found.tab.locator("nav").is_visible()
+        assert not found.tab.locator("nav.screen-only").is_visible()
+        assert found.tab.locator("nav.paper-only").is_visible()
         found.tab.screenshot(path=tmp_path / "paper.png")
         found.tab.evaluate("dispatchEvent(new Event('afterprint'))")
         assert found.tab.evaluate(SURFACE) == "#171b22"
