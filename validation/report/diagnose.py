@@ -187,7 +187,7 @@ def climb(asked: Options, bench: Study, diagnose: Diagnose, heard: DiagnosisList
 
 
 def new(found: results.Diagnosis, model: Model) -> tuple[results.Cause, ...]:
-    """What becomes a rung: accepted, and not in `model` yet; of an unknown effect nothing: what is named is for `massline add`."""
+    """What becomes a rung: accepted, and not in `model` yet; of an unknown one nothing: what is named is for `massline add`."""
     if found.verdict == results.UNKNOWN:
         return ()
     known = {one.named.id for one in model.effects}
