@@ -16,7 +16,7 @@ from validation.effects import practical_units
 from validation.effects.catalogue import parse
 from validation.effects.practical_units import said
 from validation.model.model import Model
-from validation.output import to_json
+from validation.output import nats, to_json
 from validation.report import diagnose
 from validation.report import diagnose as report_diagnose
 from validation.report.diagnose import grid, rows
@@ -118,7 +118,7 @@ def test_what_an_earlier_round_fitted_is_not_said_to_be_unfitted(made):
     found = replace(several, ranking=(), equivalence_class=(other.id, "force-gain:fmd-z4"), steps=(step,))
     fitted, unfitted = report_diagnose.DiagnosisPage(found=found).alike().lines
     assert "was not fitted" not in fitted[1]
-    assert f"{other.evidence:+.1f} nats" in fitted[1]
+    assert f"{nats(other.evidence)} nats" in fitted[1]
     assert "was not fitted" in unfitted[1]
 
 
