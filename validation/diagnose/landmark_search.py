@@ -78,6 +78,9 @@ AWAY = 1e3
 TRIALS = 12
 """[count] of steps of the fit of an explanation. Held by tests/validation/diagnosing/test_landmark_search.py."""
 
+GAINS = ("force-gain", "accelerometer-gain")
+"""Families that change the level of all that a sensor reads."""
+
 FAR = 2.0
 """[factor] that chi² a number must exceed for a model to be far from the data: else lines say more. Held by
 tests/validation/diagnosing/test_landmark_search.py."""
@@ -404,8 +407,10 @@ class FromAfar:
     def search(cls, data: Study, menu: Sequence[Added], progress: Progress) -> "FromAfar | None":
         """The effects of `menu` that bring the landmarks of the tests of `data` nearest.
 
-        None where the model is not far, or none brings them near.
+        Only what changes the structure, or the level of all that a sensor reads, is looked for from afar: delays, windows and
+        crooked blows move no resonance. None where the model is not far, or none brings them near.
         """
+        menu = [one for one in menu if FAMILIES[one.named.family].side == STRUCTURE or one.named.family in GAINS]
         view = DistantView(marks=Landmark.of_tests(data.predictions))
         if not view.marks:
             return None
