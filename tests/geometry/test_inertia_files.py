@@ -54,24 +54,6 @@ def test_pinocchio_reads_back_every_link_of_urdf_and_mjcf(form: str, body: Inert
         same(Inertia.from_cog(found.mass, found.lever, moved.tensor), own)
 
 
-@pytest.mark.parametrize("form", ["urdf", "mjcf"])
-def test_mujoco_reads_back_what_pinocchio_does(form: str, tmp_path: Path) -> None:
-    mujoco = pytest.importorskip(
-        "mujoco", reason="MuJoCo is no dependency of ours; pip install mujoco to hold the files against it"
-    )
-    body = Inertia.from_cog(12.5, [0.1, -0.02, 0.4], tensor_from_six(np.array([3, 2.9, 0.9, 0.3, -0.2, 0.15])))
-    model = mujoco.MjModel.from_xml_string(written(form, "robot", {"one": body}))
-    one = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, "one")
-    axes = np.empty(9)
-    mujoco.mju_quat2Mat(axes, model.body_iquat[one])
-    R = axes.reshape(3, 3)
-    tensor = R @ np.diag(model.body_inertia[one]) @ R.T
-    if form == "mjcf":
-        same(Inertia.from_cog(model.body_mass[one], model.body_ipos[one], tensor), body)
-    else:  # MuJoCo finds the axes of a full tensor to six digits only, whoever wrote it
-        assert_allclose(tensor, body.tensor_cog, rtol=0, atol=3e-6)
-
-
 def test_sdf_states_matrix_entries_about_the_centre_of_mass(body: Inertia) -> None:
     inertial = ElementTree.fromstring(written("sdf", "robot", {"one": body})).find("model/link/inertial")
     assert inertial is not None
