@@ -130,12 +130,11 @@ class ResponseFunctionTest:
         known = {**offsets, **self._opened[1]}
         f, q = self.measured.frequency[lines], len(rows)
         effects = tuple(replace(one, fixed=True) for one in prediction_effects.at(self.effects, known))
-        answered, factor = self._answered(known, f, effects)
+        _, answered, factor = self._answered(known, f, effects)
         own = rows.reshape(3 * q, -1)
         left, right = (np.tensordot(own, side[: own.shape[1]], axes=1) for side in (answered.left, answered.right))
         changed = answered.sign * factor[..., None] * np.einsum("qnc,qnr->ncrq", left, right, optimize=True)
-        gains = np.array([self._factors[name].value(known.get(name, 0.0)) for name in self._gains])
-        delays = np.array([known.get(name, 0.0) for name in self._delays])
+        gains, delays = self._chain(known)
         A = factor * answered.matrix
         read = [
             self._read(f, A[:, :, run, None], {"": changed[:, :, run]}, gains, delays, effects, False)[1][""]
@@ -151,11 +150,9 @@ class ResponseFunctionTest:
         known = {**offsets, **self._opened[1]}
         f = self.measured.frequency[lines]
         effects = tuple(replace(one, fixed=True) for one in prediction_effects.at(self.effects, known))
-        matrices, _ = structure(self.structure, known, effects, derivatives=False)
-        answered, factor = self._answered(known, f, effects)
+        matrices, answered, factor = self._answered(known, f, effects)
         whole = np.linalg.inv(dynamic_mass.dynamic_matrix(matrices, dynamic_mass.turning(f, self.decay_rate)))
-        gains = np.array([self._factors[name].value(known.get(name, 0.0)) for name in self._gains])
-        delays = np.array([known.get(name, 0.0) for name in self._delays])
+        gains, delays = self._chain(known)
 
         def read(row: Array, mass: Array, spring: Array) -> ComplexArray:
             axes = np.flatnonzero((mass != 0) | (spring != 0))
@@ -185,8 +182,7 @@ class ResponseFunctionTest:
             effects = tuple(replace(one, fixed=True) for one in effects)
         moving = bool(derivatives)
         A, dA = self._accelerances(known, f, effects, derivatives=moving)
-        gains = np.array([self._factors[name].value(known.get(name, 0.0)) for name in self._gains])
-        delays = np.array([known.get(name, 0.0) for name in self._delays])
+        gains, delays = self._chain(known)
         made = [
             self._read(f, A[run], {k: d[run] for k, d in dA.items()}, gains, delays, effects, moving) for run in range(len(A))
         ]
@@ -220,15 +216,20 @@ class ResponseFunctionTest:
             found[LEAKAGE] = whole - plain
         return (1 - smeared) * plain + smeared * whole, found
 
+    def _chain(self, known: Offsets) -> tuple[Array, Array]:
+        """Gains [1] and delays [s] of all channels, and of the force behind them."""
+        gains = np.array([self._factors[name].value(known.get(name, 0.0)) for name in self._gains])
+        return gains, np.array([known.get(name, 0.0) for name in self._delays])
+
     def _answered(
         self, offsets: Offsets, f: Array, effects: Sequence[Added]
-    ) -> tuple[dynamic_mass.CondensedTransfer, ComplexArray]:
-        """Accelerances before any leakage and any pick-up's mass, and the factor (n, 1, 1) to the quantity that is read."""
+    ) -> tuple[Matrices, dynamic_mass.CondensedTransfer, ComplexArray]:
+        """The matrices, accelerances before any leakage and any pick-up's mass, and the factor (n, 1, 1) to what is read."""
         matrices, _ = structure(self.structure, offsets, effects, derivatives=False)
         rows, forces = (one.values for one in self._rows(matrices, offsets))
         decay = self.decay_rate + offsets.get(WINDOW, 0.0)
         answered = dynamic_mass.accelerance(matrices, f, rows, forces, decay_rate=decay)
-        return answered, (1j * answered.omega[:, None, None]) ** -POWERS[self.quantity]
+        return matrices, answered, (1j * answered.omega[:, None, None]) ** -POWERS[self.quantity]
 
     def _rows(self, matrices: Matrices, offsets: Offsets) -> tuple[points.PointRows, points.PointRows]:
         """Of the responses and of the drives, with what is wrong with them."""
