@@ -123,13 +123,13 @@ class TestedStructure:
 
     Attributes
     ----------
-    plan : of the test
+    highest : [Hz] to which it is tested
     structure : with all that is planted, on all degrees of freedom
     losses : loss factor by part
     ratio : damping ratio of every mode, beside these; 0 for none
     """
 
-    plan: StructurePlan
+    highest: float
     structure: Structure
     losses: Mapping[str, float]
     ratio: float
@@ -142,7 +142,7 @@ class TestedStructure:
 
         free = self.structure.free
         K, M = (one.tocsc()[free][:, free] for one in (self.structure.stiffness, self.structure.mass))
-        shift = -((2 * np.pi * 2 * self.plan.band[1]) ** 2)
+        shift = -((2 * np.pi * 2 * self.highest) ** 2)
         above = (K - shift * M).tocsc()
         solver = splu(above)
         if len(free) <= WHOLE:  # what has no mass is a mode of infinite frequency, and static
@@ -179,6 +179,14 @@ class TestedStructure:
         far = (np.array([row @ shapes for row in rows]) / (squares - shift)) @ np.array([one @ shapes for one in forces]).T
         A = A + (static - far)
         return np.asarray(-omega2[:, None, None] * A)
+
+    def table(self, rows: Sequence[Sparse], low: float, high: float) -> tuple[Array, Array, Array]:
+        """Frequencies (m,) [Hz] from `low` to `high`, ascending, damping ratios (m,), and shapes (m, c) along `rows`."""
+        values, turned = self.lossy
+        hertz, eta = np.sqrt(np.maximum(values.real, 0)) / (2 * np.pi), values.imag / np.maximum(values.real, 1e-30)
+        inside = [int(k) for k in np.argsort(hertz) if low <= hertz[k] <= high]
+        shapes = ((np.array(rows) @ self.modes[1]) @ turned[:, inside]).real.T
+        return hertz[inside], self.ratio + eta[inside] / 2, shapes
 
 
 def tested(plan: StructurePlan) -> TestedStructure:
@@ -236,7 +244,7 @@ def tested(plan: StructurePlan) -> TestedStructure:
             remedy = f"These can: {', '.join(PLANTED)}"
             raise BadInput(source="--effect", field=one.id, problem="no virtual test of a structure can hide it", remedy=remedy)
     structure = replace(made, stiffness=K, mass=M, part_stiffness=shares)
-    return TestedStructure(plan=plan, structure=structure, losses=losses, ratio=usual if ratio is None else ratio)
+    return TestedStructure(highest=plan.band[1], structure=structure, losses=losses, ratio=usual if ratio is None else ratio)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -326,8 +334,12 @@ def simulate(plan: StructurePlan) -> StructureTest:
     gains = 1 + GAIN * plan.tolerances * plan.drawn("gains").standard_normal(len(rows) + 1)
     names = (*points, "force")
     if plan.kind == FUNCTIONS:
+        if plan.each("exponential-window"):
+            problem = "a window acts on records, and functions are asked for"
+            raise BadInput(source="--effect", field="exponential-window", problem=problem, remedy="Write --test hammer")
         f = np.arange(max(1, round(plan.band[0] * block)), round(plan.band[1] * block) + 1) / block
-        A = _heard(plan, names, gains, f, lab, rows, forces, slowest=0.0)
+        read = _heard(plan, names, gains, f, lab, rows, forces)
+        A = read[:, :-1] / read[:, -1:]
         rng, share = plan.drawn("noise"), plan.noise * NOISE[FUNCTIONS]
         scatter = rng.standard_normal((2, *A.shape))
         level = np.hypot(np.abs(A), np.median(np.abs(A), axis=0, keepdims=True))
@@ -376,14 +388,16 @@ def simulate(plan: StructurePlan) -> StructureTest:
 
 
 def _files(plan: StructurePlan, signals: Mapping[str, Signals]) -> dict[str, Any]:
-    def said(at: Point) -> Any:
-        axis = next((word for word, way in AXES.items() if not word.startswith("+") and np.allclose(way, at.direction)), None)
-        if axis is not None and at.name == Point(place=at.place, name=f"{at.place}:{axis.strip('-')}").name:
-            return f"{at.place}:{axis}"
-        return {"place": at.place, "direction": [float(x) for x in np.asarray(at.direction)], "name": at.name}
+    listed = [{"path": name, "drive": _said(drive)} for name, drive in zip(signals, plan.drives, strict=True)]
+    return {"responses": [_said(one) for one in plan.responses], "files": listed}
 
-    listed = [{"path": name, "drive": said(drive)} for name, drive in zip(signals, plan.drives, strict=True)]
-    return {"responses": [said(one) for one in plan.responses], "files": listed}
+
+def _said(at: Point) -> Any:
+    """A point as a test's file has it."""
+    axis = next((word for word, way in AXES.items() if not word.startswith("+") and np.allclose(way, at.direction)), None)
+    if axis is not None and at.name == Point(place=at.place, name=f"{at.place}:{axis.strip('-')}").name:
+        return f"{at.place}:{axis}"
+    return {"place": at.place, "direction": [float(x) for x in np.asarray(at.direction)], "name": at.name}
 
 
 def _heard(
@@ -394,9 +408,8 @@ def _heard(
     lab: TestedStructure,
     rows: Sequence[Array],
     forces: Sequence[Array],
-    slowest: float,
 ) -> ComplexArray:
-    """(n, c, r) what channels hear per newton that the force channel says, faults of the chain included."""
+    """(n, c + 1, r) what all channels, the force the last, hear of a newton, faults of the chain included."""
     A = lab.accelerance(f, rows, forces)
     m = sum(one.value for one in plan.each("transducer-mass"))
     if m:  # each response by itself, on a structure that carries the mass there
@@ -422,16 +435,7 @@ def _heard(
         elif one.family == "channel-swap":
             other = names.index(one.targets[1])
             order[k], order[other] = order[other], order[k]
-    read = scale[:, :, None] * signals[:, order]
-    window = sum(one.value for one in plan.each("exponential-window"))
-    if window and plan.kind == FUNCTIONS:
-        raise BadInput(
-            source="--effect",
-            field="exponential-window",
-            problem="a window acts on records, and functions are asked for",
-            remedy="Write --test hammer",
-        )
-    return np.asarray(read[:, :-1] / read[:, -1:]) if slowest == 0.0 else read
+    return np.asarray(scale[:, :, None] * signals[:, order])
 
 
 def _answered(
@@ -450,17 +454,15 @@ def _answered(
     ring = count + round(7.0 / slowest * rate)  # e^-7 is a thousandth
     whole = 1 << max(ring - 1, 1).bit_length()
     lines = np.asarray(np.fft.rfftfreq(min(whole, 1 << 20), 1 / rate), dtype=np.float64)
-    read = _heard(plan, names, gains, lines, lab, rows, forces, slowest)[:, :, 0]
+    read = _heard(plan, names, gains, lines, lab, rows, forces)[:, :, 0]
     spectrum = np.fft.rfft(force, min(whole, 1 << 20))
     return np.asarray(np.fft.irfft(read * spectrum[:, None], axis=0)[:count])
 
 
 def _table(plan: StructurePlan, lab: TestedStructure, rows: Sequence[Array]) -> dict[str, Any]:
     """The table of modes within the band."""
-    values, turned = lab.lossy
-    hertz, eta = np.sqrt(np.maximum(values.real, 0)) / (2 * np.pi), values.imag / np.maximum(values.real, 1e-30)
-    inside = [int(k) for k in np.argsort(hertz) if plan.band[0] <= hertz[k] <= plan.band[1]]
-    if not inside:
+    hertz, zeta, shapes = lab.table(rows, *plan.band)
+    if not len(hertz):
         problem = f"no mode of the structure lies within {plan.band[0]:g} to {plan.band[1]:g} Hz"
         raise BadInput(source="--band", problem=problem, remedy="Widen it")
     rng, s = plan.drawn("noise"), plan.noise * NOISE[MODES]
@@ -478,16 +480,15 @@ def _table(plan: StructurePlan, lab: TestedStructure, rows: Sequence[Array]) -> 
             gains[k] *= 1 + one.value if one.family == "accelerometer-gain" else -1.0
     least = max(s, 1e-6)
     window = sum(one.value for one in plan.each("exponential-window"))
-    zeta = lab.ratio + eta[inside] / 2 + window / (2 * np.pi * hertz[inside])
-    shapes = ((np.array(rows) @ lab.modes[1]) @ turned[:, inside]).real.T[:, order] * gains
+    zeta = zeta + window / (2 * np.pi * hertz)
+    shapes = shapes[:, order] * gains
     shapes = shapes / np.abs(shapes).max(axis=1, keepdims=True) + 10 * s * rng.standard_normal(shapes.shape)
     for one in plan.each("unit"):
         if one.target in names:
             shapes[:, names.index(one.target)] *= one.value
     shapes = shapes * rng.choice([-1.0, 1.0], len(shapes))[:, None] * rng.uniform(0.5, 2.0, len(shapes))[:, None]
-    f = hertz[inside] * (1 + s * rng.standard_normal(len(inside)))
-    zeta = zeta * (1 + 100 * s * rng.standard_normal(len(inside)))
-    points = _files(plan, {})["responses"] if not plan.drives else _files(replace(plan, drives=()), {})["responses"]
+    f = hertz * (1 + s * rng.standard_normal(len(hertz)))
+    zeta = zeta * (1 + 100 * s * rng.standard_normal(len(hertz)))
     return {
         "format": 1,
         "kind": test_file.MODAL_TABLE,
@@ -497,7 +498,7 @@ def _table(plan: StructurePlan, lab: TestedStructure, rows: Sequence[Array]) -> 
         "frequency_deviation": least,
         "damping": [float(one) for one in np.maximum(zeta, 1e-6)],
         "damping_deviation": 100 * least,
-        "sensors": points,
+        "sensors": [_said(one) for one in plan.responses],
         "shapes": [[float(one) for one in row] for row in shapes],
         "shapes_deviation": 10 * least,
         "gain": GAIN,
