@@ -1,7 +1,7 @@
 """A case of a structure becomes a folder, as a laboratory would hand it over, and its truth, which goes elsewhere.
 
 The model is the plan on its coarse mesh. The test is one of another mesh: finer, of other elements, its parts off by what a
-laboratory admits, with the fault in its stiffness, mass or losses.
+laboratory admits, with the fault in its stiffness, mass or losses; `validation.virtual_test` answers it, as no prediction does.
 """
 
 from __future__ import annotations
@@ -17,22 +17,24 @@ import numpy as np
 from benchmarks.blind.names import MODEL, SETTINGS, Json
 from benchmarks.blind.structures import shapes
 from benchmarks.blind.structures.drawing import FUNCTIONS, TABLE, Fault, StructureCase, at_node, fault
-from fem.damping import Damping
 from fem.structure import Structure, place_rows
 from fem.user_model import reading
 from geometry.atomic import write_text
 from geometry.dynamic_mass import MOTIONS
 from geometry.frames import Array
+from identification.files.files import Signals
 from validation.diagnose.candidates import candidates, detectable, screen
 from validation.diagnose.diagnosis import Candidate
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import position
-from validation.prediction import dynamic_mass, modal_table
 from validation.prediction import structure as reduction
 from validation.study import Study
 from validation.virtual_test.layout import stream
+from validation.virtual_test.structure_tests import StructureTest, TestedStructure
 
-MESH, TEST, DATA = "mesh.inp", "test.toml", "functions.csv"
+MESH, TEST = "mesh.inp", "test.toml"
+
+Band = tuple[float, float]
 
 ARTICLE = "structure"
 
@@ -140,13 +142,13 @@ def _handed_over(
     write_text(to / SETTINGS, json.dumps({"data": [TEST], "hold_out": [], "leave_out": list(case.leave_out)}))
     tested, losses = with_faults(fine, case.laboratory, faults)
     band = _band(fine)
-    made = reduction.by_itself(tested, band[1], damping=Damping(loss_factors=losses))
+    lab = TestedStructure(highest=band[1], structure=tested, losses=losses, ratio=0.0)
     generator = stream(case.laboratory, "test")
     sensors = [f"{name}:{'xyz'[int(generator.integers(3))]}" for name in places]
-    rows = np.array([made.matrices.places[one[:-2]]["xyz".index(one[-1])] for one in sensors])
+    rows = [tested.places[one[:-2]].toarray()["xyz".index(one[-1])] for one in sensors]
     gains = 1 + GAIN * generator.standard_normal(len(sensors))
-    writer = _functions if case.test == FUNCTIONS else _table
-    writer(made, rows, sensors, gains, band, generator, to)
+    made = _functions if case.test == FUNCTIONS else _table
+    made(lab, rows, sensors, gains, band, generator).fill(to)
     return to
 
 
@@ -216,48 +218,39 @@ def with_faults(fine: Structure, laboratory: int, faults: Sequence[Fault]) -> tu
 
 
 def _functions(
-    made: reduction.ReducedStructure,
-    rows: Array,
-    sensors: Sequence[str],
-    gains: Array,
-    band: tuple[float, float],
-    generator: np.random.Generator,
-    to: Path,
-) -> None:
+    lab: TestedStructure, rows: Sequence[Array], sensors: Sequence[str], gains: Array, band: Band, generator: np.random.Generator
+) -> StructureTest:
     """Accelerances of all sensors for a force at the first two."""
     f = np.linspace(*band, LINES)
-    A = dynamic_mass.accelerance(made.matrices, f, rows, rows[:2]).matrix * gains[:, None]
+    A = lab.accelerance(f, rows, rows[:2]) * gains[:, None]
     noise = generator.standard_normal((*A.shape, 2)) @ np.array([1, 1j]) / np.sqrt(2)
     floor = 0.2 * np.sqrt(np.mean(np.abs(A) ** 2, axis=0, keepdims=True))
     A = A + NOISE * noise * np.hypot(np.abs(A), floor)
-    columns = ",".join(f"{one.replace(':', '-')} re,{one.replace(':', '-')} im" for one in sensors)
-    files = []
-    for k in range(A.shape[2]):
-        values = np.ascontiguousarray(A[:, :, k]).view(np.float64)
-        body = [f"frequency,{columns}", *(",".join(f"{x:.8g}" for x in each) for each in np.column_stack([f, values]))]
-        write_text(to / f"{k}-{DATA}", "\n".join(body) + "\n")
-        files.append(f'{{ path = "{k}-{DATA}", drive = "{sensors[k]}" }}')
-    lines = ["format = 1", f'kind = "{FUNCTIONS}"', f'article = "{ARTICLE}"', f"responses = {json.dumps(list(sensors))}"]
-    write_text(to / TEST, "\n".join([*lines, f"files = [{', '.join(files)}]", f"share = {NOISE}"]) + "\n")
+    names = [one.replace(":", "-") for one in sensors]
+    signals = {
+        f"functions-{k + 1}.h5": Signals(source="a draw", frequency=f, samples=dict(zip(names, A[:, :, k].T, strict=True)))
+        for k in range(A.shape[2])
+    }
+    files = [{"path": name, "drive": drive} for name, drive in zip(signals, sensors[: len(signals)], strict=True)]
+    table = {"format": 1, "kind": FUNCTIONS, "article": ARTICLE, "responses": list(sensors), "files": files, "share": NOISE}
+    return StructureTest(table=table, signals=signals)
 
 
 def _table(
-    made: reduction.ReducedStructure,
-    rows: Array,
-    sensors: Sequence[str],
-    gains: Array,
-    band: tuple[float, float],
-    generator: np.random.Generator,
-    to: Path,
-) -> None:
-    """Frequencies, damping and shapes of the modes in the band."""
-    modes = modal_table.real_modes(made.matrices)
-    inside = np.flatnonzero((modes.frequency > 0.1 * band[0]) & (modes.frequency < band[1]))
-    f = modes.frequency[inside] * (1 + FREQUENCY * generator.standard_normal(len(inside)))
-    seen = (gains[:, None] * (rows @ modes.shapes[:, inside])).T
+    lab: TestedStructure, rows: Sequence[Array], sensors: Sequence[str], gains: Array, band: Band, generator: np.random.Generator
+) -> StructureTest:
+    """Frequencies and shapes of the modes in the band."""
+    hertz, _, shapes = lab.table(rows, 0.1 * band[0], band[1])
+    f = hertz * (1 + FREQUENCY * generator.standard_normal(len(hertz)))
+    seen = gains * shapes
     seen = seen + SHAPE * np.abs(seen).max(axis=1, keepdims=True) * generator.standard_normal(seen.shape)
-    lines = ["format = 1", f'kind = "{TABLE}"', f'article = "{ARTICLE}"', f"sensors = {json.dumps(list(sensors))}"]
-    lines.append(f"frequencies = {json.dumps([f'{one:.6g} +/- {FREQUENCY * one:.3g} Hz' for one in f])}")
-    lines.append(f"shapes = {json.dumps([[float(f'{x:.5g}') for x in row] for row in seen])}")
-    lines.append(f"shapes_deviation = {SHAPE}")
-    write_text(to / TEST, "\n".join(lines) + "\n")
+    table = {
+        "format": 1,
+        "kind": TABLE,
+        "article": ARTICLE,
+        "sensors": list(sensors),
+        "frequencies": [f"{one:.6g} +/- {FREQUENCY * one:.3g} Hz" for one in f],
+        "shapes": [[float(f"{x:.5g}") for x in row] for row in seen],
+        "shapes_deviation": SHAPE,
+    }
+    return StructureTest(table=table)
