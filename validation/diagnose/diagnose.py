@@ -81,7 +81,8 @@ def diagnosed(
         tell("fitting the model as it is", 0.0)
         fit = right.all_free(lambda share: tell("fitting the model as it is", share))
         base = diagnosis.Candidate(effects=(), fit=fit, problem=right.problem())
-        tell("looking everywhere on the mesh", 0.0)
+        if right.tests:
+            tell("looking everywhere on the mesh", 0.0)
         every, best = found_nodes(base)
         nodes = tuple(one for one in best if candidates.looked_for(one.named, only, leave_out))
         if fitted := without_a_name(right, base, nodes):
