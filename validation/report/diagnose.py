@@ -479,7 +479,7 @@ class DiagnosisPage:
                 self.everywhere(),
                 self.pictured,
                 self.levels(),
-                doc.Drawn(lambda: before_and_after(found.before, after)),
+                None if after is None else doc.Drawn(lambda: before_and_after(found.before, after)),
                 self.errors(),
                 self.errors_of_page(),
                 self.ranking(),
@@ -626,13 +626,13 @@ class DiagnosisPage:
         return doc.Grid(header=header, lines=tuple(zip((name for name, _ in kept), *columns, strict=True)))
 
     def errors_of_page(self) -> doc.Table:
-        """The same for a page, an error a row with its unit."""
+        """The same for a page, an error a row with its unit; none where nothing was found."""
         before, after = error_figures(self.found.before), error_figures(self.found.after)
-        if self.found.after is self.found.before:
-            after = {}
+        changed = self.found.after is not self.found.before
         return doc.Table(
             caption="The errors before and after what was found is added",
-            rows=[row for row in ERROR_NAMES if before[row[2]] is not None],
+            note="Made at fewer lines than those of a comparison, so that their last digits differ.",
+            rows=[row for row in ERROR_NAMES if before[row[2]] is not None and changed],
             columns=(
                 doc.Column("error", lambda row: row[0], words=True),
                 doc.Column("unit", lambda row: row[1], words=True),

@@ -393,8 +393,8 @@ class Number:
 Cell = Number | str
 """What stands in a cell; a text may be `Safe`."""
 
-WHOLE = 16
-"""Rows up to which a table stays on one sheet of paper."""
+WHOLE, SENTENCE = 12, 60
+"""Rows up to which a table stays on one sheet of paper; letters of a cell that fills several lines, for which it need not."""
 
 SHORT, TINY = 24, 8
 """Letters of a text that is not broken on a screen, and of one that is not broken on paper either."""
@@ -453,7 +453,8 @@ def table(caption: str, columns: Sequence[Column], rows: Sequence[Sequence[Cell]
     named = tag("caption", tag("span", caption), button)
     inner = tag("table", named, tag("thead", tag("tr", *heads)), tag("tbody", *lines))
     below = tag("p", worded(note), class_="note") if note else None
-    kind = "table whole" if len(rows) <= WHOLE else "table"
+    long = any(isinstance(cell, str) and len(cell) > SENTENCE for row in rows for cell in row)
+    kind = "table" if long or len(rows) > WHOLE else "table whole"
     return tag("div", tag("div", inner, class_="scroll", tabindex="0", role="region", aria_label=caption), below, class_=kind)
 
 

@@ -1,6 +1,7 @@
 """The page: one file of HTML that needs nothing else, neither a network nor a folder beside it."""
 
 import json
+import math
 import os
 import shlex
 import shutil
@@ -54,13 +55,13 @@ def provenance_html(report: Report, figures: Figures) -> Safe:
     """The section."""
     made = report.provenance
     settings = {"random numbers": SEEDS, **made.settings}
-    if report.diagnosis is not None:
-        settings |= {f"diagnosis: {key}": value for key, value in report.diagnosis.settings.items() if key != "random_numbers"}
+    asked = {} if report.diagnosis is None else report.diagnosis.settings
+    numbers = {key: _text(value) for key, value in asked.items() if key != "random_numbers"}
     return section(
         "provenance",
         "Provenance",
         tag("p", "Command line: ", tag("code", made.command)) if made.command else None,
-        _pairs("Versions", "program", "version", made.versions),
+        tag("p", "Versions: ", ", ".join(f"{name} {version}" for name, version in made.versions.items()), ".", class_="note"),
         table(
             "Inputs",
             [Column(head="file or folder", words=True), Column(head="SHA-256", words=True)],
@@ -68,6 +69,9 @@ def provenance_html(report: Report, figures: Figures) -> Safe:
             note="Of a campaign: of its description and all of its signals.",
         ),
         _pairs("Settings", "setting", "value", {key: _text(value) for key, value in settings.items()}),
+        tag("details", tag("summary", "Numbers of the diagnosis"), _pairs("Diagnosis", "number", "value", numbers))
+        if numbers
+        else None,
         tag("details", tag("summary", "The model file"), tag("pre", made.model_text)) if made.model_text else None,
     )
 
@@ -197,8 +201,9 @@ def _from_records(part: CampaignPart) -> Safe:
     known = None if part.reference is None else part.reference.values[0]
     if known is None:
         return joined(told, doubted)
-    within = abs(value - known.value * mass.per_si) <= half + (known.tolerance or 0.0) * mass.per_si
-    drawn = f", drawn {known.value * mass.per_si:.4g} kg, "
+    own, admitted = known.value * mass.per_si, (known.tolerance or 0.0) * mass.per_si
+    within = abs(value - own) <= math.hypot(half, admitted)
+    drawn = f", drawn {plus_minus(own, admitted) if admitted > 1e-3 * half else f'{own:.4g}'} kg, "
     return joined(told, drawn, verdict("within", GOOD) if within else verdict("outside", DOUBTFUL), doubted)
 
 

@@ -261,7 +261,8 @@ def _table(source: str, asked: ArticleOptions, name: str, classical: Sequence[Re
     """The reference table with a column for each measurement that is about the article `name`."""
     table = kept(lambda: reference.reference_table(source, asked), "reference", source, asked)
     own = [one for one in classical if one.article == name and any(key in KEYS for key in one.results)]
-    columns = dict(table.columns)
+    # What somebody else weighed and identified says nothing of the article that was tested
+    columns = {name: said for name, said in table.columns.items() if name not in (reference.MEASURED, reference.IDENTIFIED)}
     for k, one in enumerate(own, start=1):
         values = [one.results.get(key) for key in KEYS]
         stated = tuple(
@@ -271,7 +272,7 @@ def _table(source: str, asked: ArticleOptions, name: str, classical: Sequence[Re
         note = "assumed" if one.assumed else "as its readings state them"
         columns[f"classical {k}"] = Statement(name=one.title, values=stated, source=one.origin, tolerance_note=note)
     notes = tuple(f"Tolerances of {one.title} are ASSUMED." for one in own if one.assumed)
-    return replace(table, article=name, columns=columns, footnotes=(*table.footnotes, *notes))
+    return replace(table, article=name, columns=columns, footnotes=notes)
 
 
 def _shapes(source: str, kind: str, asked: FlexibleOptions) -> Picture:
