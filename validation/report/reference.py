@@ -35,8 +35,10 @@ if TYPE_CHECKING:
     from validation.report.scenes.scene import DrawnBody
 
 
-def draw(name: str, asked: ArticleOptions, folder: Path = Path("out")) -> Path:
+def draw(name: str, asked: ArticleOptions, folder: Path = Path("out"), *, sheet: bool = True) -> Path:
     """Write the picture of the article `name` into `folder`, in the article's own frame, and say where it is.
+
+    Of a `sheet` it has title, figures and note as well; a page has them in its tables.
 
     Raises
     ------
@@ -47,7 +49,7 @@ def draw(name: str, asked: ArticleOptions, folder: Path = Path("out")) -> Path:
 
     title, bodies, inertia, note = drawing(name, asked)
     path = folder / f"{reference.file_name(title)}.png"
-    picture(title, bodies, inertia, path, note)
+    picture(title, bodies, inertia, path, note, sheet=sheet)
     return path
 
 
@@ -231,7 +233,11 @@ def article_part(name: str, model: Model, comparison: Comparison, classical: Seq
     asked = ArticleOptions(changes=changes)
     table = _tried(lambda: _table(source, asked, name, classical), missing)
     said = f"{name}, with centre of gravity, principal axes and equivalent inertia ellipsoid, in the article's own frame"
-    picture = _tried(lambda: kept(lambda: drawn(lambda folder: draw(source, asked, folder), said), said, source, asked), missing)
+
+    def plain() -> Picture:
+        return drawn(lambda folder: draw(source, asked, folder, sheet=False), said)
+
+    picture = _tried(lambda: kept(plain, f"plain: {said}", source, asked), missing)
     shapes = None
     # Shapes are worth a picture where a mode is near the band
     pairs = zip(comparison.maps, comparison.modes, strict=True)
