@@ -670,9 +670,10 @@ class DiagnosisPage:
                 *figures, unit = results.interval(one, size)
                 value, low, high = (doc.Number(value=float(text), text=text.replace("-", "−")) for text in figures)
                 fitted = size.low != size.high
-                rows.append((one, (size.key or one.named.what, value, *((low, high) if fitted else (EMPTY, EMPTY)), unit)))
+                rows.append((one, (size.key, value, *((low, high) if fitted else (EMPTY, EMPTY)), unit)))
             if not one.sizes:
                 rows.append((one, (NONE, EMPTY, EMPTY, EMPTY, "")))
+        several = any(figures[0] not in ("", NONE) for _, figures in rows)  # of one size the cause says what it is
         return doc.Table(
             caption="Causes that were tried, the best first",
             rows=rows,
@@ -680,7 +681,7 @@ class DiagnosisPage:
                 doc.Column("cause", lambda row: row[0].id, words=True),
                 doc.Column("evidence", lambda row: row[0].evidence, nats, unit="nats"),
                 doc.Column("asked for", lambda row: evidence_threshold(row[0].named.family), "g", unit="nats"),
-                doc.Column("number", lambda row: row[1][0], words=True),
+                *([doc.Column("number", lambda row: row[1][0], words=True)] if several else []),
                 doc.Column("size", lambda row: row[1][1]),
                 doc.Column("from", lambda row: row[1][2]),
                 doc.Column("to", lambda row: row[1][3]),
