@@ -89,7 +89,7 @@ def test_causes_are_those_of_diagnose(read, report):
     shown = read.table("Causes that were tried, the best first").row("force-gain:fmd-z2")
     (found,) = said["accepted"]
     assert shown[1] == found["evidence_nats"]
-    assert_allclose([shown[k] for k in (4, 5, 6)], [100 * one for one in (found["value"], *found["interval90"])], atol=0.06)
+    assert_allclose([shown[k] for k in (3, 4, 5)], [100 * one for one in (found["value"], *found["interval90"])], atol=0.06)
     assert found["text"] in read.text
     assert said["next_measurement"] in read.text
     before = read.table("The errors before and after what was found is added").row("plain error, fitted data")
