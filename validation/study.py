@@ -103,7 +103,7 @@ def read_data(paths: Sequence[str], model: Model, progress: Progress | None = No
     OSError : a file cannot be read.
     """
     folders = [path for path in paths if Path(path).is_dir()]
-    files_of_tests = [path for path in paths if path not in folders and _is_test(path)]
+    files_of_tests = [path for path in paths if path not in folders and is_test(path)]
     classical = tuple(path for path in paths if path not in (*folders, *files_of_tests))
     for path in classical:
         _require_measurement(path)
@@ -136,7 +136,7 @@ def read_data(paths: Sequence[str], model: Model, progress: Progress | None = No
     return Data(campaigns=campaigns, classical=classical, tests=tests)
 
 
-def _is_test(path: str) -> bool:
+def is_test(path: str) -> bool:
     """Whether the file at `path` describes response functions or a modal table."""
     if not path.endswith(".toml") or not Path(path).is_file():
         return False
@@ -152,7 +152,7 @@ def only_files(paths: Sequence[str]) -> tuple[str, ...]:
     ------
     BadInput : one of them is no measurement, or is named twice.
     """
-    if any(map(_is_test, paths)) or not all(
+    if any(map(is_test, paths)) or not all(
         Path(path).is_file() or path.removesuffix(".toml") in files.shipped() for path in paths
     ):
         return ()

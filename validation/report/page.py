@@ -262,9 +262,22 @@ def html(report: Report, progress: Progress | None = None) -> str:
         tell(heading, k / len(SECTIONS))
         if made := write_section(report, figures):
             parts.append((name, heading, made))
+    named = f"{report.comparison.title} · massline report"
+    return framed(named, title.html(report, figures), parts, figures, report.provenance.versions.get("massline", ""))
+
+
+def framed(named: str, head: Safe, parts: Sequence[tuple[str, str, Safe]], figures: Figures, by: str) -> str:
+    """A page of `parts`, each with its name and heading, below a `head`; it needs no other file.
+
+    Parameters
+    ----------
+    named : for the browser's window
+    figures : that the parts hold
+    by : version of massline
+    """
     links = [tag("li", tag("a", heading, href=f"#{name}")) for name, heading, _ in parts]
     contents = tag("nav", tag("ol", *links), aria_label="Contents", class_="paper-only")
-    main = tag("main", title.html(report, figures), contents, *(made for _, _, made in parts))
+    main = tag("main", head, contents, *(made for _, _, made in parts))
     # What a reader can do, above the page
     light = tag("button", "light or dark", type="button", id="theme", aria_pressed="false")
     printed = tag("button", "print", type="button", id="print")
@@ -279,16 +292,16 @@ def html(report: Report, progress: Progress | None = None) -> str:
         tag("div", tag("nav", tag("ol", *links), aria_label="Contents", class_="screen-only"), main, class_="page"),
         script,
     )
-    head = tag(
+    about = tag(
         "head",
         tag("meta", charset="utf-8"),
         Safe(f'<meta http-equiv="Content-Security-Policy" content="{ALLOWED}">'),
         tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
-        tag("meta", name="generator", content=f"massline {report.provenance.versions.get('massline', '')}".strip()),
-        tag("title", f"{report.comparison.title} · massline report"),
+        tag("meta", name="generator", content=f"massline {by}".strip()),
+        tag("title", named),
         tag("style", Safe(_resource("page.css"))),
     )
-    return f"<!DOCTYPE html>\n{tag('html', head, body, lang='en')}\n"
+    return f"<!DOCTYPE html>\n{tag('html', about, body, lang='en')}\n"
 
 
 def _resource(name: str) -> str:
