@@ -38,7 +38,7 @@ def main(
 ) -> None:
     """Diagnose the cases of a draw; what is finished is kept, and not done again by the same code."""
     console, book = Console(stderr=True), ledger.read()
-    chosen = _seed(which, seed, book)
+    chosen = book.structures if structures and which == TEST and seed is None else _seed(which, seed, book)
     wanted = tuple(one.strip() for one in kinds.split(","))
     if unknown := set(wanted) - set(KINDS):
         raise click.BadParameter(f"no kind is called {', '.join(sorted(unknown))}; there are {', '.join(KINDS)}")

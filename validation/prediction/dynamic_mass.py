@@ -32,6 +32,9 @@ from validation.prediction.structure import MountedArticle
 FEW = 3
 """Up to so many coordinates a sum of outer products is the quicker way."""
 
+ENTRIES = 1 << 17
+"""[count] of entries of the matrices of as many lines as are solved at once: 2 MB, which stay in a cache."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CondensedTransfer:
@@ -124,8 +127,11 @@ def accelerance(
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     rows, forces = np.atleast_2d(np.asarray(responses, dtype=np.float64)), np.atleast_2d(np.asarray(drive, dtype=np.float64))
     loads = np.vstack([rows, forces]).T.astype(np.complex128)
-    whole = np.broadcast_to(loads, (len(lines), *loads.shape))
-    both = np.asarray(np.linalg.solve(dynamic_matrix(matrices, turning(lines, decay_rate)), whole), dtype=np.complex128)
+    at, few = turning(lines, decay_rate), max(ENTRIES // max(loads.shape[0], 1) ** 2, 1)
+    both = np.empty((len(lines), *loads.shape), dtype=np.complex128)
+    for first in range(0, len(lines), few):
+        some = slice(first, first + few)
+        both[some] = np.linalg.solve(dynamic_matrix(matrices, at[some]), np.broadcast_to(loads, both[some].shape))
     left, right = both[:, :, : len(rows)], both[:, :, len(rows) :]
     return CondensedTransfer(
         frequency=lines,
