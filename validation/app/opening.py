@@ -92,7 +92,7 @@ EXAMPLES = (
         name="block",
         title="A block with a hidden effect",
         words="Disc and Cuboid on the force measurement device, quick sweeps, compared from 8 to 16 Hz. Something is wrong with "
-        "the measurement, and no model of the block will ever explain it. The z-sweep is held out of every fit.",
+        "the measurement, and no model of the block will ever explain it. The z-sweep is used only for checking.",
         articles=("fmd+disc+cuboid",),
         effects=("force-gain:fmd-z2=0.08",),
         octaves_per_minute=60.0,
@@ -104,7 +104,7 @@ EXAMPLES = (
         name="mast",
         title="A mast with one blade and a hidden effect",
         words="Clumod with one blade, and disc and Cuboid for a tare: two campaigns that share their sensors. Resonances and the "
-        "mass line both look wrong; tolerances alone can nearly explain it, at an absurd price.",
+        "mass line both look wrong; tolerances alone nearly explain it, if they move absurdly far.",
         articles=("fmd+disc+cuboid", "fmd+clumod-1"),
         effects=("force-gain:fmd-z2=0.15",),
         octaves_per_minute=16.0,

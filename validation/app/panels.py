@@ -113,7 +113,7 @@ HEADINGS = {
 
 SHORTER = {
     "plain, fitted data": "plain",
-    "plain, held out": "held out",
+    "plain, only for checking": "only for checking",
     "χ² per degree of freedom": "χ² per dof",
     "z² of the tolerances over what is due": "z² over due",
 }
@@ -132,7 +132,7 @@ async def rungs_shown(window: WindowState) -> None:
     for one in reversed(at.ladder.rungs):
         told = "no figures yet"
         if (of := one.errors) is not None:
-            held = "" if of.held_out is None else f", held out {of.held_out:.3g} %"
+            held = "" if of.held_out is None else f", checked {of.held_out:.3g} %"
             told = f"plain {of.plain:.3g} %{held}, χ² {of.chi2_per_dof:.2f}, tolerances {of.tolerance_z2:.0f}"
         rung = {
             "number": one.number,

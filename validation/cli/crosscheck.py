@@ -47,7 +47,7 @@ def compare_command(as_json: bool, out: Path | None, **given: Any) -> None:
     "--hold-out",
     multiple=True,
     metavar="NAME",
-    help="A run, campaign or file that is predicted and never fitted. May be repeated.  [default: each run in turn]",
+    help="A run, campaign or file used only for checking, never fitted. May be repeated.  [default: each run in turn]",
 )
 @options.BAND
 @click.option("--method", type=click.Choice(options.METHODS), help=f"How spectra are made.  [default: {options.METHODS[0]}]")

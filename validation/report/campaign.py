@@ -39,7 +39,7 @@ def grids(summary: Summary) -> list[Grid]:
     campaign = summary.campaign
     if campaign is None:
         return []
-    told = ("can be told", "channels", "rank", "condition", "scaled by", "missing")
+    told = ("what is determined", "channels", "rank", "condition", "scaled by", "missing")
     verdicts = tuple(
         (
             what,

@@ -71,7 +71,7 @@ def test_errors_and_spots_are_those_of_compare(read, series, run):
         "nominal error": "nominal_error_percent",
         "plain error": "plain_error_percent",
         "fitted error, χ² per degree of freedom": "fitted_chi2_per_dof",
-        "its price, the sum of z² of the tolerances": "tolerance_z2",
+        "its prior penalty, the sum of z² of the tolerances": "tolerance_z2",
         "held-out error": "held_out_error_percent",
     }
     assert_allclose([errors.row(name)[1] for name in pairs], [said[key] for key in pairs.values()], rtol=SAME)
