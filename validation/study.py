@@ -103,13 +103,11 @@ def read_data(paths: Sequence[str], model: Model, progress: Progress | None = No
     OSError : a file cannot be read.
     """
     folders = [path for path in paths if Path(path).is_dir()]
-    files_of_tests = [path for path in paths if path not in folders and is_test(path)]
-    classical = tuple(path for path in paths if path not in (*folders, *files_of_tests))
+    classical = tuple(path for path in paths if path not in folders and not is_test(path))
     for path in classical:
         _require_measurement(path)
     _require_once(paths)
-    own = (test_file.read(model.source, {"article": model.article, **one}) for one in model.tests)
-    tests = (*own, *map(test_file.read, files_of_tests))
+    tests = read_tests(paths, model)
     if not folders and not tests:
         none = "there is no data: the model names no [[test]]"
         some = "there is no campaign and no test among them, and weights and periods alone tell nothing of frequencies"
@@ -134,6 +132,18 @@ def read_data(paths: Sequence[str], model: Model, progress: Progress | None = No
     tell = progress or (lambda folder, share: None)
     campaigns = tuple(campaign_file.read(folder, progress=partial(tell, folder)) for folder in folders)
     return Data(campaigns=campaigns, classical=classical, tests=tests)
+
+
+def read_tests(paths: Sequence[str], model: Model) -> tuple[Test, ...]:
+    """The tests that the `model` names, then those among `paths`.
+
+    Raises
+    ------
+    BadInput : a test that cannot be used.
+    OSError : a file cannot be read.
+    """
+    own = (test_file.read(model.source, {"article": model.article, **one}) for one in model.tests)
+    return (*own, *map(test_file.read, filter(is_test, paths)))
 
 
 def is_test(path: str) -> bool:

@@ -19,6 +19,7 @@ from identification.base_motion import base_motion
 from identification.base_motion import resultants as identification_resultants
 from identification.dynamic_mass import Estimate, from_runs
 from identification.elastic.fit import levels
+from identification.response_functions import QUANTITIES
 from identification.self_calibration.solve import inverse, smoothed_level
 from identification.spectra.line_spectra import Spectra
 from validation.estimation import evaluate
@@ -29,6 +30,7 @@ from validation.estimation.problem import STRUCTURAL, Fit, Lines, Measured, Offs
 from validation.flexible.model import family
 from validation.output import entry, unwritten
 from validation.prediction import effects, modal_table
+from validation.prediction.response_functions import ResponseFunctionTest
 from validation.prediction.structure_tests import StructurePrediction
 
 # What is not known at a plain fit: every tolerance of the measurement, and how the fit answered to it.
@@ -291,6 +293,25 @@ class Pairs:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class Functions:
+    """The response functions of one test, on the lines of its map, a run a drive and a channel a response.
+
+    Attributes
+    ----------
+    unit : of a function, SI
+    measured, predicted : (r, n, c)
+    expected : (r, n, c) standard deviation of their difference by noise and by tolerances that were not fitted
+    coherence : (r, n, c) [0 to 1]; None where it is not known
+    """
+
+    unit: str
+    measured: ComplexArray
+    predicted: ComplexArray
+    expected: Array
+    coherence: Array | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Operators:
     """From channels to what H is made of.
 
@@ -388,6 +409,7 @@ class Map:
         measurement
     explained_with_modes : (r, n) the same by what the model leaves open of its modes as well
     pairs : of the dynamic mass; None where runs or channels do not tell it
+    functions : of a test by forces; None of any other
     remarks : sentences
     """
 
@@ -407,6 +429,7 @@ class Map:
     explained: Array
     explained_with_modes: Array
     pairs: Pairs | None = None
+    functions: Functions | None = None
     remarks: tuple[str, ...] = field(default=())
 
     @property
@@ -485,11 +508,14 @@ def mapped(
     of, remarks = (None, ()) if rig is None else rig.operators(measured)
     # (q + p,) which of the unknowns are what the model leaves open of modes, here or in another configuration of the series
     of_modes = np.array([name in unknown.of_modes for name in unknown.tolerances] + [False] * len(unknown.own), dtype=bool)
-    said, both, told = [], [], progress or (lambda share: None)
+    said, both, whole, told = [], [], [], progress or (lambda share: None)
     for part in chunks(prediction, offsets, inputs, unknown):
         said.append(_of_lines(measured, part, R, of_modes))
         if of is not None:
             both.append(pair_lines(of, measured, inputs, part))
+        if isinstance(prediction, ResponseFunctionTest):
+            deviation = np.sqrt(np.square(part.noise) + np.sum(np.abs(part.spread) ** 2, axis=-1))
+            whole.append((part.rows[..., 0], deviation))
         told((part.lines[-1] + 1) / len(measured.frequency))
     found = {key: np.concatenate([one[key] for one in said], axis=1) for key in said[0]}
     # The level of a channel is that of the model-error floor; of a load all six of its run, predicted or measured, the greater
@@ -510,6 +536,11 @@ def mapped(
             expected=np.sqrt(variance),
             level=np.maximum(levels(model), levels(seen)),
         )
+    functions = None
+    if isinstance(prediction, ResponseFunctionTest):
+        predicted, expected = (np.concatenate(each, axis=1) for each in zip(*whole, strict=True))
+        unit, coherence = QUANTITIES[prediction.quantity], prediction.coherence
+        functions = Functions(unit=unit, measured=measured.values, predicted=predicted, expected=expected, coherence=coherence)
     return Map(
         data_set=measured.name,
         configuration=measured.configuration,
@@ -521,6 +552,7 @@ def mapped(
         inputs=inputs,
         level=level,
         pairs=pairs,
+        functions=functions,
         remarks=remarks,
         **found,
     )
