@@ -215,7 +215,7 @@ responses = ["floor-1:x", "floor-2:x", "floor-3:x"]
 
 @pytest.fixture(scope="session")
 def three_floors() -> Callable[..., str]:
-    """``three_floors(loss=0.02, struck=False)``: the model file of a frame of three floors; `struck` has its test in ``data.csv``."""
+    """``three_floors(loss=0.02, struck=False)``: the model file of a frame; `struck` has its test in ``data.csv``, too."""
 
     def text(loss: float = 0.02, *, struck: bool = False) -> str:
         return THREE_FLOORS.format(loss=loss) + (STRUCK if struck else "")
