@@ -423,7 +423,7 @@ def with_mistakes(study: Study, found: diagnosis.Diagnosis, mistaken: Sequence[d
         text=text,
         accepted=(*mistaken, *found.accepted),
         ranking=(*mistaken, *found.ranking),
-        equivalence_class=found.equivalence_class or tuple(one.id for one in mistaken),
+        equivalence_class=found.equivalence_class or tuple(id for one in mistaken for id in (one.id, *one.alike)),
         advice=found.advice or diagnosis.confirming(one.named for one in mistaken),
         before=errors_without_fit(study, {} if nonlinear_too else found.after.fitted.by_name),
     )
