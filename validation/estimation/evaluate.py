@@ -1,7 +1,6 @@
 """The four errors of a model, on the data that it was fitted to and on data that it has not seen."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import pairwise
@@ -17,7 +16,7 @@ from identification.self_calibration.solve import Normal, excess, smoothed_level
 from validation.estimation.fit import BREAKDOWNS, PLAIN_FLOOR, STRIDE, Progress, at_bounds, direct, fit, nearby
 from validation.estimation.fit import FLOOR as FIT_FLOOR
 from validation.estimation.likelihood import Cost, Left, cost_of, left_of_run, observed
-from validation.estimation.problem import FITTED, PLAIN, Evaluation, Fit, Lines, Offsets, Predicted, Prediction, Problem, Share
+from validation.estimation.problem import FITTED, PLAIN, Evaluation, Fit, Lines, Offsets, Prediction, Problem, Share
 
 # Errors in per cent of what the judged channels read, each predicted from all the others (`validation.estimation.likelihood`).
 #
@@ -56,11 +55,8 @@ def squares(
     lines: Lines | None = None,
     *,
     fold: str = "",
-    predicted: Predicted | None = None,
 ) -> list[Squares]:
     """Of every run of `prediction` at `offsets` and `lines` (indices), all by default; none where no channel is judged.
-
-    `predicted` is what it says there, where that is known already.
 
     Raises
     ------
@@ -71,7 +67,7 @@ def squares(
         return []
     chosen = np.arange(len(measured.frequency), dtype=np.int64) if lines is None else lines
     try:
-        predicted = predicted or prediction.at(offsets, chosen, derivatives=False)
+        predicted = prediction.at(offsets, chosen, derivatives=False)
     except BREAKDOWNS as error:
         raise CheckFailed(f"the model of {measured.name} breaks down: {error}") from error
     seen, judged = observed(measured, chosen), measured.judged
@@ -79,13 +75,12 @@ def squares(
     noise = np.square(seen.noise if predicted.noise is None else predicted.noise)
     for k, run in enumerate(measured.runs):
         rows = predicted.rows if predicted.rows.ndim == 3 else predicted.rows[k]
-        left = left_of_run(seen, rows, weight[k], k)
+        left = left_of_run(seen, rows, weight[k], k, judged)
         level = np.sum(np.abs(seen.values[k][:, judged]) ** 2, axis=1, keepdims=True)
-        # (m, c) mean square of what `variance` (m, c) leaves in every channel
+        # (m, j) mean square of what `variance` (m, c) leaves in every channel that is judged
         variance = noise[k]
-        of_noise = variance if left.gain is None else np.asarray(np.abs(left.gain) ** 2 @ variance[..., None])[..., 0]
-        beyond = np.abs(left.values) ** 2 - of_noise
-        values = beyond[:, judged] / np.maximum(level, np.finfo(np.float64).tiny)
+        of_noise = variance[:, judged] if left.gain is None else np.asarray(np.abs(left.gain) ** 2 @ variance[..., None])[..., 0]
+        values = (np.abs(left.values) ** 2 - of_noise) / np.maximum(level, np.finfo(np.float64).tiny)
         names = tuple(name for name, one in zip(measured.channels, judged, strict=True) if one)
         found.append(Squares(data_set=measured.name, run=run, channels=names, values=values, fold=fold))
     return found
@@ -419,48 +414,49 @@ def evaluate(
             tell(0.8 + 0.2 * (done + 1) / len(turns))
     runs = [part for part in parts if not part[0].configuration]
     whole = [part for part in parts if part[0].configuration]
+    # As it was given, a model predicts the same whatever is held out; of blocks all lines are needed
+    lines = {one.measured.name: _even(one, quick) for one in problem.predictions}
+    needed = dict.fromkeys(lines) if any(fold.blocks for fold, _ in parts) else lines
+    as_given = [one for each in problem.predictions for one in squares(each, problem.start, needed[each.measured.name])]
+    fitted_to = {(one.measured.name, run) for one in known.predictions for run in one.measured.runs}
     return Evaluation(
-        nominal=share(_squares(known, problem.start, quick)),
-        plain=share(_squares(known, offsets, quick)),
+        nominal=share(
+            [
+                one if needed is lines else _on(one, lines[one.data_set])
+                for one in as_given
+                if (one.data_set, one.run) in fitted_to
+            ]
+        ),
+        plain=share([one for each in known.predictions for one in squares(each, offsets, lines[each.measured.name])]),
         held_out=_held_out(problem, runs, quick),
-        held_out_nominal=_held_out(problem, runs, quick, problem.start),
+        held_out_nominal=_held_out(problem, runs, quick, as_given),
         plain_fit=plain,
         fitted=fitted,
         held_out_names=tuple(fold.name for fold, _ in parts),
         held_out_configurations=_held_out(problem, whole, quick),
-        held_out_configurations_nominal=_held_out(problem, whole, quick, problem.start),
+        held_out_configurations_nominal=_held_out(problem, whole, quick, as_given),
     )
 
 
-def _squares(problem: Problem, offsets: Offsets, quick: bool) -> list[Squares]:
-    """Of all lines of all data sets of `problem`, fitted to or not."""
-    return [one for prediction in problem.predictions for one in squares(prediction, offsets, _even(prediction, quick))]
-
-
 def _held_out(
-    problem: Problem, parts: Sequence[tuple[Fold, Offsets]], quick: bool, everywhere: Offsets | None = None
+    problem: Problem, parts: Sequence[tuple[Fold, Offsets]], quick: bool, known: Sequence[Squares] = ()
 ) -> Share | None:
-    """The error on what every fold holds out, at its offsets, or `everywhere` at the same."""
-    of = {one.measured.name: one for one in problem.predictions}
-    said: dict[str, Predicted] = {}  # by data set, `everywhere`
+    """The error on what every fold holds out, at its offsets; or that of what is `known`, of blocks at all lines."""
     found = []
     for fold, offsets in parts:
         for prediction, block in held(problem, fold):
-            whole, lines = of[prediction.measured.name], _even(prediction, quick) if block is None else block
-            known = None
-            if everywhere is not None and block is None:
-                name, every = whole.measured.name, np.arange(len(whole.measured.frequency), dtype=np.int64)
-                if name not in said:
-                    with suppress(*BREAKDOWNS):
-                        said[name] = whole.at(everywhere, every if lines is None else lines, derivatives=False)
-                if name in said:
-                    rows, noise = said[name].rows, said[name].noise
-                    runs = [whole.measured.runs.index(run) for run in prediction.measured.runs]
-                    rows = rows if rows.ndim == 3 else rows[runs]
-                    known = Predicted(rows=rows, noise=None if noise is None else noise[runs])
-            at = offsets if everywhere is None else everywhere
-            found += squares(prediction, at, lines, fold=fold.name, predicted=known)
+            of = prediction.measured
+            if known:
+                own = (one for one in known if one.data_set == of.name and one.run in of.runs)
+                found += [replace(_on(one, block), fold=fold.name) for one in own]
+            else:
+                found += squares(prediction, offsets, _even(prediction, quick) if block is None else block, fold=fold.name)
     return share(found) if found else None
+
+
+def _on(found: Squares, lines: Lines | None) -> Squares:
+    """`found` on some of its lines, or on all."""
+    return found if lines is None else replace(found, values=found.values[lines])
 
 
 def _even(prediction: Prediction, quick: bool) -> Lines | None:
