@@ -111,7 +111,7 @@ TOGETHER = 192
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Spread:
+class ReadingSpread:
     """What one standard deviation of everything that is not known does to the readings of some lines, SI.
 
     Attributes
@@ -224,7 +224,7 @@ class Chunk:
     rows: ComplexArray
     noise: Array
     weight: Array
-    spread: Spread
+    spread: ReadingSpread
 
 
 def chunks(prediction: Prediction, offsets: Offsets, inputs: ComplexArray, unknown: Doubt) -> Iterator[Chunk]:
@@ -246,7 +246,7 @@ def chunks(prediction: Prediction, offsets: Offsets, inputs: ComplexArray, unkno
             rows=np.broadcast_to(found.rows, (len(u), *found.rows.shape[-3:])),
             noise=np.sqrt(2) / seen.weight(FLOOR, found.noise),  # of which the weight is that of a real or an imaginary part
             weight=seen.weight(evaluate.FLOOR, found.noise),
-            spread=Spread.of(unknown, found, u),
+            spread=ReadingSpread.of(unknown, found, u),
         )
 
 

@@ -189,13 +189,9 @@ def _product(left: ComplexArray, matrix: Array, right: ComplexArray, crossing: i
 
 def dynamic_matrix(matrices: Matrices, at: npt.NDArray[Any]) -> ComplexArray:
     """D (n, k, k) at s / i (n,) [rad/s]."""
-    omega = at[:, None, None]
-    if np.iscomplexobj(omega):
-        return np.asarray(matrices.mass - (matrices.stiffness + 1j * (omega * matrices.viscous + matrices.structural)) / omega**2)
-    D = np.empty((len(omega), *matrices.mass.shape), dtype=np.complex128)
-    D.real = matrices.mass - matrices.stiffness / omega**2
-    D.imag = -(omega * matrices.viscous + matrices.structural) / omega**2
-    return D
+    share = np.stack([np.ones_like(at), -1 / at**2, -1j / at, -1j / at**2], axis=1)
+    fields = np.stack([matrices.mass, matrices.stiffness, matrices.viscous, matrices.structural])
+    return np.asarray(share @ fields.reshape(4, -1), dtype=np.complex128).reshape(-1, *matrices.mass.shape)
 
 
 # How strongly a run was driven, for what depends on it: friction, gaps, saturation, and how fast a sweep passed.
