@@ -1,6 +1,7 @@
 """The four errors of a model, on the data that it was fitted to and on data that it has not seen."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import pairwise
@@ -16,7 +17,7 @@ from identification.self_calibration.solve import Normal, excess, smoothed_level
 from validation.estimation.fit import BREAKDOWNS, PLAIN_FLOOR, STRIDE, Progress, at_bounds, direct, fit, nearby
 from validation.estimation.fit import FLOOR as FIT_FLOOR
 from validation.estimation.likelihood import Cost, Left, cost_of, left_of_run, observed
-from validation.estimation.problem import FITTED, PLAIN, Evaluation, Fit, Lines, Offsets, Prediction, Problem, Share
+from validation.estimation.problem import FITTED, PLAIN, Evaluation, Fit, Lines, Offsets, Predicted, Prediction, Problem, Share
 
 # Errors in per cent of what the judged channels read, each predicted from all the others (`validation.estimation.likelihood`).
 #
@@ -55,8 +56,11 @@ def squares(
     lines: Lines | None = None,
     *,
     fold: str = "",
+    predicted: Predicted | None = None,
 ) -> list[Squares]:
     """Of every run of `prediction` at `offsets` and `lines` (indices), all by default; none where no channel is judged.
+
+    `predicted` is what it says there, where that is known already.
 
     Raises
     ------
@@ -67,7 +71,7 @@ def squares(
         return []
     chosen = np.arange(len(measured.frequency), dtype=np.int64) if lines is None else lines
     try:
-        predicted = prediction.at(offsets, chosen, derivatives=False)
+        predicted = predicted or prediction.at(offsets, chosen, derivatives=False)
     except BREAKDOWNS as error:
         raise CheckFailed(f"the model of {measured.name} breaks down: {error}") from error
     seen, judged = observed(measured, chosen), measured.judged
@@ -414,49 +418,72 @@ def evaluate(
             tell(0.8 + 0.2 * (done + 1) / len(turns))
     runs = [part for part in parts if not part[0].configuration]
     whole = [part for part in parts if part[0].configuration]
-    # As it was given, a model predicts the same whatever is held out; of blocks all lines are needed
-    lines = {one.measured.name: _even(one, quick) for one in problem.predictions}
-    needed = dict.fromkeys(lines) if any(fold.blocks for fold, _ in parts) else lines
-    as_given = [one for each in problem.predictions for one in squares(each, problem.start, needed[each.measured.name])]
-    fitted_to = {(one.measured.name, run) for one in known.predictions for run in one.measured.runs}
+    # As it was given, a model predicts the same whatever is held out
+    given = AsGiven(problem=problem, quick=quick)
     return Evaluation(
-        nominal=share(
-            [
-                one if needed is lines else _on(one, lines[one.data_set])
-                for one in as_given
-                if (one.data_set, one.run) in fitted_to
-            ]
-        ),
-        plain=share([one for each in known.predictions for one in squares(each, offsets, lines[each.measured.name])]),
+        nominal=share([one for each in known.predictions for one in given.squares(each, None)]),
+        plain=share([one for each in known.predictions for one in squares(each, offsets, _even(each, quick))]),
         held_out=_held_out(problem, runs, quick),
-        held_out_nominal=_held_out(problem, runs, quick, as_given),
+        held_out_nominal=_held_out(problem, runs, quick, given),
         plain_fit=plain,
         fitted=fitted,
         held_out_names=tuple(fold.name for fold, _ in parts),
         held_out_configurations=_held_out(problem, whole, quick),
-        held_out_configurations_nominal=_held_out(problem, whole, quick, as_given),
+        held_out_configurations_nominal=_held_out(problem, whole, quick, given),
     )
 
 
-def _held_out(
-    problem: Problem, parts: Sequence[tuple[Fold, Offsets]], quick: bool, known: Sequence[Squares] = ()
-) -> Share | None:
-    """The error on what every fold holds out, at its offsets; or that of what is `known`, of blocks at all lines."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AsGiven:
+    """A model as it was given, nothing fitted, which says the same whatever is held out.
+
+    Attributes
+    ----------
+    problem : all data
+    quick : whether every so many lines are enough
+    """
+
+    problem: Problem
+    quick: bool
+
+    @cached_property
+    def _said(self) -> dict[str, Predicted]:
+        """By data set."""
+        found = {}
+        for one in self.problem.predictions:
+            lines = _even(one, self.quick)
+            with suppress(*BREAKDOWNS):  # said where it is asked for
+                found[one.measured.name] = one.at(self.problem.start, lines, derivatives=False)
+        return found
+
+    def squares(self, prediction: Prediction, block: Lines | None, fold: str = "") -> list[Squares]:
+        """Of every run of `prediction`, at the lines of a `block`, which nobody knows beforehand, or all that are told.
+
+        Raises
+        ------
+        CheckFailed : as the function of that name.
+        """
+        of, predicted = prediction.measured, None
+        if block is None and of.name in self._said:
+            said = self._said[of.name]
+            every = next(one.measured.runs for one in self.problem.predictions if one.measured.name == of.name)
+            runs = [every.index(run) for run in of.runs]
+            rows, noise = said.rows if said.rows.ndim == 3 else said.rows[runs], said.noise
+            predicted = Predicted(rows=rows, noise=None if noise is None else noise[runs])
+        lines = _even(prediction, self.quick) if block is None else block
+        return squares(prediction, self.problem.start, lines, fold=fold, predicted=predicted)
+
+
+def _held_out(problem: Problem, parts: Sequence[tuple[Fold, Offsets]], quick: bool, given: AsGiven | None = None) -> Share | None:
+    """The error on what every fold holds out, at its offsets, or of the model as it was `given`."""
     found = []
     for fold, offsets in parts:
         for prediction, block in held(problem, fold):
-            of = prediction.measured
-            if known:
-                own = (one for one in known if one.data_set == of.name and one.run in of.runs)
-                found += [replace(_on(one, block), fold=fold.name) for one in own]
+            if given is not None:
+                found += given.squares(prediction, block, fold.name)
             else:
                 found += squares(prediction, offsets, _even(prediction, quick) if block is None else block, fold=fold.name)
     return share(found) if found else None
-
-
-def _on(found: Squares, lines: Lines | None) -> Squares:
-    """`found` on some of its lines, or on all."""
-    return found if lines is None else replace(found, values=found.values[lines])
 
 
 def _even(prediction: Prediction, quick: bool) -> Lines | None:
