@@ -146,11 +146,11 @@ class Remembering:
         self._changing = Lock()
 
     def at(
-        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: BaseDrive, *, derivatives: bool
+        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: BaseDrive, *, derivatives: Wanted
     ) -> tuple[ComplexArray, Tangents]:
         """As `Carried.at`; derivatives are not remembered."""
         if derivatives:
-            return self._of.at(offsets, effects, frequency, drive, derivatives=True)
+            return self._of.at(offsets, effects, frequency, drive, derivatives=derivatives)
         key = self._key(offsets, effects, frequency, drive)
         with self._changing:
             found = self._known.pop(key, None)

@@ -14,10 +14,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from gzip import compress
 from html import escape, unescape
+from importlib.metadata import version
 from itertools import product
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
+from geometry import cache
 from geometry.routes import ROUTES
 from geometry.user_article import ESTIMATE
 from validation.output import NONE, PIPED_WIDTH, SIGNIFICANT, fixed, page_width, plain_unit, rounded
@@ -503,7 +505,8 @@ class Figures:
         templates = f'{{"light":{interactive.template_json(False)},"dark":{interactive.template_json(True)}}}'
         figures = ",".join(f"{json.dumps(name)}:{text}" for name, text in self._json.items())
         whole = f'{{"templates":{templates},"figures":{{{figures}}}}}'
-        return Safe(_script("packed-library", interactive.library()) + _script("packed-figures", whole))
+        library = cache.answer(lambda: _packed(interactive.library()), "library", version("plotly"))
+        return Safe(_script("packed-library", library) + _script("packed-figures", _packed(whole)))
 
     def __len__(self) -> int:
         return len(self._json)
@@ -512,10 +515,14 @@ class Figures:
         self._json[name] = figure.json()
 
 
-def _script(name: str, text: str) -> str:
-    """`text` packed into an element that no browser runs."""
-    packed: Any = b64encode(compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")
+def _script(name: str, packed: str) -> str:
+    """What is `packed` in an element that no browser runs."""
     return f'<script type="text/plain" id="{name}">{packed}</script>\n'
+
+
+def _packed(text: str) -> str:
+    """`text`, compressed, in letters that any page may hold."""
+    return b64encode(compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")
 
 
 # Reference tables as CSV: one line for each quantity and column, full precision, units in a column of their own.
