@@ -4,11 +4,13 @@ import inspect
 import logging
 import platform
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from tempfile import TemporaryDirectory
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from geometry import cache
@@ -133,6 +135,9 @@ def _client(scheduler: str, processes: int) -> Iterator["Client"]:
             yield stack.enter_context(client)
             return
         stack.enter_context(dask.config.set(SETTINGS))
+        # What is sent stands in modules: a process that began with the script of whoever asks would run it once more
+        stack.callback(sys.modules.__setitem__, "__main__", sys.modules["__main__"])
+        sys.modules["__main__"] = ModuleType("__main__")
         folder = stack.enter_context(TemporaryDirectory(prefix="massline-workers-"))
         cluster = LocalCluster(
             n_workers=processes,

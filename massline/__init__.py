@@ -97,8 +97,7 @@ def diagnose_many(
 ) -> tuple[Diagnosis | BadInput | CheckFailed, ...]:
     """What each of `studies` is missing, or why that cannot be said, in their order; bit for bit what `diagnose` says of each.
 
-    What is finished is kept on disk by whoever did it, so that the same call goes on where it was interrupted. A script calls it
-    below ``if __name__ == "__main__":``, since every process reads the script, too.
+    What is finished is kept on disk by whoever did it, so that the same call goes on where it was interrupted.
 
     Parameters
     ----------

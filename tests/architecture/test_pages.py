@@ -55,6 +55,7 @@ LONG = {
         "tutorial.md",
         "README.md",
         "python.md",
+        "fleet.md",
         "league.md",
         "laboratories.md",
         "your-own-structure.md",

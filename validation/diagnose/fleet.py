@@ -29,10 +29,6 @@ FALSE_ALARM = 0.01
 """[probability] that any article of a fleet of equal ones is said to differ. Held by
 tests/validation/diagnosing/test_fleet.py."""
 
-MEDIAN_EFFICIENCY = 0.37
-"""[share] of the degrees of freedom of a standard deviation that the median absolute deviation has (Rousseeuw and Croux, J. Am.
-Stat. Assoc. 88 (1993) 1273). Held by tests/validation/diagnosing/test_fleet.py."""
-
 MOST_SIZES = 12
 """[count] of effects whose sizes are asked of every article: each costs a fit of each. Exercised by
 tests/validation/diagnosing/test_fleet.py."""
@@ -236,7 +232,7 @@ class Numbers:
     """One number of each of n members: the size of an effect, or the error of the model.
 
     Its scatter is that of independent contributions of article, laboratory and mounting, whose variances are those of largest
-    restricted likelihood (Patterson and Thompson, Biometrika 58 (1971) 545). Whether one differs is asked before, of medians.
+    restricted likelihood (Patterson and Thompson, Biometrika 58 (1971) 545). Whether one differs is asked before.
 
     Attributes
     ----------
@@ -251,21 +247,29 @@ class Numbers:
     def different(self, numbers: int = 1) -> dict[str, float]:
         """Articles that lie farther from the others than chance lets any of them, with their distance in standard deviations.
 
+        By the generalised extreme Studentised deviate (Rosner, Technometrics 25 (1983) 165), which several that differ do not
+        hide from each other, of at most half of the articles.
+
         Parameters
         ----------
         numbers : how many are looked at, which share `FALSE_ALARM`
         """
-        values, articles = self.values, self.articles
-        names = np.unique(articles)
-        means = np.array([values[articles == one].mean() for one in names])
-        middle = np.median(means)
-        spread = float(np.median(np.abs(means - middle))) / float(stats.norm.ppf(0.75))
-        if len(names) < 3 or spread == 0:
-            return {}
-        freedom = max(MEDIAN_EFFICIENCY * (len(names) - 1), 1.0)
-        limit = stats.t.isf(FALSE_ALARM / (2 * len(names) * numbers), freedom)
-        distance = (means - middle) / spread
-        return {str(one): float(far) for one, far in zip(names, distance, strict=True) if abs(far) > limit}
+        names = np.unique(self.articles)
+        means = np.array([self.values[self.articles == one].mean() for one in names])
+        n, left, taken, apart = len(names), list(range(len(names))), [], 0
+        for k in range(1, (n - 1) // 2 + 1):
+            rest = means[left]
+            spread = float(np.std(rest, ddof=1))
+            if spread <= TOLD_APART * float(np.max(np.abs(rest))):
+                break
+            farthest = int(np.argmax(np.abs(rest - rest.mean())))
+            half = FALSE_ALARM / 2 / numbers  # all steps together raise twice the alarms of the first
+            t = stats.t.isf(half / (2 * (n - k + 1)), n - k - 1)
+            limit = (n - k) * t / np.sqrt((n - k - 1 + t**2) * (n - k + 1))
+            apart = k if abs(rest[farthest] - rest.mean()) > limit * spread else apart
+            taken.append(left.pop(farthest))
+        others = np.delete(means, taken[:apart])
+        return {str(names[k]): float((means[k] - others.mean()) / np.std(others, ddof=1)) for k in taken[:apart]}
 
     def contributions(self) -> dict[str, float | None]:
         """Standard deviations of what articles, mountings and laboratories contribute, by these names.
