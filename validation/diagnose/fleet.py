@@ -1,6 +1,5 @@
 """Many of what is nominally one article, each diagnosed by itself: which of them differs, by what, and how all scatter."""
 
-import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -34,7 +33,7 @@ MOST_SIZES = 12
 tests/validation/diagnosing/test_fleet.py."""
 
 TOLD_APART = 1e-6
-"""[share] of a contribution that those before it do not have, below which it is not told from them. By definition: rounding."""
+"""[share] of a contribution that those before it do not have, below which it is rounding. By definition."""
 
 ERROR = "plain error of the model"
 
@@ -157,7 +156,7 @@ class Difference:
 
 
 def diagnosed_each(
-    studies: Iterable[Study | Options], *, processes: int = 1, scheduler: str = ""
+    studies: Iterable[Study | Options], *, processes: int = 0, scheduler: str = ""
 ) -> Iterator[tuple[int, Diagnosis | BadInput | CheckFailed]]:
     """The number of each study, from 0, with what is missing of it or why that cannot be said, as they are finished.
 
@@ -171,11 +170,6 @@ def diagnosed_each(
     numbered = list(enumerate(studies))
     for (number, _), found in parallel.finished(_diagnosed, numbered, processes=processes, scheduler=scheduler):
         yield number, CheckFailed(str(found)) if isinstance(found, parallel.WorkerLost) else found
-
-
-def cores() -> int:
-    """Processes that this machine has room for."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _opened(of: Study | Options) -> Study:
@@ -374,7 +368,7 @@ class Fleet:
 
     @staticmethod
     def diagnosed(
-        every: Sequence[Member], *, processes: int = 1, scheduler: str = "", progress: Progress | None = None
+        every: Sequence[Member], *, processes: int = 0, scheduler: str = "", progress: Progress | None = None
     ) -> "Fleet":
         """Which of the articles of `every` member differs, by what, and how they scatter.
 
