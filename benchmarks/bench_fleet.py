@@ -1,7 +1,7 @@
 """How much of the cores at hand diagnoses of a fleet use, beside one process after the other, and whether they answer the same.
 
-Efficiency is the time of a plain loop over cores times the time of the processes. On a machine that others use, too, both are taken
-as time of the processor, and what the processes stood idle between the first task and the last is taken off.
+Efficiency is the time of a plain loop over cores times the time of the processes. On a machine that others use, too, both are
+taken as time of the processor, and what the processes stood idle between the first task and the last is taken off.
 """
 
 from __future__ import annotations

@@ -108,7 +108,7 @@ def finished(
 
 @contextmanager
 def _client(scheduler: str, processes: int) -> Iterator[Any]:
-    """Dask's client of the `scheduler`, or of as many `processes` here, which nobody else can send work to; both are ended behind it."""
+    """Dask's client of the `scheduler`, or of so many `processes` here, to which nobody else can send work."""
     import dask
     from distributed import Client, LocalCluster, WorkerPlugin
 
