@@ -60,7 +60,9 @@ def test_a_size_within_its_tolerance_is_no_fault(value, deviation, words, rung):
 
 def test_tolerances_that_pay_for_a_good_fit_are_said_by_what_is_due_and_not_how_many_there_are(rung):
     said = told(rung, errors(4.0, 4.2), errors(2.0, 2.0, tolerance_z2=426.0, tolerances=118, expected_z2=112.0, largest_z=3.9))
-    assert "The prior penalty of the tolerances stays too high, sum z² 426, where about 112 is due: something else is wrong" in said
+    assert (
+        "The prior penalty of the tolerances stays too high, sum z² 426, where about 112 is due: something else is wrong" in said
+    )
     one = told(rung, errors(4.0, 4.2), errors(2.0, 2.0, tolerance_z2=110.0, tolerances=118, expected_z2=112.0, largest_z=5.2))
     assert "one moved by 5.2 of its" in one
     fair = errors(2.0, 2.0, tolerance_z2=130.0, tolerances=118, expected_z2=112.0, largest_z=3.1)
