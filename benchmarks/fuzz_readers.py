@@ -1,31 +1,37 @@
-"""Every reader of campaigns on files that were damaged on their way: ``python -m benchmarks.fuzz_readers [COUNT]``.
+"""Every reader of campaigns and tests on files that were damaged on their way: ``python -m benchmarks.fuzz_readers [COUNT]``.
 
 A damaged file is refused in words, or read as it was. A sample may come out changed only where damage hit its own digits: at most
 one a byte that was replaced, at most one where the file was cut, and none where the file carries checksums. Any other exception
-than a refusal is a failure, and so is a reader that does not come back.
+than a refusal is a failure, and so is a reader that does not come back. Of tests of structures only these two are.
 """
 
 from __future__ import annotations
 
+import json
 import signal
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 import numpy as np
 
 from geometry import toml_file
 from geometry.errors import BadInput
 from geometry.sensors import Channel, ChannelTable, Place
+from identification import test_file
 from identification.campaign import Campaign, Excitation, Processing, Recording, Run
 from identification.campaign_file import Problems, parse, recording, text
 from identification.files import csv, files, hdf5, mat, uff
 from identification.files.files import Signals
+from identification.modal_table import ModalTable
+from identification.response_functions import ResponseFunctions
+from validation.model.model_file import inline
 
 PATIENCE = 20
 """Seconds after which a reader counts as hanging."""
@@ -268,6 +274,144 @@ def patience(seconds: int) -> Iterator[None]:
         signal.signal(signal.SIGALRM, before)
 
 
+# Tests of structures: functions, records and tables of modes, in every format.
+
+POINTS = ["a:z", "b:z"]
+LINES = np.arange(4.0, 24.0, 0.5)
+"""[Hz] of the functions."""
+
+
+def _answers() -> np.ndarray:
+    """(n, 2) accelerances of two modes for a force at the first point."""
+    omega, shape, poles = 2 * np.pi * LINES, np.array([[1.0, 0.6], [0.7, -1.0]]), 2 * np.pi * np.array([8.0, 17.0])
+    terms = (
+        -(omega[:, None] ** 2) * m[0] * m / (w**2 - omega[:, None] ** 2 + 0.02j * w * w)
+        for m, w in zip(shape, poles, strict=True)
+    )
+    return np.asarray(sum(terms))
+
+
+def _functions_by_uff(path: Path) -> None:
+    import pyuff
+
+    sets = [
+        pyuff.prepare_164(units_code=1, units_description="SI", temp_mode=1, length=1.0, force=1.0, temp=1.0, temp_offset=1.0),
+        pyuff.prepare_15([1, 2], [1, 1], [1, 1], [1, 1], [0.0, 0.2], [0.0, 0.0], [0.1, 0.1]),
+    ]
+    about: dict[str, Any] = {"binary": 0, "func_type": 4, "rsp_dir": 3, "ref_node": 1, "ref_dir": 3, "rsp_ent_name": "NONE"}
+    about |= {"ref_ent_name": "NONE", "abscissa_spacing": 1, "abscissa_min": LINES[0], "abscissa_inc": 0.5, "ord_data_type": 6}
+    about |= {"ordinate_spec_data_type": 12, "orddenom_spec_data_type": 13, "abscissa_spec_data_type": 18, "num_pts": len(LINES)}
+    for k, H in enumerate(_answers().T):
+        sets.append(pyuff.prepare_58(**about, rsp_node=k + 1, data=H, x=LINES, id1=f"{k}"))
+    pyuff.UFF(str(path)).write_sets(sets, mode="overwrite")
+
+
+def _modes_by_uff(path: Path) -> None:
+    import pyuff
+
+    nothing, sets = np.zeros(2), [pyuff.prepare_2411([1, 2], [1, 1], [1, 1], [1, 1], [0.0, 0.2], [0.0, 0.0], [0.1, 0.1])]
+    for k, row in enumerate(np.array([[1.0, 0.6], [0.7, -1.0]])):
+        of = {"analysis_type": 2, "freq": 8.0 + k, "modal_damp_vis": 0.01, "data_ch": 2, "spec_data_type": 8, "load_case": 1}
+        sets.append(pyuff.prepare_55(**of, mode_n=k + 1, node_nums=[1, 2], r1=nothing, r2=nothing, r3=row))
+    pyuff.UFF(str(path)).write_sets(sets, mode="overwrite")
+
+
+def _functions(path: Path) -> None:
+    files.write(path, Signals(source="made", frequency=LINES, samples=dict(zip("ab", _answers().T, strict=True))))
+
+
+def _functions_as_text(path: Path) -> None:
+    rows = [f"{f};" + ";".join(str(one).strip("()") for one in row) for f, row in zip(LINES, _answers().tolist(), strict=True)]
+    path.write_text("\n".join(["f;a;b", *rows]) + "\n")
+
+
+def _records(path: Path) -> None:
+    """Three blows, and what a spring of little damping answers."""
+    generator, time = np.random.default_rng(3), np.arange(1536) / 512
+    force = 50 * np.sin(np.pi * np.clip((time % 1.0 - 0.1) / 0.01, 0, 1))
+    ring = np.exp(-9 * (time % 1.0)) * np.sin(300 * (time % 1.0)) + 0.01 * generator.standard_normal(len(time))
+    files.write(path, Signals(source="made", sampling_rate=512.0, samples={"force": force, "a-z": ring, "b-z": 0.5 * ring}))
+
+
+def _poles(path: Path) -> None:
+    found = {"Fn": np.array([8.0, 17.0]), "Xi": np.array([0.01, 0.02]), "Phi": np.array([[1.0, 0.7], [0.6, -1 + 0.1j]])}
+    if path.suffix == ".npz":
+        np.savez(path, Fn=found["Fn"], Xi=found["Xi"], Phi=found["Phi"])
+    elif path.suffix == ".mat":
+        from scipy.io import savemat
+
+        savemat(path, found)
+    elif path.suffix == ".h5":
+        import h5py
+
+        with h5py.File(path, "w") as file:
+            file.update(found)
+    else:
+        parts = {"Phi": {"real": found["Phi"].real.tolist(), "imag": found["Phi"].imag.tolist()}}
+        path.write_text(json.dumps({name: one.real.tolist() for name, one in found.items()} | parts))
+
+
+def _modes_as_text(path: Path) -> None:
+    path.write_text("mode,f,sd,z\n1,8.0,0.02,0.01\n2,17.0,0.05,0.02\n")
+
+
+STRUCK = {"kind": "response-functions", "article": "beam", "drive": "a:z", "responses": POINTS}
+HIT = {**STRUCK, "records": {"kind": "hammer", "block": 1.0}}
+MODES = {"kind": "modal-table", "article": "beam"}
+TEXT = {"frequencies": {"file": "test.csv", "frequency": "f", "deviation": "sd", "damping": "z"}}
+TESTS: Mapping[str, tuple[str, Callable[[Path], None], Mapping[str, Any]]] = {
+    "functions, text": (".csv", _functions_as_text, STRUCK),
+    "functions, hdf5": (".h5", _functions, STRUCK),
+    "functions, mat": (".mat", _functions, STRUCK),
+    "functions, uff 58": (".uff", _functions_by_uff, {"kind": "response-functions", "article": "beam"}),
+    "records, hdf5": (".h5", _records, HIT),
+    "records, csv": (".csv", _records, HIT),
+    "modes, uff 55": (".uff", _modes_by_uff, MODES),
+    "modes, text": (".csv", _modes_as_text, {**MODES, **TEXT}),
+    **{f"poles, {ending}": (ending, _poles, {**MODES, "sensors": POINTS}) for ending in (".npz", ".mat", ".h5", ".json")},
+}
+"""By name the ending of the file that is damaged, what writes it, and the test that it is the data of."""
+
+
+def run_test(name: str, count: int, folder: Path, seed: int = 1) -> Counter[str]:
+    """What became of `count` mutants of the data of a test, or of its own description where `name` is that."""
+    ending, write, stated = TESTS["functions, text" if name == "test.toml" else name]
+    path, table = folder / f"test{ending}", dict(stated)
+    write(path)
+    if "frequencies" not in table:
+        table["file"] = path.name
+    described = folder / "test.toml"
+    lines = (f"{key} = {inline(value)}" for key, value in {"format": 1, **table}.items())
+    described.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    whole = _numbers(test_file.read(described))
+    target = described if name == "test.toml" else path
+
+    def judged(mutant: Mutant) -> str:
+        target.write_bytes(mutant.content)
+        try:
+            with patience(PATIENCE):
+                found = _numbers(test_file.read(described))
+        except BadInput:
+            return "refused"
+        except TimeoutError:
+            return "FAILED: hangs"
+        except Exception as error:  # that is what is looked for
+            return f"FAILED: {type(error).__name__}: {error}"
+        same = len(found) == len(whole) and all(
+            a.shape == b.shape and np.array_equal(a, b) for a, b in zip(found, whole, strict=True)
+        )
+        return "read" if same else "other digits"
+
+    return Counter(judged(one) for one in mutants(target.read_bytes(), count, seed))
+
+
+def _numbers(test: ResponseFunctions | ModalTable) -> list[np.ndarray]:
+    """All that was measured."""
+    if isinstance(test, ResponseFunctions):
+        return [test.frequency, np.asarray(test.values)]
+    return [np.asarray(one) for one in (test.frequency, test.damping_ratio, test.shapes) if one is not None]
+
+
 def _changes(whole: Recording, found: Recording) -> int:
     """How many numbers differ, as far as the record goes; a record that is longer, or another axis, is a change, too."""
     n = min(len(whole), len(found))
@@ -284,6 +428,7 @@ def main(count: int) -> int:
     failed = 0
     with tempfile.TemporaryDirectory() as folder:
         results = [*((target.name, run(target, count, Path(folder))) for target in TARGETS), ("campaign.toml", run_toml(count))]
+        results += [(name, run_test(name, count, Path(folder))) for name in (*TESTS, "test.toml")]
         for name, counts in results:
             sys.stdout.write(f"{name:24}" + ", ".join(f"{what} {number}" for what, number in counts.most_common()) + "\n")
             failed += sum(number for what, number in counts.items() if what.startswith("FAILED"))

@@ -229,7 +229,7 @@ def _joint(
     c, r = len(data.responses), len(data.drives)
     points = [*data.responses, *data.drives]
     # A pick-up that reads along three axes is at one place; a blow is at its own
-    groups = [("response", one.place) for one in data.responses] + [("drive", one.place) for one in data.drives]
+    groups = [("response", one.place) for one in data.responses] + [("drive", one.name) for one in data.drives]
     keys = list(dict.fromkeys(groups))
     place = np.array([keys.index(one) for one in groups])
     gain = data.gain if np.isfinite(data.gain) else 1.0

@@ -12,7 +12,7 @@ from geometry import sensors, toml_file
 from geometry.errors import BadInput
 from geometry.frames import Array, freeze, frozen
 from geometry.sensors import Point
-from identification.files import text_table, uff, uff_tests
+from identification.files import arrays, text_table, uff, uff_tests
 from identification.files.files import Samples
 
 SOUND_SHAPE = 0.1
@@ -82,6 +82,7 @@ KEYS = [
     "title",
     "article",
     "file",
+    "arrays",
     "frequencies",
     "damping",
     "shapes",
@@ -93,6 +94,7 @@ KEYS = [
     "shapes_deviation",
     "gain",
     "modes",
+    "leave_out",
     "separator",
 ]
 """Of a test of this kind; `of_table` says what they mean."""
@@ -104,8 +106,10 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     ``frequencies`` is a list of numbers [Hz] or of texts such as ``"4.06 +/- 0.03 Hz"``, or ``{ file, frequency, deviation,
     damping, damping_deviation }`` with the names of columns. ``shapes`` is a list of a shape a mode, or ``{ file, sensor, modes,
     deviations }``: the column with the sensors, and those of the modes, where ``{}`` stands for the number of the mode.
-    ``sensors`` names the points where the file does not; a sensor that is a whole number is a degree of freedom. ``file`` is a
-    universal file with dataset 55 in place of all of these; its ``places`` are names by number of the node.
+    ``sensors`` names the points where the file does not; a sensor that is a whole number is a degree of freedom. ``file`` is in
+    place of all of these: a universal file with dataset 55, whose ``places`` are names by number of the node; or the arrays of a
+    program (.npz, .mat, .h5, .json) under the names of pyOMA2 or sdypy-EMA, or those that ``arrays`` gives them, for the
+    ``sensors`` in their order. ``leave_out`` numbers modes, from 1, that are none of the structure: a machine's harmonic.
 
     Raises
     ------
@@ -114,7 +118,7 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     toml_file.require_known(table, KEYS, source=source)
     toml_file.require_present(table, ("article", *(() if "file" in table else ("frequencies",))), source=source)
     warnings: list[str] = []
-    file = _of_universal(folder / str(table["file"]), table, source) if "file" in table else None
+    file = _of_file(toml_file.named_file(str(table["file"]), folder, source, "file"), table, source) if "file" in table else None
     columns = _frequencies(table, source, folder) if file is None else file[0]
     frequency = columns["frequency"]
     if not np.all(frequency > 0):
@@ -127,7 +131,13 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     ):
         if of in columns and name not in columns:
             columns[name] = _deviation(table.get(name), share, columns[of], warnings, f"{name} of {source}", source, name)
-    points, shapes, deviation = _shapes(table, len(frequency), source, folder) if file is None else (*file[1:], None)
+    points, shapes, deviation = _shapes(table, len(frequency), source, folder) if file is None else file[1:]
+    seen = [one.name for one in points]
+    if twice := sorted({name for name in seen if seen.count(name) > 1}):
+        raise BadInput(source=source, field="sensors", problem=f"{twice[0]} stands twice", remedy="Name every sensor once")
+    if shapes is not None and not np.all(moving := np.isfinite(shapes).all(axis=1) & np.any(shapes != 0, axis=1)):
+        problem = f"the shape of mode {int(np.argmin(moving)) + 1} is zero at every sensor, or not finite"
+        raise BadInput(source=source, field="shapes", problem=problem, remedy="Leave that mode's shape out, or correct it")
     if shapes is not None and deviation is None:
         largest = np.abs(shapes).max(axis=1, keepdims=True) * np.ones(shapes.shape)
         name = "shapes_deviation"
@@ -148,6 +158,14 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
         if values is not None and name.endswith("deviation") and not np.all(values > 0):
             problem = f"a standard deviation must be positive, found {values.min():g}"
             raise BadInput(source=source, field=name, problem=problem, remedy="Leave what is not known out of the table")
+    left_out = table.get("leave_out", [])
+    numbers = range(1, len(frequency) + 1)
+    if not isinstance(left_out, list) or not all(one in numbers for one in left_out) or len(set(left_out)) == len(frequency):
+        problem = f"must be numbers of modes from 1 to {len(frequency)}, not of all of them, found {left_out!r}"
+        raise BadInput(source=source, field="leave_out", problem=problem, remedy="Write leave_out = [3]")
+    kept = [k - 1 for k in numbers if k not in left_out]
+    stated = tuple(str(one) for one in table.get("modes", ()))
+    called = stated if len(stated) == len(frequency) else tuple(f"mode {k}" for k in numbers)
     gain = table.get("gain", 0.02)
     if isinstance(gain, bool) or not isinstance(gain, int | float) or not 0 <= gain < 10:
         raise BadInput(source=source, field="gain", problem=f"must be a share such as 0.02, found {gain!r}", remedy="Correct it")
@@ -155,15 +173,15 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
         source=source,
         title=str(table.get("title", Path(source).stem)),
         article=str(table["article"]),
-        frequency=frequency,
-        frequency_deviation=columns["frequency_deviation"],
-        damping_ratio=columns.get("damping"),
-        damping_deviation=columns.get("damping_deviation"),
+        frequency=frequency[kept],
+        frequency_deviation=columns["frequency_deviation"][kept],
+        damping_ratio=columns["damping"][kept] if "damping" in columns else None,
+        damping_deviation=columns["damping_deviation"][kept] if "damping" in columns else None,
         sensors=points,
-        shapes=shapes,
-        shapes_deviation=deviation,
+        shapes=None if shapes is None else shapes[kept],
+        shapes_deviation=None if deviation is None else deviation[kept],
         gain=float(gain),
-        names=tuple(map(str, table.get("modes", ()))) if len(table.get("modes", ())) == len(frequency) else (),
+        names=tuple(called[k] for k in kept),
         warnings=tuple(warnings),
     )
 
@@ -224,11 +242,72 @@ def _frequencies(table: Mapping[str, Any], source: str, folder: Path) -> dict[st
     return columns
 
 
+WRITTEN_AS = {
+    "frequency": ("Fn", "nat_freq", "frequency"),
+    "frequency_deviation": ("Fn_std", "frequency_deviation"),
+    "damping": ("Xi", "nat_xi", "damping"),
+    "damping_deviation": ("Xi_std", "damping_deviation"),
+    "shapes": ("Phi", "phi", "A", "shapes"),
+    "shapes_deviation": ("Phi_std", "shapes_deviation"),
+}
+"""Names of arrays in results of pyOMA2 (`SSIResult`, `MsPoserResult` and the others) and sdypy-EMA (`Model`), then our own; the
+first that is there counts. Constants `A` are shapes but for a factor."""
+
+FromFile = tuple[dict[str, Array], tuple[Point, ...], Samples | None, Array | None]
+"""Frequencies and damping by name, sensors, shapes (m, s) and their deviations."""
+
+
+def _of_file(path: Path, table: Mapping[str, Any], source: str) -> FromFile:
+    """A whole table in one file: universal, or arrays by name."""
+    if path.suffix.lower() in uff.ENDINGS:
+        return (*_of_universal(path, table, source), None)
+    if path.suffix.lower() in (".csv", ".txt", ".dat"):
+        remedy = "Name the columns of a text file under `frequencies` and `shapes`"
+        raise BadInput(source=source, field="file", problem=f"{path.name} is no universal file and no arrays", remedy=remedy)
+    called = toml_file.require_table(table.get("arrays", {}), source=source, where="arrays")
+    toml_file.require_known(called, WRITTEN_AS, source=source, where="arrays")
+    wanted = {key: (str(called[key]),) if key in called else names for key, names in WRITTEN_AS.items()}
+    there = arrays.read(path, [name for names in wanted.values() for name in names])
+    found: dict[str, Samples] = {}
+    for key, names in wanted.items():
+        name = next((one for one in names if one in there), None)
+        if name is not None:
+            found[key] = there[name]
+        elif key == "frequency" or key in called:
+            problem = f"{path.name} has no array {' or '.join(names)}"
+            raise BadInput(source=source, field=f"arrays.{key}", problem=problem, remedy=arrays.SAVE)
+    modes = found["frequency"].size
+    columns = {}
+    for key in ("frequency", "frequency_deviation", "damping", "damping_deviation"):
+        if key in found:
+            one = found[key]
+            if one.size != modes or one.size not in one.shape or np.iscomplexobj(one):
+                problem = f"must be one real number a mode, {modes} in all, found {' x '.join(map(str, one.shape)) or 'one'}"
+                remedy = "Save the modes that were chosen, not all poles"
+                raise BadInput(source=source, field=f"arrays.{key}", problem=problem, remedy=remedy)
+            columns[key] = np.asarray(one.real.reshape(-1), dtype=np.float64)
+    if "shapes" not in found:
+        return columns, (), None, None
+    points = _points(table, source)
+    turned = {}
+    for key in ("shapes", "shapes_deviation"):
+        if key not in found:
+            continue
+        one = np.atleast_2d(found[key])
+        if one.shape == (len(points), modes):  # a row a sensor, as these programs have them
+            one = one.T
+        if one.shape != (modes, len(points)):
+            problem = f"are {' x '.join(map(str, one.shape))}, where {len(points)} sensors are named and {modes} modes there"
+            raise BadInput(source=source, field=f"arrays.{key}", problem=problem, remedy="Name every sensor under `sensors`")
+        turned[key] = one
+    shapes = turned["shapes"]
+    real = bool(np.all(shapes.imag == 0))
+    deviation = np.abs(turned["shapes_deviation"]) if "shapes_deviation" in turned else None
+    return columns, points, shapes.real if real else shapes, deviation
+
+
 def _of_universal(path: Path, table: Mapping[str, Any], source: str) -> tuple[dict[str, Array], tuple[Point, ...], Samples]:
     """Frequencies and damping by name, sensors, and shapes (m, s) of a universal file; axes that no mode has are left out."""
-    if path.suffix.lower() not in uff.ENDINGS:
-        remedy = "Name the columns of a text file under `frequencies` and `shapes`"
-        raise BadInput(source=source, field="file", problem=f"{path.name} is no universal file", remedy=remedy)
     file = uff_tests.read(path)
     if not file.modes:
         raise BadInput(source=str(path), problem="it holds no dataset 55", remedy="Export the modes as dataset 55")
@@ -253,8 +332,7 @@ def _shapes(
 ) -> tuple[tuple[Point, ...], Samples | None, Array | None]:
     """Sensors, shapes (m, s) and their deviations, None where nothing is said of them."""
     stated, direction = table.get("shapes"), str(table.get("direction", ""))
-    named = table.get("sensors", [])
-    points = [sensors.point(one, source=source, field="sensors", direction=direction) for one in named]
+    points = list(_points(table, source))
     if stated is None:
         return tuple(points), None, None
     deviation: Array | None = None
@@ -276,14 +354,13 @@ def _shapes(
             f"hold {shapes.shape[0]} modes at {shapes.shape[1]} sensors, where {modes} modes and {len(points)} sensors are named"
         )
         raise BadInput(source=source, field="shapes", problem=problem, remedy="State a shape a mode, a number a sensor")
-    names = [one.name for one in points]
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise BadInput(source=source, field="sensors", problem=f"{twice[0]} stands twice", remedy="Name every sensor once")
-    if not np.all(np.any(shapes != 0, axis=1)):
-        problem = f"the shape of mode {int(np.argmin(np.any(shapes != 0, axis=1))) + 1} is zero at every sensor"
-        raise BadInput(source=source, field="shapes", problem=problem, remedy="Leave that mode's shape out, or correct it")
     return tuple(points), shapes, deviation
+
+
+def _points(table: Mapping[str, Any], source: str) -> tuple[Point, ...]:
+    """The sensors that `table` names."""
+    direction = str(table.get("direction", ""))
+    return tuple(sensors.point(one, source=source, field="sensors", direction=direction) for one in table.get("sensors", []))
 
 
 def _of_columns(text: text_table.TextTable, stated: Any, modes: int, field: str, source: str) -> Samples:

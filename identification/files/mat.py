@@ -123,7 +123,7 @@ def _measured(element: bytes, order: _Order, source: str) -> str:
     array_class, is_complex = about & 0xFF, bool(about >> 8 & COMPLEX_FLAG)
     if array_class not in (DOUBLE, SINGLE):
         what = CLASSES.get(array_class, "an array of whole numbers or of an unknown class")
-        raise refused(f"is {what}, where a vector of floating-point numbers is needed", "Save signals and fs or frequency only")
+        raise refused(f"is {what}, where an array of floating-point numbers is needed", "Save arrays of numbers only")
     count = int(np.prod(np.frombuffer(shape[1], f"{order.sign}i4"), dtype=object))
     for _ in range(1 + is_complex):
         numbers, place = _part(element, place, order, source)
@@ -163,14 +163,13 @@ LONGEST_NAME = 63
 """Characters of a variable of MATLAB."""
 
 
-def read(path: Path) -> Signals:
-    """The signals in `path`, under the names of their variables.
+def variables(path: Path) -> dict[str, Samples]:
+    """All variables in `path`, of two dimensions.
 
     Raises
     ------
-    BadInput : no MAT file, damaged, variables that are no vectors of numbers, no axis or two.
+    BadInput : no MAT file, damaged, a variable that is no array of numbers.
     """
-    files.require_file(path)
     source = str(path)
     with path.open("rb") as file:
         head = file.read(V73 + 8)
@@ -183,11 +182,23 @@ def read(path: Path) -> Signals:
                 word = hdf5[name].attrs.get("MATLAB_class") if is_own else None
                 if word is not None and bytes(word) not in (b"double", b"single"):
                     said = bytes(word).decode("utf-8", errors="replace")
-                    problem = f"is of class {said!r}, where a vector of numbers is needed"
-                    raise BadInput(source=source, field=name, problem=problem, remedy="Save signals and fs or frequency only")
-            found = {name: values(one, name, source) for name, one in datasets(hdf5, source).items()}
-    else:
-        found = read_version_5(path)
+                    problem = f"is of class {said!r}, where an array of numbers is needed"
+                    raise BadInput(source=source, field=name, problem=problem, remedy="Save arrays of numbers only")
+            # Its last index runs first in the file
+            return {name: values(one, name, source).T for name, one in datasets(hdf5, source).items()}
+    return read_version_5(path)
+
+
+def read(path: Path) -> Signals:
+    """The signals in `path`, under the names of their variables.
+
+    Raises
+    ------
+    BadInput : no MAT file, damaged, variables that are no vectors of numbers, no axis or two.
+    """
+    files.require_file(path)
+    source = str(path)
+    found = variables(path)
     axes = {name: found.pop(name) for name in ("fs", "frequency") if name in found}
     samples = {name: _vector(numbers, name, source) for name, numbers in found.items()}
     if len(axes) != 1:

@@ -1,13 +1,16 @@
 """Tests of any structure as their TOML describes them: every format, every mistake that is told in words, and the real data."""
 
+import json
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from scipy.io import savemat
 from scipy.signal import fftconvolve
 
 from geometry.errors import BadInput
@@ -257,6 +260,78 @@ def test_a_table_that_is_typed_has_deviations_or_says_that_the_usual_are_taken(t
     assert_allclose(found.frequency_deviation, [0.03, 0.02], rtol=1e-12)
     assert_allclose(found.damping_deviation, [0.002, 0.004], rtol=1e-12)  # type: ignore[arg-type]
     assert len(found.warnings) == 1
+
+
+POLES = {
+    "Fn": np.array([4.06, 4.55]),
+    "Xi": np.array([0.011, 0.013]),
+    "Phi": np.array([[1.0, 0.4 + 0.1j], [0.6, -1.0], [-0.2j, 0.5]]),
+    "Fn_std": np.array([0.02, 0.03]),
+    "Xi_std": np.array([0.002, 0.001]),
+    "Phi_std": np.full((3, 2), 0.04),
+}
+"""As pyOMA2 names what it found: a row of `Phi` a sensor, a column a mode."""
+OF_POLES = {"kind": "modal-table", "article": "bridge", "sensors": ["north:z", "middle:z", "south:z"]}
+
+
+def saved(ending: str, folder: Path, found: dict[str, Any]) -> str:
+    path = folder / f"poles{ending}"
+    if ending == ".npz":
+        np.savez(path, **found)
+    elif ending == ".mat":
+        savemat(path, {name: value for name, value in found.items() if value is not None})
+    elif ending == ".h5":
+        with h5py.File(path, "w") as file:
+            file.update({name: value for name, value in found.items() if value is not None})
+    else:
+        parts = {name: {"real": v.real.tolist(), "imag": v.imag.tolist()} for name, v in found.items() if np.iscomplexobj(v)}
+        whole = {name: v if v is None else v.tolist() for name, v in found.items() if name not in parts}
+        path.write_text(json.dumps(whole | parts))
+    return path.name
+
+
+@pytest.mark.parametrize("ending", [".npz", ".mat", ".h5", ".json"])
+def test_poles_of_pyoma_and_of_sdypy_are_read_with_their_deviations_from_any_file(ending: str, tmp_path: Path) -> None:
+    found = test_file.read(tmp_path / "t.toml", {**OF_POLES, "file": saved(ending, tmp_path, POLES)})
+    assert isinstance(found, ModalTable)
+    for name, one in (("Fn", found.frequency), ("Fn_std", found.frequency_deviation), ("Xi", found.damping_ratio)):
+        assert_allclose(one, POLES[name], rtol=1e-14)  # type: ignore[arg-type]
+    assert_allclose(found.shapes, POLES["Phi"].T, rtol=1e-14)  # type: ignore[arg-type]
+    assert_allclose(found.shapes_deviation, POLES["Phi_std"].T, rtol=1e-14)  # type: ignore[arg-type]
+    assert found.warnings == ()
+    # sdypy-EMA has no deviations; constants stand for shapes where no driving point was named
+    named = {"nat_freq": POLES["Fn"], "nat_xi": POLES["Xi"], "A": POLES["Phi"], "phi": None}
+    other = test_file.read(tmp_path / "t.toml", {**OF_POLES, "leave_out": [1], "file": saved(ending, tmp_path, named)})
+    assert isinstance(other, ModalTable)
+    assert (other.names, other.frequency.tolist()) == (("mode 2",), [4.55])
+    assert_allclose(other.shapes, POLES["Phi"].T[1:], rtol=1e-14)  # type: ignore[arg-type]
+    assert len(other.warnings) == 3  # usual deviations are taken, and said
+
+
+OF_ARRAYS: dict[str, tuple[dict[str, Any], dict[str, Any], str]] = {
+    "no frequencies": ({"Fn": None}, {}, "no array Fn or nat_freq"),
+    "all poles": ({"Fn": np.ones((3, 4))}, {}, "one real number a mode"),
+    "another sensor": ({}, {"sensors": ["north:z"]}, "1 sensors are named"),
+    "a name that is none": ({}, {"arrays": {"shapes": "Psi"}}, "no array Psi"),
+    "a mode that was not found": ({"Fn": np.array([4.06, np.nan])}, {}, "nan Hz of mode 2"),
+    "a shape that was not found": ({"Phi": np.full((3, 2), np.nan)}, {}, "not finite"),
+    "all left out": ({}, {"leave_out": [1, 2]}, "not of all"),
+    "objects": ({"Phi": np.array([None, "x"])}, {}, "only pickle could read"),
+}
+
+
+@pytest.mark.parametrize("case", OF_ARRAYS)
+def test_arrays_that_are_no_table_of_modes_are_refused_by_name(case: str, tmp_path: Path) -> None:
+    changed, more, said = OF_ARRAYS[case]
+    name = saved(".npz", tmp_path, {**POLES, **changed})
+    with pytest.raises(BadInput, match=said):
+        test_file.read(tmp_path / "t.toml", {**OF_POLES, "file": name, **more})
+
+
+def test_a_pickle_is_not_read(tmp_path: Path) -> None:
+    (tmp_path / "setup.pkl").write_bytes(b"\x80\x04N.")
+    with pytest.raises(BadInput, match="can run programs"):
+        test_file.read(tmp_path / "t.toml", {**OF_POLES, "file": "setup.pkl"})
 
 
 @given(st.complex_numbers(allow_nan=False, allow_infinity=False, max_magnitude=1e9))

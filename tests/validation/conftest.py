@@ -187,3 +187,37 @@ def bracket(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "bracket.toml").write_text(BRACKET)
     (folder / "free.toml").write_text(BRACKET.replace('"ground"', '"free"', 1).partition("[fe_model.joints")[0])
     return folder / "bracket.toml"
+
+
+THREE_FLOORS = """\
+format = 1
+model = {{ title = "Three floors", article = "frame" }}
+[fe_model]
+kind = "frame"
+nodes = {{ foot = "0 mm", floor-1 = "150 mm", floor-2 = "300 mm", floor-3 = "450 mm" }}
+fixed = ["foot"]
+moves = ["x"]
+members = {{ legs-1 = ["foot", "floor-1"], legs-2 = ["floor-1", "floor-2"], legs-3 = ["floor-2", "floor-3"] }}
+section = {{ width = "25 mm", thickness = "3 mm", across = "x", count = 4 }}
+material = {{ youngs_modulus = "70 GPa", poisson_ratio = 0.3 }}
+masses = {{ floor-1 = "5 kg", floor-2 = "5 kg", floor-3 = "5 kg" }}
+loss_factor = {loss}
+"""
+STRUCK = """\
+[[test]]
+kind = "response-functions"
+article = "frame"
+file = "data.csv"
+drive = "floor-1:x"
+responses = ["floor-1:x", "floor-2:x", "floor-3:x"]
+"""
+
+
+@pytest.fixture(scope="session")
+def three_floors() -> Callable[..., str]:
+    """``three_floors(loss=0.02, struck=False)``: the model file of a frame; `struck` has its test in ``data.csv``, too."""
+
+    def text(loss: float = 0.02, *, struck: bool = False) -> str:
+        return THREE_FLOORS.format(loss=loss) + (STRUCK if struck else "")
+
+    return text

@@ -2,6 +2,7 @@
 
 import os
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,20 +13,6 @@ E, WIDTH, THICKNESS, HEIGHT, MASS, LOSS = 70e9, 0.025, 0.003, 0.15, 5.0, 0.02
 HIDDEN = -0.2
 """Relative change of the modulus of the second storey."""
 
-MODEL = """\
-format = 1
-model = { title = "Three floors", article = "frame" }
-[fe_model]
-kind = "frame"
-nodes = { foot = "0 mm", floor-1 = "150 mm", floor-2 = "300 mm", floor-3 = "450 mm" }
-fixed = ["foot"]
-moves = ["x"]
-members = { legs-1 = ["foot", "floor-1"], legs-2 = ["floor-1", "floor-2"], legs-3 = ["floor-2", "floor-3"] }
-section = { width = "25 mm", thickness = "3 mm", across = "x", count = 4 }
-material = { youngs_modulus = "70 GPa", poisson_ratio = 0.3 }
-masses = { floor-1 = "5 kg", floor-2 = "5 kg", floor-3 = "5 kg" }
-loss_factor = 0.02
-"""
 TEST = """\
 kind = "response-functions"
 article = "frame"
@@ -62,10 +49,10 @@ def write_functions(folder: Path, change: float = HIDDEN) -> None:
 
 
 @pytest.fixture
-def lab(tmp_path: Path) -> Path:
+def lab(tmp_path: Path, three_floors: Callable[..., str]) -> Path:
     """A model file with its test beside the data, the modulus of one storey hidden in them."""
     write_functions(tmp_path)
-    (tmp_path / FILE).write_text(MODEL + "[[test]]\n" + TEST, encoding="utf-8")
+    (tmp_path / FILE).write_text(three_floors() + "[[test]]\n" + TEST, encoding="utf-8")
     return tmp_path
 
 
@@ -116,12 +103,12 @@ def test_what_is_printed_and_reported_knows_no_fmd_and_no_campaign(lab, run):
     assert "No inertia was identified: that takes motions of a base" in page
 
 
-def test_a_table_of_modes_is_told_by_mode_and_without_a_frequency_of_its_mean(tmp_path, run, answer):
+def test_a_table_of_modes_is_told_by_mode_and_without_a_frequency_of_its_mean(tmp_path, three_floors, run, answer):
     K, M = matrices(HIDDEN)
     squares, shapes = np.linalg.eigh(K / M[0, 0])
     hertz = ", ".join(f'"{f:.6g} +/- {f / 1000:.3g} Hz"' for f in np.sqrt(squares) / (2 * np.pi))
     rows = ", ".join(str([round(float(x), 6) for x in shape]) for shape in shapes.T)
-    (tmp_path / FILE).write_text(MODEL, encoding="utf-8")
+    (tmp_path / FILE).write_text(three_floors(), encoding="utf-8")
     (tmp_path / "table.toml").write_text(
         'format = 1\nkind = "modal-table"\narticle = "frame"\nsensors = ["floor-1:x", "floor-2:x", "floor-3:x"]\n'
         f"frequencies = [{hertz}]\nshapes = [{rows}]\nshapes_deviation = 0.01\n",
@@ -137,26 +124,27 @@ def test_a_table_of_modes_is_told_by_mode_and_without_a_frequency_of_its_mean(tm
 
 
 @pytest.mark.parametrize(
-    ("model", "test", "words"),
+    ("right", "wrong", "words"),
     [
-        (MODEL, TEST.replace("band", "bands"), ("bands", "band")),
-        (MODEL, TEST.replace('article = "frame"', 'article = "tower"'), ("tower", FILE)),
-        (MODEL, TEST.replace("floor-3:x", "floor-4:x"), ("floor-4", "floor-3")),
-        (MODEL, TEST.replace("three.csv", "four.csv"), ("four.csv",)),
-        (MODEL.replace("section", "sections"), TEST, ("sections", "section")),
-        (MODEL.replace('fixed = ["foot"]', 'fixed = ["feet"]'), TEST, ("feet", "foot")),
+        ("band", "bands", ("bands", "band")),
+        ('article = "frame"\nband', 'article = "tower"\nband', ("tower", FILE)),
+        ("floor-3:x", "floor-4:x", ("floor-4", "floor-3")),
+        ("three.csv", "four.csv", ("four.csv",)),
+        ("section", "sections", ("sections", "section")),
+        ('fixed = ["foot"]', 'fixed = ["feet"]', ("feet", "foot")),
     ],
 )
-def test_what_cannot_be_used_is_refused_by_name(lab, refused, model, test, words):
-    (lab / FILE).write_text(model + "[[test]]\n" + test, encoding="utf-8")
+def test_what_cannot_be_used_is_refused_by_name(lab, refused, right, wrong, words):
+    whole = (lab / FILE).read_text(encoding="utf-8")
+    (lab / FILE).write_text(whole.replace(right, wrong), encoding="utf-8")
     text = plain_words(refused("compare", FILE))
     for word in words:
         assert word in text
 
 
 @pytest.mark.parametrize("command", ["compare", "diagnose", "report"])
-def test_without_data_and_without_a_test_in_the_model_it_says_what_to_name(lab, refused, command):
-    (lab / FILE).write_text(MODEL, encoding="utf-8")
+def test_without_data_and_without_a_test_in_the_model_it_says_what_to_name(lab, three_floors, refused, command):
+    (lab / FILE).write_text(three_floors(), encoding="utf-8")
     assert "the model names no [[test]]" in refused(command, FILE)
 
 

@@ -70,6 +70,7 @@ class Cause:
     price : sum of z² of the tolerances with it, over what is due where nothing is wrong
     null : whether misfit and price are then those of a model that misses nothing
     note : what these data say of it beyond its size, in words: "its numbers are in g, and the file says m/s^2"
+    alike : ids of other mistakes that would read the same in these data
     """
 
     evidence: float = entry("evidence_nats", unit="nats", null=inf)
@@ -79,6 +80,7 @@ class Cause:
     price: float = entry(null=inf, default=0.0)
     null: bool = entry("as_where_nothing_is_missing", default=True)
     note: str = entry(null="", default="")
+    alike: tuple[str, ...] = entry(rare=True, default=())
 
     @property
     @derived("id", before="evidence_nats")

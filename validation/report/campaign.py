@@ -13,7 +13,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import SI
 from geometry.toml_file import nearest
-from identification import campaign_file, measured
+from identification import campaign_file, measured_functions
 from identification.campaign import Campaign
 from identification.files import files
 from identification.modal_table import ModalTable
@@ -239,7 +239,7 @@ def write_dynamic_mass(path: Path, campaign: Campaign) -> None:
     BadInput : runs that do not tell six motions apart.
     """
     found = of_spectra(spectra(campaign), Settings(gravity=campaign.gravity, modes=0))
-    measured.write(path, measured.of_dynamic_mass(found.estimate.dynamic_mass, campaign.source, found.noise))
+    measured_functions.write(path, measured_functions.of_dynamic_mass(found.estimate.dynamic_mass, campaign.source, found.noise))
 
 
 def show_tests(name: str, tests: Sequence[ResponseFunctions | ModalTable], *, as_json: bool, out: Path | None) -> None:
@@ -254,7 +254,7 @@ def show_tests(name: str, tests: Sequence[ResponseFunctions | ModalTable], *, as
         if len(with_functions) != 1:
             problem = f"{name} has {len(with_functions)} tests with response functions, and a file holds one"
             raise BadInput(source="--out", problem=problem, remedy="Name the file of one test")
-        measured.write(out, measured.of_responses(with_functions[0]))
+        measured_functions.write(out, measured_functions.of_responses(with_functions[0]))
     rows = []
     for one in tests:
         lines = one.frequency

@@ -486,7 +486,7 @@ class DiagnosisPage:
                 self.everywhere(),
                 self.pictured,
                 self.levels(),
-                doc.Drawn(lambda: before_and_after(found.before, after)),
+                None if after is None else doc.Drawn(lambda: before_and_after(found.before, after)),
                 self.errors(),
                 self.errors_of_page(),
                 self.ranking(),
@@ -634,13 +634,13 @@ class DiagnosisPage:
         return doc.Grid(header=header, lines=tuple(zip((name for name, _ in kept), *columns, strict=True)))
 
     def errors_of_page(self) -> doc.Table:
-        """The same for a page, an error a row with its unit."""
+        """The same for a page, an error a row with its unit; none where nothing was found."""
         before, after = error_figures(self.found.before), error_figures(self.found.after)
-        if self.found.after is self.found.before:
-            after = {}
+        changed = self.found.after is not self.found.before
         return doc.Table(
             caption="The errors before and after what was found is added",
-            rows=[row for row in ERROR_NAMES if before[row[2]] is not None],
+            note="Made at fewer lines than those of a comparison, so that their last digits differ.",
+            rows=[row for row in ERROR_NAMES if before[row[2]] is not None and changed],
             columns=(
                 doc.Column("error", lambda row: row[0], words=True),
                 doc.Column("unit", lambda row: row[1], words=True),
@@ -678,9 +678,10 @@ class DiagnosisPage:
                 *figures, unit = results.interval(one, size)
                 value, low, high = (doc.Number(value=float(text), text=text.replace("-", "−")) for text in figures)
                 fitted = size.low != size.high
-                rows.append((one, (size.key or one.named.what, value, *((low, high) if fitted else (EMPTY, EMPTY)), unit)))
+                rows.append((one, (size.key, value, *((low, high) if fitted else (EMPTY, EMPTY)), unit)))
             if not one.sizes:
                 rows.append((one, (NONE, EMPTY, EMPTY, EMPTY, "")))
+        several = any(figures[0] not in ("", NONE) for _, figures in rows)  # of one size the cause says what it is
         return doc.Table(
             caption="Causes that were tried, the best first",
             rows=rows,
@@ -689,7 +690,7 @@ class DiagnosisPage:
                 doc.Column("evidence", lambda row: row[0].evidence, nats, unit="nats"),
                 doc.Column("odds", lambda row: odds(row[0].evidence), words=True),
                 doc.Column("asked for", lambda row: evidence_threshold(row[0].named.family), "g", unit="nats"),
-                doc.Column("number", lambda row: row[1][0], words=True),
+                *([doc.Column("number", lambda row: row[1][0], words=True)] if several else []),
                 doc.Column("size", lambda row: row[1][1]),
                 doc.Column("from", lambda row: row[1][2]),
                 doc.Column("to", lambda row: row[1][3]),

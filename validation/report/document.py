@@ -14,10 +14,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from gzip import compress
 from html import escape, unescape
+from importlib.metadata import version
 from itertools import product
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
+from geometry import cache
 from geometry.routes import ROUTES
 from geometry.user_article import ESTIMATE
 from validation.output import NONE, PIPED_WIDTH, SIGNIFICANT, fixed, page_width, plain_unit, rounded
@@ -393,8 +395,8 @@ class Number:
 Cell = Number | str
 """What stands in a cell; a text may be `Safe`."""
 
-WHOLE = 16
-"""Rows up to which a table stays on one sheet of paper."""
+WHOLE, SENTENCE = 12, 60
+"""Rows up to which a table stays on one sheet of paper; letters of a cell that fills several lines, for which it need not."""
 
 SHORT, TINY = 24, 8
 """Letters of a text that is not broken on a screen, and of one that is not broken on paper either."""
@@ -453,7 +455,8 @@ def table(caption: str, columns: Sequence[Column], rows: Sequence[Sequence[Cell]
     named = tag("caption", tag("span", caption), button)
     inner = tag("table", named, tag("thead", tag("tr", *heads)), tag("tbody", *lines))
     below = tag("p", worded(note), class_="note") if note else None
-    kind = "table whole" if len(rows) <= WHOLE else "table"
+    long = any(isinstance(cell, str) and len(cell) > SENTENCE for row in rows for cell in row)
+    kind = "table" if long or len(rows) > WHOLE else "table whole"
     return tag("div", tag("div", inner, class_="scroll", tabindex="0", role="region", aria_label=caption), below, class_=kind)
 
 
@@ -502,7 +505,8 @@ class Figures:
         templates = f'{{"light":{interactive.template_json(False)},"dark":{interactive.template_json(True)}}}'
         figures = ",".join(f"{json.dumps(name)}:{text}" for name, text in self._json.items())
         whole = f'{{"templates":{templates},"figures":{{{figures}}}}}'
-        return Safe(_script("packed-library", interactive.library()) + _script("packed-figures", whole))
+        library = cache.answer(lambda: _packed(interactive.library()), "library", version("plotly"))
+        return Safe(_script("packed-library", library) + _script("packed-figures", _packed(whole)))
 
     def __len__(self) -> int:
         return len(self._json)
@@ -511,10 +515,14 @@ class Figures:
         self._json[name] = figure.json()
 
 
-def _script(name: str, text: str) -> str:
-    """`text` packed into an element that no browser runs."""
-    packed: Any = b64encode(compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")
+def _script(name: str, packed: str) -> str:
+    """What is `packed` in an element that no browser runs."""
     return f'<script type="text/plain" id="{name}">{packed}</script>\n'
+
+
+def _packed(text: str) -> str:
+    """`text`, compressed, in letters that any page may hold."""
+    return b64encode(compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")
 
 
 # Reference tables as CSV: one line for each quantity and column, full precision, units in a column of their own.

@@ -1,6 +1,7 @@
 """The search from afar: frames in closed form whose resonances lie 10 to 50 % off, and what must not be named."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,51 +13,37 @@ from validation.study import Study
 
 E, WIDTH, THICKNESS, HEIGHT, MASS, LOSS, LEGS = 70e9, 0.025, 0.003, 0.15, 5.0, 0.01, 4
 F = np.arange(2.0, 90.0, 0.1)
-MODEL = """\
-format = 1
-model = { title = "Three floors", article = "frame" }
-[fe_model]
-kind = "frame"
-nodes = { foot = "0 mm", floor-1 = "150 mm", floor-2 = "300 mm", floor-3 = "450 mm" }
-fixed = ["foot"]
-moves = ["x"]
-members = { legs-1 = ["foot", "floor-1"], legs-2 = ["floor-1", "floor-2"], legs-3 = ["floor-2", "floor-3"] }
-section = { width = "25 mm", thickness = "3 mm", across = "x", count = 4 }
-material = { youngs_modulus = "70 GPa", poisson_ratio = 0.3 }
-masses = { floor-1 = "5 kg", floor-2 = "5 kg", floor-3 = "5 kg" }
-loss_factor = 0.01
-[[test]]
-kind = "response-functions"
-article = "frame"
-file = "data.csv"
-drive = "floor-1:x"
-responses = ["floor-1:x", "floor-2:x", "floor-3:x"]
-"""
 
 
-def accelerances(folder: Path, *, clamp: float = np.inf, masses: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Path:
-    """Of floors that do not turn on legs that run through them, held there by springs `clamp` [N m/rad]; and its model file.
+@pytest.fixture
+def accelerances(three_floors: Callable[..., str], tmp_path: Path) -> Callable[..., Path]:
+    """``accelerances(clamp=, masses=)``: of floors that do not turn on legs that run through them, held there by springs
+    `clamp` [N m/rad], with `masses` [kg] on them; and its model file, which is what comes back.
 
     No code of ours knows it: Hermite beams, turns condensed.
     """
-    EI = LEGS * E * WIDTH * THICKNESS**3 / 12
-    K = np.zeros((8, 8))  # shift and turn of the foot and of each floor
-    a, b, c, d = 12 / HEIGHT**2, 6 / HEIGHT, 4.0, 2.0
-    beam = EI / HEIGHT * np.array([[a, b, -a, b], [b, c, -b, d], [-a, -b, a, -b], [b, d, -b, c]])
-    for k in (0, 2, 4):
-        K[k : k + 4, k : k + 4] += beam
-    turns, own = [1, 3, 5, 7], [2, 4, 6]
-    K[turns, turns] += min(clamp, 1e9)
-    K = K[np.ix_(own, own)] - K[np.ix_(own, turns)] @ np.linalg.solve(K[np.ix_(turns, turns)], K[np.ix_(turns, own)])
-    M = np.diag(MASS + np.array(masses))
-    w = 2 * np.pi * F[:, None, None]
-    H = np.linalg.solve(K * (1 + 1j * LOSS) - w**2 * M, -(w**2) * np.eye(3)[:, :1])[..., 0]
-    rng = np.random.default_rng(6)
-    H = H * (1 + 0.01 * (rng.standard_normal(H.shape) + 1j * rng.standard_normal(H.shape)))
-    columns = np.column_stack([F, np.ascontiguousarray(H).view(float)])
-    np.savetxt(folder / "data.csv", columns, delimiter=",", header="f,r1,i1,r2,i2,r3,i3", comments="", fmt="%.9g")
-    (folder / "model.toml").write_text(MODEL)
-    return folder / "model.toml"
+
+    def write(*, clamp: float = np.inf, masses: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Path:
+        EI = LEGS * E * WIDTH * THICKNESS**3 / 12
+        K = np.zeros((8, 8))  # shift and turn of the foot and of each floor
+        a, b, c, d = 12 / HEIGHT**2, 6 / HEIGHT, 4.0, 2.0
+        beam = EI / HEIGHT * np.array([[a, b, -a, b], [b, c, -b, d], [-a, -b, a, -b], [b, d, -b, c]])
+        for k in (0, 2, 4):
+            K[k : k + 4, k : k + 4] += beam
+        turns, own = [1, 3, 5, 7], [2, 4, 6]
+        K[turns, turns] += min(clamp, 1e9)
+        K = K[np.ix_(own, own)] - K[np.ix_(own, turns)] @ np.linalg.solve(K[np.ix_(turns, turns)], K[np.ix_(turns, own)])
+        M = np.diag(MASS + np.array(masses))
+        w = 2 * np.pi * F[:, None, None]
+        H = np.linalg.solve(K * (1 + 1j * LOSS) - w**2 * M, -(w**2) * np.eye(3)[:, :1])[..., 0]
+        rng = np.random.default_rng(6)
+        H = H * (1 + 0.01 * (rng.standard_normal(H.shape) + 1j * rng.standard_normal(H.shape)))
+        columns = np.column_stack([F, np.ascontiguousarray(H).view(float)])
+        np.savetxt(tmp_path / "data.csv", columns, delimiter=",", header="f,r1,i1,r2,i2,r3,i3", comments="", fmt="%.9g")
+        (tmp_path / "model.toml").write_text(three_floors(LOSS, struck=True))
+        return tmp_path / "model.toml"
+
+    return write
 
 
 def from_afar(model: Path) -> landmark_search.FromAfar | None:
@@ -64,19 +51,19 @@ def from_afar(model: Path) -> landmark_search.FromAfar | None:
     return landmark_search.FromAfar.search(study, candidates(study), lambda what, share: None)
 
 
-def test_a_model_that_is_near_is_not_looked_at_from_afar(tmp_path):
-    assert from_afar(accelerances(tmp_path, masses=(0.0, 0.1, 0.0))) is None  # 1 % of the mass of the frame
+def test_a_model_that_is_near_is_not_looked_at_from_afar(accelerances):
+    assert from_afar(accelerances(masses=(0.0, 0.1, 0.0))) is None  # 1 % of the mass of the frame
 
 
-def test_what_mechanics_states_has_no_free_size(tmp_path):
-    study = Study.open(accelerances(tmp_path), ())
+def test_what_mechanics_states_has_no_free_size(accelerances):
+    study = Study.open(accelerances(), ())
     (gravity,) = landmark_search.stated(candidates(study))
     assert (str(gravity.named), gravity.fixed) == ("gravity-stiffness=1", True)
 
 
 @pytest.mark.proof
-def test_clamps_of_every_node_and_two_weights_are_named_with_their_sizes_from_resonances_far_off(tmp_path):
-    found = from_afar(accelerances(tmp_path, clamp=1500.0, masses=(1.5, 2.5, 0.0)))
+def test_clamps_of_every_node_and_two_weights_are_named_with_their_sizes_from_resonances_far_off(accelerances):
+    found = from_afar(accelerances(clamp=1500.0, masses=(1.5, 2.5, 0.0)))
     assert found is not None
     assert found.best.ids - {"gravity-stiffness"} == {
         "connection-compliance:all@every:beta",
@@ -91,9 +78,9 @@ def test_clamps_of_every_node_and_two_weights_are_named_with_their_sizes_from_re
 
 
 @pytest.mark.proof
-def test_one_weight_far_beyond_what_is_plausible_is_one_weight_and_no_clamp(tmp_path, answer, monkeypatch):
+def test_one_weight_far_beyond_what_is_plausible_is_one_weight_and_no_clamp(accelerances, tmp_path, answer, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    model = accelerances(tmp_path, masses=(0.0, 0.0, 6.0))
+    model = accelerances(masses=(0.0, 0.0, 6.0))
     found = json.loads(json.dumps(answer("diagnose", str(model))))
     named = {one["id"] for one in found["accepted"]} - {"gravity-stiffness"}
     assert named <= {"point-mass:floor-3"}  # as the ordinary search or as that from afar has it

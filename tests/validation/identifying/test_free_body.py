@@ -18,8 +18,10 @@ from identification.response_functions import ResponseFunctions
 from validation.cli.main import run
 from validation.virtual_test import structure_tests
 
-RESPONSES = [f"{place}:{axis}" for place in ("foot", "mid", "elbow", "tip") for axis in "xyz"]
-DRIVES = ["foot:x", "foot:y", "foot:z", "elbow:x", "elbow:y", "mid:x", "tip:y", "tip:z"]
+# The moment about z is that of a body of 29 mm of gyration. By one place alone off the column, 0.1 m away and known to 0.5 mm,
+# its deviation is 0.76 % before anything is measured (95th percentile of fifty draws 1.7 %); by a second one it is 0.67 %.
+RESPONSES = [f"{place}:{axis}" for place in ("foot", "mid", "elbow", "arm", "tip") for axis in "xyz"]
+DRIVES = ["foot:x", "foot:y", "foot:z", "elbow:x", "elbow:y", "mid:x", "arm:y", "tip:y", "tip:z"]
 
 
 def rigid(drives: int = 8) -> tuple[ResponseFunctions, Inertia]:
@@ -78,7 +80,7 @@ def test_fewer_references_and_points_on_a_line_and_nowhere_are_refused() -> None
 
 
 def struck(bracket: Path, folder: Path, seed: int) -> tuple[ResponseFunctions, Array]:
-    """The floating bracket on soft springs by 8 references at 1 % noise, sensors with ordinary places and directions, calibrated
+    """The floating bracket on soft springs by 9 references at 1 % noise, sensors with ordinary places and directions, calibrated
     together to 0.2 %; and what it really is."""
     model = bracket.parent / "free.toml"
     rng, effects = np.random.default_rng([9, seed]), ["cable:foot=2e3", "cable:elbow=1e3", "cable:tip=1e3"]

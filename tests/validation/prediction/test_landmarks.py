@@ -12,26 +12,6 @@ from validation.prediction import landmarks as under_test
 from validation.prediction.landmarks import Landmark
 from validation.study import Study
 
-MODEL = """\
-format = 1
-model = { title = "Three floors", article = "frame" }
-[fe_model]
-kind = "frame"
-nodes = { foot = "0 mm", floor-1 = "150 mm", floor-2 = "300 mm", floor-3 = "450 mm" }
-fixed = ["foot"]
-moves = ["x"]
-members = { legs-1 = ["foot", "floor-1"], legs-2 = ["floor-1", "floor-2"], legs-3 = ["floor-2", "floor-3"] }
-section = { width = "25 mm", thickness = "3 mm", across = "x", count = 4 }
-material = { youngs_modulus = "70 GPa", poisson_ratio = 0.3 }
-masses = { floor-1 = "5 kg", floor-2 = "5 kg", floor-3 = "5 kg" }
-loss_factor = 0.02
-[[test]]
-kind = "response-functions"
-article = "frame"
-file = "data.csv"
-drive = "floor-1:x"
-responses = ["floor-1:x", "floor-2:x", "floor-3:x"]
-"""
 F = np.arange(2.0, 80.0, 0.1)
 CLAMPS = Named(family="connection-compliance", targets=("every", "beta"), values={"": 3e-4})
 
@@ -44,10 +24,10 @@ def write(folder, values):
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory):
+def study(tmp_path_factory, three_floors):
     """Of functions that the model itself made, with noise of half a per cent of the level of each."""
     folder = tmp_path_factory.mktemp("frame")
-    (folder / "model.toml").write_text(MODEL)
+    (folder / "model.toml").write_text(three_floors(struck=True))
     write(folder, np.ones((len(F), 3), dtype=complex))
     (made,) = Study.open(folder / "model.toml", ()).tests
     exact = made.at({}, derivatives=False).rows[0, :, :, 0]
