@@ -3,6 +3,7 @@
 Every seed draws a laboratory with ordinary tolerances and four campaigns in it: the bare FMD, Cuboid on disc, Clumod with one and
 with four blades, six sweeps each, at the paper's level. The Cuboid is identified with the bare FMD for its tare, Clumod with the
 Cuboid; plain and self-calibrated. What is finished is kept under ``out/bars`` and not done again: interrupting loses none of it.
+With ``--scheduler ADDRESS`` the workers of Dask do it.
 Before that come the two bars without any error of measurement, and what a rigid body makes of one blade. The program ends with 1
 when the self-calibrated way misses a bar.
 """
@@ -13,15 +14,16 @@ import hashlib
 import json
 import sys
 from collections.abc import Iterable, Iterator, Mapping
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
+import click
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from geometry import parallel
 from geometry.atomic import write_text, write_with
 from geometry.dynamic_mass import MOTIONS
 from geometry.frames import Array
@@ -161,24 +163,21 @@ def _held_against(found: Identified, truth: Inertia) -> Json:
     }
 
 
-def finished(seeds: Iterable[int], processes: int, console: Console) -> Iterator[Json]:
-    """The laboratories of `seeds`, those that are kept first."""
+def finished(seeds: Iterable[int], processes: int, console: Console, scheduler: str = "") -> Iterator[Json]:
+    """The laboratories of `seeds`, those that are kept first; see `geometry.parallel.finished`."""
     missing = []
     for seed in seeds:
         if _kept(seed).exists():
             yield json.loads(_kept(seed).read_text())
         else:
             missing.append(seed)
-    with ProcessPoolExecutor(processes) as pool:
-        for number, future in enumerate(as_completed([pool.submit(_keep, seed) for seed in missing]), start=1):
-            console.print(f"{number} of {len(missing)} laboratories", style="dim")
-            yield future.result()
-
-
-def _keep(seed: int) -> Json:
-    found = laboratory(seed)
-    write_text(_kept(seed), json.dumps(found))
-    return found
+    made = parallel.finished(laboratory, missing, processes=processes, scheduler=scheduler)
+    for number, (seed, found) in enumerate(made, start=1):
+        if isinstance(found, parallel.WorkerLost):
+            raise found
+        write_text(_kept(seed), json.dumps(found))
+        console.print(f"{number} of {len(missing)} laboratories", style="dim")
+        yield found
 
 
 def _kept(seed: int) -> Path:
@@ -187,7 +186,8 @@ def _kept(seed: int) -> Path:
 
 def code(rooms: tuple[str, ...]) -> str:
     """A hash of the code that figures come from: those of other code are never mixed in."""
-    files = sorted(path for room in rooms for path in Path(room).rglob("*") if path.suffix in {".py", ".toml"})
+    root = Path(__file__).parents[1]
+    files = sorted(path for room in rooms for path in (root / room).rglob("*") if path.suffix in {".py", ".toml"})
     return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:12]
 
 
@@ -251,8 +251,12 @@ def coverage(results: list[Json]) -> Table:
     return table
 
 
-def main(seeds: int = SEEDS, processes: int = 1) -> int:
-    """Print the tables; 1 when the self-calibrated way misses a bar."""
+@click.command()
+@click.argument("seeds", type=click.IntRange(min=1), default=SEEDS)
+@click.argument("processes", type=click.IntRange(min=1), default=1)
+@click.option("--scheduler", default="", metavar="ADDRESS", help="Of Dask, whose workers do it instead of PROCESSES here.")
+def main(seeds: int, processes: int, scheduler: str) -> None:
+    """Print the tables; exit code 1 when the self-calibrated way misses a bar."""
     console = Console()
     alone = [(case, without_errors(case)) for case in EXACT]
     rigid = taken_for_rigid(1)
@@ -262,13 +266,15 @@ def main(seeds: int = SEEDS, processes: int = 1) -> int:
     ]
     rows.append(["one blade, 2002", "Table 2", *_figures(np.array(TABLE_2)), ""])
     console.print(printed("Without errors of measurement; one blade taken for rigid; the paper", rows))
-    results = list(finished(range(1, seeds + 1), processes, console))
+    results = list(finished(range(1, seeds + 1), processes, console, scheduler))
     console.print(printed(f"95th percentile (median) of {len(results)} laboratories", errors(results)))
     console.print(coverage(results))
     worst = {case: np.percentile([_size(result[case.name][COUNTS]) for result in results], 95, axis=0) for case in CASES}
     kept = all(met(case, _size(result[COUNTS])) for case, result in alone) and all(met(*one) for one in worst.items())
-    return 0 if kept else 1
+    sys.exit(0 if kept else 1)
 
 
 if __name__ == "__main__":
-    sys.exit(main(*map(int, sys.argv[1:])))
+    from benchmarks import identification_bars  # a worker finds its functions under their names
+
+    identification_bars.main()

@@ -4,6 +4,8 @@
 Each carries its evidence as attributes, so that a program can act on it and a person can read it in one sentence.
 """
 
+from functools import partial
+
 
 class BadInput(ValueError):
     """Input that cannot be used: where it stands, which field, what is wrong with it, and what to do.
@@ -24,6 +26,10 @@ class BadInput(ValueError):
         place = f"{source}: `{field}`" if field else source
         text = f"{place}: {problem}. {remedy}".rstrip(". ")
         super().__init__(text if text.endswith("?") else f"{text}.")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """It travels between processes."""
+        return partial(BadInput, source=self.source, problem=self.problem, remedy=self.remedy, field=self.field), ()
 
 
 class CheckFailed(RuntimeError):

@@ -364,10 +364,11 @@ def failures(one: Identified) -> tuple[str, ...]:
     """What the fit itself says against its model, in words."""
     said = []
     if one.misfit > MISFIT:  # false where noise is not known
-        said.append(f"the fit leaves {sqrt(one.misfit):.3g} times what noise and model error explain, a failed model")
+        said.append(f"the fit leaves {sqrt(one.misfit):.3g} times what noise and model error explain: the model does not hold")
     if one.tolerances and one.surprise > BENT * one.tolerances:
         rms = sqrt(one.surprise / one.tolerances)
-        said.append(f"the {one.tolerances} tolerances had to be bent by {rms:.3g} standard deviations rms, a failed model")
+        moved = f"the fit moved the {one.tolerances} tolerances by {rms:.3g} of their standard deviations (rms)"
+        said.append(f"{moved}, farther than a sound laboratory is off: the model does not hold")
     if not one.converged:
         said.append("the fit did not converge")
     return tuple(said)

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.signal import find_peaks
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array, freeze
@@ -79,6 +78,8 @@ def resonances(frequency: Array, values: ComplexArray, noise: Array) -> Resonanc
     One peak of all functions together is one resonance; its frequency, damping and residues are those of a mode by itself beside
     it, and its shape is what the residues of all runs have in common.
     """
+    from scipy.signal import find_peaks
+
     at = np.geomspace(frequency[0], frequency[-1], max(int(PER_OCTAVE * np.log2(frequency[-1] / frequency[0])), 3))
     seen, scatter = beside_axis(frequency, values, at, WIDTH), noise_beside_axis(frequency, noise, at, WIDTH)
     level = 0.5 * np.log(np.sum(np.abs(seen) ** 2, axis=(0, 2)))

@@ -9,7 +9,7 @@ Nothing is computed here, and nothing of the four rooms imports it. ``docs/pytho
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,11 +24,14 @@ from massline.results import Comparison, Diagnosis, History, Study, comparison, 
 from validation.compare.compare import compared
 from validation.diagnose.diagnose import diagnosed
 from validation.diagnose.diagnosis import Cause
+from validation.diagnose.diagnosis import Diagnosis as Found
+from validation.diagnose.fleet import diagnosed_each
 from validation.history.add import AddedEffectOptions, added
 from validation.history.history import undone
 from validation.identify.identify import IdentificationFindings, IdentifyOptions, identified
 from validation.model import model_file
 from validation.model.model import Model
+from validation.study import Options
 from validation.virtual_test.plan import Plan
 from validation.virtual_test.simulate import VirtualTest, simulate
 
@@ -46,6 +49,7 @@ __all__ = [
     "History",
     "Inertia",
     "Model",
+    "Options",
     "Plan",
     "Study",
     "VirtualTest",
@@ -53,6 +57,7 @@ __all__ = [
     "built_in",
     "compare",
     "diagnose",
+    "diagnose_many",
     "identify",
     "reference",
     "simulate",
@@ -85,6 +90,31 @@ def diagnose(
     CheckFailed : the model with all its tolerances does not converge.
     """
     return diagnosis(diagnosed(study, only=only, leave_out=leave_out, progress=progress))
+
+
+def diagnose_many(
+    studies: Iterable[Study | Options], *, processes: int = 0, scheduler: str = "", progress: Progress | None = None
+) -> tuple[Diagnosis | BadInput | CheckFailed, ...]:
+    """What each of `studies` is missing, or why that cannot be said, in their order; bit for bit what `diagnose` says of each.
+
+    What is finished is kept on disk by whoever did it, so that the same call goes on where it was interrupted.
+
+    Parameters
+    ----------
+    studies : opened, or `Options` of one, which is then opened where it is diagnosed
+    processes : of this machine; 0 for one a core
+    scheduler : address of a Dask scheduler whose workers do it instead, and see the same files
+
+    Raises
+    ------
+    BadInput : no scheduler answers there, or its workers have other code.
+    """
+    listed, found = list(studies), {}
+    for number, answer in diagnosed_each(listed, processes=processes, scheduler=scheduler):
+        found[number] = diagnosis(answer) if isinstance(answer, Found) else answer
+        if progress is not None:
+            progress("diagnosing each", len(found) / len(listed))
+    return tuple(found[number] for number in range(len(listed)))
 
 
 def add(study: Study, effect: str | Cause, *, fixed: bool = False, progress: Progress | None = None) -> Study:

@@ -109,6 +109,52 @@ def links(page: Path) -> tuple[Link, ...]:
     )
 
 
+WORDS = {
+    "base-excitation": "base excitation|base-excited",
+    "fmd": "FMDs?",
+    "campaign": "campaigns?",
+    "tare": "tares?",
+    "response-function": "response functions?",
+    "dynamic-mass": "dynamic mass(?:es)?",
+    "mass-line": r"(?<!dynamic\s)mass lines?",
+    "sound-laboratory": "sound laborator(?:y|ies)",
+    "plain-error": "plain errors?",
+    "used-only-for-checking": "used only for checking|only for checking|held[ -]out|hold out",
+    "sigma": "sigmas?",
+    "chi-squared": "chi²|χ²",
+    "prior-penalty": "prior penalt(?:y|ies)",
+    "evidence": "nats?",
+    "mac": "MAC",
+    "detection-limit": "detection limits?",
+    "leftover": "leftovers?",
+    "rung": r"(?<!has\s)rungs?",
+    "null": "nulls",
+}
+"""By anchor of the glossary how its private words stand in a sentence. A page links each of them where it first stands;
+words that mean what they mean elsewhere (run, line, effect, class) are looked up by who doubts them."""
+
+_NO_SENTENCE = re.compile(
+    r"^#.*$|^ {4}.*$|^\|.*$|`[^`]*`|^<!--.*$|"  # headings, formulas, tables, code, marks of what a program writes
+    r"!?\[(?:[^\[\]]|\[[^\[\]]*\])*\]\([^)\s]+\)",  # links with their text
+    re.MULTILINE,
+)
+"""What is no part of a sentence."""
+
+
+def first_words(page: Path) -> dict[str, tuple[int, int]]:
+    """By anchor of `WORDS` where its word first stands unlinked in a sentence of `page`, as offsets."""
+
+    def blank(found: re.Match[str]) -> str:
+        return re.sub(r"[^\n]", " ", found[0])
+
+    text = _NO_SENTENCE.sub(blank, _FENCE.sub(blank, page.read_text(encoding="utf-8")))
+    found = {
+        anchor: re.search(rf"(?<![\w/-])(?:{words})(?![\w/-])".replace(" ", r"\s+"), text, re.IGNORECASE)
+        for anchor, words in WORDS.items()
+    }
+    return {anchor: one.span() for anchor, one in found.items() if one is not None}
+
+
 def headings(page: Path) -> tuple[str, ...]:
     """The headings of `page` without their marks."""
     return tuple(found.strip() for found in re.findall(r"^#+ +(.+)$", prose(page), re.MULTILINE))

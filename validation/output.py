@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass
 from functools import cache
-from math import floor, isfinite, log10
+from math import exp, floor, isfinite, log, log10
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import TYPE_CHECKING, Any, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -356,6 +356,21 @@ def two_digits(value: float) -> str:
 def nats(value: float) -> str:
     """Evidence with its sign: tenths below ten, where they decide, and whole nats beyond."""
     return f"{value:+.1f}" if abs(value) < 9.95 else f"{value:+.0f}"
+
+
+CERTAIN = log(1e6)
+"""[nats] from which odds are only said to be over a million to 1. Held by tests/validation/test_rows.py."""
+
+
+def odds(evidence: float) -> str:
+    """Evidence in nats as odds, "3000 to 1", with two digits; against it "1 to 3000"."""
+    size = abs(evidence)
+    if not size < CERTAIN:  # infinite, too
+        many = "over a million"
+    else:
+        rounded = float(f"{exp(size):.1e}")
+        many = f"{rounded:,.0f}" if rounded >= 1e4 else f"{rounded:g}"
+    return f"{many} to 1" if evidence >= 0 else f"1 to {many}"
 
 
 def percent(value: float) -> str:

@@ -103,13 +103,11 @@ def read_data(paths: Sequence[str], model: Model, progress: Progress | None = No
     OSError : a file cannot be read.
     """
     folders = [path for path in paths if Path(path).is_dir()]
-    files_of_tests = [path for path in paths if path not in folders and _is_test(path)]
-    classical = tuple(path for path in paths if path not in (*folders, *files_of_tests))
+    classical = tuple(path for path in paths if path not in folders and not is_test(path))
     for path in classical:
         _require_measurement(path)
     _require_once(paths)
-    own = (test_file.read(model.source, {"article": model.article, **one}) for one in model.tests)
-    tests = (*own, *map(test_file.read, files_of_tests))
+    tests = read_tests(paths, model)
     if not folders and not tests:
         none = "there is no data: the model names no [[test]]"
         some = "there is no campaign and no test among them, and weights and periods alone tell nothing of frequencies"
@@ -136,7 +134,19 @@ def read_data(paths: Sequence[str], model: Model, progress: Progress | None = No
     return Data(campaigns=campaigns, classical=classical, tests=tests)
 
 
-def _is_test(path: str) -> bool:
+def read_tests(paths: Sequence[str], model: Model) -> tuple[Test, ...]:
+    """The tests that the `model` names, then those among `paths`.
+
+    Raises
+    ------
+    BadInput : a test that cannot be used.
+    OSError : a file cannot be read.
+    """
+    own = (test_file.read(model.source, {"article": model.article, **one}) for one in model.tests)
+    return (*own, *map(test_file.read, filter(is_test, paths)))
+
+
+def is_test(path: str) -> bool:
     """Whether the file at `path` describes response functions or a modal table."""
     if not path.endswith(".toml") or not Path(path).is_file():
         return False
@@ -152,7 +162,7 @@ def only_files(paths: Sequence[str]) -> tuple[str, ...]:
     ------
     BadInput : one of them is no measurement, or is named twice.
     """
-    if any(map(_is_test, paths)) or not all(
+    if any(map(is_test, paths)) or not all(
         Path(path).is_file() or path.removesuffix(".toml") in files.shipped() for path in paths
     ):
         return ()

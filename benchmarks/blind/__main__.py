@@ -1,4 +1,4 @@
-"""``python -m benchmarks.blind [--draw development|test] [--seed N] [--kinds nulls,singles,...] [--cases N] [--jobs N]``.
+"""``python -m benchmarks.blind [--draw development|test] [--seed N] [--kinds nulls,singles,...] [--cases N]``.
 
 Draws, seals and diagnoses; `python -m benchmarks.blind.score` says what came of it. Of a development draw every answer is told
 beside its truth; of the test draw nothing but how far it is.
@@ -32,10 +32,13 @@ DEVELOPMENT, TEST = DRAWS = ("development", "test")
 @click.option("--only", default="", help="Cases of a development draw by name, separated by commas.")
 @click.option("--structures", type=click.IntRange(min=1), flag_value=STRUCTURES, is_flag=False, help="Random structures instead.")
 @click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="Series at a time.")
-def main(which: str, seed: int | None, kinds: str, cases: int | None, only: str, structures: int | None, jobs: int) -> None:
+@click.option("--scheduler", default="", metavar="ADDRESS", help="Of Dask, whose workers do them instead.")
+def main(
+    which: str, seed: int | None, kinds: str, cases: int | None, only: str, structures: int | None, jobs: int, scheduler: str
+) -> None:
     """Diagnose the cases of a draw; what is finished is kept, and not done again by the same code."""
     console, book = Console(stderr=True), ledger.read()
-    chosen = _seed(which, seed, book)
+    chosen = book.structures if structures and which == TEST and seed is None else _seed(which, seed, book)
     wanted = tuple(one.strip() for one in kinds.split(","))
     if unknown := set(wanted) - set(KINDS):
         raise click.BadParameter(f"no kind is called {', '.join(sorted(unknown))}; there are {', '.join(KINDS)}")
@@ -45,7 +48,7 @@ def main(which: str, seed: int | None, kinds: str, cases: int | None, only: str,
     kept = Kept(seed=chosen, code=present_code(), what="structures" if structures else "")
     console.print(f"{len(drawn)} series of the {which} draw, code {kept.code}", style="dim")
     try:
-        for number, case in enumerate(finished(drawn, kept, jobs), start=1):
+        for number, case in enumerate(finished(drawn, kept, jobs, scheduler), start=1):
             console.print(
                 f"{number} of {len(drawn)}{': ' + line(*kept.pair(case.name)) if which == DEVELOPMENT else ''}", style="dim"
             )

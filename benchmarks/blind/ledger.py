@@ -40,11 +40,13 @@ class Ledger:
     ----------
     development : seeds that may be looked at as often as one likes
     test : seed of the test draw
+    structures : seed of the test draw of random structures
     looks : at this test draw and at former ones, the oldest first
     """
 
     development: tuple[int, ...]
     test: int
+    structures: int = 0
     looks: tuple[Look, ...] = ()
 
     def looked_at(self, seed: int) -> tuple[Look, ...]:
@@ -73,13 +75,13 @@ def read(file: Path = FILE) -> Ledger:
     """The ledger in `file`."""
     found = json.loads(file.read_text(encoding="utf-8"))
     looks = tuple(Look(**one) for one in found["looks"])
-    return Ledger(development=tuple(found["development"]), test=found["test"], looks=looks)
+    return Ledger(development=tuple(found["development"]), test=found["test"], structures=found["structures"], looks=looks)
 
 
 def write(ledger: Ledger, file: Path = FILE) -> None:
     """`ledger` into `file`."""
     looks = [vars(one) for one in ledger.looks]
-    content = {"development": list(ledger.development), "test": ledger.test, "looks": looks}
+    content = {"development": list(ledger.development), "test": ledger.test, "structures": ledger.structures, "looks": looks}
     write_text(file, json.dumps(content, indent=2) + "\n")
 
 

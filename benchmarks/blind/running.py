@@ -1,7 +1,7 @@
 """Every case of a draw: simulated into a scratch folder, diagnosed by a process that gets that folder alone, and cleaned away.
 
-Several run side by side, each in a thread that simulates and then waits for the process of its diagnosis. A case that breaks
-down is an answer, which counts as a miss. What an interruption ends leaves nothing; what was finished before stays.
+Several are done side by side by processes here, or by the workers of a scheduler. A case that breaks down is an answer, which
+counts as a miss. What an interruption ends leaves nothing; what was finished before stays.
 """
 
 from __future__ import annotations
@@ -13,10 +13,8 @@ import subprocess
 import sys
 import traceback
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from threading import Event
 from typing import Any
 
 from benchmarks.blind.drawing.case import Case
@@ -27,6 +25,7 @@ from benchmarks.blind.sealing import truth as truth_of
 from benchmarks.blind.structures import sealing as structures
 from benchmarks.blind.structures.drawing import StructureCase
 from benchmarks.cross_check_proof import SWEEPS
+from geometry import parallel
 from identification.campaign import Processing
 
 PATIENCE = 900.0
@@ -45,65 +44,45 @@ class Interrupted(Exception):
     """A case was ended from outside; it has no answer."""
 
 
-def finished(cases: Sequence[AnyCase], kept: Kept, jobs: int) -> Iterator[AnyCase]:
+def finished(cases: Sequence[AnyCase], kept: Kept, jobs: int, scheduler: str = "") -> Iterator[AnyCase]:
     """The `cases` as they are finished, those first that were finished before.
 
     Parameters
     ----------
-    jobs : how many at a time
+    jobs, scheduler : how many at a time, or who does them; see `geometry.parallel.finished`
     """
     missing = [one for one in cases if not kept.finished(one.name)]
     yield from (one for one in cases if one not in missing)
-    stop = Event()
-    with ThreadPoolExecutor(jobs) as pool:
-        futures = {pool.submit(_finish, one, kept, stop): one for one in missing}
-        try:
-            for future in as_completed(futures):
-                future.result()
-                yield futures[future]
-        finally:
-            stop.set()
-            pool.shutdown(cancel_futures=True)
+    for one, found in parallel.finished(solved, missing, processes=jobs, scheduler=scheduler):
+        if isinstance(found, parallel.WorkerLost):
+            found = _without_drawn(one), {"broken": str(found)}
+        truth, answer = found
+        kept.keep_truth(one.name, truth)
+        kept.keep_answer(one.name, answer)
+        yield one
 
 
-def _finish(case: AnyCase, kept: Kept, stop: Event) -> None:
-    truth, answer = solved(case, stop=stop)
-    kept.keep_truth(case.name, truth)
-    kept.keep_answer(case.name, answer)
-
-
-def solved(
-    case: AnyCase, *, driven: Mapping[str, Any] = SWEEPS, processing: Processing | None = None, stop: Event | None = None
-) -> tuple[Json, Json]:
+def solved(case: AnyCase, *, driven: Mapping[str, Any] = SWEEPS, processing: Processing | None = None) -> tuple[Json, Json]:
     """Truth and answer of `case`.
 
     Parameters
     ----------
     driven, processing : see `benchmarks.blind.sealing.sealed`
-    stop : ends the work when it is set
 
     Raises
     ------
-    Interrupted : `stop` was set, or the diagnosis was interrupted.
+    Interrupted : the diagnosis was interrupted.
     """
-    ended = stop or Event()
     with TemporaryDirectory(prefix="massline-blind-") as scratch:
         folder = Path(scratch) / "series"
         try:
             if isinstance(case, StructureCase):
                 truth = structures.sealed(case, folder)
             else:
-                truth = sealed(case, folder, driven=driven, processing=processing, progress=lambda share: _go_on(ended))
-        except Interrupted:
-            raise
+                truth = sealed(case, folder, driven=driven, processing=processing)
         except Exception:
             return _without_drawn(case), {"broken": traceback.format_exc()[-LAST:]}
-        return truth, _diagnosed(folder, ended)
-
-
-def _go_on(ended: Event) -> None:
-    if ended.is_set():
-        raise Interrupted
+        return truth, _diagnosed(folder)
 
 
 def _without_drawn(case: AnyCase) -> Json:
@@ -111,7 +90,7 @@ def _without_drawn(case: AnyCase) -> Json:
     return structures.truth(case, (), 0.0) if isinstance(case, StructureCase) else truth_of(case, {})
 
 
-def _diagnosed(folder: Path, ended: Event) -> Json:
+def _diagnosed(folder: Path) -> Json:
     """What a process of its own says of `folder`."""
     command = [sys.executable, "-P", "-m", "benchmarks.blind.answering", str(folder)]
     try:
@@ -120,7 +99,7 @@ def _diagnosed(folder: Path, ended: Event) -> Json:
         )
     except subprocess.TimeoutExpired:
         return {"broken": f"no answer within {PATIENCE:g} seconds"}
-    if ended.is_set() or done.returncode == -signal.SIGINT:
+    if done.returncode == -signal.SIGINT:
         raise Interrupted
     answer = folder / ANSWER
     if not answer.exists():

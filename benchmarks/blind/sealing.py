@@ -26,7 +26,7 @@ from validation.model import model_file
 from validation.model.model import Model
 from validation.virtual_test.plan import Plan, PlantedEffect
 from validation.virtual_test.planted import planted, reaching
-from validation.virtual_test.simulate import Progress, simulate
+from validation.virtual_test.simulate import simulate
 
 TITLE = "a laboratory"
 
@@ -37,7 +37,6 @@ def sealed(
     *,
     driven: Mapping[str, Any] = SWEEPS,
     processing: Processing | None = None,
-    progress: Progress | None = None,
 ) -> Json:
     """The truth of `case`, whose campaigns are simulated into `folder`.
 
@@ -45,7 +44,6 @@ def sealed(
     ----------
     driven : how every virtual test is driven, fields of `Plan`
     processing : lines that the campaign files ask for; those of the paper where nothing is said
-    progress : called with the share of a campaign; it may raise to end the work
 
     Raises
     ------
@@ -54,7 +52,7 @@ def sealed(
     """
     drawn: dict[str, float] = {}
     for article in case.articles:
-        test = simulate(_planned(case, Plan(article=article, seed=case.laboratory, **driven)), progress)
+        test = simulate(_planned(case, Plan(article=article, seed=case.laboratory, **driven)))
         campaign_file.write(folder / article, replace(test.campaign, processing=processing), ending=".h5")
         tolerances: Any = test.truth["tolerances"]
         drawn |= {name: value for name, value in tolerances.items() if isinstance(value, float)}

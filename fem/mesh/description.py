@@ -24,6 +24,7 @@ _KEYS = (
     *("springs", "joints", "masses", "links", "loss_factor", "size"),
 )
 _PART = ("material", "thickness", "section", "loss_factor", "tolerance")
+_TIED = ("stiffness", "loss_factor")
 
 At = int | str | tuple[float, float, float]
 """Where something is: the number of a node, the name of a group, box or place, or coordinates [m]."""
@@ -79,19 +80,23 @@ class PartTable:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Spring:
-    """Six stiffnesses (6,) [N/m, N m/rad] along and about x, y, z, from `at` to the ground or, of two of them, to each other."""
+    """Six stiffnesses (6,) [N/m, N m/rad] along and about x, y, z, from `at` to the ground or, of two of them, to each other;
+    and its loss factor [1], None where none is known."""
 
     at: tuple[At, ...]
     stiffness: Array
+    loss_factor: float | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Joint:
-    """Six stiffnesses (6,) about the place `at`, between the two parts of `between`; nodes that both have are cut in two."""
+    """Six stiffnesses (6,) about the place `at`, between the two parts of `between`; nodes that both have are cut in two. Its
+    loss factor [1] is None where none is known."""
 
     between: tuple[str, str]
     at: At
     stiffness: Array
+    loss_factor: float | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -285,19 +290,21 @@ class _Table:
         return parts.six_stiffnesses(self.table.get("stiffness"), units.SI, self.source, f"{self.where}.stiffness")
 
     def spring(self) -> Spring:
+        loss = parts.loss_factor(self.table, self.source, self.where)
         if "between" in self.table:
             ends = self.table["between"]
             if "at" in self.table or not isinstance(ends, list) or len(ends) != 2:
                 raise self.wrong("between", "two places, without `at`", 'Write it like between = ["mid-span", "tip"]')
             two = tuple(_Table(source=self.source, where=self.where, table={"between": end}).at("between") for end in ends)
-            return Spring(at=two, stiffness=self.stiffness())
-        return Spring(at=(self.at("at"),), stiffness=self.stiffness())
+            return Spring(at=two, stiffness=self.stiffness(), loss_factor=loss)
+        return Spring(at=(self.at("at"),), stiffness=self.stiffness(), loss_factor=loss)
 
     def joint(self) -> Joint:
         ends = self.table.get("between")
         if not isinstance(ends, list) or len(ends) != 2 or not all(isinstance(part, str) for part in ends) or ends[0] == ends[1]:
             raise self.wrong("between", "the names of two parts", 'Write it like between = ["deck", "rail"]')
-        return Joint(between=(ends[0], ends[1]), at=self.at("at"), stiffness=self.stiffness())
+        loss = parts.loss_factor(self.table, self.source, self.where)
+        return Joint(between=(ends[0], ends[1]), at=self.at("at"), stiffness=self.stiffness(), loss_factor=loss)
 
     def mass(self) -> PointMass:
         mass, moments = self.quantity("mass", "mass"), np.zeros(6)
@@ -354,7 +361,7 @@ def read(path: Path) -> MeshDescription:
     kind = toml_file.one_of(table.table["kind"], KINDS, source=source, where=f"{text.TABLE}.kind")
     loss = parts.loss_factor(table.table, source, text.TABLE)
     support = toml_file.one_of(table.table.get("support", "base"), parts.SUPPORTS, source=source, where=f"{text.TABLE}.support")
-    springs = {name: each.spring() for name, each in table.tables("springs", ("at", "between", "stiffness")).items()}
+    springs = {name: each.spring() for name, each in table.tables("springs", ("at", "between", *_TIED)).items()}
     interface = table.table.get("interface", [])
     if not isinstance(interface, list) or any(isinstance(each, bool) or not isinstance(each, int | str) for each in interface):
         raise table.wrong("interface", "a list of groups or node numbers", 'Write it like ["foot"]')
@@ -398,7 +405,7 @@ def read(path: Path) -> MeshDescription:
         places={name: where.at(name) for name in named},
         boxes={name: each.box() for name, each in table.tables("groups", ("box",)).items()},
         springs=springs,
-        joints={name: each.joint() for name, each in table.tables("joints", ("between", "at", "stiffness")).items()},
+        joints={name: each.joint() for name, each in table.tables("joints", ("between", "at", *_TIED)).items()},
         masses={name: each.mass() for name, each in table.tables("masses", ("at", "mass", "moments")).items()},
         links={name: each.link() for name, each in table.tables("links", ("at", "nodes")).items()},
         stated=_Table(source=source, where="stated", table=whole.get("stated", {})).stated(),

@@ -135,7 +135,12 @@ def structure(found: described.MeshDescription, mesh: files.MeshFile) -> Structu
         rotations=where[turning, 3:],
         part_stiffness=stiffness,
         part_mass=mass,
-        loss_factors={name: part.loss_factor for name, part in found.parts.items() if part.loss_factor is not None},
+        loss_factors={
+            name: one.loss_factor
+            for each in (found.parts, found.springs, found.joints)
+            for name, one in each.items()
+            if one.loss_factor is not None
+        },
         grounded=found.support == "ground",
         supports=tuple(supports),
         joints=tuple(joints),

@@ -1,10 +1,10 @@
 """Normal equations of one run where most parameters are seen through the same few quantities, and most others in one channel.
 
-With the inputs' directions Q, whitened rows W T of what the channels read of these j quantities, and (1 - Q Q^H) W T = O R, a
-parameter that moves the quantities by z moves the residual by O R z: of j numbers a line instead of one for every channel. What
-is left of another's V beside the inputs meets it in O^H V alone,
+With the inputs' directions Q and whitened rows W T of what the channels read of these j quantities, B = (1 - Q Q^H) W T, a
+parameter that moves the quantities by z moves the residual by B z: of j numbers a line instead of one for every channel. What
+is left of another's V beside the inputs meets it in B^H V alone,
 
-    y = R z:    y^H y ,      y^H (O^H V) ,      V^H V - (Q^H V)^H (Q^H V) ,
+    z^H (B^H B) z ,      z^H (B^H V) ,      V^H V - (Q^H V)^H (Q^H V) ,
 
 and of the last the products of parameters of different channels are those of Q^H V.
 """
@@ -51,19 +51,20 @@ class Ways:
 
 def normal(of: Ways, r: ComplexArray, Q: ComplexArray | None, u: ComplexArray, w: Array) -> Normal:
     """Of one run, from its residual (m, c), the directions (m, c, k) of its inputs, these (m, k), and weights (m, c)."""
-    # O (m, c, j), directions beside the inputs, and y (m, a, j), what the common parameters move the quantities by
+    # B (m, c, j), what the quantities do beside the inputs, and z (m, a, j), what the common parameters move them by
     T = np.zeros((*w.shape, of.through.shape[2]), dtype=np.complex128)
     T[:, of.channels] = w[:, of.channels, None] * of.through
-    O, R = np.linalg.qr(T if Q is None else T - Q @ (Q.conj().transpose(0, 2, 1) @ T))
+    B = T if Q is None else T - Q @ (Q.conj().transpose(0, 2, 1) @ T)
     m, a, j, k = of.quantities.shape
-    y = (of.quantities.reshape(m, a * j, k) @ u[..., None]).reshape(m, a, j) @ R.transpose(0, 2, 1)
+    z = (of.quantities.reshape(m, a * j, k) @ u[..., None]).reshape(m, a, j)
     single = w[:, of.at].T * np.einsum("bmk,mk->bm", of.rows, u)
     whole = w * (of.whole @ u[..., None])[..., 0]
-    met = np.concatenate([_met(O, single, of.at), _met_by_all(O, whole)])
+    met = np.concatenate([_met(B, single, of.at), _met_by_all(B, whole)])
     matrix, gradient = np.empty((of.count, of.count)), np.empty(of.count)
-    common, rest = solve.as_real(y.transpose(1, 0, 2)), solve.as_real(met)
+    across = z @ (B.conj().transpose(0, 2, 1) @ B).transpose(0, 2, 1)
+    common, rest = solve.as_real(z.transpose(1, 0, 2)), solve.as_real(met)
     apart = np.concatenate([of.single, of.others])
-    matrix[np.ix_(of.common, of.common)] = common @ common.T
+    matrix[np.ix_(of.common, of.common)] = common @ solve.as_real(across.transpose(1, 0, 2)).T
     matrix[np.ix_(of.common, apart)] = both = common @ rest.T
     matrix[np.ix_(apart, of.common)] = both.T
     # (b + d, b + d) the products of the parameters that go no common way
@@ -82,7 +83,7 @@ def normal(of: Ways, r: ComplexArray, Q: ComplexArray | None, u: ComplexArray, w
         along = solve.as_real(np.concatenate([_met(Q, single, of.at), _met_by_all(Q, whole)]))
         apart_matrix -= along @ along.T
     matrix[np.ix_(apart, apart)] = apart_matrix
-    gradient[of.common] = -(common @ solve.as_real((O.conj().transpose(0, 2, 1) @ r[..., None])[None, ..., 0])[0])
+    gradient[of.common] = -(common @ solve.as_real((B.conj().transpose(0, 2, 1) @ r[..., None])[None, ..., 0])[0])
     gradient[of.single] = -np.sum((single.conj() * r.T[of.at]).real, axis=1)
     gradient[of.others] = -np.sum((whole.conj() * r).real, axis=(1, 2))
     return Normal(cost=0.5 * float(np.sum(np.square(np.abs(r)))), gradient=gradient, matrix=matrix)

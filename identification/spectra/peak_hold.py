@@ -69,7 +69,7 @@ def peak_reference_hold(
         raise _refused(source, "block_size", f"the record of {len(x)} samples is shorter than a block of {block_size}", remedy)
     step = rate / block_size
     if lines[0] < 2 * step or lines[-1] > rate / 2:
-        problem = f"lines from {2 * step:g} to {rate / 2:g} Hz can be told, found {lines[0]:g} to {lines[-1]:g} Hz"
+        problem = f"lines from {2 * step:g} to {rate / 2:g} Hz can be resolved, found {lines[0]:g} to {lines[-1]:g} Hz"
         raise _refused(source, "frequency", problem, "Ask for lines within, or take longer blocks")
     first, last = int(np.floor(lines[0] / step)), int(np.ceil(lines[-1] / step))
     native = np.arange(first, min(last, block_size // 2) + 1) * step  # the native lines that enclose `lines`

@@ -29,6 +29,7 @@ TRESPASSES = {
     "matplotlib": ("validation", "from PIL import Image"),
     "plotly": ("validation/report", "import plotly.graph_objects"),
     "trame": ("validation", "from trame.app import get_server"),
+    "distributed": ("validation", "from distributed import Client"),
     "faces": ("validation/diagnose", "from validation.report import charts"),
     "face-layers": ("validation/report", "from validation import app"),
 }

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tools.pages import FIRST, Link, anchors, links, pages, title
+from tools.pages import FIRST, WORDS, Link, anchors, first_words, links, pages, title
 
 ROOT = Path(__file__).parents[2]
 PAGES = pages(ROOT)
@@ -108,3 +108,30 @@ def test_pictures_are_small() -> None:
     sizes = {path.name: path.stat().st_size for path in PICTURES.iterdir()}
     assert [name for name, size in sizes.items() if size > 400_000] == []
     assert sum(sizes.values()) < 6_000_000
+
+
+GLOSSARY = "glossary.md"
+LISTED = (GLOSSARY, FIRST, "effects.md")
+"""Pages that link no word: what they link to; the list of pages; what the code writes of its catalogue."""
+
+
+@pytest.mark.parametrize("page", [one for one in PAGES if one.name not in LISTED], ids=lambda page: page.name)
+def test_a_private_word_is_linked_to_the_glossary_where_it_first_stands(page: Path) -> None:
+    assert unexplained(page) == []
+
+
+def unexplained(page: Path) -> list[str]:
+    """Words of the glossary that stand on `page` before they are linked, or that it never links."""
+    text = page.read_text(encoding="utf-8")
+    linked = {anchor: text.find(f"{GLOSSARY}#{anchor})") for anchor in WORDS}
+    return [anchor for anchor, (at, _) in first_words(page).items() if not 0 <= linked[anchor] < at]
+
+
+def test_every_private_word_stands_in_the_glossary() -> None:
+    assert set(WORDS) <= anchors(INDEX.with_name(GLOSSARY))
+
+
+def test_a_word_that_is_not_linked_is_found(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text("# FMD\n\n`nats` of a [mass line](x.md), a dynamic\nmass, then\n[dynamic mass](glossary.md#dynamic-mass).\n")
+    assert unexplained(page) == ["dynamic-mass"]

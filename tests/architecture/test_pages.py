@@ -33,12 +33,14 @@ import click
 import pytest
 
 from tools.doctor import INSTALL_BROWSER, install_line
-from tools.pages import Block, blocks, commands, indented, lines, pages, quoted
+from tools.pages import Block, blocks, commands, indented, lines, links, pages, quoted
 from validation.cli.main import COMMANDS, cli
 
 ROOT = Path(__file__).parents[2]
 PAGES = pages(ROOT)
 LANGUAGES = ("sh", "python", "toml", "output")
+README_LINES = 60
+"""[lines] One screen and a half."""
 READERS = ("make", "apt-get", "git", "cd")
 """Programs of lines that are the reader's own."""
 
@@ -53,8 +55,9 @@ LONG = {
         "reference-tables.md",
         "report.md",
         "tutorial.md",
-        "README.md",
+        "commands.md",
         "python.md",
+        "fleet.md",
         "league.md",
         "laboratories.md",
         "your-own-structure.md",
@@ -293,10 +296,17 @@ def test_what_is_indented_is_a_formula_or_a_quotation_and_no_command(page: Path)
         assert not re.match(r"\s+(\$|massline|python|pip|import|from|def)\b", line), f"{page.name}: {line}"
 
 
-def test_the_readme_shows_the_two_commands_and_the_command_line() -> None:
-    found = commands(PAGES[0])
-    assert {"make demo", "make test"} <= {line.partition("#")[0].strip() for line in found}
-    assert any(line.startswith("massline") for line in found)
+def test_the_readme_is_a_page_with_two_commands_one_picture_and_no_table_of_figures() -> None:
+    found = [line.partition("#")[0].strip() for line in commands(PAGES[0])]
+    assert found == ["make demo", "make test"]
+    assert sum(link.picture for link in links(PAGES[0])) == 1
+    assert len(PAGES[0].read_text(encoding="utf-8").splitlines()) <= README_LINES
+
+
+def test_one_page_has_every_command_on_a_line() -> None:
+    (page,) = (one for one in PAGES if one.name == "commands.md")
+    found = {line.split()[1] for line in commands(page) if line.startswith("massline")}
+    assert COMMANDS.keys() <= found
 
 
 def test_a_new_block_is_run_and_what_it_says_is_held_against_what_it_prints(tmp_path: Path, code: Path) -> None:

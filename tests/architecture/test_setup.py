@@ -67,8 +67,8 @@ def test_the_doctor_looks_for_the_browsers_that_the_report_is_printed_by() -> No
     assert page.NAMES == BROWSERS
 
 
-def test_the_readme_names_the_system_libraries_and_the_browser(root: Path) -> None:
-    text = (root / "README.md").read_text(encoding="utf-8")
+def test_the_page_of_install_names_the_system_libraries_and_the_browser(root: Path) -> None:
+    text = (root / "docs" / "install.md").read_text(encoding="utf-8")
     assert install_line() in text
     assert f"{INSTALL_BROWSER}    # for the workbench's tests and PDF" in text
 

@@ -274,7 +274,7 @@ def test_sound_data_and_a_misfit_that_is_not_known_keep_their_verdicts() -> None
     ("changes", "said"),
     [
         ({"misfit": 1.1 * MISFIT}, "times what noise and model error explain"),
-        ({"surprise": 1.1 * BENT * 120}, "the 120 tolerances had to be bent by"),
+        ({"surprise": 1.1 * BENT * 120}, "the fit moved the 120 tolerances by"),
         ({"converged": False}, "did not converge"),
     ],
 )

@@ -135,8 +135,8 @@ def test_a_record_that_ends_early_biases_the_full_record_too() -> None:
     [
         ({"block_size": 100_000}, "shorter than a block of 100000"),
         ({"overlap": 1.0}, "an overlap of 1"),
-        ({"frequency": [0.1]}, "lines from 0.5 to 64 Hz can be told"),
-        ({"frequency": [70.0]}, "lines from 0.5 to 64 Hz can be told"),
+        ({"frequency": [0.1]}, "lines from 0.5 to 64 Hz can be resolved"),
+        ({"frequency": [70.0]}, "lines from 0.5 to 64 Hz can be resolved"),
         ({"reference": np.zeros(6220)}, "silent"),
     ],
 )

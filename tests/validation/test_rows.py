@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from validation.classical.files import Item
-from validation.output import PIPED_WIDTH, page_width, print_pages, rounded, to_json
+from validation.output import PIPED_WIDTH, odds, page_width, print_pages, rounded, to_json
 from validation.reference.statement import Row, add_figures, rows_table
 from validation.report.reference import budget_table
 
@@ -181,3 +181,14 @@ def test_the_line_under_the_title_stands_alone_in_any_encoding(encoding, monkeyp
     print_pages([rows_table([MASS], "Weighed\nconstructed, not measured")])
     out.flush()
     assert "constructed, not measured" in written.getvalue().decode("utf-8").splitlines()  # click takes an ASCII stream for UTF-8
+
+
+@pytest.mark.parametrize(
+    ("evidence", "said"),
+    [
+        *((0.0, "1 to 1"), (1.0, "2.7 to 1"), (3.0, "20 to 1"), (8.0, "3000 to 1"), (12.0, "160,000 to 1")),
+        *((-3.0, "1 to 20"), (1084.0, "over a million to 1"), (float("inf"), "over a million to 1")),
+    ],
+)
+def test_evidence_is_said_as_odds(evidence, said):
+    assert odds(evidence) == said

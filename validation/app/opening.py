@@ -14,7 +14,7 @@ from pathlib import Path
 from geometry import cache, toml_file
 from geometry.atomic import write_text, write_with
 from geometry.errors import BadInput
-from identification import campaign_file
+from identification import campaign_file, test_file
 from validation.app.session import GIVEN, Progress
 from validation.classical import files as classical_files
 from validation.effects import catalogue
@@ -23,7 +23,7 @@ from validation.identify.identify import REDUCED
 from validation.model import model_file
 from validation.model.model import Model
 from validation.output import json_text
-from validation.study import TRUTH, only_files, read_data
+from validation.study import TRUTH, is_test, only_files, read_data
 from validation.virtual_test import simulate
 
 # The built-in examples: virtual tests with an effect that their model does not know, simulated at first use by the very functions
@@ -92,7 +92,7 @@ EXAMPLES = (
         name="block",
         title="A block with a hidden effect",
         words="Disc and Cuboid on the force measurement device, quick sweeps, compared from 8 to 16 Hz. Something is wrong with "
-        "the measurement, and no model of the block will ever explain it. The z-sweep is held out of every fit.",
+        "the measurement, and no model of the block will ever explain it. The z-sweep is used only for checking.",
         articles=("fmd+disc+cuboid",),
         effects=("force-gain:fmd-z2=0.08",),
         octaves_per_minute=60.0,
@@ -104,7 +104,7 @@ EXAMPLES = (
         name="mast",
         title="A mast with one blade and a hidden effect",
         words="Clumod with one blade, and disc and Cuboid for a tare: two campaigns that share their sensors. Resonances and the "
-        "mass line both look wrong; tolerances alone can nearly explain it, at an absurd price.",
+        "mass line both look wrong; tolerances alone nearly explain it, if they move absurdly far.",
         articles=("fmd+disc+cuboid", "fmd+clumod-1"),
         effects=("force-gain:fmd-z2=0.15",),
         octaves_per_minute=16.0,
@@ -243,14 +243,10 @@ def faults(
                 continue
             found += [*map(of_error, seen.problems), *(Fault(file=path, problem=text, grave=False) for text in seen.warnings)]
         else:
-            _tried(found, partial(_reduce, path))
-    if not any(one.grave for one in found) and isinstance(known, Model):
-        # What contradicts what, of files that are sound by themselves; descriptions are enough to see it
-        if any(Path(path).is_dir() for path in data):
-            _tried(found, lambda: read_data(data, known))
-        elif data:
-            problem = "there is no campaign among them, and weights and periods alone tell nothing of frequencies"
-            found.append(Fault(file="DATA", problem=problem, remedy="Name a campaign folder, too"))
+            _tried(found, partial(test_file.read if is_test(path) else _reduce, path))
+    if not any(one.grave for one in found) and isinstance(known, Model) and (data or known.tests):
+        # What contradicts what, of files that are sound by themselves
+        _tried(found, lambda: read_data(data, known))
     unique = tuple(dict.fromkeys(found))
     return (*(one for one in unique if one.grave), *(one for one in unique if not one.grave))
 
@@ -444,7 +440,7 @@ def sorted_out(folder: str | Path) -> Received:
             table = {"model": None}  # the reader of models says what is wrong with it
         if written and "model" in table:
             models.append(str(path))
-        elif table.get("kind") in classical_files.KINDS:  # what is neither is no fault here
+        elif table.get("kind") in (*classical_files.KINDS, *test_file.KINDS):  # what is neither is no fault here
             data.append(str(path))
     return Received(folder=where, models=tuple(models), data=tuple(data), faults=())
 

@@ -3,7 +3,7 @@
 import asyncio
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import isfinite, log, log2
 from typing import TYPE_CHECKING, Any
 
@@ -16,15 +16,16 @@ from validation.app.scene3d import MapCell, MapEntry
 from validation.app.state import WindowState, keep, kept
 from validation.app.whatif import ReadyPredictions, Slider, TrialEffect, WhatIf
 from validation.compare.compare import run as run_in_words
-from validation.compare.maps import Pairs
+from validation.compare.correlation import ModalCorrelation
+from validation.compare.maps import NamedMode, Pairs
 from validation.diagnose.diagnosis import Cause, Diagnosis, sized
 from validation.diagnose.diagnosis import listed as diagnosis_listed
 from validation.effects import practical_units
 from validation.effects.catalogue import parse
-from validation.report.charts import maps
+from validation.report.charts import functions, maps
 from validation.report.charts.figure import Figure
 from validation.report.charts.history import falling_errors, identified_inertia, way_to
-from validation.report.charts.interactive import escaped, phase
+from validation.report.charts.interactive import escaped
 from validation.report.charts.spec import ACCEPTED, ALIKE, LESS, TOO_MUCH_LEFT, signed_log
 from validation.report.scenes.turntable import Turn, Turntable
 
@@ -47,11 +48,14 @@ def as_state(figure: Figure) -> dict[str, Any]:
 ROW, TOP, BOTTOM = 9, 16, 40
 """Least height of a row of the map, and room above and below its rows [pixels]."""
 
-TITLE = 8
-"""[pixels] less than on a page that the overlay's title takes here."""
-
 WORST_OF_ALL = -1
 """In place of a run: the worst of all."""
+
+MASS, FUNCTIONS, TABLE = "mass", "functions", "table"
+"""What a data set is: runs that tell a dynamic mass, response functions, a table of modes."""
+
+CURVES, MAC = "curves", "mac"
+"""What stands above: curves over frequency, or modes beside modes."""
 
 
 async def drawn(window: WindowState) -> None:
@@ -61,13 +65,19 @@ async def drawn(window: WindowState) -> None:
     state, of = window.state, window.compared.map(window.state.campaign)
     modes, dark, further = window.compared.modes_of(state.campaign), bool(state.dark), with_effect(window)
     load, motion, marked, number = state.load, state.motion, state.marked, state.run
+    run, channel, how = state.drive, state.response, switches(window)
 
-    def overlay(pairs: Pairs) -> dict[str, Any]:
-        """Named by its entry alone: the campaign is said beside it, and the button that enlarges it needs room, too."""
-        figure = maps.overlay(pairs, load, motion, modes=modes, further=further, marked=marked, dark=dark)
-        title = f"{maps.entry(load, motion)}: {maps.LOADS[load]} by {maps.MOTIONS[motion]}"
-        figure.update(title={"text": title}, margin={"t": figure.layout["margin"]["t"] - TITLE})
-        return as_state(figure)
+    def overlay() -> dict[str, Any]:
+        """Without a title: what it is of is said above it."""
+        coherence = None
+        if of.pairs is not None:
+            panel = maps.entry_of(of.pairs, load, motion, modes, further)
+        else:
+            panel = functions.functions_of(of, run, channel, further)
+            if of.functions is not None and of.functions.coherence is not None:
+                coherence = of.functions.coherence[run, :, channel]
+        look: dict[str, Any] = {"coherence": coherence, "named": modes, "marked": marked, "dark": dark}
+        return as_state(functions.shown(panel, units(window), how, title=f"{of.data_set} {state.curve}", **look))
 
     def residuals(pairs: Pairs | None) -> dict[str, Any]:
         """Without its title, which tabs and choices above it say; its height is the least, the page gives it what there is."""
@@ -80,18 +90,114 @@ async def drawn(window: WindowState) -> None:
         figure.across(title={"standoff": 2, "font": {"size": 12}}, tickfont={"size": 11})
         return as_state(figure)
 
-    state.fig_overlay = {} if of.pairs is None else await window.away(overlay, of.pairs)
+    if of.pairs is not None:
+        state.curve = f"{maps.entry(load, motion)}: {maps.LOADS[load]} by {maps.MOTIONS[motion]}"
+    elif of.functions is not None:
+        state.curve = f"{of.rows[channel]} by a force at {of.runs[run]}"
+    else:
+        state.curve = ""
+    state.fig_overlay = await window.away(overlay) if state.curve else {}
+    await correlation_drawn(window)
     state.fig_map = await window.away(residuals, of.pairs if state.map_kind == "pairs" else None)
     state.flush()
 
 
 def with_effect(window: WindowState) -> "dict[str, ComplexArray]":
-    """What the overlay draws beside the prediction: by name, the 6 x 6 with the effect, whichever entry is shown."""
+    """What the overlay draws beside the prediction: by name, all that is read with the effect, whichever entry is shown."""
     tried, state = window.tried, window.state
     if tried is None:
         return {}
     trace = next((one for one in tried.traces if one.campaign == state.campaign), None)
-    return {} if trace is None else {name_of(tried): trace.matrix}
+    if trace is None:
+        return {}
+    return {name_of(tried): trace.matrix.swapaxes(0, 1) if state.kind == FUNCTIONS else trace.matrix}
+
+
+def switches(window: WindowState) -> functions.Switches:
+    """How curves are shown."""
+    return functions.Switches(**{one: window.state[one] for one in SWITCHES})
+
+
+def units(window: WindowState) -> tuple[str, str]:
+    """SI, of what is divided and of what it is divided by, of the curve that is shown."""
+    state = window.state
+    if state.kind == FUNCTIONS and window.compared is not None:
+        whole = window.compared.map(state.campaign).functions
+        return ("" if whole is None else whole.unit.removesuffix("/N").replace("^2", "²")), "N"
+    return ("N", "N m")[state.load >= 3], ("m/s²", "rad/s²")[state.motion >= 3]
+
+
+SWITCHES = ("form", "lower", "logarithmic", "unwrapped", "units")
+"""State of the page that `functions.Switches` is made of."""
+
+CHOICES: Mapping[str, tuple[Any, ...]] = {
+    "form": functions.FORMS,
+    "lower": functions.LOWER,
+    "logarithmic": (True, False),
+    "unwrapped": (False, True),
+    "units": tuple(functions.SYSTEMS),
+}
+
+
+async def switch(window: WindowState, name: str, wanted: str) -> None:
+    """Show curves otherwise; every window that is opened later begins so."""
+    found = next((one for one in CHOICES.get(name, ()) if str(one) == wanted), None)
+    if found is not None:
+        window.state[name] = found
+        app_state.keep_switches({one: window.state[one] for one in SWITCHES})
+        await drawn(window)
+
+
+async def function(window: WindowState, drive: int, response: int) -> None:
+    """Show another response function."""
+    window.state.drive, window.state.response = int(drive), int(response)
+    await drawn(window)
+
+
+async def showing(window: WindowState, name: str) -> None:
+    """Curves, or modes beside modes."""
+    window.state.showing = MAC if name == MAC else CURVES
+    await drawn(window)
+    await structure_shown(window)
+
+
+# Modes of a table, or resonances that functions show, beside those of the model.
+
+
+def model_hertz(of: ModalCorrelation, known: Sequence[NamedMode]) -> list[float]:
+    """[Hz] of the modes of the model in the columns of the MAC."""
+    paired = {one.model: one.model_hz for one in of.pairs}
+    return [paired.get(k, known[k - 1].frequency if 0 < k <= len(known) else float("nan")) for k in of.modes]
+
+
+async def correlation_drawn(window: WindowState) -> None:
+    """Draw MAC and the chosen pair of shapes, where the data set has modes."""
+    state, compared = window.state, window.compared
+    table = None if compared is None else compared.table(state.campaign)
+    if compared is None or table is None or not table.mac.size or state.showing != MAC:
+        state.fig_mac, state.fig_shape, state.pair_words = {}, {}, ""
+        return
+    at = pair_at(table, state.pair)
+    hertz, dark = model_hertz(table, compared.modes_of(state.campaign)), bool(state.dark)
+    state.fig_mac = as_state(functions.mac(table, hertz, at, dark))
+    state.fig_shape = as_state(functions.pair_of_shapes(table, at, dark))
+    state.pair_words = functions.told(table, at)
+
+
+def pair_at(of: ModalCorrelation, pair: Sequence[int] | None) -> tuple[int, int]:
+    """Row and column of the MAC that are shown: those of the first pair where none was chosen."""
+    m, q = of.mac.shape
+    if pair is not None and 0 <= pair[0] < m and 0 <= pair[1] < q:
+        return int(pair[0]), int(pair[1])
+    return 0, of.modes.index(of.pairs[0].model)
+
+
+async def matched(window: WindowState, picked: dict[str, Any]) -> None:
+    """A click on the MAC: the shapes of that pair, side by side."""
+    if len(picked["custom"]) == 4:
+        window.state.pair = [int(picked["custom"][2]), int(picked["custom"][3])]
+        await correlation_drawn(window)
+        await structure_shown(window)
 
 
 def name_of(tried: WhatIf) -> str:
@@ -113,7 +219,7 @@ HEADINGS = {
 
 SHORTER = {
     "plain, fitted data": "plain",
-    "plain, held out": "held out",
+    "plain, only for checking": "only for checking",
     "χ² per degree of freedom": "χ² per dof",
     "z² of the tolerances over what is due": "z² over due",
 }
@@ -132,7 +238,7 @@ async def rungs_shown(window: WindowState) -> None:
     for one in reversed(at.ladder.rungs):
         told = "no figures yet"
         if (of := one.errors) is not None:
-            held = "" if of.held_out is None else f", held out {of.held_out:.3g} %"
+            held = "" if of.held_out is None else f", checked {of.held_out:.3g} %"
             told = f"plain {of.plain:.3g} %{held}, χ² {of.chi2_per_dof:.2f}, tolerances {of.tolerance_z2:.0f}"
         rung = {
             "number": one.number,
@@ -211,20 +317,29 @@ async def structure_shown(window: WindowState) -> None:
     state.view_far = _far(window)
     state.flush()
     try:
-        if state.mode == AT_REST or compared is None:
+        table = None if compared is None or state.kind == MASS else compared.table(campaign)
+        if compared is not None and state.kind != MASS:
+            pair = pair_at(table, state.pair) if table is not None and table.mac.size and state.showing == MAC else None
+            number = None if state.mode == AT_REST else state.mode
+            turned = await window.away(scene3d.of_test, window.session, compared, campaign, number, pair)
+            table_of, label, note = turned.table, turned.label, turned.note
+        elif state.mode == AT_REST or compared is None:
             scene = await window.away(scene3d.scene, window.session, campaign)
-            table, label = Turntable(scene.bodies, scene.sensors), f"{campaign}: structure and sensors"
+            table_of, label = Turntable(scene.bodies, scene.sensors), f"{campaign}: structure and sensors"
             note = f"{scene.title}. {scene.note}"
         else:
             shape = await window.away(scene3d.shape, window.session, compared, campaign, state.mode)
-            table, label = Turntable(shape.bodies, scale=shape.scale), f"{campaign}: {shape.name} at {shape.frequency:.2f} Hz"
+            rest = await window.away(scene3d.scene, window.session, campaign)
+            table_of = Turntable(shape.bodies, rest.sensors, shape.scale)
+            label = f"{campaign}: {shape.name} at {shape.frequency:.2f} Hz"
             damping = f"damping ratio {shape.damping_ratio:.3g}"
             note = f"{shape.name}, {shape.frequency:.2f} Hz, {damping}; base held, size of the swing as drawn."
-        before, window.turntable = window.turntable, table
+        before, window.turntable = window.turntable, table_of
         if before is not None:
             await window.drawn(before.close)
         window.views += 1
-        state.update({"view": str(window.views), "view_label": label, "view_note": note})
+        moves = table_of.moves
+        state.update({"view": str(window.views), "view_label": label, "view_note": note, "view_moves": moves})
     except (BadInput, CheckFailed) as error:
         state.view, state.view_note = "", str(error)
     state.flush()
@@ -315,8 +430,9 @@ async def comparing_shown(window: WindowState) -> None:
         state.campaign = compared.campaigns[0]
     _of_campaign(window)
     if fresh and compared.summary["worst"]:
-        _go(window, _entry_of_spot(window, 0))
-    await drawn(window)
+        await spot(window, 0)
+    else:
+        await drawn(window)
 
 
 async def redrawn(window: WindowState) -> None:
@@ -343,6 +459,10 @@ async def cell(window: WindowState, picked: dict[str, Any]) -> None:
     if window.compared is None or len(picked["custom"]) != 2:  # the triangle of a mode
         return
     of, row, frequency = window.compared.map(window.state.campaign), str(picked["y"]), float(picked["custom"][1])
+    if window.state.kind == TABLE:
+        labels = [escaped(name) for name in maps.labels(of)]
+        await _to_mode(window, int(frequency) - 1)
+        return
     if row in maps.PAIRS and window.state.map_kind == "pairs":
         load, motion = divmod(maps.PAIRS.index(row), 6)
         _go(window, MapEntry(campaign=of.data_set, load=load, motion=motion, frequency=frequency))
@@ -357,14 +477,45 @@ async def cell(window: WindowState, picked: dict[str, Any]) -> None:
             line = int(np.argmin(np.abs(of.frequency - frequency)))
             known = np.isfinite(of.expected[:, line, number]) & np.isfinite(of.sigma[:, line, number])
             run = int(np.argmax(np.where(known, of.sigma[:, line, number], -np.inf)))
+        if window.state.kind == FUNCTIONS:
+            window.state.drive, window.state.response, window.state.marked = run, number, frequency
+            window.state.showing = CURVES
+            await nearest(window)
+            await drawn(window)
+            return
         found = MapCell(campaign=of.data_set, run=of.runs[run], row=of.rows[number], frequency=frequency)
         _go(window, scene3d.entry_of(window.compared, found))
     await nearest(window)
     await drawn(window)
 
 
+async def _to_mode(window: WindowState, row: int) -> None:
+    """A mode of a table and its partner."""
+    table = None if window.compared is None else window.compared.table(window.state.campaign)
+    if table is None or not 0 <= row < len(table.pairs):
+        return
+    window.state.showing, window.state.pair = MAC, [row, table.modes.index(table.pairs[row].model)]
+    await drawn(window)
+    await structure_shown(window)
+
+
 async def spot(window: WindowState, number: int) -> None:
     """A worst spot of the list, the same way."""
+    one, compared = _spot(window, int(number)), window.compared
+    of = None if compared is None else compared.map(one["campaign"])
+    if of is not None and of.pairs is None and of.channels == len(of.rows):  # a test by itself
+        if window.state.campaign != of.data_set:
+            window.state.campaign = of.data_set
+            _of_campaign(window)
+        run = of.runs.index(one["run"])
+        if window.state.kind == TABLE:
+            await _to_mode(window, run)
+            return
+        window.state.drive, window.state.response = run, of.rows.index(one["channel"])
+        window.state.marked, window.state.showing = float(one["frequency_hz"]), CURVES
+        await nearest(window)
+        await drawn(window)
+        return
     _go(window, _entry_of_spot(window, int(number)))
     await nearest(window)
     await drawn(window)
@@ -394,6 +545,16 @@ def _of_campaign(window: WindowState) -> None:
     """What the picker and the choice of runs say of the campaign that is shown."""
     state = window.state
     of = window.compared.map(state.campaign)  # type: ignore[union-attr]
+    table = window.compared.table(state.campaign)  # type: ignore[union-attr]
+    state.kind = FUNCTIONS if of.functions is not None else TABLE if not of.has_lines else MASS
+    state.correlated = table is not None and bool(table.mac.size)
+    state.showing = MAC if state.kind == TABLE else CURVES if not state.correlated else state.showing
+    state.drives, state.responses = ([*of.runs], [*of.rows]) if state.kind == FUNCTIONS else ([], [])
+    state.drive, state.response = (
+        at if at < max(count, 1) else 0 for at, count in ((state.drive, len(of.runs)), (state.response, len(of.rows)))
+    )
+    if state.kind != MASS:
+        state.map_kind = "channels"
     state.runs = [{"title": "the worst of all runs", "value": WORST_OF_ALL}] + [
         {"title": run_in_words(name, axis), "value": k} for k, (name, axis) in enumerate(zip(of.runs, of.axes, strict=True))
     ]
@@ -406,9 +567,12 @@ def _of_campaign(window: WindowState) -> None:
     state.tints = [[int(np.searchsorted(TINTS, 0 if np.isnan(peak) else peak, side="right")) for peak in row] for row in peaks]
 
 
+def _spot(window: WindowState, number: int) -> Mapping[str, Any]:
+    return window.compared.summary["worst"][number]  # type: ignore[union-attr, no-any-return]
+
+
 def _entry_of_spot(window: WindowState, number: int) -> MapEntry:
-    compared = window.compared
-    one = compared.summary["worst"][number]  # type: ignore[union-attr]
+    compared, one = window.compared, _spot(window, number)
     found = MapCell(campaign=one["campaign"], run=one["run"], row=one["channel"], frequency=float(one["frequency_hz"]))
     return scene3d.entry_of(compared, found)  # type: ignore[arg-type]
 
@@ -591,8 +755,11 @@ async def _chased(window: WindowState) -> None:
         trace = next((one for one in found.traces if one.campaign == state.campaign), None)
         window.drags += 1
         if trace is not None and window.tried is not None:
-            after = trace.matrix[:, state.load, state.motion]  # of the entry that is shown now, whichever was then
-            curves = [np.abs(after), phase(after)]
+            # Of the entry that is shown now, whichever was then
+            of_test = state.kind == FUNCTIONS
+            after = trace.matrix[:, state.drive, state.response] if of_test else trace.matrix[:, state.load, state.motion]
+            how = switches(window)
+            curves = how.curves(after * how.unit(*units(window))[0])
             state.live = {
                 "group": name_of(window.tried),
                 "x": trace.frequency.tolist(),

@@ -1,26 +1,36 @@
 """What stands on the shaker, to be drawn in 3-D: bodies and sensors of one campaign, seen from F."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
+from fem.structure import position_of
 from geometry.articles import NAMES, changes_of
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.errors import BadInput
-from geometry.frames import Array
+from geometry.frames import Array, Integers
+from geometry.sensors import Point
 from geometry.toml_file import nearest as keys_nearest
 from identification import campaign_file
 from identification.campaign import Campaign
-from validation.app.session import Compared, Session
+from validation.app.session import Compared, Session, digest, opened
 from validation.flexible.model import FlexibleOptions, flexible
+from validation.history.history import read_text
 from validation.model.model import BEAM
 from validation.prediction import effects
+from validation.prediction.modal_table import TableFrequencies, TableShapes, real_modes
+from validation.prediction.response_functions import ResponseFunctionTest
+from validation.prediction.structure import ReducedStructure
+from validation.prediction.structure_tests import StructurePrediction
+from validation.report.charts.functions import scaled, told
 from validation.report.flexible import Moved, moved_bodies
 from validation.report.scenes.motion import MovingBody, scale_of
-from validation.report.scenes.scene import DrawnBody
+from validation.report.scenes.nodes import Outline, marks
+from validation.report.scenes.scene import DrawnBody, fitted
 from validation.report.scenes.setups import DrawnSensor, bodies_of, sensors_of
+from validation.report.scenes.turntable import DRIVE, FAILS, Turntable
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -239,3 +249,175 @@ def _of_beams(article: str, changes: tuple[tuple[str, float], ...], count: int) 
     """Bodies fine enough to bend, with what they move in each of the modes as drawn."""
     made_of = flexible(article, BEAM, FlexibleOptions(count=count, changes=dict(changes)))
     return moved_bodies(made_of, made_of.modes.shapes)
+
+
+# A structure that was tested by itself: its mesh with drives and sensors, its modes, and those of a test beside them.
+
+
+@lru_cache(maxsize=2)
+def _tests(folder: str, digest: str) -> tuple[StructurePrediction, ...]:
+    """The tests of the session in `folder` by its model as it stands, whose text has the `digest`."""
+    study = opened(folder).study()
+    return study.predictions[len(study.made) :]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ShownStructure:
+    """One data set of a structure that was tested by itself.
+
+    Attributes
+    ----------
+    prediction : by the model as it stands
+    whole : its structure
+    nodes, moved : (p, 3) [m] those that move, and by which rows of the basis
+    points : where forces act and answers are read, those of which the place is known
+    places : (s, 3) [m] of these
+    """
+
+    prediction: StructurePrediction
+    whole: ReducedStructure
+    nodes: Array
+    moved: Integers
+    points: tuple[Point, ...]
+    places: Array
+
+    @classmethod
+    def of(cls, session: Session, name: str) -> "ShownStructure":
+        """The data set `name` of a session.
+
+        Raises
+        ------
+        BadInput : of the structure no coordinates are known.
+        """
+        tests = _tests(str(session.folder), digest(read_text(session.model)))
+        one = next(each for each in tests if each.measured.name == name)
+        whole = None if one.structure is None else one.structure.reduced
+        nodes, moved = (np.zeros((0, 3)), np.zeros((0, 3), dtype=np.intp)) if whole is None else whole.nodes()
+        if whole is None or not len(nodes):
+            problem = "its description states no coordinates, so there is nothing to be drawn"
+            raise BadInput(source=name, problem=problem, remedy="Look at the curves and the MAC")
+        every = one.table.sensors if isinstance(one, TableFrequencies | TableShapes) else ()
+        if isinstance(one, ResponseFunctionTest):
+            every = (*one.responses, *(each for each in one.drives if each.name not in {at.name for at in one.responses}))
+        found = {point: position_of(whole.structure, point.place) for point in every}
+        known = {point: place for point, place in found.items() if place is not None}
+        places = np.array(list(known.values())).reshape(-1, 3)
+        return cls(prediction=one, whole=whole, nodes=nodes, moved=moved, points=tuple(known), places=places)
+
+    def sensors(self, fails: Mapping[str, float]) -> tuple[DrawnSensor, ...]:
+        """Forces and sensors, with the sigmas of those that deviate."""
+        drives = {one.name for one in self.prediction.drives} if isinstance(self.prediction, ResponseFunctionTest) else set()
+        found = []
+        for one, place in zip(self.points, self.places, strict=True):
+            words = f"{one.name}, {fails[one.name]:.0f} σ" if one.name in fails else one.name
+            group = FAILS if one.name in fails else DRIVE if one.name in drives else "article"
+            found.append(DrawnSensor(name=words, group=group, position=place, direction=np.asarray(one.direction)))
+        return tuple(found)
+
+    def mode(self, offsets: Mapping[str, float], number: int) -> tuple[Array, Array]:
+        """What the mode with `number` of the structure at `offsets` moves: nodes (p, 3), and the points (s, 3).
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError : the model breaks down there.
+        """
+        structure = self.prediction.structure
+        if structure is None:
+            raise ValueError("`prediction` must have a structure")
+        acting = effects.at(self.prediction.effects, offsets)
+        modes = real_modes(effects.structure(structure.at(offsets, derivatives=False)[0], {}, acting, derivatives=False)[0])
+        basis = self.whole.basis
+        swing = basis @ modes.shapes[: basis.shape[1], number]
+        at = [self.whole.structure.places[one.place] @ swing for one in self.points]
+        return swing[self.moved], np.array(at).reshape(-1, 3)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Turned:
+    """What can be turned on the page.
+
+    Attributes
+    ----------
+    table : pictures of it
+    label, note : what it is, and what is to be known about it
+    """
+
+    table: Turntable
+    label: str
+    note: str
+
+
+SHINING = 4.0
+"""[sigma] from which a force or a sensor is marked: chance does not reach it."""
+
+MARK = 0.02
+"""Of its size, what a mark of a sensor that moves is."""
+
+APART = 1.5
+"""Of its width, by which the structure of the test stands beside that of the model."""
+
+
+def failing(of: Compared, name: str) -> dict[str, float]:
+    """By name of a sensor its worst deviation [sigma], of those that no chance explains; none where half of them deviate."""
+    found = of.map(name)
+    sigma = np.where(np.isfinite(found.expected), found.sigma, 0.0)[..., : found.channels]
+    peak = dict(zip(found.rows, sigma.max(axis=(0, 1)).tolist(), strict=False))
+    least = max(SHINING, 2 * float(np.median(list(peak.values()))))
+    return {channel: most for channel, most in peak.items() if most >= least}
+
+
+def of_test(session: Session, found: Compared | None, name: str, mode: int | None, pair: tuple[int, int] | None) -> Turned:
+    """The data set `name` of a structure as it stands: at rest, in a mode, or a pair of shapes of test and model side by side.
+
+    Parameters
+    ----------
+    mode : number of `Compared.modes_of`
+    pair : row and column of its MAC
+
+    Raises
+    ------
+    BadInput : of the structure no coordinates are known.
+    """
+    one = ShownStructure.of(session, name)
+    outline = Outline.of(one.whole.structure, one.nodes)
+    sensors = one.sensors({} if found is None else failing(found, name))
+    article = one.prediction.measured.configuration
+    if found is None or (mode is None and pair is None):
+        body = DrawnBody(name=article, material="structure", vertices=outline.vertices, faces=outline.faces)
+        note = (
+            "Arrows: where forces act and answers are read; red is what deviates by more than chance explains, with its sigmas."
+        )
+        return Turned(table=Turntable((body,), sensors), label=f"{name}: structure and sensors", note=note)
+    table = found.table(name)
+    if pair is None or table is None:
+        known = found.modes_of(name)[mode or 0]
+        swing, carried = one.mode({**found.offsets}, mode or 0)
+        moving = (outline.moving(article, swing),)
+        note = f"{known.name}, {known.frequency:.2f} Hz, damping ratio {known.damping_ratio:.3g}; size of the swing as drawn."
+        label = f"{name}: {known.name} at {known.frequency:.2f} Hz"
+        return Turned(table=Turntable(moving, sensors, scale_of(moving), carried), label=label, note=note)
+    i, j = pair
+    swing, carried = one.mode({each.name: each.start for each in one.prediction.parameters}, table.modes[j] - 1)
+    # What the test says of every place: along each of the directions that were read there
+    read = dict(zip(table.comac, scaled(table.measured_shapes[i], table.model_shapes[j]).real, strict=True))
+    by_place: dict[str, Array] = {}
+    for point in one.points:
+        if point.name in read:
+            moved = read[point.name] * np.asarray(point.direction)
+            by_place[point.place] = by_place.get(point.place, np.zeros(3)) + moved
+    at = {point.place: place for point, place in zip(one.points, one.places, strict=True) if point.place in by_place}
+    size = float(np.ptp(outline.vertices, axis=0).max())
+    view = fitted(outline.vertices, (600, 400), 34.0)
+    across = outline.vertices @ view.right
+    beside = -APART * float(np.ptp(across) or size) * view.right
+    vertices, faces = marks(np.array(list(at.values())) + beside, MARK * size)
+    shown = np.repeat(np.array([by_place[place] for place in at]), 6, axis=0)
+    edges = np.zeros((0, 2), dtype=np.int64)
+    test = MovingBody(name="test", vertices=vertices, faces=faces, edges=edges, displacement=shown)
+    still = replace(outline, vertices=outline.vertices + beside).moving("at rest", np.zeros_like(swing))
+    bodies = (outline.moving(article, swing), still, test)
+    there = tuple(replace(each, position=each.position + beside) for each in sensors)
+    note = "On the left the test at its sensors, whose names it bears; on the right the model. Both in the scale of the model."
+    moved = np.array([by_place.get(point.place, np.zeros(3)) for point in one.points])
+    label = f"{name}: {told(table, pair)}"
+    return Turned(table=Turntable(bodies, there, scale_of(bodies), moved), label=label, note=note)

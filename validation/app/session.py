@@ -1,7 +1,7 @@
 """`Session`: a study in a folder, with what was found; it survives a reload and a crash.
 
     desk.json            what was asked, and the face's own view of it
-    work/model.toml      working copy of the model, with its ladder beside it
+    work/                working copy of the model under its own name, with its ladder and files of its structure beside it
     given/               files that a browser handed over
     found/<model>/       comparison and diagnosis of a model, by the digest of its text
     spectra.npz          spectra of the data, made once
@@ -13,10 +13,11 @@ The user's own files are read and never changed; `Session.report` and `Session.d
 import json
 import os.path
 import re
+import shutil
 import zlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from hashlib import sha256
 from math import inf
 from pathlib import Path
@@ -25,13 +26,15 @@ from zipfile import BadZipFile
 
 import numpy as np
 
+from geometry import toml_file
 from geometry.atomic import write_text, write_with
 from geometry.errors import BadInput
 from geometry.sensors import resultants
 from identification import campaign_file
 from identification.campaign import METHODS
 from validation.compare.compare import Comparison, of_evaluation
-from validation.compare.maps import Map, NamedMode, Pairs
+from validation.compare.correlation import FunctionCorrelation, ModalCorrelation, ModePair
+from validation.compare.maps import Functions, Map, NamedMode, Pairs
 from validation.diagnose.diagnosis import Diagnosis
 from validation.effects import catalogue
 from validation.estimation import evaluate
@@ -49,7 +52,7 @@ from validation.prediction.structure import mounted_article
 from validation.report import compare, diagnose, page
 from validation.report.history import of_step
 from validation.report.parts import Provenance
-from validation.study import Data, Options, Study, read_data, require_band
+from validation.study import Data, Options, Study, is_test, read_data, read_tests, require_band
 
 Progress = Callable[[str, float], None]
 
@@ -73,8 +76,10 @@ DIAGNOSIS, TOLERANCES = "diagnose.json", "diagnose.tolerances.json"
 """The object of `massline diagnose --json`, and what its fits lack: by parameter what was known of it beforehand."""
 
 TEXTS = ("data_set", "configuration", "runs", "axes", "rows", "channels", "remarks")
-ARRAYS = tuple(one.name for one in fields(Map) if one.name not in (*TEXTS, "pairs"))
+ARRAYS = tuple(one.name for one in fields(Map) if one.name not in (*TEXTS, "pairs", "functions"))
 OF_PAIRS = tuple(one.name for one in fields(Pairs) if one.name != "campaign")
+OF_FUNCTIONS = ("measured", "predicted", "expected", "coherence")
+OF_MODES = ("mac", "cross_orthogonality", "measured_shapes", "model_shapes")
 
 ARM = 0.01
 """Share of the largest by which a channel must take part in a load to tell it."""
@@ -98,7 +103,7 @@ class Session:
     @property
     def model(self) -> Path:
         """The working copy of the model file."""
-        return self.folder / "work" / "model.toml"
+        return self.folder / "work" / Path(self.asked.model).name
 
     @property
     def found(self) -> Path:
@@ -241,8 +246,9 @@ class Session:
         """
         model = self.read_model()
         made = self.predictions(model, progress)
-        classical = tuple(path for path in self.asked.data if not Path(path).is_dir())
-        data = Data(campaigns=tuple(one.tested.campaign for one in made), classical=classical)
+        classical = tuple(path for path in self.asked.data if not Path(path).is_dir() and not is_test(path))
+        tests = read_tests(self.asked.data, model)
+        data = Data(campaigns=tuple(one.tested.campaign for one in made), classical=classical, tests=tests)
         return Study.of_spectra(model, data, made, replace(self.asked, model=str(self.model)))
 
     def rung(self, study: Study, progress: Progress) -> Version:
@@ -286,12 +292,31 @@ class Session:
         arrays = {f"{k}.{name}": getattr(one, name) for k, one in enumerate(found.maps) for name in ARRAYS}
         for k, one in enumerate(found.maps):
             arrays |= {} if one.pairs is None else {f"{k}.pairs.{name}": getattr(one.pairs, name) for name in OF_PAIRS}
+            if one.functions is not None:
+                known = {name: getattr(one.functions, name) for name in OF_FUNCTIONS}
+                arrays |= {f"{k}.functions.{name}": value for name, value in known.items() if value is not None}
+        tables = [one for one in found.correlation if isinstance(one, ModalCorrelation)]
+        arrays |= {f"table.{k}.{name}": getattr(one, name) for k, one in enumerate(tables) for name in OF_MODES}
         words = {
             "maps": [{name: getattr(one, name) for name in TEXTS} for one in found.maps],
             "modes": [[vars(mode) for mode in each] for each in found.modes],
             "offsets": found.evaluation.plain_fit.by_name,
             "loads": loads,
             "errors": compare.errors(found).panel(),
+            "functions": {k: one.functions.unit for k, one in enumerate(found.maps) if one.functions is not None},
+            "tables": [
+                {
+                    "data_set": one.data_set,
+                    "rule": one.rule,
+                    "pairs": [vars(pair) for pair in one.pairs],
+                    "missing": one.missing,
+                    "modes": one.modes,
+                    "comac": dict(one.comac),
+                    "remarks": one.remarks,
+                }
+                for one in tables
+            ],
+            "frac": {one.data_set: dict(one.frac) for one in found.correlation if isinstance(one, FunctionCorrelation)},
         }
         arrays["words"] = np.frombuffer(json.dumps(words).encode(), dtype=np.uint8)
         # Arrays first: where the summary is, all is
@@ -638,8 +663,9 @@ def opened(folder: str | Path) -> Session:
         raise _damaged(where, f"its desk.json lacks or misstates {error}") from None
     for path in asked.effects_from:
         catalogue.load(path)
-    read_text(where / "work" / "model.toml")
-    return Session(folder=where, asked=asked, title=title)
+    found = Session(folder=where, asked=asked, title=title)
+    read_text(found.model)
+    return found
 
 
 def is_session(folder: str | Path) -> bool:
@@ -743,6 +769,8 @@ class Compared:
     offsets : where the plain fit ended, by name of the parameter
     loads : by campaign, by force channel the loads (0 to 5) that it tells
     errors : the rows of `validation.report.compare.errors` for the panel
+    tables : tables of modes, and resonances of response functions, beside the model
+    frac : by data set of response functions, ``run/channel``, how alike they are
     """
 
     summary: Mapping[str, Any]
@@ -751,11 +779,18 @@ class Compared:
     offsets: Mapping[str, float]
     loads: tuple[Mapping[str, tuple[int, ...]], ...]
     errors: tuple[Mapping[str, Any], ...] = ()
+    tables: tuple[ModalCorrelation, ...] = ()
+    frac: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     @property
     def campaigns(self) -> tuple[str, ...]:
         """Names of the data sets, in order."""
         return tuple(one.data_set for one in self.maps)
+
+    def table(self, data_set: str) -> ModalCorrelation | None:
+        """The modes beside `data_set`: a table of modes has a data set of frequencies and one of shapes."""
+        titles = [data_set, data_set.removesuffix(" frequencies"), data_set.removesuffix(" shapes")]
+        return next((one for one in self.tables if one.data_set in titles), None)
 
     def map(self, campaign: str) -> Map:
         """That of `campaign`.
@@ -799,7 +834,17 @@ def _read_comparison(folder: Path) -> Compared:
             pairs = None
             if f"{k}.pairs.{OF_PAIRS[0]}" in held:
                 pairs = Pairs(campaign=said["data_set"], **{name: held[f"{k}.pairs.{name}"] for name in OF_PAIRS})
-            maps.append(Map(**_tuples(said), **{name: held[f"{k}.{name}"] for name in ARRAYS}, pairs=pairs))
+            functions = None
+            if (unit := words["functions"].get(str(k))) is not None:
+                known = {name: held[f"{k}.functions.{name}"] for name in OF_FUNCTIONS if f"{k}.functions.{name}" in held}
+                functions = Functions(unit=unit, **known)
+            arrays = {name: held[f"{k}.{name}"] for name in ARRAYS}
+            maps.append(Map(**_tuples(said), **arrays, pairs=pairs, functions=functions))
+        tables = []
+        for k, said in enumerate(words["tables"]):
+            arrays = {name: held[f"table.{k}.{name}"] for name in OF_MODES}
+            pairs_of = tuple(ModePair(**pair) for pair in said.pop("pairs"))
+            tables.append(ModalCorrelation(**_tuples(said), **arrays, pairs=pairs_of))
     return Compared(
         summary=summary,
         maps=tuple(maps),
@@ -807,6 +852,8 @@ def _read_comparison(folder: Path) -> Compared:
         offsets=words["offsets"],
         loads=tuple(_tuples(one) for one in words["loads"]),
         errors=tuple(words["errors"]),
+        tables=tuple(tables),
+        frac=words["frac"],
     )
 
 
@@ -869,6 +916,8 @@ ENTRY = re.compile(
 def copied(model: Path, to: Path) -> None:
     """Copy the file `model`, and the ladder beside it where there is one, to the file `to` and beside it.
 
+    Files that structure and tests of the model are in go with it: they are looked for beside the model alone.
+
     Raises
     ------
     BadInput : no model file, a ladder that cannot be read, a layout of paths that cannot be said anew.
@@ -879,9 +928,33 @@ def copied(model: Path, to: Path) -> None:
     beside = history.path_beside(model)
     ladder = moved_ladder(history.read(beside), model, to) if beside.exists() else None
     to.parent.mkdir(parents=True, exist_ok=True)
+    for path in _named(text, model):
+        copy = to.parent / path.relative_to(model.parent)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        write_with(copy, lambda temporary, path=path: shutil.copyfile(path, temporary))  # type: ignore[misc]
     if ladder is not None:
         history.write(history.path_beside(to), ladder, to.name)
     write_with(to, lambda temporary: temporary.write_bytes(text.encode("utf-8")))
+
+
+def _named(text: str, model: Path) -> Iterator[Path]:
+    """The files of structure and tests, which lie with `model` or below, and what lies beside them under the same name."""
+
+    def texts(value: object) -> Iterator[str]:
+        if isinstance(value, str):
+            yield value
+        elif isinstance(value, Mapping | list):
+            for one in value.values() if isinstance(value, Mapping) else value:
+                yield from texts(one)
+
+    table, seen = toml_file.parse(text, str(model)), {model}
+    for name in texts([table.get("fe_model"), table.get("test")]):
+        path = model.parent / name
+        with suppress(OSError, ValueError):  # a text that no file can be called
+            if path.is_file() and path.resolve().is_relative_to(model.parent.resolve()):
+                alike = {one for one in path.parent.iterdir() if one.stem == path.stem and one.is_file()} - seen
+                seen |= alike
+                yield from sorted(alike)
 
 
 def moved(text: str, model: Path, to: Path) -> str:
@@ -893,6 +966,12 @@ def moved(text: str, model: Path, to: Path) -> str:
     """
     if "own" not in text or model.resolve().parent == to.resolve().parent:
         return text
+
+    def files(said: str, where: Path) -> dict[str, Path]:
+        """Of the articles; a structure in the text itself is no other file."""
+        own = model_file.of_text(said, str(where)).own.items()
+        return {name: Path(path).resolve() for name, path in own if path != str(where)}
+
     lines, inside = text.splitlines(keepends=True), False
     for k, line in enumerate(lines):
         if OTHER.match(line):
@@ -902,9 +981,9 @@ def moved(text: str, model: Path, to: Path) -> str:
             lines[k] = f"{entry['key']}{entry['quote']}{path}{entry['quote']}{entry['rest']}"
     found = "".join(lines)
     # The models of both texts must be the same files
-    known = {name: Path(path).resolve() for name, path in model_file.of_text(text, str(model)).own.items()}
+    known = files(text, model)
     try:
-        same = {name: Path(path).resolve() for name, path in model_file.of_text(found, str(to)).own.items()} == known
+        same = files(found, to) == known
     except BadInput:  # a path that leads nowhere from there
         same = False
     if not same:

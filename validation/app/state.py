@@ -5,12 +5,14 @@ there.
 """
 
 import asyncio
+import json
 import shutil
 import sys
 import time
 import traceback
-from collections.abc import Awaitable, Callable, Coroutine
+from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import chain, count
@@ -18,12 +20,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 from geometry import cache
+from geometry.atomic import write_text
 from geometry.errors import BadInput, CheckFailed
 from validation.app import workers
 from validation.app.options import StartOptions
-from validation.app.session import Session, copied, is_session
+from validation.app.session import Session, copied, is_session, opened
 from validation.app.workers import CANCELLED, DONE, FAILED, Job
 from validation.history import history
+from validation.output import json_text
 
 if TYPE_CHECKING:
     from validation.app.session import Compared
@@ -207,8 +211,32 @@ def _line(text: str, share: float, seconds: float, *, cancellable: bool) -> dict
 # What of the page the next reload finds again.
 
 
-KEPT = ("campaign", "load", "motion", "marked", "map_kind", "run", "tab", "scheme", "mode", "part")
+KEPT = (
+    *("campaign", "load", "motion", "drive", "response", "showing", "pair"),
+    *("marked", "map_kind", "run", "tab", "scheme", "mode", "part"),
+)
 """State of the page, by name."""
+
+SWITCHED = "switches.json"
+"""The file of the cache with how curves were shown last, in any window."""
+
+
+def keep_switches(how: Mapping[str, Any]) -> None:
+    """Keep how curves are shown for windows to come; where there is no cache they begin as ever."""
+    place = cache.folder()
+    with suppress(OSError):
+        if place is not None:
+            (place / PLACE).mkdir(parents=True, exist_ok=True)
+            write_text(place / PLACE / SWITCHED, json_text(dict(how)))
+
+
+def kept_switches() -> dict[str, Any]:
+    """How curves were shown last; empty where nobody changed anything, or the file is damaged."""
+    place = cache.folder()
+    with suppress(OSError, ValueError):
+        found = json.loads((place / PLACE / SWITCHED).read_text(encoding="utf-8")) if place is not None else {}
+        return found if isinstance(found, dict) else {}
+    return {}
 
 
 def keep(window: WindowState) -> None:
@@ -268,7 +296,7 @@ def unsaved(folder: Path) -> bool:
 
 def _rungs(folder: Path) -> int:
     try:
-        return len(history.read(history.path_beside(folder / "work" / "model.toml")).rungs)
+        return len(history.read(history.path_beside(opened(folder).model)).rungs)
     except (OSError, BadInput):
         return 0
 
@@ -291,5 +319,6 @@ def _copied(folder: Path) -> Path:
     for one in (*folder.parent.glob("drop-*"), folder / "saved"):
         if one.is_dir():
             shutil.copytree(one, to / one.name, dirs_exist_ok=True)
-    copied(folder / "work" / "model.toml", to / "model.toml")
-    return to / "model.toml"
+    model = opened(folder).model
+    copied(model, to / model.name)
+    return to / model.name

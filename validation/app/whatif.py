@@ -35,11 +35,12 @@ from validation.estimation.fit import BREAKDOWNS, FLOOR, PLAIN_FLOOR, nearby
 from validation.estimation.likelihood import cost_of, left_of_run, observed
 from validation.estimation.problem import PLAIN, Lines, Measured, Offsets, Parameter, Predicted, Problem, Wanted, chosen
 from validation.history.add import FIRST_GUESS, completed
-from validation.model.model import Added, Model, vocabulary
+from validation.model.model import Added, Model
 from validation.prediction import classical_facts, dynamic_mass, effects
 from validation.prediction.classical_facts import ArticleFact, require_bodies
 from validation.prediction.dynamic_mass import BaseDrive, SupportedDynamicMass, Tangents
 from validation.prediction.series import SeriesPrediction
+from validation.prediction.structure_tests import StructurePrediction
 from validation.report.charts.style import unit
 from validation.report.effects import examples
 
@@ -102,7 +103,7 @@ STEPS = 3
 class Dragged:
     """An effect that is dragged: its predictions with it free, what fits see of them, and where their parameters stood last."""
 
-    def __init__(self, predictions: tuple[SeriesPrediction, ...], problem: Problem, offsets: Offsets) -> None:
+    def __init__(self, predictions: tuple[StructurePrediction, ...], problem: Problem, offsets: Offsets) -> None:
         self.predictions, self.problem, self.offsets = predictions, problem.sparser(STEP), dict(offsets)
 
     def follow(self, moved: Mapping[str, float]) -> None:
@@ -145,11 +146,11 @@ class Remembering:
         self._changing = Lock()
 
     def at(
-        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: BaseDrive, *, derivatives: bool
+        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: BaseDrive, *, derivatives: Wanted
     ) -> tuple[ComplexArray, Tangents]:
         """As `Carried.at`; derivatives are not remembered."""
         if derivatives:
-            return self._of.at(offsets, effects, frequency, drive, derivatives=True)
+            return self._of.at(offsets, effects, frequency, drive, derivatives=derivatives)
         key = self._key(offsets, effects, frequency, drive)
         with self._changing:
             found = self._known.pop(key, None)
@@ -195,14 +196,14 @@ class ReadyCampaign:
     Attributes
     ----------
     prediction : by the model with its effects
-    operators : from channels to the dynamic mass; None where they or the runs do not tell it
+    operators : from channels to the dynamic mass; None where they or the runs do not tell it, and of a test by itself
     inputs : (r, n, k) base motions as all channels tell them
-    entries : (n, 6, 6) predicted without anything more
+    entries : (n, 6, 6) predicted without anything more; of a test by itself what it reads, (n, r, c)
     judged : runs whose plain error is told: those that are fitted
     squares : of their relative errors at every line, without anything more
     """
 
-    prediction: SeriesPrediction
+    prediction: StructurePrediction
     operators: Operators | None
     inputs: ComplexArray
     entries: ComplexArray
@@ -210,8 +211,14 @@ class ReadyCampaign:
     squares: tuple[Squares, ...]
 
     @classmethod
-    def of(cls, one: SeriesPrediction, offsets: Offsets, judged: tuple[str, ...]) -> "ReadyCampaign":
+    def of(cls, one: StructurePrediction, offsets: Offsets, judged: tuple[str, ...]) -> "ReadyCampaign":
         """`one` made ready at `offsets`, with what its cells carry remembered for whatever is made of it."""
+        if not isinstance(one, SeriesPrediction):
+            answered, stated = predicted(one, offsets, None).rows, one.measured.inputs
+            squares = tuple(evaluate.squares(one.on(judged), offsets)) if judged else ()
+            ones = np.ones((len(one.measured.runs), len(one.measured.frequency), 1), dtype=np.complex128)
+            inputs = ones if stated is None else stated
+            return cls(prediction=one, operators=None, inputs=inputs, entries=_by_line(answered), judged=judged, squares=squares)
         carried = cast(SupportedDynamicMass, Remembering(one.tested.carried))
         one = replace(one, tested=replace(one.tested, carried=carried))
         measured, read, campaign = one.measured, predicted(one, offsets, None), one.tested.campaign
@@ -239,8 +246,7 @@ class ReadyCampaign:
 
     def feels(self, named: Named) -> bool:
         """Whether the effect acts on this campaign at all."""
-        there = self.prediction.tested.carried.standing.there
-        return acts(named, replace(there, channels=self.prediction.measured.channels))
+        return acts(named, self.prediction.there)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -282,7 +288,7 @@ class ReadyPredictions:
             return tuple(added if one.named.id == named.id else one for one in others)
         return (*others, added)
 
-    def predictions(self, named: Named, *, fixed: bool) -> tuple[tuple[SeriesPrediction, ...], Problem]:
+    def predictions(self, named: Named, *, fixed: bool) -> tuple[tuple[StructurePrediction, ...], Problem]:
         """With the effect, and what fits see of them; facts only those that the fits know already."""
         effects = self.with_effect(named, fixed=fixed)
         predictions = tuple(one.prediction.with_effects(effects) for one in self.tested)
@@ -347,7 +353,12 @@ def entries(of: Operators, rows: ComplexArray, inputs: ComplexArray, frequency: 
     return np.asarray(through(of, read, frequency).dynamic_mass.matrix)
 
 
-def predicted(one: SeriesPrediction, offsets: Offsets, lines: Lines | None) -> Predicted:
+def _by_line(rows: ComplexArray) -> ComplexArray:
+    """Readings (r, n, c, 1) of a test by itself, lines first."""
+    return np.asarray(rows[..., 0].swapaxes(0, 1))
+
+
+def predicted(one: StructurePrediction, offsets: Offsets, lines: Lines | None) -> Predicted:
     """What the channels read at `offsets` and `lines`, all by default.
 
     Raises
@@ -385,8 +396,8 @@ class Trace:
     frequency : (n,) [Hz], all lines of the campaign
     before, after : (n,) complex, without and with the effect, in `unit`; between lines that were not asked for `after` goes with
         `before`
-    matrix : (n, 6, 6) with the effect, all entries, about F
-    unit : kg, kg m or kg m²
+    matrix : (n, 6, 6) with the effect, all entries, about F; of a test by itself (n, r, c), by run and channel
+    unit : kg, kg m or kg m²; of a test empty
     reached : whether the effect acts on this campaign at all
     """
 
@@ -406,7 +417,7 @@ class WhatIf:
     Attributes
     ----------
     written : the effect with its size
-    traces : one a campaign that tells a dynamic mass
+    traces : one a campaign that tells a dynamic mass, and one a test by itself
     plain_percent : plain error with it, of the runs that are fitted
     before_percent : the same without it, at the same lines
     facts : by name of a weighing or period, (before, after) in standard deviations
@@ -436,7 +447,7 @@ def table(of: Session) -> ReadyPredictions:
     CheckFailed : the model breaks down as it stands.
     """
     study, known = of.study(), of.comparison()
-    made, whole = tuple(one.with_effects(study.model.effects) for one in study.made), study.problem()
+    made, whole = study.predictions, study.problem()
     offsets = {**study.whole().start, **({} if known is None else known.offsets)}
     # What a line costs, of all campaigns, solved anew, when nothing else is in the way
     taken = []
@@ -453,7 +464,7 @@ def table(of: Session) -> ReadyPredictions:
         offsets=offsets,
         at=DRAWN if known is None else FITTED,
         pace=min(taken) / max(sum(len(one.measured.frequency) for one in made), 1),
-        words=vocabulary(study.model, tuple(one.tested.campaign for one in made)),
+        words=study.words,
         known=whole,
     )
     for family in FAMILIES.values():
@@ -481,7 +492,10 @@ def what_if(of: ReadyPredictions, effect: str, load: int, motion: int, *, exact:
     """
     named = parse(effect, of.words, source="what if")
     effects = of.with_effect(named, fixed=True)
-    require_bodies(replace(of.model, effects=effects), [one.prediction.tested.campaign for one in of.tested])
+    every = [one.prediction for one in of.tested]
+    require_bodies(
+        replace(of.model, effects=effects), [one.tested.campaign for one in every if isinstance(one, SeriesPrediction)]
+    )
     follows = follow and of.at == FITTED and (exact or not _by_run(named))
     if exact:
         # Everything, and what follows settled; the effect is ready to be dragged afterwards, its first drag behind it
@@ -501,7 +515,7 @@ def what_if(of: ReadyPredictions, effect: str, load: int, motion: int, *, exact:
     asked = of.asked(question)
     return WhatIf(
         written=str(named),
-        traces=tuple(one.trace(load, motion) for one in asked if one.tested.operators is not None),
+        traces=tuple(one.trace(load, motion) for one in asked if len(one.tested.entries)),
         plain_percent=evaluate.share([each for one in asked for each in one.after]).percent,
         before_percent=evaluate.share([each for one in asked for each in one.before]).percent,
         facts={
@@ -521,7 +535,7 @@ class _Question:
     """
 
     named: Named
-    predictions: tuple[SeriesPrediction, ...]
+    predictions: tuple[StructurePrediction, ...]
     offsets: Offsets
     moved: Mapping[str, float]
     exact: bool
@@ -546,9 +560,12 @@ class _Asked:
         one, lines = self.tested, self.lines
         before = matrix = one.entries
         frequency = one.prediction.measured.frequency
-        if self.rows is not None and one.operators is not None:
-            some = Operators(motion=one.operators.motion[lines], load=one.operators.load[lines])
-            matrix = entries(some, self.rows, one.inputs[:, lines], frequency[lines])
+        if self.rows is not None:
+            if one.operators is None:
+                matrix = _by_line(self.rows)
+            else:
+                some = Operators(motion=one.operators.motion[lines], load=one.operators.load[lines])
+                matrix = entries(some, self.rows, one.inputs[:, lines], frequency[lines])
             if len(lines) < len(frequency):
                 # Between the lines that were asked for it is `before` times a factor that goes straight
                 at = before[lines]
@@ -562,10 +579,10 @@ class _Asked:
         return Trace(
             campaign=one.name,
             frequency=frequency,
-            before=before[:, load, motion],
-            after=matrix[:, load, motion],
+            before=before[:, load, motion] if one.operators is not None else before[:, 0, 0],
+            after=matrix[:, load, motion] if one.operators is not None else matrix[:, 0, 0],
             matrix=matrix,
-            unit=unit(load, motion),
+            unit=unit(load, motion) if one.operators is not None else "",
             reached=self.reached,
         )
 

@@ -47,7 +47,7 @@ def compare_command(as_json: bool, out: Path | None, **given: Any) -> None:
     "--hold-out",
     multiple=True,
     metavar="NAME",
-    help="A run, campaign or file that is predicted and never fitted. May be repeated.  [default: each run in turn]",
+    help="A run, campaign or file used only for checking, never fitted. May be repeated.  [default: each run in turn]",
 )
 @options.BAND
 @click.option("--method", type=click.Choice(options.METHODS), help=f"How spectra are made.  [default: {options.METHODS[0]}]")
@@ -161,9 +161,27 @@ def correct_command(campaign: str, effects: tuple[str, ...], out: Path, force: b
 )
 @options.EFFECTS_FROM
 @click.option("--auto", is_flag=True, help="Add what is found to MODEL, rung by rung, until the rules say stop.")
+@click.option(
+    "--each", type=click.Path(path_type=Path), metavar="DIR", help="Diagnose every campaign and test below DIR by itself."
+)
+@click.option(
+    "--jobs", type=click.IntRange(min=1), metavar="N", help="With --each: processes.  [default: as this machine has cores]"
+)
+@click.option(
+    "--scheduler", metavar="ADDRESS", help="With --each: of Dask, whose workers do it instead, such as tcp://HOST:8786."
+)
 @options.JSON
-@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Write diagnose.json and the pictures into DIR.")
-def diagnose_command(model: Path, auto: bool, as_json: bool, out: Path | None, **given: Any) -> None:
+@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Write JSON and the pictures, or the page, into DIR.")
+def diagnose_command(
+    model: Path,
+    auto: bool,
+    each: Path | None,
+    jobs: int | None,
+    scheduler: str | None,
+    as_json: bool,
+    out: Path | None,
+    **given: Any,
+) -> None:
     """Which physical effect MODEL is missing, how surely, and what would confirm it; that nothing is; or that it is unknown.
 
     DATA are the campaign folders of one series, files of tests, and weigh, cog and pendulum files with them; none where MODEL
@@ -171,10 +189,14 @@ def diagnose_command(model: Path, auto: bool, as_json: bool, out: Path | None, *
     found becomes a rung of MODEL's ladder, as `massline add` would make it; each is kept at once, and the same command goes on
     where an interruption fell. docs/diagnose.md says how to read the page.
 
+    With --each MODEL is that of many nominally equal articles, DIR holds a campaign or test of each and DATA belong to all; the
+    page says which of them differs, by what, and how they scatter. docs/fleet.md has an example.
+
     Exit code 0 whatever it finds; 1 when the model with all its tolerances does not converge; 2 when the input cannot be used.
     """
     from validation.effects import catalogue
     from validation.output import require_folder
+    from validation.report import fleet
     from validation.report.diagnose import diagnosis_answer
     from validation.study import Options
 
@@ -182,7 +204,15 @@ def diagnose_command(model: Path, auto: bool, as_json: bool, out: Path | None, *
         require_folder(out, "--out")
     for folder in given["effects_from"]:
         catalogue.load(folder)
-    diagnosis_answer(Options(model=str(model), **given), auto=auto, as_json=as_json, folder=out)
+    asked = Options(model=str(model), **given)
+    if each is None:
+        if jobs or scheduler:
+            raise BadInput(source="--jobs or --scheduler", problem="there is one diagnosis", remedy="Name many with --each DIR")
+        diagnosis_answer(asked, auto=auto, as_json=as_json, folder=out)
+        return
+    if auto:
+        raise BadInput(source="--auto", problem="one model stands for all with --each", remedy="Leave it out")
+    fleet.answer(asked, each, processes=jobs or 0, scheduler=scheduler or "", as_json=as_json, folder=out)
 
 
 @click.command("effects")

@@ -10,7 +10,6 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
-from importlib.metadata import version
 from types import FrameType
 
 import click
@@ -117,6 +116,7 @@ EXTRAS = {
     "cad": ("cadquery", "OCP"),
     "fem": ("exudyn", "gmsh", "skfem"),
     "pictures": ("pyvista", "vtk", "vtkmodules"),
+    "fleet": ("distributed",),
     "app": ("trame", "trame_client", "trame_vuetify", "wslink", "aiohttp"),
 }
 """The extras of `pyproject.toml`, by the modules that come with each; everything else is in the core."""
@@ -141,7 +141,7 @@ class _LazyGroup(click.Group):
 
 
 @click.group(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 120})
-@click.version_option(version("massline"), prog_name="massline")
+@click.version_option(package_name="massline", prog_name="massline")  # asks for the version where it is asked for
 def cli() -> None:
     """Know, and prove, the mass, centre of gravity and inertia of a structure.
 

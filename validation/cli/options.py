@@ -62,7 +62,7 @@ def study(command: Command) -> Command:
             "--hold-out",
             multiple=True,
             metavar="NAME",
-            help="A run, campaign or file that is predicted, never fitted. Repeatable.  [default: each run in turn]",
+            help="A run, campaign or file used only for checking, never fitted. Repeatable.  [default: each run in turn]",
         ),
         BAND,
         click.option("--method", type=click.Choice(METHODS), default=METHODS[0], show_default=True, help="How spectra are made."),

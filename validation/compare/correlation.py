@@ -15,9 +15,10 @@ import numpy.typing as npt
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
+from identification.files.files import Samples
 from identification.modal_table import ModalTable, mac
 from validation.estimation.problem import Offsets, Prediction
-from validation.output import derived
+from validation.output import derived, unwritten
 from validation.prediction.landmarks import resonance_table
 from validation.prediction.modal_table import RealModes, TableFrequencies, TableShapes, partners, seen
 from validation.prediction.response_functions import ResponseFunctionTest
@@ -70,6 +71,7 @@ class ModalCorrelation:
     cross_orthogonality : (m, q) the same weighed by the mass that the sensors see; empty where there are fewer sensors than modes
     comac : by sensor, 0 to 1, how alike its readings are over all pairs
     remarks : sentences
+    measured_shapes, model_shapes : (m, s) and (q, s), of which `mac` is; empty without shapes
     """
 
     data_set: str
@@ -81,6 +83,8 @@ class ModalCorrelation:
     cross_orthogonality: Array
     comac: Mapping[str, float]
     remarks: tuple[str, ...]
+    measured_shapes: Samples = unwritten(default_factory=lambda: np.zeros((0, 0)))
+    model_shapes: Array = unwritten(default_factory=lambda: np.zeros((0, 0)))
 
     @property
     @derived("swapped")
@@ -124,9 +128,11 @@ def of_modes(modes: RealModes, table: ModalTable) -> ModalCorrelation:
     looked = tuple(sorted({*of, *(int(k) for k in np.flatnonzero((f > low) & (f < high)))}))
     inside = [k for k in looked if table.frequency.min() <= f[k] <= table.frequency.max() and k not in of]
     matrix, crossed, by_sensor = np.zeros((0, 0)), np.zeros((0, 0)), {}
+    read = seen_of = np.zeros((0, 0))
     if table.shapes is not None:
         shapes = (seen(modes.matrices, table) @ modes.shapes).T
-        matrix, crossed = mac(table.shapes, shapes[list(looked)]), cross_orthogonality(table.shapes, shapes[list(looked)])
+        read, seen_of = table.shapes, shapes[list(looked)]
+        matrix, crossed = mac(read, seen_of), cross_orthogonality(read, seen_of)
         names = [point.name for point in table.sensors]
         by_sensor = dict(zip(names, comac(table.shapes, shapes[list(of)]).tolist(), strict=True))
     pairs = tuple(
@@ -151,6 +157,8 @@ def of_modes(modes: RealModes, table: ModalTable) -> ModalCorrelation:
         cross_orthogonality=crossed,
         comac=by_sensor,
         remarks=_remarks(pairs, [k + 1 for k in inside]),
+        measured_shapes=read,
+        model_shapes=seen_of,
     )
 
 

@@ -6,29 +6,43 @@ floor and those tolerances let expect, and in per cent of the level there.
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Self
 
 import numpy as np
 import numpy.typing as npt
 
 from geometry.dynamic_mass import LEVELS, MOTIONS, ComplexArray
 from geometry.errors import BadInput
-from geometry.frames import Array
+from geometry.frames import Array, Integers
 from geometry.inertia import LOADS, of_motions, of_resultants
 from geometry.sensors import ChannelTable, resultants
 from identification.base_motion import base_motion
 from identification.base_motion import resultants as identification_resultants
 from identification.dynamic_mass import Estimate, from_runs
 from identification.elastic.fit import levels
+from identification.response_functions import QUANTITIES
 from identification.self_calibration.solve import inverse, smoothed_level
 from identification.spectra.line_spectra import Spectra
 from validation.estimation import evaluate
 from validation.estimation.evaluate import solved
 from validation.estimation.fit import FLOOR, PLAIN_FLOOR
 from validation.estimation.likelihood import cost_of, floor_of, left_of_run, observed, root
-from validation.estimation.problem import STRUCTURAL, Fit, Lines, Measured, Offsets, Predicted, Prediction, Problem
+from validation.estimation.problem import (
+    STRUCTURAL,
+    Change,
+    Conveyed,
+    Fit,
+    Lines,
+    Measured,
+    Offsets,
+    Predicted,
+    Prediction,
+    Problem,
+)
 from validation.flexible.model import family
 from validation.output import entry, unwritten
 from validation.prediction import effects, modal_table
+from validation.prediction.response_functions import ResponseFunctionTest
 from validation.prediction.structure_tests import StructurePrediction
 
 # What is not known at a plain fit: every tolerance of the measurement, and how the fit answered to it.
@@ -85,11 +99,114 @@ def doubt(problem: Problem, plain: Fit) -> Doubt:
 # A prediction with its tolerances, some lines at a time: what every channel reads, and by how much what was not fitted
 # may move it.
 #
-# All tangents of a series on all lines are more than a laptop holds; a chunk of lines is soon done and forgotten.
+# All tangents of a series on all lines are more than a laptop holds; a chunk of lines is soon done and forgotten. Nor are they
+# ever made: the unknowns x of the tolerances and e of the fit move the readings by D x + F (A x + B e), so that their covariance
+# is
+#
+#     D D^H + F (A A^T + B B^T) F^H + F A D^H + D A^T F^H .
+#
+# F has a column for each of the few parameters that were fitted, and most columns of D are of one channel alone.
 
 
-TOGETHER = 48
+TOGETHER = 192
 """Lines of a chunk."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ReadingSpread:
+    """What one standard deviation of everything that is not known does to the readings of some lines, SI.
+
+    Attributes
+    ----------
+    by_fit : (r, n, p, c) F by column, d readings / d fitted parameter
+    known : (p, p) A A^T + B B^T, of all tolerances but those of modes
+    met : (r, n, p, c) D A^T by column, of the same
+    alone, at : (r, n, s) what those tolerances do that move one channel, and (s,) that channel
+    across : (r, n, w, c) what the others do
+    by_modes : (r, n, m, c) D + F A by column, of what the model leaves open of modes
+    """
+
+    by_fit: ComplexArray
+    known: Array
+    met: ComplexArray
+    alone: ComplexArray
+    at: Integers
+    across: ComplexArray
+    by_modes: ComplexArray
+
+    @classmethod
+    def of(cls, unknown: Doubt, found: Predicted, inputs: ComplexArray) -> Self:
+        """From derivatives of rows, and the `inputs` (r, n, k) that turn them into readings."""
+        names = list(unknown.tolerances)
+        modes = [name for name in names if name in unknown.of_modes]
+        others = [name for name in names if name not in unknown.of_modes]
+        acting = [name for name in others if name in found.changes]
+        single = [name for name in acting if len(found.changes[name].channels) == 1]
+        wide = [name for name in acting if len(found.changes[name].channels) != 1]
+        sizes = {**unknown.tolerances, **dict.fromkeys(unknown.fitted, 1.0)}
+
+        def moved(some: Sequence[str]) -> ComplexArray:
+            """(r, n, len(some), c) by their sizes."""
+            readings = np.zeros((*inputs.shape[:2], len(some), found.rows.shape[-2]), dtype=np.complex128)
+            for k, name in enumerate(some):
+                if (change := found.changes.get(name)) is not None:
+                    readings[:, :, k, list(change.channels)] = sizes[name] * _readings(change, inputs)
+            return readings
+
+        def answers(some: Sequence[str]) -> Array:
+            """(p, len(some)) A."""
+            return unknown.answer[:, [names.index(name) for name in some]]
+
+        by_fit, across = moved(unknown.fitted), moved(wide)
+        at = np.array([found.changes[name].channels[0] for name in single], dtype=np.int64)
+        alone = np.zeros((*inputs.shape[:2], len(single)), dtype=np.complex128)
+        for k, name in enumerate(single):
+            alone[..., k] = sizes[name] * _readings(found.changes[name], inputs)[..., 0]
+        met, A = _mixed(answers(wide), across), answers(single)
+        for channel in np.unique(at):
+            met[..., channel] += alone[..., at == channel] @ A[:, at == channel].T
+        return cls(
+            by_fit=by_fit,
+            known=answers(others) @ answers(others).T + unknown.own @ unknown.own.T,
+            met=met,
+            alone=alone,
+            at=at,
+            across=across,
+            by_modes=moved(modes) + _mixed(answers(modes).T, by_fit),
+        )
+
+    def covariances(self) -> tuple[ComplexArray, ComplexArray]:
+        """(r, n, c, c) of the readings by everything but modes, and by these."""
+        half = _products(_mixed(self.known / 2, self.by_fit) + self.met, self.by_fit)
+        S = half + half.conj().swapaxes(-1, -2) + _products(self.across, self.across)
+        for channel in np.unique(self.at):
+            S[:, :, channel, channel] += np.sum(np.square(np.abs(self.alone[..., self.at == channel])), axis=-1)
+        return S, _products(self.by_modes, self.by_modes)
+
+    def through(self, W: ComplexArray, inverse: ComplexArray) -> Array:
+        """(n, i, j) variance of the sum of W dy `inverse` over the runs, on all of which tolerances act alike.
+
+        Parameters
+        ----------
+        W : (n, i, c)
+        inverse : (n, r, j)
+        """
+        turned = inverse.swapaxes(1, 2)
+
+        def whole(moved: ComplexArray) -> ComplexArray:
+            """(n, j, m, i) of what moves the readings (r, n, m, c)."""
+            r, n, m, c = moved.shape
+            by_run = turned @ moved.swapaxes(0, 1).reshape(n, r, m * c)
+            return np.asarray(by_run.reshape(n, by_run.shape[1], m, c) @ W.swapaxes(1, 2)[:, None])
+
+        F = whole(self.by_fit)
+        variance = np.sum((F.conj() * (_mixed(self.known, F) + 2 * whole(self.met))).real, axis=2)
+        for moved in (self.across, self.by_modes):
+            variance += np.sum(np.square(np.abs(whole(moved))), axis=2)
+        alone = np.square(np.abs(turned @ self.alone.swapaxes(0, 1)))
+        for channel in np.unique(self.at):
+            variance += np.sum(alone[..., self.at == channel], axis=-1)[..., None] * np.square(np.abs(W[:, None, :, channel]))
+        return np.asarray(variance.swapaxes(1, 2))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -102,14 +219,14 @@ class Chunk:
     rows : (r, n, c, k) what the channels read for a unit of every input
     noise : (r, n, c) standard deviation by noise and model-error floor
     weight : (r, n, c) by which the plain error tells inputs
-    spread : (r, n, c, q) what one standard deviation of everything that is not known does to the readings, SI
+    spread : what everything that is not known does to the readings
     """
 
     lines: Lines
     rows: ComplexArray
     noise: Array
     weight: Array
-    spread: ComplexArray
+    spread: ReadingSpread
 
 
 def chunks(prediction: Prediction, offsets: Offsets, inputs: ComplexArray, unknown: Doubt) -> Iterator[Chunk]:
@@ -122,30 +239,35 @@ def chunks(prediction: Prediction, offsets: Offsets, inputs: ComplexArray, unkno
     """
     measured = prediction.measured
     count = len(measured.frequency)
-    deviation = np.array(list(unknown.tolerances.values()))
     for first in range(0, count, TOGETHER):
         lines = np.arange(first, min(first + TOGETHER, count), dtype=np.int64)
         found, u = prediction.at(offsets, lines), inputs[:, lines]
         seen = observed(measured, lines)
-        # Tolerances with what the fit made of them, then what the fit itself does not know
-        direct, of_fit = _readings(found, u, tuple(unknown.tolerances)) * deviation, _readings(found, u, unknown.fitted)
         yield Chunk(
             lines=lines,
             rows=np.broadcast_to(found.rows, (len(u), *found.rows.shape[-3:])),
             noise=np.sqrt(2) / seen.weight(FLOOR, found.noise),  # of which the weight is that of a real or an imaginary part
             weight=seen.weight(evaluate.FLOOR, found.noise),
-            spread=np.concatenate([direct + of_fit @ unknown.answer, of_fit @ unknown.own], axis=-1),
+            spread=ReadingSpread.of(unknown, found, u),
         )
 
 
-def _readings(found: Predicted, u: ComplexArray, names: Sequence[str]) -> ComplexArray:
-    """(r, n, c, len(names)) d readings / d offset."""
-    readings = np.zeros((*u.shape[:2], found.rows.shape[-2], len(names)), dtype=np.complex128)
-    for k, name in enumerate(names):
-        change = found.changes.get(name)
-        if change is not None:
-            readings[:, :, list(change.channels), k] = (change.rows @ u[..., None])[..., 0]
-    return readings
+def _readings(change: Change | Conveyed, u: ComplexArray) -> ComplexArray:
+    """(r, n, len(change.channels)) d readings / d offset for inputs u (r, n, k)."""
+    rows = change.rows
+    if rows.ndim == 4:
+        return np.asarray((rows @ u[..., None])[..., 0])
+    return np.asarray((rows @ u.transpose(1, 2, 0)).transpose(2, 0, 1))
+
+
+def _mixed(matrix: Array, moved: ComplexArray) -> ComplexArray:
+    """A real `matrix` (m, k) times `moved` (..., k, c)."""
+    return np.asarray(matrix @ np.ascontiguousarray(moved).view(np.float64)).view(np.complex128)
+
+
+def _products(a: ComplexArray, b: ComplexArray) -> ComplexArray:
+    """(..., c, c) sum of the columns of a (..., k, c) times those of b, conjugated."""
+    return np.asarray(a.swapaxes(-1, -2) @ b.conj())
 
 
 # What a channel reads beyond what all the others say it should, and how surprising that is.
@@ -185,12 +307,11 @@ class Deviations:
     expected: Array
 
 
-def covariance(noise: Array, spread: ComplexArray) -> ComplexArray:
-    """S (..., c, c) of noise with standard deviations (..., c) and of tolerances (..., c, p)."""
-    S = spread @ spread.conj().swapaxes(-1, -2)
-    diagonal = np.arange(S.shape[-1])
+def with_noise(covariance: ComplexArray, noise: Array) -> ComplexArray:
+    """`covariance` (..., c, c) with noise of standard deviations (..., c) as well."""
+    S, diagonal = np.array(covariance), np.arange(noise.shape[-1])
     S[..., diagonal, diagonal] += np.square(noise)
-    return np.asarray(S)
+    return S
 
 
 def left_over(y: ComplexArray, A: ComplexArray, S: ComplexArray, known: ComplexArray | None) -> tuple[Deviations, Array]:
@@ -291,6 +412,25 @@ class Pairs:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class Functions:
+    """The response functions of one test, on the lines of its map, a run a drive and a channel a response.
+
+    Attributes
+    ----------
+    unit : of a function, SI
+    measured, predicted : (r, n, c)
+    expected : (r, n, c) standard deviation of their difference by noise and by tolerances that were not fitted
+    coherence : (r, n, c) [0 to 1]; None where it is not known
+    """
+
+    unit: str
+    measured: ComplexArray
+    predicted: ComplexArray
+    expected: Array
+    coherence: Array | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Operators:
     """From channels to what H is made of.
 
@@ -358,9 +498,8 @@ def pair_lines(of: Operators, measured: Measured, inputs: ComplexArray, part: Ch
     H = estimate.dynamic_mass.matrix
     # Tolerances act on all runs alike, noise on each alone
     W = own.load - H @ own.motion
-    by_tolerance = np.einsum("rnip,nrj->nijp", W @ part.spread, estimate.inverse, optimize=True)
     by_noise = np.einsum("nic,rnc,nrj->nij", np.abs(W) ** 2, part.noise**2, np.abs(estimate.inverse) ** 2, optimize=True)
-    return seen, H, np.sum(np.abs(by_tolerance) ** 2, axis=-1) + by_noise
+    return seen, H, part.spread.through(W, estimate.inverse) + by_noise
 
 
 LENGTHS = np.array([LEVELS["x"] / LEVELS[axis] for axis in MOTIONS])
@@ -388,6 +527,7 @@ class Map:
         measurement
     explained_with_modes : (r, n) the same by what the model leaves open of its modes as well
     pairs : of the dynamic mass; None where runs or channels do not tell it
+    functions : of a test by forces; None of any other
     remarks : sentences
     """
 
@@ -407,6 +547,7 @@ class Map:
     explained: Array
     explained_with_modes: Array
     pairs: Pairs | None = None
+    functions: Functions | None = None
     remarks: tuple[str, ...] = field(default=())
 
     @property
@@ -459,7 +600,7 @@ class Rig:
         try:
             through(of, measured.values, measured.frequency)
         except BadInput as error:
-            return None, (f"{measured.name}: no dynamic mass is measured, {error.problem}",)
+            return None, (f"{measured.name}: no dynamic mass is measured, {error.problem}; its runs are compared one by one",)
         return of, ()
 
 
@@ -483,13 +624,14 @@ def mapped(
     measured = prediction.measured
     R = None if rig is None else rig.loads(measured)
     of, remarks = (None, ()) if rig is None else rig.operators(measured)
-    # (q + p,) which of the unknowns are what the model leaves open of modes, here or in another configuration of the series
-    of_modes = np.array([name in unknown.of_modes for name in unknown.tolerances] + [False] * len(unknown.own), dtype=bool)
-    said, both, told = [], [], progress or (lambda share: None)
+    said, both, whole, told = [], [], [], progress or (lambda share: None)
     for part in chunks(prediction, offsets, inputs, unknown):
-        said.append(_of_lines(measured, part, R, of_modes))
+        said.append(_of_lines(measured, part, R))
         if of is not None:
             both.append(pair_lines(of, measured, inputs, part))
+        if isinstance(prediction, ResponseFunctionTest):
+            square = np.diagonal(sum(part.spread.covariances()), axis1=-2, axis2=-1).real
+            whole.append((part.rows[..., 0], np.sqrt(np.square(part.noise) + square)))
         told((part.lines[-1] + 1) / len(measured.frequency))
     found = {key: np.concatenate([one[key] for one in said], axis=1) for key in said[0]}
     # The level of a channel is that of the model-error floor; of a load all six of its run, predicted or measured, the greater
@@ -510,6 +652,11 @@ def mapped(
             expected=np.sqrt(variance),
             level=np.maximum(levels(model), levels(seen)),
         )
+    functions = None
+    if isinstance(prediction, ResponseFunctionTest):
+        predicted, expected = (np.concatenate(each, axis=1) for each in zip(*whole, strict=True))
+        unit, coherence = QUANTITIES[prediction.quantity], prediction.coherence
+        functions = Functions(unit=unit, measured=measured.values, predicted=predicted, expected=expected, coherence=coherence)
     return Map(
         data_set=measured.name,
         configuration=measured.configuration,
@@ -521,14 +668,17 @@ def mapped(
         inputs=inputs,
         level=level,
         pairs=pairs,
+        functions=functions,
         remarks=remarks,
         **found,
     )
 
 
-def _of_lines(measured: Measured, part: Chunk, R: Array | None, of_modes: npt.NDArray[np.bool_]) -> dict[str, Array]:
+def _of_lines(measured: Measured, part: Chunk, R: Array | None) -> dict[str, Array]:
     """What a chunk says, by field of `Map`."""
-    y, A, S = measured.values[:, part.lines], part.rows, covariance(part.noise, part.spread)
+    y, A = measured.values[:, part.lines], part.rows
+    of_tolerances, of_modes = part.spread.covariances()
+    S = with_noise(of_tolerances + of_modes, part.noise)
     known = None if measured.inputs is None else measured.inputs[:, part.lines]
     own, chi2 = left_over(y, A, S, known)
     if known is None and measured.judged.all():  # the inputs are what the same channels say of each other
@@ -540,20 +690,21 @@ def _of_lines(measured: Measured, part: Chunk, R: Array | None, of_modes: npt.ND
     if R is not None:
         loads = combined(error, spread, R)
         predicted = (y[..., measured.judged] - error) @ R.T
-    # (r, n, q + p) what tolerances make of the error that the engine calls plain, which knows no noise
-    seen, squares = observed(measured, part.lines), []
-    for run, (rows, V, weight) in enumerate(zip(part.rows, part.spread, part.weight, strict=True)):
-        gain = left_of_run(seen, rows, weight, run).gain
-        squares.append(np.sum(np.abs((V if gain is None else gain @ V)[:, measured.judged]) ** 2, axis=1))
-    level = np.maximum(np.sum(np.abs(seen.values[..., measured.judged]) ** 2, axis=-1), np.finfo(np.float64).tiny)
-    every = np.stack(squares)
+    # (r, n, 2) squares of what tolerances, those of modes apart, make of the error that the engine calls plain; it knows no noise
+    seen, squares, judged = observed(measured, part.lines), [], measured.judged
+    for run, (rows, weight) in enumerate(zip(part.rows, part.weight, strict=True)):
+        gain = left_of_run(seen, rows, weight, run, judged).gain
+        L = np.eye(len(judged))[None, judged] if gain is None else gain
+        squares.append([np.sum((L @ C[run] * L.conj()).real, axis=(1, 2)) for C in (of_tolerances, of_modes)])
+    level = np.maximum(np.sum(np.abs(seen.values[..., judged]) ** 2, axis=-1), np.finfo(np.float64).tiny)
+    by_tolerances, by_modes = np.maximum(np.stack(squares, axis=1), 0.0)
     return {
         "deviation": np.concatenate([own.value, loads.value], axis=-1),
         "expected": np.concatenate([own.expected, loads.expected], axis=-1),
         "reading": np.concatenate([y - own.value, predicted], axis=-1),
         "misfit": chi2 / (A.shape[-2] - (A.shape[-1] if known is None else 0)),
-        "explained": np.sqrt(every[..., ~of_modes].sum(axis=-1) / level),
-        "explained_with_modes": np.sqrt(every.sum(axis=-1) / level),
+        "explained": np.sqrt(by_tolerances / level),
+        "explained_with_modes": np.sqrt((by_tolerances + by_modes) / level),
     }
 
 

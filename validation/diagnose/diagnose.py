@@ -126,7 +126,7 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
         evidence = next((each.tried[0].evidence for each in reversed(steps) if each.added == one.named.id), 0.0)
         if len(found.effects) == 1:  # whatever was there on the way
             evidence = found.fit.log_evidence - base.fit.log_evidence
-        accepted.append(_cause(one, found, evidence, stands))
+        accepted.append(as_cause(one, found, evidence, stands))
     # Tests that would tell apart what is as good as the best; where nothing is, what the catalogue knows to confirm it
     advice = diagnosis.confirming(one.named for one in found.effects) if verdict in (diagnosis.MISSING, diagnosis.SEVERAL) else ()
     if verdict == diagnosis.AMBIGUOUS:
@@ -346,10 +346,10 @@ def text_of_unknown(found: diagnosis.Candidate, best: SearchStep, left: Explanat
 
 
 def _ranking(of: SearchStep) -> tuple[diagnosis.Cause, ...]:
-    return tuple(_cause(one.added, one.candidate, one.evidence, one.goodness) for one in of.tried)
+    return tuple(as_cause(one.added, one.candidate, one.evidence, one.goodness) for one in of.tried)
 
 
-def _cause(added: Added, of: diagnosis.Candidate, evidence: float, stands: GoodnessOfFit) -> diagnosis.Cause:
+def as_cause(added: Added, of: diagnosis.Candidate, evidence: float, stands: GoodnessOfFit) -> diagnosis.Cause:
     """An effect of the candidate `of`, its sizes with their 90 % intervals; that of a logarithm is lopsided."""
     spread = np.sqrt(np.maximum(np.diag(of.fit.covariance), 0.0))
     known = {one.name: (one, float(x), float(sd)) for one, x, sd in zip(of.fit.parameters, of.fit.offsets, spread, strict=True)}

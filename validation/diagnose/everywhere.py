@@ -362,7 +362,7 @@ def _answers(of: fit.Swallowing, readings: ComplexArray) -> fit.Answers:
     moved = of.moved.reshape(len(flat), -1)
     met = flat.real.T @ moved.real + flat.imag.T @ moved.imag
     return fit.Answers(
-        score=(flat.conj().T @ of.left.reshape(-1)).real,
+        score=(flat.conj().T @ at.values.swapaxes(0, 1).reshape(-1)).real,
         own=np.sum(np.abs(kept) ** 2, axis=(0, 1, 2)),
         swallowed=met @ of.root,
     )

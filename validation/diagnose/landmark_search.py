@@ -208,7 +208,7 @@ class DistantView:
             square = float(moved @ moved)
             return there(float(np.clip(-moved @ here / square, low, high)) if square > 0 else step)
         steps = free.tolerance * np.exp2(OCTAVES)
-        looked = [float(x) for x in (*-steps[::-1], *steps) if low < x < high]
+        looked = [float(x) for x in (*-steps[::-1], *steps) if low < x < high] or [low / 2, high / 2]
         return min((there(x) for x in looked), key=lambda each: each[0])
 
     def groups(self, menu: Sequence[Added]) -> list[list[Added]]:

@@ -27,6 +27,7 @@ from validation.estimation.problem import EFFECT, FITTED, Fit, Parameter, Proble
 from validation.estimation.verdicts import expected_z2, largest_z, misfit
 from validation.history.add import sized_by
 from validation.model.model import Added
+from validation.output import nats, odds
 from validation.prediction.effects import name
 from validation.study import Study
 
@@ -87,11 +88,11 @@ class GoodnessOfFit:
         """Why not, in words; empty where nothing more need be missing."""
         said = []
         if self.misfit > self.limit:
-            said.append(f"chi² per degree of freedom is {self.misfit:.3g}, where nulls stay below {self.limit:.2g}")
+            said.append(f"chi² per degree of freedom is {self.misfit:.3g}, in a sound laboratory below {self.limit:.2g}")
         if self.likely < UNLIKELY:
-            said.append(f"the tolerances pay {self.prior_penalty:.3g} times what is due")
+            said.append(f"the prior penalty of the tolerances is {self.prior_penalty:.3g} times what is due")
         if self.largest >= ABSURD:
-            said.append(f"a tolerance stands at {self.largest:.1f} z")
+            said.append(f"a tolerance is moved by {self.largest:.1f} of its standard deviations")
         return "; ".join(said)
 
     def excess(self, fit: Fit) -> float:
@@ -314,14 +315,15 @@ class SearchStep:
                 return "there is no candidate"
             best = self.screened[0]
             promised, asked = max(best.evidence, 0.0), evidence_threshold(best.added.named.family)
-            return f"no candidate is worth a fit: {best.id} promises most, {promised:.1f} nats, where {asked:g} are asked for"
+            return f"no candidate is worth a fit: {best.id} promises most, {nats(promised)} nats, where {asked:g} are asked for"
         first = self.tried[0]
         if self.reconsidered:
             beside = f"beside {' and '.join(_ids(self.at))}" if self.at.effects else "alone"
             worse = next(each.evidence for each in self.tried if each.id == self.reconsidered)
-            return f"{self.added} brings {first.evidence:.1f} nats {beside}, and {self.reconsidered} only {worse:.1f}"
+            return f"{self.added} brings {nats(first.evidence)} nats {beside}, and {self.reconsidered} only {nats(worse)}"
         which = self.added or f"the best, {first.id},"
-        return f"{which} brings {first.evidence:.1f} nats, where {evidence_threshold(first.family):g} are asked for"
+        brings = f"{which} brings {nats(first.evidence)} nats, odds of {odds(first.evidence)}"
+        return f"{brings}, where {evidence_threshold(first.family):g} are asked for"
 
 
 def candidate_fit(at: Candidate, there: Candidate) -> CandidateFit:

@@ -2,7 +2,7 @@
 what columns of places times courses would gain."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -267,11 +267,18 @@ class Swallowing:
     moved: ComplexArray
     root: Array
     slope: Array
+    _kept: dict[bytes, tuple[ComplexArray, ComplexArray]] = field(default_factory=dict, init=False, repr=False)
 
-    @property
-    def left(self) -> ComplexArray:
-        """(m, r, c) whitened residuals."""
-        return self.of.values.swapaxes(0, 1)
+    def on(self, channels: npt.NDArray[np.int64]) -> tuple[ComplexArray, ComplexArray]:
+        """(m, r c', 1) whitened residuals and (m, r c', a) what the parameters do, of `channels` (c',); kept, since many ask."""
+        which = channels.tobytes()
+        if which not in self._kept:
+            m, r, c, a = self.moved.shape
+            every = np.array_equal(channels, np.arange(c))
+            left, moved = self.of.values.swapaxes(0, 1), self.moved
+            left, moved = (left, moved) if every else (left[:, :, channels], moved[:, :, channels])
+            self._kept[which] = left.reshape(m, -1, 1), moved.reshape(m, r * len(channels), a)
+        return self._kept[which]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -333,11 +340,12 @@ def products(of: Swallowing, readings: ComplexArray, channels: npt.NDArray[np.in
     at, white = of.of, readings * of.of.weight[:, :, channels, None]
     m, q = white.shape[1], white.shape[3]
     e = white.transpose(1, 3, 0, 2).conj().reshape(m, q, -1)  # inputs are eliminated from the other side of every product
+    left, moved = of.on(channels)
     return Products(
         frequency=at.frequency,
         names=tuple(map(str, range(q))),
-        residual=(e @ of.left[:, :, channels].reshape(m, -1, 1))[..., 0],
-        others=np.asarray(e @ of.moved[:, :, channels].reshape(m, e.shape[2], -1)),
+        residual=(e @ left)[..., 0],
+        others=np.asarray(e @ moved),
         square=np.sum(np.abs(at.kept(white, channels)) ** 2, axis=(0, 2)),
     )
 

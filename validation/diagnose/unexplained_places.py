@@ -358,8 +358,7 @@ def families(of: fit.Swallowing, offsets: Offsets, loads: Loaded | None) -> Iter
     yield of_channels[-1]
     at = [k for k, name in enumerate(of.names) if name.partition(":")[0] in PARTS]
     if at:
-        m, r, c, p = of.moved.shape
-        V = of.moved.reshape(m, r * c, p)
+        left, V = of.on(np.arange(of.moved.shape[2]))
         e = V[:, :, at].conj().swapaxes(1, 2)
         yield PlaceFamily(
             places=tuple(SuspectedPlace(kind=PART, part=of.names[k]) for k in at),
@@ -367,7 +366,7 @@ def families(of: fit.Swallowing, offsets: Offsets, loads: Loaded | None) -> Iter
             products=Products(
                 frequency=of.of.frequency,
                 names=tuple(of.names[k] for k in at),
-                residual=(e @ of.left.reshape(m, r * c, 1))[..., 0],
+                residual=(e @ left)[..., 0],
                 others=np.asarray(e @ V),
                 square=np.sum(np.abs(V[:, :, at]) ** 2, axis=1),
             ),

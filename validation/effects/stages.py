@@ -259,37 +259,36 @@ def heavier(stage: Matrices, mass: Array) -> Matrices:
 
 def with_resonators(stage: Matrices, place: str, axes: tuple[int, ...], values: Values) -> Matrices:
     """`stage` with a resonator along each of `axes` at `place`: mass ``m``, frequency ``f``, damping ratio ``zeta``."""
-    for axis in axes:
-        # One more coordinate, the motion of a mass on a spring relative to ``row @ x``, on which it rides
-        m, omega = values["m"], 2 * np.pi * values["f"]
-        rides = np.append(stage.places[place][axis], 1.0)
-        mass, stiffness, viscous, structural = (
-            _grown(a, 1) for a in (stage.mass, stage.stiffness, stage.viscous, stage.structural)
-        )
-        mass += m * np.outer(rides, rides)
-        stiffness[-1, -1] = omega**2 * m
-        viscous[-1, -1] = 2 * values["zeta"] * omega * m
-        stage = replace(
-            stage,
-            mass=mass,
-            stiffness=stiffness,
-            viscous=viscous,
-            structural=structural,
-            places={name: _grown(rows, 0) for name, rows in stage.places.items()},
-            gradients={name: np.pad(rows, ((0, 0), (0, 0), (0, 1))) for name, rows in stage.gradients.items()},
-            parts={name: _grown(share, 1) for name, share in stage.parts.items()},
-            part_mass={name: _grown(share, 1) for name, share in stage.part_mass.items()},
-            joints={name: replace(one, loads=_grown(one.loads, 0)) for name, one in stage.joints.items()},
-            sections={name: (_grown(one, 1), _grown(cubed, 1)) for name, (one, cubed) in stage.sections.items()},
-            geometric=_grown(stage.geometric, 1) if stage.geometric.size else stage.geometric,
-            rigid=_grown(stage.rigid, 0),
-        )
-    return stage
+    # A coordinate more for each, the motion of a mass on a spring relative to ``row @ x``, on which it rides
+    more, m, omega = len(axes), values["m"], 2 * np.pi * values["f"]
+    rides = np.hstack([stage.places[place][list(axes)], np.eye(more)])
+    mass, stiffness, viscous, structural = (
+        _grown(a, more, more) for a in (stage.mass, stage.stiffness, stage.viscous, stage.structural)
+    )
+    mass += m * rides.T @ rides
+    own = np.arange(len(mass) - more, len(mass))
+    stiffness[own, own] = omega**2 * m
+    viscous[own, own] = 2 * values["zeta"] * omega * m
+    return replace(
+        stage,
+        mass=mass,
+        stiffness=stiffness,
+        viscous=viscous,
+        structural=structural,
+        places={name: _grown(rows, 0, more) for name, rows in stage.places.items()},
+        gradients={name: np.pad(rows, ((0, 0), (0, 0), (0, more))) for name, rows in stage.gradients.items()},
+        parts={name: _grown(share, more, more) for name, share in stage.parts.items()},
+        part_mass={name: _grown(share, more, more) for name, share in stage.part_mass.items()},
+        joints={name: replace(one, loads=_grown(one.loads, 0, more)) for name, one in stage.joints.items()},
+        sections={name: (_grown(one, more, more), _grown(cubed, more, more)) for name, (one, cubed) in stage.sections.items()},
+        geometric=_grown(stage.geometric, more, more) if stage.geometric.size else stage.geometric,
+        rigid=_grown(stage.rigid, 0, more),
+    )
 
 
-def _grown(matrix: Array, rows: int) -> Array:
-    """`matrix` with a column of zeros more, and with `rows` rows of them: hundreds of resonators find `numpy.pad` slow."""
+def _grown(matrix: Array, rows: int, columns: int) -> Array:
+    """`matrix` with so many rows and columns of zeros more: hundreds of resonators find `numpy.pad` slow."""
     n, m = matrix.shape
-    found = np.zeros((n + rows, m + 1))
+    found = np.zeros((n + rows, m + columns))
     found[:n, :m] = matrix
     return found

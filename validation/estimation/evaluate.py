@@ -79,13 +79,12 @@ def squares(
     noise = np.square(seen.noise if predicted.noise is None else predicted.noise)
     for k, run in enumerate(measured.runs):
         rows = predicted.rows if predicted.rows.ndim == 3 else predicted.rows[k]
-        left = left_of_run(seen, rows, weight[k], k)
+        left = left_of_run(seen, rows, weight[k], k, judged)
         level = np.sum(np.abs(seen.values[k][:, judged]) ** 2, axis=1, keepdims=True)
-        # (m, c) mean square of what `variance` (m, c) leaves in every channel
+        # (m, j) mean square of what `variance` (m, c) leaves in every channel that is judged
         variance = noise[k]
-        of_noise = variance if left.gain is None else np.asarray(np.abs(left.gain) ** 2 @ variance[..., None])[..., 0]
-        beyond = np.abs(left.values) ** 2 - of_noise
-        values = beyond[:, judged] / np.maximum(level, np.finfo(np.float64).tiny)
+        of_noise = variance[:, judged] if left.gain is None else np.asarray(np.abs(left.gain) ** 2 @ variance[..., None])[..., 0]
+        values = (np.abs(left.values) ** 2 - of_noise) / np.maximum(level, np.finfo(np.float64).tiny)
         names = tuple(name for name, one in zip(measured.channels, judged, strict=True) if one)
         found.append(Squares(data_set=measured.name, run=run, channels=names, values=values, fold=fold))
     return found
@@ -419,47 +418,71 @@ def evaluate(
             tell(0.8 + 0.2 * (done + 1) / len(turns))
     runs = [part for part in parts if not part[0].configuration]
     whole = [part for part in parts if part[0].configuration]
+    # As it was given, a model predicts the same whatever is held out
+    given = AsGiven(problem=problem, quick=quick)
     return Evaluation(
-        nominal=share(_squares(known, problem.start, quick)),
-        plain=share(_squares(known, offsets, quick)),
+        nominal=share([one for each in known.predictions for one in given.squares(each, None)]),
+        plain=share([one for each in known.predictions for one in squares(each, offsets, _even(each, quick))]),
         held_out=_held_out(problem, runs, quick),
-        held_out_nominal=_held_out(problem, runs, quick, problem.start),
+        held_out_nominal=_held_out(problem, runs, quick, given),
         plain_fit=plain,
         fitted=fitted,
         held_out_names=tuple(fold.name for fold, _ in parts),
         held_out_configurations=_held_out(problem, whole, quick),
-        held_out_configurations_nominal=_held_out(problem, whole, quick, problem.start),
+        held_out_configurations_nominal=_held_out(problem, whole, quick, given),
     )
 
 
-def _squares(problem: Problem, offsets: Offsets, quick: bool) -> list[Squares]:
-    """Of all lines of all data sets of `problem`, fitted to or not."""
-    return [one for prediction in problem.predictions for one in squares(prediction, offsets, _even(prediction, quick))]
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AsGiven:
+    """A model as it was given, nothing fitted, which says the same whatever is held out.
+
+    Attributes
+    ----------
+    problem : all data
+    quick : whether every so many lines are enough
+    """
+
+    problem: Problem
+    quick: bool
+
+    @cached_property
+    def _said(self) -> dict[str, Predicted]:
+        """By data set."""
+        found = {}
+        for one in self.problem.predictions:
+            lines = _even(one, self.quick)
+            with suppress(*BREAKDOWNS):  # said where it is asked for
+                found[one.measured.name] = one.at(self.problem.start, lines, derivatives=False)
+        return found
+
+    def squares(self, prediction: Prediction, block: Lines | None, fold: str = "") -> list[Squares]:
+        """Of every run of `prediction`, at the lines of a `block`, which nobody knows beforehand, or all that are told.
+
+        Raises
+        ------
+        CheckFailed : as the function of that name.
+        """
+        of, predicted = prediction.measured, None
+        if block is None and of.name in self._said:
+            said = self._said[of.name]
+            every = next(one.measured.runs for one in self.problem.predictions if one.measured.name == of.name)
+            runs = [every.index(run) for run in of.runs]
+            rows, noise = said.rows if said.rows.ndim == 3 else said.rows[runs], said.noise
+            predicted = Predicted(rows=rows, noise=None if noise is None else noise[runs])
+        lines = _even(prediction, self.quick) if block is None else block
+        return squares(prediction, self.problem.start, lines, fold=fold, predicted=predicted)
 
 
-def _held_out(
-    problem: Problem, parts: Sequence[tuple[Fold, Offsets]], quick: bool, everywhere: Offsets | None = None
-) -> Share | None:
-    """The error on what every fold holds out, at its offsets, or `everywhere` at the same."""
-    of = {one.measured.name: one for one in problem.predictions}
-    said: dict[str, Predicted] = {}  # by data set, `everywhere`
+def _held_out(problem: Problem, parts: Sequence[tuple[Fold, Offsets]], quick: bool, given: AsGiven | None = None) -> Share | None:
+    """The error on what every fold holds out, at its offsets, or of the model as it was `given`."""
     found = []
     for fold, offsets in parts:
         for prediction, block in held(problem, fold):
-            whole, lines = of[prediction.measured.name], _even(prediction, quick) if block is None else block
-            known = None
-            if everywhere is not None and block is None:
-                name, every = whole.measured.name, np.arange(len(whole.measured.frequency), dtype=np.int64)
-                if name not in said:
-                    with suppress(*BREAKDOWNS):
-                        said[name] = whole.at(everywhere, every if lines is None else lines, derivatives=False)
-                if name in said:
-                    rows, noise = said[name].rows, said[name].noise
-                    runs = [whole.measured.runs.index(run) for run in prediction.measured.runs]
-                    rows = rows if rows.ndim == 3 else rows[runs]
-                    known = Predicted(rows=rows, noise=None if noise is None else noise[runs])
-            at = offsets if everywhere is None else everywhere
-            found += squares(prediction, at, lines, fold=fold.name, predicted=known)
+            if given is not None:
+                found += given.squares(prediction, block, fold.name)
+            else:
+                found += squares(prediction, offsets, _even(prediction, quick) if block is None else block, fold=fold.name)
     return share(found) if found else None
 
 

@@ -15,6 +15,7 @@ from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
+import numpy.typing as npt
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import CheckFailed
@@ -344,9 +345,9 @@ class Left:
 
     Attributes
     ----------
-    values : (m, c) every channel less what the others and the prediction say of it
+    values : (m, j) channels less what the others and the prediction say of them: all, or those that were asked for
     inputs : (m, k) u, by all channels
-    gain : (m, c, c) values = gain y; None for known inputs, where it is the identity
+    gain : (m, j, c) values = gain y; None for known inputs, where it is the identity
     """
 
     values: ComplexArray
@@ -354,17 +355,20 @@ class Left:
     gain: ComplexArray | None
 
 
-def left_of_run(seen: ObservedLines, rows: ComplexArray, weight: Array, run: int) -> Left:
-    """Of the run with index `run`, with rows (m, c, k) of it and weights (m, c).
+def left_of_run(
+    seen: ObservedLines, rows: ComplexArray, weight: Array, run: int, asked: npt.NDArray[np.bool_] | None = None
+) -> Left:
+    """Of the run with index `run`, with rows (m, c, k) of it and weights (m, c), in the channels `asked` for (c,), or all.
 
     Raises
     ------
     CheckFailed : without some channel the others do not tell the inputs.
     """
     y = seen.values[run]
+    some = np.ones(y.shape[1], dtype=bool) if asked is None else asked
     if seen.inputs is not None:
         u = np.asarray(seen.inputs[run])
-        return Left(values=y - (rows @ u[..., None])[..., 0], inputs=u, gain=None)
+        return Left(values=(y - (rows @ u[..., None])[..., 0])[:, some], inputs=u, gain=None)
     Q, R = np.linalg.qr(weight[..., None] * rows)
     # (m, c) 1 / (1 - h)
     left = 1 - np.sum(np.abs(Q) ** 2, axis=-1)
@@ -374,9 +378,9 @@ def left_of_run(seen: ObservedLines, rows: ComplexArray, weight: Array, run: int
             f"the {Q.shape[2]} inputs cannot be told without channel {channel + 1} at line {line + 1}, so nothing is "
             "known of it; measure with more channels, or leave that line out"
         )
-    to_others = np.asarray(1 / left)
-    whitened = to_others[..., None] * (np.eye(y.shape[1]) - Q @ Q.conj().transpose(0, 2, 1))
-    gain = np.asarray(whitened * weight[:, None, :] / weight[:, :, None], dtype=np.complex128)
+    to_others = np.asarray(1 / left[:, some])
+    whitened = to_others[..., None] * (np.eye(y.shape[1])[some] - Q[:, some] @ Q.conj().transpose(0, 2, 1))
+    gain = np.asarray(whitened * weight[:, None, :] / weight[:, some, None], dtype=np.complex128)
     try:
         u = np.linalg.solve(R, Q.conj().transpose(0, 2, 1) @ (weight * y)[..., None])[..., 0]
     except np.linalg.LinAlgError as error:

@@ -110,6 +110,12 @@ Lines = npt.NDArray[np.int64]
 Wanted = bool | Collection[str]
 """Whether derivatives are wanted, or of which parameters; others may be left out."""
 
+
+def is_wanted(name: str, of: Wanted) -> bool:
+    """Whether the derivative by the parameter `name` is among them."""
+    return of if isinstance(of, bool) else name in of
+
+
 Offsets = Mapping[str, float]
 """Offsets of parameters by name; one that is not in it stands at 0."""
 

@@ -150,16 +150,16 @@ def told(of: Evaluation, explained: ExplainedError, peak: float) -> tuple[Stated
     peak : the worst spot of the maps [sigma]
     """
     high = peak >= STANDS_OUT
-    said = f"tolerances of the measurement let expect {percent(explained.measurement)}"
+    said = f"a sound laboratory would miss by up to {percent(explained.measurement)}"
     if explained.with_modes > NOTICED * explained.measurement:
-        said += f", with those of the modes up to {percent(explained.with_modes)}"
+        said += f", with the tolerances of its modes by up to {percent(explained.with_modes)}"
     fmd = "the FMD identified, " if any(one.name.startswith("fmd") for one in of.plain_fit.parameters) else ""
     plain = StatedError(
         name="plain error",
         figure=percent(of.plain.percent),
         meaning=f"sensors as calibrated; {fmd}modes within what the model declares",
         verdict=FAILED if high else GOOD,
-        text=f"{said}, but not where it fails, by up to {two_digits(peak)} sigma" if high else f"{said}, and nothing stands out",
+        text=f"{said}, but nowhere by {two_digits(peak)} sigma as here" if high else f"{said}, and nothing stands out",
     )
     nominal = percent(of.nominal.percent)
     as_it_stands = StatedError(name="nominal error", figure=nominal, meaning="the model as it stands, nothing fitted")
@@ -171,18 +171,18 @@ def _fitted(of: Fit) -> StatedError:
     moved, too_much = tolerances(of), absurd(of)
     paying = [one for one in moved if one.parameter.kind in TOLERANCES]
     far = [one for one in moved if abs(one.z) >= ABSURD][:TOLERANCES_NAMED] or paying[:1]
-    worst = " and ".join(f"{one.parameter.name} at {one.z:+.1f} z" for one in far)
+    worst = ", ".join(f"{one.parameter.name} by {one.z:+.1f} standard deviations" for one in far)
     if ratio > MISFIT:
-        verdict, text = FAILED, "no tolerance explains the data" + (f", though {worst} try" if too_much else "")
+        verdict, text = FAILED, "no tolerance explains the data" + (f", not even moved too far: {worst}" if too_much else "")
     elif too_much:
-        verdict, text = FAILED, f"a good χ² with absurd tolerances is a failed model: {worst}"
+        verdict, text = FAILED, f"χ² is good only because the fit moved tolerances too far: {worst}"
     else:
-        verdict, text = GOOD, "data and tolerances are content"
+        verdict, text = GOOD, "data and tolerances agree"
     return StatedError(
         name="fitted error",
         figure=f"χ² {ratio:.3g}, z² {two_digits(of.tolerance_z2)}",
-        meaning=f"every tolerance fitted: χ² per degree of freedom, and its price, the sum of z² of {of.tolerances} tolerances, "
-        f"about {expected_z2(of):.0f} where nothing is wrong",
+        meaning=f"every tolerance fitted: χ² per degree of freedom, and its prior penalty, the sum of z² of {of.tolerances} "
+        f"tolerances, about {expected_z2(of):.0f} in a sound laboratory",
         verdict=verdict,
         text=text,
     )
@@ -194,7 +194,7 @@ def misfit(of: Fit) -> float:
 
 
 def _held_out(of: Evaluation, explained: ExplainedError) -> StatedError:
-    meaning = "plain error on data that were predicted, not fitted"
+    meaning = "plain error on data used only for checking, predicted and not fitted"
     # What is left where all of a configuration was held out: without a verdict, since no fit knows what it alone has
     others, before = of.held_out_configurations, of.held_out_configurations_nominal
     if others is None or before is None:
@@ -203,7 +203,7 @@ def _held_out(of: Evaluation, explained: ExplainedError) -> StatedError:
         told = f"{percent(others.percent)}, nominal {percent(before.percent)}"
         beside = f"a configuration never seen, its modes and what acts there alone unfitted: {told}"
     if of.held_out is None:
-        none = "nothing was held out: one run of one campaign"
+        none = "nothing is left for checking: one run of one campaign"
         return StatedError(name="held-out error", figure="–", meaning=meaning, text=beside or none)
     high = of.held_out.percent > MORE * max(of.plain.percent, explained.measurement)
     said = "what was fitted does not hold there" if high else "the fit holds on data that it has not seen"

@@ -31,7 +31,7 @@ from identification.quality import NORMAL_95, sizes
 from validation.classical import files as classical_files
 from validation.effects.effect import evidence_threshold
 from validation.estimation.verdicts import ABSURD, costly
-from validation.output import entry, from_json, json_text, to_json, with_unit
+from validation.output import entry, from_json, json_text, nats, odds, to_json, with_unit
 from validation.reference.statement import COG, inertia_of
 
 START, ADDED, EDITED, OTHER_DATA = CAUSES = ("start", "added", "edited by hand", "other data")
@@ -784,12 +784,13 @@ def verdict(before: Version, after: Version, tolerances: Mapping[str, float], nu
     if not all(body.converged for body in after.bodies):
         yield "The fit of the identified inertia did not converge: its figures are not the last word."
     gain, asked = after.gain, after.asked_gain
+    said = "" if gain is None else nats(abs(gain)).lstrip("+")
     if gain is None or not isfinite(gain):
         yield "Evidence cannot be compared: the rung before stands on other data."
     elif gain > asked:
-        yield f"It is worth a parameter: the evidence rises by {gain:.1f} nats, where {asked:g} are asked for."
+        yield f"It is worth a parameter: the evidence rises by {said} nats, odds of {odds(gain)}, where {asked:g} are asked for."
     else:
-        told = f"{'falls' if gain < 0 else 'rises'} by {abs(gain):.1f} nats, where a rise of {asked:g} is asked for"
+        told = f"{'falls' if gain < 0 else 'rises'} by {said} nats, where a rise of {asked:g} is asked for"
         yield f"It is not worth a parameter: the evidence {told}."
     yield f"The plain error {_change(old.plain, new.plain)} on the data it was fitted to."
     # The channel that gained most, where others hide it in the whole
@@ -800,16 +801,16 @@ def verdict(before: Version, after: Version, tolerances: Mapping[str, float], nu
         was, now = percent(old.by_channel[best]), percent(new.by_channel[best])
         yield f"Of its channels {best} gains most: {was} before and {now} after."
     if old.held_out is None or new.held_out is None:
-        yield "Nothing was held out, so that nothing says whether it holds elsewhere."
+        yield "No data were left for checking, so that nothing says whether it holds elsewhere."
     else:
-        yield f"It {_change(old.held_out, new.held_out)} on data that were held out."
+        yield f"It {_change(old.held_out, new.held_out)} on data used only for checking."
         known = [name for name in new.by_fold if name in old.by_fold]
         fell = [name for name in known if new.by_fold[name] < (1 - FALLS) * old.by_fold[name]]
         rose = [name for name in known if new.by_fold[name] > (1 + FALLS) * old.by_fold[name]]
         if rose and len(known) > 1:
             worst = max(rose, key=lambda name: new.by_fold[name] / old.by_fold[name])
             told = f"most of all {worst}: {percent(old.by_fold[worst])} before and {percent(new.by_fold[worst])} after"
-            yield f"Of {len(known)} that were held out in turn {len(fell)} fell and {len(rose)} rose, {told}."
+            yield f"Of {len(known)} that were left out of the fit in turn {len(fell)} fell and {len(rose)} rose, {told}."
         if new.plain < (1 - FALLS) * old.plain and new.held_out > (1 + FALLS) * old.held_out:
             yield "What it explains here it does not explain there: it fits the data, not the structure."
     for size in after.effects.get(after.effect, ()):
@@ -817,8 +818,8 @@ def verdict(before: Version, after: Version, tolerances: Mapping[str, float], nu
     # Judged as `massline compare` judges it
     if new.tolerances and costly(new.tolerance_z2, new.due_z2, new.largest_z or 0.0):
         many = f"sum z² {new.tolerance_z2:.3g}, where about {new.due_z2:.0f} is due"
-        most = "" if new.largest_z is None or new.largest_z < ABSURD else f", one of them at {new.largest_z:.1f} z"
-        yield f"The tolerances still pay for it, {many}{most}: something else is wrong, however good chi² is."
+        most = "" if new.largest_z is None or new.largest_z < ABSURD else f", one moved by {new.largest_z:.1f} of its deviations"
+        yield f"The prior penalty of the tolerances stays too high, {many}{most}: something else is wrong, however good chi² is."
 
 
 def _change(old: float, new: float) -> str:

@@ -22,7 +22,7 @@ from geometry.inertia import PARAMETERS, UNITS, Inertia
 from identification.campaign import Campaign, Excitation, Processing
 from identification.rigid_body import BASIS
 from validation.effects.stages import Matrices, MountedDynamicMass
-from validation.estimation.problem import IDENTIFIED, Offsets, Parameter
+from validation.estimation.problem import IDENTIFIED, Offsets, Parameter, Wanted, is_wanted
 from validation.model.model import Added
 from validation.model.tolerance_classes import MountingTolerances
 from validation.prediction import effects as prediction_effects
@@ -31,6 +31,9 @@ from validation.prediction.structure import MountedArticle
 
 FEW = 3
 """Up to so many coordinates a sum of outer products is the quicker way."""
+
+ENTRIES = 1 << 17
+"""[count] of entries of the matrices of as many lines as are solved at once: 2 MB, which stay in a cache."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -124,12 +127,15 @@ def accelerance(
     lines = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     rows, forces = np.atleast_2d(np.asarray(responses, dtype=np.float64)), np.atleast_2d(np.asarray(drive, dtype=np.float64))
     loads = np.vstack([rows, forces]).T.astype(np.complex128)
-    whole = np.broadcast_to(loads, (len(lines), *loads.shape))
-    both = np.asarray(np.linalg.solve(dynamic_matrix(matrices, turning(lines, decay_rate)), whole), dtype=np.complex128)
+    at, few = turning(lines, decay_rate), max(ENTRIES // max(loads.shape[0], 1) ** 2, 1)
+    both = np.empty((len(lines), *loads.shape), dtype=np.complex128)
+    for first in range(0, len(lines), few):
+        some = slice(first, first + few)
+        both[some] = np.linalg.solve(dynamic_matrix(matrices, at[some]), np.broadcast_to(loads, both[some].shape))
     left, right = both[:, :, : len(rows)], both[:, :, len(rows) :]
     return CondensedTransfer(
         frequency=lines,
-        matrix=rows @ right,
+        matrix=np.asarray(rows @ right, dtype=np.complex128),
         left=_by_coordinate(left),
         right=_by_coordinate(right),
         sign=-1.0,
@@ -189,13 +195,9 @@ def _product(left: ComplexArray, matrix: Array, right: ComplexArray, crossing: i
 
 def dynamic_matrix(matrices: Matrices, at: npt.NDArray[Any]) -> ComplexArray:
     """D (n, k, k) at s / i (n,) [rad/s]."""
-    omega = at[:, None, None]
-    if np.iscomplexobj(omega):
-        return np.asarray(matrices.mass - (matrices.stiffness + 1j * (omega * matrices.viscous + matrices.structural)) / omega**2)
-    D = np.empty((len(omega), *matrices.mass.shape), dtype=np.complex128)
-    D.real = matrices.mass - matrices.stiffness / omega**2
-    D.imag = -(omega * matrices.viscous + matrices.structural) / omega**2
-    return D
+    share = np.stack([np.ones_like(at), -1 / at**2, -1j / at, -1j / at**2], axis=1)
+    fields = np.stack([matrices.mass, matrices.stiffness, matrices.viscous, matrices.structural])
+    return np.asarray(share @ fields.reshape(4, -1), dtype=np.complex128).reshape(-1, *matrices.mass.shape)
 
 
 # How strongly a run was driven, for what depends on it: friction, gaps, saturation, and how fast a sweep passed.
@@ -376,9 +378,9 @@ class SupportedDynamicMass:
     mounted: tuple[Parameter, ...] = ()
 
     def at(
-        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: BaseDrive, *, derivatives: bool
+        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: BaseDrive, *, derivatives: Wanted
     ) -> tuple[ComplexArray, Tangents]:
-        """Dynamic mass (n, 6, 6) about F, and how it answers to every parameter.
+        """Dynamic mass (n, 6, 6) about F, and how it answers to the parameters of which `derivatives` are wanted.
 
         Raises
         ------
@@ -391,6 +393,7 @@ class SupportedDynamicMass:
             found = {
                 name: np.broadcast_to(E.astype(np.complex128), (len(frequency), 6, 6))
                 for name, E in zip(names(), BASIS, strict=True)
+                if is_wanted(name, derivatives)
             }
         if self.nuisances is None:
             return H, found
@@ -401,7 +404,9 @@ class SupportedDynamicMass:
         else:
             T, told, article = rigid_transformation_6(mounted.seat), {}, mounted.matrix
         found |= {name: T.T @ change @ T for name, change in changes.items()}
-        for name, (turning, more) in told.items() if derivatives else ():
+        for name, (turning, more) in told.items():
+            if not is_wanted(name, derivatives):
+                continue
             half = turning.T @ article @ T
             found[name] = half + half.swapaxes(1, 2) + T.T @ more @ T
         return H + T.T @ article @ T, found
@@ -491,11 +496,19 @@ class SupportedDynamicMass:
         return Seated(transformation=back @ T, more=more), told
 
     def _mounted(
-        self, of: Nuisances, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: BaseDrive, *, derivatives: bool
+        self,
+        of: Nuisances,
+        offsets: Offsets,
+        effects: Sequence[Added],
+        frequency: Array,
+        drive: BaseDrive,
+        *,
+        derivatives: Wanted,
     ) -> tuple[MountedDynamicMass, Tangents]:
-        matrices, tangents = structure(of, offsets, effects, derivatives=derivatives)
+        matrices, tangents = structure(of, offsets, effects, derivatives=bool(derivatives))
         answered = dynamic_mass(matrices, frequency)
-        changes = transfer_tangents(answered, tangents) if derivatives else {}
+        wanted = {name: change for name, change in tangents.items() if is_wanted(name, derivatives)}
+        changes = transfer_tangents(answered, wanted)
         R = _turned(self.standing.pose)
         mounted = MountedDynamicMass(
             frequency=frequency,
@@ -507,7 +520,7 @@ class SupportedDynamicMass:
             block=drive.block,
         )
         turned = {name: R @ change @ R.T for name, change in changes.items()}
-        return prediction_effects.body(mounted, turned, effects, derivatives=derivatives)
+        return prediction_effects.body(mounted, turned, effects, derivatives=bool(derivatives))
 
 
 def structure(

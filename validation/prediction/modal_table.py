@@ -17,7 +17,7 @@ zeta_i = phi_i^T (omega_i C + S) phi_i / (2 omega_i²).
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Self
 
@@ -69,6 +69,7 @@ class RealModes:
     matrices: Matrices
     squares: Array
     shapes: Array
+    _lost: dict[int, tuple[Array, float, Array]] = field(default_factory=dict, init=False)
 
     @property
     def frequency(self) -> Array:
@@ -83,18 +84,21 @@ class RealModes:
     def changed(self, mode: int, by: Tangent) -> tuple[float, Array, float]:
         """How omega² [1/s²], the shape (k,) and the damping ratio of one mode answer to one parameter."""
         at, square, phi = by.at, self.squares[mode], self.shapes[:, mode]
+        if mode not in self._lost:
+            drag = self.matrices.viscous @ phi
+            self._lost[mode] = self._gaps(mode), float(phi @ drag), np.sqrt(square) * drag + self.matrices.structural @ phi
+        gaps, drag_of_itself, lost = self._lost[mode]
         own, every = phi[at], self.shapes[at]
         mass = by.mass @ own
         force = every.T @ (by.stiffness @ own - square * mass)
-        shares = force / self._gaps(mode)
+        shares = force / gaps
         shares[mode] = -own @ mass / 2
         shape, d_square = self.shapes @ shares, float(force[mode])
         # zeta = q / (2 omega²), q = phi^T (omega C + S) phi
-        omega, C, S = np.sqrt(square), self.matrices.viscous, self.matrices.structural
+        omega = np.sqrt(square)
         d_omega = d_square / (2 * omega)
-        loss = omega * C + S
-        d_loss = own @ (omega * by.viscous + by.structural) @ own + d_omega * phi @ C @ phi + 2 * shape @ loss @ phi
-        return d_square, shape, float((d_loss - phi @ loss @ phi * d_square / square) / (2 * square))
+        d_loss = own @ (omega * (by.viscous @ own) + by.structural @ own) + d_omega * drag_of_itself + 2 * shape @ lost
+        return d_square, shape, float((d_loss - phi @ lost * d_square / square) / (2 * square))
 
     def attached(self, mode: int, moved: Array) -> tuple[Array, Array, Array]:
         """The same of a mass on each of `moved` (q, k), what modes move a place along an axis: (q,), (k, q) and (q,), per kg."""

@@ -75,6 +75,7 @@ class ResponseFunctionTest:
     gain, force_gain : tolerances of the gains, 0 for exact ones, infinite for unknown ones
     decay_rate : [1/s] of an exponential window of force and responses, or (n,) of each line
     scale : where the one factor that all readings share is not known: where a fit of it begins; None where it is known
+    coherence : (r, n, c) of the functions; None where it is not known
     """
 
     measured: Measured
@@ -87,6 +88,7 @@ class ResponseFunctionTest:
     force_gain: float = GAIN
     decay_rate: float | Array = 0.0
     scale: float | None = None
+    coherence: Array | None = None
     remarks: tuple[str, ...] = ()
 
     @property
@@ -102,8 +104,9 @@ class ResponseFunctionTest:
 
     def on(self, runs: Sequence[str]) -> "ResponseFunctionTest":
         """The same model of the runs named alone."""
-        kept = tuple(point for run, point in zip(self.measured.runs, self.drives, strict=True) if run in runs)
-        return replace(self, measured=self.measured.on(runs), drives=kept)
+        kept = [k for k, run in enumerate(self.measured.runs) if run in runs]
+        coherence = None if self.coherence is None else self.coherence[kept]
+        return replace(self, measured=self.measured.on(runs), drives=tuple(self.drives[k] for k in kept), coherence=coherence)
 
     def with_effects(self, effects: Sequence[Added]) -> "ResponseFunctionTest":
         """The same test by a model with these `effects` instead of its own.
@@ -476,6 +479,9 @@ def of(structure: Nuisances, data: ResponseFunctions) -> tuple[ResponseFunctionT
         gain=data.gain,
         force_gain=data.force_gain,
         decay_rate=data.decay_rate,
+        coherence=None
+        if data.coherence is None
+        else data.coherence[:, (data.frequency >= low) & (data.frequency <= high) & kept],
     )
     if data.scaled:
         return (test,)

@@ -486,7 +486,7 @@ class SeriesPrediction:
         return at if learnt is None else learnt.at(at, [*at, *(one.name for one in self._opened[0])])
 
     def _carried(
-        self, at: problem.Offsets, frequency: Array, drive: BaseDrive, *, derivatives: bool
+        self, at: problem.Offsets, frequency: Array, drive: BaseDrive, *, derivatives: problem.Wanted
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
         """Loads on the cells, behind them what the article bends at its accelerometers, (n, 6 + 3 a, 6), and how they change."""
         effects, every = prediction_effects.at(self._reaching, at), self.measured.frequency
@@ -510,7 +510,7 @@ class SeriesPrediction:
 
     def _read(self, at: problem.Offsets, frequency: Array, drive: BaseDrive, *, derivatives: problem.Wanted) -> problem.Predicted:
         """What the channels read of runs that were driven by `drive`."""
-        H, structural = self._carried(at, frequency, drive, derivatives=bool(derivatives))
+        H, structural = self._carried(at, frequency, drive, derivatives=derivatives)
         theta = np.array([at.get(one.name, 0.0) for one in self._chain.parameters])
         A0, A1 = self._chain.rows(theta, frequency)
         changes: dict[str, problem.Change | problem.Conveyed] = {}
@@ -518,7 +518,7 @@ class SeriesPrediction:
             loaded = tuple(int(k) for k in np.flatnonzero(np.any(A1 != 0, axis=(0, 2))))
             through = A1[:, loaded]
             changes = {name: problem.Conveyed(channels=loaded, through=through, quantities=dH) for name, dH in structural.items()}
-            names = [one.name for one in self._chain.parameters if derivatives is True or one.name in derivatives]
+            names = [one.name for one in self._chain.parameters if problem.is_wanted(one.name, derivatives)]
             of_chain = self._chain.derivatives(theta, frequency, H, names)
             for name, derivative in zip(names, of_chain, strict=True):
                 changes[name] = problem.Change(channels=derivative.channels, rows=derivative.rows)

@@ -1,7 +1,7 @@
 """The pictures of `massline compare`: what each of them shows, from the comparison."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -73,13 +73,13 @@ def error_rows(found: Comparison) -> list[ErrorRow]:
         (nominal.name, of.nominal.percent, "%", nominal),
         (plain.name, of.plain.percent, "%", plain),
         ("fitted error, χ² per degree of freedom", misfit(of.fitted), "1", fitted),
-        ("its price, the sum of z² of the tolerances", of.fitted.tolerance_z2, "1", None),
+        ("its prior penalty, the sum of z² of the tolerances", of.fitted.tolerance_z2, "1", None),
         (held.name, None if of.held_out is None else of.held_out.percent, "%", held),
     ]
 
 
 PRICE = 3
-"""Row of the price, which a terminal and the panel have in the row above it."""
+"""Row of the prior penalty, which a terminal and the panel have in the row above it."""
 
 
 def errors(found: Comparison) -> doc.Table:
@@ -207,7 +207,7 @@ class ComparisonPage:
             rows=self.found.absurd,
             shown=worst if absurd(self.found.evaluation.fitted) else (),
             columns=(
-                doc.Column("tolerance", lambda one: one.parameter.name, words=True, said="absurd tolerances"),
+                doc.Column("tolerance", lambda one: one.parameter.name, words=True, said="moved too far"),
                 doc.Column("moved by", lambda one: one.z, "+.2f", unit="z", said=("z", "+.1f")),
                 doc.Column("moved by", lambda one: one.offset, "+.3g", on=doc.PAGE),
                 doc.Column(
@@ -277,8 +277,8 @@ class ComparisonPage:
         elif below := sum(one.sigma < STANDS_OUT for one in self.found.worst):
             yield f"{below} more of the ten worst spots are below {STANDS_OUT:g} sigma, as chance leaves them."
         yield (
-            "Sigma: deviation at the plain fit over what noise, a model error of 0.15 % and all tolerances that were not fitted "
-            "let expect. A channel's is from what all other channels and the model say of it."
+            "Sigma: what the plain fit leaves, in standard deviations of noise, a model error of 0.15 % and the tolerances that "
+            "were not fitted. A channel is held against what all other channels and the model say of it."
         )
         # Modes within the band by name
         for of, modes in zip(self.found.maps, self.found.modes, strict=True):
@@ -286,7 +286,7 @@ class ComparisonPage:
             if inside:
                 yield f"Modes of {of.data_set}: {_some([f'{one.name} {one.frequency:.2f} Hz' for one in inside], 8)}."
         if self.found.evaluation.held_out_names:
-            yield f"Held out: {_some(self.found.evaluation.held_out_names)}."
+            yield f"Used only for checking (held out): {_some(self.found.evaluation.held_out_names)}."
         if self.found.effects:
             yield f"Effects in the model: {', '.join(self.found.effects)}."
         yield from (f"warning: {text}." for text in self.found.remarks)
@@ -299,7 +299,7 @@ def _some(names: tuple[str, ...] | list[str], most: int = 4) -> str:
 
 PAIRS = 6
 
-NOTE = "Deviation at the plain fit over what noise, a model error of 0.15 % and all tolerances that were not fitted let expect. "
+NOTE = "What the plain fit leaves, in standard deviations of noise, a model error of 0.15 % and the tolerances not fitted. "
 THRESHOLD = f"Beyond {spec.CHANCE:g} (black bar of the scale) it is no chance. Triangles: modes of the model."
 
 
@@ -428,7 +428,7 @@ DYNAMIC_MASS_PAIRS = 10
 DYNAMIC_MASS_NOTE = (
     "Blocked dynamic mass of all that stands on the load cells, about F. Dots: measured, Eqs. 9 to 11. Line: the model at the "
     "plain fit, its channels put through the same equations. Band: two standard deviations, the σ of the maps, of the complex "
-    "difference that noise and unfitted tolerances let expect. Phase of an entry that is next to nothing means nothing"
+    "difference that noise and tolerances which were not fitted explain. Phase of an entry that is next to nothing means nothing"
 )
 
 
@@ -477,6 +477,39 @@ def dynamic_mass_html(report: Report, figures: doc.Figures) -> doc.Safe:
         parts.append(part)
     title = "Dynamic mass, measured and predicted"
     return section("dynamic-mass", title, parts_notes([DYNAMIC_MASS_NOTE]), listed.html(), *parts)
+
+
+FUNCTIONS_NOTE = (
+    "Dots: measured. Line: the model at the plain fit. Band: two standard deviations of what noise, the model's own error and "
+    "tolerances which were not fitted explain"
+)
+
+FUNCTIONS_SHOWN = 6
+"""Response functions of a test that a report shows: a sheet of paper."""
+
+
+def functions_html(report: Report, figures: doc.Figures) -> doc.Safe:
+    """The response functions that differ most, measured and predicted; empty where none were measured."""
+    from validation.report.charts.functions import functions_of
+    from validation.report.charts.maps import side_by_side
+
+    parts = []
+    for of, modes in zip(report.comparison.maps, report.comparison.modes, strict=True):
+        if (whole := of.functions) is None:
+            continue
+        apart = np.linalg.norm((whole.measured - whole.predicted) / whole.expected, axis=1)  # (r, c)
+        every = sorted(np.ndindex(apart.shape), key=lambda at: -apart[at])[:FUNCTIONS_SHOWN]
+        unit = whole.unit.replace("^2", "²")
+        marks = [(one.name, one.frequency) for one in modes if of.frequency[0] <= one.frequency <= of.frequency[-1]]
+        panels = [
+            (f"{of.rows[k]} by {of.runs[run]}", replace(functions_of(of, run, k, {}), unit=unit, modes=marks))
+            for run, k in sorted(every)
+        ]
+        many = "" if apart.size <= len(every) else f", of {apart.size} the {len(every)} that differ most"
+        figure = side_by_side(panels, f"{of.data_set}: response by force{many}")
+        parts.append(doc.tag("div", doc.tag("h3", of.data_set), figures.placed(figure), class_="part"))
+    title = "Response functions, measured and predicted"
+    return section("functions", title, parts_notes([FUNCTIONS_NOTE]), *parts) if parts else doc.Safe("")
 
 
 def _select(what: str, part: str, names: Sequence[str], group: str, chosen: int) -> doc.Safe:

@@ -32,7 +32,7 @@ from validation.history.add import at_offsets, kept_offsets
 from validation.history.history import HistoryPosition, Version, history_position, is_worth_adding, reminded, undone
 from validation.model import model_file
 from validation.model.model import Added, Model
-from validation.output import NONE, json_text, nats, share_done, significant, stages, to_json, two_digits, with_unit
+from validation.output import NONE, json_text, nats, odds, share_done, significant, stages, to_json, two_digits, with_unit
 from validation.reference.reference import file_name
 from validation.report import document as doc
 from validation.report import history
@@ -70,7 +70,7 @@ def draw(found: results.Diagnosis, folder: Path) -> tuple[Path, ...]:
         crosscheck.draw_evidence(crosscheck.causes_of(found, title, EVIDENCE_NOTE, asked(found)), folder / EVIDENCE)
         made.append(folder / EVIDENCE)
     after = None if found.after is found.before else found.after
-    held = f"Held out: {results.listed(found.hold_out)}." if found.hold_out else ""
+    held = f"Used only for checking (held out): {results.listed(found.hold_out)}." if found.hold_out else ""
     crosscheck.draw_before_after(crosscheck.changes_of(found.before, after, title, held), folder / ERRORS)
     nodes = draw_nodes(found.nodes, folder / EVERYWHERE)
     return (*made, folder / ERRORS, *(() if nodes is None else (nodes,)))
@@ -339,6 +339,7 @@ def classical_document(found: SwingAnswer, named: str) -> doc.Document:
         columns=(
             doc.Column("effect", lambda row: row[0]),
             doc.Column("evidence [nats]", lambda row: max(one.evidence for one in row[1]), nats),
+            doc.Column("odds", lambda row: odds(max(one.evidence for one in row[1])), words=True),
             doc.Column("size that would explain it by itself", lambda row: size(row[1]), words=True),
         ),
     )
@@ -367,7 +368,7 @@ def classical_document(found: SwingAnswer, named: str) -> doc.Document:
     least = grid(found.detectable) if found.detectable else None
     notes = [
         "Sigma: measured less the model's, over the standard deviation; what is stated as a tolerance is a 95 % limit.",
-        "Evidence: how much more probable the measurements are with it than without it, in nats: 3 is 20 to 1, 7 is 1000 to 1.",
+        IN_NATS,
         *([f"--json has {len(found.advice) - MOST} more tests."] if len(found.advice) > MOST else []),
         *(f"warning: {text}." for text in found.remarks),
     ]
@@ -430,6 +431,12 @@ def draw_left(found: results.Diagnosis, bench: Study, folder: Path, progress: Ca
 RANKED = 8
 """Causes that the page shows; JSON has all."""
 
+IN_NATS = (
+    "Evidence: how much more probable the data are with it than without it, as the natural logarithm of the odds (nats): 3 is "
+    "20 to 1, 8 is 3000 to 1."
+)
+"""What must be known to read it."""
+
 CALIBRATIONS = 12
 """What is known better now that the page shows; JSON has all."""
 
@@ -479,7 +486,7 @@ class DiagnosisPage:
                 self.everywhere(),
                 self.pictured,
                 self.levels(),
-                doc.Drawn(lambda: before_and_after(found.before, after)),
+                None if after is None else doc.Drawn(lambda: before_and_after(found.before, after)),
                 self.errors(),
                 self.errors_of_page(),
                 self.ranking(),
@@ -499,24 +506,25 @@ class DiagnosisPage:
         if self.found.verdict == results.NOTHING and self.found.ranking and self.found.ranking[0].evidence >= CLOSE:
             one = self.found.ranking[0]
             cause = results.cause(one)
-            yield f"The closest is {cause}: {one.evidence:.1f} nats, less than is asked for. Other data decide."
+            likely = f"{one.evidence:.1f} nats, {odds(one.evidence)}"
+            yield f"The closest is {cause}: {likely}, less than is asked for. Other data decide."
 
     def causes(self) -> doc.Grid | None:
         """What is missing, a line a size; one of a mistake that has none."""
         lines: list[tuple[str, ...]] = []
         for one in self.found.accepted:
-            evidence = f"{one.evidence:+.1f}"
+            evidence, likely = nats(one.evidence), odds(one.evidence)
             for size in one.sizes:
                 value, low, high, unit = results.interval(one, size)
                 interval = NONE if size.low == size.high else f"{low} to {high}"
-                lines.append((f"{one.id} {size.key}".rstrip(), value, interval, unit or NONE, evidence))
-                evidence = ""
+                lines.append((f"{one.id} {size.key}".rstrip(), value, interval, unit or NONE, evidence, likely))
+                evidence = likely = ""
             if not one.sizes:
-                lines.append((one.id, NONE, NONE, NONE, evidence))
+                lines.append((one.id, NONE, NONE, NONE, evidence, likely))
         if not lines:
             return None
         first, *rest = zip(*lines, strict=True)
-        header = ("missing", "size", "90 % interval", "unit", "evidence [nats]")
+        header = ("missing", "size", "90 % interval", "unit", "evidence [nats]", "odds")
         return doc.Grid(header=header, lines=tuple(zip(first, *[doc.aligned(column) for column in rest], strict=True)))
 
     def alike(self) -> doc.Grid:
@@ -626,13 +634,13 @@ class DiagnosisPage:
         return doc.Grid(header=header, lines=tuple(zip((name for name, _ in kept), *columns, strict=True)))
 
     def errors_of_page(self) -> doc.Table:
-        """The same for a page, an error a row with its unit."""
+        """The same for a page, an error a row with its unit; none where nothing was found."""
         before, after = error_figures(self.found.before), error_figures(self.found.after)
-        if self.found.after is self.found.before:
-            after = {}
+        changed = self.found.after is not self.found.before
         return doc.Table(
             caption="The errors before and after what was found is added",
-            rows=[row for row in ERROR_NAMES if before[row[2]] is not None],
+            note="Made at fewer lines than those of a comparison, so that their last digits differ.",
+            rows=[row for row in ERROR_NAMES if before[row[2]] is not None and changed],
             columns=(
                 doc.Column("error", lambda row: row[0], words=True),
                 doc.Column("unit", lambda row: row[1], words=True),
@@ -670,27 +678,30 @@ class DiagnosisPage:
                 *figures, unit = results.interval(one, size)
                 value, low, high = (doc.Number(value=float(text), text=text.replace("-", "−")) for text in figures)
                 fitted = size.low != size.high
-                rows.append((one, (size.key or one.named.what, value, *((low, high) if fitted else (EMPTY, EMPTY)), unit)))
+                rows.append((one, (size.key, value, *((low, high) if fitted else (EMPTY, EMPTY)), unit)))
             if not one.sizes:
                 rows.append((one, (NONE, EMPTY, EMPTY, EMPTY, "")))
+        several = any(figures[0] not in ("", NONE) for _, figures in rows)  # of one size the cause says what it is
         return doc.Table(
             caption="Causes that were tried, the best first",
             rows=rows,
             columns=(
                 doc.Column("cause", lambda row: row[0].id, words=True),
                 doc.Column("evidence", lambda row: row[0].evidence, nats, unit="nats"),
+                doc.Column("odds", lambda row: odds(row[0].evidence), words=True),
                 doc.Column("asked for", lambda row: evidence_threshold(row[0].named.family), "g", unit="nats"),
-                doc.Column("number", lambda row: row[1][0], words=True),
+                *([doc.Column("number", lambda row: row[1][0], words=True)] if several else []),
                 doc.Column("size", lambda row: row[1][1]),
                 doc.Column("from", lambda row: row[1][2]),
                 doc.Column("to", lambda row: row[1][3]),
                 doc.Column("unit", lambda row: row[1][4], words=True),
                 doc.Column("χ² per dof", lambda row: row[0].misfit, ".3g"),
-                doc.Column("price", lambda row: row[0].price, ".3g"),
+                doc.Column("prior penalty", lambda row: row[0].price, ".3g"),
                 doc.Column("so", lambda row: standing_of(self.found, row[0]), words=True),
             ),
             note=(
-                "From and to: 90 % interval. Price: sum of z² of the tolerances with it, over what is due where nothing is wrong."
+                "From and to: 90 % interval. Prior penalty: sum of z² of the tolerances with it, over what is due in a "
+                "sound laboratory."
             ),
             on=doc.PAGE,
         )
@@ -710,7 +721,7 @@ class DiagnosisPage:
                 return "accepted"
             if one.id in found.equivalence_class:
                 return "cannot be told from it"
-            return ("explains less" if found.accepted else "too little") if one.null else "misfit or price stay too high"
+            return ("explains less" if found.accepted else "too little") if one.null else "misfit or prior penalty stays too high"
 
         return doc.Table(
             rows=self.found.ranking[:RANKED],
@@ -719,7 +730,7 @@ class DiagnosisPage:
                 doc.Column("size", size),
                 doc.Column("evidence [nats]", lambda one: nats(one.evidence)),
                 doc.Column("chi²", lambda one: f"{one.misfit:.3g}"),
-                doc.Column("price", lambda one: f"{one.price:.3g}" if isfinite(one.price) else NONE),
+                doc.Column("prior penalty", lambda one: f"{one.price:.3g}" if isfinite(one.price) else NONE),
                 doc.Column("so", judged, words=True),
             ),
             on=doc.TERMINAL,
@@ -737,15 +748,15 @@ class DiagnosisPage:
             for k, one in enumerate(self.found.steps, start=1)
         )
         return doc.Grid(
-            header=("round", "chi²", "price", "how it was found"), lines=lines, words=True, caption="How it was found"
+            header=("round", "chi²", "prior penalty", "how it was found"), lines=lines, words=True, caption="How it was found"
         )
 
     def notes(self) -> Iterator[str]:
         """What must be known to read the tables, then what was assumed."""
-        yield "Evidence: how much more probable the data are with it than without it, in nats: 3 is 20 to 1, 7 is 1000 to 1."
+        yield IN_NATS
         yield (
-            "Price: sum of z² of all tolerances over what is due where nothing is wrong. Chi² alone says little: tolerances "
-            "swallow faults at an absurd price."
+            "Prior penalty: sum of z² of all tolerances over what is due in a sound laboratory. Chi² alone says little: "
+            "tolerances that a fit moves far enough swallow nearly any fault."
         )
         if len(self.found.ranking) > RANKED:
             yield f"{len(self.found.ranking) - RANKED} more effects were tried and explain less; --json has all of them."
@@ -759,7 +770,7 @@ class DiagnosisPage:
         if self.found.verdict == results.NONLINEAR:
             yield "A linear fit of such data names nonsense: the errors are those of the model as it is."
         if self.found.hold_out:
-            yield f"Held out: {results.listed(self.found.hold_out)}."
+            yield f"Used only for checking (held out): {results.listed(self.found.hold_out)}."
         yield from (f"warning: {text.rstrip('.')}." for text in self.found.remarks)
 
 

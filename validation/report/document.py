@@ -14,10 +14,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from gzip import compress
 from html import escape, unescape
+from importlib.metadata import version
 from itertools import product
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
+from geometry import cache
 from geometry.routes import ROUTES
 from geometry.user_article import ESTIMATE
 from validation.output import NONE, PIPED_WIDTH, SIGNIFICANT, fixed, page_width, plain_unit, rounded
@@ -393,8 +395,8 @@ class Number:
 Cell = Number | str
 """What stands in a cell; a text may be `Safe`."""
 
-WHOLE = 16
-"""Rows up to which a table stays on one sheet of paper."""
+WHOLE, SENTENCE = 12, 60
+"""Rows up to which a table stays on one sheet of paper; letters of a cell that fills several lines, for which it need not."""
 
 SHORT, TINY = 24, 8
 """Letters of a text that is not broken on a screen, and of one that is not broken on paper either."""
@@ -453,7 +455,8 @@ def table(caption: str, columns: Sequence[Column], rows: Sequence[Sequence[Cell]
     named = tag("caption", tag("span", caption), button)
     inner = tag("table", named, tag("thead", tag("tr", *heads)), tag("tbody", *lines))
     below = tag("p", worded(note), class_="note") if note else None
-    kind = "table whole" if len(rows) <= WHOLE else "table"
+    long = any(isinstance(cell, str) and len(cell) > SENTENCE for row in rows for cell in row)
+    kind = "table" if long or len(rows) > WHOLE else "table whole"
     return tag("div", tag("div", inner, class_="scroll", tabindex="0", role="region", aria_label=caption), below, class_=kind)
 
 
@@ -502,7 +505,8 @@ class Figures:
         templates = f'{{"light":{interactive.template_json(False)},"dark":{interactive.template_json(True)}}}'
         figures = ",".join(f"{json.dumps(name)}:{text}" for name, text in self._json.items())
         whole = f'{{"templates":{templates},"figures":{{{figures}}}}}'
-        return Safe(_script("packed-library", interactive.library()) + _script("packed-figures", whole))
+        library = cache.answer(lambda: _packed(interactive.library()), "library", version("plotly"))
+        return Safe(_script("packed-library", library) + _script("packed-figures", _packed(whole)))
 
     def __len__(self) -> int:
         return len(self._json)
@@ -511,10 +515,14 @@ class Figures:
         self._json[name] = figure.json()
 
 
-def _script(name: str, text: str) -> str:
-    """`text` packed into an element that no browser runs."""
-    packed: Any = b64encode(compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")
+def _script(name: str, packed: str) -> str:
+    """What is `packed` in an element that no browser runs."""
     return f'<script type="text/plain" id="{name}">{packed}</script>\n'
+
+
+def _packed(text: str) -> str:
+    """`text`, compressed, in letters that any page may hold."""
+    return b64encode(compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")
 
 
 # Reference tables as CSV: one line for each quantity and column, full precision, units in a column of their own.
@@ -673,6 +681,9 @@ def pipes(grid: Grid) -> str:
 WIDTH = PIPED_WIDTH
 """Columns of a table in a file."""
 
+FIRST = ("warning: ", "problem ")
+"""How notes begin that stand before all tables: nobody shall read figures of bad data first."""
+
 VERDICT = 24
 """Columns below which words are not squeezed."""
 
@@ -704,8 +715,12 @@ def page(
     console = Console(width=width or page_width(), color_system=None, force_terminal=False)
     with console.capture() as capture:
         console.print(Text(title), Text("═" * min(len(title), console.width)), sep="\n")
+        said = list(notes)
+        wrong = [note for note in said if note.startswith(FIRST)]
         for paragraph in opening:
             console.print(Text(), Text(paragraph), sep="\n")
+        if wrong:
+            console.print(Text(), *(Padding(Text(note), (0, 0, 0, 2)) for note in wrong), sep="\n")
         for part in (part for grid in grids for part in parts(grid, console.width)):
             table, columns = RichTable(box=box.SIMPLE_HEAD, pad_edge=False), []
             for k, column in enumerate(zip(part.header, *part.lines, strict=True)):
@@ -716,8 +731,9 @@ def page(
             for line in list(zip(*columns, strict=True))[1:]:
                 table.add_row(*(Text(cell) for cell in line))
             console.print(table)
-        for note in notes:
-            console.print(Padding(Text(note), (0, 0, 0, 2)))
+        for note in said:
+            if note not in wrong:
+                console.print(Padding(Text(note), (0, 0, 0, 2)))
     return "\n".join(line.rstrip() for line in capture.get().splitlines()) + "\n"
 
 

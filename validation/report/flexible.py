@@ -558,6 +558,9 @@ SMALL = 1e-6
 FEWEST, MOST = 6, 20
 """Modes of a table: those within twice the band, but so many at least and at most."""
 
+HEAVY = 1e3
+"""Times the end of the band: beyond it swings what has next to no mass, such as turns of a frame whose floors alone are heavy."""
+
 MODES_NOTE = (
     "Base held, about F, as the plain fit has them with the effects of the model. Effective mass along and about every axis. "
     "The last modes of a model stand for the static answer of all others and are left out here."
@@ -581,10 +584,11 @@ def html(report: Report, figures: Figures) -> Safe:
             continue
         near = sum(one.frequency <= 2 * float(of.frequency[-1]) for one in modes)
         least = SMALL * np.max([one.effective_mass or (0.0,) * 6 for one in modes], axis=0)
-        along = [Column(f"m eff {AXES[k]}", partial(mass, k, least[k]), unit=UNITS[k]) for k in range(6)]
+        driven = range(6) if any(one.effective_mass for one in modes) else range(0)
+        along = [Column(f"m eff {AXES[k]}", partial(mass, k, least[k]), unit=UNITS[k]) for k in driven]
         table = Table(
             caption=f"Modes of {of.configuration} ({of.data_set})",
-            rows=modes[: min(max(near, FEWEST), MOST)],
+            rows=[one for one in modes[: min(max(near, FEWEST), MOST)] if one.frequency < HEAVY * of.frequency[-1]],
             columns=(
                 Column("mode", lambda one: one.name, words=True),
                 Column("frequency", lambda one: one.frequency, ".3f", unit="Hz"),
@@ -596,7 +600,8 @@ def html(report: Report, figures: Figures) -> Safe:
     shapes = [tag("div", tag("h3", f"Shapes of {one.name}"), picture(one.shapes)) for one in report.articles if one.shapes]
     if not tables:
         return Safe("")
-    return section("modes", "Modes", *tables, parts_notes([MODES_NOTE]), *shapes)
+    held = any(one.effective_mass for modes in found.modes for one in modes)
+    return section("modes", "Modes", *tables, parts_notes([MODES_NOTE] if held else []), *shapes)
 
 
 # The verification table to print: one page a family, errors beside their bars.

@@ -14,7 +14,19 @@ from identification.quality import NORMAL_90
 from validation.history import history
 from validation.history.history import SHOWN, Body, HistoryPosition, Version, VersionSize, is_worth_adding, percent
 from validation.model import model_file
-from validation.output import NONE, json_text, nats, require_ending, require_file, rounded, shown, stages, to_json, with_unit
+from validation.output import (
+    NONE,
+    json_text,
+    nats,
+    odds,
+    require_ending,
+    require_file,
+    rounded,
+    shown,
+    stages,
+    to_json,
+    with_unit,
+)
 from validation.reference.statement import QUANTITIES
 from validation.report import document
 from validation.report.charts import history as charts
@@ -134,7 +146,7 @@ NONE_YET = "The model has no ladder yet: `massline add MODEL EFFECT DATA ...` ad
 def of_added(before: Version, after: Version) -> list[Grid]:
     """The four errors before and after, the sizes of all effects, and how far each article is from its reference."""
     lines = [one for one in error_lines(before.errors, after.errors) if one[0] != UNKEPT]
-    gain = ("", NONE if after.gain is None else f"{nats(after.gain)} nats")
+    gain = ("", NONE if after.gain is None else f"{nats(after.gain)} nats, {odds(after.gain)}")
     columns = [aligned(tuple(column)) for column in zip(*(cells for _, cells in lines), gain, strict=True)]
     names = (*(name for name, _ in lines), "evidence gained")
     header = ("", f"rung {before.number}", f"rung {after.number}")
@@ -213,7 +225,7 @@ def rungs(at: HistoryPosition) -> Table:
             Column("size", lambda row: _sizes(row[1]), on=TERMINAL),
             Column("nominal", lambda row: row[2]["nominal"], unit="%", said=("nominal", percent)),
             Column("plain", lambda row: row[2]["plain"], unit="%", said=("plain", percent)),
-            Column("held out", lambda row: row[2]["held_out"], unit="%", said=("held out", percent)),
+            Column("plain, only for checking", lambda row: row[2]["held_out"], unit="%", said=("checked", percent)),
             Column("χ² per dof", lambda row: row[2]["chi2_per_dof"], said=("chi²/dof", ".3g")),
             Column("sum z²", lambda row: row[2]["tolerance_z2"], on=PAGE),
             Column("sum z²", lambda row: NONE if row[2]["due_z2"] is None else PRICE.format(**row[2]), on=TERMINAL),
@@ -269,8 +281,9 @@ def notes(at: HistoryPosition) -> Iterator[str]:
     """What must be known to read the tables, and what is odd."""
     bodies = any(one.bodies for one in at.ladder.rungs)
     what = "the force" if bodies else "what is"
-    yield f"Nominal: as it stands. Plain: tolerances of the measurement not fitted. Per cent of {what} read. Evidence in nats."
-    yield "Sum z²: of the tolerances, all fitted, and what is due where nothing is wrong."
+    yield f"Nominal: as it stands. Plain: tolerances of the measurement not fitted. Per cent of {what} read."
+    yield "Checked: the plain error on data used only for checking (held out). Evidence in nats: 3 is 20 to 1, 8 is 3000 to 1."
+    yield "Sum z²: the prior penalty of the tolerances, all fitted, and what is due in a sound laboratory."
     yield from BODIES if bodies else ()
     yield from history.conditions(at)
 

@@ -213,22 +213,20 @@ class IdentificationPage:
             said = None if reference is None else reference.values[k]
             return None if said is None else said.value * QUANTITIES[k].per_si
 
-        heads = ["quantity", "unit", "drawn"]
-        rows: list[list[doc.Cell]] = [[q.label, q.unit, doc.number(known(k), ".6g")] for k, q in enumerate(QUANTITIES)]
+        heads = ["quantity", "unit", *(["drawn"] if reference is not None else [])]
+        rows: list[list[doc.Cell]] = [[q.label, q.unit] for q in QUANTITIES]
+        if reference is not None:
+            rows = [[*row, doc.number(known(k), ".6g")] for k, row in enumerate(rows)]
         for one in self.found.results:
             way = one.identified.way
-            heads += [way, "± 95 %", f"{way} less drawn", "in intervals"]
+            heads += [way, "± 95 %", *([f"{way} less drawn", "in intervals"] if reference is not None else [])]
             for k, row in enumerate(rows):
                 value, half = (float(of[k]) * QUANTITIES[k].per_si for of in (one.values, one.half_width))
                 there = known(k)
                 apart = None if there is None else value - there
                 many = None if apart is None or not half else apart / half
-                row += [
-                    doc.toleranced(value, half),
-                    doc.toleranced(half, half),
-                    doc.toleranced(apart, half),
-                    doc.number(many, "+.2f"),
-                ]
+                row += [doc.toleranced(value, half), doc.toleranced(half, half)]
+                row += [doc.toleranced(apart, half), doc.number(many, "+.2f")] if reference is not None else []
         where = "from the article's own origin" if self.found.origin == "article" else "from F"
         return doc.Table(
             caption=f"{self.found.article}: mass, CoG and inertia, {self.found.result.identified.way} counts, raw records",
@@ -456,7 +454,7 @@ def campaign_part(
         campaign=one,
         sensors=sensor_map(one, missing),
         findings=found,
-        reference=None if found is None else _reference(found, model, missing),
+        reference=None if found is None else drawing_beside(found, model, missing),
         command=" ".join([*typed, "--spectra", method, "--no-study"]),
         missing=tuple(missing),
     )
@@ -479,7 +477,7 @@ def sensor_map(one: Campaign, missing: list[str]) -> Picture | None:
         return None
 
 
-def _reference(found: IdentificationFindings, model: Model, missing: list[str]) -> Statement | None:
+def drawing_beside(found: IdentificationFindings, model: Model, missing: list[str]) -> Statement | None:
     """Of what was identified, as it is drawn, in the frame of the result.
 
     None where no drawing is known, with an FMD that the model knows otherwise, and where nothing says how the article stands.
@@ -500,9 +498,16 @@ def _reference(found: IdentificationFindings, model: Model, missing: list[str]) 
     changes = model.changes if is_stack(found.article) else {}
     try:
         options = ArticleOptions(changes=changes)
-        return kept(lambda: reference(source, None, options, frame)[1], "drawn", source, (options, frame))
+        drawn = kept(lambda: reference(source, None, options, frame)[1], "drawn", source, (options, frame))
     except (BadInput, CheckFailed):
         return None
+    # An article is what its drawing says within what the laboratory admits: density, bolts and holes that nobody drew
+    share = NORMAL_95 * model.mounting.inertia
+    values = list(drawn.values)
+    for k in (0, *range(4, 7)):
+        if (one := values[k]) is not None and share:
+            values[k] = replace(one, tolerance=float(np.hypot(one.tolerance or 0.0, share * abs(one.value))))
+    return replace(drawn, values=tuple(values))
 
 
 # Identified inertia with the effects of the model: what its ladder says, or what a fit finds where no rung says it.

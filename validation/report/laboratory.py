@@ -105,17 +105,17 @@ def document(found: LaboratoryFindings) -> doc.Document:
         caption="What was learnt from the others, held against each",
         rows=found.held_out,
         columns=(
-            doc.Column("held out", lambda one: one.campaign, words=True),
+            doc.Column("used only for checking", lambda one: one.campaign, words=True),
             doc.Column("chi²", lambda one: one.misfit, ".3f"),
-            doc.Column("of a null below", lambda one: one.limit, ".3f"),
-            doc.Column("price", lambda one: one.price, ".2f"),
+            doc.Column("of a sound laboratory below", lambda one: one.limit, ".3f"),
+            doc.Column("prior penalty", lambda one: one.price, ".2f"),
             doc.Column("so", lambda one: "quiet" if one.quiet else "not quiet", words=True),
         ),
     )
 
     def notes() -> Iterator[str]:
         if found.widened > 1:
-            yield f"All deviations of the hardware are widened by {found.widened:.2f}: so much more than due was paid."
+            yield f"All deviations of the hardware are widened by {found.widened:.2f}, the root of their mean prior penalty."
         if not found.held_out:
             yield "One campaign alone proves nothing: mount it again, and name both."
         shares: dict[str, list[float]] = {}

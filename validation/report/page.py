@@ -1,6 +1,7 @@
 """The page: one file of HTML that needs nothing else, neither a network nor a folder beside it."""
 
 import json
+import math
 import os
 import shlex
 import shutil
@@ -54,13 +55,13 @@ def provenance_html(report: Report, figures: Figures) -> Safe:
     """The section."""
     made = report.provenance
     settings = {"random numbers": SEEDS, **made.settings}
-    if report.diagnosis is not None:
-        settings |= {f"diagnosis: {key}": value for key, value in report.diagnosis.settings.items() if key != "random_numbers"}
+    asked = {} if report.diagnosis is None else report.diagnosis.settings
+    numbers = {key: _text(value) for key, value in asked.items() if key != "random_numbers"}
     return section(
         "provenance",
         "Provenance",
         tag("p", "Command line: ", tag("code", made.command)) if made.command else None,
-        _pairs("Versions", "program", "version", made.versions),
+        tag("p", "Versions: ", ", ".join(f"{name} {version}" for name, version in made.versions.items()), ".", class_="note"),
         table(
             "Inputs",
             [Column(head="file or folder", words=True), Column(head="SHA-256", words=True)],
@@ -68,6 +69,9 @@ def provenance_html(report: Report, figures: Figures) -> Safe:
             note="Of a campaign: of its description and all of its signals.",
         ),
         _pairs("Settings", "setting", "value", {key: _text(value) for key, value in settings.items()}),
+        tag("details", tag("summary", "Numbers of the diagnosis"), _pairs("Diagnosis", "number", "value", numbers))
+        if numbers
+        else None,
         tag("details", tag("summary", "The model file"), tag("pre", made.model_text)) if made.model_text else None,
     )
 
@@ -197,8 +201,9 @@ def _from_records(part: CampaignPart) -> Safe:
     known = None if part.reference is None else part.reference.values[0]
     if known is None:
         return joined(told, doubted)
-    within = abs(value - known.value * mass.per_si) <= half + (known.tolerance or 0.0) * mass.per_si
-    drawn = f", drawn {known.value * mass.per_si:.4g} kg, "
+    own, admitted = known.value * mass.per_si, (known.tolerance or 0.0) * mass.per_si
+    within = abs(value - own) <= math.hypot(half, admitted)
+    drawn = f", drawn {plus_minus(own, admitted) if admitted > 1e-3 * half else f'{own:.4g}'} kg, "
     return joined(told, drawn, verdict("within", GOOD) if within else verdict("outside", DOUBTFUL), doubted)
 
 
@@ -215,6 +220,7 @@ SECTIONS: tuple[tuple[str, str, Section], ...] = (
     ("modes", "Modes", flexible.html),
     ("sensors", "Sensors", compare.sensors_html),
     ("dynamic-mass", "Dynamic mass", compare.dynamic_mass_html),
+    ("functions", "Response functions", compare.functions_html),
     ("condition", "Condition number", compare.html),
     ("inertia", "Identified inertia", identify.html),
     ("where", "Where it fails", compare.where_html),
@@ -257,9 +263,22 @@ def html(report: Report, progress: Progress | None = None) -> str:
         tell(heading, k / len(SECTIONS))
         if made := write_section(report, figures):
             parts.append((name, heading, made))
+    named = f"{report.comparison.title} · massline report"
+    return framed(named, title.html(report, figures), parts, figures, report.provenance.versions.get("massline", ""))
+
+
+def framed(named: str, head: Safe, parts: Sequence[tuple[str, str, Safe]], figures: Figures, by: str) -> str:
+    """A page of `parts`, each with its name and heading, below a `head`; it needs no other file.
+
+    Parameters
+    ----------
+    named : for the browser's window
+    figures : that the parts hold
+    by : version of massline
+    """
     links = [tag("li", tag("a", heading, href=f"#{name}")) for name, heading, _ in parts]
     contents = tag("nav", tag("ol", *links), aria_label="Contents", class_="paper-only")
-    main = tag("main", title.html(report, figures), contents, *(made for _, _, made in parts))
+    main = tag("main", head, contents, *(made for _, _, made in parts))
     # What a reader can do, above the page
     light = tag("button", "light or dark", type="button", id="theme", aria_pressed="false")
     printed = tag("button", "print", type="button", id="print")
@@ -274,16 +293,16 @@ def html(report: Report, progress: Progress | None = None) -> str:
         tag("div", tag("nav", tag("ol", *links), aria_label="Contents", class_="screen-only"), main, class_="page"),
         script,
     )
-    head = tag(
+    about = tag(
         "head",
         tag("meta", charset="utf-8"),
         Safe(f'<meta http-equiv="Content-Security-Policy" content="{ALLOWED}">'),
         tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
-        tag("meta", name="generator", content=f"massline {report.provenance.versions.get('massline', '')}".strip()),
-        tag("title", f"{report.comparison.title} · massline report"),
+        tag("meta", name="generator", content=f"massline {by}".strip()),
+        tag("title", named),
         tag("style", Safe(_resource("page.css"))),
     )
-    return f"<!DOCTYPE html>\n{tag('html', head, body, lang='en')}\n"
+    return f"<!DOCTYPE html>\n{tag('html', about, body, lang='en')}\n"
 
 
 def _resource(name: str) -> str:

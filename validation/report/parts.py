@@ -136,8 +136,8 @@ class Report:
 ERRORS = (
     ("nominal error", "%", "nominal"),
     ("plain error, fitted data", "%", "plain"),
-    ("plain error, held out", "%", "held_out"),
-    ("nominal error, held out", "%", "held_out_nominal"),
+    ("plain error, used only for checking", "%", "held_out"),
+    ("nominal error, used only for checking", "%", "held_out_nominal"),
     ("plain error, a configuration never seen", "%", "held_out_configurations"),
     ("fitted: χ² per degree of freedom", "1", "chi2_per_dof"),
     ("fitted: sum of z² of the tolerances", "1", "tolerance_z2"),

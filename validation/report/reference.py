@@ -35,8 +35,10 @@ if TYPE_CHECKING:
     from validation.report.scenes.scene import DrawnBody
 
 
-def draw(name: str, asked: ArticleOptions, folder: Path = Path("out")) -> Path:
+def draw(name: str, asked: ArticleOptions, folder: Path = Path("out"), *, sheet: bool = True) -> Path:
     """Write the picture of the article `name` into `folder`, in the article's own frame, and say where it is.
+
+    Of a `sheet` it has title, figures and note as well; a page has them in its tables.
 
     Raises
     ------
@@ -47,7 +49,7 @@ def draw(name: str, asked: ArticleOptions, folder: Path = Path("out")) -> Path:
 
     title, bodies, inertia, note = drawing(name, asked)
     path = folder / f"{reference.file_name(title)}.png"
-    picture(title, bodies, inertia, path, note)
+    picture(title, bodies, inertia, path, note, sheet=sheet)
     return path
 
 
@@ -231,7 +233,11 @@ def article_part(name: str, model: Model, comparison: Comparison, classical: Seq
     asked = ArticleOptions(changes=changes)
     table = _tried(lambda: _table(source, asked, name, classical), missing)
     said = f"{name}, with centre of gravity, principal axes and equivalent inertia ellipsoid, in the article's own frame"
-    picture = _tried(lambda: kept(lambda: drawn(lambda folder: draw(source, asked, folder), said), said, source, asked), missing)
+
+    def plain() -> Picture:
+        return drawn(lambda folder: draw(source, asked, folder, sheet=False), said)
+
+    picture = _tried(lambda: kept(plain, f"plain: {said}", source, asked), missing)
     shapes = None
     # Shapes are worth a picture where a mode is near the band
     pairs = zip(comparison.maps, comparison.modes, strict=True)
@@ -261,7 +267,8 @@ def _table(source: str, asked: ArticleOptions, name: str, classical: Sequence[Re
     """The reference table with a column for each measurement that is about the article `name`."""
     table = kept(lambda: reference.reference_table(source, asked), "reference", source, asked)
     own = [one for one in classical if one.article == name and any(key in KEYS for key in one.results)]
-    columns = dict(table.columns)
+    # What somebody else weighed and identified says nothing of the article that was tested
+    columns = {name: said for name, said in table.columns.items() if name not in (reference.MEASURED, reference.IDENTIFIED)}
     for k, one in enumerate(own, start=1):
         values = [one.results.get(key) for key in KEYS]
         stated = tuple(
@@ -271,7 +278,7 @@ def _table(source: str, asked: ArticleOptions, name: str, classical: Sequence[Re
         note = "assumed" if one.assumed else "as its readings state them"
         columns[f"classical {k}"] = Statement(name=one.title, values=stated, source=one.origin, tolerance_note=note)
     notes = tuple(f"Tolerances of {one.title} are ASSUMED." for one in own if one.assumed)
-    return replace(table, article=name, columns=columns, footnotes=(*table.footnotes, *notes))
+    return replace(table, article=name, columns=columns, footnotes=notes)
 
 
 def _shapes(source: str, kind: str, asked: FlexibleOptions) -> Picture:

@@ -31,7 +31,7 @@ TEST = "test"
 def main(which: str, seed: int | None, code: str | None, structures: bool, to_page: bool) -> None:
     """Print the table of bars and one row a family."""
     console, book = Console(), ledger.read()
-    chosen = book.test if which == TEST else seed or book.development[-1]
+    chosen = (book.structures if structures else book.test) if which == TEST else seed or book.development[-1]
     kept = Kept(seed=chosen, code=code or present_code(), what="structures" if structures else "")
     if structures:
         _of_structures(console, kept, which == TEST)

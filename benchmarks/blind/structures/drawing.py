@@ -17,8 +17,8 @@ from geometry.frames import Array
 from validation.effects.effect import at_position
 from validation.virtual_test.layout import stream
 
-STRUCTURES = 60
-"""[count] of a draw: 60 nulls, 180 single faults, 30 pairs and 30 that have no name."""
+STRUCTURES = 30
+"""[count] of a draw: 30 nulls, 90 single faults, 15 pairs and 15 that have no name."""
 
 MULTIPLES = (5.0, 15.0, 2.0)
 """Sizes over the detection limit, in the order in which they are drawn."""
@@ -27,6 +27,8 @@ ATTACHED = ("point-mass", "cable", "absorber", "slosh", "rigid-inertia")
 """Families that a diagnosis does without of what is attached somewhere and has no name then."""
 
 FUNCTIONS, TABLE = TESTS = ("response-functions", "modal-table")
+"""In turn, but of shells and solids tables alone: what their meshes err by, tenths of a per cent of a frequency and some per cent
+of what is answered beside resonances, is all that functions with 0.4 % of noise would show."""
 
 LARGEST: Mapping[str, float] = MappingProxyType(
     {
@@ -72,14 +74,14 @@ def draw(seed: int, kinds: Sequence[str], structures: int) -> tuple[StructureCas
     found: list[StructureCase] = []
     for number in range(structures):
         generator = stream(seed, "structure", f"{number}")
-        name = f"structure-{number:03d}"
+        name, shape = f"structure-{number:03d}", shapes.KINDS[number % len(shapes.KINDS)]
         of = StructureCase(
             name=f"{name}-null",
             kind=NULL,
             laboratory=int(generator.integers(1, 2**31)),
-            shape=shapes.KINDS[number % len(shapes.KINDS)],
+            shape=shape,
             structure=int(generator.integers(1, 2**31)),
-            test=TESTS[(number // len(shapes.KINDS)) % 2],
+            test=TESTS[(number // len(shapes.KINDS)) % 2] if shape in (shapes.FRAME, shapes.TRUSS) else TABLE,
             null=f"{name}-null",
         )
         found += [one for one in _of(of, name, number, generator) if one.kind in kinds]

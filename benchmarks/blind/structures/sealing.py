@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -38,8 +39,8 @@ Band = tuple[float, float]
 
 ARTICLE = "structure"
 
-SENSORS, MODES, LINES = 10, 8, 120
-"""[count] of sensors of a test, modes in its band, and lines."""
+SENSORS, MODES, LINES = 8, 6, 600
+"""[count] of sensors of a test, modes in its band, and lines: several within the width of every peak."""
 
 NODES = 4
 """[count] of nodes without a name at which a draw looks for one that the data tell."""
@@ -57,17 +58,15 @@ def sealed(case: StructureCase, folder: Path) -> Json:
     places = _sensors(plan, case)
     with TemporaryDirectory() as scratch:
         fine = written(plan, places, Path(scratch), fine=True)
-        faults: list[Fault] = []
-        if case.wanted:
-            null = _handed_over(case, plan, places, fine, (), Path(scratch) / "null")
-            limits = limits_of(null, case)
-            for k, wanted in enumerate(case.wanted):
-                found = fault(wanted, limits)
-                if found is None:  # what these data do not tell at any size that is plausible: a modulus in its place
-                    found = fault(("modulus", wanted[1] + k, *wanted[2:]), limits)
-                if found is not None and found.id not in {one.id for one in faults}:
-                    faults.append(found)
-        _handed_over(case, plan, places, fine, faults, folder)
+    faults: list[Fault] = []
+    limits = limits_of(replace(case, name="", kind="", wanted=(), leave_out=(), null="")) if case.wanted else {}
+    for k, wanted in enumerate(case.wanted):
+        found = fault(wanted, limits)
+        if found is None:  # what these data do not tell at any size that is plausible: a modulus in its place
+            found = fault(("modulus", wanted[1] + k, *wanted[2:]), limits)
+        if found is not None and found.id not in {one.id for one in faults}:
+            faults.append(found)
+    _handed_over(case, plan, places, fine, faults, folder)
     apart = np.array(list(places.values())) / 1e3
     near = [float(np.sort(np.linalg.norm(apart - one, axis=1))[1]) for one in apart]
     return truth(case, faults, float(np.mean(near)))
@@ -111,13 +110,24 @@ def written(plan: shapes.Plan, places: Mapping[str, shapes.Point], folder: Path,
     return found
 
 
-def limits_of(folder: Path, case: StructureCase) -> dict[str, float]:
-    """By id the smallest size that the null in `folder` would name, of faults with names and at some nodes that have none."""
+@lru_cache(maxsize=2)
+def limits_of(null: StructureCase) -> Mapping[str, float]:
+    """By id the smallest size that `null` would name, of faults with names and at some nodes that have none."""
+    plan = shapes.drawn(null.shape, stream(null.structure, "plan"))
+    places = _sensors(plan, null)
+    with TemporaryDirectory() as scratch:
+        folder = Path(scratch) / "null"
+        fine = written(plan, places, Path(scratch), fine=True)
+        _handed_over(null, plan, places, fine, (), folder)
+        return _limits(folder, null)
+
+
+def _limits(folder: Path, null: StructureCase) -> dict[str, float]:
     study = Study.open(folder / MODEL, [folder / TEST])
     base = Candidate(effects=(), fit=study.all_free(), problem=study.problem())
     menu = [one for one in candidates(study) if one.named.family in KNOWN and "every" not in one.named.targets]
     found = {one.id: one.size for one in detectable(screen(study, base, menu))}
-    generator = stream(case.laboratory, "nodes", case.name)
+    generator = stream(null.laboratory, "nodes")
     reduced = study.tests[0].structure.reduced  # type: ignore[union-attr]
     assert reduced is not None
     points, moved = reduced.nodes()
@@ -133,8 +143,8 @@ def limits_of(folder: Path, case: StructureCase) -> dict[str, float]:
 
 def _handed_over(
     case: StructureCase, plan: shapes.Plan, places: Mapping[str, shapes.Point], fine: Structure, faults: Sequence[Fault], to: Path
-) -> Path:
-    """`to`, with the model, the test and the settings in it."""
+) -> None:
+    """The model, the test and the settings, written into `to`."""
     to.mkdir(parents=True, exist_ok=True)
     write_text(to / MESH, plan.mesh(fine=False).text())
     head = f'format = 1\nmodel = {{ title = "a structure", article = "{ARTICLE}" }}\n'
@@ -149,7 +159,6 @@ def _handed_over(
     gains = 1 + GAIN * generator.standard_normal(len(sensors))
     made = _functions if case.test == FUNCTIONS else _table
     made(lab, rows, sensors, gains, band, generator).fill(to)
-    return to
 
 
 def _band(fine: Structure) -> tuple[float, float]:

@@ -10,7 +10,7 @@ from identification.base_motion import base_motion, resultants
 from identification.dynamic_mass import from_runs
 from identification.spectra.line_spectra import Spectra
 from validation.compare.compare import text, worst
-from validation.compare.maps import chunks, combined, covariance, doubt, judged_error, left_over, mapped
+from validation.compare.maps import chunks, combined, doubt, judged_error, left_over, mapped, with_noise
 from validation.estimation.evaluate import residuals, squares
 from validation.estimation.fit import fit
 from validation.estimation.problem import PLAIN, Problem
@@ -133,14 +133,34 @@ def test_what_a_plain_fit_makes_of_a_tolerance_is_in_what_is_expected_of_its_res
     assert abs(plain.by_name["mass"]) > 1e-3
     (left,) = residuals(problem, plain)
     answered = doubt(problem, plain)
-    k = list(answered.tolerances).index(name)
-    for part in chunks(test, plain.by_name, left.inputs, answered):
-        S = covariance(part.noise, part.spread)
+    apart = replace(answered, of_modes=frozenset({name}))  # a column of its own, with what the fit made of it
+    for part in chunks(test, plain.by_name, left.inputs, apart):
+        S = with_noise(sum(part.spread.covariances()), part.noise)
         judged = test.measured.judged
         error, _ = judged_error(test.measured.values[:, part.lines], part.rows, S, None, judged)
-        predicted = part.spread[..., k] * size / answered.tolerances[name]
+        predicted = part.spread.by_modes[..., 0, :] * size / answered.tolerances[name]
         expected, _ = judged_error(predicted, part.rows, S, None, judged)
         assert_allclose(error, expected, atol=0.01 * np.abs(error).max())  # second order: the gain's own size
+
+
+def test_the_covariance_is_that_of_all_columns_written_out_modes_among_them_or_not(by_hand):
+    """Of every tolerance by itself, and of what the fit does not know, whichever go through one channel."""
+    test = by_hand.fitting_mass(by_hand.test(by_hand.drawn(3), seed=3))
+    problem = Problem((test,))
+    plain = fit(problem, PLAIN)
+    (left,), answered = residuals(problem, plain), doubt(problem, plain)
+    (of, *_) = chunks(test, plain.by_name, left.inputs, replace(answered, of_modes=frozenset(answered.tolerances)))
+    V = of.spread.by_modes
+    of_fit = np.einsum("rnpc,pq->rnqc", of.spread.by_fit, answered.own)
+    whole = np.einsum("rnkc,rnkd->rncd", V, V.conj()) + np.einsum("rnkc,rnkd->rncd", of_fit, of_fit.conj())
+    for modes in ((), tuple(answered.tolerances)[::3]):
+        (part, *_) = chunks(test, plain.by_name, left.inputs, replace(answered, of_modes=frozenset(modes)))
+        assert_allclose(sum(part.spread.covariances()), whole, rtol=1e-9, atol=1e-12 * np.abs(whole).max())
+        W = np.random.default_rng(4).standard_normal((len(part.lines), 2, whole.shape[-1])) + 0j
+        inverse = np.random.default_rng(5).standard_normal((len(part.lines), len(V), 3)) + 0j
+        every = np.concatenate([V, of_fit], axis=2)
+        expected = np.square(np.abs(np.einsum("nic,rnkc,nrj->nijk", W, every, inverse))).sum(axis=-1)
+        assert_allclose(part.spread.through(W, inverse), expected, rtol=1e-9)
 
 
 LINES, CHANNELS, INPUTS, TOLERANCES = 3, 7, 2, 4
@@ -153,7 +173,7 @@ def _made(seed: int) -> tuple[np.ndarray, ...]:
         return rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
 
     A, V = some(LINES, CHANNELS, INPUTS), 0.3 * some(LINES, CHANNELS, TOLERANCES)
-    return some(LINES, CHANNELS), A, covariance(rng.uniform(0.1, 0.4, (LINES, CHANNELS)), V)
+    return some(LINES, CHANNELS), A, with_noise(V @ V.conj().swapaxes(1, 2), rng.uniform(0.1, 0.4, (LINES, CHANNELS)))
 
 
 def test_a_channel_is_predicted_from_all_others_as_a_fit_without_it_predicts_it():

@@ -24,13 +24,14 @@ the four errors
  ────────────────────────────────────────────────────────────────────────────────────────────────────────────
  nominal error             12.3 %   the model as it stands, nothing fitted
  plain error               1.23 %   sensors as calibrated; the FMD identified, modes within what the model
-                                    declares. FAILED: tolerances of the measurement let expect 0.9 %, but not
-                                    where it fails, by up to 18 sigma
- fitted error     χ² 0.88, z² 576   every tolerance fitted: χ² per degree of freedom, and its price, the sum
-                                    of z² of 3 tolerances, about 3 where nothing is wrong. FAILED: a good χ²
-                                    with absurd tolerances is a failed model: force-gain:fmd-z2 at +24.0 z
- held-out error             1.5 %   plain error on data that were predicted, not fitted. GOOD: the fit holds
-                                    on data that it has not seen
+                                    declares. FAILED: a sound laboratory would miss by up to 0.9 %, but
+                                    nowhere by 18 sigma as here
+ fitted error     χ² 0.88, z² 576   every tolerance fitted: χ² per degree of freedom, and its prior penalty,
+                                    the sum of z² of 3 tolerances, about 3 in a sound laboratory. FAILED: χ²
+                                    is good only because the fit moved tolerances too far: force-gain:fmd-z2
+                                    by +24.0 standard deviations
+ held-out error             1.5 %   plain error on data used only for checking, predicted and not fitted.
+                                    GOOD: the fit holds on data that it has not seen
 
 """
 
@@ -54,7 +55,7 @@ def test_absurd_tolerances_fail_a_model_whose_chi2_is_good(evaluation):
     sound, bought = (told(evaluation(z), EXPECTED, 2.0)[2] for z in (1.0, 24.0))
     assert sound.verdict == GOOD
     assert bought.verdict == FAILED
-    assert "force-gain:fmd-z2 at +24.0 z" in bought.text
+    assert "force-gain:fmd-z2 by +24.0 standard" in bought.text
 
 
 def test_a_price_in_the_thousands_is_written_out(evaluation):
@@ -67,7 +68,7 @@ def test_an_fmd_that_nobody_would_build_fails_a_model_without_a_price(evaluation
     assert of.fitted.tolerance_z2 == evaluation().fitted.tolerance_z2
     said = told(of, EXPECTED, 2.0)[2]
     assert said.verdict == verdict
-    assert ("fmd:m at +5.0 z" in said.text) == (verdict == FAILED)
+    assert ("fmd:m by +5.0 standard" in said.text) == (verdict == FAILED)
 
 
 def test_an_fmd_within_reason_is_not_named_where_the_price_is_too_high(evaluation):
@@ -76,13 +77,13 @@ def test_an_fmd_within_reason_is_not_named_where_the_price_is_too_high(evaluatio
     said = told(replace(of, fitted=dear), EXPECTED, 2.0)[2]
     assert said.verdict == FAILED
     assert "fmd:m" not in said.text
-    assert "force-gain:fmd-z2 at +3.0 z" in said.text
+    assert "force-gain:fmd-z2 by +3.0 standard deviations" in said.text
 
 
 def test_what_modes_and_tolerances_let_expect_is_told_where_it_counts(evaluation):
     of = evaluation()
     said = told(of, ExplainedError(measurement=0.97, with_modes=6.1), 2.0)[1].text
-    assert said.startswith("tolerances of the measurement let expect 0.97 %, with those of the modes up to 6.1 %")
+    assert said.startswith("a sound laboratory would miss by up to 0.97 %, with the tolerances of its modes by up to 6.1 %")
     assert "modes" not in told(of, EXPECTED, 2.0)[1].text
     fit = evaluation().fitted
     shares = 1 - np.array([1e-5, 1e-6, 1e-6]) / np.array([0.025, 0.003, 0.003]) ** 2

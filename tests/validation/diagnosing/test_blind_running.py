@@ -5,7 +5,6 @@ import subprocess
 import sys
 from dataclasses import fields, replace
 from pathlib import Path
-from threading import Event
 from typing import Any
 
 import numpy as np
@@ -55,11 +54,11 @@ def test_what_is_finished_is_not_done_again(kept, monkeypatch):
     monkeypatch.setattr(running, "solved", stub)
     kept.keep_truth("nulls-001", {"name": "nulls-001"})
     kept.keep_answer("nulls-001", {"verdict": "nothing"})
-    names = [one.name for one in running.finished([case(k) for k in range(4)], kept, jobs=2)]
+    names = [one.name for one in running.finished([case(k) for k in range(4)], kept, jobs=1)]
     assert sorted(names) == [f"nulls-{k:03d}" for k in range(4)]
     assert sorted(solved) == ["nulls-000", "nulls-002", "nulls-003"]
     assert [truth["name"] for truth, _ in kept.pairs()] == sorted(names)
-    assert [one.name for one in running.finished([case(k) for k in range(4)], kept, jobs=2)] == sorted(names)
+    assert [one.name for one in running.finished([case(k) for k in range(4)], kept, jobs=1)] == sorted(names)
     assert len(solved) == 3
 
 
@@ -81,7 +80,7 @@ def test_a_series_that_cannot_be_simulated_and_a_diagnosis_that_dies_are_answers
     assert truth["planted"][0]["id"] == "point-mass:top"
     assert set(answer) == {"broken"}
     monkeypatch.setattr(running.sys, "executable", "false")
-    assert running._diagnosed(tmp_path, Event()) == {"broken": "ended with 1"}
+    assert running._diagnosed(tmp_path) == {"broken": "ended with 1"}
 
 
 def test_a_diagnosis_that_takes_for_ever_is_broken(tmp_path, monkeypatch):
@@ -90,16 +89,27 @@ def test_a_diagnosis_that_takes_for_ever_is_broken(tmp_path, monkeypatch):
     sleeper.chmod(0o755)
     monkeypatch.setattr(running.sys, "executable", str(sleeper))
     monkeypatch.setattr(running, "PATIENCE", 0.2)
-    assert "no answer" in running._diagnosed(tmp_path, Event())["broken"]
+    assert "no answer" in running._diagnosed(tmp_path)["broken"]
 
 
-def test_a_case_that_is_told_to_stop_leaves_no_answer_and_no_folder(tmp_path, monkeypatch):
+def test_an_interruption_while_a_case_is_simulated_leaves_no_folder(tmp_path, monkeypatch):
+    def interrupted(*of, **how):
+        raise KeyboardInterrupt
+
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    stop = Event()
-    stop.set()
-    with pytest.raises(running.Interrupted):
-        running.solved(case(1), driven=FAST, stop=stop)
+    monkeypatch.setattr(running, "sealed", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        running.solved(case(1), driven=FAST)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_case_whose_processes_die_is_an_answer_that_counts_as_a_miss(kept, monkeypatch):
+    lost = running.parallel.WorkerLost("its process died 4 times")
+    monkeypatch.setattr(running.parallel, "finished", lambda work, cases, **how: ((one, lost) for one in cases))
+    assert [one.name for one in running.finished([case(1, "point-mass:top=0.1")], kept, jobs=2)] == ["nulls-001"]
+    truth, answer = kept.pair("nulls-001")
+    assert truth["planted"][0]["id"] == "point-mass:top"
+    assert answer == {"broken": "its process died 4 times"}
 
 
 def test_results_of_other_code_and_other_draws_are_not_mixed_in(kept):

@@ -84,7 +84,7 @@ def report(series, tmp_path_factory) -> Report:
     with pytest.MonkeyPatch.context() as patch:  # pictures of articles and sensors have tests of their own, and take longest
         patch.setenv("MASSLINE_CACHE", str(tmp_path_factory.mktemp("dots")))  # that they are dots nobody else may learn
         for module, name in ((reference, "draw"), (identify, "draw_sensors")):
-            patch.setattr(module, name, lambda _, *given: dot(given[-1]))
+            patch.setattr(module, name, lambda _, *given, **how: dot(given[-1]))
         found = reported(
             ReportOptions(compared=series.asked, by="A. Tester", command="massline report cuboid.toml gain"), quiet=True
         )

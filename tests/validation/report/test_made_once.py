@@ -28,7 +28,7 @@ def test_a_second_report_identifies_and_draws_nothing_again(report, tmp_path, mo
     counted = []
 
     def counting(module, name, made):
-        monkeypatch.setattr(module, name, lambda *given: counted.append(name) or made(given))
+        monkeypatch.setattr(module, name, lambda *given, **how: counted.append(name) or made(given))
 
     dot = tmp_path / "dot.png"
     dot.write_bytes(b"a picture")

@@ -24,7 +24,8 @@
       words: ([row, column]) => {
         const [sigma, frequency] = told(row, column);
         const where = `${plain(String(heat.trace.y[row]))}, ${short(frequency)} Hz`;
-        return Number.isFinite(sigma) ? `${where}: ${sigma.toFixed(1)} σ` : `${where}: nothing checks this`;
+        if (heat.trace.meta) return `${where}: ${heat.trace.meta} ${sigma.toFixed(3)}`;
+      return Number.isFinite(sigma) ? `${where}: ${sigma.toFixed(1)} σ` : `${where}: nothing checks this`;
       },
       pick: ([row, column]) => {
         const custom = told(row, column);

@@ -32,6 +32,73 @@
     return path || "M0,0";
   }
 
+  // The numbers of a figure as CSV: curves that share their lines side by side, blocks of others below them; of a map its cells.
+  const cell = (value) => (typeof value === "number" ? (Number.isFinite(value) ? String(value) : "") : `"${plain(String(value)).replaceAll('"', '""')}"`);
+  const plain = (text) => text.replace(/<br>/g, " ").replace(/<[^>]*>/g, "").replace(/&lt;/g, "<").replace(/&gt;/g, ">").replace(/&amp;/g, "&");
+
+  function table(root) {
+    const blocks = new Map();
+    root.calcdata.forEach((points) => {
+      const { trace } = points[0];
+      const [across, up] = [root._fullLayout[axis(trace.xaxis)], root._fullLayout[axis(trace.yaxis)]];
+      const named = (one) => one.title?.text ?? "";
+      if (trace.type === "heatmap") {
+        const rows = points[0].z.map((line, k) => [trace.y[k], ...Array.from(line, (_, j) => (trace.customdata ? Number(trace.customdata[k][j][0]) : Number(line[j])))]);
+        const unit = trace.meta ?? trace.colorbar?.title?.text ?? "";
+        blocks.set(`map ${blocks.size}`, [[unit, ...Array.from(trace.x ?? [])], ...rows]);
+        return;
+      }
+      if (trace.visible !== true || points[0].x === false || points.length === 0 || trace.hoverinfo === "skip" && trace.line?.width !== 0) return;
+      const own = trace.legendgroup === "modes" || trace.customdata && trace.mode !== "markers" && trace.mode !== "lines";
+      const x = points.map((one) => across.type === "category" ? across._categories[one.x] : one.x);
+      const key = `${own ? trace.uid : ""}${x.length} ${x[0]} ${x.at(-1)}`;
+      const shared = across.matches ? root._fullLayout[axis(across.matches)] : across;
+      if (!blocks.has(key)) blocks.set(key, [[named(shared) || named(across) || "x"], ...x.map((one) => [one])]);
+      const block = blocks.get(key);
+      const edge = trace.line?.width === 0 ? (trace.fill === "tonexty" ? "upper edge of " : "lower edge of ") : "";
+      block[0].push(`${edge}${edge ? "what is expected" : trace.name ?? ""}, ${named(up)}`);
+      points.forEach((one, k) => block[k + 1]?.push(Number(one.y)));
+    });
+    return [...blocks.values()].map((block) => block.map((row) => row.map(cell).join(",")).join("\n")).join("\n\n") + "\n";
+  }
+
+  // Buttons of a figure for its numbers.
+  function saving(root) {
+    const icon = (path) => ({ width: 24, height: 24, path });
+    const told = (text) => {
+      const shown = root();
+      shown.dataset.said = text;
+      shown.setAttribute("aria-description", text);
+    };
+    return [
+      {
+        name: "copy",
+        title: "Copy the numbers",
+        icon: icon("M8 7h11v14H8z M5 3h11v2H7v12H5z"),
+        click: async () => {
+          try {
+            await navigator.clipboard.writeText(table(root()));
+            told("The numbers are copied.");
+          } catch {
+            told("This browser lets nothing be copied here; save the CSV instead.");
+          }
+        },
+      },
+      {
+        name: "csv",
+        title: "Save the numbers as CSV",
+        icon: icon("M11 3h2v9h4l-5 5-5-5h4z M4 19h16v2H4z"),
+        click: () => {
+          const link = document.createElement("a");
+          link.href = URL.createObjectURL(new Blob([table(root())], { type: "text/csv" }));
+          link.download = `${root().id || "curves"}.csv`;
+          link.click();
+          setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+        },
+      },
+    ];
+  }
+
   // A figure as the server made it. `live` are points of one curve, exchanged while a slider is dragged; a click is told as `pick`.
   // Where `keys` names what they mark ("cells" or "lines"), arrow keys and Enter do what a mouse does; `at` [Hz] is where they begin.
   const Plot = {
@@ -80,7 +147,11 @@
         delete layout.height;
         this.heighten(layout);
         // Buttons and all else that must hold on every page comes with the library.
-        const config = { responsive: false, toImageButtonOptions: { format: "png", scale: 2, filename: "massline" } };
+        const config = {
+          responsive: false,
+          toImageButtonOptions: { format: "png", scale: 2, filename: "massline" },
+          modeBarButtons: [["toImage", ...saving(() => this.$refs.root)], ["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "resetScale2d"]],
+        };
         await this.Plotly.react(root, figure.data, layout, config);
         if (!this.drawn) {
           root.on("plotly_click", (event) => this.picked(event.points[0]));
@@ -92,6 +163,7 @@
           });
           this.drawn = true;
         }
+        await this.settle();
         root.dataset.drawn = String(Number(root.dataset.drawn ?? 0) + 1);
       },
       drag() {
@@ -99,13 +171,16 @@
         const root = this.$refs.root;
         const at = root.data.map((trace, k) => (trace.legendgroup === this.live.group ? k : -1)).filter((k) => k >= 0);
         if (at.length !== this.live.y.length) return;
-        const range = [...root.layout.yaxis.range];
-        const sizes = this.live.y[0].filter((size) => size > 0).map(Math.log10);
+        const range = [...root._fullLayout.yaxis.range];
+        const log = root._fullLayout.yaxis.type === "log";
+        const sizes = log ? this.live.y[0].filter((size) => size > 0).map(Math.log10) : this.live.y[0];
         const [low, high] = [Math.min(...sizes), Math.max(...sizes)];
         const beyond = sizes.length > 0 && (high > range[1] || low < range[0]);
         this.ahead = true;
         if (beyond) {
-          const wider = [Math.max(Math.min(low - 0.1, range[0]), high - 6), Math.max(high + 0.1, range[1])];
+          const wider = log
+            ? [Math.max(Math.min(low - 0.1, range[0]), high - 6), Math.max(high + 0.1, range[1])]
+            : [Math.min(low, range[0]), Math.max(1.05 * high, range[1])];
           this.Plotly.relayout(root, { "yaxis.range": wider }); // and then bend
         } else {
           this.bend();
@@ -132,7 +207,7 @@
         if (!this.tall) return;
         const height = Math.max(this.least, this.$refs.root.parentElement.clientHeight - 1);
         this.$refs.root.style.height = `${height}px`;
-        if (this.keys !== "cells") return;
+        if (this.keys !== "cells") return; // and tall: the map
         const { margin, yaxis } = layout;
         yaxis.tickfont.size = Math.min(11, Math.max(9, (height - margin.t - margin.b) / yaxis.categoryarray.length - 1));
       },
@@ -140,7 +215,16 @@
         const root = this.$refs.root;
         if (!root || root.offsetWidth === 0) return;
         this.heighten(root.layout);
-        this.Plotly.Plots.resize(root);
+        this.Plotly.Plots.resize(root).then(() => this.settle());
+      },
+      // A legend above the curves takes as many rows as it needs: they begin below it.
+      async settle() {
+        const root = this.$refs.root;
+        const legend = root?._fullLayout?.legend;
+        const drawn = root?.querySelector(".legend");
+        if (!drawn || legend.orientation !== "h" || legend.yref !== "container") return;
+        const wanted = Math.ceil(drawn.getBBox().height) + 8;
+        if (Math.abs(root.layout.margin.t - wanted) > 1) await this.Plotly.relayout(root, { "margin.t": wanted });
       },
     },
   };

@@ -66,7 +66,7 @@ def errors_of(found: Comparison, *, never_seen: bool = False) -> spec.BarChart:
         ),
         legend={verdict: verdict or "not judged" for verdict in spec.VERDICTS},
         limit="expected, nothing wrong",
-        on_page={"held out, plain": "plain, held out"},
+        on_page={"held out, plain": "only for checking"},
     )
 
 
@@ -132,7 +132,12 @@ def changes_of(
         ),
         legend={} if after is None else {spec.BEFORE: spec.BEFORE, spec.AFTER: spec.AFTER},
         limit="due, nothing wrong",
-        on_page={CHI2: "χ² per dof", "sum z² of the tolerances": "z² of tolerances", due: "over what is due, nothing wrong"},
+        on_page={
+            "plain, held out": "only for checking",
+            CHI2: "χ² per dof",
+            "sum z² of the tolerances": "z² of tolerances",
+            due: "over what is due, nothing wrong",
+        },
     )
 
 

@@ -54,7 +54,7 @@ FITTED = {"chi² per deg. of freedom": FURTHER, "sum z² over what is due": "pri
 
 ON_PAGE = {
     "plain": "plain, fitted data",
-    "held out": "plain, held out",
+    "held out": "plain, only for checking",
     "chi² per deg. of freedom": "χ² per degree of freedom",
     "sum z² over what is due": "z² of the tolerances over what is due",
 }

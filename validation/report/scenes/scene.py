@@ -6,7 +6,7 @@ import sys
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -601,8 +601,12 @@ Canvas = Any
 """Matplotlib axes in pixels from the upper left corner; the library is imported inside the functions."""
 
 
-def picture(title: str, bodies: Sequence[DrawnBody], inertia: Inertia, path: Path, note: str = "") -> None:
-    """Write a picture, 1600 x 1200 pixels, of `bodies` with the CoG, principal axes and equivalent ellipsoid of `inertia`.
+PLAIN_SIZE, PLAIN_LETTERS = (1140, 1070), 1.75
+"""[pixel], and times those of a sheet: on paper, 88 mm high, the letters of a picture without title and panel have 7 pt."""
+
+
+def picture(title: str, bodies: Sequence[DrawnBody], inertia: Inertia, path: Path, note: str = "", *, sheet: bool = True) -> None:
+    """Write a picture of `bodies` with the CoG, principal axes and equivalent ellipsoid of `inertia`.
 
     Parameters
     ----------
@@ -611,6 +615,7 @@ def picture(title: str, bodies: Sequence[DrawnBody], inertia: Inertia, path: Pat
     inertia : of the counted bodies, in the same frame, about any reference point
     path : of the picture; the ending (.png, .jpg) chooses the format; written whole or not at all
     note : sentences under the picture: assumptions, "a reconstruction"
+    sheet : 1600 x 1200 pixels with title, all figures and the note; else what is drawn alone, with larger letters
 
     Raises
     ------
@@ -623,10 +628,13 @@ def picture(title: str, bodies: Sequence[DrawnBody], inertia: Inertia, path: Pat
     ellipsoid = equivalent_ellipsoid(require_physical(inertia, f"picture of {title}"))
     page = _Page(view=view_of(bodies, ellipsoid), ellipsoid=ellipsoid)
     image = rendered(page.view, bodies, ellipsoid, [*page.frame, *page.principal])
-    figure, canvas = blank(*SIZE)
-    x, y = SCENE_CORNER
+    figure, canvas = blank(*(SIZE if sheet else PLAIN_SIZE))
+    (x, y), larger = SCENE_CORNER, 1.0 if sheet else PLAIN_LETTERS
+    if sheet:
+        write(canvas, 48, 64, shortened(title, 64), 34, va="center", weight="bold")
+    else:
+        canvas.set_ylim(y - 10 + PLAIN_SIZE[1], y - 10)
     canvas.imshow(image, extent=(x, x + SCENE[0], y + SCENE[1], y), interpolation="none", zorder=0)
-    write(canvas, 48, 64, shortened(title, 64), 34, va="center", weight="bold")
     cog = page.place(ellipsoid.centre)
     _cog_symbol(canvas, cog)
     # Labels keep clear of the CoG, and of small squares strung along the arrows
@@ -638,11 +646,12 @@ def picture(title: str, bodies: Sequence[DrawnBody], inertia: Inertia, path: Pat
         Label(text="CoG", anchor=cog, wish=np.array([-1.0, -0.35]), extent=(62, 30), gap=COG_RADIUS + 16, colour=INK),
         *page.labels("xyz", page.frame),
     ]
+    labels = [replace(one, extent=(larger * one.extent[0], larger * one.extent[1])) for one in labels]
     for label, place in zip(labels, arranged(labels, taken, SCENE_BOX), strict=True):
         canvas.plot(*np.column_stack([label.anchor, place]), color=label.colour, linewidth=0.8, zorder=4)
         box = {"boxstyle": "round,pad=0.22", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.82}
         how = {"ha": "center", "va": "center", "weight": "bold", "bbox": box, "zorder": 6}
-        write(canvas, place[0], place[1], label.text, 19, label.colour, **how)
+        write(canvas, place[0], place[1], label.text, 19 * larger, label.colour, **how)
     # A bar true in every direction of the picture plane: the largest 1, 2 or 5 times a power of ten within 200 pixels
     longest = 200 * page.view.scale
     power = 10.0 ** np.floor(np.log10(longest))
@@ -652,11 +661,12 @@ def picture(title: str, bodies: Sequence[DrawnBody], inertia: Inertia, path: Pat
     ends = ([left, left, left, right, right, right], [below - 7, below + 7, below, below, below - 7, below + 7])
     canvas.plot(*ends, color=INK, linewidth=1.6)
     text = f"{length * 1e3:g} mm" if length < 1 else f"{length:g} m"
-    write(canvas, left + width / 2, below - 12, text, 16, ha="center", va="bottom")
-    _write_figures(canvas, blocks(bodies, inertia, ellipsoid), bodies)
-    whole = note if page.origin_shown else f"The frame's origin lies outside the picture; its axes are shown. {note}"
-    for i, line in enumerate(textwrap.wrap(whole, 180, max_lines=3, placeholder=" …")):
-        write(canvas, 48, 1142 + 21 * i, line, 14.5, FAINT, va="baseline")
+    write(canvas, left + width / 2, below - 12, text, 16 * larger, ha="center", va="bottom")
+    if sheet:
+        _write_figures(canvas, blocks(bodies, inertia, ellipsoid), bodies)
+        whole = note if page.origin_shown else f"The frame's origin lies outside the picture; its axes are shown. {note}"
+        for i, line in enumerate(textwrap.wrap(whole, 180, max_lines=3, placeholder=" …")):
+            write(canvas, 48, 1142 + 21 * i, line, 14.5, FAINT, va="baseline")
     save(path, lambda temporary: figure.savefig(temporary, dpi=DPI))
 
 

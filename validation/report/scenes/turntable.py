@@ -35,11 +35,17 @@ if TYPE_CHECKING:
 PAPER = {False: "#ffffff", True: "#171b22"}
 INK = {False: "#1d2330", True: "#e4e8ef"}
 AT_REST = {False: "#b4bac4", True: "#4a5463"}
+DRIVE, FAILS = "drive", "fails"
+"""Groups of a test by forces: where a force acts, and what deviates."""
+
 SENSORS = {
-    False: {"table": "#2456c4", "cover": "#1f8a4c", "fmd": "#c8283c", "article": "#8e44ad"},
-    True: {"table": "#8fb4ff", "cover": "#6fd39d", "fmd": "#ff8d9b", "article": "#d6a4f0"},
+    False: {"table": "#2456c4", "cover": "#1f8a4c", "fmd": "#c8283c", "article": "#8e44ad", DRIVE: "#2456c4", FAILS: "#c8283c"},
+    True: {"table": "#8fb4ff", "cover": "#6fd39d", "fmd": "#ff8d9b", "article": "#d6a4f0", DRIVE: "#8fb4ff", FAILS: "#ff8d9b"},
 }
 """Colours of the groups, by whether the page is dark."""
+
+BAR = 90
+"""Length [pixel] that the bar of lengths has at most, and the bar of colours has."""
 
 LETTER, LINE = 6.6, 14.0
 """Width and height of a letter of a label [pixel]."""
@@ -86,11 +92,20 @@ def ready() -> None:
 class Turntable:
     """Bodies at rest with sensors on them, or bodies that swing in a mode."""
 
-    def __init__(self, bodies: Sequence[DrawnBody | MovingBody], sensors: Sequence[DrawnSensor] = (), scale: float = 0.0) -> None:
+    def __init__(
+        self,
+        bodies: Sequence[DrawnBody | MovingBody],
+        sensors: Sequence[DrawnSensor] = (),
+        scale: float = 0.0,
+        carried: Array | None = None,
+    ) -> None:
+        """`carried` (s, 3) is how the sensors move with bodies that do, in their scale; they stand still where it is not said."""
         self._bodies, self._sensors, self._scale = tuple(bodies), tuple(sensors), scale
-        # Largest distance along an axis [m] of the sensors, or of the bodies where there are none
-        places = np.array([one.position for one in sensors]) if sensors else np.concatenate([one.vertices for one in bodies])
-        extent = float(np.ptp(places, axis=0).max()) or 1.0
+        self._carried = np.zeros((len(self._sensors), 3)) if carried is None else carried
+        # Largest distance along an axis [m] of the sensors, or of the bodies where there are none or few
+        places = np.array([one.position for one in sensors]) if len(sensors) > 1 else np.zeros((1, 3))
+        whole = np.concatenate([one.vertices for one in bodies]) if bodies else places
+        extent = float(np.ptp(places, axis=0).max()) or float(np.ptp(whole, axis=0).max()) or 1.0
         self._length = ARROW * extent
         # Everything that has to fit, at both ends of a swing
         length = self._length
@@ -102,6 +117,11 @@ class Turntable:
         self._points = np.concatenate(found)
         self._near = np.mean([one.position for one in sensors], axis=0) if sensors else None
         self._stages: dict[bool, _Stage] = {}
+
+    @property
+    def moves(self) -> bool:
+        """Whether anything swings."""
+        return self._scale > 0
 
     def jpeg(self, turn: Turn) -> bytes:
         """One picture.
@@ -116,7 +136,8 @@ class Turntable:
         with off_screen():
             stage = self._stages.get(turn.dark)
             if stage is None:
-                stage = self._stages[turn.dark] = _Stage(self._bodies, self._arrows(turn.dark), self._scale, turn.dark)
+                stage = _Stage(self._bodies, self._arrows(turn.dark), self._scale, turn.dark, self._carried)
+                self._stages[turn.dark] = stage
             image = stage.shot(view, turn.share)
         from matplotlib import font_manager
         from PIL import Image as Pictures
@@ -124,7 +145,7 @@ class Turntable:
 
         # The letters that come with matplotlib, which keeps where they are: no system has to have any
         font = ImageFont.truetype(font_manager.findfont("DejaVu Sans"), 11)
-        labels = self._labels(view, turn.dark)
+        labels = self._labels(view, turn.dark, turn.share)
         dark = turn.dark
         picture = Pictures.fromarray(image)
         pen = ImageDraw.Draw(picture)
@@ -134,6 +155,18 @@ class Turntable:
             x, y = place - np.array(label.extent) / 2
             pen.rectangle([x, y, x + label.extent[0], y + label.extent[1]], fill=PAPER[dark])
             pen.text((x + 2, y), label.text, fill=label.colour, font=font)
+        # How long things are, and how far they swing
+        metres = round_length(BAR * view.scale)
+        left, low = 10.0, view.size[1] - 12.0
+        pen.line([(left, low), (left + metres / view.scale, low)], fill=INK[dark], width=3)
+        said = f"{1e3 * metres:g} mm" if metres < 1.0 else f"{metres:g} m"
+        pen.text((left, low - 16), said, fill=INK[dark], font=font)
+        if self._scale:
+            begin = view.size[0] - BAR - 10.0
+            for k, colour in enumerate(colour_map()(np.linspace(0, 1, BAR))[:, :3]):
+                pen.line([(begin + k, low - 5), (begin + k, low + 3)], fill=tuple(int(255 * one) for one in colour), width=1)
+            pen.text((begin, low - 20), "0", fill=INK[dark], font=font)
+            pen.text((begin + BAR - 41, low - 20), "largest", fill=INK[dark], font=font)
         kept = io.BytesIO()
         picture.save(kept, "JPEG", quality=88)
         return kept.getvalue()
@@ -158,11 +191,14 @@ class Turntable:
         axes = [Arrow(start=np.zeros(3), end=1.2 * length * e, radius=0.02 * length, colour=INK[dark]) for e in np.eye(3)]
         return shown + (axes if self._sensors else [])
 
-    def _labels(self, view: Projection, dark: bool) -> list[tuple[Label, Array]]:
+    def _labels(self, view: Projection, dark: bool, share: float) -> list[tuple[Label, Array]]:
         """Names of the sensors and of the axes, each at a free place."""
         if not self._sensors:
             return []
-        tips = [view.pixel(one.position + self._length * one.direction) for one in self._sensors]
+        moved = self._carried * (share * self._scale)
+        tips = [
+            view.pixel(one.position + by + self._length * one.direction) for one, by in zip(self._sensors, moved, strict=True)
+        ]
         middle = np.mean(tips, axis=0)
         origin = view.pixel(np.zeros(3))
         labels = []
@@ -181,7 +217,9 @@ class Turntable:
 class _Stage:
     """Windows with everything in them; only camera and displacement move from picture to picture."""
 
-    def __init__(self, bodies: Sequence[DrawnBody | MovingBody], arrows: Sequence[Arrow], scale: float, dark: bool) -> None:
+    def __init__(
+        self, bodies: Sequence[DrawnBody | MovingBody], arrows: Sequence[Arrow], scale: float, dark: bool, carried: Array
+    ) -> None:
         import pyvista
 
         self._scale = scale
@@ -189,12 +227,14 @@ class _Stage:
         background: Any = PAPER[dark]
         self._whole.set_background(background)
         self._moving: list[tuple[MovingBody, list[Any]]] = []
+        self._riding: list[tuple[Any, Array, Array]] = []
         self._fill(bodies, dark)
         self._above: Plotter | None = None
         if arrows:
             self._above = pyvista.Plotter(off_screen=True, lighting="none")
             for plotter in (self._whole, self._above):
-                _arrows(plotter, arrows)
+                drawn = zip(_arrows(plotter, arrows), carried, strict=False)  # the axes at the end stand still
+                self._riding += [(mesh, np.array(mesh.points), by) for mesh, by in drawn if np.any(by)]
         for plotter in self._plotters:
             light(plotter)
             plotter.show(auto_close=False)  # from here on it draws when it is told to
@@ -208,6 +248,8 @@ class _Stage:
         for body, meshes in self._moving:
             for mesh in meshes:
                 mesh.points = body.vertices + share * self._scale * body.displacement
+        for mesh, points, by in self._riding:
+            mesh.points = points + share * self._scale * by
         for plotter in self._plotters:
             if tuple(plotter.window_size) != view.size:
                 plotter.window_size = list(view.size)
@@ -289,15 +331,24 @@ def turned(view: Projection, turn: Turn, points: Array, near: Array | None = Non
     )
 
 
-def _arrows(plotter: Plotter, arrows: Sequence[Arrow]) -> None:
+def round_length(longest: float) -> float:
+    """The largest of 1, 2 or 5 times a power of ten up to `longest`."""
+    power = 10.0 ** np.floor(np.log10(longest))
+    return float(power * max(one for one in (1, 2, 5) if one * power <= longest * (1 + 1e-9)))
+
+
+def _arrows(plotter: Plotter, arrows: Sequence[Arrow]) -> list[Any]:
     import pyvista
 
+    made = []
     for arrow in arrows:
         reach = arrow.end - arrow.start
         length = float(np.linalg.norm(reach))
         shape = {"shaft_radius": arrow.radius / length, "tip_radius": 3 * arrow.radius / length, "tip_length": 0.27}
         mesh = pyvista.Arrow(start=arrow.start, direction=reach, scale=length, shaft_resolution=12, tip_resolution=16, **shape)
         plotter.add_mesh(mesh, color=arrow.colour, ambient=0.5, diffuse=0.55)
+        made.append(mesh)
+    return made
 
 
 def _colour(group: str, dark: bool) -> str:

@@ -1,0 +1,199 @@
+"""`massline diagnose --each`: which of many nominally equal articles differs, by what, and how they scatter."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from pathlib import Path
+
+import click
+import numpy as np
+
+from geometry.atomic import write_text
+from geometry.errors import BadInput
+from validation.diagnose.diagnosis import NAMED, listed
+from validation.diagnose.fleet import ERROR, Difference, Fleet, Member, MemberAnswer, NumberScatter
+from validation.effects.practical_units import written
+from validation.output import NONE, json_text, stages, to_json
+from validation.report import document as doc
+from validation.report.charts import interactive, spec
+from validation.report.charts.figure import Figure
+from validation.report.page import framed
+from validation.report.parts import notes, paragraphs, section
+from validation.study import Options
+
+RESULT, PAGE = "fleet.json", "fleet.html"
+"""Files of a fleet in its folder."""
+
+DRAWN = 4
+"""Numbers of which a page draws every article, those by which articles differ first."""
+
+PANEL = 190
+"""[pixels] of one of these."""
+
+
+def answer(asked: Options, each: Path, *, processes: int, scheduler: str, as_json: bool, folder: Path | None) -> None:
+    """Diagnose every article below `each`, print what differs, and write JSON and a page into `folder` (None: nowhere).
+
+    Raises
+    ------
+    BadInput : no folder, or nothing in it.
+    CheckFailed : nothing could be said of any of them.
+    """
+    if not each.is_dir():
+        raise BadInput(
+            source="--each", field=str(each), problem="there is no such folder", remedy="Name one that holds campaigns"
+        )
+    every = Member.below(each, asked)
+    with stages("fleet", quiet=as_json) as told:
+        found = Fleet.diagnosed(every, processes=processes, scheduler=scheduler, progress=told)
+    page = replace(FleetPage(found=found).document(), title=f"{len(found.articles)} articles beside {asked.path.name}")
+    whole = json_text({"model": asked.model, "each": str(each), **to_json(found)})
+    click.echo(whole if as_json else page.text(), nl=as_json)
+    if folder is not None:
+        folder.mkdir(exist_ok=True)
+        figures = doc.Figures()
+        part = section("fleet", page.title, doc.joined(paragraphs(page.opening), *page.html(figures), notes(page.notes)))
+        head = doc.tag("h1", page.title, id="top")
+        write_text(folder / RESULT, whole + "\n")
+        write_text(folder / PAGE, framed(page.title, head, [("fleet", page.title, part)], figures, version("massline")))
+        for name in (RESULT, PAGE):
+            click.echo(f"massline: wrote {folder / name}.", err=True)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FleetPage:
+    """What a page says of the fleet that was `found`."""
+
+    found: Fleet
+
+    def document(self) -> doc.Document:
+        """All of it, in the order in which it is read."""
+        found = self.found
+        apart = tuple(dict.fromkeys(one.article for one in found.differences))
+
+        def figures(of: str, unit: str, *values: float | None) -> tuple[str, ...]:
+            """In a practical unit, which comes last."""
+            if of == ERROR:
+                return (*(NONE if value is None else f"{value:.3g}" for value in values), "%")
+            known = [value for value in values if value is not None]
+            key = next(one.sizes[of].key for one in found.members if of in one.sizes)
+            texts, shown = written(of.partition(":")[0], key, unit, tuple(known))
+            each = iter(texts)
+            return (*(NONE if value is None else next(each) for value in values), shown)
+
+        def differs(one: Difference) -> tuple[str, ...]:
+            return (NONE, NONE, "") if one.value is None else figures(one.of, one.unit, one.value, one.middle)
+
+        def scatters(one: NumberScatter) -> tuple[str, ...]:
+            sizes = (one.middle, one.articles, one.mountings, one.laboratories, one.stated)
+            return tuple(text.lstrip("+") if k else text for k, text in enumerate(figures(one.of, one.unit, *sizes)))
+
+        differences = doc.Table(
+            caption="Which articles differ, and by what",
+            rows=found.differences,
+            columns=(
+                doc.Column("differs", lambda one: one.article, words=True),
+                doc.Column("value", lambda one: differs(one)[0]),
+                doc.Column("of the others", lambda one: differs(one)[1]),
+                doc.Column("unit", lambda one: differs(one)[2], words=True),
+                doc.Column("sd of an article", lambda one: NONE if one.sigma is None else f"{one.sigma:+.1f}"),
+                doc.Column("by", lambda one: one.of, words=True),
+            ),
+        )
+        scatter = doc.Table(
+            caption="Scatter between articles, mountings and laboratories: standard deviations",
+            rows=found.scatter,
+            columns=(
+                doc.Column("scatter of", lambda one: one.of, words=True),
+                doc.Column("mean", lambda one: scatters(one)[0]),
+                doc.Column("articles", lambda one: scatters(one)[1]),
+                doc.Column("mountings", lambda one: scatters(one)[2]),
+                doc.Column("laboratories", lambda one: scatters(one)[3]),
+                doc.Column("a fit states", lambda one: scatters(one)[4]),
+                doc.Column("unit", lambda one: scatters(one)[5], words=True),
+                doc.Column("from", lambda one: f"{one.count}"),
+            ),
+        )
+        every = doc.Table(
+            caption="All that were diagnosed",
+            rows=found.members,
+            shown=[one for one in found.members if one.member.article in apart or one.verdict == "refused"],
+            columns=(
+                doc.Column("diagnosed", lambda one: one.member.name, words=True),
+                doc.Column("article", lambda one: one.member.article, words=True),
+                doc.Column("laboratory", lambda one: one.member.laboratory or NONE, words=True),
+                doc.Column("plain error", lambda one: one.error, ".3g", unit="%"),
+                doc.Column("said", lambda one: one.said, words=True),
+            ),
+        )
+        said = (
+            f"{listed(apart)} of {len(found.articles)} differ." if apart else f"None of {len(found.articles)} articles differs."
+        )
+        said = said.replace("differ.", "differs.") if len(apart) == 1 else said
+        laboratories = {one.member.laboratory for one in found.members} - {""}
+        counted = f"{len(found.members)} mountings of {len(found.articles)} articles in {max(len(laboratories), 1)} laboratories"
+        drawn = doc.Drawn(self.sizes, "Each point a mounting, with the 90 % interval of its fit.") if found.scatter else None
+        return doc.Document(
+            opening=(said, f"{counted}, each diagnosed by itself."),
+            blocks=(differences, drawn, scatter, every),
+            notes=tuple(self.notes(apart)),
+        )
+
+    def notes(self, apart: tuple[str, ...]) -> Iterator[str]:
+        """What must be known to read the tables."""
+        found = self.found
+        yield (
+            "An article differs where it lies farther from the others than chance lets any in 99 of 100 fleets of equal ones; sd "
+            "of an article: of the mean of its mountings, among those that do not differ."
+        )
+        yield "Scatter: of the articles that do not differ. What a measurement adds is in that of mountings."
+        if any(one.mountings is None for one in found.scatter):
+            yield "One mounting an article: the scatter of mountings is in that of articles. Mount some again to tell them apart."
+        if any(one.laboratories is None for one in found.scatter):
+            yield "Laboratories are not told from articles here: that takes several articles in each of at least two of them."
+        silent = [one.member.name for one in found.members if one.verdict == "refused"]
+        if silent:
+            yield f"Nothing can be said of {listed(silent)}; the table says why."
+        if len(apart) > NAMED:
+            yield "The first table and --json have all that differ."
+        yield from (f"warning: {text}." for text in found.remarks)
+
+    def sizes(self, *, dark: bool = False) -> Figure:
+        """Every mounting of every article: the numbers by which articles differ first."""
+        found = self.found
+        by = [one.of for one in found.differences if one.value is not None]
+        shown = sorted((one.of for one in found.scatter), key=lambda of: by.index(of) if of in by else len(by))[:DRAWN]
+        far = {(one.article, one.of) for one in found.differences}
+        figure = Figure(rows=len(shown), vertical=0.25 / len(shown))
+        for row, of in enumerate(shown, start=1):
+            for role, apart in ((spec.PREDICTED, False), (spec.MEASURED, True)):
+                own = [one for one in found.members if ((one.member.article, of) in far) == apart and _of(one, of) is not None]
+                values = np.array([_of(one, of) for one in own], dtype=float)
+                ends = [one.sizes.get(of) for one in own]
+                bars = {
+                    "type": "data",
+                    "symmetric": False,
+                    "array": [0.0 if end is None else end.high - end.value for end in ends],
+                    "arrayminus": [0.0 if end is None else end.value - end.low for end in ends],
+                }
+                trace = {
+                    "type": "scatter",
+                    "mode": "markers",
+                    "x": [interactive.escaped(one.member.article) for one in own],
+                    "y": values,
+                    "error_y": bars,
+                    "marker": {"color": spec.COLOURS[role][1], "size": 7},
+                    "name": "differs" if apart else "alike",
+                    "legendgroup": role,
+                    "showlegend": row == 1 and bool(own),
+                    "hovertemplate": "%{x}: %{y:.4g}<extra></extra>",
+                }
+                figure.add(trace, row=row)
+            figure.up(row=row, column=1, title={"text": interactive.escaped(of)})
+        return interactive.dressed(
+            figure, "Every article", 110 + PANEL * len(shown), dark, legend=interactive.legend_above(), margin={"t": 80}
+        )
+
+
+def _of(one: MemberAnswer, of: str) -> float | None:
+    return one.error if of == ERROR else one.sizes[of].value if of in one.sizes else None
