@@ -89,7 +89,11 @@ class Bench:
             ringing=60.0,
             acceleration=0.005 * loud,
             force=0.3 * loud,
-            seat=(*(float(x) for x in generator.uniform(-0.03, 0.03, 2)), 0.045 + float(generator.choice([0.0, 0.03]))),
+            seat=(
+                float(generator.uniform(-0.03, 0.03)),
+                float(generator.uniform(-0.03, 0.03)),
+                0.045 + float(generator.choice([0.0, 0.03])),
+            ),
         )
 
     @property
@@ -133,7 +137,14 @@ rises as the frequency falls [1]; a channel whose gain rises with the square of 
 def series(
     laboratory: int, articles: Sequence[str], sheet: str, faults: Faults = SOUND, bench: Bench | None = None
 ) -> tuple[Campaign, ...]:
-    """Campaigns of `articles` on the hardware of `laboratory`, whose limits are those of `sheet`.
+    """Campaigns of `articles` on the hardware of `laboratory`, whose limits are those of `sheet`."""
+    return tuple(campaign for campaign, _, _ in mountings(laboratory, articles, sheet, faults, bench))
+
+
+def mountings(
+    laboratory: int, articles: Sequence[str], sheet: str, faults: Faults = SOUND, bench: Bench | None = None
+) -> Iterator[tuple[Campaign, Inertia, Inertia]]:
+    """Campaigns of `articles`, what truly stands on the FMD about F, and what the drawing says of that.
 
     The seed of a laboratory decides its hardware; its number and the place of an article in the list decide the mounting.
     """
@@ -141,7 +152,6 @@ def series(
     layout = mavis(on.cells, {})
     directions = {channel.name: np.array(channel.places[0].direction) for channel in layout.table.channels}
     made = hardware(of, directions, np.random.default_rng([laboratory, 0]))
-    campaigns = []
     for number, article in enumerate(articles):
         generator = np.random.default_rng([laboratory, 1, number])
         bare = Campaign(
@@ -154,11 +164,15 @@ def series(
             gravity=GRAVITY,
             source=f"laboratory-{laboratory}/{article}",
         )
-        own = np.random.default_rng([laboratory, 2])
-        carried = _Carried.of(drawn(bare), made, mounting(of, generator), of, own, generator, faults, on)
+        own, matrices = np.random.default_rng([laboratory, 2]), drawn(bare)
+        carried = _Carried.of(matrices, made, mounting(of, generator), of, own, generator, faults, on)
         shaken = [_run(axis, carried, made, bare, faults, of.cross, generator, on) for axis in MOTIONS]
-        campaigns.append(replace(bare, runs=tuple(run for run, _ in shaken), recordings={run.name: one for run, one in shaken}))
-    return tuple(campaigns)
+        stated, rigid = _arm(np.array(on.seat)), np.asarray(matrices.mass)[:6, :6]
+        yield (
+            replace(bare, runs=tuple(run for run, _ in shaken), recordings={run.name: one for run, one in shaken}),
+            Inertia.from_mass_matrix(carried.X.T @ carried.rigid @ carried.X),
+            Inertia.from_mass_matrix(stated.T @ rigid @ stated),
+        )
 
 
 def truth(laboratory: int, sheet: str, faults: Faults) -> dict[str, list[float]]:
@@ -183,10 +197,11 @@ def truth(laboratory: int, sheet: str, faults: Faults) -> dict[str, list[float]]
 
 
 def drawn(campaign: Campaign) -> Matrices:
-    """The article of `campaign` as the analyst has it."""
+    """The article of `campaign` as the analyst has it; nothing on a bare FMD."""
     matrices = mounted_article(Model(source="drawing", title="", article=campaign.article), campaign).matrices
     if matrices is None:
-        raise ValueError(f"`campaign` must have an article on the FMD, found {campaign.article}")
+        nothing = np.zeros((6, 6))
+        return Matrices(base=6, mass=nothing, stiffness=nothing, viscous=nothing, structural=nothing)
     return matrices
 
 
@@ -238,7 +253,7 @@ class _Carried:
         M = M * (1 + sheet.density * generator.uniform(-1, 1))
         for at, mass in zip(FLANGE, bolts(sheet, FLANGE, generator), strict=True):
             rides = _arm(at)[:3]
-            M[:b, :b] += mass * rides.T @ rides
+            M[:b, :b] += mass * rides.T @ rides * bool(M.any())
         about = _arm(-np.array(matrices.cog))  # ten parameters about the centre of gravity, seen from the origin
         for parameter, (size, *_) in faults.family("rigid-inertia").items():
             unit = Inertia(parameters=np.eye(10)[PARAMETERS.index(parameter)]).mass_matrix
@@ -286,10 +301,10 @@ class _Carried:
         moment = np.linalg.norm((H @ (X @ level))[:, 3:5], axis=1)
         C[:, [3, 4], [3, 4]] += (faults.of("slipping", "seat") * moment / (SLIPS + moment) * (1 - 0.4j))[:, None]
         H = np.linalg.solve(np.eye(6) - omega[:, None, None] ** 2 * H @ C, H)
-        whole = self.plate + X.T @ H @ X
+        whole = np.asarray(self.plate + X.T @ H @ X, dtype=np.complex128)
         for axis, (m, f, zeta) in faults.family("appendage").items():
             k = MOTIONS.index(axis)
-            whole[:, k, k] += m * resonance(omega, f, zeta)
+            whole[:, k, k] = whole[:, k, k] + m * resonance(omega, f, zeta)
         whole[:, 3:, 3:] -= _cross(np.array([0, 0, faults.of("rotor", "seat")])) / (1j * omega[:, None, None])
         return np.asarray(whole)
 
