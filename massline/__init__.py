@@ -25,7 +25,7 @@ from validation.compare.compare import compared
 from validation.diagnose.diagnose import diagnosed
 from validation.diagnose.diagnosis import Cause
 from validation.diagnose.diagnosis import Diagnosis as Found
-from validation.diagnose.fleet import cores, diagnosed_each
+from validation.diagnose.fleet import diagnosed_each
 from validation.history.add import AddedEffectOptions, added
 from validation.history.history import undone
 from validation.identify.identify import IdentificationFindings, IdentifyOptions, identified
@@ -93,17 +93,16 @@ def diagnose(
 
 
 def diagnose_many(
-    studies: Iterable[Study | Options], *, processes: int | None = None, scheduler: str = "", progress: Progress | None = None
+    studies: Iterable[Study | Options], *, processes: int = 0, scheduler: str = "", progress: Progress | None = None
 ) -> tuple[Diagnosis | BadInput | CheckFailed, ...]:
     """What each of `studies` is missing, or why that cannot be said, in their order; bit for bit what `diagnose` says of each.
 
-    What is finished is kept on disk by whoever did it, so that the same call goes on where it was interrupted. A script calls it
-    below ``if __name__ == "__main__":``, since every process reads the script, too.
+    What is finished is kept on disk by whoever did it, so that the same call goes on where it was interrupted.
 
     Parameters
     ----------
     studies : opened, or `Options` of one, which is then opened where it is diagnosed
-    processes : of this machine; as many as it has cores by default
+    processes : of this machine; 0 for one a core
     scheduler : address of a Dask scheduler whose workers do it instead, and see the same files
 
     Raises
@@ -111,7 +110,7 @@ def diagnose_many(
     BadInput : no scheduler answers there, or its workers have other code.
     """
     listed, found = list(studies), {}
-    for number, answer in diagnosed_each(listed, processes=processes or cores(), scheduler=scheduler):
+    for number, answer in diagnosed_each(listed, processes=processes, scheduler=scheduler):
         found[number] = diagnosis(answer) if isinstance(answer, Found) else answer
         if progress is not None:
             progress("diagnosing each", len(found) / len(listed))

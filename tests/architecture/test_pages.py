@@ -58,6 +58,7 @@ LONG = {
         "tutorial.md",
         "commands.md",
         "python.md",
+        "fleet.md",
         "league.md",
         "laboratories.md",
         "your-own-structure.md",

@@ -97,7 +97,10 @@ def test_what_is_printed_and_reported_knows_no_fmd_and_no_campaign(lab, run):
         "compare-runs.png",
     ]
     assert run("report", FILE, "--no-diagnosis", "--out", "page.html")[0] == 0
-    page = plain_words(re.sub(r"<script.*?</script>|<[^>]+>", " ", (lab / "page.html").read_text(encoding="utf-8"), flags=re.S))
+    html = (lab / "page.html").read_text(encoding="utf-8")
+    page = plain_words(re.sub(r"<script.*?</script>|<[^>]+>", " ", html, flags=re.S))
+    sheet = html.partition('id="functions"')[2]
+    assert 'class="plot"' in sheet.partition("</section>")[0]  # all six functions, drawn
     assert "held against 1 data set of 2 runs" in page
     assert "misses what was measured by" in page
     assert "No inertia was identified: that takes motions of a base" in page

@@ -262,7 +262,7 @@ def _tests(folder: str, digest: str) -> tuple[StructurePrediction, ...]:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class TestedStructure:
+class ShownStructure:
     """One data set of a structure that was tested by itself.
 
     Attributes
@@ -282,7 +282,7 @@ class TestedStructure:
     places: Array
 
     @classmethod
-    def of(cls, session: Session, name: str) -> "TestedStructure":
+    def of(cls, session: Session, name: str) -> "ShownStructure":
         """The data set `name` of a session.
 
         Raises
@@ -378,7 +378,7 @@ def of_test(session: Session, found: Compared | None, name: str, mode: int | Non
     ------
     BadInput : of the structure no coordinates are known.
     """
-    one = TestedStructure.of(session, name)
+    one = ShownStructure.of(session, name)
     outline = Outline.of(one.whole.structure, one.nodes)
     sensors = one.sensors({} if found is None else failing(found, name))
     article = one.prediction.measured.configuration

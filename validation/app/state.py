@@ -211,8 +211,10 @@ def _line(text: str, share: float, seconds: float, *, cancellable: bool) -> dict
 # What of the page the next reload finds again.
 
 
-KEPT = ("campaign", "load", "motion", "drive", "response", "showing", "pair")
-KEPT += ("marked", "map_kind", "run", "tab", "scheme", "mode", "part")
+KEPT = (
+    *("campaign", "load", "motion", "drive", "response", "showing", "pair"),
+    *("marked", "map_kind", "run", "tab", "scheme", "mode", "part"),
+)
 """State of the page, by name."""
 
 SWITCHED = "switches.json"

@@ -214,10 +214,11 @@ class ReadyCampaign:
     def of(cls, one: StructurePrediction, offsets: Offsets, judged: tuple[str, ...]) -> "ReadyCampaign":
         """`one` made ready at `offsets`, with what its cells carry remembered for whatever is made of it."""
         if not isinstance(one, SeriesPrediction):
-            read, inputs = predicted(one, offsets, None).rows, one.measured.inputs
+            answered, stated = predicted(one, offsets, None).rows, one.measured.inputs
             squares = tuple(evaluate.squares(one.on(judged), offsets)) if judged else ()
-            known = np.ones((len(one.measured.runs), len(one.measured.frequency), 1)) if inputs is None else inputs
-            return cls(prediction=one, operators=None, inputs=known, entries=_by_line(read), judged=judged, squares=squares)
+            ones = np.ones((len(one.measured.runs), len(one.measured.frequency), 1), dtype=np.complex128)
+            inputs = ones if stated is None else stated
+            return cls(prediction=one, operators=None, inputs=inputs, entries=_by_line(answered), judged=judged, squares=squares)
         carried = cast(SupportedDynamicMass, Remembering(one.tested.carried))
         one = replace(one, tested=replace(one.tested, carried=carried))
         measured, read, campaign = one.measured, predicted(one, offsets, None), one.tested.campaign

@@ -135,7 +135,7 @@ def accelerance(
     left, right = both[:, :, : len(rows)], both[:, :, len(rows) :]
     return CondensedTransfer(
         frequency=lines,
-        matrix=rows @ right,
+        matrix=np.asarray(rows @ right, dtype=np.complex128),
         left=_by_coordinate(left),
         right=_by_coordinate(right),
         sign=-1.0,

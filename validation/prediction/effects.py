@@ -285,8 +285,8 @@ class Nuisances:
         stiffness = E[:, None] * K * E
         # G: square root of how much the frequency of every coordinate has grown; 1 where it has none
         old, new = np.diag(m.stiffness), np.diag(stiffness)
-        grown = np.divide(new, old, out=np.ones_like(old), where=old > 0)
-        GD = D * np.maximum(grown, 0.0) ** 0.25  # a wild step of a fit ends below 0
+        # Rigid motions of what floats have but rounding there, of either sign
+        GD = D * np.divide(new, old, out=np.ones_like(old), where=(old > 0) & (new > 0)) ** 0.25
         C = GD[:, None] * m.viscous * GD
         coupled = np.zeros_like(m.mass)
         for r, a in np.ndindex(len(self.frequency), b):

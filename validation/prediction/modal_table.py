@@ -86,7 +86,7 @@ class RealModes:
         at, square, phi = by.at, self.squares[mode], self.shapes[:, mode]
         if mode not in self._lost:
             drag = self.matrices.viscous @ phi
-            self._lost[mode] = self._gaps(mode), phi @ drag, np.sqrt(square) * drag + self.matrices.structural @ phi
+            self._lost[mode] = self._gaps(mode), float(phi @ drag), np.sqrt(square) * drag + self.matrices.structural @ phi
         gaps, drag_of_itself, lost = self._lost[mode]
         own, every = phi[at], self.shapes[at]
         mass = by.mass @ own

@@ -1,7 +1,7 @@
 """The pictures of `massline compare`: what each of them shows, from the comparison."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -477,6 +477,39 @@ def dynamic_mass_html(report: Report, figures: doc.Figures) -> doc.Safe:
         parts.append(part)
     title = "Dynamic mass, measured and predicted"
     return section("dynamic-mass", title, parts_notes([DYNAMIC_MASS_NOTE]), listed.html(), *parts)
+
+
+FUNCTIONS_NOTE = (
+    "Dots: measured. Line: the model at the plain fit. Band: two standard deviations of what noise, the model's own error and "
+    "tolerances which were not fitted explain"
+)
+
+FUNCTIONS_SHOWN = 6
+"""Response functions of a test that a report shows: a sheet of paper."""
+
+
+def functions_html(report: Report, figures: doc.Figures) -> doc.Safe:
+    """The response functions that differ most, measured and predicted; empty where none were measured."""
+    from validation.report.charts.functions import functions_of
+    from validation.report.charts.maps import side_by_side
+
+    parts = []
+    for of, modes in zip(report.comparison.maps, report.comparison.modes, strict=True):
+        if (whole := of.functions) is None:
+            continue
+        apart = np.linalg.norm((whole.measured - whole.predicted) / whole.expected, axis=1)  # (r, c)
+        every = sorted(np.ndindex(apart.shape), key=lambda at: -apart[at])[:FUNCTIONS_SHOWN]
+        unit = whole.unit.replace("^2", "²")
+        marks = [(one.name, one.frequency) for one in modes if of.frequency[0] <= one.frequency <= of.frequency[-1]]
+        panels = [
+            (f"{of.rows[k]} by {of.runs[run]}", replace(functions_of(of, run, k, {}), unit=unit, modes=marks))
+            for run, k in sorted(every)
+        ]
+        many = "" if apart.size <= len(every) else f", of {apart.size} the {len(every)} that differ most"
+        figure = side_by_side(panels, f"{of.data_set}: response by force{many}")
+        parts.append(doc.tag("div", doc.tag("h3", of.data_set), figures.placed(figure), class_="part"))
+    title = "Response functions, measured and predicted"
+    return section("functions", title, parts_notes([FUNCTIONS_NOTE]), *parts) if parts else doc.Safe("")
 
 
 def _select(what: str, part: str, names: Sequence[str], group: str, chosen: int) -> doc.Safe:

@@ -28,13 +28,13 @@ def numbers(values: np.ndarray, mountings: int = 1, laboratories: int = 1) -> Nu
 
 def test_equal_articles_are_said_to_differ_in_as_few_fleets_as_promised_and_outliers_are_found() -> None:
     random = np.random.default_rng(3)
-    for articles in (5, 12, 40, 200):
+    for articles in (5, 8, 15, 40):
         false = sum(bool(numbers(random.normal(size=articles)).different()) for _ in range(600))
-        assert false <= 600 * 2.5 * fleet.FALSE_ALARM  # median and mad of few are not Student's: twice the promise at most
+        assert false <= 600 * fleet.FALSE_ALARM + 3 * (600 * fleet.FALSE_ALARM) ** 0.5
     values = random.normal(size=200)
     values[[7, 90, 151]] += (9, -9, 12)
     found = numbers(values).different()
-    assert list(found) == ["7", "90", "151"]
+    assert set(found) == {"7", "90", "151"}
     assert found["90"] < 0
     assert numbers(np.zeros(9)).different() == {}
 

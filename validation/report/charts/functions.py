@@ -311,7 +311,7 @@ def mac(of: ModalCorrelation, hertz: Sequence[float], at: tuple[int, int] | None
         box = {"x0": j - 0.5, "x1": j + 0.5, "y0": i - 0.5, "y1": i + 0.5}
         figure.layout.setdefault("shapes", []).append({"type": "rect", "line": line, **box})
     figure.across(title={"text": "mode of the model", "standoff": 4}, type="category", showgrid=False, tickfont={"size": 10})
-    upside = {"range": [m - 0.5, -0.5], "type": "category", "categoryarray": rows, "automargin": True}
+    upside: dict[str, Any] = {"range": [m - 0.5, -0.5], "type": "category", "categoryarray": rows, "automargin": True}
     figure.up(showgrid=False, tickfont={"size": 11}, **upside)
     made = dressed(figure, "MAC", 300, dark, margin={"t": 30, "b": 40, "r": 10, "l": 90})
     made.update(title={"text": ""})
