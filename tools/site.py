@@ -1,4 +1,4 @@
-"""Pages and docstrings as a site: ``make docs``, or ``python -m tools.site [FOLDER]``, to be opened from disk.
+"""Pages, notebooks and docstrings as a site: ``make docs``, or ``python -m tools.site [FOLDER]``, to be opened from disk.
 
 Sphinx builds it, with search, from a copy of the pages in its own words; every warning is an error, and nothing is fetched.
 """
@@ -16,11 +16,14 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from geometry.atomic import write_text
+from tools import notebooks
 from tools.pages import FIRST, ROOT, pages
 
 OUT = Path("out/site")
 OVERVIEW = "overview.md"
 """What README.md becomes."""
+
+NOTEBOOKS = Path("examples/notebooks")
 
 ROOMS = ("massline", "geometry", "fem", "identification", "validation")
 """Packages whose docstrings are the reference."""
@@ -50,12 +53,16 @@ def build(folder: Path, root: Path = ROOT, *, reference: bool = True) -> None:
 def stage(copy: Path, root: Path, *, reference: bool) -> None:
     """Write the sources of the site into the folder `copy`."""
     names = {page.resolve(): OVERVIEW if page == root / "README.md" else page.name for page in pages(root)}
+    shown = sorted((root / NOTEBOOKS).glob("*.ipynb"))
+    names |= {one.resolve(): f"notebook-{one.stem}.md" for one in shown}
     modules = list(_modules(root)) if reference else []
     for page in pages(root):
         text = _links(_blocks(page.read_text(encoding="utf-8")), page, names, modules)
         if page.name == FIRST:
-            text += _contents(page, modules)
+            text += _contents(page, names, modules)
         write_text(copy / names[page.resolve()], text)
+    for one in shown:
+        write_text(copy / names[one.resolve()], _links(_blocks(notebooks.page(one)), one, names, modules))
     shutil.copytree(root / "docs" / "pictures", copy / "pictures")
     for name in modules:
         title = f"{name}\n{'=' * len(name)}"
@@ -98,7 +105,7 @@ def _links(text: str, page: Path, names: dict[Path, str], modules: list[str]) ->
     return re.sub(r"(?<!\\)!?\[((?:[^\[\]]|\[[^\[\]]*\])*)\]\(([^)\s]+)\)", lead, text)
 
 
-def _contents(index: Path, modules: list[str]) -> str:
+def _contents(index: Path, names: dict[Path, str], modules: list[str]) -> str:
     """The list of all pages that stands beside each of them: headings and entries of the index, in their order."""
     made: list[str] = []
     for line in index.read_text(encoding="utf-8").splitlines():
@@ -106,7 +113,7 @@ def _contents(index: Path, modules: list[str]) -> str:
         if heading:
             made += ["```", "", "```{toctree}", ":hidden:", f":caption: {heading[1]}", ""]
         elif entry:
-            made.append(f"{entry[1]} <{OVERVIEW if entry[2].startswith('../') else entry[2]}>")
+            made.append(f"{entry[1]} <{names[(index.parent / entry[2]).resolve()]}>")
     if modules:
         made += ["```", "", "```{toctree}", ":hidden:", ":caption: Reference", "", *(f"reference/{name}" for name in modules)]
     return "\n".join(["", *made[1:], "```", ""])

@@ -9,8 +9,9 @@ from urllib.parse import unquote
 
 import pytest
 
+from tools import notebooks
 from tools.pages import blocks, headings, links, pages
-from tools.site import build, stage
+from tools.site import NOTEBOOKS, build
 
 pytest.importorskip("sphinx", reason="Sphinx is absent; the extra `docs` brings it")
 
@@ -46,6 +47,15 @@ def site(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def read(site: Path) -> dict[str, Read]:
     return {path.name: Read(path) for path in site.glob("*.html")}
+
+
+def test_every_notebook_is_a_page_with_what_its_cells_show(site: Path, root: Path) -> None:
+    for path in sorted((root / NOTEBOOKS).glob("*.ipynb")):
+        page = (site / f"notebook-{path.stem}.html").read_text(encoding="utf-8")
+        shown = [one for cell in notebooks.read(path)["cells"] for one in cell.get("outputs", ())]
+        tables = sum("".join(one.get("data", {}).get("text/html", "")).count("<table>") for one in shown)
+        assert shown, path.name
+        assert page.count("<table>") == tables, path.name
 
 
 def name(page: Path) -> str:
@@ -107,7 +117,6 @@ def test_a_file_of_a_page_has_its_name_above_it(site: Path) -> None:
 
 
 def test_a_link_that_leads_nowhere_ends_the_building(root: Path, tmp_path: Path) -> None:
-    stage(tmp_path / "copy", root, reference=False)
     pictures = tmp_path / "house" / "docs" / "pictures"
     pictures.mkdir(parents=True)
     (tmp_path / "house" / "docs" / "conf.py").write_text((root / "docs" / "conf.py").read_text("utf-8"), "utf-8")
