@@ -28,7 +28,7 @@ from validation.virtual_test.plan import Plan
 from validation.virtual_test.simulate import simulate
 
 ARTICLE = "fmd+cuboid"
-DRIVEN = {"octaves_per_minute": 60.0}
+OCTAVES_PER_MINUTE = 60.0
 BAR = 0.8
 """[share] of the cores that the issue asks for."""
 
@@ -68,18 +68,22 @@ def main(articles: int, processes: int) -> None:
         tasks = []
         for seed in range(articles):
             folder = Path(scratch) / f"sn-{seed}"
-            campaign_file.write(folder, simulate(Plan(article=ARTICLE, seed=seed, **DRIVEN)).campaign, ending=".h5")
+            campaign_file.write(
+                folder, simulate(Plan(article=ARTICLE, seed=seed, octaves_per_minute=OCTAVES_PER_MINUTE)).campaign, ending=".h5"
+            )
             tasks.append((str(model), str(folder)))
         timed(tasks[0])  # what is imported and cached once
         begun, alone = spent(), dict(parallel.finished(timed, tasks, processes=1))
         loop = spent() - begun
-        begun, clock = spent(), time.time()
+        begun = spent()
         many = dict(parallel.finished(timed, tasks, processes=processes))
-        clock, total = time.time() - clock, spent() - begun
-    done = [one for one in many.values() if isinstance(one, Timed)]
-    whole = max(one.ended for one in done) - min(one.begun for one in done)
-    busy = sum(one.ended - one.begun for one in done) / (processes * whole)
-    same = all(isinstance(one, Timed) and one.answer == many[task].answer for task, one in alone.items())
+        total = spent() - begun
+    done = {task: one for task, one in many.items() if isinstance(one, Timed)}
+    whole = max(one.ended for one in done.values()) - min(one.begun for one in done.values())
+    busy = sum(one.ended - one.begun for one in done.values()) / (processes * whole)
+    same = len(done) == articles and all(
+        isinstance(one, Timed) and one.answer == done[task].answer for task, one in alone.items()
+    )
     share = loop / total * busy
     console.print(f"{articles} diagnoses by {processes} processes on {os.cpu_count()} cores")
     console.print(f"processor: {total / loop:.2f} of a plain loop's, start of the processes included; busy {100 * busy:.0f} %")
