@@ -185,9 +185,7 @@ def _held_against(found: Identified, truth: Inertia) -> Json:
     }
 
 
-def finished(
-    seeds: Iterable[int], processes: int, console: Console, scheduler: str = "", sheet: str = ""
-) -> Iterator[Json]:
+def finished(seeds: Iterable[int], processes: int, console: Console, scheduler: str = "", sheet: str = "") -> Iterator[Json]:
     """The laboratories of `seeds`, those that are kept first; see `geometry.parallel.finished`."""
     missing = []
     for seed in seeds:

@@ -431,7 +431,7 @@ class SupportedDynamicMass:
         }
 
     def sensed(
-        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, sensors: Sequence[str], *, derivatives: bool
+        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, sensors: Sequence[str], *, derivatives: Wanted
     ) -> tuple[ComplexArray, Tangents]:
         """(n, 3 a, 6) accelerations along the axes of F at the accelerometers `sensors`, beyond those of a rigid article, for a
         unit of every motion of F; and how they answer to every parameter.
@@ -442,7 +442,7 @@ class SupportedDynamicMass:
         """
         if self.nuisances is None:
             return np.zeros((len(frequency), 3 * len(sensors), 6), dtype=np.complex128), {}
-        matrices, tangents = structure(self.nuisances, offsets, effects, derivatives=derivatives)
+        matrices, tangents = structure(self.nuisances, offsets, effects, derivatives=bool(derivatives))
         b, pose = matrices.base, self.standing.pose
         rows = np.vstack([pose.rotation @ matrices.places[self.standing.sensors[name]] for name in sensors])
         answered = dynamic_mass(matrices, frequency)

@@ -490,8 +490,7 @@ FUNCTIONS_SHOWN = 6
 
 def functions_html(report: Report, figures: doc.Figures) -> doc.Safe:
     """The response functions that differ most, measured and predicted; empty where none were measured."""
-    from validation.report.charts.functions import functions_of
-    from validation.report.charts.maps import side_by_side
+    from validation.report.charts.maps import function_of, side_by_side
 
     parts = []
     for of, modes in zip(report.comparison.maps, report.comparison.modes, strict=True):
@@ -502,7 +501,7 @@ def functions_html(report: Report, figures: doc.Figures) -> doc.Safe:
         unit = whole.unit.replace("^2", "²")
         marks = [(one.name, one.frequency) for one in modes if of.frequency[0] <= one.frequency <= of.frequency[-1]]
         panels = [
-            (f"{of.rows[k]} by {of.runs[run]}", replace(functions_of(of, run, k, {}), unit=unit, modes=marks))
+            (f"{of.rows[k]} by {of.runs[run]}", replace(function_of(of, run, k, {}), unit=unit, modes=marks))
             for run, k in sorted(every)
         ]
         many = "" if apart.size <= len(every) else f", of {apart.size} the {len(every)} that differ most"
