@@ -150,7 +150,7 @@ async def switch(window: WindowState, name: str, wanted: str) -> None:
     """Show curves otherwise; every window that is opened later begins so."""
     found = next((one for one in CHOICES.get(name, ()) if str(one) == wanted), None)
     if found is not None:
-        window.state[name] = found
+        window.state.update({name: found})
         app_state.keep_switches({one: window.state[one] for one in SWITCHES})
         await drawn(window)
 

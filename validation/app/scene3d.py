@@ -350,7 +350,7 @@ class Turned:
 SHINING = 4.0
 """[sigma] from which a force or a sensor is marked: chance does not reach it."""
 
-MARK = 0.02
+MARK = 0.035
 """Of its size, what a mark of a sensor that moves is."""
 
 APART = 1.5
