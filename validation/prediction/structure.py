@@ -427,9 +427,11 @@ def bent_far(
     changes += [(none, size * restricted(share, free.free)) for share in structure.part_mass.values() for size in FAR]
     K, M = (basis.T @ (whole @ basis) for whole in (free.stiffness, free.mass))
     for dK, dM in changes:
-        known = eigh(K, M, eigvals_only=True)
+        # The basis is orthonormal in the stiffness: what has no mass has one of far beyond the band
+        known = eigh(K, M + SMALL / top**2 * np.eye(len(M)), eigvals_only=True)
         for _ in range(ROUNDS):
-            square, shape = eigh(K + _on_its_own(dK, basis), M + _on_its_own(dM, basis))
+            weighed = M + _on_its_own(dM, basis) + SMALL / top**2 * np.eye(len(M))
+            square, shape = eigh(K + _on_its_own(dK, basis), weighed)
             low = np.flatnonzero((square > SMALL * top**2) & (square <= top**2))
             moved = np.abs(square[low] - known[low])
             if not moved.any():
