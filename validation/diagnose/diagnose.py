@@ -15,6 +15,7 @@ from geometry.errors import BadInput
 from geometry.toml_file import nearest
 from identification.campaign import Campaign
 from identification.quality import NORMAL_90
+from validation.compare.correlation import correlations
 from validation.diagnose import candidates, diagnosis, pendulum, search
 from validation.diagnose.everywhere import found_nodes, without_a_name
 from validation.diagnose.landmark_search import FromAfar, line_fit
@@ -97,6 +98,9 @@ def diagnosed(
         found = answer(right, at, steps, tell) if afar is None else answer_from_afar(right, base, steps, afar, tell)
         found = replace(found, everywhere=nodes, nodes=every)
     whole = with_mistakes(of, found, mistaken) if mistaken else found
+    alike = correlations(of.whole().predictions) if of.tests else ()
+    blind = tuple(text for one in alike for text in one.remarks if text not in whole.remarks)
+    whole = replace(whole, correlation=alike, remarks=(*whole.remarks, *blind))
     return replace(whole, only=tuple(only), settings={**whole.settings, "only": list(only), "leave_out": list(leave_out)})
 
 

@@ -384,6 +384,7 @@ class Diagnosis(Answer):
     steps : how it was found
     everywhere : of a structure with a mesh, where on it something of each kind would explain most, the best first
     nodes : what the data say of every node (`validation.diagnose.everywhere.NodeScores`), to be drawn
+    correlation : of tests of structures what analysts deliver (`validation.compare.correlation`), by the model as it is
     hold_out : what was held out, in words
     remarks : warnings, about data that were left out and the like
     only : families and ids that alone were looked for; empty where everything was
@@ -396,6 +397,7 @@ class Diagnosis(Answer):
     steps: tuple[ReportedStep, ...] = ()
     everywhere: tuple[FoundNode, ...] = entry(default=(), later=True)
     nodes: tuple[Any, ...] = unwritten(default=())
+    correlation: tuple[Any, ...] = unwritten(default=())
     hold_out: tuple[str, ...] = entry("held_out", default=())
     remarks: tuple[str, ...] = entry("warnings", default=())
     before: Evaluation = entry(write=lambda of: _evaluation_json(of))
