@@ -299,5 +299,5 @@ def main(seeds: int = SEEDS, processes: int = 1, sheet: str = "") -> int:
 
 
 if __name__ == "__main__":
-    counts = [int(one) for one in sys.argv[1:3]]
-    sys.exit(main(*counts[:2]) if len(sys.argv) < 4 else main(counts[0], counts[1], sys.argv[3]))
+    seeds, processes = ([int(one) for one in sys.argv[1:3]] + [SEEDS, 1][len(sys.argv[1:3]) :])[:2]
+    sys.exit(main(seeds, processes, *sys.argv[3:4]))
