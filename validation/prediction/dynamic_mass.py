@@ -505,10 +505,9 @@ class SupportedDynamicMass:
         *,
         derivatives: Wanted,
     ) -> tuple[MountedDynamicMass, Tangents]:
-        matrices, tangents = structure(of, offsets, effects, derivatives=bool(derivatives))
+        matrices, tangents = structure(of, offsets, effects, derivatives=derivatives)
         answered = dynamic_mass(matrices, frequency)
-        wanted = {name: change for name, change in tangents.items() if is_wanted(name, derivatives)}
-        changes = transfer_tangents(answered, wanted)
+        changes = transfer_tangents(answered, tangents)
         R = _turned(self.standing.pose)
         mounted = MountedDynamicMass(
             frequency=frequency,
@@ -524,14 +523,15 @@ class SupportedDynamicMass:
 
 
 def structure(
-    of: Nuisances, offsets: Offsets, effects: Sequence[Added], *, derivatives: bool
+    of: Nuisances, offsets: Offsets, effects: Sequence[Added], *, derivatives: Wanted
 ) -> tuple[Matrices, dict[str, Tangent]]:
     """The matrices of the structure at `offsets`, effects on it applied, and how they change."""
+    every = bool(derivatives)
     matrices, tangents = of.at(offsets, derivatives=derivatives)
-    matrices, tangents = prediction_effects.structure(matrices, tangents, effects, derivatives=derivatives)
+    matrices, tangents = prediction_effects.structure(matrices, tangents, effects, derivatives=every)
     if of.has_law:
-        return prediction_effects.with_damping_law(matrices, tangents, of.nominal, offsets, derivatives=derivatives)
-    return matrices, tangents
+        matrices, tangents = prediction_effects.with_damping_law(matrices, tangents, of.nominal, offsets, derivatives=every)
+    return matrices, {name: change for name, change in tangents.items() if is_wanted(name, derivatives)}
 
 
 def _turned(pose: Pose) -> Array:

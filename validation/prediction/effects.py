@@ -18,7 +18,7 @@ from geometry.frames import Array, Integers
 from validation.effects.catalogue import FAMILIES, Named, There, acts, there
 from validation.effects.effect import BODY_STAGE, CHANNEL_STAGE, OPENED, STRUCTURE_STAGE, Family, SizeSpec
 from validation.effects.stages import ChannelResponse, Matrices, MountedDynamicMass
-from validation.estimation.problem import DECLARED, EFFECT, STRUCTURAL, WITHIN, Offsets, Parameter
+from validation.estimation.problem import DECLARED, EFFECT, STRUCTURAL, WITHIN, Offsets, Parameter, Wanted, is_wanted
 from validation.model.model import Added, StructureTolerances
 from validation.prediction.structure import HIGHEST, ReducedStructure, sheet
 
@@ -276,12 +276,11 @@ class Nuisances:
         pairs = ((r, s) for r in range(len(f)) for s in range(r + 1, len(f)))
         return tuple((r, s) for r, s in pairs if abs(f[s] - f[r]) <= NEIGHBOURS * max(f[r], f[s]))
 
-    def at(self, offsets: Offsets, *, derivatives: bool = True) -> tuple[Matrices, dict[str, Tangent]]:
-        """The matrices at `offsets`, before effects and laws of damping, and their derivative by every parameter but those."""
+    def at(self, offsets: Offsets, *, derivatives: Wanted = True) -> tuple[Matrices, dict[str, Tangent]]:
+        """The matrices at `offsets`, before effects and laws of damping, and their `derivatives` by parameters but those laws."""
         now = self._now(offsets)
-        if not derivatives:
-            return now.matrices, {}
-        return now.matrices, {one.name: now.tangent(one.name) for one in self.parameters if one.name not in LAWS}
+        wanted = (one.name for one in self.parameters if is_wanted(one.name, derivatives) and one.name not in LAWS)
+        return now.matrices, {name: now.tangent(name) for name in wanted}
 
     def _now(self, offsets: Offsets) -> "_Now":
         m, name, b = self.nominal, self.configuration, self.nominal.base

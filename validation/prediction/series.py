@@ -11,7 +11,7 @@ as well, and to the modes of a configuration. A structural effect acts wherever 
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import inf
 from pathlib import Path
@@ -330,6 +330,29 @@ class TestedCampaign:
     per_rms: Array
     method: str = "full-record"
     remarks: tuple[str, ...] = ()
+    _opened: dict[frozenset[str], tuple[Chain, list[problem.Parameter]]] = field(default_factory=dict, init=False, repr=False)
+
+    def opened(self, effects: Sequence[Added]) -> tuple[Chain, list[problem.Parameter]]:
+        """The chain as `effects` need it, and all parameters but those that are of effects; made once for all that need the same.
+
+        Raises
+        ------
+        BadInput : as `laboratory`.
+        """
+        needed = frozenset(one.named.id for one in effects if FAMILIES[one.named.family].stage == OPENED)
+        if needed not in self._opened:
+            carried, model, of = self.carried, self.model, laboratory(self.model, self.campaign, effects)
+            own = [
+                *(() if carried.nuisances is None else carried.nuisances.parameters),
+                *dynamic_mass.parameters(carried.moving, model.fmd_tolerance),
+                *carried.mounted,
+            ]
+            for one in of.parameters:  # what is offset by its logarithm is 1 + its relative change there
+                kind = KINDS.get(one.family, problem.SENSOR)
+                within = problem.WITHIN * one.tolerance if kind == problem.DECLARED else inf
+                own.append(replace(one, channels=(), kind=kind, within=within))
+            self._opened[needed] = of, own if model.learnt is None else [model.learnt.known(one) for one in own]
+        return self._opened[needed]
 
     def on(self, runs: Sequence[str]) -> "TestedCampaign":
         """Of the runs named alone."""
@@ -448,24 +471,12 @@ class SeriesPrediction:
 
     @cached_property
     def _chain(self) -> Chain:
-        return laboratory(self.tested.model, self.tested.campaign, self._reaching)
+        return self.tested.opened(self._reaching)[0]
 
     @cached_property
     def _opened(self) -> tuple[tuple[problem.Parameter, ...], problem.Offsets]:
         """The parameters, and the offsets of those that stand at a given size."""
-        carried, model = self.tested.carried, self.tested.model
-        own = [
-            *(() if carried.nuisances is None else carried.nuisances.parameters),
-            *dynamic_mass.parameters(carried.moving, model.fmd_tolerance),
-            *carried.mounted,
-        ]
-        for one in self._chain.parameters:  # what is offset by its logarithm is 1 + its relative change there
-            kind = KINDS.get(one.family, problem.SENSOR)
-            own.append(
-                replace(one, channels=(), kind=kind, within=problem.WITHIN * one.tolerance if kind == problem.DECLARED else inf)
-            )
-        own = own if model.learnt is None else [model.learnt.known(one) for one in own]
-        left, given = prediction_effects.opened(own, self._reaching)
+        left, given = prediction_effects.opened(self.tested.opened(self._reaching)[1], self._reaching)
         equations = [one for one in self._reaching if _stage(one) in EQUATIONS]
         return (*left, *prediction_effects.parameters(equations)), given
 
