@@ -401,4 +401,7 @@ def tessellate_solid(shape: OccShape, chord: float) -> TriangleMesh:
     points, triangles = shape.tessellate(chord / MM, ANGLE)
     vertices = np.array([point.toTuple() for point in points])
     _, first, welded = np.unique(np.round(vertices / WELD).astype(np.int64), axis=0, return_index=True, return_inverse=True)
-    return TriangleMesh(vertices=vertices[first] * MM, faces=welded.ravel()[np.array(triangles)])
+    faces = welded.ravel()[np.array(triangles)]
+    # At the pole of a patch OCC puts two corners of a triangle into one point; without it its neighbours meet all the same
+    whole = np.all(faces != np.roll(faces, 1, axis=1), axis=1)
+    return TriangleMesh(vertices=vertices[first] * MM, faces=faces[whole])

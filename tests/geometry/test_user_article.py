@@ -429,6 +429,21 @@ def test_a_step_file_is_read_in_the_unit_that_it_states(tmp_path: Path) -> None:
         assert_allclose(inertias(load(tmp_path / name, material="1 kg/m^3"))["occ"].mass, volume, rtol=1e-9)
 
 
+def test_a_box_with_round_edges_has_its_mesh_though_triangles_shrink_to_nothing_at_its_corners(tmp_path: Path) -> None:
+    import cadquery as cq
+
+    length, width, height, radius = 10.0, 6.0, 4.0, 1.0
+    solid = cq.Workplane().box(length, width, height).edges().fillet(radius)
+    cq.exporters.export(solid, str(tmp_path / "box.step"))
+    article = load(tmp_path / "box.step", material="1000 kg/m^3")
+    found = inertias(article)
+    a, b, c = (size - 2 * radius for size in (length, width, height))  # of the box whose parallel body it is (Steiner)
+    volume = a * b * c + 2 * radius * (a * b + b * c + c * a) + np.pi * radius**2 * (a + b + c) + 4 / 3 * np.pi * radius**3
+    assert list(found) == ["occ", "trimesh"]
+    assert found["occ"].mass == pytest.approx(1e-6 * volume, rel=1e-9)
+    assert agreement(article, found).agree
+
+
 def write_surface(path: Path) -> Path:
     import cadquery
 
