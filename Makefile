@@ -12,7 +12,7 @@ $(READY): requirements.lock pyproject.toml tools/setup.sh tools/pip.sh tools/doc
 	@sh tools/setup.sh .venv
 	@touch $@
 
-.PHONY: help setup demo test proof check bench blind league lock clean
+.PHONY: help setup demo docs test proof check bench blind league lock clean
 
 help: ## what each target does
 	@grep -E '^[a-z]+:.*## ' Makefile | sed -E 's/^([a-z]+):[^#]*## /  make \1\t/' | expand -t 16
@@ -21,6 +21,9 @@ setup: $(READY) ## the virtual environment .venv from the lock, this project edi
 
 demo: $(READY) ## everything massline shows, tables on the screen and pictures under out/
 	@$(PYTHON) -m validation.cli.demo
+
+docs: $(READY) ## the pages, notebooks and docstrings as a site with search under out/site; needs no network
+	@$(PYTHON) -P -m tools.site
 
 # The editable install says in a second that it imports from here; then the whole suite runs once, against the built wheel, because
 # that is what a user installs. The wheel is these very files (test_wheel.py), so running everything twice would prove nothing more.

@@ -4,18 +4,17 @@ import inspect
 import logging
 import platform
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from types import ModuleType
+from typing import Any, Generic, TypeVar
 
 from geometry import cache
 from geometry.errors import BadInput
-
-if TYPE_CHECKING:
-    from distributed import Client
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -27,6 +26,7 @@ SETTINGS = {
     "distributed.admin.large-graph-warning-threshold": "1TB",  # a study in memory travels with its records
     "distributed.scheduler.worker-ttl": None,  # a factorisation may hold the interpreter for minutes
     "distributed.worker.profile.enabled": False,
+    "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,  # else a third of the time goes into giving memory back
 }
 """Of Dask, for processes that are started here. Its defaults give each one BLAS thread, so that digits do not depend on it."""
 
@@ -58,7 +58,7 @@ class WorkerLost(RuntimeError):
 
 
 def finished(
-    work: Callable[[Task], Result], tasks: Iterable[Task], *, processes: int = 1, scheduler: str = ""
+    work: Callable[[Task], Result], tasks: Iterable[Task], *, processes: int = 0, scheduler: str = ""
 ) -> Iterator[tuple[Task, Result | WorkerLost]]:
     """Each of `tasks` with what `work` makes of it, as they are finished; `WorkerLost` where its process died every time.
 
@@ -69,7 +69,7 @@ def finished(
     Parameters
     ----------
     work : a function of a module, found under its name by every process
-    processes : of this machine; one works in the process that asks
+    processes : of this machine; 0 for one a core. One works in the process that asks
     scheduler : address of a Dask scheduler whose workers do it instead; empty for none
 
     Raises
@@ -77,8 +77,11 @@ def finished(
     BadInput : no scheduler answers there, or its workers have other code.
     Exception : whatever `work` raises.
     """
+    from joblib import cpu_count
+
     listed = list(tasks)
-    if not scheduler and min(processes, len(listed)) <= 1:
+    processes = min(processes or cpu_count(), len(listed))
+    if not scheduler and processes <= 1:
         for one in listed:
             yield one, work(one)
         return
@@ -86,7 +89,7 @@ def finished(
         return
     from distributed import KilledWorker, as_completed
 
-    with _client(scheduler, min(processes, len(listed))) as client:
+    with _client(scheduler, processes) as client:
         checked = SameCode(work, SameCode.of(work))
         futures = {client.submit(checked, one, pure=False): one for one in listed}
         try:
@@ -104,8 +107,8 @@ def finished(
 
 
 @contextmanager
-def _client(scheduler: str, processes: int) -> Iterator["Client"]:
-    """Of the `scheduler`, or of as many `processes` here, which nobody else can send work to; both are ended behind it."""
+def _client(scheduler: str, processes: int) -> Iterator[Any]:
+    """Dask's client of the `scheduler`, or of so many `processes` here, to which nobody else can send work."""
     import dask
     from distributed import Client, LocalCluster, WorkerPlugin
 
@@ -133,6 +136,9 @@ def _client(scheduler: str, processes: int) -> Iterator["Client"]:
             yield stack.enter_context(client)
             return
         stack.enter_context(dask.config.set(SETTINGS))
+        # What is sent stands in modules: a process that began with the script of whoever asks would run it once more
+        stack.callback(sys.modules.__setitem__, "__main__", sys.modules["__main__"])
+        sys.modules["__main__"] = ModuleType("__main__")
         folder = stack.enter_context(TemporaryDirectory(prefix="massline-workers-"))
         cluster = LocalCluster(
             n_workers=processes,

@@ -131,6 +131,11 @@ class ChannelTable:
         """The names, in order."""
         return tuple(channel.name for channel in self.channels)
 
+    @property
+    def extent(self) -> float:
+        """[m] Largest distance of two places along an axis."""
+        return float(np.ptp([place.position for channel in self.channels for place in channel.places], axis=0).max())
+
     def select(self, *, group: str | Sequence[str] = (), quantity: str | Sequence[str] = ()) -> tuple[int, ...]:
         """Indices of the channels of these groups and quantities; an empty choice takes all."""
         groups, quantities = ((one,) if isinstance(one, str) else tuple(one) for one in (group, quantity))

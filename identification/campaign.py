@@ -20,7 +20,7 @@ from geometry.errors import BadInput
 from geometry.frames import Array, Pose, frozen
 from geometry.inertia import Observability, of_motions, of_resultants
 from geometry.sensors import ChannelTable, motion_rows
-from geometry.toml_file import nearest
+from geometry.toml_file import PLAUSIBLE, nearest
 
 # `Recording`: the samples of one run, every channel on one common axis, in SI.
 
@@ -484,7 +484,12 @@ def warnings_of_runs(campaign: Campaign) -> tuple[str, ...]:
 
 
 def shares(recorded: Recording, table: ChannelTable) -> Array | None:
-    """(6,) every base motion of a run as a share of its largest, each by its nominal level; None where it cannot be told."""
+    """(6,) every base motion of a run as a share of its largest, each by its nominal level; None where it cannot be told.
+
+    Places in a doubtful unit tell nothing of rotations: that cause is said where the places are read, and not once a run.
+    """
+    if not PLAUSIBLE[0] <= table.extent <= PLAUSIBLE[1]:
+        return None
     if not recorded.is_spectrum:
         found = levels(recorded, table)
         return None if found is None else found.share

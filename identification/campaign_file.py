@@ -410,7 +410,16 @@ def parse(table: Mapping[str, Any], source: str, problems: Problems) -> campaign
     instruments = reader.named(table, "instrument", made, alike=True) if "instrument" in table else []
     if len(problems.found) > before or origin is None or gravity is None:
         return None
-    extent = np.ptp([place.position for one in channels for place in one.places], axis=0).max()
+    sensors = ChannelTable(channels=tuple(channels), origin=origin)
+    if sensors.extent > MISTAKEN and unit is not None:
+        problem = f"is {unit.name}, and puts the channels {sensors.extent:.4g} m apart"
+        reader.refuse("frame.length_unit", problem, 'Write length_unit = "mm" if these are millimetres, or correct the positions')
+        return None
+    if gravity == 0 or EARTH[0] <= gravity <= EARTH[1]:
+        odd: tuple[str, ...] = ()
+    else:
+        here = f"{gravity:g} m/s² is met nowhere on Earth ({EARTH[0]:g} to {EARTH[1]:g})"
+        odd = (f"{source}: `environment.gravity` {here}; 0 is a test without gravity",)
     return campaigns.Campaign(
         title=about.get("title", ""),
         article=about.get("article", ""),
@@ -421,14 +430,22 @@ def parse(table: Mapping[str, Any], source: str, problems: Problems) -> campaign
         operator=about.get("operator", ""),
         serial_number=about.get("serial_number", ""),
         instruments=tuple(instruments),
-        table=ChannelTable(channels=tuple(channels), origin=origin),
+        table=sensors,
         runs=tuple(runs),
         mounting=mounting,
         gravity=gravity,
         processing=processing,
-        warnings=doubts(float(extent), f"{source}: channels", unit),
+        warnings=(*doubts(sensors.extent, f"{source}: channels", unit), *odd),
         source=source,
     )
+
+
+MISTAKEN = 100.0
+"""[m] Extent of channels that no shaking table has: millimetres that are called metres. Held by
+tests/validation/test_doors_agree.py."""
+
+EARTH = (9.76, 9.84)
+"""[m/s²] Gravity at sea level and on mountains, from the equator to the poles. Held by tests/validation/test_doors_agree.py."""
 
 
 # A `Campaign` as the text of its ``campaign.toml``, in the order and the layout of the contract.
@@ -755,7 +772,9 @@ def examine(folder: str | Path, *, progress: Progress | None = None) -> Examined
         if progress is not None:
             progress((k + 1) / len(campaign.runs))
     warnings = (*campaign.warnings, *warnings_of_recordings(campaign, recordings))
-    return Examined(campaign=replace(campaign, recordings=recordings, warnings=warnings), problems=tuple(problems.found))
+    read = replace(campaign, recordings=recordings, warnings=warnings)
+    read = replace(read, warnings=(*warnings, *campaigns.warnings_of_runs(read)))
+    return Examined(campaign=read, problems=tuple(problems.found))
 
 
 def write(

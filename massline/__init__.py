@@ -13,22 +13,23 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from geometry import user_article
 from geometry.article import Article
 from geometry.articles import built_in
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput, CheckFailed
 from geometry.inertia import Inertia
-from geometry.routes import by_routes as reference
+from geometry.routes import by_routes
 from identification.campaign import Campaign
-from massline.results import Comparison, Diagnosis, History, Study, comparison, diagnosis
+from massline.results import Comparison, Diagnosis, History, Identification, Routes, Study, comparison, diagnosis, identification
 from validation.compare.compare import compared
 from validation.diagnose.diagnose import diagnosed
 from validation.diagnose.diagnosis import Cause
 from validation.diagnose.diagnosis import Diagnosis as Found
-from validation.diagnose.fleet import cores, diagnosed_each
+from validation.diagnose.fleet import diagnosed_each
 from validation.history.add import AddedEffectOptions, added
 from validation.history.history import undone
-from validation.identify.identify import IdentificationFindings, IdentifyOptions, identified
+from validation.identify.identify import IdentifyOptions, identified
 from validation.model import model_file
 from validation.model.model import Model
 from validation.study import Options
@@ -47,10 +48,12 @@ __all__ = [
     "Diagnosis",
     "DynamicMass",
     "History",
+    "Identification",
     "Inertia",
     "Model",
     "Options",
     "Plan",
+    "Routes",
     "Study",
     "VirtualTest",
     "add",
@@ -93,17 +96,16 @@ def diagnose(
 
 
 def diagnose_many(
-    studies: Iterable[Study | Options], *, processes: int | None = None, scheduler: str = "", progress: Progress | None = None
+    studies: Iterable[Study | Options], *, processes: int = 0, scheduler: str = "", progress: Progress | None = None
 ) -> tuple[Diagnosis | BadInput | CheckFailed, ...]:
     """What each of `studies` is missing, or why that cannot be said, in their order; bit for bit what `diagnose` says of each.
 
-    What is finished is kept on disk by whoever did it, so that the same call goes on where it was interrupted. A script calls it
-    below ``if __name__ == "__main__":``, since every process reads the script, too.
+    What is finished is kept on disk by whoever did it, so that the same call goes on where it was interrupted.
 
     Parameters
     ----------
     studies : opened, or `Options` of one, which is then opened where it is diagnosed
-    processes : of this machine; as many as it has cores by default
+    processes : of this machine; 0 for one a core
     scheduler : address of a Dask scheduler whose workers do it instead, and see the same files
 
     Raises
@@ -111,7 +113,7 @@ def diagnose_many(
     BadInput : no scheduler answers there, or its workers have other code.
     """
     listed, found = list(studies), {}
-    for number, answer in diagnosed_each(listed, processes=processes or cores(), scheduler=scheduler):
+    for number, answer in diagnosed_each(listed, processes=processes, scheduler=scheduler):
         found[number] = diagnosis(answer) if isinstance(answer, Found) else answer
         if progress is not None:
             progress("diagnosing each", len(found) / len(listed))
@@ -147,7 +149,7 @@ def undo(study: Study) -> Study:
     return study.by(model_file.read(study.asked.path))
 
 
-def identify(campaign: str | Path, **options: Any) -> IdentificationFindings:
+def identify(campaign: str | Path, **options: Any) -> Identification:
     """Mass, centre of gravity and inertia from the folder of a `campaign`, with intervals.
 
     `options` are those of `validation.identify.identify.IdentifyOptions`: ``tares``, ``known``, ``band``, ...
@@ -157,4 +159,19 @@ def identify(campaign: str | Path, **options: Any) -> IdentificationFindings:
     BadInput : a folder or an option that cannot be used.
     CheckFailed : data from which nothing can be identified.
     """
-    return identified(IdentifyOptions(campaign=str(campaign), **options))
+    return identification(identified(IdentifyOptions(campaign=str(campaign), **options)))
+
+
+def reference(article: Article | str | Path, **given: Any) -> Routes:
+    """Inertia of `article`, an `Article` or the path of a file, about its origin by every route that it has.
+
+    Files are STEP, STL, PLY, OBJ and article.toml; `given` are those of `geometry.user_article.load`: ``unit``, ``material``,
+    ``chord`` [m], ``repair``. An `Article` takes ``chord``.
+
+    Raises
+    ------
+    BadInput : a file, a unit, a material or a mesh that cannot be used.
+    """
+    if isinstance(article, Article):
+        return Routes(by_routes(article, **given))
+    return Routes(user_article.inertias(user_article.load(article, **given)))

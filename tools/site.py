@@ -1,127 +1,126 @@
-"""The pages as a site: ``python -m tools.site [FOLDER]`` writes one HTML file a page into ``out/site``, to be opened from disk.
+"""Pages, notebooks and docstrings as a site: ``make docs``, or ``python -m tools.site [FOLDER]``, to be opened from disk.
 
-The folder ``docs`` stands alone; this is the same text with a list of all pages beside it, by markdown-it-py, which rich brings.
-No script, no network, light or dark as the system has it.
+Sphinx builds it, with search, from a copy of the pages in its own words; every warning is an error, and nothing is fetched.
 """
 
 from __future__ import annotations
 
+import contextlib
+import os
 import re
 import shutil
+import subprocess
 import sys
+import tempfile
 from collections.abc import Iterable
-from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from geometry.atomic import write_text
-from tools.pages import FIRST, ROOT, anchors_of, headings, pages, title
-
-if TYPE_CHECKING:
-    from markdown_it.token import Token
+from tools import notebooks
+from tools.pages import FIRST, ROOT, pages
 
 OUT = Path("out/site")
-CSS = Path(__file__).with_suffix(".css")
-OVERVIEW = "overview.html"
+OVERVIEW = "overview.md"
 """What README.md becomes."""
 
-PAGE = """\
-<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{title} - massline</title>
-<link rel="stylesheet" href="site.css">
-</head>
-<body>
-<a class="skip" href="#main">Skip to the contents</a>
-<nav aria-label="All pages">{nav}</nav>
-<main id="main">
-{body}
-</main>
-</body>
-</html>
-"""
+NOTEBOOKS = Path("examples/notebooks")
+
+ROOMS = ("massline", "geometry", "fem", "identification", "validation")
+"""Packages whose docstrings are the reference."""
 
 
-def build(folder: Path, root: Path = ROOT) -> tuple[Path, ...]:
-    """Write the site into `folder`; the pages that were written."""
-    every = pages(root)
-    listed = _listed(root / "docs" / FIRST)
-    written = []
-    for page in every:
-        path = folder / html_name(page, root)
-        nav = _nav(listed, html_name(page, root))
-        write_text(path, PAGE.format(title=escape(title(page)), nav=nav, body=_body(page, root)))
-        written.append(path)
-    write_text(folder / "site.css", CSS.read_text(encoding="utf-8"))
-    shutil.copytree(root / "docs" / "pictures", folder / "pictures", dirs_exist_ok=True)
-    return tuple(written)
+def build(folder: Path, root: Path = ROOT, *, reference: bool = True) -> None:
+    """Write the site into `folder`, which is emptied before.
+
+    Parameters
+    ----------
+    reference : with a page for every module
+
+    Raises
+    ------
+    SystemExit : Sphinx finds a link that leads nowhere, a block or an equation that it cannot set.
+    """
+    shutil.rmtree(folder, ignore_errors=True)
+    with tempfile.TemporaryDirectory() as copy:
+        stage(Path(copy), root, reference=reference)
+        options = ["-q", "-W", "--keep-going", "-b", "html", "-c", str(root / "docs"), "-d", f"{copy}/.read"]
+        code = os.pathsep.join(path for path in sys.path if path)  # what is imported here is documented there
+        sphinx = [sys.executable, "-P", "-m", "sphinx", *options, copy, str(folder)]
+        if subprocess.run(sphinx, env={**os.environ, "PYTHONPATH": code}, check=False).returncode:
+            raise SystemExit("massline: the site is not built: see above.")
 
 
-def html_name(page: Path, root: Path) -> str:
-    """What the file of `page` is called on the site."""
-    return OVERVIEW if page == root / "README.md" else f"{page.stem}.html"
+def stage(copy: Path, root: Path, *, reference: bool) -> None:
+    """Write the sources of the site into the folder `copy`."""
+    names = {page.resolve(): OVERVIEW if page == root / "README.md" else page.name for page in pages(root)}
+    shown = sorted((root / NOTEBOOKS).glob("*.ipynb"))
+    names |= {one.resolve(): f"notebook-{one.stem}.md" for one in shown}
+    modules = list(_modules(root)) if reference else []
+    for page in pages(root):
+        text = _links(_blocks(page.read_text(encoding="utf-8")), page, names, modules)
+        if page.name == FIRST:
+            text += _contents(page, names, modules)
+        write_text(copy / names[page.resolve()], text)
+    for one in shown:
+        write_text(copy / names[one.resolve()], _links(_blocks(notebooks.page(one)), one, names, modules))
+    shutil.copytree(root / "docs" / "pictures", copy / "pictures")
+    for name in modules:
+        title = f"{name}\n{'=' * len(name)}"
+        write_text(copy / "reference" / f"{name}.rst", f"{title}\n\n.. automodule:: {name}\n   :members:\n")
 
 
-def _body(page: Path, root: Path) -> str:
-    from markdown_it import MarkdownIt
-
-    reader = MarkdownIt("commonmark", {"html": True}).enable("table")
-    tokens = reader.parse(page.read_text(encoding="utf-8"))
-    _give_anchors(tokens, anchors_of(headings(page)))
-    for token in tokens:
-        if token.type == "fence" and " " in token.info:
-            token.attrSet("data-file", token.info.partition(" ")[2].removeprefix("+"))
-    for token in (inner for outer in tokens for inner in outer.children or ()):
-        for key in ("href", "src"):
-            if key in token.attrs:
-                token.attrs[key] = _target(str(token.attrs[key]), page, root)
-    html = str(reader.renderer.render(tokens, reader.options, {}))
-    html = re.sub(r'<a href="">(.*?)</a>', r"\1", html, flags=re.DOTALL)  # what the site does not hold is named, not led to
-    html = html.replace("<pre>", '<pre tabindex="0">')  # what scrolls can be reached by the keyboard
-    return html.replace("<table>", '<div class="wide"><table>').replace("</table>", "</table></div>")
+def _modules(root: Path) -> Iterable[str]:
+    for room in ROOMS:
+        for path in sorted((root / room).rglob("*.py")):
+            name = ".".join(path.relative_to(root).with_suffix("").parts).removesuffix(".__init__")
+            if not any(part.startswith("_") for part in name.split(".")):
+                yield name
 
 
-def _give_anchors(tokens: Iterable[Token], names: Iterable[str]) -> None:
-    waiting = iter(names)
-    for token in tokens:
-        if token.type == "heading_open":
-            token.attrSet("id", next(waiting))
+def _blocks(text: str) -> str:
+    """Fences as MyST has them: an equation is a directive, a file has its name above it."""
+    text = re.sub(r"^```math$", "```{math}", text, flags=re.MULTILINE)
+    text = re.sub(r"^```output$", "```text", text, flags=re.MULTILINE)
+    return re.sub(r"^```(toml|python) \+?(\S+)$", r"```{code-block} \1\n:caption: \2\n", text, flags=re.MULTILINE)
 
 
-def _target(written: str, page: Path, root: Path) -> str:
-    """A link or picture of `page` as the site has it; empty for a file that is not on it."""
-    path, mark, name = written.partition("#")
-    if re.match(r"[a-z]+:", written) or not path:
-        return written
-    file = (page.parent / path).resolve()
-    if file in pages(root):
-        return html_name(file, root) + mark + name
-    return f"pictures/{file.name}" if file.parent == (root / "docs" / "pictures").resolve() else ""
+def _links(text: str, page: Path, names: dict[Path, str], modules: list[str]) -> str:
+    """Links between pages by their names on the site; those to code lead to its reference, those to other files are words."""
+
+    def lead(found: re.Match[str]) -> str:
+        words, target = found[1], found[2]
+        path, mark, name = target.partition("#")
+        if re.match(r"[a-z]+:", target) or not path:
+            return found[0]
+        file = (page.parent / path).resolve()
+        if file in names:
+            return f"[{words}]({names[file]}{mark}{name})"
+        if found[0].startswith("!"):
+            return f"![{words}](pictures/{file.name})"
+        code = words.strip("`")
+        if path.endswith(".py") and any(code == one or code.startswith(f"{one}.") for one in modules):
+            return f"{{py:obj}}`{code}`"
+        return words
+
+    return re.sub(r"(?<!\\)!?\[((?:[^\[\]]|\[[^\[\]]*\])*)\]\(([^)\s]+)\)", lead, text)
 
 
-def _listed(index: Path) -> tuple[tuple[str, str], ...]:
-    """Headings ("", name) and pages (file, name) of the index, in order."""
-    found = []
+def _contents(index: Path, names: dict[Path, str], modules: list[str]) -> str:
+    """The list of all pages that stands beside each of them: headings and entries of the index, in their order."""
+    made: list[str] = []
     for line in index.read_text(encoding="utf-8").splitlines():
         heading, entry = re.match(r"## (.+)", line), re.match(r"- \[([^\]]+)\]\(([^)]+)\)", line)
         if heading:
-            found.append(("", heading[1]))
+            made += ["```", "", "```{toctree}", ":hidden:", f":caption: {heading[1]}", ""]
         elif entry:
-            found.append((OVERVIEW if entry[2].startswith("../") else f"{Path(entry[2]).stem}.html", entry[1]))
-    return tuple(found)
-
-
-def _nav(listed: Iterable[tuple[str, str]], here: str) -> str:
-    lines = [f'<p><a href="{Path(FIRST).stem}.html"><b>massline</b></a></p>']
-    for file, name in listed:
-        current = ' aria-current="page"' if file == here else ""
-        lines.append(f'<a href="{file}"{current}>{escape(name)}</a>' if file else f"<h2>{escape(name)}</h2>")
-    return "\n".join(lines)
+            made.append(f"{entry[1]} <{names[(index.parent / entry[2]).resolve()]}>")
+    if modules:
+        made += ["```", "", "```{toctree}", ":hidden:", ":caption: Reference", "", *(f"reference/{name}" for name in modules)]
+    return "\n".join(["", *made[1:], "```", ""])
 
 
 if __name__ == "__main__":
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else OUT
-    sys.stderr.write(f"massline: wrote {len(build(folder))} pages; begin at {folder / Path(FIRST).stem}.html\n")
+    built = Path(sys.argv[1]) if len(sys.argv) > 1 else OUT
+    with contextlib.suppress(KeyboardInterrupt):
+        build(built)
+        sys.stderr.write(f"massline: wrote the site; begin at {built / Path(FIRST).stem}.html\n")

@@ -28,7 +28,7 @@ def test_every_equation_of_the_paper_has_a_section() -> None:
 
 @pytest.mark.parametrize("section", SECTIONS[1:], ids=lambda text: text.partition(":")[0].partition("\n")[0])
 def test_a_section_has_its_formula_its_function_and_a_check(section: str) -> None:
-    assert re.search(r"^    \S.* [=≈←] ", section, re.MULTILINE), "the formula, indented"
+    assert re.search(r"^```math\n.+?( = |\\approx|\\leftarrow)", section, re.MULTILINE | re.DOTALL), "the formula, typeset"
     assert re.search(r"\[`\w+(\.\w+)+`\]\(\.\./\w+/[\w/]+\.py\)", section), "the function, linked to its file"
     assert "assert_allclose(" in section
 

@@ -11,6 +11,7 @@ A fenced block has a language, and the language says what happens to it. There i
 - ``python``: a program, run where it stands between the commands, with the names that programs above it on the page have made.
 - ``toml PATH``, ``python PATH``: a file that the reader writes, and a later command or program of the page reads; ``+PATH`` is
   appended to it. A path that exists in the repository shows that very file.
+- ``math``: an equation, which the site sets; `test_site.py` fails where it cannot.
 - ``output``: lines of what the block above printed, in order, ``...`` for what is left out. Words agree, numbers to the last
   digit shown or to a hundredth.
 
@@ -38,7 +39,7 @@ from validation.cli.main import COMMANDS, cli
 
 ROOT = Path(__file__).parents[2]
 PAGES = pages(ROOT)
-LANGUAGES = ("sh", "python", "toml", "output")
+LANGUAGES = ("sh", "python", "toml", "output", "math")
 README_LINES = 60
 """[lines] One screen and a half."""
 READERS = ("make", "apt-get", "git", "cd")
@@ -57,6 +58,7 @@ LONG = {
         "tutorial.md",
         "commands.md",
         "python.md",
+        "fleet.md",
         "league.md",
         "laboratories.md",
         "your-own-structure.md",

@@ -75,12 +75,11 @@ import sys
 sys.path.insert(0, {str(Path(work.__file__).parent)!r})
 import work_of_a_test
 from geometry.parallel import finished
-if __name__ == "__main__":
-    try:
-        for (number, _), answer in finished(work_of_a_test.endless, [(k, {str(tmp_path)!r}) for k in range(3)], processes=2):
-            print(answer, flush=True)
-    except KeyboardInterrupt:
-        print("interrupted")
+try:  # without a guard: no process reads the script again
+    for (number, _), answer in finished(work_of_a_test.endless, [(k, {str(tmp_path)!r}) for k in range(3)], processes=2):
+        print(answer, flush=True)
+except KeyboardInterrupt:
+    print("interrupted")
 """
     )
     of = subprocess.Popen([sys.executable, "-P", script], stdout=subprocess.PIPE, text=True, start_new_session=True)

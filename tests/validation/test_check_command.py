@@ -64,8 +64,8 @@ def test_an_inverted_channel_is_suspected_by_name_and_five_runs_name_the_axis_th
     left = {name: one for name, one in campaign.recordings.items() if name != "beta"}
     campaign_file.write(tmp_path / "five", replace(campaign, runs=[r for r in campaign.runs if r.name in left], recordings=left))
     code, out, _ = run("check", "five")
-    assert code == main.BAD_INPUT
-    assert "five: `run`: six base motions take at least six runs, found 5 runs; no run drives beta" in " ".join(out.split())
+    assert code == main.FAILED_CHECK
+    assert "five: six base motions take at least six runs, found 5 runs; no run drives beta" in " ".join(out.split())
 
 
 @pytest.mark.usefixtures("folder")

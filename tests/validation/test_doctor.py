@@ -22,7 +22,7 @@ def declared(root):
 
 def test_doctor_says_what_is_there(answer, run):
     said = answer("doctor")
-    assert said["missing_of_extras"] == {"cad": [], "fem": [], "pictures": [], "app": []}
+    assert said["missing_of_extras"] == {"cad": [], "fem": [], "pictures": [], "fleet": [], "app": []}
     assert all(said["core"].values())
     assert "superlu" in " ".join(said["factorisers"]).lower()
     assert run("--version")[1].startswith("massline")

@@ -194,7 +194,6 @@ def diagnose_command(
 
     Exit code 0 whatever it finds; 1 when the model with all its tolerances does not converge; 2 when the input cannot be used.
     """
-    from validation.diagnose.fleet import cores
     from validation.effects import catalogue
     from validation.output import require_folder
     from validation.report import fleet
@@ -213,7 +212,7 @@ def diagnose_command(
         return
     if auto:
         raise BadInput(source="--auto", problem="one model stands for all with --each", remedy="Leave it out")
-    fleet.answer(asked, each, processes=jobs or cores(), scheduler=scheduler or "", as_json=as_json, folder=out)
+    fleet.answer(asked, each, processes=jobs or 0, scheduler=scheduler or "", as_json=as_json, folder=out)
 
 
 @click.command("effects")

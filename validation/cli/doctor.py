@@ -16,6 +16,7 @@ NEEDED_FOR = {
     "fem": "solid models, meshes with groups, rope pendulums in exudyn",
     "pictures": "pictures and moving modes (--view, report)",
     "app": "the workbench in the browser",
+    "fleet": "many diagnoses at a time, by several processes or machines",
 }
 """What a command that lacks the extra cannot do."""
 

@@ -135,7 +135,8 @@ def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool, 
     if as_json:
         print_json(to_json(found))
     else:
-        click.echo(page(answer.title(found), answer.grids(found), answer.notes(found)), nl=False)
+        verdict, *said = answer.notes(found)
+        click.echo(page(answer.title(found), answer.grids(found), said, opening=(verdict,)), nl=False)
     if view and found.campaign is not None:
         from validation.report.scenes.setups import sensor_map
 

@@ -116,7 +116,7 @@ EXTRAS = {
     "cad": ("cadquery", "OCP"),
     "fem": ("exudyn", "gmsh", "skfem"),
     "pictures": ("pyvista", "vtk", "vtkmodules"),
-    "fleet": ("distributed", "dask"),
+    "fleet": ("distributed",),
     "app": ("trame", "trame_client", "trame_vuetify", "wslink", "aiohttp"),
 }
 """The extras of `pyproject.toml`, by the modules that come with each; everything else is in the core."""

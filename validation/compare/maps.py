@@ -600,7 +600,7 @@ class Rig:
         try:
             through(of, measured.values, measured.frequency)
         except BadInput as error:
-            return None, (f"{measured.name}: no dynamic mass is measured, {error.problem}",)
+            return None, (f"{measured.name}: no dynamic mass is measured, {error.problem}; its runs are compared one by one",)
         return of, ()
 
 

@@ -1,6 +1,5 @@
 """Many of what is nominally one article, each diagnosed by itself: which of them differs, by what, and how all scatter."""
 
-import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -29,16 +28,12 @@ FALSE_ALARM = 0.01
 """[probability] that any article of a fleet of equal ones is said to differ. Held by
 tests/validation/diagnosing/test_fleet.py."""
 
-MEDIAN_EFFICIENCY = 0.37
-"""[share] of the degrees of freedom of a standard deviation that the median absolute deviation has (Rousseeuw and Croux, J. Am.
-Stat. Assoc. 88 (1993) 1273). Held by tests/validation/diagnosing/test_fleet.py."""
-
 MOST_SIZES = 12
 """[count] of effects whose sizes are asked of every article: each costs a fit of each. Exercised by
 tests/validation/diagnosing/test_fleet.py."""
 
 TOLD_APART = 1e-6
-"""[share] of a contribution that those before it do not have, below which it is not told from them. By definition: rounding."""
+"""[share] of a contribution that those before it do not have, below which it is rounding. By definition."""
 
 ERROR = "plain error of the model"
 
@@ -161,7 +156,7 @@ class Difference:
 
 
 def diagnosed_each(
-    studies: Iterable[Study | Options], *, processes: int = 1, scheduler: str = ""
+    studies: Iterable[Study | Options], *, processes: int = 0, scheduler: str = ""
 ) -> Iterator[tuple[int, Diagnosis | BadInput | CheckFailed]]:
     """The number of each study, from 0, with what is missing of it or why that cannot be said, as they are finished.
 
@@ -175,11 +170,6 @@ def diagnosed_each(
     numbered = list(enumerate(studies))
     for (number, _), found in parallel.finished(_diagnosed, numbered, processes=processes, scheduler=scheduler):
         yield number, CheckFailed(str(found)) if isinstance(found, parallel.WorkerLost) else found
-
-
-def cores() -> int:
-    """Processes that this machine has room for."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _opened(of: Study | Options) -> Study:
@@ -236,7 +226,7 @@ class Numbers:
     """One number of each of n members: the size of an effect, or the error of the model.
 
     Its scatter is that of independent contributions of article, laboratory and mounting, whose variances are those of largest
-    restricted likelihood (Patterson and Thompson, Biometrika 58 (1971) 545). Whether one differs is asked before, of medians.
+    restricted likelihood (Patterson and Thompson, Biometrika 58 (1971) 545). Whether one differs is asked before.
 
     Attributes
     ----------
@@ -251,21 +241,29 @@ class Numbers:
     def different(self, numbers: int = 1) -> dict[str, float]:
         """Articles that lie farther from the others than chance lets any of them, with their distance in standard deviations.
 
+        By the generalised extreme Studentised deviate (Rosner, Technometrics 25 (1983) 165), which several that differ do not
+        hide from each other, of at most half of the articles.
+
         Parameters
         ----------
         numbers : how many are looked at, which share `FALSE_ALARM`
         """
-        values, articles = self.values, self.articles
-        names = np.unique(articles)
-        means = np.array([values[articles == one].mean() for one in names])
-        middle = np.median(means)
-        spread = float(np.median(np.abs(means - middle))) / float(stats.norm.ppf(0.75))
-        if len(names) < 3 or spread == 0:
-            return {}
-        freedom = max(MEDIAN_EFFICIENCY * (len(names) - 1), 1.0)
-        limit = stats.t.isf(FALSE_ALARM / (2 * len(names) * numbers), freedom)
-        distance = (means - middle) / spread
-        return {str(one): float(far) for one, far in zip(names, distance, strict=True) if abs(far) > limit}
+        names = np.unique(self.articles)
+        means = np.array([self.values[self.articles == one].mean() for one in names])
+        n, left, taken, apart = len(names), list(range(len(names))), [], 0
+        for k in range(1, (n - 1) // 2 + 1):
+            rest = means[left]
+            spread = float(np.std(rest, ddof=1))
+            if spread <= TOLD_APART * float(np.max(np.abs(rest))):
+                break
+            farthest = int(np.argmax(np.abs(rest - rest.mean())))
+            half = FALSE_ALARM / 2 / numbers  # all steps together raise twice the alarms of the first
+            t = stats.t.isf(half / (2 * (n - k + 1)), n - k - 1)
+            limit = (n - k) * t / np.sqrt((n - k - 1 + t**2) * (n - k + 1))
+            apart = k if abs(rest[farthest] - rest.mean()) > limit * spread else apart
+            taken.append(left.pop(farthest))
+        others = np.delete(means, taken[:apart])
+        return {str(names[k]): float((means[k] - others.mean()) / np.std(others, ddof=1)) for k in taken[:apart]}
 
     def contributions(self) -> dict[str, float | None]:
         """Standard deviations of what articles, mountings and laboratories contribute, by these names.
@@ -370,7 +368,7 @@ class Fleet:
 
     @staticmethod
     def diagnosed(
-        every: Sequence[Member], *, processes: int = 1, scheduler: str = "", progress: Progress | None = None
+        every: Sequence[Member], *, processes: int = 0, scheduler: str = "", progress: Progress | None = None
     ) -> "Fleet":
         """Which of the articles of `every` member differs, by what, and how they scatter.
 

@@ -10,7 +10,7 @@ and none of the solution itself. Likewise an accelerance A = phi_r^T D^-1 phi_d,
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -135,7 +135,7 @@ def accelerance(
     left, right = both[:, :, : len(rows)], both[:, :, len(rows) :]
     return CondensedTransfer(
         frequency=lines,
-        matrix=np.asarray(rows @ right),
+        matrix=np.asarray(rows @ right, dtype=np.complex128),
         left=_by_coordinate(left),
         right=_by_coordinate(right),
         sign=-1.0,
@@ -429,6 +429,45 @@ class SupportedDynamicMass:
             name: (turn @ rows @ answer @ back, turn @ rows[:, b:] @ answer[:, b:] @ back)
             for name, rows in matrices.places.items()
         }
+
+    def sensed(
+        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, sensors: Sequence[str], *, derivatives: Wanted
+    ) -> tuple[ComplexArray, Tangents]:
+        """(n, 3 a, 6) accelerations along the axes of F at the accelerometers `sensors`, beyond those of a rigid article, for a
+        unit of every motion of F; and how they answer to every parameter.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError, ValueError : as `at`.
+        """
+        if self.nuisances is None:
+            return np.zeros((len(frequency), 3 * len(sensors), 6), dtype=np.complex128), {}
+        matrices, tangents = structure(self.nuisances, offsets, effects, derivatives=bool(derivatives))
+        b, pose = matrices.base, self.standing.pose
+        rows = np.vstack([pose.rotation @ matrices.places[self.standing.sensors[name]] for name in sensors])
+        answered = dynamic_mass(matrices, frequency)
+        bent = np.array(rows)
+        bent[:, :b] = 0
+        D = dynamic_matrix(matrices, 2 * np.pi * frequency)
+        back = np.zeros((len(matrices.mass), len(frequency), len(rows)), dtype=np.complex128)
+        if len(matrices.mass) > b:
+            pulls = np.broadcast_to(bent[:, b:].T.astype(np.complex128), (len(frequency), len(matrices.mass) - b, len(rows)))
+            back[b:] = np.linalg.solve(D[:, b:, b:], pulls).transpose(1, 0, 2)
+        own = replace(answered, matrix=bent @ answered.right.transpose(1, 0, 2), left=np.ascontiguousarray(back), sign=-1.0)
+        changes = transfer_tangents(own, tangents) if derivatives else {}
+        R, T = _turned(pose), rigid_transformation_6(pose.position)
+        told: dict[str, tuple[Array, Array]] = {}
+        if self.mounted:
+            stands = MountedDynamicMass(
+                frequency=frequency, matrix=R @ answered.matrix @ R.T, seat=pose.position, cog=R[:3, :3] @ matrices.cog
+            )
+            seated, told = self._seated(stands, offsets)
+            T = seated.transformation
+        found = {name: change @ R.T @ T for name, change in changes.items()}
+        for name, (turning, _) in told.items() if derivatives else ():
+            if np.any(turning):
+                found[name] = own.matrix @ R.T @ turning
+        return own.matrix @ R.T @ T, found
 
     def _seated(self, of: MountedDynamicMass, offsets: Offsets) -> tuple[Seated, dict[str, tuple[Array, Array]]]:
         """How the article of `of` stands at `offsets`, and by parameter d X and d (sum of dp_k E_k), (6, 6) each."""

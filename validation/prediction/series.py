@@ -64,7 +64,15 @@ def laboratory(model: Model, campaign: Campaign, effects: Sequence[Added]) -> Ch
 
 
 def _chain(model: Model, campaign: Campaign, overrides: Mapping[str, float]) -> Chain:
-    return chain(campaign.table, model.tolerances, stiffness=model.cell_stiffness, gravity=campaign.gravity, overrides=overrides)
+    upon = campaign.table.select(group="article", quantity="acceleration")
+    return chain(
+        campaign.table,
+        model.tolerances,
+        stiffness=model.cell_stiffness,
+        gravity=campaign.gravity,
+        overrides=overrides,
+        on_article=tuple(mounted_article(model, campaign).sensors) if upon else (),
+    )
 
 
 # Which lines of a campaign its runs drive: a line that a run does not drive holds noise, and no model is judged by noise.
@@ -408,13 +416,13 @@ class SeriesPrediction:
         Of a structure that answers to the amplitude, that of the first run.
         """
         chosen = self._lines(lines)
-        return self._carried(self._at(offsets), chosen, self._variants[0][0], derivatives=False)[0]
+        return self._carried(self._at(offsets), chosen, self._variants[0][0], derivatives=False)[0][:, :6]
 
     def by_load(self, offsets: problem.Offsets, lines: problem.Lines | None = None) -> ComplexArray:
         """(n, c, 6) what the channels read for a unit of every load on the cells, at `offsets`; all lines by default."""
         frequency, at = self._lines(lines), self._at(offsets)
         theta = np.array([at.get(one.name, 0.0) for one in self._chain.parameters])
-        rows = self._chain.rows(theta, frequency)[1]
+        rows = self._chain.rows(theta, frequency)[1][:, :, :6]
         still = np.zeros((len(frequency), len(self._chain.names)))
         reading = ChannelResponse(frequency=frequency, channels=self._chain.names, rows=rows, amplitude=still)
         return self._written(reading, {}, prediction_effects.at(self._reaching, at))[0].rows
@@ -491,8 +499,19 @@ class SeriesPrediction:
     def _carried(
         self, at: problem.Offsets, frequency: Array, drive: BaseDrive, *, derivatives: problem.Wanted
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
+        """Loads on the cells, behind them what the article bends at its accelerometers, (n, 6 + 3 a, 6), and how they change."""
         effects, every = prediction_effects.at(self._reaching, at), self.measured.frequency
         families = [FAMILIES[one.named.family] for one in effects]
+        if self._chain.article.channels:
+            whole = self.tested.carried.at(at, effects, frequency, drive, derivatives=derivatives)
+            names = [one.name for one in self._chain.article.channels]
+            own = self.tested.carried.sensed(at, effects, frequency, names, derivatives=derivatives)
+            nothing = np.zeros_like(whole[0]), np.zeros_like(own[0])
+            changes = {
+                name: np.concatenate([of.get(name, none) for of, none in zip((whole[1], own[1]), nothing, strict=True)], axis=1)
+                for name in {**whole[1], **own[1]}
+            }
+            return np.concatenate([whole[0], own[0]], axis=1), changes
         # Where what an effect does at a line depends on the lines beside it, it must see all of them
         if not any(one.side == PROCESSING and one.stage == BODY_STAGE for one in families):
             return self.tested.carried.at(at, effects, frequency, drive, derivatives=derivatives)

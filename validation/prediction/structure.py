@@ -12,6 +12,8 @@ from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
+from scipy.linalg import eigh
+from scipy.sparse import csr_array
 
 from fem import damping as fem_damping
 from fem.base_excitation import rig
@@ -29,7 +31,7 @@ from geometry.frames import Array, Integers, Pose, rigid_transformation, rigid_t
 from geometry.inertia import Inertia
 from identification.campaign import Campaign
 from validation.effects.catalogue import There, there
-from validation.effects.effect import position
+from validation.effects.effect import at_position, position
 from validation.effects.families.layer_damping import LAYER
 from validation.effects.stages import JointSprings, Matrices
 from validation.flexible.model import nearest_part
@@ -319,19 +321,40 @@ def _symmetric(matrix: Array) -> Array:
     return np.asarray((matrix + matrix.T) / 2)
 
 
-# A basis for effects of any size: static answers to what they pull, and to what these answers pull in turn.
+# A basis for effects of any size: static answers to what they pull, and to what the modes leave over once they have pulled.
 #
-# An effect that changes K by dK turns a mode by the series x = phi - K^-1 dK phi + (K^-1 dK)² phi - ..., and one that changes M
-# by dM likewise with lambda dM. Rayleigh's quotient on the modes and the first terms is wrong by the square of what is left out
-# (Kirsch, AIAA Journal 29, 1991). What springs few degrees of freedom, as supports and joints do, is pulled along each of its own
-# springs: then no size is too large. Every pull is measured by the change of a mode that it makes, so that one number says what
-# may be left out. All is orthonormal in A = K, or in K + s M where the structure floats.
-
-ORDER = 2
-"""Terms of the series."""
+# An effect that changes K by dK turns a mode by the series x = phi - K^-1 dK phi + ..., and one that changes M by dM likewise
+# with lambda dM (Kirsch, AIAA Journal 29, 1991). Its first term tells small sizes. Then every part, support and density is
+# changed for good, and the modes on the basis leave r = (K + dK) phi - lambda (M + dM) phi, to which K^-1 r is the next answer,
+# again and again, as an eigen-solver with a preconditioner goes on (A. V. Knyazev, SIAM Journal on Scientific Computing 23
+# (2001), 517); in between Rayleigh's quotient is wrong by the square of what is left out. What springs few degrees of freedom,
+# as supports and joints do, is pulled along each of its own springs, too. Every pull is measured by the change of a mode that
+# it makes, so that one number says what may be left out. All is orthonormal in A = K, or in K + s M where the structure floats.
 
 LEFT_OUT = 1e-3
 """Share of the change that a pull makes, by energy, that may lie outside the basis."""
+
+FAR = (-0.6, 2.0)
+"""Relative changes of a modulus and of a density to which the basis is made. Held by
+tests/validation/prediction/test_any_structure.py."""
+
+FAR_THICKNESS = (-0.4, 0.6)
+"""Those of a thickness. Held by tests/validation/prediction/test_any_structure.py."""
+
+FAR_SUPPORT = (-0.95, 20.0)
+"""Those of a support's stiffness. Held by tests/validation/prediction/test_any_structure.py."""
+
+ROUNDS = 3
+"""[count] of times that what the modes leave over is answered, of each of these changes. Held by
+tests/validation/prediction/test_any_structure.py."""
+
+SLIGHT = 0.03
+"""Share of the largest change of a squared frequency below which that of a mode is not measured by itself. Held by
+tests/validation/prediction/test_any_structure.py."""
+
+SURE = 1.25
+"""[factor] by which what is left over is taken for more than it is, for K^-1 is not that of the changed structure. Held by
+tests/validation/prediction/test_any_structure.py."""
 
 FAINT = 1e-3
 """Share of a mode's energy below which a part is not measured by its own share."""
@@ -362,10 +385,10 @@ def bent_far(
     swinging, omega = shapes[:, : len(frequency)][:, chosen], 2 * np.pi * frequency[chosen]
     top, first = 2 * np.pi * band, shapes.shape[1]
     root = np.linalg.cholesky(shapes.T @ (A @ shapes))
-    basis = np.linalg.solve(root, shapes.T).T  # orthonormal in A, as all that is added
+    basis = np.asarray(np.linalg.solve(root, shapes.T).T, dtype=np.float64)  # orthonormal in A, as all that is added
 
-    def add(pull: Array) -> Array:
-        """Put what is new in the static answer to `pull` (f, c) into the basis, and return the answer."""
+    def add(pull: Array) -> None:
+        """Put what is new in the static answer to `pull` (f, c) into the basis."""
         nonlocal basis
         static = np.asarray(factor.solve(pull), dtype=np.float64)
         left = static - basis @ (basis.T @ (A @ static))
@@ -373,7 +396,6 @@ def bent_far(
         square, directions = np.linalg.eigh(left.T @ (A @ left))
         kept = square > LEFT_OUT
         basis = np.hstack([basis, left @ directions[:, kept] / np.sqrt(square[kept])])
-        return static
 
     for row in rows.values():
         moved = np.sum((row @ swinging) ** 2, axis=1)
@@ -392,10 +414,54 @@ def bent_far(
         own = restricted(share, free.free)
         pull = (own @ swinging) * omega**power
         work = np.abs(np.sum(swinging * pull, axis=0))
-        pull = pull / np.sqrt(np.maximum(work, FAINT * omega**2))
-        for _ in range(ORDER):
-            pull = own @ add(pull) * (top**2 if power else 1.0)
+        add(pull / np.sqrt(np.maximum(work, FAINT * omega**2)))
+    none = csr_array(free.stiffness.shape)
+    changes: list[tuple[Sparse, Sparse]] = []
+    for name, share in _parts(structure).items():
+        own = restricted(share, free.free)
+        changes += [(size * own, none) for size in (FAR_SUPPORT if name in structure.supports else FAR)]
+    for name, both in structure.sections.items():
+        one, cubed = (restricted(share, free.free) for share in both)
+        heavy = restricted(structure.part_mass[name], free.free) if name in structure.part_mass else none
+        changes += [(size * one + ((1 + size) ** 3 - 1) * cubed, size * heavy) for size in FAR_THICKNESS]
+    changes += [(none, size * restricted(share, free.free)) for share in structure.part_mass.values() for size in FAR]
+    K, M = (basis.T @ (whole @ basis) for whole in (free.stiffness, free.mass))
+
+    def swings(K: Array, M: Array) -> tuple[Array, Array]:
+        """Squares of circular frequencies, ascending, and shapes of unit mass; static answers without mass swing at none."""
+        share, shape = eigh(M, K + shift * M)
+        share = np.maximum(share[::-1], np.finfo(np.float64).eps ** 2 * share[-1])
+        return 1 / share - shift, shape[:, ::-1] / np.sqrt(share)
+
+    for dK, dM in changes:
+        known, _ = swings(K, M)
+        for _ in range(ROUNDS):
+            square, shape = swings(K + _on_its_own(dK, basis), M + _on_its_own(dM, basis))
+            low = np.flatnonzero((square > SMALL * top**2) & (square <= top**2))
+            moved = np.abs(square[low] - known[low])
+            if not moved.any():
+                break
+            phi, count = basis @ shape[:, low], basis.shape[1]
+            left = free.stiffness @ phi + dK @ phi - (free.mass @ phi + dM @ phi) * square[low]
+            add(SURE * left / np.sqrt(np.maximum(moved, SLIGHT * moved.max())))
+            if basis.shape[1] == count:
+                break
+            K, M = (_bordered(old, basis, whole) for old, whole in ((K, free.stiffness), (M, free.mass)))
     return np.hstack([shapes, top * basis[:, first:]])
+
+
+def _on_its_own(share: Sparse, basis: Array) -> Array:
+    """(k, k) of the share of a part on `basis` (f, k), of whose rows most are none of its."""
+    found = share.tocsr()
+    own = np.flatnonzero(np.diff(found.indptr))
+    return np.asarray(basis[own].T @ (found[own][:, own] @ basis[own]))
+
+
+def _bordered(old: Array, basis: Array, whole: Sparse) -> Array:
+    """`whole` on `basis` (f, k), of which `old` is it on the first columns."""
+    n = len(old)
+    side = basis.T @ (whole @ basis[:, n:])
+    return np.block([[old, side[:n]], [side[:n].T, side[n:]]])
 
 
 def _springs(share: Sparse) -> Array | None:
@@ -646,6 +712,7 @@ class MountedArticle:
     highest : [Hz] up to which its modes are uncertain
     part_tolerances : as in `fem.structure.Structure`
     pose : where its frame sits, seen from F
+    sensors : by name of an accelerometer on it, the place of `matrices` that it reads
     remarks : what was assumed, sentences
     """
 
@@ -656,6 +723,7 @@ class MountedArticle:
     highest: float = HIGHEST
     part_tolerances: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
     pose: Pose
+    sensors: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     remarks: tuple[str, ...] = ()
 
     @property
@@ -668,7 +736,12 @@ class MountedArticle:
         """What effects can act on."""
         if self.matrices is None:
             return There()
-        return there(self.article, self.matrices)
+        found = there(self.article, self.matrices)
+        return replace(found, places=tuple(name for name in found.places if name not in self.sensors.values()))
+
+
+OF_SENSORS = "accelerometers on the article read its motion where they are said to sit; that what bends tilts them is left out"
+"""What is assumed of them."""
 
 
 def mounted_article(model: Model, campaign: Campaign) -> MountedArticle:
@@ -692,6 +765,13 @@ def mounted_article(model: Model, campaign: Campaign) -> MountedArticle:
             remedy=f"State the path of one, or name a stack of {', '.join(NAMES)} in the campaign",
         )
     driven = (run.excitation.band[1] for run in campaign.runs if run.excitation is not None and run.excitation.band is not None)
+    upon = [campaign.table.channels[k] for k in campaign.table.select(group="article", quantity="acceleration")]
+    back = pose.inverse
+    at = {
+        one.name: at_position(back.apply(one.places[0].position - campaign.table.origin).tolist())
+        for one in upon
+        if not one.is_sum
+    }
     recipe = _Recipe(
         article=article,
         kind=model.kind,
@@ -703,6 +783,13 @@ def mounted_article(model: Model, campaign: Campaign) -> MountedArticle:
         band=max(driven, default=BAND) if own else BAND,
         positions=model.positions if own else (),
     )
+    if at:
+        try:
+            found = _made(replace(recipe, positions=tuple(dict.fromkeys((*recipe.positions, *at.values())))))
+            if found.matrices is not None and set(at.values()) <= set(found.matrices.places):
+                return replace(found, pose=pose, sensors=at, remarks=(*said, OF_SENSORS))
+        except (BadInput, CheckFailed):  # nobody knows what moves there; the chain says that they are not used
+            pass
     return replace(_made(recipe), pose=pose, remarks=said)
 
 
@@ -763,7 +850,8 @@ def _made(recipe: _Recipe) -> MountedArticle:
     if recipe.own:
         # A user's own model: matrices with their modes, a solid model of a drawing, or modal data alone
         if recipe.kind == RIGID:
-            return MountedArticle(article=recipe.article, matrices=of_inertia(_inertia(recipe), {}), pose=Pose())
+            rides = {name: np.array(position(name)) for name in recipe.positions}
+            return MountedArticle(article=recipe.article, matrices=of_inertia(_inertia(recipe), rides), pose=Pose())
         found = users_model(recipe.own, recipe.stamp)
         damping = _damping(recipe) or found.damping
         if isinstance(found.model, Structure):
@@ -778,7 +866,7 @@ def _made(recipe: _Recipe) -> MountedArticle:
         matrices = of_modes(modal, _inertia(recipe).cog)
         return MountedArticle(article=recipe.article, matrices=matrices, frequency=frequency, pose=Pose())
     changes = dict(recipe.changes)
-    places = locations(recipe.article, changes)
+    places = {**locations(recipe.article, changes), **{name: np.array(position(name)) for name in recipe.positions}}
     if recipe.kind == RIGID:
         return MountedArticle(article=recipe.article, matrices=of_inertia(_inertia(recipe), places), pose=Pose())
     from fem.beam import articles

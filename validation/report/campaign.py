@@ -6,11 +6,13 @@ from pathlib import Path
 import click
 import numpy as np
 
+from geometry.articles import NAMES
 from geometry.atomic import write_folder
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import SI
+from geometry.toml_file import nearest
 from identification import campaign_file, measured_functions
 from identification.campaign import Campaign
 from identification.files import files
@@ -110,21 +112,24 @@ def _runs(campaign: Campaign, summary: Summary) -> Iterator[Grid]:
 
 
 def notes(summary: Summary) -> list[str]:
-    """What must be known to read the tables, then what is odd, then what is wrong, and the verdict."""
+    """The verdict, what is wrong, what is odd; then what must be known to read the tables."""
     if summary.usable:
         words = "can be used; read the warnings first." if summary.warnings else "can be used: nothing is wrong with it."
     else:
         many = "1 problem" if len(summary.problems) == 1 else f"{len(summary.problems)} problems"
         words = f"cannot be used as it is: {many}."
     return [
-        *(() if summary.campaign is None else _about(summary.campaign, summary)),
-        *(f"warning: {text}." for text in summary.warnings),
-        *(f"problem {k}: {problem}" for k, problem in enumerate(summary.problems, start=1)),
         f"{summary.folder} {words}",
+        *(f"problem {k}: {problem}" for k, problem in enumerate(summary.problems, start=1)),
+        *(f"warning: {text}." for text in summary.warnings),
+        *(() if summary.campaign is None else _about(summary.campaign, summary)),
     ]
 
 
 def _about(campaign: Campaign, summary: Summary) -> Iterable[str]:
+    if not set(campaign.article.split("+")) <= set(NAMES):
+        near = nearest(campaign.article, NAMES)
+        yield f"Article {campaign.article} is not built in: a model file names it in [structure.own]. {near}".rstrip()
     yield f"Hardware: {campaign.hardware or 'not stated, so no other campaign can be combined with this one unseen'}."
     if campaign.mounting is None:
         mounting = "No mounting pose is stated: a CoG can be given from F only."

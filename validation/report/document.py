@@ -681,6 +681,9 @@ def pipes(grid: Grid) -> str:
 WIDTH = PIPED_WIDTH
 """Columns of a table in a file."""
 
+FIRST = ("warning: ", "problem ")
+"""How notes begin that stand before all tables: nobody shall read figures of bad data first."""
+
 VERDICT = 24
 """Columns below which words are not squeezed."""
 
@@ -712,8 +715,12 @@ def page(
     console = Console(width=width or page_width(), color_system=None, force_terminal=False)
     with console.capture() as capture:
         console.print(Text(title), Text("═" * min(len(title), console.width)), sep="\n")
+        said = list(notes)
+        wrong = [note for note in said if note.startswith(FIRST)]
         for paragraph in opening:
             console.print(Text(), Text(paragraph), sep="\n")
+        if wrong:
+            console.print(Text(), *(Padding(Text(note), (0, 0, 0, 2)) for note in wrong), sep="\n")
         for part in (part for grid in grids for part in parts(grid, console.width)):
             table, columns = RichTable(box=box.SIMPLE_HEAD, pad_edge=False), []
             for k, column in enumerate(zip(part.header, *part.lines, strict=True)):
@@ -724,8 +731,9 @@ def page(
             for line in list(zip(*columns, strict=True))[1:]:
                 table.add_row(*(Text(cell) for cell in line))
             console.print(table)
-        for note in notes:
-            console.print(Padding(Text(note), (0, 0, 0, 2)))
+        for note in said:
+            if note not in wrong:
+                console.print(Padding(Text(note), (0, 0, 0, 2)))
     return "\n".join(line.rstrip() for line in capture.get().splitlines()) + "\n"
 
 

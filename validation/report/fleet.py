@@ -143,8 +143,8 @@ class FleetPage:
         """What must be known to read the tables."""
         found = self.found
         yield (
-            "An article differs where it lies farther from the median of all than chance lets any of them in 99 of 100 fleets; "
-            "sd of an article: by the median absolute deviation."
+            "An article differs where it lies farther from the others than chance lets any in 99 of 100 fleets of equal ones; sd "
+            "of an article: of the mean of its mountings, among those that do not differ."
         )
         yield "Scatter: of the articles that do not differ. What a measurement adds is in that of mountings."
         if any(one.mountings is None for one in found.scatter):

@@ -220,6 +220,7 @@ SECTIONS: tuple[tuple[str, str, Section], ...] = (
     ("modes", "Modes", flexible.html),
     ("sensors", "Sensors", compare.sensors_html),
     ("dynamic-mass", "Dynamic mass", compare.dynamic_mass_html),
+    ("functions", "Response functions", compare.functions_html),
     ("condition", "Condition number", compare.html),
     ("inertia", "Identified inertia", identify.html),
     ("where", "Where it fails", compare.where_html),

@@ -28,13 +28,13 @@ def numbers(values: np.ndarray, mountings: int = 1, laboratories: int = 1) -> Nu
 
 def test_equal_articles_are_said_to_differ_in_as_few_fleets_as_promised_and_outliers_are_found() -> None:
     random = np.random.default_rng(3)
-    for articles in (5, 12, 40, 200):
+    for articles in (5, 8, 15, 40):
         false = sum(bool(numbers(random.normal(size=articles)).different()) for _ in range(600))
-        assert false <= 600 * 2.5 * fleet.FALSE_ALARM  # median and mad of few are not Student's: twice the promise at most
+        assert false <= 600 * fleet.FALSE_ALARM + 3 * (600 * fleet.FALSE_ALARM) ** 0.5
     values = random.normal(size=200)
     values[[7, 90, 151]] += (9, -9, 12)
     found = numbers(values).different()
-    assert list(found) == ["7", "90", "151"]
+    assert set(found) == {"7", "90", "151"}
     assert found["90"] < 0
     assert numbers(np.zeros(9)).different() == {}
 
@@ -117,31 +117,46 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_each_is_diagnosed_by_several_processes_as_by_itself_and_the_page_and_json_are_written(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    typed = ["diagnose", str(folder / "model.toml"), "--each", str(folder / "each"), "--candidate", "force-gain"]
-    assert main.run([*typed, "--jobs", "2", "--out", str(folder / "out")]) == main.DONE
+def asked(folder: Path) -> list[str]:
+    of = ["diagnose", str(folder / "model.toml"), "--each", str(folder / "each")]
+    return [*of, "--candidate", GAIN, "--band", "4", "6", "--out", str(folder / "out")]
+
+
+def test_each_is_diagnosed_and_sized_and_the_page_and_json_are_written(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main.run([*asked(folder), "--jobs", "1"]) == main.DONE
     said = capsys.readouterr().out
     assert "3 mountings of 3 articles" in said
     assert "Nothing can be said of sn-3" in said
     kept = json.loads((folder / "out" / "fleet.json").read_text())
     first, second, third = kept["members"]
     assert (first["accepted"], second["accepted"], third["verdict"]) == ([], [GAIN], "refused")
-    assert first["sizes"][GAIN]["value"] == pytest.approx(0.0, abs=0.02)
-    assert second["sizes"][GAIN]["value"] == pytest.approx(0.08, abs=0.02)
+    assert first["sizes"][GAIN]["value"] == pytest.approx(0.0, abs=0.03)
+    assert second["sizes"][GAIN]["value"] == pytest.approx(0.08, abs=0.03)
     page = (folder / "out" / "fleet.html").read_text()
     assert "<h1" in page
     assert GAIN in page
 
-    # The same call, and the same in Python by one process: bit for bit, and nothing is done again
-    assert main.run([*typed, "--jobs", "1", "--json"]) == main.DONE
-    assert json.loads(capsys.readouterr().out) == kept
-    asked = [massline.Options(**vars(one.asked)) for one in Member.below(folder / "each", massline.Options(model=typed[1]))]
-    many = massline.diagnose_many([replace(one, candidates=("force-gain",)) for one in asked], processes=1)
+
+@pytest.mark.proof
+def test_several_processes_say_the_same_bit_for_bit_and_what_was_done_is_not_done_again(
+    folder: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = []
+    for jobs, cache in (("1", "one"), ("2", "two"), ("1", "two")):
+        monkeypatch.setenv("MASSLINE_CACHE", str(tmp_path / cache))
+        with monkeypatch.context() as patched:
+            if found[1:]:
+                patched.setattr(fleet, "diagnosed", None)
+                patched.setattr(fleet, "fit_with", None)
+            assert main.run([*asked(folder), "--jobs", jobs, "--json"]) == main.DONE
+        found.append(capsys.readouterr().out)
+    assert found[0] == found[1] == found[2]
+
+    members = Member.below(folder / "each", massline.Options(model=str(folder / "model.toml"), candidates=(GAIN,), band=(4, 6)))
+    many = massline.diagnose_many([one.asked for one in members], processes=2)
     assert isinstance(many[2], BadInput)
     assert isinstance(many[1], massline.Diagnosis)
-    alone = massline.diagnose(massline.Study.open(typed[1], [asked[1].data[0]]), only=["force-gain"])
+    alone = massline.diagnose(massline.Study.open(folder / "model.toml", members[1].asked.data, band=(4, 6)), only=[GAIN])
     assert str(alone) == str(many[1])
     assert alone.accepted[0].evidence == many[1].accepted[0].evidence
 

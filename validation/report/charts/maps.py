@@ -51,6 +51,21 @@ def entry_of(
     return spec.EntryPanel(unit=unit(load, motion), curves=(measured, predicted, *others), modes=named)
 
 
+def function_of(of: Map, run: int, channel: int, further: Mapping[str, ComplexArray]) -> spec.EntryPanel:
+    """One response function of `of`, and what else is predicted by name (r, n, c)."""
+    whole = of.functions
+    if whole is None:
+        raise ValueError("`of` must have functions")
+
+    def curve(name: str, values: ComplexArray, role: str, **more: Any) -> spec.Curve:
+        return spec.Curve(name=name, frequency=of.frequency, values=values[run, :, channel], role=role, **more)
+
+    measured = curve("measured", whole.measured, spec.MEASURED, dots=True)
+    predicted = curve("predicted", whole.predicted, spec.PREDICTED, expected=whole.expected[run, :, channel])
+    others = [curve(name, values, spec.FURTHER) for name, values in further.items()]
+    return spec.EntryPanel(unit=whole.unit, curves=(measured, predicted, *others))
+
+
 SECOND_ROW = 20
 """[pixels] that a legend takes when curves more than the usual ones are named in it."""
 
@@ -93,25 +108,32 @@ def diagonal(
     dark: bool = False,
 ) -> Figure:
     """The six entries of the diagonal, as `overlay` draws each: translations on the left, rotations on the right."""
-    figure = Figure(rows=6, columns=2, horizontal=0.11)
-    for k in range(6):
-        row, column = 1 + 2 * (k % 3), 1 + k // 3
-        add_entry(figure, entry_of(pairs, k, k, modes, further), row, column, legend=k == 0, last=k % 3 == 2)
-        # Put magnitude and phase of the entry k close together, below their title and apart from the pair below
-        top = 1 - (k % 3) / 3
-        for below, (high, low) in enumerate(HEIGHTS):
-            figure.up(domain=[top - low / 3, top - high / 3], row=row + below, column=column)
-        side = 0.0 if column == 1 else 0.555
+    panels = [(f"{entry(k, k)}: {LOADS[k]} by {MOTIONS[k]}", entry_of(pairs, k, k, modes, further)) for k in range(6)]
+    return side_by_side(panels, f"{pairs.campaign}: the diagonal of the dynamic mass", dark)
+
+
+def side_by_side(panels: Sequence[tuple[str, spec.EntryPanel]], title: str, dark: bool = False) -> Figure:
+    """Panels with their names, magnitude above phase, in two columns of which the left one is filled first."""
+    high = (len(panels) + 1) // 2
+    figure = Figure(rows=2 * high, columns=2, horizontal=0.11)
+    for k, (said, panel) in enumerate(panels):
+        row, column = 1 + 2 * (k % high), 1 + k // high
+        add_entry(figure, panel, row, column, legend=k == 0, last=k % high == high - 1 or k == len(panels) - 1)
+        # Put magnitude and phase of a panel close together, below their title and apart from the pair below
+        top = 1 - (k % high) / high
+        for below, (upper, lower) in enumerate(HEIGHTS):
+            figure.up(domain=[top - lower / high, top - upper / high], row=row + below, column=column)
         name = {
-            "text": f"{entry(k, k)}: {LOADS[k]} by {MOTIONS[k]}",
-            "x": side,
-            "y": top - HEIGHTS[0][0] / 3,
+            "text": escaped(said),
+            "x": 0.0 if column == 1 else 0.555,
+            "y": top - HEIGHTS[0][0] / high,
             "xref": "paper",
             "yref": "paper",
         }
         figure.note(**name, xanchor="left", yanchor="bottom", font={"size": 12})
-    title = f"{pairs.campaign}: the diagonal of the dynamic mass"
-    return dressed(figure, title, 1010, dark, legend=legend_above(), margin={"t": TITLE_ROOM + LEGEND_ROOM, "b": 24})
+    margin = {"t": TITLE_ROOM + LEGEND_ROOM, "b": 24}
+    height = margin["t"] + margin["b"] + round((1010 - margin["t"] - margin["b"]) * high / 3)
+    return dressed(figure, title, height, dark, legend=legend_above(), margin=margin)
 
 
 # Accelerances of a test beside those of models: at every drive point the reading there, and the error of all readings.
