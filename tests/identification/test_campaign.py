@@ -55,6 +55,12 @@ def test_a_recording_is_a_copy_that_nobody_changes() -> None:
     assert_array_equal(recorded.time, [0, 0.5, 1, 1.5])
     with pytest.raises(BadInput, match="no such channel"):
         recorded.channel("c")
+    own = np.ones((4, 2))
+    own.setflags(write=False)  # nobody can change what is kept as it is, and a view of what somebody can is copied
+    assert Recording(names=("a", "b"), values=own, sampling_rate=2.0).values is own
+    part = samples[:, :]
+    part.setflags(write=False)
+    assert Recording(names=("a", "b"), values=part, sampling_rate=2.0).values is not part
 
 
 def test_spectra_have_no_time() -> None:

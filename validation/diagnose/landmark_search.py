@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
-from scipy.optimize import least_squares
 
 from geometry.errors import CheckFailed
 from geometry.frames import Array
@@ -174,6 +173,8 @@ class DistantView:
 
     def explained(self, effects: Sequence[Added]) -> LandmarkFit:
         """`effects`, fitted from the sizes at which they stand."""
+        from scipy.optimize import least_squares
+
         free = self.sizes(effects)
         if not free:
             return LandmarkFit(effects=tuple(effects), chi2=float(np.sum(self.residual(effects) ** 2)))
