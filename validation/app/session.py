@@ -107,8 +107,13 @@ class Session:
 
     @property
     def model(self) -> Path:
-        """The working copy of the model file."""
-        return self.folder / "work" / Path(self.asked.model).name
+        """The working copy of the model file.
+
+        Raises
+        ------
+        BadInput : `asked` names none, and there is no session in the folder.
+        """
+        return self.folder / "work" / Path(self.asked.model or str(_read(self.folder / STATE)["model"])).name
 
     @property
     def found(self) -> Path:

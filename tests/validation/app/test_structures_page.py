@@ -46,7 +46,7 @@ CUT = """() => [...document.querySelectorAll(".controls, .headed, .bar")].filter
 @pytest.fixture(scope="module")
 def page(start_app, visit, tmp_path_factory) -> Any:
     folder = tmp_path_factory.mktemp("frame")
-    frequency, leg = np.arange(3.0, 25.0, 0.2), 4 * 12 * 70e9 * (0.025 * 0.003**3 / 12) / 0.15**3
+    frequency, leg = np.arange(3.0, 40.0, 0.2), 4 * 12 * 70e9 * (0.025 * 0.003**3 / 12) / 0.15**3
     K = leg * np.array([[1.8, -0.8], [-0.8, 0.8]])
     noise = np.random.default_rng(1).standard_normal((len(frequency), 2, 2)) @ [1, 1j]
     omega = 2 * np.pi * frequency[:, None, None]
