@@ -21,11 +21,13 @@ from validation.diagnose.diagnosis import Cause, Diagnosis, sized
 from validation.diagnose.diagnosis import listed as diagnosis_listed
 from validation.effects import practical_units
 from validation.effects.catalogue import parse
+from validation.effects.effect import at_position
 from validation.report.charts import functions, maps
 from validation.report.charts.figure import Figure
 from validation.report.charts.history import falling_errors, identified_inertia, way_to
 from validation.report.charts.interactive import escaped
 from validation.report.charts.spec import ACCEPTED, ALIKE, LESS, TOO_MUCH_LEFT, signed_log
+from validation.report.scenes import nodes
 from validation.report.scenes.turntable import Turn, Turntable
 
 if TYPE_CHECKING:
@@ -303,6 +305,12 @@ NEAR = 0.5
 AT_REST = -1
 """In place of a mode: bodies with their sensors."""
 
+FIRST_SCORE = -2
+"""In place of a mode: the nodes coloured by the evidence for what may sit there, this for the first kind and down from it."""
+
+TRIED = 4
+"""Places without a name that predictions are kept ready for, the last ones."""
+
 
 async def structure_shown(window: WindowState) -> None:
     """Show the campaign's structure as the choice above it says."""
@@ -311,15 +319,22 @@ async def structure_shown(window: WindowState) -> None:
         return
     known = () if compared is None or campaign not in compared.campaigns else compared.modes_of(campaign)
     modes = [{"title": f"{one.frequency:.2f} Hz, {one.name}", "value": k} for k, one in enumerate(known)]
-    state.modes = [{"title": "Structure and sensors", "value": AT_REST}, *modes]
-    if state.mode not in range(AT_REST, len(known)):
+    article = "" if compared is None or state.kind == MASS else compared.map(campaign).configuration
+    scored = await window.away(window.session.evidence, article) if article else {}
+    coloured = [
+        {"title": f"Where {nodes.WORDS[kind]} would explain most", "value": FIRST_SCORE - k} for k, kind in enumerate(scored)
+    ]
+    state.modes = [{"title": "Structure and sensors", "value": AT_REST}, *coloured, *modes]
+    if state.mode not in {one["value"] for one in state.modes}:
         state.mode = AT_REST
+    kind = list(scored)[FIRST_SCORE - state.mode] if state.mode <= FIRST_SCORE else ""
     state.view_far = _far(window)
     state.flush()
     try:
         if compared is not None and state.kind != MASS:
-            number = None if state.mode == AT_REST else state.mode
-            turned = await window.away(scene3d.of_test, window.session, compared, campaign, number, pair_of(window))
+            number = None if state.mode < 0 else state.mode
+            here = None if state.node is None else np.array(state.node["point"])
+            turned = await window.away(scene3d.of_test, window.session, compared, campaign, number, pair_of(window), here, kind)
             table_of, label, note = turned.table, turned.label, turned.note
         elif state.mode == AT_REST or compared is None:
             scene = await window.away(scene3d.scene, window.session, campaign)
@@ -341,6 +356,34 @@ async def structure_shown(window: WindowState) -> None:
     except (BadInput, CheckFailed) as error:
         state.view, state.view_note = "", str(error)
     state.flush()
+
+
+async def node(window: WindowState, at: dict[str, float]) -> None:
+    """A click on the structure: the node that is meant, and what may be tried there."""
+    turntable, state = window.turntable, window.state
+    if turntable is None or state.mode >= 0:
+        return
+    turn = Turn(azimuth=at["az"], elevation=at["el"], zoom=at["zoom"], size=(int(at["w"]), int(at["h"])))
+    found = turntable.picked(turn, (at["x"], at["y"]))
+    if found is None:
+        state.node = None
+    else:
+        place = at_position(found.tolist())
+        every = ((kind.partition(":"), words) for kind, words in nodes.WORDS.items())
+        tries = [{"id": ":".join(filter(None, (family, place, axis))), "title": words} for (family, _, axis), words in every]
+        where = ", ".join(f"{1e3 * x:.4g}" for x in found)
+        state.node = {"point": found.tolist(), "place": place, "words": f"Node at ({where}) mm", "tries": tries}
+    await structure_shown(window)
+
+
+async def try_here(window: WindowState, effect: str) -> None:
+    """Make predictions ready for an effect at the node that is marked, and put it on the sliders."""
+    session, state = window.session, window.state
+    if session is None or state.node is None or window.compared is None or window.worker is not None:
+        return
+    window.positions = tuple(dict.fromkeys((*window.positions, state.node["place"])))[-TRIED:]
+    window.wanted = effect
+    await made_ready(window)
 
 
 async def mode(window: WindowState, number: int) -> None:
@@ -520,7 +563,7 @@ async def spot(window: WindowState, number: int) -> None:
 
 async def campaign(window: WindowState, name: str) -> None:
     """Show another campaign."""
-    window.state.campaign = name
+    window.state.campaign, window.state.node = name, None
     _of_campaign(window)
     await drawn(window)
     await structure_shown(window)
@@ -600,7 +643,7 @@ async def made_ready(window: WindowState) -> None:
     session, compared = window.session, window.compared
     if session is None:
         return
-    table = await window.away(whatif.table, session)
+    table = await window.away(whatif.table, session, window.positions)
     effects = await window.away(whatif.reaching, table)
     if window.compared is not compared:  # another model meanwhile
         return
@@ -852,6 +895,8 @@ async def diagnosing_shown(window: WindowState) -> None:
         _cause(one, found, round(100 * max(length, 0.0) / most, 1)) | {"step": number}
         for (one, number), length in zip(order, lengths, strict=True)
     ]
+    if found.everywhere:
+        window.begin(structure_shown(window))
 
 
 def _cause(one: Cause, found: Diagnosis, share: float) -> dict[str, Any]:
@@ -933,7 +978,7 @@ async def add(window: WindowState) -> None:
 
 
 async def _added(window: WindowState) -> None:
-    window.wanted, window.tried, window.state.effect = None, None, None
+    window.wanted, window.tried, window.state.effect, window.state.node = None, None, None, None
     window.state.tab, window.state.part = "ladder", "fails"
     await stands(window)
     keep(window)

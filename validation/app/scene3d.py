@@ -27,7 +27,7 @@ from validation.prediction.structure_tests import StructurePrediction
 from validation.report.charts.functions import ShownPair
 from validation.report.flexible import Moved, moved_bodies
 from validation.report.scenes.motion import MovingBody, scale_of
-from validation.report.scenes.nodes import Outline, marks
+from validation.report.scenes.nodes import WORDS, Outline, marks
 from validation.report.scenes.scene import DrawnBody, fitted
 from validation.report.scenes.setups import DrawnSensor, bodies_of, sensors_of
 from validation.report.scenes.turntable import DRIVE, FAILS, Turntable
@@ -366,13 +366,23 @@ def failing(of: Compared, name: str) -> dict[str, float]:
     return {channel: most for channel, most in peak.items() if most >= least}
 
 
-def of_test(session: Session, found: Compared | None, name: str, mode: int | None, pair: ShownPair | None) -> Turned:
+def of_test(
+    session: Session,
+    found: Compared | None,
+    name: str,
+    mode: int | None,
+    pair: ShownPair | None,
+    here: Array | None = None,
+    kind: str = "",
+) -> Turned:
     """The data set `name` of a structure as it stands: at rest, in a mode, or a pair of shapes of test and model side by side.
 
     Parameters
     ----------
     mode : number of `Compared.modes_of`
     pair : of its MAC
+    here : (3,) [m] a node that is marked
+    kind : of what may sit anywhere, by the evidence for which nodes are coloured; none where it is empty
 
     Raises
     ------
@@ -383,11 +393,24 @@ def of_test(session: Session, found: Compared | None, name: str, mode: int | Non
     sensors = one.sensors({} if found is None else failing(found, name))
     article = one.prediction.measured.configuration
     if found is None or (mode is None and pair is None):
-        body = DrawnBody(name=article, material="structure", vertices=outline.vertices, faces=outline.faces)
+        body: DrawnBody | MovingBody = DrawnBody(
+            name=article, material="structure", vertices=outline.vertices, faces=outline.faces
+        )
         note = (
             "Arrows: where forces act and answers are read; red is what deviates by more than chance explains, with its sigmas."
         )
-        return Turned(table=Turntable((body,), sensors), label=f"{name}: structure and sensors", note=note)
+        if here is not None:
+            sensors = (*sensors, DrawnSensor(name="here", group=FAILS, position=here, direction=np.array([0.0, 0.0, 1.0])))
+        nodes = one.nodes if one.prediction.structure is not None and one.prediction.structure.scaled else None
+        points, evidence = session.evidence(article).get(kind, (np.zeros((0, 3)), np.zeros(0)))
+        if len(points):
+            shown = np.maximum(evidence, 0.0)[:, None] * np.array([1.0, 0.0, 0.0])
+            body = Outline.of(one.whole.structure, points).moving(article, shown)
+            x, y, z = 1e3 * points[np.argmax(evidence)]
+            note = f"{WORDS[kind]}: at most {evidence.max():.3g} nats, at ({x:.4g}, {y:.4g}, {z:.4g}) mm; grey explains nothing."
+        table = Turntable((body,), sensors, nodes=nodes)
+        note += " A click on a node asks what something there would do." if nodes is not None else ""
+        return Turned(table=table, label=f"{name}: structure and sensors", note=note)
     if pair is None:
         known = found.modes_of(name)[mode or 0]
         swing, carried = one.mode({**found.offsets}, mode or 0)

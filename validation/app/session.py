@@ -30,6 +30,7 @@ import numpy as np
 from geometry import toml_file
 from geometry.atomic import write_text, write_with
 from geometry.errors import BadInput
+from geometry.frames import Array
 from geometry.sensors import resultants
 from identification import campaign_file
 from identification.campaign import METHODS
@@ -73,6 +74,9 @@ DAMAGE = (OSError, EOFError, ValueError, KeyError, TypeError, BadZipFile, zlib.e
 DRIVE = ("amplitude", "nominal", "sweep_rate", "block")
 
 SUMMARY, MAPS = "compare.json", "maps.npz"
+NODES = "nodes.npz"
+"""The file with what a diagnosis says of every node of a mesh."""
+
 DIAGNOSIS, TOLERANCES = "diagnose.json", "diagnose.tolerances.json"
 """The object of `massline diagnose --json`, and what its fits lack: by parameter what was known of it beforehand."""
 
@@ -103,8 +107,13 @@ class Session:
 
     @property
     def model(self) -> Path:
-        """The working copy of the model file."""
-        return self.folder / "work" / Path(self.asked.model).name
+        """The working copy of the model file.
+
+        Raises
+        ------
+        BadInput : `asked` names none, and there is no session in the folder.
+        """
+        return self.folder / "work" / Path(self.asked.model or str(_read(self.folder / STATE)["model"])).name
 
     @property
     def found(self) -> Path:
@@ -384,9 +393,25 @@ class Session:
             when: {one.name: None if one.tolerance == inf else one.tolerance for one in of.fitted.parameters}
             for when, of in (("before", found.before), ("after", found.after))
         }
+        scores = {f"{k}.{name}": getattr(one, name) for k, one in enumerate(found.nodes) for name in ("article", "points")}
+        scores |= {f"{k}.evidence.{kind}": e for k, one in enumerate(found.nodes) for kind, e in one.evidence.items()}
+        write_with(folder / NODES, lambda temporary: np.savez(temporary, allow_pickle=False, **scores))
         write_text(folder / TOLERANCES, json_text(known))
         write_text(folder / DIAGNOSIS, json_text(whole))
         return whole
+
+    def evidence(self, article: str) -> dict[str, tuple[Array, Array]]:
+        """What the diagnosis of the model says of the nodes of an `article`: by kind places (p, 3) [m] and evidence (p,) [nats].
+
+        Nothing where it was not diagnosed, or has no mesh.
+        """
+        with suppress(*DAMAGE), (self.found / NODES).open("rb") as kept, np.load(kept, allow_pickle=False) as held:
+            own = [one.removesuffix(".article") for one in held if one.endswith(".article") and str(held[one]) == article]
+            kinds = [
+                (k, one, one.removeprefix(f"{k}.evidence.")) for k in own for one in held if one.startswith(f"{k}.evidence.")
+            ]
+            return {kind: (held[f"{k}.points"], held[one]) for k, one, kind in kinds}
+        return {}
 
     def diagnosis(self) -> Diagnosis | None:
         """That of the model as it stands, if it was made, as figures and reports take it; quick.

@@ -61,6 +61,7 @@ class WindowState:
     tried : what it would do, at every line
     exact : whether the sliders rest
     drags, views : how many curves and scenes have been sent
+    positions : places without a name at which something was tried, as coordinates
     """
 
     state: Any
@@ -79,6 +80,7 @@ class WindowState:
     exact: bool = True
     drags: int = 0
     views: int = 0
+    positions: tuple[str, ...] = ()
     dragging: asyncio.Task[None] | None = None
     tasks: set[asyncio.Task[None]] = field(default_factory=set)
     # One thread each: a session computes one thing at a time, and OpenGL wants to be spoken to by one thread only.

@@ -435,8 +435,10 @@ class WhatIf:
     offsets: Offsets
 
 
-def table(of: Session) -> ReadyPredictions:
+def table(of: Session, positions: Sequence[str] = ()) -> ReadyPredictions:
     """Predictions of the data by the model as it stands, at the plain fit where there is a comparison; a second or few.
+
+    They are ready for effects at `positions`, places without a name that are written as coordinates, too.
 
     What is there or not and looks at all lines (the bias of sweeps) is worked out here once, and is there when it is asked for.
 
@@ -445,7 +447,7 @@ def table(of: Session) -> ReadyPredictions:
     BadInput : model or data that cannot be used.
     CheckFailed : the model breaks down as it stands.
     """
-    study, known = of.study(), of.comparison()
+    study, known = of.study().ready_at(positions), of.comparison()
     made, whole = study.predictions, study.problem()
     offsets = {**study.whole().start, **({} if known is None else known.offsets)}
     # What a line costs, of all campaigns, solved anew, when nothing else is in the way

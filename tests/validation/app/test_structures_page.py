@@ -46,7 +46,7 @@ CUT = """() => [...document.querySelectorAll(".controls, .headed, .bar")].filter
 @pytest.fixture(scope="module")
 def page(start_app, visit, tmp_path_factory) -> Any:
     folder = tmp_path_factory.mktemp("frame")
-    frequency, leg = np.arange(3.0, 25.0, 0.2), 4 * 12 * 70e9 * (0.025 * 0.003**3 / 12) / 0.15**3
+    frequency, leg = np.arange(3.0, 40.0, 0.2), 4 * 12 * 70e9 * (0.025 * 0.003**3 / 12) / 0.15**3
     K = leg * np.array([[1.8, -0.8], [-0.8, 0.8]])
     noise = np.random.default_rng(1).standard_normal((len(frequency), 2, 2)) @ [1, 1j]
     omega = 2 * np.pi * frequency[:, None, None]
@@ -93,7 +93,7 @@ def test_functions_are_switched_saved_and_told(page, looked, tmp_path):
     looked(page, "functions")
 
 
-def test_a_click_on_the_mac_shows_that_pair_and_switches_are_remembered(page, looked, shot):
+def test_a_place_on_the_mac_shows_that_pair(page, looked):
     page.get_by_role("tab", name="MAC").click()
     page.locator("#mac[data-drawn]").wait_for()
     assert "MAC 1.00, alike" in page.inner_text("#pair")
@@ -103,11 +103,3 @@ def test_a_click_on_the_mac_shows_that_pair_and_switches_are_remembered(page, lo
     page.keyboard.press("Enter")
     page.locator("#pair", has_text="no pair").wait_for()
     looked(page, "mac")
-    page.reload()
-    page.locator("#mac[data-drawn]").wait_for()
-    assert "no pair" in page.inner_text("#pair")
-    other = page.context.new_page()
-    other.goto("/".join(page.url.split("/")[:3]) + "/")
-    other.locator("#open-files").wait_for()
-    assert other.evaluate("window.trame?.state?.state?.units ?? 'in-lbf'") == "in-lbf"
-    other.close()

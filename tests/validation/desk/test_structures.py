@@ -19,7 +19,8 @@ from validation.prediction import dynamic_mass
 from validation.prediction.structure import by_itself
 from validation.report.charts import maps
 from validation.report.charts.functions import COHERENCE, FORMS, LOWER, NYQUIST, RATIO, SYSTEMS, DrawnCurves, ShownPair, Switches
-from validation.report.scenes.turntable import Turn, round_length
+from validation.report.scenes.scene import fitted
+from validation.report.scenes.turntable import MARGIN, Turn, round_length, turned
 
 LINES, COUNT, SOFTER = 60, 6, 0.9
 
@@ -193,6 +194,43 @@ def test_the_structure_stands_swings_and_stands_beside_its_test(made):
     assert pictures[-1.0] != pictures[1.0]
     for one in (still, swinging, both):
         one.table.close()
+
+
+def test_a_click_means_the_node_in_front_and_nothing_far_from_any(made):
+    still = scene3d.of_test(made.desk, made.compared, "struck", None, None)
+    turn = Turn(size=(500, 400))
+    view = turned(fitted(still.table._points, turn.size, MARGIN), turn, still.table._points, still.table._near)
+    for node in still.table._nodes[[0, 5, 12]]:
+        x, y = view.pixel(node) + 2.0
+        assert_allclose(still.table.picked(turn, (x, y)), node)
+    assert still.table.picked(turn, (3.0, 3.0)) is None
+    assert scene3d.of_test(made.desk, made.compared, "struck", 0, None).table.picked(turn, (x, y)) is None  # it swings
+
+
+def test_what_is_tried_at_a_node_is_what_is_tried_at_a_place_there(made):
+    here = "@0.15,0,0.24"
+    ready = whatif.table(made.desk, (here,))
+    assert {f"point-mass:{here}", f"cable:{here}:x", f"absorber:{here}"} <= {one.id for one in whatif.reaching(ready)}
+    both = [whatif.what_if(ready, f"point-mass:{one}=0.05", 0, 0, follow=False).traces[0].matrix for one in ("c", here)]
+    assert_allclose(both[0], both[1], rtol=1e-9)
+    assert not np.allclose(both[0], whatif.what_if(ready, "point-mass:c=0.01", 0, 0, follow=False).traces[0].matrix)
+
+
+def test_nodes_bear_the_colours_of_what_the_diagnosis_says_of_them(made, tmp_path):
+    desk = opened(shutil.copytree(made.desk.folder, tmp_path / "desk"))
+    assert desk.evidence("portal") == {}
+    points = scene3d.of_test(made.desk, made.compared, "struck", None, None).table._nodes
+    evidence = np.arange(len(points)) - 3.0
+    np.savez(desk.found / session.NODES, **{"0.article": "portal", "0.points": points, "0.evidence.cable:x": evidence})
+    assert desk.evidence("another") == {}
+    assert_allclose(desk.evidence("portal")["cable:x"][1], evidence)
+    shown = scene3d.of_test(desk, made.compared, "struck", None, None, kind="cable:x")
+    assert "spring" in shown.note
+    assert f"{evidence.max():.3g} nats" in shown.note
+    (body,) = shown.table._bodies
+    assert_allclose(body.size.max(), evidence.max())
+    assert body.size.min() == 0
+    assert not shown.table.moves
 
 
 def test_every_switch_draws_what_it_says_and_plotly_takes_it(made):

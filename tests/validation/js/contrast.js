@@ -22,7 +22,7 @@
     const box = element.getBoundingClientRect();
     const style = getComputedStyle(element);
     if (box.width < 1 || box.height < 1 || style.visibility === "hidden" || box.right < 0) continue;
-    if (element.closest("[disabled], .v-btn--disabled, .v-input--disabled, [aria-hidden=true], .v-overlay-container, script, style")) continue;
+    if (element.closest("[disabled], .v-btn--disabled, .v-input--disabled, [aria-hidden=true], .v-overlay-container, .heatmap-label, script, style")) continue;
     const { ground, share } = stands(element);
     if (share < 0.05) continue;
     const ink = parts(element instanceof SVGElement ? style.fill : style.color);

@@ -344,6 +344,7 @@
   // Pictures that the server draws, turned by dragging or by the arrow keys; a mode swings in frames that are fetched once a view.
   const View = {
     props: { version: String, label: String, moves: Boolean, dark: Boolean },
+    emits: ["pick"],
     setup: () => ({ az: ref(0), el: ref(0), zoom: ref(1) }),
     data: () => ({ playing: !window.matchMedia("(prefers-reduced-motion: reduce)").matches }),
     render() {
@@ -464,6 +465,7 @@
       },
       grab(event) {
         this.held = [event.clientX, event.clientY];
+        this.began = [event.clientX, event.clientY];
         event.target.setPointerCapture(event.pointerId);
       },
       move(event) {
@@ -472,13 +474,24 @@
         this.held = [event.clientX, event.clientY];
         this.turned(-0.5 * (event.clientX - x), 0.5 * (event.clientY - y));
       },
-      release() { this.held = null; },
+      release(event) {
+        this.held = null;
+        const box = this.$refs.canvas.getBoundingClientRect();
+        const went = this.began ? Math.hypot(event.clientX - this.began[0], event.clientY - this.began[1]) : 99;
+        if (went < 4) this.picked(event.clientX - box.left, event.clientY - box.top);
+      },
+      // A click that turned nothing, or Enter for the middle of the picture.
+      picked(x, y) {
+        const { clientWidth: w, clientHeight: h2 } = this.$refs.canvas;
+        this.$emit("pick", { x, y, w: Math.round(w), h: Math.round(h2), az: this.az, el: this.el, zoom: this.zoom });
+      },
       wheel(event) {
         event.preventDefault();
         this.zoomed(event.deltaY < 0 ? 1.1 : 1 / 1.1);
       },
       key(event) {
         const done = {
+          Enter: () => this.picked(this.$refs.canvas.clientWidth / 2, this.$refs.canvas.clientHeight / 2),
           ArrowLeft: () => this.turned(10, 0),
           ArrowRight: () => this.turned(-10, 0),
           ArrowUp: () => this.turned(0, 10),

@@ -44,6 +44,9 @@ SENSORS = {
 }
 """Colours of the groups, by whether the page is dark."""
 
+HIT = 16.0
+"""Pixels from a node within which a click means it."""
+
 BAR = 90
 """Length [pixel] that the bar of lengths has at most, and the bar of colours has."""
 
@@ -98,8 +101,13 @@ class Turntable:
         sensors: Sequence[DrawnSensor] = (),
         scale: float = 0.0,
         carried: Array | None = None,
+        nodes: Array | None = None,
     ) -> None:
-        """`carried` (s, 3) is how the sensors move with bodies that do, in their scale; they stand still where it is not said."""
+        """`carried` (s, 3) is how the sensors move with bodies that do, in their scale; they stand still where it is not said.
+
+        `nodes` (p, 3) [m] are what `picked` finds; none by default.
+        """
+        self._nodes = np.zeros((0, 3)) if nodes is None else nodes
         self._bodies, self._sensors, self._scale = tuple(bodies), tuple(sensors), scale
         self._carried = np.zeros((len(self._sensors), 3)) if carried is None else carried
         # Largest distance along an axis [m] of the sensors, or of the bodies where there are none or few
@@ -161,7 +169,7 @@ class Turntable:
         pen.line([(left, low), (left + metres / view.scale, low)], fill=INK[dark], width=3)
         said = f"{1e3 * metres:g} mm" if metres < 1.0 else f"{metres:g} m"
         pen.text((left, low - 16), said, fill=INK[dark], font=font)
-        if self._scale:
+        if any(isinstance(one, MovingBody) for one in self._bodies):
             begin = view.size[0] - BAR - 10.0
             for k, colour in enumerate(colour_map()(np.linspace(0, 1, BAR))[:, :3]):
                 pen.line([(begin + k, low - 5), (begin + k, low + 3)], fill=tuple(int(255 * one) for one in colour), width=1)
@@ -170,6 +178,17 @@ class Turntable:
         kept = io.BytesIO()
         picture.save(kept, "JPEG", quality=88)
         return kept.getvalue()
+
+    def picked(self, turn: Turn, at: tuple[float, float]) -> Array | None:
+        """The node (3,) [m] that a click on the pixel `at` means, of those as near the one in front; None for none."""
+        if not len(self._nodes):
+            return None
+        view = turned(fitted(self._points, turn.size, MARGIN), turn, self._points, self._near)
+        away = np.linalg.norm(view.pixel(self._nodes) - np.array(at), axis=1)
+        near = away <= max(float(away.min()), 0.0) + HIT / 2
+        if away.min() > HIT:
+            return None
+        return np.asarray(self._nodes[np.flatnonzero(near)[np.argmax(self._nodes[near] @ view.towards)]])
 
     def close(self) -> None:
         """Let go of the windows."""
