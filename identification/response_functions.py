@@ -26,6 +26,10 @@ GAIN = 0.02
 """Standard deviation of the gains of sensors and of the force cell that a careful laboratory admits."""
 
 
+LARGEST = 1e100
+"""No record reads more, in any unit."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ResponseFunctions:
     """Response functions of one article at all pairs of its drives and responses.
@@ -449,6 +453,9 @@ def _of_records(
         blows: list[response_estimates.Blow] = []
         for path, entry, _, _ in members:
             rate, force, read = _record(path, entry, table, responses, source)
+            if not all(np.all(np.abs(one) < LARGEST) for one in (force, read)):  # NaN is not below, either
+                problem = f"holds numbers that are none, or beyond {LARGEST:g}"
+                raise BadInput(source=str(path), field="records", problem=problem, remedy="Export it again; it may be damaged")
             if kind == SHAKER:
                 window = str(how.get("window", "hann"))
                 made = response_estimates.shaken(

@@ -328,6 +328,17 @@ def test_arrays_that_are_no_table_of_modes_are_refused_by_name(case: str, tmp_pa
         test_file.read(tmp_path / "t.toml", {**OF_POLES, "file": name, **more})
 
 
+@pytest.mark.parametrize("wild", [1e300, np.nan])
+def test_a_record_with_a_number_that_nothing_reads_is_refused(wild: float, tmp_path: Path) -> None:
+    force = 50 * np.sin(np.pi * np.clip((np.arange(1024) / 512 % 1.0 - 0.1) / 0.01, 0, 1))
+    ring = answer(force)
+    ring[700] = wild
+    samples = {"force": force, "a-z": ring, "b-z": ring}
+    files.write(tmp_path / "x.h5", Signals(source="x", samples=samples, sampling_rate=512.0))
+    with pytest.raises(BadInput, match="beyond 1e"):
+        read(tmp_path, described(file="x.h5", drive="a", records={"kind": "hammer", "block": 1.0}))
+
+
 def test_a_pickle_is_not_read(tmp_path: Path) -> None:
     (tmp_path / "setup.pkl").write_bytes(b"\x80\x04N.")
     with pytest.raises(BadInput, match="can run programs"):

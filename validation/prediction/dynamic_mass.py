@@ -434,7 +434,7 @@ class SupportedDynamicMass:
         self, offsets: Offsets, effects: Sequence[Added], frequency: Array, sensors: Sequence[str], *, derivatives: Wanted
     ) -> tuple[ComplexArray, Tangents]:
         """(n, 3 a, 6) accelerations along the axes of F at the accelerometers `sensors`, beyond those of a rigid article, for a
-        unit of every motion of F; and how they answer to every parameter.
+        unit of every motion of F; and how they answer to the parameters of which `derivatives` are wanted.
 
         Raises
         ------
@@ -454,7 +454,7 @@ class SupportedDynamicMass:
             pulls = np.broadcast_to(bent[:, b:].T.astype(np.complex128), (len(frequency), len(matrices.mass) - b, len(rows)))
             back[b:] = np.linalg.solve(D[:, b:, b:], pulls).transpose(1, 0, 2)
         own = replace(answered, matrix=bent @ answered.right.transpose(1, 0, 2), left=np.ascontiguousarray(back), sign=-1.0)
-        changes = transfer_tangents(own, tangents) if derivatives else {}
+        changes = transfer_tangents(own, {name: one for name, one in tangents.items() if is_wanted(name, derivatives)})
         R, T = _turned(pose), rigid_transformation_6(pose.position)
         told: dict[str, tuple[Array, Array]] = {}
         if self.mounted:
@@ -464,8 +464,8 @@ class SupportedDynamicMass:
             seated, told = self._seated(stands, offsets)
             T = seated.transformation
         found = {name: change @ R.T @ T for name, change in changes.items()}
-        for name, (turning, _) in told.items() if derivatives else ():
-            if np.any(turning):
+        for name, (turning, _) in told.items():
+            if np.any(turning) and is_wanted(name, derivatives):
                 found[name] = own.matrix @ R.T @ turning
         return own.matrix @ R.T @ T, found
 
