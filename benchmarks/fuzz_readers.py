@@ -1,4 +1,4 @@
-"""Every reader of campaigns and tests on files that were damaged on their way: ``python -m benchmarks.fuzz_readers [COUNT]``.
+"""Every reader of campaigns, tests and structures on damaged files: ``python -m benchmarks.fuzz_readers [COUNT] [NAME]``.
 
 A damaged file is refused in words, or read as it was. A sample may come out changed only where damage hit its own digits: at most
 one a byte that was replaced, at most one where the file was cut, and none where the file carries checksums. Any other exception
@@ -9,18 +9,22 @@ from __future__ import annotations
 
 import json
 import signal
+import subprocess
 import sys
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from types import FrameType
 from typing import Any
 
 import numpy as np
 
+from fem.structure import Structure
+from fem.user_model import reading
 from geometry import toml_file
 from geometry.errors import BadInput
 from geometry.sensors import Channel, ChannelTable, Place
@@ -252,6 +256,97 @@ def run(target: Target, count: int, folder: Path, seed: int = 1) -> Counter[str]
     return Counter(judged(target, whole, channels, damaged, one) for one in mutants(path.read_bytes(), count, seed))
 
 
+# Structures: matrices and meshes in every format, of two parts each.
+
+BLOCKS = """
+import gmsh, sys
+gmsh.initialize(interruptible=False)
+gmsh.option.setNumber("General.Terminal", 0)
+occ = gmsh.model.occ
+foot, wall = occ.addBox(0, 0, 0, 100, 60, 40), occ.addBox(0, 0, 40, 40, 60, 60)
+occ.fragment([(3, foot)], [(3, wall)])
+occ.synchronize()
+for tag, name in ((foot, "foot"), (wall, "wall")):
+    gmsh.model.addPhysicalGroup(3, [tag], name=name)
+for key, value in {"Mesh.MeshSizeMin": 80, "Mesh.MeshSizeMax": 100, "Mesh.SaveGroupsOfElements": 1}.items():
+    gmsh.option.setNumber(key, value)
+gmsh.model.mesh.generate(3)
+gmsh.model.mesh.setOrder(2)
+for path in sys.argv[1:]:
+    gmsh.write(path)
+"""
+
+STEEL = 'material = "steel"'
+
+MATRICES = {"npz": "bracket.npz", "h5": "bracket.h5", "op4": "bracket.op4", "pch": "bracket.pch"}
+MESHES = ("inp", "bdf", "unv", "msh", "med")
+
+
+def structures(folder: Path) -> dict[str, tuple[Path, Path]]:
+    """By name of the format the file that is damaged, and what is read."""
+    subprocess.run([sys.executable, "-P", "examples/own_model.py", str(folder)], check=True, capture_output=True)
+    made = {}
+    for name, file in MATRICES.items():
+        described = folder / f"bracket-{name}.toml"
+        made[name] = folder / file, described if described.exists() else folder / file
+    made["description of matrices"] = folder / "bracket-op4.toml", folder / "bracket-op4.toml"
+    subprocess.run([sys.executable, "-c", BLOCKS, *(str(folder / f"blocks.{one}") for one in MESHES)], check=True)
+    for ending in MESHES:
+        described = folder / f"{ending}-blocks.toml"
+        foot, wall = ("1", "2") if ending == "bdf" else ("foot", "wall")
+        described.write_text(
+            f'format = 1\n[fe_model]\nkind = "mesh"\nunits = "mm"\nfile = "blocks.{ending}"\nsupport = "free"\n'
+            f'places = {{ tip = ["40 mm", "60 mm", "100 mm"] }}\n'
+            f"[fe_model.parts.{foot}]\n{STEEL}\n[fe_model.parts.{wall}]\n{STEEL}\n",
+            encoding="utf-8",
+        )
+        made[ending] = folder / f"blocks.{ending}", described
+    made["description of a mesh"] = folder / "inp-blocks.toml", folder / "inp-blocks.toml"
+    return made
+
+
+def run_structure(damaged: Path, described: Path, count: int, seed: int = 1) -> Counter[str]:
+    """What became of `count` mutants of the file `damaged`, which `described` reads."""
+    content = damaged.read_bytes()
+    whole = _numbers(described)
+    found = Counter(_judged_structure(damaged, described, whole, one) for one in mutants(content, count, seed))
+    damaged.write_bytes(content)
+    return found
+
+
+def _judged_structure(damaged: Path, described: Path, whole: tuple[float, ...], mutant: Mutant) -> str:
+    damaged.write_bytes(mutant.content)
+    try:
+        with patience(PATIENCE):
+            found = _numbers(described)
+    except BadInput:
+        return "refused"
+    except TimeoutError:
+        return "FAILED: hangs"
+    except Exception as error:  # that is what is looked for
+        return f"FAILED: {type(error).__name__}: {error}"
+    if not np.all(np.isfinite(found)):
+        return "FAILED: numbers that are none"
+    if np.allclose(found, whole, rtol=1e-9, atol=0):
+        return "read"
+    return "digits" if mutant.replaced else "other numbers"
+
+
+def _numbers(described: Path) -> tuple[float, ...]:
+    """Size, sums and traces of what is read, by which two structures are told apart."""
+    found = reading.load(described).model
+    if not isinstance(found, Structure):
+        return (*found.frequency.tolist(),)
+    shares = [*found.part_stiffness.values(), *found.part_mass.values(), *found.places.values()]
+    matrices = [found.stiffness, found.mass, *shares]
+    return (
+        float(found.mass.shape[0]),
+        float(len(shares)),
+        *(float(np.abs(one.data).sum()) for one in matrices),
+        float(np.abs(found.rigid_mass).sum()),
+    )
+
+
 def run_toml(count: int, seed: int = 1) -> Counter[str]:
     """What became of `count` mutants of a ``campaign.toml``."""
     whole = campaign()
@@ -423,18 +518,26 @@ def _changes(whole: Recording, found: Recording) -> int:
     return int(np.sum(parts[0] != parts[1])) + int(axis) + int(rate) + max(len(found) - len(whole), 0)
 
 
-def main(count: int) -> int:
-    """Run every target and say what became of the mutants; 1 when one of them failed."""
+def main(count: int, only: str = "") -> int:
+    """Run every target, or those called `only`, and say what became of the mutants; 1 when one of them failed."""
     failed = 0
-    with tempfile.TemporaryDirectory() as folder:
-        results = [*((target.name, run(target, count, Path(folder))) for target in TARGETS), ("campaign.toml", run_toml(count))]
-        results += [(name, run_test(name, count, Path(folder))) for name in (*TESTS, "test.toml")]
-        for name, counts in results:
-            sys.stdout.write(f"{name:24}" + ", ".join(f"{what} {number}" for what, number in counts.most_common()) + "\n")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        runs: dict[str, Callable[[], Counter[str]]] = {one.name: partial(run, one, count, folder) for one in TARGETS}
+        runs["campaign.toml"] = partial(run_toml, count)
+        runs |= {one: partial(run_test, one, count, folder) for one in (*TESTS, "test.toml")}
+        for name, (damaged, described) in structures(folder).items():
+            runs[f"structure, {name}"] = partial(run_structure, damaged, described, count)
+        for name, made in runs.items():
+            if not name.startswith(only):
+                continue
+            counts = made()
+            sys.stdout.write(f"{name:36}" + ", ".join(f"{what} {number}" for what, number in counts.most_common()) + "\n")
+            sys.stdout.flush()
             failed += sum(number for what, number in counts.items() if what.startswith("FAILED"))
             failed += counts["other numbers"] > RARE * count
     return 1 if failed else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1]) if len(sys.argv) > 1 else COUNT))
+    sys.exit(main(int(sys.argv[1]) if len(sys.argv) > 1 else COUNT, " ".join(sys.argv[2:])))

@@ -120,11 +120,15 @@ def shipped(package: str, *path: str) -> dict[str, Any]:
 
 
 def holds(path: Path, key: str) -> bool:
-    """Whether the file at `path` is TOML and has `key`."""
+    """Whether the file at `path` is TOML and has `key`, or is damaged and has a table of that name: whoever reads it says so."""
     try:
-        return key in tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
+        text = path.read_text(encoding="utf-8")
+    except (OSError, ValueError):
         return False
+    try:
+        return key in tomllib.loads(text)
+    except (ValueError, RecursionError):
+        return any(line.strip().startswith((f"[{key}]", f"[{key}.")) for line in text.splitlines())
 
 
 def require_format(table: Mapping[str, Any], source: str) -> None:

@@ -60,6 +60,13 @@ def test_what_is_no_file_is_said(name: str, words: str) -> None:
     assert caught.value.remedy == "Shipped are these"
 
 
+def test_a_damaged_file_is_still_known_by_its_table(tmp_path: Path) -> None:
+    """So that a place that is named twice is said, and nobody takes a model for a drawing."""
+    for text, known in (("[model.places]\na = 1\na = 2\n", True), ("[other]\na = 1\na = 2\n", False), ("[model]\n", True)):
+        (tmp_path / "a.toml").write_text(text)
+        assert toml_file.holds(tmp_path / "a.toml", "model") is known
+
+
 def test_tables_within_reason_are_read(tmp_path: Path) -> None:
     assert toml_file.read(written(tmp_path, "a = [[[1, 2]]]\n[b.c.d]\ne = 1e400")) == {
         "a": [[[1, 2]]],

@@ -34,7 +34,7 @@ def main(which: str, seed: int | None, code: str | None, structures: bool, to_pa
     chosen = (book.structures if structures else book.test) if which == TEST else seed or book.development[-1]
     kept = Kept(seed=chosen, code=code or present_code(), what="structures" if structures else "")
     if structures:
-        _of_structures(console, kept, which == TEST)
+        _of_structures(console, kept, which == TEST, to_page)
     outcomes = [outcome(truth, answer) for truth, answer in kept.pairs()]
     if not outcomes:
         console.print(f"nothing is there of draw {chosen} by code {kept.code}; `python -m benchmarks.blind` makes it")
@@ -51,7 +51,7 @@ def main(which: str, seed: int | None, code: str | None, structures: bool, to_pa
     sys.exit(0 if blind and all(one.met is not False for one in found) else 1)
 
 
-def _of_structures(console: Console, kept: Kept, tested: bool) -> None:
+def _of_structures(console: Console, kept: Kept, tested: bool, to_page: bool) -> None:
     """Print the table of bars, and one row a kind of structure and of effect; ends the program."""
     found = [of_structures.structure_outcome(truth, answer) for truth, answer in kept.pairs()]
     if not found:
@@ -59,8 +59,11 @@ def _of_structures(console: Console, kept: Kept, tested: bool) -> None:
         sys.exit(1)
     book = ledger.look(kept.seed, kept.code, len(found)) if tested else ledger.read()
     table = of_structures.rows(found)
-    console.print(printed.bars(table, printed.heading(kept.seed, kept.code, [one.of for one in found], book)))
-    console.print(printed.groups(of_structures.by_group(found)))
+    heading, groups = printed.heading(kept.seed, kept.code, [one.of for one in found], book), of_structures.by_group(found)
+    console.print(printed.bars(table, heading))
+    console.print(printed.groups(groups))
+    if to_page:
+        page.write(page.text_of_structures(table, groups, heading), which=page.STRUCTURES)
     sys.exit(0 if all(one.met is not False for one in table) else 1)
 
 

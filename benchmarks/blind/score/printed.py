@@ -59,12 +59,14 @@ def families(found: Sequence[OfFamily]) -> Table:
 def groups(found: Sequence[tuple[str, Rate, Rate]]) -> Table:
     """One row a group of single faults."""
     table = Table(title="Single faults on random structures")
-    for head in ("of", "right", "named wrongly"):
+    for head in GROUP_HEADS:
         table.add_column(head)
     for name, right, wrong in found:
         table.add_row(name, str(right), _of(wrong))
     return table
 
+
+GROUP_HEADS = ("of", "right", "named wrongly")
 
 HEADS = ("family", "named first", "in the class", "extra claims", "median error", "interval holds", "instead")
 

@@ -45,9 +45,11 @@ def test_parts_add_up_to_the_whole_with_masses_springs_and_joints(meshed: Meshed
         [fe_model.springs.pad]
         at = "tip"
         stiffness = ["1e6 N/m", "1e6 N/m", "1e6 N/m", "1e2 N m/rad", "1e2 N m/rad", "1e2 N m/rad"]
+        loss_factor = 0.1
         [fe_model.joints.bolt]
         between = ["left", "right"]
         at = ["0.5 m", "0 m", "0 m"]
+        loss_factor = 0.03
         stiffness = ["1e7 N/m", "1e7 N/m", "1e7 N/m", "1e4 N m/rad", "1e4 N m/rad", "1e4 N m/rad"]
         [fe_model.masses.sensor]
         at = "tip"
@@ -56,6 +58,7 @@ def test_parts_add_up_to_the_whole_with_masses_springs_and_joints(meshed: Meshed
     structure = meshed(chain(), HALVES, support='support = "ground"\ninterface = ["root"]', more=more)
     assert structure.grounded
     assert (structure.supports, structure.joints, len(structure.held)) == (("pad",), ("bolt",), 0)
+    assert structure.loss_factors == {"pad": 0.1, "bolt": 0.03}
     assert set(structure.part_stiffness) == {"left", "right", "pad", "bolt"}
     assert set(structure.part_mass) == {"left", "right", "sensor"}
     for whole, shares in ((structure.stiffness, structure.part_stiffness), (structure.mass, structure.part_mass)):

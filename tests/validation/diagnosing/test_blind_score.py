@@ -235,9 +235,10 @@ def test_a_line_tells_truth_and_answer():
 
 def test_the_score_goes_between_the_markers_of_the_page_and_nowhere_else(tmp_path):
     file = tmp_path / "page.md"
-    file.write_text(f"before\n{page.BEGIN}\nold\n{page.END}\nafter\n", encoding="utf-8")
+    begin, end = "<!-- score: begin -->", "<!-- score: end -->"
+    file.write_text(f"before\n{begin}\nold\n{end}\nafter\n", encoding="utf-8")
     page.write("new", file)
-    assert file.read_text(encoding="utf-8") == f"before\n{page.BEGIN}\nnew\n{page.END}\nafter\n"
+    assert file.read_text(encoding="utf-8") == f"before\n{begin}\nnew\n{end}\nafter\n"
     file.write_text("without", encoding="utf-8")
     with pytest.raises(ValueError, match="must hold"):
         page.write("new", file)
@@ -279,8 +280,10 @@ def text(root) -> str:
 
 
 def test_the_score_has_its_place_and_every_physics_that_no_family_describes_is_told(text):
-    assert text.count(page.BEGIN) == text.count(page.END) == 1
-    assert text.index(page.BEGIN) < text.index(page.END)
+    for which in (page.SCORE, page.STRUCTURES):
+        begin, end = (f"<!-- {which}: {side} -->" for side in ("begin", "end"))
+        assert text.count(begin) == text.count(end) == 1
+        assert text.index(begin) < text.index(end)
     (told,) = re.findall(r"^The physics that no family describes: (.*?)\n\n", text, re.MULTILINE | re.DOTALL)
     assert len(told.split(",")) == len(PHYSICS)
 
