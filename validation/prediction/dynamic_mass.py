@@ -477,8 +477,8 @@ def structure(
     """The matrices of the structure at `offsets`, effects on it applied, and how they change."""
     matrices, tangents = of.at(offsets, derivatives=derivatives)
     matrices, tangents = prediction_effects.structure(matrices, tangents, effects, derivatives=derivatives)
-    if of.has_law:
-        return prediction_effects.with_damping_law(matrices, tangents, of.nominal, offsets, derivatives=derivatives)
+    if laws := of.laws:
+        return prediction_effects.with_damping_law(matrices, tangents, of.nominal, offsets, derivatives=derivatives, laws=laws)
     return matrices, tangents
 
 
