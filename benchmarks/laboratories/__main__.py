@@ -20,7 +20,7 @@ import click
 import numpy as np
 
 from benchmarks.blind.score.rates import rate
-from benchmarks.laboratories.cases import ARTICLES, Case, draw
+from benchmarks.laboratories.cases import SERIES, Case, draw
 from benchmarks.laboratories.shaking import SOUND, Bench, Faults, series, truth
 from geometry.errors import BadInput, CheckFailed
 from validation.diagnose.diagnose import diagnosed
@@ -28,6 +28,8 @@ from validation.model import model_file
 from validation.study import Data, Study
 
 Json = dict[str, Any]
+
+ARTICLES = SERIES[0]
 
 MODEL = """
 format = 1
@@ -38,7 +40,7 @@ structure = {{ kind = "beam" }}
 """
 
 
-def analyst(name: str, article: str = ARTICLES[0][-1], bench: Bench | None = None) -> str:
+def analyst(name: str, article: str = ARTICLES[-1], bench: Bench | None = None) -> str:
     """The model file of an analyst who states the class `name`; none states nothing."""
     said = f'tolerances = {{ class = "{name}" }}' if name else ""
     return MODEL.format(article=article, stiffness=list((bench or Bench()).stiffness), tolerances=said)
@@ -146,7 +148,7 @@ def scored(lines: Sequence[Json]) -> list[tuple[str, str]]:
 @click.option("--first", default=1, show_default=True, help="Number of the first.")
 @click.option("--sheet", default="calibrated", show_default=True, help="Class that they are drawn from.")
 @click.option("--class", "stated", default="", help="Class that the analyst states; none by default.")
-@click.option("--article", "articles", multiple=True, default=ARTICLES[0], show_default=True, help="Of the series.")
+@click.option("--article", "articles", multiple=True, default=ARTICLES, show_default=True, help="Of the series.")
 @click.option("--draw", "seed", type=int, default=None, help="Seed of a draw of benches, series, sheets and faults.")
 @click.option(
     "--out", type=click.Path(path_type=Path), default=Path("out/laboratories.jsonl"), show_default=True, help="Answers of a draw."

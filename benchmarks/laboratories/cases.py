@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.laboratories.shaking import Bench, Faults
 from validation.effects.catalogue import FAMILIES
 
-ARTICLES = (
+SERIES = (
     ("fmd+disc+cuboid", "fmd+clumod-1"),
     ("fmd+clumod-1",),
     ("fmd+disc+cuboid", "fmd+clumod-4"),
@@ -63,7 +63,7 @@ FOREIGN: Mapping[str, tuple[str, tuple[float, float]]] = {
 }
 """Physics of no family: where, and from what size to what."""
 
-NEEDS = {"modulus": ARTICLES[0], "structural-damping": ARTICLES[0], "layer-damping": ARTICLES[2], "creeping": ARTICLES[0]}
+NEEDS = {"modulus": SERIES[0], "structural-damping": SERIES[0], "layer-damping": SERIES[2], "creeping": SERIES[0]}
 """Series of what acts on blades alone."""
 
 MULTIPLES = (2.0, 5.0)
@@ -119,7 +119,7 @@ def draw(seed: int) -> Iterator[Case]:
     families, number, singles = tuple(FAULTS), 0, 0
     while True:
         generator = np.random.default_rng([seed, number])
-        kind, articles = KINDS[number % len(KINDS)], ARTICLES[number % len(ARTICLES)]
+        kind, articles = KINDS[number % len(KINDS)], SERIES[number % len(SERIES)]
         if kind == "single":
             family = families[singles % len(families)]
             articles = NEEDS.get(family, articles)

@@ -529,8 +529,10 @@ def structure(
     every = bool(derivatives)
     matrices, tangents = of.at(offsets, derivatives=derivatives)
     matrices, tangents = prediction_effects.structure(matrices, tangents, effects, derivatives=every)
-    if of.has_law:
-        matrices, tangents = prediction_effects.with_damping_law(matrices, tangents, of.nominal, offsets, derivatives=every)
+    if laws := of.laws:
+        matrices, tangents = prediction_effects.with_damping_law(
+            matrices, tangents, of.nominal, offsets, derivatives=every, laws=laws
+        )
     return matrices, {name: change for name, change in tangents.items() if is_wanted(name, derivatives)}
 
 

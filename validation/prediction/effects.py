@@ -4,7 +4,7 @@ An effect that the model holds for known is no parameter. Effects act in their o
 leaves it alone, so that one model serves a series of articles.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 from types import MappingProxyType
@@ -133,7 +133,13 @@ LIGHTEST = float(np.finfo(np.float64).tiny)
 
 
 def with_damping_law(
-    matrices: Matrices, tangents: Mapping[str, Tangent], nominal: Matrices, offsets: Offsets, *, derivatives: bool
+    matrices: Matrices,
+    tangents: Mapping[str, Tangent],
+    nominal: Matrices,
+    offsets: Offsets,
+    *,
+    derivatives: bool,
+    laws: Collection[str] = LAWS,
 ) -> tuple[Matrices, dict[str, Tangent]]:
     """`matrices` with the shares of `offsets`, their `tangents` behind them, and those by the shares.
 
@@ -141,6 +147,7 @@ def with_damping_law(
     ----------
     nominal : the matrices at offset 0 and without effects, whose modes say at which frequency the two dampings agree
     derivatives : whether any are wanted
+    laws : of `LAWS` those whose shares are open
     """
     # (k,) omega^-1/2 of every coordinate; 0 of the base and of what effects append, which brings its own losses
     W, own = np.zeros(len(matrices.mass)), slice(nominal.base, len(nominal.mass))
@@ -162,12 +169,12 @@ def with_damping_law(
             kept = tangent.structural * (1 - share * _own(at, at))
             viscous = tangent.viscous + share * at[:, None] * tangent.structural * at
             found[name] = replace(tangent, structural=kept, viscous=viscous)
-    if derivatives:
+    if derivatives and DAMPING_LAW in laws:
         found[DAMPING_LAW] = of_arrays(len(W), viscous=turned, structural=-matrices.structural * _own(W, W))
+    if derivatives and LOSS_COUPLING in laws:
         less = -coupled * beside
-        found[LOSS_COUPLING] = of_arrays(
-            len(W), structural=less * (1 - share * _own(W, W)), viscous=share * W[:, None] * less * W
-        )
+        viscous = share * W[:, None] * less * W
+        found[LOSS_COUPLING] = of_arrays(len(W), structural=less * (1 - share * _own(W, W)), viscous=viscous)
     left = matrices.structural * (1 - share * _own(W, W))
     return replace(matrices, structural=left, viscous=matrices.viscous + share * turned), found
 
@@ -231,8 +238,7 @@ class Nuisances:
         made += [_factor(f"thickness:{part}", self.known(part, "thickness", THICKNESS)) for part in parts if part in m.sections]
         made += [_declared(f"mass:{part}", self.known(part, "density", DENSITY)) for part in parts if part in m.part_mass]
         made += [_declared(f"loss:{part}", self.known(part, "loss_factor", of.damping)) for part in self.lossy]
-        laws = ((DAMPING_LAW, of.damping_law), (LOSS_COUPLING, of.loss_coupling))
-        made += [_declared(name, tolerance) for name, tolerance in laws if self.lossy]
+        made += [_declared(law, of.damping_law if law == DAMPING_LAW else of.loss_coupling) for law in self.laws]
         made += [_declared(f"frequency:{self.configuration}:{r}", of.frequency) for r in modes]
         left = [of.mode_damping if own else of.damping for own in self.by_parts]
         made += [_declared(f"damping:{self.configuration}:{r}", left[r - 1]) for r in modes]
@@ -259,9 +265,10 @@ class Nuisances:
         return tuple(part for part in parts if self.losses.get(part, 0.0) > 0)
 
     @property
-    def has_law(self) -> bool:
-        """Whether it is open which law the losses of its parts follow, or whether they couple modes, see `with_damping_law`."""
-        return bool(self.lossy) and max(self.tolerances.damping_law, self.tolerances.loss_coupling) > 0
+    def laws(self) -> tuple[str, ...]:
+        """Of `LAWS` what is open of the losses of its parts, see `with_damping_law`."""
+        known = (self.tolerances.damping_law, self.tolerances.loss_coupling)
+        return tuple(law for law, tolerance in zip(LAWS, known, strict=True) if self.lossy and tolerance > 0)
 
     @property
     def by_parts(self) -> tuple[bool, ...]:

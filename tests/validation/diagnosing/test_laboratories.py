@@ -73,6 +73,70 @@ def test_cross_talk_inside_cells_plane_and_high_pass_are_those_of_the_chain():
     assert left(sheet, {}) > 5 * LEFT["drawn"]
 
 
+AS_PLANTED = (
+    ("point-mass:top=0.3", (0.3,)),
+    ("slosh:disc=m:0.3,f:9.5,zeta:0.03", (0.3, 9.5, 0.03)),
+    ("appendage:x=m:0.3,f:12,zeta:0.03", (0.3, 12.0, 0.03)),
+    ("rigid-inertia:mx=0.3", (0.3,)),
+    ("joint-compliance:rotation=1e-6", (1e-6,)),
+    ("mounting-offset:x=0.004", (0.004,)),
+    ("load-path-shunt:z=0.05", (0.05,)),
+    ("force-crosstalk:zx=0.02", (0.02,)),
+    ("cell-stiffness:1x=0.3", (0.3,)),
+    ("accelerometer-misalignment:cover-z3:x=0.02", (0.02,)),
+    ("force-highpass:fmd-z2=0.3", (0.3,)),
+)
+
+
+@pytest.mark.parametrize(("effect", "size"), AS_PLANTED[::6])
+def test_what_is_planted_is_what_the_catalogue_calls_so(effect, size):
+    """Two simulators with equations of their own agree about it to a thousandth, and without it they do not."""
+    planted = {effect.partition("=")[0]: size}
+    assert left(EXACT, {}, planted=planted, known=(effect,)) < LEFT["drawn"] < left(EXACT, {}, planted=planted) / 5
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize(("effect", "size"), AS_PLANTED)
+def test_all_that_is_planted_is_what_the_catalogue_calls_so(effect, size):
+    test_what_is_planted_is_what_the_catalogue_calls_so(effect, size)
+
+
+def test_a_draw_is_the_same_every_time_and_plants_what_its_null_could_have_named():
+    from itertools import islice
+
+    from benchmarks.laboratories.cases import FAULTS, FOREIGN, draw
+
+    cases, again = (list(islice(draw(5), 60)) for _ in range(2))
+    assert [(one.laboratory, dict(one.multiples), one.bench.pace) for one in cases] == [
+        (one.laboratory, dict(one.multiples), one.bench.pace) for one in again
+    ]
+    families = {id.partition(":")[0] for one in cases for id in one.multiples}
+    assert families == set(FAULTS) | (families & set(FOREIGN))
+    single = next(one for one in cases if one.kind == "single" and "slosh" in str(one.multiples))
+    ((id, times),) = single.multiples.items()
+    faults = single.faults({id: 0.01})
+    assert faults is not None
+    assert faults.sizes == {id: (pytest.approx(0.01 * times), *single.resonance)}
+    assert single.faults({}) is None
+
+
+def test_scores_count_first_class_and_wrong_with_exact_intervals():
+    from benchmarks.laboratories.__main__ import hit, scored
+
+    line = {"kind": "single", "sheet": "calibrated", "verdict": "ambiguous", "multiples": {"point-mass:top": 2.0}}
+    line |= {"planted": {"point-mass:top": [0.2]}, "class": ["point-mass:disc", "point-mass:top"]}
+    near = line | {"named": {"point-mass:disc": {"": [0.21, 0.15, 0.25]}}}
+    assert hit(near) == {"first": False, "all": False, "class": True, "wrong": False}
+    right = line | {"named": {"point-mass:top": {"": [0.21, 0.15, 0.25]}}, "class": []}
+    wrong = right | {"named": {"modulus:mast": {"": [0.1, 0.05, 0.15]}}}
+    assert hit(right) == {"first": True, "all": True, "class": True, "wrong": False}
+    assert hit(wrong) == {"first": False, "all": False, "class": False, "wrong": True}
+    rows = dict(scored([near, right, wrong, line | {"kind": "null", "verdict": "nothing", "planted": {}, "named": {}}]))
+    assert rows["singles at 2 times: class"].startswith("2 of 3, 66.7 % (9.4 to 99.2)")
+    assert rows["nulls of calibrated quiet"].startswith("1 of 1")
+    assert rows["sizes, median error"] == "5.0 %"
+
+
 @pytest.mark.proof
 @pytest.mark.parametrize("sheet", list(SHEETS))
 def test_a_sound_laboratory_is_sound_by_its_own_class(sheet):

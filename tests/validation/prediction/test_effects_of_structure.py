@@ -65,8 +65,9 @@ class Model:
             offsets = {one.name: one.start for one in self.parameters(effects)}
         acting = prediction_effects.at(effects, offsets)
         m, tangents = prediction_effects.structure(*self.of.at(offsets, derivatives=derivatives), acting, derivatives=derivatives)
-        if self.of.has_law:
-            m, tangents = prediction_effects.with_damping_law(m, tangents, self.of.nominal, offsets, derivatives=derivatives)
+        if laws := self.of.laws:
+            nominal = self.of.nominal
+            m, tangents = prediction_effects.with_damping_law(m, tangents, nominal, offsets, derivatives=derivatives, laws=laws)
         answered = dynamic_mass.dynamic_mass(m, lines)
         mounted = MountedDynamicMass(
             frequency=lines,
