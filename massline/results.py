@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import fields
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from geometry.inertia import Inertia
 from validation import study as opened
@@ -141,19 +141,12 @@ class Routes(dict[str, Inertia]):
         return Document(title="Inertia by route", blocks=(Table(rows=rows, columns=(named, *columns)),), notes=(about,))
 
 
-def comparison(found: comparing.Comparison) -> Comparison:
-    """`found` as one that prints itself."""
-    return Comparison(**_fields(found))
+Printing = TypeVar("Printing", Comparison, Diagnosis, Identification)
 
 
-def diagnosis(found: diagnosing.Diagnosis) -> Diagnosis:
-    """`found` as one that prints itself."""
-    return Diagnosis(**_fields(found))
-
-
-def identification(found: identifying.IdentificationFindings) -> Identification:
-    """`found` as one that prints itself."""
-    return Identification(**_fields(found))
+def printing(kind: type[Printing], found: Any) -> Printing:
+    """`found` as one of `kind`, which prints itself."""
+    return kind(**_fields(found))
 
 
 def _fields(of: Any) -> dict[str, Any]:
