@@ -135,7 +135,11 @@ class Routes(dict[str, Inertia]):
         from validation.report.document import Column, Document, Table
 
         rows = list(zip(QUANTITIES, *(about_cog(one) for one in self.values()), strict=True))
-        columns = [Column(route, lambda row, k=k: float(row[k]) * row[0].per_si, ".6g") for k, route in enumerate(self, start=1)]
+
+        def figure(k: int) -> Callable[[Any], float]:
+            return lambda row: float(row[k]) * float(row[0].per_si)
+
+        columns = [Column(route, figure(k), ".6g") for k, route in enumerate(self, start=1)]
         named = Column("", lambda row: f"{row[0].label} [{row[0].unit}]", words=True)
         about = "CoG from the article's own origin; moments and products about the CoG, products as entries of the tensor."
         return Document(title="Inertia by route", blocks=(Table(rows=rows, columns=(named, *columns)),), notes=(about,))
