@@ -1,4 +1,7 @@
-"""The bars of the identification on simulated campaigns: ``python -m benchmarks.identification_bars [SEEDS] [PROCESSES]``.
+"""The bars of the identification, simulated: ``python -m benchmarks.identification_bars [SEEDS] [PROCESSES]``.
+
+With ``--sheet calibrated`` or ``as-delivered`` laboratories are those that `benchmarks.laboratories` draws from data sheets, by
+a simulator of its own: the tolerances are those of that class, and of a tare no more is known than its drawing says.
 
 Every seed draws a laboratory with ordinary tolerances and four campaigns in it: the bare FMD, Cuboid on disc, Clumod with one and
 with four blades, six sweeps each, at the paper's level. The Cuboid is identified with the bare FMD for its tare, Clumod with the
@@ -23,6 +26,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks.laboratories.shaking import Bench, mountings
 from geometry import parallel
 from geometry.atomic import write_text, write_with
 from geometry.dynamic_mass import MOTIONS
@@ -34,6 +38,7 @@ from identification.request import QUANTITIES, Evidence, Identified, Known, Sett
 from identification.self_calibration.fit import calibrated
 from identification.spectra.line_spectra import Spectra
 from identification.spectra.of_campaign import spectra
+from validation.model.tolerance_classes import ToleranceClass
 from validation.virtual_test.layout import mavis
 from validation.virtual_test.plan import BEAM, NOISE, RIGID, Plan, exact
 from validation.virtual_test.shaker import middles_of_cells
@@ -80,11 +85,21 @@ UNITS = np.array([100, 1e3, 100])
 Json = dict[str, Any]
 
 
-def laboratory(seed: int) -> Json:
-    """Errors and coverage of every case and way in the laboratory of `seed`."""
-    articles = dict.fromkeys(article for case in CASES for article in (case.tare, case.article))
-    made = {article: _measured(article, seed) for article in articles}
-    return {case.name: _identified(case, made) for case in CASES}
+def laboratory(seed: int, sheet: str = "") -> Json:
+    """Errors and coverage of every case and way in the laboratory of `seed`, from a data sheet where one is named."""
+    articles = tuple(dict.fromkeys(article for case in CASES for article in (case.tare, case.article)))
+    if not sheet:
+        made = {article: _measured(article, seed) for article in articles}
+        return {case.name: _identified(case, made) for case in CASES}
+    of = ToleranceClass.named(sheet)
+    found: dict[str, tuple[Spectra, Inertia | None]] = {}
+    drawings: dict[str, Known] = {"fmd": Known.nothing()}
+    for campaign, truth, drawing in mountings(seed, articles, sheet):
+        found[campaign.article] = (spectra(campaign), truth if truth.mass else None)
+        if drawing.mass:
+            drawings[campaign.article] = Known.within(drawing, of.mounting.inertia)
+    settings = Settings(tolerances=of.chain, stiffness=np.array(Bench().stiffness))
+    return {case.name: _identified(case, found, settings, drawings[case.tare]) for case in CASES}
 
 
 def _measured(article: str, seed: int) -> tuple[Spectra, Inertia | None]:
@@ -135,11 +150,18 @@ def _low(found: Spectra) -> Spectra:
     return found.at((found.frequency >= RIGID_BAND[0]) & (found.frequency <= RIGID_BAND[1]))
 
 
-def _identified(case: Case, made: Mapping[str, tuple[Spectra, Inertia | None]], settings: Settings | None = None) -> Json:
+def _identified(
+    case: Case,
+    made: Mapping[str, tuple[Spectra, Inertia | None]],
+    settings: Settings | None = None,
+    drawing: Known | None = None,
+) -> Json:
+    """`drawing` is what is known of the tare: what stood there where nothing is said."""
     (article, truth), (tare, known) = made[case.article], made[case.tare]
+    below = drawing or (Known.nothing() if known is None else Known.within(known))
     evidence = Evidence(
         article=article,
-        tares=(TareSpectra(spectra=tare, known=Known.nothing() if known is None else Known.within(known), hardware="A"),),
+        tares=(TareSpectra(spectra=tare, known=below, hardware="A"),),
         hardware="A",
     )
     asked = settings or Settings()
@@ -163,25 +185,30 @@ def _held_against(found: Identified, truth: Inertia) -> Json:
     }
 
 
-def finished(seeds: Iterable[int], processes: int, console: Console, scheduler: str = "") -> Iterator[Json]:
+def finished(seeds: Iterable[int], processes: int, console: Console, scheduler: str = "", sheet: str = "") -> Iterator[Json]:
     """The laboratories of `seeds`, those that are kept first; see `geometry.parallel.finished`."""
     missing = []
     for seed in seeds:
-        if _kept(seed).exists():
-            yield json.loads(_kept(seed).read_text())
+        if _kept(seed, sheet).exists():
+            yield json.loads(_kept(seed, sheet).read_text())
         else:
             missing.append(seed)
-    made = parallel.finished(laboratory, missing, processes=processes, scheduler=scheduler)
-    for number, (seed, found) in enumerate(made, start=1):
+    made = parallel.finished(_of, [(seed, sheet) for seed in missing], processes=processes, scheduler=scheduler)
+    for number, ((seed, _), found) in enumerate(made, start=1):
         if isinstance(found, parallel.WorkerLost):
             raise found
-        write_text(_kept(seed), json.dumps(found))
+        write_text(_kept(seed, sheet), json.dumps(found))
         console.print(f"{number} of {len(missing)} laboratories", style="dim")
         yield found
 
 
-def _kept(seed: int) -> Path:
-    return FOLDER / code((*SIMULATION, *IDENTIFICATION)) / f"{seed}.json"
+def _of(task: tuple[int, str]) -> Json:
+    return laboratory(*task)
+
+
+def _kept(seed: int, sheet: str) -> Path:
+    rooms = (*SIMULATION, *IDENTIFICATION, *(("benchmarks/laboratories",) if sheet else ()))
+    return FOLDER / code(rooms) / f"{sheet}{'-' if sheet else ''}{seed}.json"
 
 
 def code(rooms: tuple[str, ...]) -> str:
@@ -254,10 +281,16 @@ def coverage(results: list[Json]) -> Table:
 @click.command()
 @click.argument("seeds", type=click.IntRange(min=1), default=SEEDS)
 @click.argument("processes", type=click.IntRange(min=1), default=1)
+@click.option("--sheet", default="", help="Laboratories of `benchmarks.laboratories` instead, of this class of data sheets.")
 @click.option("--scheduler", default="", metavar="ADDRESS", help="Of Dask, whose workers do it instead of PROCESSES here.")
-def main(seeds: int, processes: int, scheduler: str) -> None:
+def main(seeds: int, processes: int, sheet: str, scheduler: str) -> None:
     """Print the tables; exit code 1 when the self-calibrated way misses a bar."""
     console = Console()
+    if sheet:
+        results = list(finished(range(1, seeds + 1), processes, console, scheduler, sheet))
+        console.print(printed(f"95th percentile (median) of {len(results)} {sheet} laboratories", errors(results)))
+        console.print(coverage(results))
+        return
     alone = [(case, without_errors(case)) for case in EXACT]
     rigid = taken_for_rigid(1)
     rows = [row for case, result in alone for row in single(case, result)]

@@ -26,7 +26,7 @@ html_math_renderer = "mathml"
 
 
 def escaped(app: Sphinx, what: str, name: str, of: object, options: object, lines: list[str]) -> None:
-    """An absolute value is no substitution; what is indented in the docstring of a module is a formula or a table as it stands."""
+    """An absolute value is no substitution; what is indented in the docstring of a module stands as it is."""
     text, formula = [], False
     for before, line in zip(["", *lines], lines, strict=False):
         indented = what == "module" and line.startswith("    ")

@@ -60,11 +60,7 @@ def folder() -> Path | None:
 
 def key(kind: str, described: Any) -> str:
     """Name of the entry that holds the `kind` of thing made from what `described` says (anything that JSON can write)."""
-    versions = dict.fromkeys(LIBRARIES, "none")
-    for library in LIBRARIES:
-        with suppress(PackageNotFoundError):
-            versions[library] = version(library)
-    whole = {"kind": kind, "format": FORMAT, "versions": versions, "described": described}
+    whole = {"kind": kind, "format": FORMAT, "versions": versions(), "described": described}
     return hashlib.sha256(json.dumps(whole, sort_keys=True, allow_nan=False).encode()).hexdigest()
 
 
@@ -148,6 +144,16 @@ def content(paths: Iterable[Path | str]) -> str:
                 found.update(f"{one.relative_to(path) if path.is_dir() else ''}\0{one.stat().st_size}\0".encode())
                 found.update(one.read_bytes())
     return found.hexdigest()
+
+
+@functools.cache
+def versions() -> dict[str, str]:
+    """Of the `LIBRARIES`, "none" of one that is not there."""
+    found = dict.fromkeys(LIBRARIES, "none")
+    for library in LIBRARIES:
+        with suppress(PackageNotFoundError):
+            found[library] = version(library)
+    return found
 
 
 @functools.cache

@@ -7,6 +7,7 @@ The nouns behind ``campaign.toml`` (`identification.campaign_file` reads and wri
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import combinations
 from types import MappingProxyType
 from typing import Any
@@ -47,7 +48,9 @@ class Recording:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "names", tuple(self.names))
-        values = np.array(self.values, dtype=np.float64 if self.frequency is None else np.complex128)
+        values, kind = np.asarray(self.values), np.float64 if self.frequency is None else np.complex128
+        if values.flags.writeable or values.base is not None or values.dtype != kind:  # what is its own and never changes is kept
+            values = np.array(values, dtype=kind)
         if values.ndim != 2 or values.shape[1] != len(self.names):
             raise ValueError(f"`values` must have shape (n, {len(self.names)}), found {values.shape}")
         values.setflags(write=False)
@@ -70,6 +73,11 @@ class Recording:
 
     def __len__(self) -> int:
         return len(self.values)
+
+    @cached_property
+    def rms(self) -> Array:
+        """(b, c) of every channel in consecutive blocks of `BLOCK` seconds, about the mean of each; of time histories."""
+        return block_rms(self.values, self.sampling_rate or 0.0)
 
     @property
     def is_spectrum(self) -> bool:
@@ -401,7 +409,7 @@ def noise_floors(campaign: Campaign) -> Array | None:
     for recorded in campaign.recordings.values():
         quiet = quiet_blocks(recorded, campaign.table)
         if quiet is not None and recorded.sampling_rate is not None:
-            blocks.append(block_rms(recorded.values, recorded.sampling_rate)[quiet])
+            blocks.append(recorded.rms[quiet])
     if not blocks:
         return None
     rms = np.sort(np.vstack(blocks), axis=0)
@@ -413,7 +421,7 @@ def quiet_blocks(recorded: Recording, table: ChannelTable) -> npt.NDArray[np.boo
     watched = table.select(group=RIGID_GROUPS, quantity="acceleration")
     if recorded.sampling_rate is None or not watched:
         return None
-    rms = block_rms(recorded.values[:, watched], recorded.sampling_rate)
+    rms = recorded.rms[:, watched]
     if len(rms) < 2:
         return None
     size = np.linalg.norm(rms, axis=1)

@@ -640,9 +640,11 @@ def recording(signals: Signals, table: ChannelTable, toml: str) -> tuple[campaig
     cut = {name: clipped(samples[name].real) for name in table.names}
     flat = "samples lie on a flat top; raise its range and repeat the run, or leave it out"
     warnings = (*signals.warnings, *(f"{signals.source}: {name} is clipped: {n} {flat}" for name, n in cut.items() if n))
+    values = np.column_stack(columns)
+    values.setflags(write=False)  # a recording then keeps them as they are
     made = campaigns.Recording(
         names=table.names,
-        values=np.column_stack(columns),
+        values=values,
         sampling_rate=signals.sampling_rate,
         frequency=signals.frequency,
         source=signals.source,

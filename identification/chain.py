@@ -521,10 +521,12 @@ class PickUps(Placed):
 
     Attributes
     ----------
-    group : "cover" or "table"
+    group : "cover", "table" or "article"
     point : (3,) [m] reference point, in the frame of the places
     springs : what the cover plate stands on
     gravity : [m/s²]
+
+    On an article a pick-up moves with it: to the motion of a rigid one comes what it bends there, which stands behind the loads.
     """
 
     group: str
@@ -568,7 +570,7 @@ class PickUps(Placed):
             rows = A0 + A1 @ H
             yield from ((key, [k], rows[:, [place]]) for place, (key, k) in enumerate(zip(keys, at, strict=True)))
         common = self._common_changes(x, sight, geometry, upward)
-        yield from ((key, every, A0 + A1 @ H) for key, (A0, A1) in common if key in wanted)
+        yield from ((key, every, A0 + A1 @ H[:, :6]) for key, (A0, A1) in common if key in wanted)
 
     @staticmethod
     @lru_cache(maxsize=KEPT)
@@ -614,7 +616,8 @@ class PickUps(Placed):
             sensor=self.gravity * (1 + x.get(SENSOR, 0.0)) * senses,
             structure=self.gravity * (1 + x.get(STRUCTURE, 0.0)),
             compliance=self.springs.compliance(x) if table else np.zeros((6, 6)),
-            bending=0.0 if table else x.get(BENDING, 0.0),
+            bending=x.get(BENDING, 0.0) if self.group == "cover" else 0.0,
+            bends=self.group == "article",
         )
 
     def _common_changes(self, x: Offsets, sight: "Sight", geometry: Array, upward: Array) -> Iterator[tuple[str, Rows]]:
@@ -630,7 +633,7 @@ class PickUps(Placed):
         if self.group == "table":
             for key, change in self.springs.compliance_changes(x):
                 yield key, (none, np.asarray(-f * ((square * geometry + sight.sensor[:, None] * more) @ change)))
-        elif BENDING in x:
+        elif BENDING in x and self.group == "cover":
             bent = none.copy()
             bent[..., 2] = -sight.factors * sight.square[:, None] * upward
             yield BENDING, (none, bent)
@@ -647,6 +650,7 @@ class Sight:
     sensor, structure : (c,) g times the tilt that each senses, and g times that which the structure feels [m/s²]
     compliance : (6, 6) K^-1 of a table, zeros for a cover plate
     bending : [m/N] of a cover plate
+    bends : whether each channel sees three accelerations of its own, behind the loads
     """
 
     factors: ComplexArray
@@ -655,14 +659,20 @@ class Sight:
     structure: float
     compliance: Array
     bending: float
+    bends: bool = False
 
     def seen(self, geometry: Array, upward: Array, chosen: list[int]) -> Rows:
-        """A0, A1 (n, k, 6) of the `chosen` channels with rows `geometry` (k, 6) and vertical components `upward` (k,)."""
+        """A0 (n, k, 6), A1 (n, k, 6 or 6 + 3 c) of the `chosen` channels with rows `geometry` (k, 6) and vertical components
+        `upward` (k,)."""
         f, square = self.factors[:, chosen, None], self.square[:, None, None]
         more, sensed = turned(geometry), self.sensor[chosen, None]
         A0 = f * (geometry + (sensed - self.structure) * more / square)
         A1 = -f * ((square * geometry + sensed * more) @ self.compliance)
         A1[..., 2] -= f[..., 0] * square[..., 0] * self.bending * upward
+        if self.bends:
+            own = np.zeros((*A1.shape[:2], self.factors.shape[1], 3), dtype=np.complex128)
+            own[:, np.arange(len(chosen)), chosen] = f * geometry[:, :3]
+            A1 = np.concatenate([A1, own.reshape(*A1.shape[:2], -1)], axis=2)
         return np.asarray(A0), np.asarray(A1)
 
 
@@ -718,8 +728,11 @@ class Chain:
     possible : names of every parameter that it could have, open or not
     left_out : names of channels of the table that the chain does not predict
     remarks : sentences: what was left out and why, what was assumed of the load cells
-    cover, table, forces : its parts
+    cover, table, article, forces : its parts
     springs : the load cells
+
+    With a pick-ups on the article, "loads" below are 6 + 3 a: behind those on the cells stand the accelerations of the article
+    at each of them along x, y, z, beyond those of a rigid one.
     """
 
     columns: tuple[int, ...]
@@ -730,6 +743,7 @@ class Chain:
     remarks: tuple[str, ...]
     cover: PickUps
     table: PickUps
+    article: PickUps
     forces: Loads
     springs: Springs
 
@@ -767,9 +781,13 @@ class Chain:
         Columns are the motions, and for A1 the loads, about the reference point in the order of `MOTIONS`.
         """
         x, lines = self._offsets(theta), _lines(frequency)
-        cover, table = (part.rows(x, lines) for part in (self.cover, self.table))
-        A1 = self.forces.rows(x, lines)
-        return np.concatenate([cover[0], table[0], np.zeros_like(A1)], axis=1), np.concatenate([cover[1], table[1], A1], axis=1)
+        whole = [*(part.rows(x, lines) for part in (self.cover, self.table)), (None, self.forces.rows(x, lines))]
+        if self.article.channels:
+            whole.insert(2, self.article.rows(x, lines))
+        width = 6 + 3 * len(self.article.channels)
+        A0 = [np.zeros_like(A1) if of is None else of for of, A1 in whole]
+        A1 = [np.pad(A1, ((0, 0), (0, 0), (0, width - A1.shape[2]))) if A1.shape[2] < width else A1 for _, A1 in whole]
+        return np.concatenate(A0, axis=1), np.concatenate(A1, axis=1)
 
     def derivatives(
         self, theta: npt.ArrayLike, frequency: npt.ArrayLike, H: npt.ArrayLike, wanted: Collection[str] | None = None
@@ -780,12 +798,14 @@ class Chain:
         """
         names = [one.name for one in self.parameters if wanted is None or one.name in wanted]
         x, lines = self._offsets(theta), _lines(frequency)
-        matrix = np.broadcast_to(np.asarray(H, dtype=np.complex128), (len(lines), 6, 6))
+        width = 6 + 3 * len(self.article.channels)
+        matrix = np.broadcast_to(np.asarray(H, dtype=np.complex128), (len(lines), width, 6))
         found: dict[str, list[tuple[list[int], ComplexArray]]] = {name: [] for name in names}
-        for part in (self.cover, self.table):
-            for key, touched, rows in part.changes(x, lines, matrix, found):
+        for part in (self.cover, self.table, self.article):
+            of = matrix if part is self.article else matrix[:, :6]
+            for key, touched, rows in part.changes(x, lines, of, found) if part.channels else ():
                 found[key].append(([part.first + k for k in touched], rows))
-        for key, touched, rows in self.forces.changes(x, lines, matrix, found):
+        for key, touched, rows in self.forces.changes(x, lines, matrix[:, :6], found):
             found[key].append(([self.forces.first + k for k in touched], rows))
         return tuple(
             Derivative(
@@ -809,8 +829,9 @@ def chain(
     stiffness: npt.ArrayLike | None = None,
     gravity: float = STANDARD_GRAVITY,
     overrides: Mapping[str, float] = MappingProxyType({}),
+    on_article: Collection[str] = (),
 ) -> Chain:
-    """The chain of `table`: accelerometers on cover plate and table, then forces and moments of the FMD.
+    """The chain of `table`: accelerometers on cover plate, table and article, then forces and moments of the FMD.
 
     Parameters
     ----------
@@ -821,6 +842,7 @@ def chain(
     gravity : [m/s²]
     overrides : standard deviations by name of a parameter or of its family, in place of `tolerances`. 0 closes a
         parameter; what is closed by default (delays of boards, shunts, high-passes, ...) opens by a positive one
+    on_article : names of accelerometers of the group "article" whose motion somebody predicts; the others are left out
 
     Raises
     ------
@@ -831,7 +853,8 @@ def chain(
         table.select(group=group, quantity=quantity)
         for group, quantity in (("cover", "acceleration"), ("table", "acceleration"), ("fmd", ("force", "moment")))
     )
-    columns = (*cover, *below, *force)
+    upon = tuple(k for k in table.select(group="article", quantity="acceleration") if table.channels[k].name in on_article)
+    columns = (*cover, *below, *upon, *force)
     sums = summation([table.channels[k] for k in force], table.origin)
     elements = [place for quantity, place in sums.elements if quantity == "force"]
     springs = cell_springs(elements, table.origin, stiffness)
@@ -844,10 +867,15 @@ def chain(
             springs=springs,
             gravity=gravity,
         )
-        for group, chosen, first in (("cover", cover, 0), ("table", below, len(cover)))
+        for group, chosen, first in (
+            ("cover", cover, 0),
+            ("table", below, len(cover)),
+            ("article", upon, len(cover) + len(below)),
+        )
     ]
-    forces = Loads(channels=tuple(table.channels[k] for k in force), first=len(cover) + len(below), sums=sums, springs=springs)
-    candidates = _candidates(parts[0], parts[1], forces, known, ASSUMED if stiffness is None else STATED)
+    first = len(cover) + len(below) + len(upon)
+    forces = Loads(channels=tuple(table.channels[k] for k in force), first=first, sums=sums, springs=springs)
+    candidates = _candidates(parts[0], parts[1], parts[2], forces, known, ASSUMED if stiffness is None else STATED)
     left = [channel for k, channel in enumerate(table.channels) if k not in columns]
     why = {
         "sits on the structure, which is not rigid": [channel.name for channel in left if channel.group == "article"],
@@ -869,12 +897,15 @@ def chain(
         remarks=tuple(remarks),
         cover=parts[0],
         table=parts[1],
+        article=parts[2],
         forces=forces,
         springs=springs,
     )
 
 
-def _candidates(cover: PickUps, table: PickUps, forces: Loads, known: Tolerances, softness: float) -> tuple[Parameter, ...]:
+def _candidates(
+    cover: PickUps, table: PickUps, article: PickUps, forces: Loads, known: Tolerances, softness: float
+) -> tuple[Parameter, ...]:
     """Every parameter that the chain could have, family by family; tolerance 0 where none is expected to move."""
     springs, below = forces.springs, table.columns if not forces.springs.rigid else ()
     cell = Parameter(
@@ -887,11 +918,14 @@ def _candidates(cover: PickUps, table: PickUps, forces: Loads, known: Tolerances
         above=-1.0,
     )
     common = Parameter(name=COMPLIANCE, unit="1", tolerance=softness, channels=below, nominal=1.0, logarithmic=True)
-    gravity = Parameter(name=STRUCTURE, unit="1", tolerance=0.0, channels=(*cover.columns, *table.columns), nominal=1.0)
+    gravity = Parameter(
+        name=STRUCTURE, unit="1", tolerance=0.0, channels=(*cover.columns, *table.columns, *article.columns), nominal=1.0
+    )
     found = [
         *forces.parameters(known),
         *cover.parameters(known),
         *table.parameters(known),
+        *(article.parameters(known) if article.channels else ()),
         *(replace(cell, name=f"{ELEMENT}:{name}") for name in (springs.names if springs.of_cells else ())),
         *(replace(common, name=f"{COMPLIANCE}:{name}") for name in springs.shares if below),
         *(replace(gravity, name=name) for name in (STRUCTURE, SENSOR) if gravity.channels),

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import fields
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from geometry.inertia import Inertia
 from validation import study as opened
@@ -136,21 +136,28 @@ class Routes(dict[str, Inertia]):
 
         rows = list(zip(QUANTITIES, *(about_cog(one) for one in self.values()), strict=True))
 
-        def figure(k: int) -> Callable[[Any], float]:
-            return lambda row: float(row[k]) * float(row[0].per_si)
+        def printed(k: int) -> Callable[[Any], float]:
+            return lambda row: float(row[k]) * row[0].per_si
 
-        columns = [Column(route, figure(k), ".6g") for k, route in enumerate(self, start=1)]
+        columns = [Column(route, printed(k), ".6g") for k, route in enumerate(self, start=1)]
         named = Column("", lambda row: f"{row[0].label} [{row[0].unit}]", words=True)
         about = "CoG from the article's own origin; moments and products about the CoG, products as entries of the tensor."
         return Document(title="Inertia by route", blocks=(Table(rows=rows, columns=(named, *columns)),), notes=(about,))
 
 
-Printing = TypeVar("Printing", Comparison, Diagnosis, Identification)
+def comparison(found: comparing.Comparison) -> Comparison:
+    """`found` as one that prints itself."""
+    return Comparison(**_fields(found))
 
 
-def printing(kind: type[Printing], found: Any) -> Printing:
-    """`found` as one of `kind`, which prints itself."""
-    return kind(**_fields(found))
+def diagnosis(found: diagnosing.Diagnosis) -> Diagnosis:
+    """`found` as one that prints itself."""
+    return Diagnosis(**_fields(found))
+
+
+def identification(found: identifying.IdentificationFindings) -> Identification:
+    """`found` as one that prints itself."""
+    return Identification(**_fields(found))
 
 
 def _fields(of: Any) -> dict[str, Any]:

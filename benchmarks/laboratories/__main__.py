@@ -1,91 +1,180 @@
-"""How many sound laboratories are said to be sound: ``python -m benchmarks.laboratories --count 8 --sheet calibrated``."""
+"""How many sound laboratories are said to be sound, and what is found in others.
+
+``python -m benchmarks.laboratories --count 8 --sheet calibrated --class calibrated`` asks nulls of one series on one bench;
+``python -m benchmarks.laboratories --draw 1 --count 60 --out out/laboratories.jsonl`` draws benches, series and faults, a null
+before each of them, and goes on where it was interrupted; ``--score out/laboratories.jsonl`` counts.
+"""
 
 from __future__ import annotations
 
 import json
 import time
 from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import click
 import numpy as np
 
-from benchmarks.laboratories.shaking import SOUND, STIFFNESS, Faults, series
+from benchmarks.blind.score.rates import rate
+from benchmarks.laboratories.cases import ARTICLES, Case, draw
+from benchmarks.laboratories.shaking import SOUND, Bench, Faults, series, truth
 from geometry.errors import BadInput, CheckFailed
 from validation.diagnose.diagnose import diagnosed
 from validation.model import model_file
 from validation.study import Data, Study
 
-ARTICLES = ("fmd+disc+cuboid", "fmd+clumod-1")
+Json = dict[str, Any]
 
 MODEL = """
 format = 1
-model = {{ title = "drawn", article = "fmd+clumod-1" }}
+model = {{ title = "drawn", article = "{article}" }}
 laboratory = {{ cell_stiffness_N_m = {stiffness}, fmd = {{ inertia = "drawing", tolerance = 0.04 }} }}
 {tolerances}
 structure = {{ kind = "beam" }}
 """
 
 
-def analyst(name: str) -> str:
+def analyst(name: str, article: str = ARTICLES[0][-1], bench: Bench | None = None) -> str:
     """The model file of an analyst who states the class `name`; none states nothing."""
     said = f'tolerances = {{ class = "{name}" }}' if name else ""
-    return MODEL.format(stiffness=list(STIFFNESS), tolerances=said)
+    return MODEL.format(article=article, stiffness=list((bench or Bench()).stiffness), tolerances=said)
 
 
-KINDS = {"gain": "gain", "delay": "late", "position": "place", "mass": "mass"}
-"""Which of `Faults` a family of the catalogue is, by the last word of its name."""
+def asked(case: Case, faults: Faults) -> tuple[Json, Mapping[str, float]]:
+    """What is said of a case with `faults`, and the smallest sizes that would have been named."""
+    made = series(case.laboratory, case.articles, case.sheet, faults, case.bench)
+    model = model_file.of_text(analyst(case.sheet, case.articles[-1], case.bench), "drawn.toml")
+    line: Json = {"number": case.number, "kind": case.kind, "laboratory": case.laboratory, "sheet": case.sheet}
+    line |= {"articles": list(case.articles), "bench": asdict(case.bench)}
+    line |= {"planted": truth(case.laboratory, case.sheet, faults), "multiples": dict(case.multiples)}
+    begun, smallest = time.process_time(), {}
+    try:
+        found = diagnosed(Study.of(model, Data(campaigns=made)))
+        line |= {"verdict": found.verdict, "text": found.text, "class": list(found.equivalence_class)}
+        line["named"] = {one.id: {size.key: [size.value, size.low, size.high] for size in one.sizes} for one in found.accepted}
+        line["ranking"] = [[one.id, one.evidence] for one in found.ranking[:4]]
+        line["goodness"] = [[one.misfit, one.price] for one in found.steps]
+        line["limit"] = found.settings.get("misfit_limit")
+        smallest = {one.id: one.size for one in found.detectable}
+    except (BadInput, CheckFailed) as error:  # a refusal is an answer that counts
+        line |= {"verdict": "refused", "text": str(error), "named": {}, "class": []}
+    return line | {"seconds": time.process_time() - begun}, smallest
 
 
-def of_text(text: str) -> Faults:
-    """``force-gain:fmd-z2=0.05``, ``accelerometer-position:cover-x1:y=0.003``, ``point-mass:top=0.2``; nothing for a null."""
-    if not text:
-        return SOUND
-    what, _, size = text.partition("=")
-    family, target, *axis = what.split(":")
-    value = np.eye(3)["xyz".index(axis[0])] * float(size) if axis else float(size)
-    kind = KINDS[family.rpartition("-")[2]]
-    return Faults(**{key: {target: value} if key == kind else {} for key in KINDS.values()})  # type: ignore[arg-type]
+def answers(seed: int, first: int, count: int, out: Path) -> Iterator[Json]:
+    """Of the cases of a draw, kept in `out` as they are found: a null, and the same laboratory with what is planted."""
+    kept = [json.loads(one) for one in out.read_text().splitlines()] if out.exists() else []
+    done = {(one["number"], one["kind"]): one for one in kept}
+    for case in islice(draw(seed), first, first + count):
+        for kind in ("null", case.kind):
+            if (case.number, kind) in done:
+                continue
+            faults: Faults | None = SOUND
+            if kind != "null":
+                faults = case.faults(done[case.number, "null"].get("smallest", {}))
+            if faults is None:
+                continue
+            line, smallest = asked(case, faults)
+            line |= {"kind": kind} | (
+                {"smallest": {id: smallest[id] for id in case.multiples if id in smallest}} if kind == "null" else {}
+            )
+            done[case.number, kind] = line
+            out.parent.mkdir(parents=True, exist_ok=True)
+            with out.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(line) + "\n")
+            yield line
+
+
+def told(line: Json) -> str:
+    """One answer in a line."""
+    planted = ", ".join(f"{id} {size[0]:.4g}" for id, size in line["planted"].items()) or "sound"
+    named = ", ".join(f"{id} {next(iter(sizes.values()), [0])[0]:.4g}" for id, sizes in line["named"].items())
+    where = f"{line['number']:3d} {line['sheet'][:4]} {'+'.join(one[4:] for one in line['articles'])}"
+    return f"{where} | {planted} | {line['verdict']}: {named} {line['text'][:150]} ({line['seconds']:.0f} s)"
+
+
+def hit(line: Json) -> dict[str, bool]:
+    """Whether what was planted is first, all of it named, in the class, and whether something else is claimed."""
+    planted, named, alike = set(line["planted"]), list(line["named"]), set(line["class"])
+    return {
+        "first": bool(named) and named[0] in planted,
+        "all": planted <= set(named),
+        "class": planted <= {*named, *alike},
+        "wrong": bool(set(named) - planted) and not planted <= alike,
+    }
+
+
+def scored(lines: Sequence[Json]) -> list[tuple[str, str]]:
+    """Rows of the table: what, and how many of how many with the exact interval of 95 %."""
+    by = {kind: [one for one in lines if one["kind"] == kind] for kind in ("null", "single", "pair", "unknown")}
+    nulls, singles = by["null"], by["single"]
+    rows = [
+        (f"nulls of {sheet} quiet", rate(one["verdict"] == "nothing" for one in nulls if one["sheet"] == sheet))
+        for sheet in ("calibrated", "as-delivered")
+    ]
+    rows.append(("refused, of all", rate(one["verdict"] == "refused" for one in lines)))
+    for times in (2.0, 5.0):
+        of = [one for one in singles if times in one["multiples"].values()]
+        rows += [
+            (f"singles at {times:g} times: {what}", rate(hit(one)[what] for one in of)) for what in ("first", "class", "wrong")
+        ]
+        rows.append((f"singles at {times:g} times: said to be sound", rate(one["verdict"] == "nothing" for one in of)))
+    rows += [
+        ("pairs, both named", rate(hit(one)["all"] for one in by["pair"])),
+        ("pairs, both in the class", rate(hit(one)["class"] for one in by["pair"])),
+    ]
+    rows += [("unknown physics called unknown", rate(one["verdict"] == "unknown" for one in by["unknown"]))]
+    rows += [("unknown physics given a name", rate(bool(one["named"]) for one in by["unknown"]))]
+    off, inside = [], []
+    for one in (*singles, *by["pair"]):
+        for id in set(one["planted"]) & set(one["named"]):
+            for true, (value, low, high) in zip(one["planted"][id], one["named"][id].values(), strict=False):
+                off.append(abs(value - true) / max(abs(true - float(id.startswith("fmd-compliance"))), 1e-12))
+                inside.append(low <= true <= high)
+    rows.append(("sizes in their 90 % interval", rate(inside)))
+    return [(what, str(of)) for what, of in rows] + [
+        ("sizes, median error", f"{100 * float(np.median(off)):.1f} %" if off else "none yet")
+    ]
 
 
 @click.command()
-@click.option("--count", default=8, show_default=True, help="Laboratories.")
+@click.option("--count", default=8, show_default=True, help="Laboratories, or cases of a draw.")
 @click.option("--first", default=1, show_default=True, help="Number of the first.")
 @click.option("--sheet", default="calibrated", show_default=True, help="Class that they are drawn from.")
 @click.option("--class", "stated", default="", help="Class that the analyst states; none by default.")
-@click.option("--fault", default="", help="What is planted, such as force-gain:fmd-z2=0.05; nothing by default.")
-@click.option("--times", default=0.0, help="Plant so many times the smallest size that its null would have named.")
-@click.option("--article", "articles", multiple=True, default=ARTICLES, show_default=True, help="Of the series.")
-@click.option("--out", type=click.Path(path_type=Path), default=None, help="A line of JSON for every laboratory is added here.")
+@click.option("--article", "articles", multiple=True, default=ARTICLES[0], show_default=True, help="Of the series.")
+@click.option("--draw", "seed", type=int, default=None, help="Seed of a draw of benches, series, sheets and faults.")
+@click.option(
+    "--out", type=click.Path(path_type=Path), default=Path("out/laboratories.jsonl"), show_default=True, help="Answers of a draw."
+)
+@click.option("--score", is_flag=True, help="Count what is kept in --out.")
 def main(
-    count: int, first: int, sheet: str, stated: str, fault: str, times: float, articles: tuple[str, ...], out: Path | None
+    count: int, first: int, sheet: str, stated: str, articles: tuple[str, ...], seed: int | None, out: Path, score: bool
 ) -> None:
     """Draw laboratories, diagnose them, and count verdicts."""
-    model, told = model_file.of_text(analyst(stated), "drawn.toml"), []
+    if score:
+        for what, share in scored([json.loads(one) for one in out.read_text().splitlines()]):
+            click.echo(f"{what:45s} {share}")
+        return
+    if seed is not None:
+        for line in answers(seed, first, count, out):
+            click.echo(told(line))
+        return
+    model, verdicts = model_file.of_text(analyst(stated, articles[-1]), "drawn.toml"), []
     for number in range(first, first + count):
-        planted = fault
-        if times:
-            null = diagnosed(Study.of(model, Data(campaigns=series(number, articles, sheet))))
-            planted = f"{fault}={times * next(one.size for one in null.detectable if one.id == fault):.5g}"
-        line: dict[str, Any] = {"sheet": sheet, "laboratory": number, "stated": stated, "fault": planted, "times": times}
         begun = time.process_time()
         try:
-            found = diagnosed(Study.of(model, Data(campaigns=series(number, articles, sheet, of_text(planted)))))
-            line |= {"verdict": found.verdict, "text": found.text, "class": found.equivalence_class}
-            line["named"] = [f"{one.id} {one.sizes[0].value if one.sizes else 0:.4g}" for one in found.accepted]
-            line["misfit_and_limit"] = (found.steps[-1].misfit, found.settings["misfit_limit"]) if found.steps else None
-        except (BadInput, CheckFailed) as error:  # a refusal is an answer that counts
-            line |= {"verdict": "refused", "text": str(error), "named": []}
-        told.append(line["verdict"])
-        took = time.process_time() - begun
-        click.echo(
-            f"{sheet} {number:3d} {planted} {line['verdict']}: {', '.join(line['named'])} {line['text'][:160]} ({took:.0f} s)"
-        )
-        if out is not None:
-            with out.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(line) + "\n")
-    click.echo(", ".join(f"{n} {verdict}" for verdict, n in Counter(told).items()))
+            found = diagnosed(Study.of(model, Data(campaigns=series(number, articles, sheet))))
+            verdict, text = found.verdict, found.text
+        except (BadInput, CheckFailed) as error:
+            verdict, text = "refused", str(error)
+        verdicts.append(verdict)
+        click.echo(f"{sheet} {number:3d} {verdict}: {text[:160]} ({time.process_time() - begun:.0f} s)")
+    click.echo(", ".join(f"{n} {verdict}" for verdict, n in Counter(verdicts).items()))
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from geometry.dynamic_mass import ComplexArray, DynamicMass
 from geometry.errors import BadInput
 from geometry.frames import Array
-from identification.campaign import Campaign, block_rms, noise_floors
+from identification.campaign import Campaign, block_length, block_rms, noise_floors
 from identification.spectra.line_spectra import full_record, hann
 
 BLOCK_SIZE, OVERLAP = 8192, 0.9
@@ -253,9 +253,10 @@ def warnings(campaign: Campaign) -> tuple[str, ...]:
         if recorded.sampling_rate is None:
             continue
         forward, backward = recorded.values, recorded.values[::-1]
-        rms, last = block_rms(forward, recorded.sampling_rate), block_rms(backward, recorded.sampling_rate)
+        rms = recorded.rms
         if len(rms) < 2:
             continue
+        last = block_rms(backward[: block_length(recorded.sampling_rate)], recorded.sampling_rate)
         level = rms.max(axis=0)
         still = np.where(floors > 0, np.maximum(IN_MOTION * floors, NEGLIGIBLE * level), UNKNOWN * level)
         first = np.abs(forward[0] - forward.mean(axis=0))

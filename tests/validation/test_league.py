@@ -56,11 +56,6 @@ def lab(tmp_path: Path, three_floors: Callable[..., str]) -> Path:
     return tmp_path
 
 
-def members(found: dict) -> list[str]:
-    """All effects of the class that a diagnosis names."""
-    return [*found["equivalence_class"]]
-
-
 def plain_words(text: str) -> str:
     return re.sub(r"\s+", " ", text)
 
@@ -106,7 +101,7 @@ def test_what_is_printed_and_reported_knows_no_fmd_and_no_campaign(lab, run):
     assert "No inertia was identified: that takes motions of a base" in page
 
 
-def test_a_table_of_modes_is_told_by_mode_and_without_a_frequency_of_its_mean(tmp_path, three_floors, run, answer):
+def test_a_table_of_modes_is_told_by_mode_and_without_a_frequency_of_its_mean(tmp_path, three_floors, run):
     K, M = matrices(HIDDEN)
     squares, shapes = np.linalg.eigh(K / M[0, 0])
     hertz = ", ".join(f'"{f:.6g} +/- {f / 1000:.3g} Hz"' for f in np.sqrt(squares) / (2 * np.pi))
@@ -122,8 +117,10 @@ def test_a_table_of_modes_is_told_by_mode_and_without_a_frequency_of_its_mean(tm
     assert "frequency in mode 3 of table frequencies" in plain_words(out)
     assert "nan" not in out
     assert not re.search(r"mode \d of table frequencies, [\d.]+ Hz", out)
-    found = answer("diagnose", FILE, "table.toml")
-    assert "modulus:legs-2" in members(found)
+    code, out, err = run("diagnose", FILE, "table.toml")
+    assert code == 0, err
+    assert "modulus:legs-2" in out
+    assert " MAC" in out  # what analysts deliver, beside what is missing
 
 
 @pytest.mark.parametrize(

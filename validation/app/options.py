@@ -5,6 +5,8 @@ import os
 import signal
 import sys
 import threading
+import time
+from contextlib import suppress
 from dataclasses import dataclass, field
 from ipaddress import ip_address
 from pathlib import Path
@@ -167,6 +169,29 @@ def tied() -> None:
         ctypes.CDLL(None, use_errno=True).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
     signal.signal(signal.SIGTERM, lambda *_: end_group())
     threading.Thread(target=_wait_for_the_end, name="lifeline", daemon=True).start()
+
+
+PR_SET_CHILD_SUBREAPER = 36
+"""`prctl(2)`: processes whose parent ends become children of this one, not of the first process of the system."""
+
+
+def adopting() -> None:
+    """Let what a window leaves behind come to this process, which `collect` takes away; the first process may not do that."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None, use_errno=True).prctl(PR_SET_CHILD_SUBREAPER, 1)
+
+
+COLLECTS = 2.0
+"""[s] within which processes that were killed are gone."""
+
+
+def collect(group: int) -> None:
+    """Wait for the processes of a `group` that was ended, so that none stays in the table of processes."""
+    end = time.monotonic() + COLLECTS
+    with suppress(ChildProcessError):
+        while time.monotonic() < end:
+            if os.waitid(os.P_PGID, group, os.WEXITED | os.WNOHANG) is None:
+                time.sleep(0.01)
 
 
 def end_group() -> None:

@@ -3,7 +3,7 @@
 import asyncio
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from math import isfinite, log, log2
 from typing import TYPE_CHECKING, Any
 
@@ -16,8 +16,7 @@ from validation.app.scene3d import MapCell, MapEntry
 from validation.app.state import WindowState, keep, kept
 from validation.app.whatif import ReadyPredictions, Slider, TrialEffect, WhatIf
 from validation.compare.compare import run as run_in_words
-from validation.compare.correlation import ModalCorrelation
-from validation.compare.maps import NamedMode, Pairs
+from validation.compare.maps import Pairs
 from validation.diagnose.diagnosis import Cause, Diagnosis, sized
 from validation.diagnose.diagnosis import listed as diagnosis_listed
 from validation.effects import practical_units
@@ -45,8 +44,8 @@ def as_state(figure: Figure) -> dict[str, Any]:
 # Overlay and map, drawn as the page stands.
 
 
-ROW, TOP, BOTTOM = 9, 16, 40
-"""Least height of a row of the map, and room above and below its rows [pixels]."""
+ROW, TOP, BOTTOM = 9, 28, 40
+"""Least height of a row of the map, and room above its rows, for the buttons, and below them [pixels]."""
 
 WORST_OF_ALL = -1
 """In place of a run: the worst of all."""
@@ -73,11 +72,19 @@ async def drawn(window: WindowState) -> None:
         if of.pairs is not None:
             panel = maps.entry_of(of.pairs, load, motion, modes, further)
         else:
-            panel = functions.functions_of(of, run, channel, further)
+            panel = maps.function_of(of, run, channel, further)
             if of.functions is not None and of.functions.coherence is not None:
                 coherence = of.functions.coherence[run, :, channel]
-        look: dict[str, Any] = {"coherence": coherence, "named": modes, "marked": marked, "dark": dark}
-        return as_state(functions.shown(panel, units(window), how, title=f"{of.data_set} {state.curve}", **look))
+        drawn_curves = functions.DrawnCurves(
+            panel=panel,
+            units=units(window),
+            switches=how,
+            coherence=coherence,
+            modes=modes,
+            marked=marked,
+            title=f"{of.data_set} {state.curve}",
+        )
+        return as_state(drawn_curves.figure(dark))
 
     def residuals(pairs: Pairs | None) -> dict[str, Any]:
         """Without its title, which tabs and choices above it say; its height is the least, the page gives it what there is."""
@@ -143,7 +150,7 @@ async def switch(window: WindowState, name: str, wanted: str) -> None:
     """Show curves otherwise; every window that is opened later begins so."""
     found = next((one for one in CHOICES.get(name, ()) if str(one) == wanted), None)
     if found is not None:
-        window.state[name] = found
+        window.state.update({name: found})
         app_state.keep_switches({one: window.state[one] for one in SWITCHES})
         await drawn(window)
 
@@ -164,32 +171,24 @@ async def showing(window: WindowState, name: str) -> None:
 # Modes of a table, or resonances that functions show, beside those of the model.
 
 
-def model_hertz(of: ModalCorrelation, known: Sequence[NamedMode]) -> list[float]:
-    """[Hz] of the modes of the model in the columns of the MAC."""
-    paired = {one.model: one.model_hz for one in of.pairs}
-    return [paired.get(k, known[k - 1].frequency if 0 < k <= len(known) else float("nan")) for k in of.modes]
-
-
 async def correlation_drawn(window: WindowState) -> None:
     """Draw MAC and the chosen pair of shapes, where the data set has modes."""
-    state, compared = window.state, window.compared
-    table = None if compared is None else compared.table(state.campaign)
-    if compared is None or table is None or not table.mac.size or state.showing != MAC:
+    state, shown = window.state, pair_of(window)
+    if shown is None or window.compared is None:
         state.fig_mac, state.fig_shape, state.pair_words = {}, {}, ""
         return
-    at = pair_at(table, state.pair)
-    hertz, dark = model_hertz(table, compared.modes_of(state.campaign)), bool(state.dark)
-    state.fig_mac = as_state(functions.mac(table, hertz, at, dark))
-    state.fig_shape = as_state(functions.pair_of_shapes(table, at, dark))
-    state.pair_words = functions.told(table, at)
+    dark = bool(state.dark)
+    state.fig_mac = as_state(shown.mac(window.compared.modes_of(state.campaign), dark))
+    state.fig_shape, state.pair_words = as_state(shown.shapes(dark)), shown.words
 
 
-def pair_at(of: ModalCorrelation, pair: Sequence[int] | None) -> tuple[int, int]:
-    """Row and column of the MAC that are shown: those of the first pair where none was chosen."""
-    m, q = of.mac.shape
-    if pair is not None and 0 <= pair[0] < m and 0 <= pair[1] < q:
-        return int(pair[0]), int(pair[1])
-    return 0, of.modes.index(of.pairs[0].model)
+def pair_of(window: WindowState) -> functions.ShownPair | None:
+    """The pair of modes that is shown; None where curves are, and where there are no shapes."""
+    state, compared = window.state, window.compared
+    table = None if compared is None or state.kind == MASS else compared.table(state.campaign)
+    if table is None or not table.mac.size or state.showing != MAC:
+        return None
+    return functions.ShownPair.chosen(table, state.pair)
 
 
 async def matched(window: WindowState, picked: dict[str, Any]) -> None:
@@ -290,7 +289,8 @@ async def rungs_shown(window: WindowState) -> None:
 def _untitled(figure: Figure, top: int) -> dict[str, Any]:
     """Without its title, which the tab above it says, in a low panel; `top` [pixels] are left for a legend at the upper edge."""
     legend = {"yref": "container", "y": 1.0, "yanchor": "top", "font": {"size": 11}}
-    figure.update(title={"text": ""}, height=LOW, margin={"t": top}, legend=legend)
+    figure.update(title={"text": ""}, height=LOW, margin={"t": top, "r": functions.ROOM + 6}, legend=legend)
+    figure.update(modebar={"orientation": "v"})
     return as_state(figure)
 
 
@@ -317,11 +317,9 @@ async def structure_shown(window: WindowState) -> None:
     state.view_far = _far(window)
     state.flush()
     try:
-        table = None if compared is None or state.kind == MASS else compared.table(campaign)
         if compared is not None and state.kind != MASS:
-            pair = pair_at(table, state.pair) if table is not None and table.mac.size and state.showing == MAC else None
             number = None if state.mode == AT_REST else state.mode
-            turned = await window.away(scene3d.of_test, window.session, compared, campaign, number, pair)
+            turned = await window.away(scene3d.of_test, window.session, compared, campaign, number, pair_of(window))
             table_of, label, note = turned.table, turned.label, turned.note
         elif state.mode == AT_REST or compared is None:
             scene = await window.away(scene3d.scene, window.session, campaign)
@@ -460,7 +458,6 @@ async def cell(window: WindowState, picked: dict[str, Any]) -> None:
         return
     of, row, frequency = window.compared.map(window.state.campaign), str(picked["y"]), float(picked["custom"][1])
     if window.state.kind == TABLE:
-        labels = [escaped(name) for name in maps.labels(of)]
         await _to_mode(window, int(frequency) - 1)
         return
     if row in maps.PAIRS and window.state.map_kind == "pairs":
@@ -898,8 +895,8 @@ async def shown(window: WindowState) -> None:
         return
     workers.recovered(session)
     window.wanted = kept(window)
-    data = ", ".join(path.rsplit("/", 1)[-1] for path in session.asked.data)
-    state.title = f"{session.title or session.asked.model.rsplit('/', 1)[-1]}: {data}"
+    names = [path.rsplit("/", 1)[-1] for path in session.asked.data]
+    state.title = ": ".join(filter(None, (session.title or session.asked.model.rsplit("/", 1)[-1], ", ".join(names))))
     state.screen, state.failure, state.ready = "work", "", None
     state.faults = {"model": [], "data": [], "options": []}
     state.flush()

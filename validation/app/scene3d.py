@@ -24,7 +24,7 @@ from validation.prediction.modal_table import TableFrequencies, TableShapes, rea
 from validation.prediction.response_functions import ResponseFunctionTest
 from validation.prediction.structure import ReducedStructure
 from validation.prediction.structure_tests import StructurePrediction
-from validation.report.charts.functions import scaled, told
+from validation.report.charts.functions import ShownPair
 from validation.report.flexible import Moved, moved_bodies
 from validation.report.scenes.motion import MovingBody, scale_of
 from validation.report.scenes.nodes import Outline, marks
@@ -350,7 +350,7 @@ class Turned:
 SHINING = 4.0
 """[sigma] from which a force or a sensor is marked: chance does not reach it."""
 
-MARK = 0.02
+MARK = 0.035
 """Of its size, what a mark of a sensor that moves is."""
 
 APART = 1.5
@@ -366,13 +366,13 @@ def failing(of: Compared, name: str) -> dict[str, float]:
     return {channel: most for channel, most in peak.items() if most >= least}
 
 
-def of_test(session: Session, found: Compared | None, name: str, mode: int | None, pair: tuple[int, int] | None) -> Turned:
+def of_test(session: Session, found: Compared | None, name: str, mode: int | None, pair: ShownPair | None) -> Turned:
     """The data set `name` of a structure as it stands: at rest, in a mode, or a pair of shapes of test and model side by side.
 
     Parameters
     ----------
     mode : number of `Compared.modes_of`
-    pair : row and column of its MAC
+    pair : of its MAC
 
     Raises
     ------
@@ -388,18 +388,17 @@ def of_test(session: Session, found: Compared | None, name: str, mode: int | Non
             "Arrows: where forces act and answers are read; red is what deviates by more than chance explains, with its sigmas."
         )
         return Turned(table=Turntable((body,), sensors), label=f"{name}: structure and sensors", note=note)
-    table = found.table(name)
-    if pair is None or table is None:
+    if pair is None:
         known = found.modes_of(name)[mode or 0]
         swing, carried = one.mode({**found.offsets}, mode or 0)
         moving = (outline.moving(article, swing),)
         note = f"{known.name}, {known.frequency:.2f} Hz, damping ratio {known.damping_ratio:.3g}; size of the swing as drawn."
         label = f"{name}: {known.name} at {known.frequency:.2f} Hz"
         return Turned(table=Turntable(moving, sensors, scale_of(moving), carried), label=label, note=note)
-    i, j = pair
-    swing, carried = one.mode({each.name: each.start for each in one.prediction.parameters}, table.modes[j] - 1)
+    start = {each.name: each.start for each in one.prediction.parameters}
+    swing, carried = one.mode(start, pair.of.modes[pair.at[1]] - 1)
     # What the test says of every place: along each of the directions that were read there
-    read = dict(zip(table.comac, scaled(table.measured_shapes[i], table.model_shapes[j]).real, strict=True))
+    read = dict(zip(pair.of.comac, pair.scaled.real, strict=True))
     by_place: dict[str, Array] = {}
     for point in one.points:
         if point.name in read:
@@ -419,5 +418,5 @@ def of_test(session: Session, found: Compared | None, name: str, mode: int | Non
     there = tuple(replace(each, position=each.position + beside) for each in sensors)
     note = "On the left the test at its sensors, whose names it bears; on the right the model. Both in the scale of the model."
     moved = np.array([by_place.get(point.place, np.zeros(3)) for point in one.points])
-    label = f"{name}: {told(table, pair)}"
+    label = f"{name}: {pair.words}"
     return Turned(table=Turntable(bodies, there, scale_of(bodies), moved), label=label, note=note)

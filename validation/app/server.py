@@ -21,7 +21,7 @@ from secrets import token_hex, token_urlsafe
 from typing import TYPE_CHECKING, Any
 
 from geometry.errors import BadInput, CheckFailed
-from validation.app import state
+from validation.app import options, state
 from validation.app.options import DOOR_SECRET, NEVER_KEPT, SECURITY, WorkbenchOptions, is_loopback
 from validation.report.charts.interactive import without_addresses
 
@@ -177,8 +177,13 @@ def is_websocket(request: web.BaseRequest) -> bool:
 
 
 async def passed(request: web.Request, client: ClientSession, *, port: int, path: str, secret: str) -> web.StreamResponse:
-    """The answer of the server at `port` to `request`, for `path`, handed through as it comes; a script without its addresses."""
-    from aiohttp import web
+    """The answer of the server at `port` to `request`, for `path`, handed through as it comes; a script without its addresses.
+
+    Raises
+    ------
+    aiohttp.ClientError, ConnectionError : that server is gone; nothing of an answer has been sent.
+    """
+    from aiohttp import ClientError, web
 
     headers = {key: value for key, value in request.headers.items() if key.lower() not in HOP_BY_HOP}
     headers |= {DOOR_SECRET: secret, "Accept-Encoding": "identity"}  # scripts are read on their way
@@ -196,9 +201,13 @@ async def passed(request: web.Request, client: ClientSession, *, port: int, path
         if answer.content_length is not None:
             response.content_length = answer.content_length
         await response.prepare(request)
-        async for chunk in answer.content.iter_chunked(2**16):
-            await response.write(chunk)
-        await response.write_eof()
+        try:
+            async for chunk in answer.content.iter_chunked(2**16):
+                await response.write(chunk)
+            await response.write_eof()
+        except (ClientError, ConnectionError):  # one end is gone in the middle, and no other answer can be given any more
+            if request.transport is not None:
+                request.transport.abort()
         return response
 
 
@@ -224,11 +233,12 @@ async def joined(request: web.Request, client: ClientSession, *, port: int, path
 async def _carried(source: Any, target: Any) -> None:
     from aiohttp import WSMsgType
 
-    async for message in source:
-        if message.type == WSMsgType.BINARY:
-            await target.send_bytes(message.data)
-        elif message.type == WSMsgType.TEXT:
-            await target.send_str(message.data)
+    with contextlib.suppress(ConnectionError):  # the other end is gone, which ends both ways
+        async for message in source:
+            if message.type == WSMsgType.BINARY:
+                await target.send_bytes(message.data)
+            elif message.type == WSMsgType.TEXT:
+                await target.send_str(message.data)
 
 
 def _address(port: int, path: str, request: web.Request) -> URL:
@@ -377,12 +387,14 @@ class Windows:
         await window.process.wait()
         _cancel(window)
         _end_group(window.process)  # workers that a crash left behind
+        await asyncio.to_thread(options.collect, window.process.pid)
         if not self.any_alive():
             self.emptied()
 
     async def _ended(self, window: Window) -> None:
         _end_group(window.process)
         await window.process.wait()
+        await asyncio.to_thread(options.collect, window.process.pid)
 
 
 async def _spawned(folder: Path, secret: str, opened: StartOptions) -> tuple[asyncio.subprocess.Process, int]:
@@ -490,6 +502,7 @@ def run(asked: WorkbenchOptions, say: Callable[[str], None]) -> None:
     except (OSError, OverflowError) as error:
         problem = f"{asked.host}:{asked.port} cannot be listened on: {getattr(error, 'strerror', None) or error}"
         raise BadInput(source="--port", problem=problem, remedy="Choose another port, or 0 for any that is free") from None
+    options.adopting()
     with listening as bound, tempfile.TemporaryDirectory(prefix="massline-app-") as home:
         asyncio.run(_served(asked, bound, Path(home), say))
         state.leaving_kept(Path(home), say)
@@ -632,7 +645,7 @@ async def _shown(request: web.Request, door: Door) -> web.StreamResponse:
         door.say(f"massline: {error}.")
         return _said(Refusal(status=503, text=str(error)))
     onward: dict[str, Any] = {"port": window.port, "path": request.match_info["path"], "secret": door.windows.secret}
-    from aiohttp import ClientConnectorError
+    from aiohttp import ClientError
 
     try:
         if not is_websocket(request):
@@ -642,7 +655,7 @@ async def _shown(request: web.Request, door: Door) -> web.StreamResponse:
             return await joined(request, door.client, **onward)
         finally:
             door.windows.page_closed(window)
-    except ClientConnectorError:  # its process died since it was asked for; nothing of an answer has been sent
+    except (ClientError, ConnectionError):  # its process died since it was asked for; nothing of an answer has been sent
         return _said(GONE)
 
 

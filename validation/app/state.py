@@ -170,10 +170,12 @@ async def cancel(window: WindowState) -> None:
 
 def teller(window: WindowState, words: str) -> Callable[[str, float], None]:
     """What work in a thread calls to say how far it is; a thread cannot be cancelled."""
-    loop, began = asyncio.get_running_loop(), time.monotonic()
+    loop, began, steps = asyncio.get_running_loop(), time.monotonic(), dict[str, float]()
 
     def show(what: str, share: float) -> None:
-        window.state.job = _line(f"{words}: {what}", share, time.monotonic() - began, cancellable=False)
+        seconds = time.monotonic() - began
+        step = steps.setdefault(what, seconds)
+        window.state.job = line(f"{words}: {what}", share, seconds, step, cancellable=False)
         window.state.flush()
 
     show("...", 0.0)
@@ -189,6 +191,7 @@ async def _watched(window: WindowState, then: Following, left: Following) -> Non
         await asyncio.sleep(PACE)
         job = worker.job() if window.ending is None else await window.ending
         _tell(window, job)
+    await asyncio.to_thread(worker.wait, workers.GRACE)  # it ends soon after its last word, and leaves nothing behind
     window.worker, window.ending, window.state.job = None, None, None
     await (then if job.state == DONE else left)(window)
     if job.state == FAILED:
@@ -199,22 +202,37 @@ async def _watched(window: WindowState, then: Following, left: Following) -> Non
 
 
 def _tell(window: WindowState, job: Job) -> None:
-    window.state.job = None if job.ended else _line(f"{WORDS[job.kind]}: {job.what}", job.share, job.seconds, cancellable=True)
+    text = f"{WORDS[job.kind]}: {job.what}"
+    window.state.job = None if job.ended else line(text, job.share, job.seconds, job.step_began, cancellable=True)
     window.state.flush()
 
 
-def _line(text: str, share: float, seconds: float, *, cancellable: bool) -> dict[str, Any]:
-    percent = round(100 * min(max(share, 0.0), 1.0))
-    return {"text": text, "percent": percent, "seconds": round(seconds), "cancellable": cancellable}
+TELLING = 0.05
+"""Share of the work from which the time that is left is told."""
+
+HALF_A_MINUTE = 90.0
+"""[s] from which it is told in minutes."""
+
+
+def line(text: str, share: float, seconds: float, step_began: float, *, cancellable: bool) -> dict[str, Any]:
+    """How far work is: the `share` of its step that is done, and how long the rest of that takes at the same pace.
+
+    Parameters
+    ----------
+    seconds, step_began : [s] since the work began, and when its step did
+    """
+    share = min(max(share, 0.0), 1.0)
+    left = (seconds - step_began) * (1 - share) / share if share >= TELLING else None
+    known = "" if left is None else f", about {left:.0f} s left" if left < HALF_A_MINUTE else f", about {left / 60:.1f} min left"
+    words = f"{round(100 * share)} %{known}, {seconds:.0f} s so far"
+    return {"text": text, "percent": round(100 * share), "words": words, "cancellable": cancellable}
 
 
 # What of the page the next reload finds again.
 
 
-KEPT = (
-    *("campaign", "load", "motion", "drive", "response", "showing", "pair"),
-    *("marked", "map_kind", "run", "tab", "scheme", "mode", "part"),
-)
+OF_CURVES = ("campaign", "load", "motion", "drive", "response", "showing", "pair", "marked")
+KEPT = (*OF_CURVES, "map_kind", "run", "tab", "scheme", "mode", "part")
 """State of the page, by name."""
 
 SWITCHED = "switches.json"

@@ -159,6 +159,7 @@ def _begin(
     window.session = begun(
         folder, model, data, hold_out=hold_out, band=band, method=method, effects_from=effects_from, title=title
     )
+    window.session.take_over(sorted(window.folder.parent.glob("*/desk-*")))
     app_state.saved(window.session)
     (window.folder / CURRENT).write_text(folder.name, encoding="utf-8")
 

@@ -146,11 +146,11 @@ class Remembering:
         self._changing = Lock()
 
     def at(
-        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: BaseDrive, *, derivatives: Wanted
+        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: BaseDrive, *, derivatives: bool
     ) -> tuple[ComplexArray, Tangents]:
         """As `Carried.at`; derivatives are not remembered."""
         if derivatives:
-            return self._of.at(offsets, effects, frequency, drive, derivatives=derivatives)
+            return self._of.at(offsets, effects, frequency, drive, derivatives=True)
         key = self._key(offsets, effects, frequency, drive)
         with self._changing:
             found = self._known.pop(key, None)
@@ -214,11 +214,10 @@ class ReadyCampaign:
     def of(cls, one: StructurePrediction, offsets: Offsets, judged: tuple[str, ...]) -> "ReadyCampaign":
         """`one` made ready at `offsets`, with what its cells carry remembered for whatever is made of it."""
         if not isinstance(one, SeriesPrediction):
-            answered, stated = predicted(one, offsets, None).rows, one.measured.inputs
+            rows, inputs = predicted(one, offsets, None).rows, one.measured.inputs
             squares = tuple(evaluate.squares(one.on(judged), offsets)) if judged else ()
-            ones = np.ones((len(one.measured.runs), len(one.measured.frequency), 1), dtype=np.complex128)
-            inputs = ones if stated is None else stated
-            return cls(prediction=one, operators=None, inputs=inputs, entries=_by_line(answered), judged=judged, squares=squares)
+            known = np.ones((*one.measured.values.shape[:2], 1), dtype=np.complex128) if inputs is None else inputs
+            return cls(prediction=one, operators=None, inputs=known, entries=_by_line(rows), judged=judged, squares=squares)
         carried = cast(SupportedDynamicMass, Remembering(one.tested.carried))
         one = replace(one, tested=replace(one.tested, carried=carried))
         measured, read, campaign = one.measured, predicted(one, offsets, None), one.tested.campaign

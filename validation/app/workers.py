@@ -58,6 +58,7 @@ class Job:
     said : of one that was cancelled, a sentence on what became of the model; empty where nothing has changed
     before : digest of the model as it was when it began
     seconds : since it began, until it ended
+    step_began : [s] after which it began with `what`
     """
 
     kind: str
@@ -69,6 +70,7 @@ class Job:
     said: str = ""
     before: str = ""
     seconds: float = 0.0
+    step_began: float = 0.0
 
     @property
     def ended(self) -> bool:
@@ -257,7 +259,9 @@ class _Told:
         """Take note that `share` of `what` is done."""
         moment = time.monotonic()
         another = what != self.job.what
-        self.job = replace(self.job, what=what, share=min(max(share, 0.0), 1.0), seconds=moment - self._began)
+        seconds = moment - self._began
+        step_began = seconds if another else self.job.step_began
+        self.job = replace(self.job, what=what, share=min(max(share, 0.0), 1.0), seconds=seconds, step_began=step_began)
         if another or moment - self._last >= OFTEN:
             self._last = moment
             tell(self.session, self.job)

@@ -257,7 +257,13 @@ def excite_command(
 @options.SET
 @click.option("--test", "kind", metavar="KIND", help="Of MODEL.toml: hammer, shaker, functions or modes.  [default: hammer]")
 @click.option("--drive", "drives", multiple=True, metavar="PLACE:AXIS", help="Of MODEL.toml, where the force acts. Repeatable.")
-@click.option("--response", "responses", multiple=True, metavar="PLACE:AXIS", help="Of MODEL.toml, what is read. Repeatable.")
+@click.option(
+    "--response",
+    "responses",
+    multiple=True,
+    metavar="PLACE:AXIS",
+    help="What is read of MODEL.toml, or on ARTICLE beside the 22 channels. Repeatable.",
+)
 @click.option("--block", type=float, metavar="S", help="Of MODEL.toml, length of a block.  [default: until all has rung down]")
 @click.pass_context
 def simulate_command(ctx: click.Context, /, articles: tuple[str, ...], out: Path, as_json: bool, **given: Any) -> None:
@@ -286,6 +292,7 @@ def simulate_command(ctx: click.Context, /, articles: tuple[str, ...], out: Path
             articles[0], out, as_json=as_json, **{**common, "band": given["band"] if "band" in stated else None}, **of_structure
         )
         return
+    given["responses"] = of_structure.pop("responses")
     if other := sorted(stated & of_structure.keys()):
         problem = "is an option of the test of a structure, and ARTICLE stands on the multi-axis shaker"
         raise BadInput(source=f"--{other[0]}", problem=problem, remedy="Name a model file, or leave it out")

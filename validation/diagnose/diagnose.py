@@ -15,6 +15,7 @@ from geometry.errors import BadInput
 from geometry.toml_file import nearest
 from identification.campaign import Campaign
 from identification.quality import NORMAL_90
+from validation.compare.correlation import correlations
 from validation.diagnose import candidates, diagnosis, pendulum, search
 from validation.diagnose.everywhere import found_nodes, without_a_name
 from validation.diagnose.landmark_search import FromAfar, line_fit
@@ -97,6 +98,9 @@ def diagnosed(
         found = answer(right, at, steps, tell) if afar is None else answer_from_afar(right, base, steps, afar, tell)
         found = replace(found, everywhere=nodes, nodes=every)
     whole = with_mistakes(of, found, mistaken) if mistaken else found
+    alike = correlations(of.whole().predictions) if of.tests else ()
+    blind = tuple(text for one in alike for text in one.remarks if text not in whole.remarks)
+    whole = replace(whole, correlation=alike, remarks=(*whole.remarks, *blind))
     return replace(whole, only=tuple(only), settings={**whole.settings, "only": list(only), "leave_out": list(leave_out)})
 
 
@@ -108,6 +112,8 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
     lines = sum(len(problem.lines_of(one)) for one in problem.predictions)
     left = unexplained(found if lines <= LINES else replace(found, problem=problem.sparser(2)))
     best, stands = best_step(found, steps), goodness_of_fit(found.fit, problem)
+    last = {one.added: one for one in steps if one.added}
+    same = {one.named.id: last[one.named.id].same_as(one.named.id) if one.named.id in last else () for one in found.effects}
     if not stands.null or left.gain > LEFT:
         verdict = diagnosis.UNKNOWN
     elif not found.effects:
@@ -115,7 +121,8 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
     elif len(found.effects) > 1:
         verdict = diagnosis.SEVERAL
     else:
-        verdict = diagnosis.AMBIGUOUS if len(best.indistinguishable) > 1 else diagnosis.MISSING
+        names = {one.id for one in best.indistinguishable} - set(same[found.effects[0].named.id])
+        verdict = diagnosis.AMBIGUOUS if len(names) > 1 else diagnosis.MISSING
     named = () if verdict == diagnosis.UNKNOWN else found.effects
     before = errors(study, base, lambda share: progress("errors of the model as it is", share))
     after = before
@@ -126,7 +133,7 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
         evidence = next((each.tried[0].evidence for each in reversed(steps) if each.added == one.named.id), 0.0)
         if len(found.effects) == 1:  # whatever was there on the way
             evidence = found.fit.log_evidence - base.fit.log_evidence
-        accepted.append(as_cause(one, found, evidence, stands))
+        accepted.append(replace(as_cause(one, found, evidence, stands), same=same[one.named.id]))
     # Tests that would tell apart what is as good as the best; where nothing is, what the catalogue knows to confirm it
     advice = diagnosis.confirming(one.named for one in found.effects) if verdict in (diagnosis.MISSING, diagnosis.SEVERAL) else ()
     if verdict == diagnosis.AMBIGUOUS:
@@ -423,7 +430,7 @@ def with_mistakes(study: Study, found: diagnosis.Diagnosis, mistaken: Sequence[d
         text=text,
         accepted=(*mistaken, *found.accepted),
         ranking=(*mistaken, *found.ranking),
-        equivalence_class=found.equivalence_class or tuple(id for one in mistaken for id in (one.id, *one.alike)),
+        equivalence_class=found.equivalence_class or tuple(id for one in mistaken for id in (one.id, *one.same)),
         advice=found.advice or diagnosis.confirming(one.named for one in mistaken),
         before=errors_without_fit(study, {} if nonlinear_too else found.after.fitted.by_name),
     )

@@ -70,7 +70,7 @@ class Cause:
     price : sum of z² of the tolerances with it, over what is due where nothing is wrong
     null : whether misfit and price are then those of a model that misses nothing
     note : what these data say of it beyond its size, in words: "its numbers are in g, and the file says m/s^2"
-    alike : ids of other mistakes that would read the same in these data
+    same : ids of other effects, places or mistakes that explain these data to the last digit alike
     """
 
     evidence: float = entry("evidence_nats", unit="nats", null=inf)
@@ -80,7 +80,7 @@ class Cause:
     price: float = entry(null=inf, default=0.0)
     null: bool = entry("as_where_nothing_is_missing", default=True)
     note: str = entry(null="", default="")
-    alike: tuple[str, ...] = entry(rare=True, default=())
+    same: tuple[str, ...] = entry(rare=True, default=())
 
     @property
     @derived("id", before="evidence_nats")
@@ -384,6 +384,7 @@ class Diagnosis(Answer):
     steps : how it was found
     everywhere : of a structure with a mesh, where on it something of each kind would explain most, the best first
     nodes : what the data say of every node (`validation.diagnose.everywhere.NodeScores`), to be drawn
+    correlation : of tests of structures what analysts deliver (`validation.compare.correlation`), by the model as it is
     hold_out : what was held out, in words
     remarks : warnings, about data that were left out and the like
     only : families and ids that alone were looked for; empty where everything was
@@ -396,6 +397,7 @@ class Diagnosis(Answer):
     steps: tuple[ReportedStep, ...] = ()
     everywhere: tuple[FoundNode, ...] = entry(default=(), later=True)
     nodes: tuple[Any, ...] = unwritten(default=())
+    correlation: tuple[Any, ...] = unwritten(default=())
     hold_out: tuple[str, ...] = entry("held_out", default=())
     remarks: tuple[str, ...] = entry("warnings", default=())
     before: Evaluation = entry(write=lambda of: _evaluation_json(of))
@@ -656,7 +658,8 @@ def headline(found: Diagnosis) -> str:
 def cause(of: Cause) -> str:
     """ "force-gain:fmd-z2, +7.93 % (+7.69 to +8.17)"."""
     told = "; ".join(sized(of, size) for size in of.sizes)
-    return f"{of.id}, {told}" if told else of.id
+    name = f"{of.id} (or {listed(of.same, 'or')}, which is the same to these data)" if of.same else of.id
+    return f"{name}, {told}" if told else name
 
 
 def sized(of: Cause, size: EffectEstimate) -> str:

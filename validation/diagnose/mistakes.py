@@ -671,7 +671,7 @@ def _of_channels(
             cause = _cause(family, (names[k], word), nats, {"": 1.0})
             alike.remove(cause.id)
             note = f"{' and '.join(alike)} would read the same" if alike else ""
-            causes.append(replace(cause, alike=tuple(alike), note=note))
+            causes.append(replace(cause, same=tuple(alike), note=note))
             if inverted:
                 causes.append(_cause("polarity", (names[k],), SURE))
     return causes

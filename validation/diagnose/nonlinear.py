@@ -453,7 +453,7 @@ class DistortedRuns:
         one, frequency = self.one, self.of.frequency
         chain = laboratory(one.tested.model, one.tested.campaign, one.effects)
         start = {parameter.name: parameter.start for parameter in one.parameters}
-        rows = chain.rows(np.array([start.get(parameter.name, 0.0) for parameter in chain.parameters]), frequency)[1]
+        rows = chain.rows(np.array([start.get(parameter.name, 0.0) for parameter in chain.parameters]), frequency)[1][:, :, :6]
         linear = [effect for effect in one.effects if FAMILIES[effect.named.family].side != AMPLITUDE]
         reading = ChannelResponse(frequency=frequency, channels=self.of.channels, rows=np.asarray(rows, dtype=np.complex128))
         return effects.channels(reading, {}, linear, derivatives=False)[0].rows

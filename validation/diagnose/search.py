@@ -241,6 +241,11 @@ def sizes(of: Parameter) -> Array:
     return both[(both > of.low) & (both < of.high)]
 
 
+SAME_NATS = 0.05
+"""[nats] within which the evidence of two names is one: fits end a tenth of a standard deviation from their minimum, which is
+0.005. Held by tests/validation/diagnosing/test_search.py."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CandidateFit:
     """A candidate and its fit.
@@ -304,6 +309,12 @@ class SearchStep:
             and (one.goodness.null or not best.goodness.null)
         )
 
+    def same_as(self, id: str) -> tuple[str, ...]:
+        """Ids that explain these data to the last digit as `id` does, which is then one name for all of them."""
+        mine = next((one for one in self.tried if one.id == id), None)
+        near = () if mine is None else [one for one in self.tried if abs(one.evidence - mine.evidence) < SAME_NATS]
+        return tuple(one.id for one in near if one.id != id)
+
     @property
     def text(self) -> str:
         """Why something was accepted, or nothing."""
@@ -335,11 +346,12 @@ def candidate_fit(at: Candidate, there: Candidate) -> CandidateFit:
 
 
 def ranked(tried: Sequence[CandidateFit]) -> list[CandidateFit]:
-    """The best fit of each candidate, the most evidence first."""
+    """The best fit of each candidate, the most evidence first; of those that tie for it the first by name, not by rounding."""
     by_id: dict[str, CandidateFit] = {}
     for one in sorted(tried, key=lambda each: -each.evidence):
         by_id.setdefault(one.id, one)
-    return list(by_id.values())
+    best = max((one.evidence for one in by_id.values()), default=0.0)
+    return sorted(by_id.values(), key=lambda one: (0.0, one.id) if one.evidence > best - SAME_NATS else (best - one.evidence, ""))
 
 
 def in_band(data: Study, one: CandidateFit) -> bool:

@@ -679,6 +679,7 @@ STRUCTURE_NOTES = {
     "damping": "of every part's loss factor; of the logarithm of every mode's damping where damping_ratio gives it",
     "mode_damping": "of the logarithm of every mode's damping, beside the loss factors of the parts",
     "damping_law": "share of what parts lose that follows the velocity instead of the displacement",
+    "loss_coupling": "share of what they couple modes by that is not there",
     "participation": "of every mode's participation, as a share of its largest",
     "mode_coupling": "of the damping between two modes, as a share of the geometric mean of theirs",
 }

@@ -18,7 +18,8 @@ METROLOGY, CALIBRATED, AS_DELIVERED = NAMES = ("metrology", "calibrated", "as-de
 
 @dataclass(frozen=True, kw_only=True)
 class StructureTolerances:
-    """How well the structure is known beforehand; standard deviations, relative but for `damping_law` and `mode_coupling`.
+    """How well the structure is known beforehand; standard deviations, relative but for those from `damping_law` on
+    that are called a share.
 
     Attributes
     ----------
@@ -27,6 +28,7 @@ class StructureTolerances:
     damping : of every part's loss factor, or of the logarithm of every mode's damping where that is given by mode
     mode_damping : of the logarithm of every mode's damping beside the loss factors of the parts
     damping_law : share of what parts lose that follows the velocity instead of the displacement
+    loss_coupling : share of what they couple modes by that is not there
     participation : of every mode's participation, along each axis, as a share of its largest
     mode_coupling : of the damping that couples two modes, as a share of the geometric mean of theirs
     """
@@ -36,6 +38,7 @@ class StructureTolerances:
     damping: float = 0.35
     mode_damping: float = 0.1
     damping_law: float = 0.5
+    loss_coupling: float = 0.0
     participation: float = 0.02
     mode_coupling: float = 0.5
 
@@ -245,6 +248,16 @@ ROWS = (
         largest=10.0,
         what="of the logarithm of every mode's damping beside the loss factors of the parts",
         source="as `damping`; joints and air give every mode a damping of its own",
+    ),
+    ClassedTolerance(
+        key="loss_coupling",
+        of="structure",
+        name="loss_coupling",
+        classes=(0.0, 0.5, 0.5),
+        largest=5.0,
+        what="share of what the losses of the parts couple the modes by that is not there",
+        source="damping stated by mode, as tests do, couples none (Caughey and O'Kelly 1965), loss factors of parts as much as "
+        "their stiffness does: from 0 to 1",
     ),
 )
 """Every tolerance that a class may set. Exercised by tests/validation/models/test_tolerance_classes.py."""

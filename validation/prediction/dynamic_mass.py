@@ -10,7 +10,7 @@ and none of the solution itself. Likewise an accelerance A = phi_r^T D^-1 phi_d,
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -430,6 +430,45 @@ class SupportedDynamicMass:
             for name, rows in matrices.places.items()
         }
 
+    def sensed(
+        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, sensors: Sequence[str], *, derivatives: Wanted
+    ) -> tuple[ComplexArray, Tangents]:
+        """(n, 3 a, 6) accelerations along the axes of F at the accelerometers `sensors`, beyond those of a rigid article, for a
+        unit of every motion of F; and how they answer to every parameter.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError, ValueError : as `at`.
+        """
+        if self.nuisances is None:
+            return np.zeros((len(frequency), 3 * len(sensors), 6), dtype=np.complex128), {}
+        matrices, tangents = structure(self.nuisances, offsets, effects, derivatives=bool(derivatives))
+        b, pose = matrices.base, self.standing.pose
+        rows = np.vstack([pose.rotation @ matrices.places[self.standing.sensors[name]] for name in sensors])
+        answered = dynamic_mass(matrices, frequency)
+        bent = np.array(rows)
+        bent[:, :b] = 0
+        D = dynamic_matrix(matrices, 2 * np.pi * frequency)
+        back = np.zeros((len(matrices.mass), len(frequency), len(rows)), dtype=np.complex128)
+        if len(matrices.mass) > b:
+            pulls = np.broadcast_to(bent[:, b:].T.astype(np.complex128), (len(frequency), len(matrices.mass) - b, len(rows)))
+            back[b:] = np.linalg.solve(D[:, b:, b:], pulls).transpose(1, 0, 2)
+        own = replace(answered, matrix=bent @ answered.right.transpose(1, 0, 2), left=np.ascontiguousarray(back), sign=-1.0)
+        changes = transfer_tangents(own, tangents) if derivatives else {}
+        R, T = _turned(pose), rigid_transformation_6(pose.position)
+        told: dict[str, tuple[Array, Array]] = {}
+        if self.mounted:
+            stands = MountedDynamicMass(
+                frequency=frequency, matrix=R @ answered.matrix @ R.T, seat=pose.position, cog=R[:3, :3] @ matrices.cog
+            )
+            seated, told = self._seated(stands, offsets)
+            T = seated.transformation
+        found = {name: change @ R.T @ T for name, change in changes.items()}
+        for name, (turning, _) in told.items() if derivatives else ():
+            if np.any(turning):
+                found[name] = own.matrix @ R.T @ turning
+        return own.matrix @ R.T @ T, found
+
     def _seated(self, of: MountedDynamicMass, offsets: Offsets) -> tuple[Seated, dict[str, tuple[Array, Array]]]:
         """How the article of `of` stands at `offsets`, and by parameter d X and d (sum of dp_k E_k), (6, 6) each."""
         beside, turn, more = np.zeros(3), np.zeros(3), np.zeros((6, 6))
@@ -466,10 +505,9 @@ class SupportedDynamicMass:
         *,
         derivatives: Wanted,
     ) -> tuple[MountedDynamicMass, Tangents]:
-        matrices, tangents = structure(of, offsets, effects, derivatives=bool(derivatives))
+        matrices, tangents = structure(of, offsets, effects, derivatives=derivatives)
         answered = dynamic_mass(matrices, frequency)
-        wanted = {name: change for name, change in tangents.items() if is_wanted(name, derivatives)}
-        changes = transfer_tangents(answered, wanted)
+        changes = transfer_tangents(answered, tangents)
         R = _turned(self.standing.pose)
         mounted = MountedDynamicMass(
             frequency=frequency,
@@ -485,14 +523,15 @@ class SupportedDynamicMass:
 
 
 def structure(
-    of: Nuisances, offsets: Offsets, effects: Sequence[Added], *, derivatives: bool
+    of: Nuisances, offsets: Offsets, effects: Sequence[Added], *, derivatives: Wanted
 ) -> tuple[Matrices, dict[str, Tangent]]:
     """The matrices of the structure at `offsets`, effects on it applied, and how they change."""
+    every = bool(derivatives)
     matrices, tangents = of.at(offsets, derivatives=derivatives)
-    matrices, tangents = prediction_effects.structure(matrices, tangents, effects, derivatives=derivatives)
+    matrices, tangents = prediction_effects.structure(matrices, tangents, effects, derivatives=every)
     if of.has_law:
-        return prediction_effects.with_damping_law(matrices, tangents, of.nominal, offsets, derivatives=derivatives)
-    return matrices, tangents
+        matrices, tangents = prediction_effects.with_damping_law(matrices, tangents, of.nominal, offsets, derivatives=every)
+    return matrices, {name: change for name, change in tangents.items() if is_wanted(name, derivatives)}
 
 
 def _turned(pose: Pose) -> Array:

@@ -18,7 +18,7 @@ from geometry.frames import Array, Integers
 from validation.effects.catalogue import FAMILIES, Named, There, acts, there
 from validation.effects.effect import BODY_STAGE, CHANNEL_STAGE, OPENED, STRUCTURE_STAGE, Family, SizeSpec
 from validation.effects.stages import ChannelResponse, Matrices, MountedDynamicMass
-from validation.estimation.problem import DECLARED, EFFECT, STRUCTURAL, WITHIN, Offsets, Parameter
+from validation.estimation.problem import DECLARED, EFFECT, STRUCTURAL, WITHIN, Offsets, Parameter, Wanted, is_wanted
 from validation.model.model import Added, StructureTolerances
 from validation.prediction.structure import HIGHEST, ReducedStructure, sheet
 
@@ -119,6 +119,15 @@ def full(tangent: Tangent, name: str, size: int) -> Array:
 DAMPING_LAW = "damping-law"
 """Of the share; one for all structures of a series."""
 
+# Nor does anybody know whether they couple modes. What parts lose does, as S has entries beside its diagonal; what joints and air
+# lose beside them, in any shape, is told by mode alone and called classical (T. K. Caughey and M. E. J. O'Kelly, J. Applied
+# Mechanics 32 (1965), 583). So a share c of what lies beside the diagonal of the modes is taken away: S_rs' = (1 - c) S_rs.
+
+LOSS_COUPLING = "loss-coupling"
+"""Of the share that is not there; one for all structures of a series."""
+
+LAWS = (DAMPING_LAW, LOSS_COUPLING)
+
 LIGHTEST = float(np.finfo(np.float64).tiny)
 """[kg] of a coordinate that only gives: where a model has massless degrees of freedom."""
 
@@ -126,7 +135,7 @@ LIGHTEST = float(np.finfo(np.float64).tiny)
 def with_damping_law(
     matrices: Matrices, tangents: Mapping[str, Tangent], nominal: Matrices, offsets: Offsets, *, derivatives: bool
 ) -> tuple[Matrices, dict[str, Tangent]]:
-    """`matrices` with the share of `offsets`, their `tangents` behind it, and that by the share.
+    """`matrices` with the shares of `offsets`, their `tangents` behind them, and those by the shares.
 
     Parameters
     ----------
@@ -138,7 +147,15 @@ def with_damping_law(
     with np.errstate(over="ignore"):  # what has next to no mass moves as fast as can be
         square = np.diag(nominal.stiffness)[own] / np.maximum(np.diag(nominal.mass)[own], LIGHTEST)
     W[own] = np.where(square > 0, square, np.inf) ** -0.25
-    share, turned, found = offsets.get(DAMPING_LAW, 0.0), W[:, None] * matrices.structural * W, dict(tangents)
+    share, apart = offsets.get(DAMPING_LAW, 0.0), offsets.get(LOSS_COUPLING, 0.0)
+    beside = _own(W, W) * (1 - np.eye(len(W)))
+    coupled, found = np.asarray(matrices.structural), dict(tangents)
+    if apart:
+        matrices = replace(matrices, structural=coupled * (1 - apart * beside))
+        for name, tangent in tangents.items():
+            less = tangent.structural * (1 - apart * beside[np.ix_(tangent.at, tangent.at)])
+            found[name] = replace(tangent, structural=less)
+    tangents, turned = dict(found), W[:, None] * matrices.structural * W
     for name, tangent in tangents.items() if share else ():
         if np.any(tangent.structural):
             at = W[tangent.at]
@@ -147,6 +164,10 @@ def with_damping_law(
             found[name] = replace(tangent, structural=kept, viscous=viscous)
     if derivatives:
         found[DAMPING_LAW] = of_arrays(len(W), viscous=turned, structural=-matrices.structural * _own(W, W))
+        less = -coupled * beside
+        found[LOSS_COUPLING] = of_arrays(
+            len(W), structural=less * (1 - share * _own(W, W)), viscous=share * W[:, None] * less * W
+        )
     left = matrices.structural * (1 - share * _own(W, W))
     return replace(matrices, structural=left, viscous=matrices.viscous + share * turned), found
 
@@ -210,7 +231,8 @@ class Nuisances:
         made += [_factor(f"thickness:{part}", self.known(part, "thickness", THICKNESS)) for part in parts if part in m.sections]
         made += [_declared(f"mass:{part}", self.known(part, "density", DENSITY)) for part in parts if part in m.part_mass]
         made += [_declared(f"loss:{part}", self.known(part, "loss_factor", of.damping)) for part in self.lossy]
-        made += [_declared(DAMPING_LAW, of.damping_law)] if self.has_law else []
+        laws = ((DAMPING_LAW, of.damping_law), (LOSS_COUPLING, of.loss_coupling))
+        made += [_declared(name, tolerance) for name, tolerance in laws if self.lossy]
         made += [_declared(f"frequency:{self.configuration}:{r}", of.frequency) for r in modes]
         left = [of.mode_damping if own else of.damping for own in self.by_parts]
         made += [_declared(f"damping:{self.configuration}:{r}", left[r - 1]) for r in modes]
@@ -238,8 +260,8 @@ class Nuisances:
 
     @property
     def has_law(self) -> bool:
-        """Whether it is open which law the losses of its parts follow, see `damping_law`."""
-        return bool(self.lossy) and self.tolerances.damping_law > 0
+        """Whether it is open which law the losses of its parts follow, or whether they couple modes, see `with_damping_law`."""
+        return bool(self.lossy) and max(self.tolerances.damping_law, self.tolerances.loss_coupling) > 0
 
     @property
     def by_parts(self) -> tuple[bool, ...]:
@@ -254,12 +276,11 @@ class Nuisances:
         pairs = ((r, s) for r in range(len(f)) for s in range(r + 1, len(f)))
         return tuple((r, s) for r, s in pairs if abs(f[s] - f[r]) <= NEIGHBOURS * max(f[r], f[s]))
 
-    def at(self, offsets: Offsets, *, derivatives: bool = True) -> tuple[Matrices, dict[str, Tangent]]:
-        """The matrices at `offsets`, before effects and the damping law, and their derivative by every parameter but that law."""
+    def at(self, offsets: Offsets, *, derivatives: Wanted = True) -> tuple[Matrices, dict[str, Tangent]]:
+        """The matrices at `offsets`, before effects and laws of damping, and their `derivatives` by parameters but those laws."""
         now = self._now(offsets)
-        if not derivatives:
-            return now.matrices, {}
-        return now.matrices, {one.name: now.tangent(one.name) for one in self.parameters if one.name != DAMPING_LAW}
+        wanted = (one.name for one in self.parameters if is_wanted(one.name, derivatives) and one.name not in LAWS)
+        return now.matrices, {name: now.tangent(name) for name in wanted}
 
     def _now(self, offsets: Offsets) -> "_Now":
         m, name, b = self.nominal, self.configuration, self.nominal.base

@@ -11,7 +11,7 @@ as well, and to the modes of a configuration. A structural effect acts wherever 
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import inf
 from pathlib import Path
@@ -64,7 +64,15 @@ def laboratory(model: Model, campaign: Campaign, effects: Sequence[Added]) -> Ch
 
 
 def _chain(model: Model, campaign: Campaign, overrides: Mapping[str, float]) -> Chain:
-    return chain(campaign.table, model.tolerances, stiffness=model.cell_stiffness, gravity=campaign.gravity, overrides=overrides)
+    upon = campaign.table.select(group="article", quantity="acceleration")
+    return chain(
+        campaign.table,
+        model.tolerances,
+        stiffness=model.cell_stiffness,
+        gravity=campaign.gravity,
+        overrides=overrides,
+        on_article=tuple(mounted_article(model, campaign).sensors) if upon else (),
+    )
 
 
 # Which lines of a campaign its runs drive: a line that a run does not drive holds noise, and no model is judged by noise.
@@ -322,6 +330,29 @@ class TestedCampaign:
     per_rms: Array
     method: str = "full-record"
     remarks: tuple[str, ...] = ()
+    _opened: dict[frozenset[str], tuple[Chain, list[problem.Parameter]]] = field(default_factory=dict, init=False, repr=False)
+
+    def opened(self, effects: Sequence[Added]) -> tuple[Chain, list[problem.Parameter]]:
+        """The chain as `effects` need it, and all parameters but those that are of effects; made once for all that need the same.
+
+        Raises
+        ------
+        BadInput : as `laboratory`.
+        """
+        needed = frozenset(one.named.id for one in effects if FAMILIES[one.named.family].stage == OPENED)
+        if needed not in self._opened:
+            carried, model, of = self.carried, self.model, laboratory(self.model, self.campaign, effects)
+            own = [
+                *(() if carried.nuisances is None else carried.nuisances.parameters),
+                *dynamic_mass.parameters(carried.moving, model.fmd_tolerance),
+                *carried.mounted,
+            ]
+            for one in of.parameters:  # what is offset by its logarithm is 1 + its relative change there
+                kind = KINDS.get(one.family, problem.SENSOR)
+                within = problem.WITHIN * one.tolerance if kind == problem.DECLARED else inf
+                own.append(replace(one, channels=(), kind=kind, within=within))
+            self._opened[needed] = of, own if model.learnt is None else [model.learnt.known(one) for one in own]
+        return self._opened[needed]
 
     def on(self, runs: Sequence[str]) -> "TestedCampaign":
         """Of the runs named alone."""
@@ -385,13 +416,13 @@ class SeriesPrediction:
         Of a structure that answers to the amplitude, that of the first run.
         """
         chosen = self._lines(lines)
-        return self._carried(self._at(offsets), chosen, self._variants[0][0], derivatives=False)[0]
+        return self._carried(self._at(offsets), chosen, self._variants[0][0], derivatives=False)[0][:, :6]
 
     def by_load(self, offsets: problem.Offsets, lines: problem.Lines | None = None) -> ComplexArray:
         """(n, c, 6) what the channels read for a unit of every load on the cells, at `offsets`; all lines by default."""
         frequency, at = self._lines(lines), self._at(offsets)
         theta = np.array([at.get(one.name, 0.0) for one in self._chain.parameters])
-        rows = self._chain.rows(theta, frequency)[1]
+        rows = self._chain.rows(theta, frequency)[1][:, :, :6]
         still = np.zeros((len(frequency), len(self._chain.names)))
         reading = ChannelResponse(frequency=frequency, channels=self._chain.names, rows=rows, amplitude=still)
         return self._written(reading, {}, prediction_effects.at(self._reaching, at))[0].rows
@@ -440,24 +471,12 @@ class SeriesPrediction:
 
     @cached_property
     def _chain(self) -> Chain:
-        return laboratory(self.tested.model, self.tested.campaign, self._reaching)
+        return self.tested.opened(self._reaching)[0]
 
     @cached_property
     def _opened(self) -> tuple[tuple[problem.Parameter, ...], problem.Offsets]:
         """The parameters, and the offsets of those that stand at a given size."""
-        carried, model = self.tested.carried, self.tested.model
-        own = [
-            *(() if carried.nuisances is None else carried.nuisances.parameters),
-            *dynamic_mass.parameters(carried.moving, model.fmd_tolerance),
-            *carried.mounted,
-        ]
-        for one in self._chain.parameters:  # what is offset by its logarithm is 1 + its relative change there
-            kind = KINDS.get(one.family, problem.SENSOR)
-            own.append(
-                replace(one, channels=(), kind=kind, within=problem.WITHIN * one.tolerance if kind == problem.DECLARED else inf)
-            )
-        own = own if model.learnt is None else [model.learnt.known(one) for one in own]
-        left, given = prediction_effects.opened(own, self._reaching)
+        left, given = prediction_effects.opened(self.tested.opened(self._reaching)[1], self._reaching)
         equations = [one for one in self._reaching if _stage(one) in EQUATIONS]
         return (*left, *prediction_effects.parameters(equations)), given
 
@@ -480,8 +499,19 @@ class SeriesPrediction:
     def _carried(
         self, at: problem.Offsets, frequency: Array, drive: BaseDrive, *, derivatives: problem.Wanted
     ) -> tuple[ComplexArray, dict[str, ComplexArray]]:
+        """Loads on the cells, behind them what the article bends at its accelerometers, (n, 6 + 3 a, 6), and how they change."""
         effects, every = prediction_effects.at(self._reaching, at), self.measured.frequency
         families = [FAMILIES[one.named.family] for one in effects]
+        if self._chain.article.channels:
+            whole = self.tested.carried.at(at, effects, frequency, drive, derivatives=derivatives)
+            names = [one.name for one in self._chain.article.channels]
+            own = self.tested.carried.sensed(at, effects, frequency, names, derivatives=derivatives)
+            nothing = np.zeros_like(whole[0]), np.zeros_like(own[0])
+            changes = {
+                name: np.concatenate([of.get(name, none) for of, none in zip((whole[1], own[1]), nothing, strict=True)], axis=1)
+                for name in {**whole[1], **own[1]}
+            }
+            return np.concatenate([whole[0], own[0]], axis=1), changes
         # Where what an effect does at a line depends on the lines beside it, it must see all of them
         if not any(one.side == PROCESSING and one.stage == BODY_STAGE for one in families):
             return self.tested.carried.at(at, effects, frequency, drive, derivatives=derivatives)

@@ -31,7 +31,7 @@ from geometry.frames import Array, Integers, Pose, rigid_transformation, rigid_t
 from geometry.inertia import Inertia
 from identification.campaign import Campaign
 from validation.effects.catalogue import There, there
-from validation.effects.effect import position
+from validation.effects.effect import at_position, position
 from validation.effects.families.layer_damping import LAYER
 from validation.effects.stages import JointSprings, Matrices
 from validation.flexible.model import nearest_part
@@ -712,6 +712,7 @@ class MountedArticle:
     highest : [Hz] up to which its modes are uncertain
     part_tolerances : as in `fem.structure.Structure`
     pose : where its frame sits, seen from F
+    sensors : by name of an accelerometer on it, the place of `matrices` that it reads
     remarks : what was assumed, sentences
     """
 
@@ -722,6 +723,7 @@ class MountedArticle:
     highest: float = HIGHEST
     part_tolerances: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
     pose: Pose
+    sensors: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     remarks: tuple[str, ...] = ()
 
     @property
@@ -734,7 +736,12 @@ class MountedArticle:
         """What effects can act on."""
         if self.matrices is None:
             return There()
-        return there(self.article, self.matrices)
+        found = there(self.article, self.matrices)
+        return replace(found, places=tuple(name for name in found.places if name not in self.sensors.values()))
+
+
+OF_SENSORS = "accelerometers on the article read its motion where they are said to sit; that what bends tilts them is left out"
+"""What is assumed of them."""
 
 
 def mounted_article(model: Model, campaign: Campaign) -> MountedArticle:
@@ -758,6 +765,13 @@ def mounted_article(model: Model, campaign: Campaign) -> MountedArticle:
             remedy=f"State the path of one, or name a stack of {', '.join(NAMES)} in the campaign",
         )
     driven = (run.excitation.band[1] for run in campaign.runs if run.excitation is not None and run.excitation.band is not None)
+    upon = [campaign.table.channels[k] for k in campaign.table.select(group="article", quantity="acceleration")]
+    back = pose.inverse
+    at = {
+        one.name: at_position(back.apply(one.places[0].position - campaign.table.origin).tolist())
+        for one in upon
+        if not one.is_sum
+    }
     recipe = _Recipe(
         article=article,
         kind=model.kind,
@@ -769,6 +783,13 @@ def mounted_article(model: Model, campaign: Campaign) -> MountedArticle:
         band=max(driven, default=BAND) if own else BAND,
         positions=model.positions if own else (),
     )
+    if at:
+        try:
+            found = _made(replace(recipe, positions=tuple(dict.fromkeys((*recipe.positions, *at.values())))))
+            if found.matrices is not None and set(at.values()) <= set(found.matrices.places):
+                return replace(found, pose=pose, sensors=at, remarks=(*said, OF_SENSORS))
+        except (BadInput, CheckFailed):  # nobody knows what moves there; the chain says that they are not used
+            pass
     return replace(_made(recipe), pose=pose, remarks=said)
 
 
@@ -829,7 +850,8 @@ def _made(recipe: _Recipe) -> MountedArticle:
     if recipe.own:
         # A user's own model: matrices with their modes, a solid model of a drawing, or modal data alone
         if recipe.kind == RIGID:
-            return MountedArticle(article=recipe.article, matrices=of_inertia(_inertia(recipe), {}), pose=Pose())
+            rides = {name: np.array(position(name)) for name in recipe.positions}
+            return MountedArticle(article=recipe.article, matrices=of_inertia(_inertia(recipe), rides), pose=Pose())
         found = users_model(recipe.own, recipe.stamp)
         damping = _damping(recipe) or found.damping
         if isinstance(found.model, Structure):
@@ -844,7 +866,7 @@ def _made(recipe: _Recipe) -> MountedArticle:
         matrices = of_modes(modal, _inertia(recipe).cog)
         return MountedArticle(article=recipe.article, matrices=matrices, frequency=frequency, pose=Pose())
     changes = dict(recipe.changes)
-    places = locations(recipe.article, changes)
+    places = {**locations(recipe.article, changes), **{name: np.array(position(name)) for name in recipe.positions}}
     if recipe.kind == RIGID:
         return MountedArticle(article=recipe.article, matrices=of_inertia(_inertia(recipe), places), pose=Pose())
     from fem.beam import articles

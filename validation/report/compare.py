@@ -55,8 +55,7 @@ def document(found: Comparison) -> doc.Document:
             page.entries(),
             page.tolerances(),
             page.facts(),
-            page.pairs(),
-            page.frac(),
+            *correlation_tables(found.correlation),
         ),
         notes=tuple(page.notes()),
     )
@@ -237,38 +236,6 @@ class ComparisonPage:
             ),
         )
 
-    def pairs(self) -> doc.Table:
-        """Modes of tables, or resonances that functions show, beside their partners in the model as it is."""
-        rows = [(one.data_set, pair) for one in self.found.correlation if isinstance(one, ModalCorrelation) for pair in one.pairs]
-        return doc.Table(
-            caption="Modes and resonances beside the model as it is",
-            rows=rows,
-            columns=(
-                doc.Column("mode", lambda row: row[1].measured, words=True),
-                doc.Column("measured", lambda row: row[1].measured_hz, ".4g", unit="Hz"),
-                doc.Column("model", lambda row: row[1].model_hz, ".4g", unit="Hz"),
-                doc.Column("too high", lambda row: row[1].percent, "+.2f", unit="%"),
-                doc.Column("deviation", lambda row: row[1].sigmas, "+.1f", unit="σ", on=doc.PAGE),
-                doc.Column("MAC", lambda row: row[1].mac, ".3f"),
-                doc.Column("of", lambda row: row[0], words=True, on=doc.PAGE),
-            ),
-            note="JSON and CSV have MAC and cross-orthogonality of all modes, and COMAC by sensor.",
-        )
-
-    def frac(self) -> doc.Table:
-        """Response functions beside those of the model as it is."""
-        every = [one for one in self.found.correlation if isinstance(one, FunctionCorrelation)]
-        return doc.Table(
-            caption="Response functions beside the model as it is",
-            rows=[(one.data_set, name, one.frac[name], one.ratio[name]) for one in every for name in one.frac],
-            columns=(
-                doc.Column("function", lambda row: row[1], words=True),
-                doc.Column("FRAC", lambda row: row[2], ".3f"),
-                doc.Column("level", lambda row: row[3], "+.1f", unit="dB"),
-                doc.Column("of", lambda row: row[0], words=True, on=doc.PAGE),
-            ),
-        )
-
     def notes(self) -> Iterator[str]:
         """What must be known to read the tables, then what was assumed."""
         first = self.found.worst[0].sigma if self.found.worst else 0.0
@@ -290,6 +257,38 @@ class ComparisonPage:
         if self.found.effects:
             yield f"Effects in the model: {', '.join(self.found.effects)}."
         yield from (f"warning: {text}." for text in self.found.remarks)
+
+
+def correlation_tables(correlation: Sequence[ModalCorrelation | FunctionCorrelation]) -> tuple[doc.Table, doc.Table]:
+    """What analysts deliver of tests of structures: modes of tables, or resonances that functions show, beside their partners in
+    the model as it is; and response functions beside those of it."""
+    rows = [(one.data_set, pair) for one in correlation if isinstance(one, ModalCorrelation) for pair in one.pairs]
+    modes = doc.Table(
+        caption="Modes and resonances beside the model as it is",
+        rows=rows,
+        columns=(
+            doc.Column("mode", lambda row: row[1].measured, words=True),
+            doc.Column("measured", lambda row: row[1].measured_hz, ".4g", unit="Hz"),
+            doc.Column("model", lambda row: row[1].model_hz, ".4g", unit="Hz"),
+            doc.Column("too high", lambda row: row[1].percent, "+.2f", unit="%"),
+            doc.Column("deviation", lambda row: row[1].sigmas, "+.1f", unit="σ", on=doc.PAGE),
+            doc.Column("MAC", lambda row: row[1].mac, ".3f"),
+            doc.Column("of", lambda row: row[0], words=True, on=doc.PAGE),
+        ),
+        note="JSON and CSV have MAC and cross-orthogonality of all modes, and COMAC by sensor.",
+    )
+    every = [one for one in correlation if isinstance(one, FunctionCorrelation)]
+    functions = doc.Table(
+        caption="Response functions beside the model as it is",
+        rows=[(one.data_set, name, one.frac[name], one.ratio[name]) for one in every for name in one.frac],
+        columns=(
+            doc.Column("function", lambda row: row[1], words=True),
+            doc.Column("FRAC", lambda row: row[2], ".3f"),
+            doc.Column("level", lambda row: row[3], "+.1f", unit="dB"),
+            doc.Column("of", lambda row: row[0], words=True, on=doc.PAGE),
+        ),
+    )
+    return modes, functions
 
 
 def _some(names: tuple[str, ...] | list[str], most: int = 4) -> str:
@@ -490,8 +489,7 @@ FUNCTIONS_SHOWN = 6
 
 def functions_html(report: Report, figures: doc.Figures) -> doc.Safe:
     """The response functions that differ most, measured and predicted; empty where none were measured."""
-    from validation.report.charts.functions import functions_of
-    from validation.report.charts.maps import side_by_side
+    from validation.report.charts.maps import function_of, side_by_side
 
     parts = []
     for of, modes in zip(report.comparison.maps, report.comparison.modes, strict=True):
@@ -502,7 +500,7 @@ def functions_html(report: Report, figures: doc.Figures) -> doc.Safe:
         unit = whole.unit.replace("^2", "²")
         marks = [(one.name, one.frequency) for one in modes if of.frequency[0] <= one.frequency <= of.frequency[-1]]
         panels = [
-            (f"{of.rows[k]} by {of.runs[run]}", replace(functions_of(of, run, k, {}), unit=unit, modes=marks))
+            (f"{of.rows[k]} by {of.runs[run]}", replace(function_of(of, run, k, {}), unit=unit, modes=marks))
             for run, k in sorted(every)
         ]
         many = "" if apart.size <= len(every) else f", of {apart.size} the {len(every)} that differ most"

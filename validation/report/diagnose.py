@@ -38,7 +38,7 @@ from validation.report import document as doc
 from validation.report import history
 from validation.report.charts import crosscheck
 from validation.report.charts.crosscheck import standing_of, tried
-from validation.report.compare import draw_channels
+from validation.report.compare import correlation_tables, draw_channels
 from validation.report.document import NOTHING as EMPTY
 from validation.report.history import of_ladder
 from validation.report.parts import ERRORS as ERROR_NAMES
@@ -489,6 +489,7 @@ class DiagnosisPage:
                 None if after is None else doc.Drawn(lambda: before_and_after(found.before, after)),
                 self.errors(),
                 self.errors_of_page(),
+                *correlation_tables(found.correlation),
                 self.ranking(),
                 self.known_better() if found.known_better else None,
                 self.steps(),

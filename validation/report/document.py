@@ -505,7 +505,7 @@ class Figures:
         templates = f'{{"light":{interactive.template_json(False)},"dark":{interactive.template_json(True)}}}'
         figures = ",".join(f"{json.dumps(name)}:{text}" for name, text in self._json.items())
         whole = f'{{"templates":{templates},"figures":{{{figures}}}}}'
-        library = cache.answer(lambda: _packed(interactive.library()), "library", version("plotly"))
+        library = cache.answer(lambda: _packed(interactive.library(), 9), "library", version("plotly"))
         return Safe(_script("packed-library", library) + _script("packed-figures", _packed(whole)))
 
     def __len__(self) -> int:
@@ -520,9 +520,9 @@ def _script(name: str, packed: str) -> str:
     return f'<script type="text/plain" id="{name}">{packed}</script>\n'
 
 
-def _packed(text: str) -> str:
-    """`text`, compressed, in letters that any page may hold."""
-    return b64encode(compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")
+def _packed(text: str, effort: int = 6) -> str:
+    """`text`, compressed with an `effort` of 1 to 9, in letters that any page may hold."""
+    return b64encode(compress(text.encode("utf-8"), effort, mtime=0)).decode("ascii")
 
 
 # Reference tables as CSV: one line for each quantity and column, full precision, units in a column of their own.

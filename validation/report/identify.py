@@ -447,7 +447,7 @@ def campaign_part(
     found: IdentificationFindings | None = None
     try:
         of = cache.content([asked.campaign, *asked.tares])
-        found = cache.answer(lambda: identify.identified(asked), "identification", asked, of)
+        found = cache.answer(lambda: _without_records(identify.identified(asked)), "identification", asked, of)
     except (BadInput, CheckFailed) as error:
         missing.append(f"No inertia was identified: {error}")
     return CampaignPart(
@@ -458,6 +458,13 @@ def campaign_part(
         command=" ".join([*typed, "--spectra", method, "--no-study"]),
         missing=tuple(missing),
     )
+
+
+def _without_records(found: IdentificationFindings) -> IdentificationFindings:
+    """`found` as it is kept: its records are a hundred times as large as all that was made of them."""
+    asked = found.request
+    tares = tuple(replace(one, campaign=replace(one.campaign, recordings={})) for one in asked.tares)
+    return replace(found, request=replace(asked, campaign=replace(asked.campaign, recordings={}), tares=tares))
 
 
 def is_tare(one: Campaign) -> bool:

@@ -74,23 +74,28 @@ class Layout:
         return tuple(int(np.argmin(np.linalg.norm(self.cells - place.position, axis=1))) for place in channel.places)
 
 
-def mavis(cells: npt.ArrayLike, noise_rms: Mapping[str, float]) -> Layout:
+def mavis(
+    cells: npt.ArrayLike, noise_rms: Mapping[str, float], on_article: Mapping[str, npt.ArrayLike] = MappingProxyType({})
+) -> Layout:
     """The layout of the paper's 22 signals over load `cells` (4, 3) [m].
 
     Parameters
     ----------
     noise_rms : known noise floor by quantity [m/s², N]; 0 is left unsaid
+    on_article : (3,) [m] from F of further accelerometers by name, ``mast-top-x``; its last letter says along what
     """
     middles = np.asarray(cells, dtype=np.float64)
     floor = {quantity: value or None for quantity, value in noise_rms.items()}
     channels = []
-    for name, position in ACCELEROMETERS.items():
-        group, noise = name.split("-")[0], floor.get("acceleration")
+    for name, position in {**ACCELEROMETERS, **on_article}.items():
+        group, noise = "article" if name in on_article else name.split("-")[0], floor.get("acceleration")
         one = Channel(
             name=name,
             quantity="acceleration",
             group=group,
-            places=(Place(position=np.array(position), direction=np.array(ALONG[letter(name)])),),
+            places=(
+                Place(position=np.array(position), direction=np.array(ALONG[name[-1] if name in on_article else letter(name)])),
+            ),
             reference=group == "table",
             noise_rms=noise,
         )

@@ -175,6 +175,7 @@ class Plan:
     highest : [Hz] modes above it answer statically, but for the article's first
     gravity : [m/s²]
     dimensions : a user's own of built-in articles, as `geometry.articles.parts` names them
+    on_article : points of the article, ``mast-top:x``, that have accelerometers beside the 22 channels
     """
 
     article: str
@@ -198,6 +199,7 @@ class Plan:
     highest: float = 160.0
     gravity: float = 9.81
     dimensions: Mapping[str, float] = field(default_factory=dict)
+    on_article: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("noise_rms", "mains"):

@@ -10,19 +10,21 @@ sense alike. With alpha and beta the tilt, apparent and kinematic acceleration d
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.base_excitation.response import Channels, cell_forces
 from fem.base_excitation.rig import Rig, RigStructure
-from geometry.articles import NAMES, built_in, changes_of
+from geometry.articles import NAMES, built_in, changes_of, locations
 from geometry.errors import BadInput
 from geometry.frames import Array, frozen, rigid_transformation
 from geometry.inertia import Inertia
 from geometry.sensors import Channel
+from geometry.toml_file import nearest
 from validation.virtual_test.layout import CELLS, ChainTruth, Layout, letter
 from validation.virtual_test.plan import RIGID, Part, Plan
 
@@ -38,15 +40,21 @@ TABLE, COVER, FORCES = slice(0, 6), slice(6, 12), slice(12, 12 + 3 * CELLS)
 TABLE_TILT, COVER_TILT = slice(24, 26), slice(26, 28)
 WIDTH = 28
 
-MOTION_OF: Mapping[str, tuple[slice, slice]] = {"table": (TABLE, TABLE_TILT), "cover": (COVER, COVER_TILT)}
+MOTION_OF: Mapping[str, tuple[slice, slice]] = {
+    "table": (TABLE, TABLE_TILT),
+    "cover": (COVER, COVER_TILT),
+    "article": (COVER, COVER_TILT),
+}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Sensors:
-    """Rows (c, 28) of all channels on the signals of the head of this file, and `delay` (c,) [s]."""
+    """Rows (c, 28) of all channels on the signals of the head of this file, and `delay` (c,) [s]; `upon` has by channel the place
+    on the article that moves it, and along what (3,), its gain in it."""
 
     rows: Array
     delay: Array
+    upon: Mapping[int, tuple[str, Array]] = field(default_factory=lambda: MappingProxyType({}))
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "rows", frozen(self.rows, (len(self.delay), WIDTH), "rows"))
@@ -59,15 +67,23 @@ class Sensors:
         rows = np.array([_row(channel, layout, chain, gravity) for channel in channels])
         gains = np.array([1 + chain.gain.get(channel.name, 0.0) for channel in channels])
         delay = np.array([chain.delay.get(channel.name, 0.0) for channel in channels])
-        return cls(rows=gains[:, None] * rows, delay=delay)
+        upon = {
+            k: (channel.name[:-2], gains[k] * _direction(channel, chain))
+            for k, channel in enumerate(channels)
+            if channel.group == "article"
+        }
+        return cls(rows=gains[:, None] * rows, delay=delay, upon=upon)
 
     def channels(self, structure: RigStructure) -> Channels:
         """What all channels read, undelayed and without the tilt of the table, as sums of the motions of a rig."""
         table, forces = np.eye(6, structure.mass.shape[0]), cell_forces(structure)
         rows = self.rows
+        acceleration = rows[:, TABLE] @ table + rows[:, COVER] @ structure.cover
+        for k, (place, direction) in self.upon.items():
+            acceleration[k] += direction @ structure.places[place]
         return Channels(
             names=tuple(f"channel {number}" for number in range(1, len(rows) + 1)),
-            acceleration=rows[:, TABLE] @ table + rows[:, COVER] @ structure.cover,
+            acceleration=acceleration,
             velocity=rows[:, FORCES] @ forces.velocity,
             displacement=rows[:, FORCES] @ forces.displacement + rows[:, COVER_TILT] @ (structure.cover - table)[3:5],
         )
@@ -94,15 +110,39 @@ def _row(channel: Channel, layout: Layout, chain: ChainTruth, gravity: float) ->
             cells[:, :2] += chain.plane_offset * place / np.sum(layout.cells[:, :2] ** 2, axis=0)
         row[FORCES] = cells.ravel()
         return row
-    from scipy.spatial.transform import Rotation
-
-    at, nothing = channel.places[0], np.zeros(3)
-    direction = Rotation.from_rotvec(np.array(chain.angle.get(channel.name, nothing))).apply(np.array(at.direction))
-    position = at.position + chain.position.get(channel.name, nothing) - layout.table.origin
+    direction, beside = _direction(channel, chain), chain.position.get(channel.name, np.zeros(3))
     motion, tilt = MOTION_OF[channel.group]
-    row[motion] = direction @ rigid_transformation(position)
+    if channel.group == "article":  # its place moves it; beside that it turns with the cover plate
+        row[motion] = direction @ (rigid_transformation(beside) - rigid_transformation(np.zeros(3)))
+    else:
+        row[motion] = direction @ rigid_transformation(channel.places[0].position + beside - layout.table.origin)
     row[tilt] = (chain.gravity - chain.accelerometer_tilt) * gravity * np.array([-direction[1], direction[0]])
     return row
+
+
+def _direction(channel: Channel, chain: ChainTruth) -> Array:
+    """(3,) along which an accelerometer really measures."""
+    from scipy.spatial.transform import Rotation
+
+    turn = Rotation.from_rotvec(np.array(chain.angle.get(channel.name, np.zeros(3))))
+    return np.asarray(turn.apply(np.array(channel.places[0].direction)))
+
+
+def accelerometers(plan: Plan) -> dict[str, Array]:
+    """(3,) [m] from F, where the accelerometers of `plan` on its article sit, by name.
+
+    Raises
+    ------
+    BadInput : a point that the article has not.
+    """
+    there, found = locations(plan.article, changes_of(plan.article, plan.dimensions)), {}
+    for point in plan.on_article:
+        place, _, axis = point.partition(":")
+        if place not in there or axis not in AXES or not axis or point in found:
+            problem = f"must be a place of {plan.article} and x, y or z, each once, found {point!r}"
+            raise BadInput(source="--response", problem=problem, remedy=f"{nearest(place, there)}Write for example mast-top:x")
+        found[f"{place}-{axis}"] = np.asarray(there[place])
+    return found
 
 
 # What stands on the table in a virtual test: the stack of the plan with the FMD, the cells and the parts that its seed draws.

@@ -29,6 +29,7 @@ from geometry.inertia import PARAMETERS, Inertia
 from geometry.sensors import SI, Tolerances
 from identification.campaign import UNITS, Campaign, Excitation, Recording, Run
 from validation.effects.catalogue import Named, parse_all
+from validation.effects.effect import Vocabulary, built_in_places
 from validation.excite.question import LARGEST_LEVEL, drive, require_rate
 from validation.output import json_text
 from validation.reference import reference
@@ -36,7 +37,7 @@ from validation.virtual_test import plan as planning
 from validation.virtual_test.layout import CELLS, ChainTruth, Layout, mavis, stream, token
 from validation.virtual_test.plan import MAINS as PLAN_MAINS
 from validation.virtual_test.planted import planted, reaching, require_planted, require_reaching
-from validation.virtual_test.shaker import Sensors, SetUp, middles_of_cells, nominal_fmd, require_stack, set_up
+from validation.virtual_test.shaker import Sensors, SetUp, accelerometers, middles_of_cells, nominal_fmd, require_stack, set_up
 
 if TYPE_CHECKING:
     from fem.base_excitation.patterns import CrossMotion, Pattern
@@ -74,7 +75,7 @@ def laboratory(plan: planning.Plan) -> ShakerLaboratory:
     """
     require_stack(plan.article)
     require_planted(plan)
-    layout = mavis(middles_of_cells(plan), plan.noise_rms)
+    layout = mavis(middles_of_cells(plan), plan.noise_rms, accelerometers(plan))
     chain = plan.drawn_chain(layout)
     for effect in plan.effects:
         chain = effect.chain(chain)
@@ -205,6 +206,9 @@ def _whole(plan: planning.Plan, lab: ShakerLaboratory, run: DrivenRun) -> planni
     microradians.
     """
     rate = _rate(plan)
+    if not lab.rig.linear and plan.on_article:
+        problem = "accelerometers on the article are read of what is linear, and an effect here is not"
+        raise BadInput(source="--response", problem=problem, remedy="Leave them out")
     if not lab.rig.linear:
         from fem.base_excitation import response as ring_down
         from fem.exudyn import driven_run
@@ -530,6 +534,7 @@ def question(
     form: str,
     units: Sequence[str],
     settings: Sequence[str],
+    responses: Sequence[str] = (),
 ) -> SimulateOptions:
     """The options of `massline simulate`, checked.
 
@@ -544,7 +549,9 @@ def question(
         raise BadInput(source=f"article {twice}", problem="it is named twice", remedy=remedy)
     _word("--model", model, planning.MODELS)
     _word("--format", form, FORMATS)
-    named = parse_all(effects)
+    upon = [point.replace(":", "-") for point in responses]
+    words = Vocabulary(places=built_in_places())
+    named = parse_all(effects, replace(words, accelerometers=(*(words.accelerometers or ()), *upon)))
     planted(named)  # whatever the articles: what no virtual test can plant is refused first
     factors = tuple(_number("--levels", part.strip(), "Write for example 1, or 1,0.5") for part in levels.split(","))
     for level in factors:
@@ -591,9 +598,12 @@ def question(
             mains=_scaled(PLAN_MAINS, factor("--mains", mains)),
             rate=rate,
             dimensions=changes,
+            on_article=tuple(responses),
         )
         for article in articles
     )
+    for plan in plans:
+        accelerometers(plan)
     require_reaching(named, plans)
     plans = tuple(replace(plan, effects=planted(reaching(named, plan))) for plan in plans)
     return SimulateOptions(plans=plans, effects=named, out=out, sealed=sealed, ending=f".{form}", units=_units(units))

@@ -135,6 +135,9 @@ class Worker:
     def job(self) -> Job:
         return Job(kind="add", asked={}, state=FAILED if self.ending else RUNNING)
 
+    def wait(self, seconds: float) -> Job:
+        return self.job()
+
     def cancel(self) -> Job:
         self.ending = True
         time.sleep(4 * state.PACE)
@@ -243,3 +246,30 @@ def test_what_nobody_saved_is_kept_where_the_terminal_says(tmp_path, monkeypatch
     assert kept.is_relative_to(tmp_path / "cache")
     state.saved(desk)
     assert not state.unsaved(desk.folder)
+
+
+def test_how_far_work_is_is_told_in_per_cent_with_the_time_that_is_left():
+    told = state.line("Comparing: fitting", 0.25, seconds=30.0, step_began=20.0, cancellable=True)
+    assert (told["percent"], told["words"]) == (25, "25 %, about 30 s left, 30 s so far")
+    assert state.line("x", 0.1, 100.0, 0.0, cancellable=True)["words"] == "10 %, about 15.0 min left, 100 s so far"
+    assert state.line("x", 0.0, 3.0, 0.0, cancellable=True)["words"] == "0 %, 3 s so far"
+
+
+def test_how_curves_are_shown_is_remembered_by_windows_to_come(tmp_path, monkeypatch):
+    from validation.app.window import first_state
+
+    monkeypatch.setenv("MASSLINE_CACHE", str(tmp_path))
+    of = bench(tmp_path)
+
+    async def story():
+        for name, wanted in (("units", "in-lbf"), ("logarithmic", "False"), ("form", "nonsense"), ("none", "True")):
+            await panels.switch(of, name, wanted)
+
+    run(story)
+    assert (of.state.units, of.state.logarithmic, of.state.form) == ("in-lbf", False, "magnitude")
+    later = first_state()
+    assert (later["units"], later["logarithmic"], later["lower"]) == ("in-lbf", False, "phase")
+    kept = tmp_path / state.PLACE / state.SWITCHED
+    for damaged in ("[", "[1]", '{"units": [1], "form": "x"}'):
+        kept.write_text(damaged, encoding="utf-8")
+        assert first_state()["units"] == "SI"

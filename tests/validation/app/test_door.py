@@ -1,6 +1,9 @@
 """Nobody comes in who was not let in, whatever way they ask."""
 
+import asyncio
 import http.client
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -148,3 +151,68 @@ def test_the_cookie_is_shared_with_no_other_door_read_by_no_script_and_sent_by_n
     assert "SameSite=Strict" in given
     assert given.startswith(f"massline-{other.port}=")  # cookies know no ports
     other.interrupted()
+
+
+def test_a_window_that_dies_in_the_middle_of_an_answer_is_no_mistake_of_the_door(caplog):
+    from aiohttp import ClientError, ClientSession, web
+
+    from validation.app.server import passed
+
+    async def dies(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        asked = await reader.readuntil(b"\r\n\r\n")
+        if b"half" in asked:
+            writer.write(b"HTTP/1.1 200 OK\r\nContent-Type: image/jpeg\r\nContent-Length: 1000\r\n\r\nabc")
+            await writer.drain()
+        writer.close()
+
+    async def story() -> list[str]:
+        window = await asyncio.start_server(dies, "127.0.0.1", 0)
+        port, said = window.sockets[0].getsockname()[1], []
+        async with window, ClientSession() as client:
+
+            async def shown(request: web.Request) -> web.StreamResponse:
+                try:
+                    return await passed(request, client, port=port, path=request.match_info["path"], secret="x")
+                except ClientError:
+                    return web.Response(status=503)
+
+            door = web.Application()
+            door.router.add_get("/{path}", shown)
+            runner = web.AppRunner(door, access_log=None)
+            await runner.setup()
+            site = web.TCPSite(runner, "127.0.0.1", 0)
+            await site.start()
+            at = f"http://127.0.0.1:{runner.addresses[0][1]}"
+            for path in ("nothing", "half"):
+                try:
+                    async with client.get(f"{at}/{path}") as answer:
+                        await answer.read()
+                        said.append(str(answer.status))
+                except ClientError:
+                    said.append("cut")
+            await runner.cleanup()
+        return said
+
+    assert asyncio.run(story()) == ["503", "cut"]
+    assert [one.getMessage() for one in caplog.records if one.levelname == "ERROR"] == []
+
+
+FAMILY = """
+import os, signal, subprocess, sys
+from validation.app import options
+
+options.adopting()
+sleeps = "import time; time.sleep(60)"
+parent = f"import subprocess, sys; subprocess.Popen([sys.executable, '-c', {sleeps!r}]); print(1, flush=True); {sleeps}"
+one = subprocess.Popen([sys.executable, "-c", parent], stdout=subprocess.PIPE, start_new_session=True)
+one.stdout.readline()
+os.killpg(one.pid, signal.SIGKILL)
+one.wait()
+options.collect(one.pid)
+print(open(f"/proc/{os.getpid()}/task/{os.getpid()}/children").read().strip())
+"""
+
+
+def test_processes_of_a_group_that_was_killed_leave_nothing_in_the_table():
+    done = subprocess.run([sys.executable, "-P", "-c", FAMILY], capture_output=True, text=True, timeout=60, check=True)
+    assert done.stdout.strip() == ""

@@ -9,8 +9,10 @@ from benchmarks.laboratories import shaking
 from benchmarks.laboratories.drawing import SHEETS, DataSheet
 from validation.diagnose.diagnose import diagnosed
 from validation.diagnose.diagnosis import NOTHING
+from validation.effects.catalogue import parse
 from validation.estimation.problem import Problem
 from validation.model import model_file
+from validation.model.model import Added
 from validation.prediction.series import predictions
 from validation.study import Data, Study
 
@@ -22,16 +24,24 @@ LEFT = {"exact": 5e-4, "drawn": 2e-3}
 """Of the largest that a channel reads: what is left of loss factors, which damp otherwise there, and of records that end."""
 
 
-def left(sheet: DataSheet, offsets: dict[str, float]) -> float:
+QUICK = shaking.Bench(pace=16.0, acceleration=1e-9, force=1e-9)
+
+
+def left(
+    sheet: DataSheet,
+    offsets: dict[str, float],
+    *,
+    article: str = CUBOID,
+    planted: dict[str, tuple[float, ...]] | None = None,
+    known: tuple[str, ...] = (),
+) -> float:
     """Largest rms over rms of what a channel reads that the prediction at `offsets` leaves, base motions eliminated."""
-    shaking_sheets = {**SHEETS, "asked": sheet}
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(shaking, "SHEETS", shaking_sheets)
-        patched.setattr(shaking, "NOISE", {"acceleration": 1e-9, "force": 1e-9})
-        patched.setattr(shaking, "PACE", 16.0)
-        campaigns = shaking.series(3, [CUBOID], "asked")
-    model = replace(model_file.of_text('format = 1\n[model]\narticle = "fmd+disc+cuboid"\n', "m.toml"), opened=OPEN)
-    model = replace(model, cell_stiffness=np.array(shaking.STIFFNESS))
+        patched.setattr(shaking, "SHEETS", {**SHEETS, "asked": sheet})
+        campaigns = shaking.series(3, [article], "asked", shaking.Faults(sizes=planted or {}), QUICK)
+    model = replace(model_file.of_text(f'format = 1\n[model]\narticle = "{article}"\n', "m.toml"), opened=OPEN)
+    effects = tuple(Added(named=parse(one), fixed=True) for one in known)
+    model = replace(model, cell_stiffness=np.array(QUICK.stiffness), effects=effects)
     (of,) = Problem(predictions(model, campaigns, lines=[5.0, 9.5, 14.0, 21.0, 29.0])).predictions
     A, worst = of.at(offsets, derivatives=False).rows, 0.0
     for y in of.measured.values:

@@ -66,10 +66,10 @@ def test_a_mistake_is_named_and_nothing_beside_it(kind: str, text: str, bracket:
 
 def test_places_that_read_the_same_are_named_together_and_a_place_near_by_is_told(bracket: Path, tmp_path: Path) -> None:
     (one,) = found_in(study(bracket, tmp_path / "arm", "functions", ("wrong-place:low-x:tip",), seed=3))
-    assert {one.id, *one.alike} == {f"wrong-place:low-x:{place}" for place in ("elbow", "arm", "tip")}
+    assert {one.id, *one.same} == {f"wrong-place:low-x:{place}" for place in ("elbow", "arm", "tip")}
     assert "would read the same" in one.note
     (near,) = found_in(study(bracket, tmp_path / "near", "modes", ("wrong-place:mid-x:low",), seed=10))
-    assert (near.id, near.alike) == ("wrong-place:mid-x:low", ())
+    assert (near.id, near.same) == ("wrong-place:mid-x:low", ())
 
 
 @pytest.mark.parametrize("kind", ["functions", "modes"])
@@ -126,7 +126,7 @@ def test_of_a_hundred_planted_mistakes_95_are_named_and_none_is_in_a_hundred_sou
                 break
         found = found_in(study(bracket, tmp_path / "planted", kind, (text,), seed=seed))
         # What reads the same is named together: a place on a stiff arm moves along it as every other
-        classes = [{one.id, *one.alike} for one in found]
+        classes = [{one.id, *one.same} for one in found]
         if not any(same(text) in map(same, each) and len(each) <= 3 for each in classes):
             missed.append((kind, text, [one.id for one in found]))
         if alarm := named(study(bracket, tmp_path / "sound", kind, (), seed=seed)):

@@ -48,6 +48,16 @@ def test_nothing_is_said_twice_a_name_nearly_found_is_said_and_what_was_accepted
     assert said.endswith("point-mass:mast-top or rigid-inertia:m.")
 
 
+def test_a_tie_is_one_name_with_its_places_in_words_and_in_json(made):
+    found = made("missing")
+    two = replace(found, accepted=(replace(found.accepted[0], same=("force-gain:fmd-z4",)),))
+    said = "MISSING: force-gain:fmd-z2 (or force-gain:fmd-z4, which is the same to these data), +7.93 %"
+    assert diagnosis.headline(two).startswith(said)
+    (told,) = to_json(two)["accepted"]
+    assert told["same"] == ["force-gain:fmd-z4"]
+    assert "same" not in to_json(found)["accepted"][0]
+
+
 def test_what_is_missing_beside_a_mistake_is_told_apart(made):
     found = made("mistake")
     said = diagnosis.headline(replace(found, accepted=(*found.accepted, *made("missing").accepted)))

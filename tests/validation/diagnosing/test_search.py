@@ -108,6 +108,22 @@ def test_of_two_fits_of_one_candidate_the_better_counts():
     assert search.ranked([first, second, other]) == [second, other]
 
 
+def test_names_that_tie_to_the_last_digit_are_one_name_whichever_way_rounding_fell():
+    """A mass rides as well on either of two bolts of a rigid flange; 0.3 nats, of which nobody makes anything, are no tie."""
+    one, other, near = (
+        ended("point-mass:hub-2=0.3", 100.0),
+        ended("point-mass:hub-1=0.3", 99.999),
+        ended("point-mass:top=0.3", 99.7),
+    )
+    for first, second in ((one, other), (replace(one, evidence=99.999), replace(other, evidence=100.0))):
+        tried = search.ranked([near, first, second])
+        assert [each.id for each in tried] == [other.id, one.id, near.id]
+        step = replace(a_round([]), tried=tuple(tried), added=other.id)
+        assert step.same_as(other.id) == (one.id,)
+        assert step.same_as(near.id) == ()
+        assert step.same_as("modulus:mast") == ()
+
+
 BAND: Any = SimpleNamespace(made=[SimpleNamespace(measured=SimpleNamespace(frequency=np.array([4.0, 32.0])))], tests=())
 
 

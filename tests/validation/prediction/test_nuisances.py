@@ -171,9 +171,10 @@ def of():
     return made("clumod-1", None)
 
 
-def answered(of, share, lines):
+def answered(of, share, lines, apart=0.0):
     made, tangents = of.at({})
-    changed, behind = effects.with_damping_law(made, tangents, of.nominal, {effects.DAMPING_LAW: share}, derivatives=True)
+    laws = {effects.DAMPING_LAW: share, effects.LOSS_COUPLING: apart}
+    changed, behind = effects.with_damping_law(made, tangents, of.nominal, laws, derivatives=True)
     return dynamic_mass.dynamic_mass(changed, lines), behind
 
 
@@ -201,6 +202,27 @@ def test_its_derivative_and_those_behind_it_are_differences(of):
             changed, _ = effects.with_damping_law(made, {}, of.nominal, {effects.DAMPING_LAW: share}, derivatives=False)
             sides.append(dynamic_mass.dynamic_mass(changed, lines).matrix)
         assert_allclose(slopes[name], (sides[0] - sides[1]) / (2 * step), atol=1e-4 * np.abs(slopes[name]).max(), err_msg=name)
+
+
+def test_without_coupling_every_mode_loses_by_itself_and_the_derivatives_know_it(of):
+    """Nothing is left beside the diagonal of what parts lose; and on the way there slopes are differences."""
+    made, _ = of.at({})
+    apart, _ = effects.with_damping_law(made, {}, of.nominal, {effects.LOSS_COUPLING: 1.0}, derivatives=False)
+    assert_allclose(apart.structural, np.diag(np.diag(made.structural)))
+    lines, step, at = np.array([5.0, 11.6, 14.0]), 0.02, {"share": 0.3, "apart": 0.4}  # one blade: there is little to couple
+    here, behind = answered(of, lines=lines, **at)
+    slopes = dynamic_mass.transfer_tangents(here, behind)
+    for name, key in ((effects.LOSS_COUPLING, "apart"), (effects.DAMPING_LAW, "share")):
+        above, below = (answered(of, lines=lines, **at | {key: at[key] + side * step})[0].matrix for side in (1, -1))
+        assert_allclose(slopes[name], (above - below) / (2 * step), atol=2e-3 * np.abs(slopes[name]).max(), err_msg=name)
+    laws, step = {effects.DAMPING_LAW: 0.3, effects.LOSS_COUPLING: 0.4}, 1e-4
+    sides = []
+    for side in (1, -1):
+        made, _ = of.at({"loss:mast": side * step})
+        changed, _ = effects.with_damping_law(made, {}, of.nominal, laws, derivatives=False)
+        sides.append(dynamic_mass.dynamic_mass(changed, lines).matrix)
+    difference, scale = (sides[0] - sides[1]) / (2 * step), np.abs(slopes["loss:mast"]).max()
+    assert_allclose(slopes["loss:mast"], difference, atol=1e-4 * scale)
 
 
 def test_it_is_open_where_parts_lose_something_and_one_for_all_structures(of):

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 Values = dict[str, Any]
 
-FOR_A_PAGE = str.maketrans({"<": "\\u003c", ">": "\\u003e", "/": "\\u002f"})
+FOR_A_PAGE = {"<": "\\u003c", ">": "\\u003e", "/": "\\u002f"}
 """What could end the element of a page in which JSON stands."""
 
 
@@ -114,7 +114,10 @@ class Figure:
     def json(self, *, template: bool = False) -> str:
         """As JSON that may stand in a page; with the `template` only where it is asked for, since a page has it once for all."""
         layout = self.layout if template else {key: value for key, value in self.layout.items() if key != "template"}
-        return as_json({"data": self.data, "layout": layout}).translate(FOR_A_PAGE)
+        said = as_json({"data": self.data, "layout": layout})
+        for sign, escaped in FOR_A_PAGE.items():  # quicker than one pass of `str.translate`, by far
+            said = said.replace(sign, escaped)
+        return said
 
     def checked(self) -> "go.Figure":
         """As a figure of plotly's own.

@@ -51,6 +51,21 @@ def entry_of(
     return spec.EntryPanel(unit=unit(load, motion), curves=(measured, predicted, *others), modes=named)
 
 
+def function_of(of: Map, run: int, channel: int, further: Mapping[str, ComplexArray]) -> spec.EntryPanel:
+    """One response function of `of`, and what else is predicted by name (r, n, c)."""
+    whole = of.functions
+    if whole is None:
+        raise ValueError("`of` must have functions")
+
+    def curve(name: str, values: ComplexArray, role: str, **more: Any) -> spec.Curve:
+        return spec.Curve(name=name, frequency=of.frequency, values=values[run, :, channel], role=role, **more)
+
+    measured = curve("measured", whole.measured, spec.MEASURED, dots=True)
+    predicted = curve("predicted", whole.predicted, spec.PREDICTED, expected=whole.expected[run, :, channel])
+    others = [curve(name, values, spec.FURTHER) for name, values in further.items()]
+    return spec.EntryPanel(unit=whole.unit, curves=(measured, predicted, *others))
+
+
 SECOND_ROW = 20
 """[pixels] that a legend takes when curves more than the usual ones are named in it."""
 
