@@ -26,8 +26,17 @@ html_math_renderer = "mathml"
 
 
 def escaped(app: Sphinx, what: str, name: str, of: object, options: object, lines: list[str]) -> None:
-    """An absolute value in a docstring is no substitution, and a power no footnote."""
-    lines[:] = [line.replace("|", r"\|").replace("_ ", r"\_ ") for line in lines]
+    """An absolute value is no substitution; what is indented in the docstring of a module stands as it is."""
+    text, formula = [], False
+    for before, line in zip(["", *lines], lines, strict=False):
+        indented = what == "module" and line.startswith("    ")
+        if indented and not formula:
+            text += ["::", ""]
+        elif formula and line and not indented:
+            text += [] if not before else [""]
+        formula = indented or (formula and not line)
+        text.append(line if indented else line.replace("|", r"\|").replace("_ ", r"\_ "))
+    lines[:] = text
 
 
 def mathml(display: str) -> object:

@@ -69,7 +69,7 @@ class EstimatedBody:
 
 
 def mended(mesh: TriangleMesh, unit: LengthUnit = METRE) -> MendedMesh:
-    """`mesh` with what can be mended safely mended; volumes in the steps are in `unit`³."""
+    """`mesh` with what can be mended safely mended; volumes in the steps are in cubes of `unit`."""
     steps: list[str] = []
     diagonal = float(np.linalg.norm(np.ptp(mesh.bounds, axis=0)))
 

@@ -21,7 +21,7 @@ from geometry.errors import BadInput, CheckFailed
 from geometry.inertia import Inertia
 from geometry.routes import by_routes
 from identification.campaign import Campaign
-from massline.results import Comparison, Diagnosis, History, Identification, Routes, Study, comparison, diagnosis, identification
+from massline.results import Comparison, Diagnosis, History, Identification, Routes, Study, printing
 from validation.compare.compare import compared
 from validation.diagnose.diagnose import diagnosed
 from validation.diagnose.diagnosis import Cause
@@ -75,7 +75,7 @@ def compare(study: Study, *, progress: Progress | None = None) -> Comparison:
     ------
     CheckFailed : a fit that does not converge.
     """
-    return comparison(compared(study, progress))
+    return printing(Comparison, compared(study, progress))
 
 
 def diagnose(
@@ -92,7 +92,7 @@ def diagnose(
     BadInput : one of `only` cannot act on these data.
     CheckFailed : the model with all its tolerances does not converge.
     """
-    return diagnosis(diagnosed(study, only=only, leave_out=leave_out, progress=progress))
+    return printing(Diagnosis, diagnosed(study, only=only, leave_out=leave_out, progress=progress))
 
 
 def diagnose_many(
@@ -114,7 +114,7 @@ def diagnose_many(
     """
     listed, found = list(studies), {}
     for number, answer in diagnosed_each(listed, processes=processes, scheduler=scheduler):
-        found[number] = diagnosis(answer) if isinstance(answer, Found) else answer
+        found[number] = printing(Diagnosis, answer) if isinstance(answer, Found) else answer
         if progress is not None:
             progress("diagnosing each", len(found) / len(listed))
     return tuple(found[number] for number in range(len(listed)))
@@ -159,7 +159,7 @@ def identify(campaign: str | Path, **options: Any) -> Identification:
     BadInput : a folder or an option that cannot be used.
     CheckFailed : data from which nothing can be identified.
     """
-    return identification(identified(IdentifyOptions(campaign=str(campaign), **options)))
+    return printing(Identification, identified(IdentifyOptions(campaign=str(campaign), **options)))
 
 
 def reference(article: Article | str | Path, **given: Any) -> Routes:

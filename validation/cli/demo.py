@@ -26,7 +26,7 @@ class DemoStep:
     Attributes
     ----------
     title : what it shows
-    command : the line to type, ``massline ...`` or ``python examples/... ``
+    command : the line to type, ``massline ...`` or ``python examples/...``
     ends : exit code that belongs to it: 1 where the point is a check that fails
     needs : folder of data without which it is passed over; None when it needs none
     """
