@@ -54,10 +54,13 @@ league: $(READY) ## the real tests of docs/league.md, whose data MASSLINE_DATA n
 
 # Needs uv on the path (any recent one) and the network. Pins that still fit are kept: delete the file first to renew them all.
 # No registry's host and no path of this machine ends up in it.
-lock: ## requirements.lock from pyproject.toml
+lock: ## requirements.lock from pyproject.toml, one for Python 3.11 to 3.14
 	@command -v uv >/dev/null || { echo "massline: uv is missing; https://docs.astral.sh/uv says how to install it." >&2; exit 1; }
-	uv pip compile pyproject.toml --extra dev --extra all --python-version 3.11 --generate-hashes --no-annotate --no-header --no-emit-index-url \
-		--no-emit-find-links --quiet --output-file requirements.lock
+	@mkdir -p build; set -e; for python in 3.11 3.12 3.13 3.14; do cp -f requirements.lock build/$$python.lock 2>/dev/null || true; \
+		uv pip compile pyproject.toml --extra dev --extra all --python-version $$python --generate-hashes --no-annotate --no-header \
+			--no-emit-index-url --no-emit-find-links --only-binary :all: --quiet --output-file build/$$python.lock; \
+		if [ $$python = 3.11 ]; then cp build/3.11.lock requirements.lock; \
+		else cmp build/$$python.lock requirements.lock || { echo "massline: Python $$python needs other pins" >&2; exit 1; }; fi; done
 
 clean: ## everything that was made here
 	rm -rf .venv build dist out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

@@ -38,3 +38,23 @@ class CheckFailed(RuntimeError):
     def __init__(self, message: str, **evidence: object) -> None:
         self.evidence = evidence
         super().__init__(message)
+
+
+EXTRAS = {
+    "cad": ("cadquery", "OCP"),
+    "fem": ("exudyn", "pyyeti", "skfem"),
+    "gpl": ("gmsh",),
+    "pictures": ("pyvista", "vtk", "vtkmodules"),
+    "fleet": ("distributed",),
+    "app": ("trame", "trame_client", "trame_vuetify", "wslink", "aiohttp"),
+}
+"""The extras of `pyproject.toml`, by the modules that come with each; everything else is in the core."""
+
+
+def lacking(error: ModuleNotFoundError) -> str | None:
+    """Which extra brings what `error` looked for, in words; None where it is no library of an extra."""
+    library = (error.name or "").partition(".")[0]
+    extra = next((name for name, modules in EXTRAS.items() if library in modules), None)
+    if extra is None:
+        return None
+    return f"this needs {library}, which is not installed. It comes with the extra `{extra}`: pip install 'massline[{extra}]'"

@@ -149,29 +149,93 @@ def scaled(mesh: TriangleMesh, factor: float) -> TriangleMesh:
     return TriangleMesh(vertices=mesh.vertices * factor, faces=mesh.faces)
 
 
-# Door to libigl: where a surface runs through itself, and how much space two bodies share.
+# Doors to libigl and Manifold: where a surface runs through itself, and how much space two bodies share.
 #
-# Both answers come from CGAL in exact arithmetic (`igl.copyleft.cgal`, which carries CGAL's GPL; the rest of libigl is MPL):
-# faces that share a corner or an edge are not reported; faces that run through one another or lie on one another are, without
-# tolerance.
+# Both are free of the GPL: of libigl only what is under the MPL is asked, never `igl.copyleft`, which holds CGAL; Manifold is
+# under the Apache licence. `tests/geometry/test_without_gpl.py` holds both to CGAL's exact answers.
+
+
+CLEARLY = 1e-10
+"""How far apart two directions are that rounding cannot have put apart: far above its 1e-16, far below what faces differ by. What
+is nearer is left to exact predicates; the tests against CGAL hold it."""
 
 
 def intersecting_faces(mesh: TriangleMesh) -> Integers:
-    """Pairs (p, 2) of faces of `mesh` that have more in common than the corners they share; every face must have an area."""
-    from igl.copyleft.cgal import remesh_self_intersections
+    """Pairs (p, 2) of faces of `mesh` that have more in common than the corners they share, without tolerance.
+
+    Every face has an area, and no two have the same corners. Faces without a common corner are told by libigl's exact predicates;
+    its answer for neighbours allows for a tolerance and is not used. Near a corner that two faces share both are cones, and they
+    have more in common where the arcs meet that they cut out of a sphere around it.
+    """
+    from igl.predicates import find_self_intersections
 
     if not len(mesh.faces):
         return np.empty((0, 2), dtype=np.int64)
-    pairs = remesh_self_intersections(mesh.vertices, mesh.faces, detect_only=True)[2]
-    return np.sort(np.asarray(pairs, dtype=np.int64), axis=1)
+    vertices, faces = np.array(mesh.vertices), np.array(mesh.faces)
+    pairs = np.asarray(find_self_intersections(vertices, faces)[1], dtype=np.int64).reshape(-1, 2)
+    apart = pairs[~(faces[pairs[:, 0], :, None] == faces[pairs[:, 1], None, :]).any(axis=(1, 2))]
+    # Every face seen from each of its corners, ordered by corner: what lies `step` further on belongs to the same one or to none
+    corner, face = faces.reshape(-1), np.repeat(np.arange(len(faces)), 3)
+    ends = np.stack([np.roll(faces, -1, axis=1), np.roll(faces, -2, axis=1)], axis=2).reshape(-1, 2)
+    order = np.argsort(corner, kind="stable")
+    corner, face, ends = corner[order], face[order], ends[order]
+    ways = vertices[ends] - vertices[corner, None]
+    ways /= np.linalg.norm(ways, axis=2, keepdims=True)
+    found = [apart]
+    for step in range(1, int(np.bincount(corner).max())):
+        one = np.flatnonzero(corner[step:] == corner[:-step])
+        # Clear of one another where a plane through the corner parts them, along an edge that both may share
+        for i, j in ((1, 0), (0, 1), (0, 0), (1, 1)):
+            across = ways[one, i] - ways[one + step, j]
+            here, there = (np.einsum("pij,pj->pi", ways[which], across) for which in (one, one + step))
+            one = one[(here.min(axis=1) <= CLEARLY) | (there.max(axis=1) >= -CLEARLY)]
+        for i, j in ((1, 0), (0, 1), (0, 0), (1, 1)):
+            along, here, there = ways[one, i], ways[one, 1 - i], ways[one + step, 1 - j]
+            here, there = (way - np.sum(way * along, axis=1)[:, None] * along for way in (here, there))
+            folded = (np.linalg.norm(np.cross(here, there), axis=1) <= CLEARLY) & (np.sum(here * there, axis=1) >= -CLEARLY)
+            one = one[folded | (ends[one, i] != ends[one + step, j])]
+        doubtful = [k for k in one if _meet(vertices, corner[k], ends[k], ends[k + step])]
+        found.append(np.column_stack([face[doubtful], face[np.array(doubtful, dtype=np.int64) + step]]))
+    return np.unique(np.sort(np.vstack(found), axis=1), axis=0)
+
+
+def _meet(vertices: Array, corner: int, one: Integers, other: Integers) -> bool:
+    """Whether the sectors between two `vertices` each, seen from `corner`, share a direction other than a vertex of both."""
+    from igl.predicates import orient2d, orient3d
+
+    def upon(way: int, first: int, second: int) -> bool:
+        """Whether `way`, in the plane of the sector from `first` to `second`, lies within it."""
+        for plane in ([0, 1], [1, 2], [2, 0]):
+            o, a, b, c = (vertices[number, plane] for number in (corner, first, second, way))
+            if turn := orient2d(o, a, b).value:
+                return bool(orient2d(o, a, c).value * turn >= 0 and orient2d(o, c, b).value * turn >= 0)
+        return False
+
+    sides = []
+    for (first, second), ways in ((one, other), (other, one)):
+        for way in ways:
+            if way in (first, second):
+                sides.append(0)
+                continue
+            sides.append(orient3d(vertices[first], vertices[second], vertices[way], vertices[corner]).value)
+            if not sides[-1] and upon(way, first, second):
+                return True
+    return bool(sides[0] * sides[1] < 0 and sides[2] * sides[3] < 0 and sides[0] * sides[2] < 0)
 
 
 def shared_volume(first: TriangleMesh, second: TriangleMesh) -> float:
-    """Volume [m³] that belongs to both bodies; each closed and free of self-intersections."""
-    from igl.copyleft.cgal import mesh_boolean
+    """Volume [m³] that belongs to both bodies; each closed and free of self-intersections.
 
-    vertices, faces, _ = mesh_boolean(first.vertices, first.faces, second.vertices, second.faces, "intersect")
-    return TriangleMesh(vertices=vertices, faces=faces).volume if len(faces) else 0.0
+    To rounding of the coordinates about the middle of `first`, where exact arithmetic would be without any.
+    """
+    from manifold3d import Error, Manifold, Mesh64
+
+    middle = first.bounds.mean(axis=0)
+    one, other = (Manifold(Mesh64(mesh.vertices - middle, mesh.faces.astype(np.uint64))) for mesh in (first, second))
+    both = one ^ other
+    if both.status() != Error.NoError:
+        raise ValueError(f"`first` and `second` must be closed surfaces, found {both.status().name}")
+    return max(0.0, float(both.volume()))
 
 
 def winding_number(mesh: TriangleMesh, point: Array) -> int:

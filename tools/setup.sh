@@ -36,7 +36,7 @@ if [ -t 1 ]; then quiet=; fi
 pip="sh tools/pip.sh $folder/bin/python"
 
 if ! cmp -s requirements.lock "$folder/installed.lock" || ! "$folder/bin/python" -c '' 2>/dev/null; then
-    say "installing $(grep -c '^[a-z0-9].*==' requirements.lock) locked packages into $folder: a minute or more, about 2.5 GB, once."
+    say "installing $(grep -c '^[a-z0-9].*==' requirements.lock) locked packages into $folder: a minute or more, about 2.8 GB, once."
     "$python" -m venv --clear "$folder"
     $pip install $quiet --require-hashes --only-binary :all: --requirement requirements.lock
     cp requirements.lock "$folder/installed.lock"

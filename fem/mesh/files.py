@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from fem.mesh import solids
-from fem.solid.assembly import session
+from fem.solid.assembly import require_gmsh, session
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers
 
@@ -451,6 +451,7 @@ _BEGINNINGS = {".msh": (b"$MeshFormat", b"$Comments"), ".med": (b"\x89HDF\r\n\x1
 
 
 def _through_gmsh(path: Path) -> MeshFile:
+    require_gmsh()
     source, ending = str(path), path.suffix.lower()
     with path.open("rb") as file:
         beginning = file.read(16)

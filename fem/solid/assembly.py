@@ -17,6 +17,7 @@ import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib.util import find_spec
 from itertools import combinations
 from typing import Any
 
@@ -98,6 +99,12 @@ def session() -> Iterator[Any]:
             yield gmsh
         finally:
             gmsh.finalize()
+
+
+def require_gmsh() -> None:
+    """Raise ModuleNotFoundError here where gmsh is not installed, rather than in the process that is to work with it."""
+    if find_spec("gmsh") is None:
+        raise ModuleNotFoundError("No module named 'gmsh'", name="gmsh")
 
 
 QUADRATURE = {10: 5, 27: 5}

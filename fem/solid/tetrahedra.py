@@ -550,6 +550,7 @@ def tetrahedra(bodies: Sequence[SolidBody], sizes: Sizing | None = None) -> Soli
 
 def _attempt(folder: Path, bodies: Sequence[SolidBody], sizes: Sizing) -> SolidMesh:
     """One run of `fem.solid.tetrahedra`; its answer, or its fault raised here."""
+    assembly.require_gmsh()
     job = {"bodies": [body.name for body in bodies], "sizing": asdict(sizes)}
     (folder / JOB).write_text(json.dumps(job), encoding="utf-8")
     for left in (MESH, FAULT):

@@ -138,6 +138,6 @@ def test_the_lock_satisfies_what_the_project_asks_for(root: Path) -> None:
     pattern = re.compile(r"^([a-z0-9._-]+)==(\S+)", re.MULTILINE)
     locked = {canonicalize_name(name): version for name, version in pattern.findall((root / "requirements.lock").read_text())}
     project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    extras = [one for name in ("dev", "cad", "fem", "pictures", "app") for one in project["optional-dependencies"][name]]
+    extras = [one for name in ("dev", "cad", "fem", "gpl", "pictures", "app") for one in project["optional-dependencies"][name]]
     wanted = [Requirement(line) for line in (*project["dependencies"], *extras)]
     assert [str(want) for want in wanted if locked.get(canonicalize_name(want.name), "0") not in want.specifier] == []

@@ -43,8 +43,8 @@ def test_its_metadata_are_complete_and_carry_the_licence(wheel: zipfile.ZipFile)
     assert members(wheel)[True] == {"METADATA", "RECORD", "WHEEL", "entry_points.txt", "licenses/LICENSE"}
 
 
-def test_it_asks_for_python_3_11_and_names_its_licence(wheel: zipfile.ZipFile) -> None:
+def test_it_asks_for_python_3_11_to_3_14_and_names_its_licence(wheel: zipfile.ZipFile) -> None:
     (name,) = [name for name in wheel.namelist() if name.endswith("/METADATA")]
     metadata = Parser().parsestr(wheel.read(name).decode("utf-8"))
     assert metadata["License-Expression"] == "MIT"
-    assert metadata["Requires-Python"] == "<3.12,>=3.11"
+    assert metadata["Requires-Python"] == "<3.15,>=3.11"

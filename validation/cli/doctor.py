@@ -8,19 +8,20 @@ from pathlib import Path
 
 import click
 
-from validation.cli import options
-from validation.cli.main import EXTRAS
+from geometry.errors import EXTRAS
+from validation.cli import options, shadowed
 
 NEEDED_FOR = {
     "cad": "STEP files, drawings of the built-in articles, the exact route",
-    "fem": "solid models, meshes with groups, rope pendulums in exudyn",
+    "fem": "solid models, Nastran's matrices, rope pendulums in exudyn",
+    "gpl": "meshes of drawings by gmsh, .msh and .med files; under the GPL",
     "pictures": "pictures and moving modes (--view, report)",
     "app": "the workbench in the browser",
     "fleet": "many diagnoses at a time, by several processes or machines",
 }
 """What a command that lacks the extra cannot do."""
 
-CORE = ("numpy", "scipy", "pin", "trimesh", "libigl", "h5py", "matplotlib", "plotly", "pyyeti", "pyuff")
+CORE = ("numpy", "scipy", "pin", "trimesh", "libigl", "h5py", "manifold3d", "matplotlib", "plotly", "pyuff")
 """Libraries of the core whose version says most."""
 
 
@@ -49,7 +50,6 @@ def doctor_command(as_json: bool) -> None:
     except BadInput:
         browser = None
     data = os.environ.get("MASSLINE_DATA")
-    shadowed = [name for name in ("geometry", "fem", "identification", "validation") if _foreign(name)]
     if as_json:
         print_json(
             {
@@ -60,7 +60,7 @@ def doctor_command(as_json: bool) -> None:
                 "browser": browser,
                 "factorisers": installed(),
                 "data": data,
-                "shadowed": shadowed,
+                "shadowed": shadowed(),
             }
         )
     else:
@@ -74,16 +74,5 @@ def doctor_command(as_json: bool) -> None:
         there = data is not None and Path(data).is_dir()
         lines.append(f"data          {data if there else 'not there: MASSLINE_DATA names the folder of measured data'}")
         click.echo("\n".join(lines))
-    if shadowed:
-        raise CheckFailed(
-            f"another package shadows {', '.join(shadowed)}, top-level names of massline: move it, or start Python elsewhere"
-        )
     if absent := [name for name, found in core.items() if found is None]:
         raise CheckFailed(f"the core lacks {', '.join(absent)}: install massline again")
-
-
-def _foreign(name: str) -> bool:
-    """Whether the package `name` lies elsewhere than this one."""
-    found = find_spec(name)
-    here = Path(__file__).resolve().parents[2]
-    return found is None or found.origin is None or here not in Path(found.origin).resolve().parents

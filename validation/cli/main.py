@@ -14,7 +14,7 @@ from types import FrameType
 
 import click
 
-from geometry.errors import BadInput, CheckFailed
+from geometry.errors import BadInput, CheckFailed, lacking
 
 # Ctrl-C while libraries are being imported: heard at once, acted upon when the import is done.
 #
@@ -112,16 +112,6 @@ MODULES = {
 """The modules of `validation.cli` by the commands that they hold, each as the function ``NAME_command``."""
 
 
-EXTRAS = {
-    "cad": ("cadquery", "OCP"),
-    "fem": ("exudyn", "gmsh", "skfem"),
-    "pictures": ("pyvista", "vtk", "vtkmodules"),
-    "fleet": ("distributed",),
-    "app": ("trame", "trame_client", "trame_vuetify", "wslink", "aiohttp"),
-}
-"""The extras of `pyproject.toml`, by the modules that come with each; everything else is in the core."""
-
-
 class _LazyGroup(click.Group):
     """A group that knows its commands by name and imports one only to run it, so that help answers in a blink."""
 
@@ -184,11 +174,8 @@ def run(arguments: list[str] | None = None) -> int:
     except CheckFailed as error:
         return _say(str(error), FAILED_CHECK)
     except ModuleNotFoundError as error:
-        library = (error.name or "").partition(".")[0]
-        extra = next((name for name, modules in EXTRAS.items() if library in modules), None)
-        if extra is None:
+        if (said := lacking(error)) is None:
             raise
-        said = f"this needs {library}, which is not installed. It comes with the extra `{extra}`: pip install 'massline[{extra}]'"
         return _say(f"{said}; massline doctor says what is there.", BAD_INPUT)
     except SystemExit:  # how click and rich answer a closed pipe, both with the code of a failed check; commands leave otherwise
         return READER_LEFT

@@ -604,7 +604,7 @@ class DiagnosisPage:
 
     def pictured(self, figures: doc.Figures) -> doc.Safe | None:
         """The same on the user's own mesh; nothing where nothing can be drawn."""
-        with TemporaryDirectory() as folder, suppress(CheckFailed):
+        with TemporaryDirectory() as folder, suppress(CheckFailed, ModuleNotFoundError):
             if made := draw_nodes(self.found.nodes, Path(folder) / EVERYWHERE):
                 return picture(Picture(png=made.read_bytes(), said=f"Everywhere on the mesh. {NOTE}"))
         return None

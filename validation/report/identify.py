@@ -35,7 +35,7 @@ from validation.report.charts import identification, spec
 from validation.report.charts.spec import LEFT_OUT, MEASURED, QUOTIENT
 from validation.report.charts.style import DynamicMassCurve, diagonal, full
 from validation.report.parts import CampaignPart, Picture, Report, notes, paragraphs, section
-from validation.report.reference import drawing_of, drawn, kept
+from validation.report.reference import drawing_of, drawn, kept, tried
 from validation.report.scenes.setups import sensor_map as draw_sensors
 from validation.study import Study
 
@@ -477,11 +477,11 @@ def sensor_map(one: Campaign, missing: list[str]) -> Picture | None:
     """The map of the sensors of `one`; None, with the reason among what is `missing`, where nothing can be rendered."""
     said = f"Sensors of {Path(one.source).name}, seen from F: accelerometers of table, cover plate and article, and load cells"
     of = one.table, one.article, one.source, one.title, one.mounting
-    try:
+
+    def made() -> Picture:
         return cache.answer(lambda: drawn(lambda folder: draw_sensors(one, folder), said), "sensors", *of)
-    except CheckFailed as error:
-        missing.append(f"No map of the sensors: {error}")
-        return None
+
+    return tried(made, missing, "No map of the sensors: ")
 
 
 def drawing_beside(found: IdentificationFindings, model: Model, missing: list[str]) -> Statement | None:
@@ -503,10 +503,9 @@ def drawing_beside(found: IdentificationFindings, model: Model, missing: list[st
             return None
         frame = mount.inverse
     changes = model.changes if is_stack(found.article) else {}
-    try:
-        options = ArticleOptions(changes=changes)
-        drawn = kept(lambda: reference(source, None, options, frame)[1], "drawn", source, (options, frame))
-    except (BadInput, CheckFailed):
+    options = ArticleOptions(changes=changes)
+    drawn = tried(lambda: kept(lambda: reference(source, None, options, frame)[1], "drawn", source, (options, frame)), [])
+    if drawn is None:
         return None
     # An article is what its drawing says within what the laboratory admits: density, bolts and holes that nobody drew
     share = NORMAL_95 * model.mounting.inertia

@@ -9,7 +9,7 @@ import subprocess
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from importlib.metadata import version as version_metadata
+from importlib.metadata import distributions
 from importlib.resources import files
 from pathlib import Path
 from platform import platform, python_version
@@ -500,10 +500,10 @@ def print_to(page: Path, path: Path, program: str) -> None:
 
 PROGRAMS = (
     *("massline", "numpy", "scipy", "plotly", "pyvista", "vtk", "matplotlib", "exudyn", "pin", "cadquery", "cadquery-ocp"),
-    *("trimesh", "gmsh", "scikit-fem", "h5py", "joblib", "libigl", "networkx", "pillow", "pint", "pyuff", "pyyeti", "tomlkit"),
-    "uncertainties",
+    *("trimesh", "gmsh", "scikit-fem", "h5py", "joblib", "libigl", "manifold3d", "networkx", "pillow", "pint", "pyuff", "pyyeti"),
+    *("tomlkit", "uncertainties"),
 )
-"""Whose versions stand in the report, beside Python's: every library that reads, computes or draws what is on it."""
+"""Whose versions stand in the report where they are installed, beside Python's: what reads, computes or draws what is on it."""
 
 NOT_ASKED = "--no-diagnosis"
 WITHOUT = "this report was asked for without it"
@@ -618,7 +618,8 @@ def provenance(asked: ReportOptions) -> Provenance:
     OSError : a file cannot be read.
     """
     question = asked.compared
-    found = {**{name: version_metadata(name) for name in PROGRAMS}, "Python": python_version(), "system": platform()}
+    there = {one.name.lower().replace("_", "-"): one.version for one in distributions()}
+    found = {name: there[name] for name in PROGRAMS if name in there} | {"Python": python_version(), "system": platform()}
     versions = {**found, "browser that prints": version(browser_path())} if asked.pdf else found
     # Files of code that take part in every figure
     own_effects = tuple(source for source in SOURCES.values() if Path(source).is_file())

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 from fem.user_model.reading import is_model
 from geometry import cache, inertia_files
 from geometry.articles import built_in, changes_of
-from geometry.errors import BadInput, CheckFailed
+from geometry.errors import BadInput, CheckFailed, lacking
 from geometry.inertia import Inertia
 from geometry.routes import ROUTES
 from validation.classical import files
@@ -231,13 +231,13 @@ def article_part(name: str, model: Model, comparison: Comparison, classical: Seq
         return ArticlePart(name=name, missing=(words,))
     changes = model.changes if is_stack(source) else {}
     asked = ArticleOptions(changes=changes)
-    table = _tried(lambda: _table(source, asked, name, classical), missing)
+    table = tried(lambda: _table(source, asked, name, classical), missing)
     said = f"{name}, with centre of gravity, principal axes and equivalent inertia ellipsoid, in the article's own frame"
 
     def plain() -> Picture:
         return drawn(lambda folder: draw(source, asked, folder, sheet=False), said)
 
-    picture = _tried(lambda: kept(plain, f"plain: {said}", source, asked), missing)
+    picture = tried(lambda: kept(plain, f"plain: {said}", source, asked), missing)
     shapes = None
     # Shapes are worth a picture where a mode is near the band
     pairs = zip(comparison.maps, comparison.modes, strict=True)
@@ -245,7 +245,7 @@ def article_part(name: str, model: Model, comparison: Comparison, classical: Seq
     near = any(one.frequency <= SOFT * of.frequency[-1] for of, modes in own for one in modes)
     if model.kind != RIGID and near:
         kind = "beam" if is_stack(source) else "solid"
-        shapes = _tried(lambda: _shapes(source, kind, FlexibleOptions(count=ON_THE_SHEET, changes=changes)), missing)
+        shapes = tried(lambda: _shapes(source, kind, FlexibleOptions(count=ON_THE_SHEET, changes=changes)), missing)
     return ArticlePart(name=name, table=table, picture=picture, shapes=shapes, missing=tuple(missing))
 
 
@@ -295,13 +295,17 @@ def kept(make: Callable[[], Made], what: str, source: str, asked: object) -> Mad
     return cache.answer(make, what, source, asked) if is_stack(source) else make()
 
 
-def _tried(make: Callable[[], Made], missing: list[str]) -> Made | None:
-    """What `make` gives; None, and the reason among `missing`, where it cannot be made."""
+def tried(make: Callable[[], Made], missing: list[str], said: str = "") -> Made | None:
+    """What `make` gives; None, and the reason after `said` among `missing`, where it cannot be made."""
     try:
         return make()
     except (BadInput, CheckFailed) as error:
-        missing.append(str(error))
-        return None
+        missing.append(f"{said}{error}")
+    except ModuleNotFoundError as error:
+        if (extra := lacking(error)) is None:
+            raise
+        missing.append(f"{said}{extra}")
+    return None
 
 
 # The articles, rendered, and their reference tables: three routes beside print, weighing and pendulum.

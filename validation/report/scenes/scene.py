@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -385,6 +386,8 @@ def off_screen() -> Iterator[None]:
 @cache
 def _require_renderer() -> None:
     """Render a black ball in a child process, once a session."""
+    if find_spec("pyvista") is None:
+        raise ModuleNotFoundError("No module named 'pyvista'", name="pyvista")
     environment = os.environ | _environment()
     try:
         command = [sys.executable, "-P", "-c", TRIAL]
