@@ -478,14 +478,14 @@ def run_test(name: str, count: int, folder: Path, seed: int = 1) -> Counter[str]
     described = folder / "test.toml"
     lines = (f"{key} = {inline(value)}" for key, value in {"format": 1, **table}.items())
     described.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    whole = _numbers(test_file.read(described))
+    whole = _measured(test_file.read(described))
     target = described if name == "test.toml" else path
 
     def judged(mutant: Mutant) -> str:
         target.write_bytes(mutant.content)
         try:
             with patience(PATIENCE):
-                found = _numbers(test_file.read(described))
+                found = _measured(test_file.read(described))
         except BadInput:
             return "refused"
         except TimeoutError:
@@ -500,7 +500,7 @@ def run_test(name: str, count: int, folder: Path, seed: int = 1) -> Counter[str]
     return Counter(judged(one) for one in mutants(target.read_bytes(), count, seed))
 
 
-def _numbers(test: ResponseFunctions | ModalTable) -> list[np.ndarray]:
+def _measured(test: ResponseFunctions | ModalTable) -> list[np.ndarray]:
     """All that was measured."""
     if isinstance(test, ResponseFunctions):
         return [test.frequency, np.asarray(test.values)]

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import fields
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from geometry.inertia import Inertia
 from validation import study as opened
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
     from validation.report.document import Document, Grid
 
+Printing = TypeVar("Printing")
+
 
 class Study(opened.Study):
     """A model and its tests, opened once: `Study.open(model, [campaign, ...])`. Everything else is a function of it."""
@@ -28,7 +30,7 @@ class Study(opened.Study):
     @property
     def history(self) -> History:
         """The versions of the model file, as they stand now."""
-        return History(**_fields(versions.history_position(self.asked.path)))
+        return printing(History, versions.history_position(self.asked.path))
 
     def __str__(self) -> str:
         return self._document().text()
@@ -145,23 +147,9 @@ class Routes(dict[str, Inertia]):
         return Document(title="Inertia by route", blocks=(Table(rows=rows, columns=(named, *columns)),), notes=(about,))
 
 
-def comparison(found: comparing.Comparison) -> Comparison:
-    """`found` as one that prints itself."""
-    return Comparison(**_fields(found))
-
-
-def diagnosis(found: diagnosing.Diagnosis) -> Diagnosis:
-    """`found` as one that prints itself."""
-    return Diagnosis(**_fields(found))
-
-
-def identification(found: identifying.IdentificationFindings) -> Identification:
-    """`found` as one that prints itself."""
-    return Identification(**_fields(found))
-
-
-def _fields(of: Any) -> dict[str, Any]:
-    return {one.name: getattr(of, one.name) for one in fields(of) if one.init}
+def printing(kind: type[Printing], found: Any) -> Printing:
+    """`found` as one of its `kind` that prints itself."""
+    return kind(**{one.name: getattr(found, one.name) for one in fields(found) if one.init})
 
 
 def _html(document: Document, draw: Callable[[Path], Iterable[Path]] = lambda folder: ()) -> str:
