@@ -8,9 +8,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from importlib.metadata import version
 from math import inf
+from pathlib import Path
 
 import numpy as np
 
+from geometry import cache
 from geometry.errors import BadInput
 from geometry.toml_file import nearest
 from identification.campaign import Campaign
@@ -25,7 +27,7 @@ from validation.diagnose.nonlinear import differing_levels, nonlinear
 from validation.diagnose.search import SIZE_SCAN_FLOOR, GoodnessOfFit, SearchStep, goodness_of_fit, stepwise_search
 from validation.diagnose.unexplained import Explanation, described, unexplained
 from validation.effects import effect
-from validation.effects.catalogue import FAMILIES, parse
+from validation.effects.catalogue import FAMILIES, SOURCES, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS
 from validation.estimation.evaluate import evaluate, folds
 from validation.estimation.fit import FLOOR, PLAIN_FLOOR, nearby, unfitted
@@ -102,6 +104,36 @@ def diagnosed(
     blind = tuple(text for one in alike for text in one.remarks if text not in whole.remarks)
     whole = replace(whole, correlation=alike, remarks=(*whole.remarks, *blind))
     return replace(whole, only=tuple(only), settings={**whole.settings, "only": list(only), "leave_out": list(leave_out)})
+
+
+def diagnosed_once(
+    study: Study, *, only: Sequence[str] = (), leave_out: Sequence[str] = (), progress: Progress | None = None
+) -> diagnosis.Diagnosis:
+    """What `diagnosed` says, read back where this very code has said it of the same model, data and options before.
+
+    Whoever tested, when and where, may be written into a campaign later: it is no other data.
+
+    Raises
+    ------
+    BadInput, CheckFailed : see `diagnosed`; a refusal is not kept.
+    """
+
+    def made() -> diagnosis.Diagnosis:
+        return diagnosed(study, only=only, leave_out=leave_out, progress=progress)
+
+    records = [
+        [(name, one.names, one.values, one.sampling_rate, one.frequency) for name, one in each.recordings.items()]
+        for each in study.campaigns
+    ]
+    described = [
+        replace(each, recordings={}, date="", place="", operator="", serial_number="", instruments=()) for each in study.campaigns
+    ]
+    data: object = described, records, study.said, study.hold_out
+    if study.tests or study.model.own:  # with matrices and meshes, which lie in files of their own
+        data = study
+    asked = replace(study.asked, model="", data=(), effects_from=(), candidates=tuple(only), leave_out=tuple(leave_out))
+    own = cache.content(sorted(one for one in SOURCES.values() if Path(one).is_file()))
+    return cache.answer(made, "diagnosis", study.model, data, asked, own)
 
 
 def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep], progress: Progress) -> diagnosis.Diagnosis:

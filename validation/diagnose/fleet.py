@@ -14,7 +14,7 @@ from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from identification import campaign_file
 from validation.diagnose import candidates
-from validation.diagnose.diagnose import as_cause, diagnosed, ready
+from validation.diagnose.diagnose import as_cause, diagnosed_once, ready
 from validation.diagnose.diagnosis import ANY, UNKNOWN, Candidate, Diagnosis, EffectEstimate, headline
 from validation.diagnose.search import fit_with, goodness_of_fit
 from validation.effects import catalogue
@@ -183,8 +183,7 @@ def _opened(of: Study | Options) -> Study:
 def _diagnosed(task: tuple[int, Study | Options]) -> Diagnosis | BadInput | CheckFailed:
     try:
         study = _opened(task[1])
-        of, own = study.asked, cache.content(study.asked.effects_from)
-        return cache.answer(lambda: diagnosed(study, only=of.candidates, leave_out=of.leave_out), "diagnosis", study, own)
+        return diagnosed_once(study, only=study.asked.candidates, leave_out=study.asked.leave_out)
     except (BadInput, CheckFailed) as error:
         return error
 

@@ -842,7 +842,7 @@ def diagnosis(asked: Options, bench: Study, progress: Progress | None = None) ->
     ------
     CheckFailed : a baseline that does not converge.
     """
-    return diagnose.diagnosed(bench, only=asked.candidates, leave_out=asked.leave_out, progress=progress)
+    return diagnose.diagnosed_once(bench, only=asked.candidates, leave_out=asked.leave_out, progress=progress)
 
 
 def _climbed(asked: Options, bench: Study, *, as_json: bool) -> tuple[results.Diagnosis, dict[str, Any]]:

@@ -590,7 +590,7 @@ def reported(asked: ReportOptions, *, quiet: bool = False) -> Report:
             try:
                 if not study.tests:
                     require_runs(study.campaigns)
-                found = diagnose.diagnosed(study, progress=told)
+                found = diagnose.diagnosed_once(study, progress=told)
             except (BadInput, CheckFailed) as error:
                 why = str(error)
     with stages("identifying and drawing", quiet=quiet) as told:

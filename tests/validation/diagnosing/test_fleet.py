@@ -12,7 +12,7 @@ import pytest
 import massline
 from geometry.errors import BadInput
 from validation.cli import main
-from validation.diagnose import fleet
+from validation.diagnose import diagnose, fleet
 from validation.diagnose.diagnosis import EffectEstimate
 from validation.diagnose.fleet import ERROR, Fleet, Member, MemberAnswer, Numbers
 from validation.report.fleet import FleetPage
@@ -146,7 +146,7 @@ def test_several_processes_say_the_same_bit_for_bit_and_what_was_done_is_not_don
         monkeypatch.setenv("MASSLINE_CACHE", str(tmp_path / cache))
         with monkeypatch.context() as patched:
             if found[1:]:
-                patched.setattr(fleet, "diagnosed", None)
+                patched.setattr(diagnose, "diagnosed", None)
                 patched.setattr(fleet, "fit_with", None)
             assert main.run([*asked(folder), "--jobs", jobs, "--json"]) == main.DONE
         found.append(capsys.readouterr().out)

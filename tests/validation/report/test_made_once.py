@@ -1,6 +1,9 @@
 """What a report asks of a model and its data is made once, whichever of its parts asks first."""
 
+from dataclasses import replace
+
 from validation import study
+from validation.diagnose import diagnose
 from validation.report import identify, page, reference
 
 
@@ -52,3 +55,24 @@ def test_a_second_report_identifies_and_draws_nothing_again(report, tmp_path, mo
     assert made() == []
     monkeypatch.setenv("MASSLINE_CACHE", str(tmp_path / "empty"))
     assert made() == whole
+
+
+def test_a_diagnosis_is_made_once_of_the_same_data_whoever_is_said_to_have_tested(series, tmp_path, monkeypatch):
+    monkeypatch.setenv("MASSLINE_CACHE", str(tmp_path))
+    opened, made = study.Study.of(*study.read(series.asked), series.asked), []
+    monkeypatch.setattr(diagnose, "diagnosed", lambda of, **how: made.append(how["only"]) or "found")
+
+    def asked(of, **how):
+        made.clear()
+        assert diagnose.diagnosed_once(of, **how) == "found"
+        return len(made)
+
+    (campaign,) = opened.campaigns
+    assert [asked(opened), asked(opened)] == [1, 0]
+    assert asked(replace(opened, campaigns=(replace(campaign, operator="A. Tester", place="Bremen"),))) == 0
+    assert asked(opened, only=("force-gain",)) == 1
+    assert asked(replace(opened, hold_out=())) == int(bool(opened.hold_out))
+    assert asked(replace(opened, model=replace(opened.model, damping_ratio=0.02))) == 1
+    name, record = next(iter(campaign.recordings.items()))
+    other = replace(campaign, recordings={**campaign.recordings, name: replace(record, values=1.01 * record.values)})
+    assert asked(replace(opened, campaigns=(other,))) == 1
