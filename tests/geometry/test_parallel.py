@@ -60,7 +60,7 @@ def test_processes_answer_as_a_loop_does_bit_for_bit_and_one_that_dies_loses_not
     assert isinstance(lost, parallel.WorkerLost)
     assert "died 4 times" in str(lost)
     assert os.getpid() not in {process for _, process in found.values()}
-    alone = dict(parallel.finished(work.solved, [one for one in tasks if one in found]))
+    alone = dict(parallel.finished(work.solved, [one for one in tasks if one in found], processes=1))
     assert {process for _, process in alone.values()} == {os.getpid()}
     assert list(alone) == [one for one in tasks if one in found]  # a loop keeps their order
     for one, (x, _) in alone.items():

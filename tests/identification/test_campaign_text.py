@@ -208,14 +208,18 @@ def test_tables_of_another_shape_are_refused_in_words(content: str) -> None:
 
 
 def test_a_file_in_millimetres_that_says_metres_is_doubted() -> None:
-    campaign = parsed(CONTRACT.replace("0.120", "120").replace("[0.150, 0.150, 0.030]", "[150.0, 150.0, 30.0]"))
-    assert any("mm" in warning for warning in campaign.warnings)
+    text = CONTRACT.replace("0.120", "120").replace("[0.150, 0.150, 0.030]", "[150.0, 150.0, 30.0]")
+    with pytest.raises(BadInput, match=r"270 m apart.*mm"):
+        parsed(text)
+    smaller = CONTRACT.replace("0.120", "12").replace("[0.150, 0.150, 0.030]", "[15.0, 15.0, 3.0]")
+    assert any("mm" in warning for warning in parsed(smaller).warnings)
 
 
 words = st.text(st.characters(codec="utf-8", exclude_categories=["Cs"]), max_size=30)
 names = st.text(st.characters(codec="ascii", categories=["L", "N", "P"], exclude_characters="/"), min_size=1, max_size=20)
 numbers = st.floats(-1e3, 1e3)
-points = st.tuples(numbers, numbers, numbers).map(np.array)
+lengths = st.floats(-25, 25)  # channels of one article are within 100 m
+points = st.tuples(lengths, lengths, lengths).map(np.array)
 places = st.builds(
     lambda position, turn: Place(position=position, direction=rotation_about("z", turn)[:, 0]), points, st.floats(-3, 3)
 )

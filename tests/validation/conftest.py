@@ -132,11 +132,11 @@ def elsewhere() -> Callable[[str], list[str]]:
 
 
 @pytest.fixture(scope="session")
-def leaves_by_no_click(script) -> Callable[[Any, Collection[str]], None]:
-    """``leaves_by_no_click(page, schemes)``: above every figure are the named buttons alone; whichever is pressed,
-    no window opens, nothing but `schemes` is asked for, and no link, form or frame leads away."""
+def leaves_by_no_click(script) -> Callable[..., None]:
+    """``leaves_by_no_click(page, schemes, own)``: above every figure are the named buttons and its `own` alone; whichever is
+    pressed, no window opens, nothing but `schemes` is asked for, and no link, form or frame leads away."""
 
-    def holds(page: Any, schemes: Collection[str]) -> None:
+    def holds(page: Any, schemes: Collection[str], own: Collection[str] = ()) -> None:
         opened: list[str] = []
         asked: list[str] = []
         page.context.on("page", lambda one: opened.append(one.url))
@@ -145,8 +145,11 @@ def leaves_by_no_click(script) -> Callable[[Any, Collection[str]], None]:
         assert figures.count()
         for number in range(figures.count()):
             buttons = figures.nth(number).locator(".modebar-btn")
-            assert buttons.evaluate_all("all => all.map(one => one.getAttribute('data-title'))") == BUTTONS
-            for k in range(0 if number == 0 else 1, len(BUTTONS)):  # a picture takes its time: of the first figure
+            titles = buttons.evaluate_all("all => all.map(one => one.getAttribute('data-title'))")
+            assert sorted(titles) == sorted([*BUTTONS, *own])
+            for k, title in enumerate(titles):
+                if number and title == BUTTONS[0]:  # a picture takes its time: of the first figure
+                    continue
                 buttons.nth(k).evaluate("one => one.dispatchEvent(new MouseEvent('click', { bubbles: true }))")
         page.wait_for_timeout(500)
         assert page.evaluate(script("leads_away")) == []

@@ -471,9 +471,11 @@ async def comparing_shown(window: WindowState) -> None:
         state.campaign = compared.campaigns[0]
     _of_campaign(window)
     if fresh and compared.summary["worst"]:
-        await spot(window, 0)
-    else:
-        await drawn(window)
+        if state.kind != MASS:
+            await spot(window, 0)
+            return
+        _go(window, _entry_of_spot(window, 0))  # the structure stays at rest until somebody clicks
+    await drawn(window)
 
 
 async def redrawn(window: WindowState) -> None:
