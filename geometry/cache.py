@@ -33,7 +33,7 @@ LARGEST = 4 * 2**30
 ABANDONED = 24 * 3600.0
 """Seconds after which a temporary file of a process that was killed is removed."""
 
-LIBRARIES = ("gmsh", "scikit-fem", "cadquery-ocp", "numpy", "scipy")
+LIBRARIES = ("gmsh", "scikit-fem", "cadquery-ocp", "numpy", "scipy", "pin", "trimesh", "libigl", "manifold3d", "exudyn")
 
 ROOMS = ("geometry", "fem", "identification", "validation")
 """Packages whose source makes the answers."""
@@ -158,9 +158,10 @@ def versions() -> dict[str, str]:
 
 @functools.cache
 def code() -> str:
-    """Digest of massline's own source."""
+    """Digest of massline's own source, with the tables of its articles and materials."""
     house = Path(__file__).resolve().parents[1]
-    return content(path for room in ROOMS for path in sorted((house / room).rglob("*.py")))
+    kinds = ("*.py", "*.toml", "*.json")  # drawings and materials are as much of an answer as code
+    return content(path for room in ROOMS for kind in kinds for path in sorted((house / room).rglob(kind)))
 
 
 def _path(name: str) -> Path | None:

@@ -128,7 +128,7 @@ def holds(path: Path, key: str) -> bool:
     try:
         return key in tomllib.loads(text)
     except (ValueError, RecursionError):
-        return any(line.strip().startswith((f"[{key}]", f"[{key}.")) for line in text.splitlines())
+        return any(line.strip().startswith((f"[{key}]", f"[[{key}]]", f"[{key}.")) for line in text.splitlines())
 
 
 def require_format(table: Mapping[str, Any], source: str) -> None:

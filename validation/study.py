@@ -258,6 +258,12 @@ class Study:
     _fits: list[Fit] = field(default_factory=list, init=False, repr=False)
     _evaluations: list[Evaluation] = field(default_factory=list, init=False, repr=False)
 
+    @property
+    def plain(self) -> "Study":
+        """The same as it was opened, with nothing remembered: what two of the same have alike."""
+        names = ("model", "campaigns", "made", "tests", "said", "hold_out", "asked")
+        return Study(**{name: getattr(self, name) for name in names})
+
     @classmethod
     def open(
         cls,

@@ -8,7 +8,6 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-import numpy as np
 import psutil
 import pytest
 
@@ -52,19 +51,36 @@ def work(tmp_path_factory: pytest.TempPathFactory):
     del sys.modules["work_of_a_test"]
 
 
+ALIKE = """
+import os, sys
+from pathlib import Path
+import numpy as np
+sys.path.insert(0, sys.argv[1])
+import work_of_a_test as work
+from geometry import parallel
+
+tasks = [(number, sys.argv[2]) for number in range(7)]
+found = dict(parallel.finished(work.solved, tasks, processes=2))
+assert (Path(sys.argv[2]) / "died").exists()
+lost = found.pop(tasks[5])
+assert isinstance(lost, parallel.WorkerLost), lost
+assert "died 4 times" in str(lost), lost
+assert os.getpid() not in {process for _, process in found.values()}
+alone = dict(parallel.finished(work.solved, [one for one in tasks if one in found], processes=1))
+assert {process for _, process in alone.values()} == {os.getpid()}
+assert list(alone) == [one for one in tasks if one in found]  # a loop keeps their order
+assert len(alone) == 6
+for one, (x, _) in alone.items():
+    np.testing.assert_array_equal(found[one][0], x)
+print("alike")
+"""
+
+
 def test_processes_answer_as_a_loop_does_bit_for_bit_and_one_that_dies_loses_nothing(work, tmp_path: Path) -> None:
-    tasks = [(number, str(tmp_path)) for number in range(7)]
-    found = dict(parallel.finished(work.solved, tasks, processes=2))
-    assert (tmp_path / "died").exists()
-    lost = found.pop(tasks[5])
-    assert isinstance(lost, parallel.WorkerLost)
-    assert "died 4 times" in str(lost)
-    assert os.getpid() not in {process for _, process in found.values()}
-    alone = dict(parallel.finished(work.solved, [one for one in tasks if one in found], processes=1))
-    assert {process for _, process in alone.values()} == {os.getpid()}
-    assert list(alone) == [one for one in tasks if one in found]  # a loop keeps their order
-    for one, (x, _) in alone.items():
-        np.testing.assert_array_equal(found[one][0], x)
+    # In a process of its own, as a user's: one that has run thousands of other tests before has died of it
+    command = [sys.executable, "-P", "-c", ALIKE, str(Path(work.__file__).parent), str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False, cwd=tmp_path)
+    assert done.stdout.split() == ["alike"], done.stderr
 
 
 def test_an_interruption_keeps_what_was_handed_out_and_leaves_no_process(work, tmp_path: Path) -> None:

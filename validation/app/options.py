@@ -88,7 +88,7 @@ def opened(
     if example is not None and model is not None:
         problem = f"an example brings its own model and data, found MODEL {model} beside it"
         raise BadInput(source="--example", problem=problem, remedy="Give one of the two")
-    if model is not None and not data and not toml_file.holds(Path(model), "test"):
+    if model is not None and not data and Path(model).exists() and not toml_file.holds(Path(model), "test"):
         remedy = "Name a campaign folder or the file of a test"
         raise BadInput(source="DATA", problem=f"nothing stands behind the model {model}, and it names no [[test]]", remedy=remedy)
     from validation.study import Options

@@ -241,6 +241,13 @@ class Session:
             every = sorted(path.rglob("*")) if path.is_dir() else [path]
             seen = [(one.name, one.stat()) for one in every if one.is_file()]
             files.append([[name, found.st_size, found.st_mtime_ns] for name, found in seen])
+        # The file of a test names its records, which lie beside it
+        tests = {Path(one).parent for one in self.asked.data if is_test(one)}
+        if self.asked.model and toml_file.holds(Path(self.asked.model), "test"):
+            tests.add(Path(self.asked.model).parent)
+        for folder in sorted(tests):
+            seen = [(one.name, one.stat()) for one in sorted(folder.iterdir()) if one.is_file()]
+            files.append([[name, found.st_size, found.st_mtime_ns] for name, found in seen])
         return [list(self.asked.data), None if self.asked.band is None else list(self.asked.band), self.asked.method, files]
 
     # The model held against its data. Comparing, diagnosing and adding all begin with the same fits. They are made once, as a

@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from importlib.metadata import version
 from math import inf
-from pathlib import Path
 
 import numpy as np
 
@@ -27,13 +26,14 @@ from validation.diagnose.nonlinear import differing_levels, nonlinear
 from validation.diagnose.search import SIZE_SCAN_FLOOR, GoodnessOfFit, SearchStep, goodness_of_fit, stepwise_search
 from validation.diagnose.unexplained import Explanation, described, unexplained
 from validation.effects import effect
-from validation.effects.catalogue import FAMILIES, SOURCES, parse
+from validation.effects.catalogue import FAMILIES, code_of_families, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS
 from validation.estimation.evaluate import evaluate, folds
 from validation.estimation.fit import FLOOR, PLAIN_FLOOR, nearby, unfitted
 from validation.estimation.problem import EFFECT, FITTED, IDENTIFIED, Evaluation, Offsets
 from validation.history.add import completed
 from validation.model.model import Added, Model, require_target, vocabulary
+from validation.model.setups import above_fmd, is_stack
 from validation.model.tolerance_classes import METROLOGY
 from validation.prediction.effects import name
 from validation.study import Data, Options, Study, read
@@ -129,11 +129,10 @@ def diagnosed_once(
         replace(each, recordings={}, date="", place="", operator="", serial_number="", instruments=()) for each in study.campaigns
     ]
     data: object = described, records, study.said, study.hold_out
-    if study.tests or study.model.own:  # with matrices and meshes, which lie in files of their own
-        data = study
+    if study.tests or study.model.own or not all(is_stack(above_fmd(one.article)) for one in study.campaigns):
+        data = study.plain  # with the matrices and meshes that lie in files of their own
     asked = replace(study.asked, model="", data=(), effects_from=(), candidates=tuple(only), leave_out=tuple(leave_out))
-    own = cache.content(sorted(one for one in SOURCES.values() if Path(one).is_file()))
-    return cache.answer(made, "diagnosis", study.model, data, asked, own)
+    return cache.answer(made, "diagnosis", study.model, data, asked, code_of_families(study.asked.effects_from))
 
 
 def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep], progress: Progress) -> diagnosis.Diagnosis:

@@ -174,7 +174,7 @@ def diagnosed_each(
 
 def _opened(of: Study | Options) -> Study:
     if isinstance(of, Study):
-        return Study(**{name: getattr(of, name) for name in ("model", "campaigns", "made", "tests", "said", "hold_out", "asked")})
+        return of.plain
     for folder in of.effects_from:
         catalogue.load(folder)
     return Study.of(*ready(of), of)
@@ -184,6 +184,8 @@ def _diagnosed(task: tuple[int, Study | Options]) -> Diagnosis | BadInput | Chec
     try:
         study = _opened(task[1])
         return diagnosed_once(study, only=study.asked.candidates, leave_out=study.asked.leave_out)
+    except OSError as error:
+        return BadInput(source=str(error.filename or ""), problem=f"cannot be read: {error.strerror}", remedy="Check its rights")
     except (BadInput, CheckFailed) as error:
         return error
 
@@ -215,9 +217,11 @@ class SizesAsked:
                     found[id] = cause.sizes[0]
             return found
 
-        own = cache.content(study.asked.effects_from)
-        found: dict[str, EffectEstimate] = cache.answer(fitted, "sizes", study, self.accepted, self.ids, own)
-        return found
+        own = catalogue.code_of_families(study.asked.effects_from)
+        with suppress(CheckFailed):  # what answers otherwise at another level has no linear fit
+            found: dict[str, EffectEstimate] = cache.answer(fitted, "sizes", study, self.accepted, self.ids, own)
+            return found
+        return {}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from geometry.cache import content
 from geometry.errors import BadInput
 from geometry.toml_file import nearest
 from validation.effects import effect as effect_types
@@ -242,6 +243,13 @@ def _forget(name: str) -> None:
     del _found[name], _sources[name]
 
 
+def code_of_families(folders: Iterable[str]) -> str:
+    """Digest of what families do that come from elsewhere: all in the `folders` of a user's own, and which others there are."""
+    beside = {Path(one).parent for one in SOURCES.values() if Path(one).is_file()}
+    files = [file for folder in sorted(beside) for file in sorted(folder.glob("*.py"))]
+    return content([*folders, *files]) + "".join(f"{name} {source};" for name, source in sorted(SOURCES.items()))
+
+
 def add_installed(points: Iterator[EntryPoint]) -> None:
     """The families of entry points, into the catalogue.
 
@@ -250,7 +258,8 @@ def add_installed(points: Iterator[EntryPoint]) -> None:
     BadInput : one of them cannot be imported, or is not whole.
     """
     for point in points:
-        source = f"entry point {point.name} = {point.value} of {point.dist.name if point.dist else 'a package'}"
+        package = f"{point.dist.name} {point.dist.version}" if point.dist else "a package"
+        source = f"entry point {point.name} = {point.value} of {package}"
         try:
             value = point.load()
         except Exception as error:

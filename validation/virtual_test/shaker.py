@@ -138,7 +138,7 @@ def accelerometers(plan: Plan) -> dict[str, Array]:
     there, found = locations(plan.article, changes_of(plan.article, plan.dimensions)), {}
     for point in plan.on_article:
         place, _, axis = point.partition(":")
-        if place not in there or axis not in AXES or not axis or point in found:
+        if place not in there or axis not in tuple(AXES) or f"{place}-{axis}" in found:
             problem = f"must be a place of {plan.article} and x, y or z, each once, found {point!r}"
             raise BadInput(source="--response", problem=problem, remedy=f"{nearest(place, there)}Write for example mast-top:x")
         found[f"{place}-{axis}"] = np.asarray(there[place])
