@@ -6,6 +6,7 @@ floor and those tolerances let expect, and in per cent of the level there.
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -175,6 +176,7 @@ class ReadingSpread:
             by_modes=moved(modes) + _mixed(answers(modes).T, by_fit),
         )
 
+    @cached_property
     def covariances(self) -> tuple[ComplexArray, ComplexArray]:
         """(r, n, c, c) of the readings by everything but modes, and by these."""
         half = _products(_mixed(self.known / 2, self.by_fit) + self.met, self.by_fit)
@@ -630,7 +632,7 @@ def mapped(
         if of is not None:
             both.append(pair_lines(of, measured, inputs, part))
         if isinstance(prediction, ResponseFunctionTest):
-            square = np.diagonal(sum(part.spread.covariances()), axis1=-2, axis2=-1).real
+            square = np.diagonal(sum(part.spread.covariances), axis1=-2, axis2=-1).real
             whole.append((part.rows[..., 0], np.sqrt(np.square(part.noise) + square)))
         told((part.lines[-1] + 1) / len(measured.frequency))
     found = {key: np.concatenate([one[key] for one in said], axis=1) for key in said[0]}
@@ -677,7 +679,7 @@ def mapped(
 def _of_lines(measured: Measured, part: Chunk, R: Array | None) -> dict[str, Array]:
     """What a chunk says, by field of `Map`."""
     y, A = measured.values[:, part.lines], part.rows
-    of_tolerances, of_modes = part.spread.covariances()
+    of_tolerances, of_modes = part.spread.covariances
     S = with_noise(of_tolerances + of_modes, part.noise)
     known = None if measured.inputs is None else measured.inputs[:, part.lines]
     own, chi2 = left_over(y, A, S, known)

@@ -135,7 +135,7 @@ def test_what_a_plain_fit_makes_of_a_tolerance_is_in_what_is_expected_of_its_res
     answered = doubt(problem, plain)
     apart = replace(answered, of_modes=frozenset({name}))  # a column of its own, with what the fit made of it
     for part in chunks(test, plain.by_name, left.inputs, apart):
-        S = with_noise(sum(part.spread.covariances()), part.noise)
+        S = with_noise(sum(part.spread.covariances), part.noise)
         judged = test.measured.judged
         error, _ = judged_error(test.measured.values[:, part.lines], part.rows, S, None, judged)
         predicted = part.spread.by_modes[..., 0, :] * size / answered.tolerances[name]
@@ -155,7 +155,7 @@ def test_the_covariance_is_that_of_all_columns_written_out_modes_among_them_or_n
     whole = np.einsum("rnkc,rnkd->rncd", V, V.conj()) + np.einsum("rnkc,rnkd->rncd", of_fit, of_fit.conj())
     for modes in ((), tuple(answered.tolerances)[::3]):
         (part, *_) = chunks(test, plain.by_name, left.inputs, replace(answered, of_modes=frozenset(modes)))
-        assert_allclose(sum(part.spread.covariances()), whole, rtol=1e-9, atol=1e-12 * np.abs(whole).max())
+        assert_allclose(sum(part.spread.covariances), whole, rtol=1e-9, atol=1e-12 * np.abs(whole).max())
         W = np.random.default_rng(4).standard_normal((len(part.lines), 2, whole.shape[-1])) + 0j
         inverse = np.random.default_rng(5).standard_normal((len(part.lines), len(V), 3)) + 0j
         every = np.concatenate([V, of_fit], axis=2)
