@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from importlib.metadata import version
+from operator import itemgetter
 from pathlib import Path
 
 import click
@@ -90,28 +91,28 @@ class FleetPage:
 
         differences = doc.Table(
             caption="Which articles differ, and by what",
-            rows=found.differences,
+            rows=[(one, *differs(one)) for one in found.differences],
             columns=(
-                doc.Column("differs", lambda one: one.article, words=True),
-                doc.Column("value", lambda one: differs(one)[0]),
-                doc.Column("of the others", lambda one: differs(one)[1]),
-                doc.Column("unit", lambda one: differs(one)[2], words=True),
-                doc.Column("sd of an article", lambda one: NONE if one.sigma is None else f"{one.sigma:+.1f}"),
-                doc.Column("by", lambda one: one.of, words=True),
+                doc.Column("differs", lambda row: row[0].article, words=True),
+                doc.Column("value", itemgetter(1)),
+                doc.Column("of the others", itemgetter(2)),
+                doc.Column("unit", itemgetter(3), words=True),
+                doc.Column("sd of an article", lambda row: NONE if row[0].sigma is None else f"{row[0].sigma:+.1f}"),
+                doc.Column("by", lambda row: row[0].of, words=True),
             ),
         )
         scatter = doc.Table(
             caption="Scatter between articles, mountings and laboratories: standard deviations",
-            rows=found.scatter,
+            rows=[(one.of, *scatters(one), f"{one.count}") for one in found.scatter],
             columns=(
-                doc.Column("scatter of", lambda one: one.of, words=True),
-                doc.Column("mean", lambda one: scatters(one)[0]),
-                doc.Column("articles", lambda one: scatters(one)[1]),
-                doc.Column("mountings", lambda one: scatters(one)[2]),
-                doc.Column("laboratories", lambda one: scatters(one)[3]),
-                doc.Column("a fit states", lambda one: scatters(one)[4]),
-                doc.Column("unit", lambda one: scatters(one)[5], words=True),
-                doc.Column("from", lambda one: f"{one.count}"),
+                doc.Column("scatter of", itemgetter(0), words=True),
+                doc.Column("mean", itemgetter(1)),
+                doc.Column("articles", itemgetter(2)),
+                doc.Column("mountings", itemgetter(3)),
+                doc.Column("laboratories", itemgetter(4)),
+                doc.Column("a fit states", itemgetter(5)),
+                doc.Column("unit", itemgetter(6), words=True),
+                doc.Column("from", itemgetter(7)),
             ),
         )
         every = doc.Table(
