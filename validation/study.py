@@ -7,7 +7,7 @@ asks for them, and then they are kept, whoever asks next.
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
 from math import isfinite
 from pathlib import Path
@@ -261,8 +261,7 @@ class Study:
     @property
     def plain(self) -> "Study":
         """The same as it was opened, with nothing remembered: what two of the same have alike."""
-        names = ("model", "campaigns", "made", "tests", "said", "hold_out", "asked")
-        return Study(**{name: getattr(self, name) for name in names})
+        return Study(**{one.name: getattr(self, one.name) for one in fields(Study) if one.init})
 
     @classmethod
     def open(
