@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from types import FrameType
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -39,6 +39,8 @@ from validation.model.model_file import inline
 
 PATIENCE = 20
 """Seconds after which a reader counts as hanging."""
+
+Read = TypeVar("Read")
 
 COUNT = 10_000
 
@@ -182,18 +184,26 @@ def mutants(content: bytes, count: int, seed: int) -> Iterator[Mutant]:
             yield Mutant(content=bytes(data[:a] + tail), replaced=0)
 
 
+def attempted(read: Callable[[], Read], refusals: tuple[type[Exception], ...] = (BadInput,)) -> tuple[Read | None, str]:
+    """What `read` gives and an empty word; or None and what became of it: "refused" by one of `refusals`, else what failed."""
+    try:
+        with patience(PATIENCE):
+            return read(), ""
+    except refusals:
+        return None, "refused"
+    except TimeoutError:
+        return None, "FAILED: hangs"
+    except Exception as error:  # that is what is looked for
+        return None, f"FAILED: {type(error).__name__}: {error}"
+
+
 def judged(target: Target, whole: Recording, channels: ChannelTable, path: Path, mutant: Mutant) -> str:
     """What became of `mutant`: "refused", "read", "digits" or "warned" where damage was to digits, else what went wrong."""
     path.write_bytes(mutant.content)
-    try:
-        with patience(PATIENCE):
-            found, problems = recording(files.read(path), channels, "campaign.toml")
-    except BadInput:
-        return "refused"
-    except TimeoutError:
-        return "FAILED: hangs"
-    except Exception as error:  # that is what is looked for
-        return f"FAILED: {type(error).__name__}: {error}"
+    answer, failed = attempted(lambda: recording(files.read(path), channels, "campaign.toml"))
+    if answer is None:
+        return failed
+    found, problems = answer
     if found is None:
         return "refused" if problems else "FAILED: neither read nor refused"
     changed = _changes(whole, found)
@@ -208,15 +218,14 @@ def judged(target: Target, whole: Recording, channels: ChannelTable, path: Path,
 def judged_toml(whole: Campaign, mutant: Mutant) -> str:
     """The same for ``campaign.toml``: lines that say something else, of those that were not touched."""
     problems = Problems()
-    try:
-        with patience(PATIENCE):
-            campaign = parse(toml_file.parse(mutant.content.decode("utf-8"), "campaign.toml"), "campaign.toml", problems)
-    except (BadInput, UnicodeDecodeError):  # bytes that are no UTF-8 are refused by `toml_file.read`
-        return "refused"
-    except TimeoutError:
-        return "FAILED: hangs"
-    except Exception as error:  # that is what is looked for
-        return f"FAILED: {type(error).__name__}: {error}"
+
+    def read() -> tuple[Campaign | None]:
+        return (parse(toml_file.parse(mutant.content.decode("utf-8"), "campaign.toml"), "campaign.toml", problems),)
+
+    answer, failed = attempted(read, (BadInput, UnicodeDecodeError))  # bytes that are no UTF-8 are refused by `toml_file.read`
+    if answer is None:
+        return failed
+    (campaign,) = answer
     if campaign is None:
         return "refused" if problems.found else "FAILED: neither read nor refused"
     lines = Counter(text(whole).splitlines())
@@ -316,15 +325,9 @@ def run_structure(damaged: Path, described: Path, count: int, seed: int = 1) -> 
 
 def _judged_structure(damaged: Path, described: Path, whole: tuple[float, ...], mutant: Mutant) -> str:
     damaged.write_bytes(mutant.content)
-    try:
-        with patience(PATIENCE):
-            found = _numbers(described)
-    except BadInput:
-        return "refused"
-    except TimeoutError:
-        return "FAILED: hangs"
-    except Exception as error:  # that is what is looked for
-        return f"FAILED: {type(error).__name__}: {error}"
+    found, failed = attempted(lambda: _numbers(described))
+    if found is None:
+        return failed
     if not np.all(np.isfinite(found)):
         return "FAILED: numbers that are none"
     if np.allclose(found, whole, rtol=1e-9, atol=0):
@@ -483,15 +486,9 @@ def run_test(name: str, count: int, folder: Path, seed: int = 1) -> Counter[str]
 
     def judged(mutant: Mutant) -> str:
         target.write_bytes(mutant.content)
-        try:
-            with patience(PATIENCE):
-                found = _measured(test_file.read(described))
-        except BadInput:
-            return "refused"
-        except TimeoutError:
-            return "FAILED: hangs"
-        except Exception as error:  # that is what is looked for
-            return f"FAILED: {type(error).__name__}: {error}"
+        found, failed = attempted(lambda: _measured(test_file.read(described)))
+        if found is None:
+            return failed
         same = len(found) == len(whole) and all(
             a.shape == b.shape and np.array_equal(a, b) for a, b in zip(found, whole, strict=True)
         )
