@@ -224,3 +224,47 @@ def three_floors() -> Callable[..., str]:
         return THREE_FLOORS.format(loss=loss) + (STRUCK if struck else "")
 
     return text
+
+
+WIDE, HIGH = 300.0, 240.0
+"""[mm] of a portal."""
+
+PORTAL = """
+format = 1
+model = {{ title = "A frame", article = "portal" }}
+[fe_model]
+kind = "mesh"
+units = "mm"
+file = "{mesh}"
+support = "ground"
+interface = ["HELD"]
+places = {{ a = ["0 mm", "0 mm", "240 mm"], b = ["300 mm", "0 mm", "240 mm"], c = ["150 mm", "0 mm", "240 mm"] }}
+[fe_model.parts.posts]
+material = "steel"
+section = {{ width = "12 mm", height = "8 mm" }}
+loss_factor = {loss}
+[fe_model.parts.lintel]
+material = "steel"
+section = {{ width = "12 mm", height = "8 mm" }}
+loss_factor = {loss}
+"""
+
+
+@pytest.fixture(scope="session")
+def portal() -> Callable[..., Path]:
+    """``portal(folder, count, loss=0.01, mesh="portal.inp")``: two posts and a lintel of `count` beams each; its model file."""
+
+    def written(folder: Path, count: int, *, loss: float = 0.01, mesh: str = "portal.inp") -> Path:
+        left = [(0.0, HIGH * k / count) for k in range(count + 1)]
+        top = [(WIDE * k / count, HIGH) for k in range(1, count + 1)]
+        right = [(WIDE, HIGH * (1 - k / count)) for k in range(1, count + 1)]
+        nodes = [*left, *top, *right]
+        lines = ["*NODE", *(f"{k + 1}, {x:g}, 0, {z:g}" for k, (x, z) in enumerate(nodes))]
+        for part, some in (("posts", [*range(count), *range(2 * count, 3 * count)]), ("lintel", range(count, 2 * count))):
+            lines += [f"*ELEMENT, TYPE=B31, ELSET={part}", *(f"{k + 1}, {k + 1}, {k + 2}" for k in some)]
+        (folder / mesh).parent.mkdir(parents=True, exist_ok=True)
+        (folder / mesh).write_text("\n".join([*lines, "*NSET, NSET=HELD", "1,", f"{len(nodes)},"]) + "\n")
+        (folder / "portal.toml").write_text(PORTAL.format(mesh=mesh, loss=loss))
+        return folder / "portal.toml"
+
+    return written

@@ -1,6 +1,7 @@
 """A desk on tests of a structure by itself: response functions and a table of modes, held against a mesh of the user's own."""
 
 import shutil
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -24,24 +25,7 @@ from validation.report.scenes.turntable import MARGIN, Turn, round_length, turne
 
 LINES, COUNT, SOFTER = 60, 6, 0.9
 
-MODEL = """
-format = 1
-model = { title = "A frame", article = "portal" }
-[fe_model]
-kind = "mesh"
-units = "mm"
-file = "parts/portal.inp"
-support = "ground"
-interface = ["HELD"]
-places = { a = ["0 mm", "0 mm", "240 mm"], b = ["300 mm", "0 mm", "240 mm"], c = ["150 mm", "0 mm", "240 mm"] }
-[fe_model.parts.posts]
-material = "steel"
-section = { width = "12 mm", height = "8 mm" }
-loss_factor = 0.02
-[fe_model.parts.lintel]
-material = "steel"
-section = { width = "12 mm", height = "8 mm" }
-loss_factor = 0.02
+TESTED = """
 [[test]]
 kind = "response-functions"
 title = "struck"
@@ -64,19 +48,12 @@ class Made:
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
+def made(portal: Callable[..., Path], tmp_path_factory: pytest.TempPathFactory) -> Made:
     folder = tmp_path_factory.mktemp("portal")
-    nodes = [(0.0, 240.0 * k / COUNT) for k in range(COUNT + 1)]
-    nodes += [(300.0 * k / COUNT, 240.0) for k in range(1, COUNT + 1)]
-    nodes += [(300.0, 240.0 * (1 - k / COUNT)) for k in range(1, COUNT + 1)]
-    lines = ["*NODE", *(f"{k + 1}, {x:g}, 0, {z:g}" for k, (x, z) in enumerate(nodes))]
-    for part, some in (("posts", [*range(COUNT), *range(2 * COUNT, 3 * COUNT)]), ("lintel", range(COUNT, 2 * COUNT))):
-        lines += [f"*ELEMENT, TYPE=B31, ELSET={part}", *(f"{k + 1}, {k + 1}, {k + 2}" for k in some)]
-    (folder / "parts").mkdir()
-    (folder / "parts" / "portal.inp").write_text("\n".join([*lines, "*NSET, NSET=HELD", "1,", f"{len(nodes)},"]) + "\n")
-    (folder / "portal.toml").write_text(MODEL)
+    model = portal(folder, COUNT, loss=0.02, mesh="parts/portal.inp")
+    model.write_text(model.read_text() + TESTED)
     # The structure itself answers, 10 % softer than it is drawn
-    structure = reading.read(folder / "portal.toml")
+    structure = reading.read(model)
     true = by_itself(structure, 320.0, damping=Damping(loss_factors=structure.loss_factors))
     softer = true.matrices.stiffness * SOFTER
     matrices = replace(true.matrices, stiffness=softer, structural=0.02 * softer)
@@ -105,8 +82,8 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
     table.append(f"frequencies = {[f'{f:.4f} +/- {f / 500:.4f} Hz' for f in hertz]}")
     read = np.array([[float(row(one) @ shapes[:, k]) for one in SENSORS] for k in range(3)])
     (folder / "modes.toml").write_text("\n".join([*table, f"shapes = {read.round(6).tolist()}"]) + "\n")
-    desk = begun(folder / "desks" / "w1" / "desk-0", folder / "portal.toml", [folder / "modes.toml"])
-    return Made(model=folder / "portal.toml", table=folder / "modes.toml", desk=desk, compared=desk.compare())
+    desk = begun(folder / "desks" / "w1" / "desk-0", model, [folder / "modes.toml"])
+    return Made(model=model, table=folder / "modes.toml", desk=desk, compared=desk.compare())
 
 
 def test_a_study_needs_no_data_beside_it_and_its_files_go_with_the_working_copy(made, tmp_path):
@@ -120,7 +97,7 @@ def test_a_study_needs_no_data_beside_it_and_its_files_go_with_the_working_copy(
     assert sorted_out(made.model.parent).data == (str(made.table),)
     beside = {one.relative_to(made.desk.model.parent).as_posix() for one in made.desk.model.parent.rglob("*") if one.is_file()}
     assert {"portal.toml", "parts/portal.inp", "0.csv", "1.csv"} <= beside
-    assert made.desk.model_text() == MODEL
+    assert made.desk.model_text() == made.model.read_text()
 
 
 def test_what_is_compared_has_functions_and_modes_and_is_found_again(made):

@@ -1,5 +1,6 @@
 """Everywhere on the mesh: what one solution says of every node is what the effect at that node does."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,54 +22,19 @@ from validation.prediction.structure import by_itself
 from validation.prediction.structure_tests import OnNodes
 from validation.study import Study
 
-LINES, WIDE, HIGH = 80, 300.0, 240.0
+LINES = 80
 ANYWHERE = Vocabulary(places=None)
 
-MODEL = """
-format = 1
-model = { title = "A frame", article = "portal" }
-[fe_model]
-kind = "mesh"
-units = "mm"
-file = "portal.inp"
-support = "ground"
-interface = ["HELD"]
-places = { a = ["0 mm", "0 mm", "240 mm"], b = ["300 mm", "0 mm", "240 mm"], c = ["150 mm", "0 mm", "240 mm"] }
-[fe_model.parts.posts]
-material = "steel"
-section = { width = "12 mm", height = "8 mm" }
-loss_factor = 0.01
-[fe_model.parts.lintel]
-material = "steel"
-section = { width = "12 mm", height = "8 mm" }
-loss_factor = 0.01
-"""
 
-
-def mesh(path: Path, count: int) -> Path:
-    """A portal of `count` beams a side, and its model, in the folder `path`."""
-    left = [(0.0, HIGH * k / count) for k in range(count + 1)]
-    top = [(WIDE * k / count, HIGH) for k in range(1, count + 1)]
-    right = [(WIDE, HIGH * (1 - k / count)) for k in range(1, count + 1)]
-    nodes = [*left, *top, *right]
-    lines = ["*NODE", *(f"{k + 1}, {x:g}, 0, {z:g}" for k, (x, z) in enumerate(nodes))]
-    for part, some in (("posts", [*range(count), *range(2 * count, 3 * count)]), ("lintel", range(count, 2 * count))):
-        lines += [f"*ELEMENT, TYPE=B31, ELSET={part}", *(f"{k + 1}, {k + 1}, {k + 2}" for k in some)]
-    path.mkdir(exist_ok=True)
-    (path / "portal.inp").write_text("\n".join([*lines, "*NSET, NSET=HELD", "1,", f"{len(nodes)},"]) + "\n")
-    (path / "model.toml").write_text(MODEL)
-    return path / "model.toml"
-
-
-def written(model: Path, text: str) -> Path:
-    """A test of the structure of `model`, made on a finer mesh, with the effect `text` in it: accelerances at three places."""
-    fine = reading.read(mesh(model.parent / "fine", 36))
-    assert isinstance(fine, Structure)
+def written(model: Path, fine: Path, text: str) -> Path:
+    """A test of what `model` describes, made on the mesh of `fine`, with the effect `text` in it: seen at three places."""
+    structure = reading.read(fine)
+    assert isinstance(structure, Structure)
     named = parse(text, ANYWHERE)
-    rows = place_rows(fine, np.array(position(named.target)))[0]
+    rows = place_rows(structure, np.array(position(named.target)))[0]
     added = named.value * rows.T @ rows
-    whole = replace(fine, mass=(fine.mass + added).tocsr(), part_mass={})
-    made = by_itself(whole, 320.0, damping=Damping(loss_factors=fine.loss_factors))
+    whole = replace(structure, mass=(structure.mass + added).tocsr(), part_mass={})
+    made = by_itself(whole, 320.0, damping=Damping(loss_factors=structure.loss_factors))
     frequency = np.linspace(20.0, 300.0, LINES)
     seen = np.array([made.matrices.places[place]["xyz".index(axis)] for place, axis in ("ax", "bz", "cz", "cy", "bx")])
     A = dynamic_mass.accelerance(made.matrices, frequency, seen, seen[[0, 3]]).matrix
@@ -87,9 +53,10 @@ HIDDEN = np.array([0.21, 0.0, 0.24])
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    model = mesh(tmp_path_factory.mktemp("portal"), 10)
-    return Study.open(model, [written(model, f"point-mass:{at_position(HIDDEN)}=0.01")])
+def study(portal: Callable[..., Path], tmp_path_factory: pytest.TempPathFactory) -> Study:
+    folder = tmp_path_factory.mktemp("portal")
+    model, fine = portal(folder, 10), portal(folder / "fine", 36)
+    return Study.open(model, [written(model, fine, f"point-mass:{at_position(HIDDEN)}=0.01")])
 
 
 def of_effect(study: Study, test: OnNodes, text: str, size: float) -> tuple[Array, Array]:
