@@ -228,7 +228,10 @@ class _Table:
             table=toml_file.require_table(self.table.get("tolerance", {}), source=self.source, where=f"{self.where}.tolerance"),
         ).known(parts.TOLERANCES)
         loss = parts.loss_factor(self.table, self.source, self.where)
-        given = next((each for each in (loss, material.loss_factor, whole) if each is not None), None)
+        # What is written goes before what a table of materials says of the bare metal
+        written = isinstance(self.table.get("material"), dict)
+        stated = (loss, material.loss_factor, whole) if written else (loss, whole, material.loss_factor)
+        given = next((each for each in stated if each is not None), None)
         return PartTable(
             material=material,
             thickness=self.quantity("thickness", "length") if "thickness" in self.table else None,

@@ -39,7 +39,7 @@ SHOWN = (effect.STRUCTURE_STAGE, effect.BODY_STAGE, effect.CHANNEL_STAGE, effect
 RESONATOR = ("m", "f", "zeta")
 """Keys of the sizes of a resonator."""
 
-TINY = 1e-6
+TINY = 1e-9
 """[kg] Mass of a resonator that does next to nothing; a step of its logarithm is then linear. Set by the development draws of
 `make blind`, held by tests/validation/diagnosing/test_candidates.py."""
 

@@ -162,7 +162,7 @@ def resonator(mass: float) -> tuple[SizeSpec, ...]:
     """Mass, frequency and damping ratio of a resonator of at most `mass` [kg]."""
     return (
         SizeSpec(key="m", unit="kg", low=1e-6, high=mass, plausible=2.0, logarithmic=True),
-        SizeSpec(key="f", unit="Hz", low=0.01, high=1000.0, plausible=1.0, logarithmic=True),
+        SizeSpec(key="f", unit="Hz", low=0.01, high=1e5, plausible=1.0, logarithmic=True),
         SizeSpec(key="zeta", unit="1", low=1e-5, high=0.99, plausible=1.0, logarithmic=True),
     )
 

@@ -6,7 +6,7 @@ leaves it alone, so that one model serves a series of articles.
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf
+from math import inf, sqrt
 from types import MappingProxyType
 from typing import Any
 
@@ -34,6 +34,15 @@ from validation.prediction.structure import HIGHEST, ReducedStructure, sheet
 # A support has a factor on its stiffness instead of a modulus. G lets viscous damping grow with
 # the frequency of its mode, G_rr = (K'_rr / K_rr)^(1/4), so that a stated ratio stays what it is. Nothing is re-diagonalised: the
 # matrices are smooth in every parameter, stay symmetric, K and C positive, and a cluster of frequencies needs no tracking.
+#
+# How far a mode moves is known no better than how far a base drives it: of a structure by itself l is a change of scale of all
+# matrices A, A' = P A P, P = diag(e^-l), by which whatever is read of mode r and whatever drives it grow by e^l.
+#
+# What is not known of the stiffness that one mode feels couples it with its neighbours as well: of a small symmetric error
+# without a preferred direction the entries beside the diagonal have 1 / sqrt(2) of the deviation of those on it (M. L. Mehta,
+# Random Matrices, 2004, section 2.3), and two modes that lie close turn into each other by it. On a base participations do
+# that, too; a structure by itself has, of neighbours r and s, K_rs' = K_rs + v sqrt(K_rr K_ss), v known to sqrt(2) times the
+# tolerance of a frequency.
 #
 # Where parts have loss factors, these are what is not known of damping: one number moves all modes in which the part bends, in
 # all configurations, and what it cannot do is left to the modes within the small tolerance `mode_damping`. A third of freedom
@@ -245,8 +254,13 @@ class Nuisances:
         if self.nominal.base:
             names = (f"participation:{self.configuration}:{r}:{axis}" for r in modes for axis in MOTIONS)
             made += [Parameter(name=name, unit="1", tolerance=of.participation, kind=STRUCTURAL) for name in names]
-        names = (f"coupling:{self.configuration}:{r + 1}:{s + 1}" for r, s in self.neighbours)
-        made += [Parameter(name=name, unit="1", tolerance=of.mode_coupling, kind=STRUCTURAL) for name in names]
+        else:
+            names = (f"participation:{self.configuration}:{r}" for r in modes)
+            made += [Parameter(name=name, unit="1", tolerance=of.participation, kind=STRUCTURAL) for name in names]
+        kinds = [("coupling", of.mode_coupling)] + ([] if self.nominal.base else [("mixing", sqrt(2) * of.frequency)])
+        for kind, tolerance in kinds:
+            names = (f"{kind}:{self.configuration}:{r + 1}:{s + 1}" for r, s in self.neighbours)
+            made += [Parameter(name=name, unit="1", tolerance=tolerance, kind=STRUCTURAL) for name in names]
         return tuple(one for one in made if one.tolerance > 0)
 
     def known(self, part: str, what: str, usual: float) -> float:
@@ -285,9 +299,28 @@ class Nuisances:
 
     def at(self, offsets: Offsets, *, derivatives: Wanted = True) -> tuple[Matrices, dict[str, Tangent]]:
         """The matrices at `offsets`, before effects and laws of damping, and their `derivatives` by parameters but those laws."""
-        now = self._now(offsets)
-        wanted = (one.name for one in self.parameters if is_wanted(one.name, derivatives) and one.name not in LAWS)
-        return now.matrices, {name: now.tangent(name) for name in wanted}
+        now, P = self._now(offsets), self.scale(offsets)
+        wanted = [one.name for one in self.parameters if is_wanted(one.name, derivatives) and one.name not in LAWS]
+        scales = {
+            f"participation:{self.configuration}:{r + 1}": r for r in range(0 if self.nominal.base else len(self.frequency))
+        }
+        matrices, found = now.matrices, {name: now.tangent(name) for name in wanted if name not in scales}
+        if np.any(P != 1):
+            matrices, found = _scaled(matrices, found, P)
+        for name in wanted:
+            if name in scales:
+                r = scales[name]
+                changes = {field: -_crossed(getattr(matrices, field), r) for field in FIELDS}
+                parts = {part: -_crossed(share, r) for part, share in matrices.parts.items()}
+                found[name] = of_arrays(len(P), parts, r, **changes)
+        return matrices, found
+
+    def scale(self, offsets: Offsets) -> Array:
+        """(k,) By what all matrices of a structure by itself are multiplied on either side: e^-l of its modes."""
+        P = np.ones(len(self.nominal.mass))
+        for r in range(0 if self.nominal.base else len(self.frequency)):
+            P[r] = np.exp(-offsets.get(f"participation:{self.configuration}:{r + 1}", 0.0))
+        return P
 
     def _now(self, offsets: Offsets) -> "_Now":
         m, name, b = self.nominal, self.configuration, self.nominal.base
@@ -311,6 +344,10 @@ class Nuisances:
             if (thicker or denser) and part in m.part_mass:
                 mass += (np.exp(thicker) * (1 + denser) - 1) * m.part_mass[part]
         stiffness = E[:, None] * K * E
+        for r, s in () if b else self.neighbours:
+            mixed = offsets.get(f"mixing:{name}:{r + 1}:{s + 1}", 0.0) * self.between(r, s)
+            stiffness[r, s] += mixed
+            stiffness[s, r] += mixed
         # G: square root of how much the frequency of every coordinate has grown; 1 where it has none
         old, new = np.diag(m.stiffness), np.diag(stiffness)
         # Rigid motions of what floats have but rounding there, of either sign
@@ -339,6 +376,11 @@ class Nuisances:
         """Largest participation of mode `r` as a share of the body's own mass there, in the unit of `axis`."""
         size = np.sqrt(np.diag(self.nominal.mass)[:6])
         return float(size[axis] * np.max(np.abs(self.nominal.mass[:6, 6 + r]) / size))
+
+    def between(self, r: int, s: int) -> float:
+        """Geometric mean of the stiffness of two modes as they are computed."""
+        at = self.nominal.base + np.array([r, s])
+        return float(np.sqrt(max(np.prod(np.diag(self.nominal.stiffness)[at]), 0.0)))
 
     def geometric(self, r: int, s: int) -> float:
         """Geometric mean of the damping [rad/s] of two modes, structural damping counted as it acts at resonance."""
@@ -406,6 +448,7 @@ class _Now:
             "damping": self._of_damping,
             "participation": self._of_participation,
             "coupling": self._of_coupling,
+            "mixing": self._of_mixing,
         }
         return by_family[family](*names)
 
@@ -461,6 +504,31 @@ class _Now:
     def _of_coupling(self, configuration: str, one: str, other: str) -> Tangent:
         r, s, b = int(one) - 1, int(other) - 1, self.of.nominal.base
         return _pair("viscous", b + r, b + s, self.of.geometric(r, s))
+
+    def _of_mixing(self, configuration: str, one: str, other: str) -> Tangent:
+        r, s, b = int(one) - 1, int(other) - 1, self.of.nominal.base
+        return _pair("stiffness", b + r, b + s, self.of.between(r, s))
+
+
+def _scaled(of: Matrices, tangents: Mapping[str, Tangent], P: Array) -> tuple[Matrices, dict[str, Tangent]]:
+    """All matrices with P (k,) on either side, those of the parts and the `tangents` among them."""
+
+    def all_of(shares: Mapping[str, Array]) -> dict[str, Array]:
+        return {name: np.outer(P, P) * share for name, share in shares.items()}
+
+    found = {}
+    for name, one in tangents.items():
+        both = np.outer(P[one.at], P[one.at])
+        found[name] = replace(one, parts=all_of(one.parts), **{key: both * getattr(one, key) for key in FIELDS})
+    made = replace(
+        of,
+        parts=all_of(of.parts),
+        part_mass=all_of(of.part_mass),
+        sections={name: (np.outer(P, P) * one, np.outer(P, P) * cubed) for name, (one, cubed) in of.sections.items()},
+        geometric=np.outer(P, P) * of.geometric if of.geometric.size else of.geometric,
+        **{key: np.outer(P, P) * getattr(of, key) for key in FIELDS},
+    )
+    return made, found
 
 
 def _crossed(matrix: Array, r: int) -> Array:

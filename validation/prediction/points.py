@@ -4,7 +4,8 @@ A point at p along d has the row dᵀ u(p). Turned about an axis e, beside its p
 
     dᵀ u + v (e x d)ᵀ u ,        dᵀ u + v dᵀ ∂u/∂e ,        (1 - v) dᵀ u + v d'ᵀ u' ,
 
-each linear in v, so that every derivative is a row itself. They are the parameters that effects open: `possible` says which.
+each linear in v, so that every derivative is a row itself. How far it may be turned or lie beside its place is a tolerance of
+the test, as of any pick-up; the others are parameters that effects open: `possible` says which.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.frames import Array
-from geometry.sensors import AXES, Point
+from geometry.sensors import AXES, Point, Tolerances
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import OPENED
 from validation.effects.stages import Matrices
@@ -45,19 +46,35 @@ def asked(effects: Sequence[Added], families: Sequence[str]) -> list[str]:
     return [one.named.id for one in effects if one.named.family in families and FAMILIES[one.named.family].stage == OPENED]
 
 
+def uncertain(points: Sequence[Point], families: Sequence[str], tolerances: Tolerances) -> list[str]:
+    """Names of what no test knows exactly of its `points`: how they are turned about each axis, and lie beside their place."""
+    kinds = [(family, size) for family in families if (size := _tolerance(family, tolerances)) > 0]
+    return [f"{family}:{point.name}:{axis}" for point in points for family, _ in kinds for axis in "xyz"]
+
+
+def _tolerance(family: str, tolerances: Tolerances) -> float:
+    """Of a parameter of `family`; 0 where none is stated for it."""
+    _, _, kind = family.partition("-")
+    return {"misalignment": tolerances.angle, "position": tolerances.position}.get(kind, 0.0)
+
+
 def possible(
-    matrices: Matrices, points: Sequence[Point], others: Sequence[Point], effects: Sequence[Added], families: Sequence[str]
+    matrices: Matrices, points: Sequence[Point], others: Sequence[Point], names: Sequence[str], tolerances: Tolerances
 ) -> list[Parameter]:
-    """Parameters of `points` that `effects` of the `families` ask for and that change anything.
+    """Parameters `names` of `points` that change anything.
 
     Parameters
     ----------
     others : points at which a force may have acted instead
+    tolerances : of what is not asked for by an effect
     """
-    names = asked(effects, families)
     changes = rows(matrices, points, others, names, {}).changes
-    units = {name: FAMILIES[name.partition(":")[0]].sizes[0].unit for name in changes}
-    return [Parameter(name=name, unit=units[name], tolerance=1.0) for name, (_, row) in changes.items() if np.any(row)]
+    families = {name: name.partition(":")[0] for name in changes}
+    return [
+        Parameter(name=name, unit=FAMILIES[families[name]].sizes[0].unit, tolerance=_tolerance(families[name], tolerances) or 1.0)
+        for name, (_, row) in changes.items()
+        if np.any(row)
+    ]
 
 
 def rows(

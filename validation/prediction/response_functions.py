@@ -11,7 +11,7 @@ coordinates move.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import ceil, inf, isfinite
 
@@ -21,7 +21,7 @@ import numpy.typing as npt
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
-from geometry.sensors import Point
+from geometry.sensors import Point, Tolerances
 from identification.response_functions import GAIN, ResponseFunctions
 from validation.effects.catalogue import There
 from validation.effects.stages import ChannelResponse, Matrices
@@ -73,6 +73,7 @@ class ResponseFunctionTest:
     effects : in the order in which they act
     quantity : of `identification.response_functions.QUANTITIES`
     gain, force_gain : tolerances of the gains, 0 for exact ones, infinite for unknown ones
+    tolerances : of where the points are, and of how they are turned
     decay_rate : [1/s] of an exponential window of force and responses, or (n,) of each line
     scale : where the one factor that all readings share is not known: where a fit of it begins; None where it is known
     coherence : (r, n, c) of the functions; None where it is not known
@@ -86,6 +87,7 @@ class ResponseFunctionTest:
     quantity: str = "acceleration"
     gain: float = GAIN
     force_gain: float = GAIN
+    tolerances: Tolerances = field(default_factory=Tolerances)
     decay_rate: float | Array = 0.0
     scale: float | None = None
     coherence: Array | None = None
@@ -236,9 +238,17 @@ class ResponseFunctionTest:
 
     def _rows(self, matrices: Matrices, offsets: Offsets) -> tuple[points.PointRows, points.PointRows]:
         """Of the responses and of the drives, with what is wrong with them."""
-        here, there = (points.asked(self.effects, families) for families in (points.RESPONSES, points.DRIVES))
+        here, there = self._moved
         of_responses = points.rows(matrices, self.responses, (), here, offsets)
         return of_responses, points.rows(matrices, self.drives, self.responses, there, offsets)
+
+    @cached_property
+    def _moved(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Names of what may move the rows of the responses, and of the drives: tolerances, and what effects ask for."""
+        every = ((self.responses, points.RESPONSES), (self.drives, points.DRIVES))
+        names = ((*points.uncertain(of, kinds, self.tolerances), *points.asked(self.effects, kinds)) for of, kinds in every)
+        here, there = (tuple(dict.fromkeys(some)) for some in names)
+        return here, there
 
     def _on_axis(
         self,
@@ -383,8 +393,9 @@ class ResponseFunctionTest:
         # The offset of a gain that is known to a tolerance is what it is beyond 1, as the effect of its name has it
         gains = [replace(one, nominal=one.nominal - (not one.logarithmic)) for one in self._factors.values() if one.tolerance > 0]
         nominal = self.structure.nominal
-        moved = points.possible(nominal, self.responses, (), self.effects, points.RESPONSES)
-        moved += points.possible(nominal, self.drives, self.responses, self.effects, points.DRIVES)
+        here, there = self._moved
+        moved = points.possible(nominal, self.responses, (), here, self.tolerances)
+        moved += points.possible(nominal, self.drives, self.responses, there, self.tolerances)
         late = [Parameter(name=name, unit="s", tolerance=1.0) for name in self._delays if name in self._asked]
         method = [
             Parameter(name=name, unit=unit, tolerance=1.0)
@@ -419,8 +430,12 @@ def _roved(
     return A, found
 
 
-def of(structure: Nuisances, data: ResponseFunctions) -> tuple[ResponseFunctionTest, ...]:
-    """The prediction of `data` by a model of what was tested.
+def of(
+    structure: Nuisances,
+    data: ResponseFunctions,
+    tolerances: Tolerances = Tolerances(),  # noqa: B008 - frozen
+) -> tuple[ResponseFunctionTest, ...]:
+    """The prediction of `data` by a model of what was tested, whose points are known within `tolerances`.
 
     Where the scale of the functions is not known, a fit of it begins at the one that brings the levels together; its sign is that
     of a structure that takes power where it is driven and read, Im A > 0, where there is such a pair.
@@ -478,6 +493,7 @@ def of(structure: Nuisances, data: ResponseFunctions) -> tuple[ResponseFunctionT
         quantity=data.quantity,
         gain=data.gain,
         force_gain=data.force_gain,
+        tolerances=tolerances,
         decay_rate=data.decay_rate,
         coherence=None
         if data.coherence is None

@@ -89,10 +89,13 @@ def predictions(model: Model, tests: Sequence[Test]) -> tuple[StructurePredictio
                 problem=f"is {article}, and {model.source} has no model of it",
                 remedy=f"{nearest(article, model.own)}Name its file in [structure.own] of {model.source}, or correct the article",
             )
-        own = [aligned(model, article, one) for one in own]
+        own = [named(model, article, aligned(model, article, one)) for one in own]
         known = tested(model, article, own)
         for one in own:
-            found += response_functions.of(known, one) if isinstance(one, ResponseFunctions) else modal_table.of(known, one)
+            if isinstance(one, ResponseFunctions):
+                found += response_functions.of(known, one, model.tolerances)
+            else:
+                found += modal_table.of(known, one)
     names = [one.measured.name for one in found]
     for name in names:
         if names.count(name) > 1:
@@ -163,6 +166,29 @@ def ready_at(tests: Sequence[StructurePrediction], positions: Sequence[str]) -> 
         else:
             found.append(one)
     return tuple(found)
+
+
+SAME = 1e-6
+"""[m] within which a point of a test and a place of the model are one. By definition."""
+
+
+def named(model: Model, article: str, test: Test) -> Test:
+    """`test` whose points that lie where the structure has a named place are at that place: nothing is looked for twice."""
+    path = model.own[article]
+    structure = reduction.users_model(path, reduction.stamp(path)).model
+    if not isinstance(structure, Structure):
+        return test
+    known = {name: at for name in structure.places if (at := position_of(structure, name)) is not None}
+
+    def there(one: Point) -> Point:
+        if one.position is None or one.place in structure.places:
+            return one
+        near = min(known, key=lambda name: float(np.linalg.norm(known[name] - one.position)), default=None)
+        return one if near is None or np.linalg.norm(known[near] - one.position) > SAME else replace(one, place=near)
+
+    if isinstance(test, ResponseFunctions):
+        return replace(test, drives=tuple(map(there, test.drives)), responses=tuple(map(there, test.responses)))
+    return replace(test, sensors=tuple(map(there, test.sensors)))
 
 
 COMMON = 3
