@@ -345,7 +345,7 @@ class Nuisances:
                 mass += (np.exp(thicker) * (1 + denser) - 1) * m.part_mass[part]
         stiffness = E[:, None] * K * E
         for r, s in () if b else self.neighbours:
-            mixed = offsets.get(f"mixing:{name}:{r + 1}:{s + 1}", 0.0) * self.between(r, s)
+            mixed = offsets.get(f"mixing:{name}:{r + 1}:{s + 1}", 0.0) * self.between(r, s) * E[r] * E[s]
             stiffness[r, s] += mixed
             stiffness[s, r] += mixed
         # G: square root of how much the frequency of every coordinate has grown; 1 where it has none
@@ -507,7 +507,7 @@ class _Now:
 
     def _of_mixing(self, configuration: str, one: str, other: str) -> Tangent:
         r, s, b = int(one) - 1, int(other) - 1, self.of.nominal.base
-        return _pair("stiffness", b + r, b + s, self.of.between(r, s))
+        return _pair("stiffness", b + r, b + s, self.of.between(r, s) * self.E[r] * self.E[s])
 
 
 def _scaled(of: Matrices, tangents: Mapping[str, Tangent], P: Array) -> tuple[Matrices, dict[str, Tangent]]:

@@ -183,8 +183,8 @@ def named(model: Model, article: str, test: Test) -> Test:
     def there(one: Point) -> Point:
         if one.position is None or one.place in structure.places:
             return one
-        near = min(known, key=lambda name: float(np.linalg.norm(known[name] - one.position)), default=None)
-        return one if near is None or np.linalg.norm(known[near] - one.position) > SAME else replace(one, place=near)
+        at = np.asarray(one.position)
+        return next((replace(one, place=name) for name, p in known.items() if np.linalg.norm(p - at) <= SAME), one)
 
     if isinstance(test, ResponseFunctions):
         return replace(test, drives=tuple(map(there, test.drives)), responses=tuple(map(there, test.responses)))

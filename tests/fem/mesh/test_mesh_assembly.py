@@ -39,6 +39,8 @@ def test_bodies_are_parts_and_stand_on_their_lowest_plane(stack: Path) -> None:
     assert_allclose(masses["box"] / masses["plate"], 0.1 * 0.1 * 0.2 * 2700 / (0.2 * 0.2 * 0.02 * 7850), rtol=0.02)
     assert set(structure.part_stiffness) == {"plate", "box"}
     assert structure.loss_factors["box"] == 0.01
+    whole = made(stack, HEAD.replace("[fe_model]", "[fe_model]\nloss_factor = 0.03") + PARTS)
+    assert whole.loss_factors == {"plate": 0.03, "box": 0.01}  # what is written goes before a handbook's of steel
     assert_allclose(structure.points[np.unique(structure.held // 3), 2], 0, atol=1e-9)
     assert_allclose(structure.places["top"] @ structure.rigid[:, 3], [0, -0.22, 0], atol=1e-9)
     jointed = made(

@@ -6,21 +6,24 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from fem.damping import Damping
 from fem.structure import Structure, place_rows
 from fem.user_model import reading
 from geometry.errors import BadInput
 from geometry.frames import Array
+from validation.diagnose import candidates
 from validation.diagnose.diagnose import diagnosed
 from validation.effects.catalogue import Named, parse
 from validation.effects.effect import Vocabulary, at_position, position
 from validation.history.add import names_of
 from validation.model.model import Added
-from validation.prediction import dynamic_mass
+from validation.model.tolerance_classes import CALIBRATED
+from validation.prediction import dynamic_mass, structure_tests
 from validation.prediction.structure import by_itself
 from validation.prediction.structure_tests import OnNodes
-from validation.study import Study
+from validation.study import Study, read_tests
 
 LINES = 80
 ANYWHERE = Vocabulary(places=None)
@@ -56,7 +59,7 @@ HIDDEN = np.array([0.21, 0.0, 0.24])
 def study(portal: Callable[..., Path], tmp_path_factory: pytest.TempPathFactory) -> Study:
     folder = tmp_path_factory.mktemp("portal")
     model, fine = portal(folder, 10), portal(folder / "fine", 36)
-    return Study.open(model, [written(model, fine, f"point-mass:{at_position(HIDDEN)}=0.01")])
+    return Study.open(model, [written(model, fine, f"point-mass:{at_position(HIDDEN)}=0.03")])
 
 
 def of_effect(study: Study, test: OnNodes, text: str, size: float) -> tuple[Array, Array]:
@@ -99,7 +102,7 @@ def test_a_mass_at_no_named_place_is_found_on_the_mesh_and_added_by_its_coordina
     assert cause.named.family == "point-mass"
     assert place is not None
     assert np.linalg.norm(np.array(place) - HIDDEN) < 0.03  # one beam of the coarse mesh
-    assert abs(cause.named.value / 0.01 - 1) < 0.1
+    assert abs(cause.named.value / 0.03 - 1) < 0.1
     best = found.everywhere[0]
     assert (best.named.target, best.nearest) == (cause.named.target, "c")
     assert best.evidence > best.named_evidence
@@ -114,3 +117,40 @@ def test_a_place_outside_the_mesh_is_refused_with_the_nearest_point_of_it(study:
 def test_a_place_that_is_no_three_numbers_is_refused() -> None:
     with pytest.raises(BadInput, match="no x,y,z in metres"):
         parse("point-mass:@1,2=3", ANYWHERE)
+
+
+def test_resonators_that_are_only_looked_up_change_nothing(study):
+    menu = [one for one in candidates.candidates(study) if candidates.is_resonator(one.named)]
+    with_them, without = study.problem(menu), study.problem(())
+    (heavier,), (plain,) = with_them.predictions, without.predictions
+    read, before = (one.at({}, derivatives=False).rows for one in (heavier, plain))
+    assert len(menu) > 3
+    assert np.abs(read / before - 1).max() < 1e-4
+
+
+def test_where_points_lie_and_how_they_are_turned_is_known_within_the_tolerances_of_the_laboratory(study):
+    (test,) = study.problem(()).predictions
+    known = {one.name: one.tolerance for one in test.parameters}
+    assert study.model.tolerance_class == CALIBRATED
+    at, turned = (known[f"{family}:b-z:x"] for family in ("accelerometer-position", "accelerometer-misalignment"))
+    assert at == 0.5e-3
+    assert turned == pytest.approx(np.radians(0.75))
+    assert "force-position:a-x:z" in known
+    assert "accelerometer-misalignment:b-z:z" not in known
+    changes = test.at({}).changes
+    for name in ("accelerometer-position:b-z:x", "force-misalignment:a-x:y"):
+        little = 1e-4
+        moved = test.at({name: little}, derivatives=False).rows - test.at({name: -little}, derivatives=False).rows
+        slope = changes[name].rows
+        assert_allclose(slope, moved / (2 * little), atol=1e-6 * np.abs(slope).max())
+
+
+def test_a_point_where_the_model_has_a_name_is_that_place(study):
+    (test,) = read_tests(study.asked.data, study.model)
+    at = {"a": (0.0, 0.0, 0.24), "b": (0.3, 0.0, 0.24), "c": (0.15, 0.0, 0.24)}
+    strange = [replace(one, place="node 9", position=at[one.place]) for one in test.responses]
+    (article,) = study.model.own
+    found = structure_tests.named(study.model, article, replace(test, responses=tuple(strange)))
+    assert [one.place for one in found.responses] == [one.place for one in test.responses]
+    away = [replace(strange[0], position=(0.0, 0.0, 0.2399)), *strange[1:]]
+    assert structure_tests.named(study.model, article, replace(test, responses=tuple(away))).responses[0].place == "node 9"

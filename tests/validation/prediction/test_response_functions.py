@@ -76,6 +76,28 @@ def test_every_derivative_is_that_of_differences():
     assert_derivatives(model(chain()).with_effects(EFFECTS))
 
 
+def test_neighbouring_modes_turn_into_each_other_by_what_is_not_known_of_their_stiffness():
+    test, squares = model(chain()), (2 * np.pi * np.array([4.0, 4.2, 9.0])) ** 2
+    K = np.diag(squares)
+    nominal = replace(test.structure.nominal, stiffness=K, structural=ETA * K, parts={"springs": K})
+    close = test.by(replace(test.structure, nominal=nominal, frequency=np.sqrt(squares) / (2 * np.pi)))
+    (one,) = (each for each in close.parameters if each.name.startswith("mixing:"))
+    assert one.name == "mixing:chain:1:2"
+    assert one.tolerance == pytest.approx(np.sqrt(2) * StructureTolerances().frequency)
+    mixed, _ = close.structure.at({"mixing:chain:1:2": 0.003, "participation:chain:2": 0.1})
+    P = np.exp([0.0, -0.1, 0.0])
+    assert mixed.stiffness[0, 1] == pytest.approx(0.003 * np.sqrt(squares[0] * squares[1]) * P[1])
+    assert_allclose(np.diag(mixed.mass), P**2)
+    assert_derivatives(close)
+
+
+def test_a_mode_that_moves_more_is_read_and_driven_by_that_more():
+    test = model(chain())
+    whole = test.at({}, derivatives=False).rows[..., 0]
+    each = [test.at({f"participation:chain:{r}": 0.1}, derivatives=False).rows[..., 0] - whole for r in (1, 2, 3)]
+    assert_allclose(sum(each), (np.exp(0.2) - 1) * whole, rtol=1e-9)
+
+
 def test_gains_scale_channels_the_force_the_other_way_and_a_known_effect_is_no_parameter_and_acts():
     test = model(chain())
     plain = test.at({}, derivatives=False).rows
