@@ -248,7 +248,7 @@ class Problem:
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The union of all, by name.
+        """The union of all, by name; of a sensor's tolerance that is stated twice the smaller one.
 
         Raises
         ------
@@ -260,6 +260,10 @@ class Problem:
             for parameter in parameters:
                 first, said_by = found.setdefault(parameter.name, (parameter, source))
                 if first is parameter or said_alike(first) == said_alike(parameter):
+                    continue
+                if first.kind == SENSOR and said_alike(replace(parameter, tolerance=first.tolerance)) == said_alike(first):
+                    if parameter.tolerance < first.tolerance:  # one sensor, stated twice: both are true
+                        found[parameter.name] = (parameter, source)
                     continue
                 what = next(what for what in AGREED if getattr(first, what) != getattr(parameter, what))
                 raise ValueError(

@@ -156,6 +156,7 @@ def partners(modes: RealModes, table: ModalTable) -> tuple[int, ...]:
     """
     f = modes.frequency
     moving = np.flatnonzero(f > SLOWEST * table.frequency.min())
+    moving = moving[np.isfinite(f[moving])]
     if len(moving) < len(table.frequency):
         raise ValueError(f"the model has {len(moving)} modes, and the table {len(table.frequency)}")
     shapes = None if table.shapes is None else (seen(modes.matrices, table) @ modes.shapes[:, moving]).T

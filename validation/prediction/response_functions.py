@@ -479,6 +479,7 @@ def of(structure: Nuisances, data: ResponseFunctions) -> tuple[ResponseFunctionT
         gain=data.gain,
         force_gain=data.force_gain,
         decay_rate=data.decay_rate,
+        remarks=data.warnings,
         coherence=None
         if data.coherence is None
         else data.coherence[:, (data.frequency >= low) & (data.frequency <= high) & kept],
