@@ -472,6 +472,7 @@ def of(structure: Nuisances, table: ModalTable) -> tuple[TableFrequencies | Tabl
             frequency=np.array([table.frequency.mean()]),
             values=(table.shapes / largest).astype(np.complex128)[:, None],
             noise=np.hypot(table.shapes_deviation / largest, SOUND_SHAPE)[:, None],
+            read=(table.shapes_deviation / largest)[:, None],
             is_real=is_real,
         ),
         structure=structure,
