@@ -579,6 +579,10 @@ SENSED = dict(
 
 AXES = dict(zip(MOTIONS, ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z"), strict=True))
 
+NOTHING_READ = 1e6
+"""[%] of what a channel reads, from which it reads nothing, and no share of it is told. Exercised by
+tests/validation/prediction/test_single_axis.py."""
+
 NAMED = 3
 """Runs that are listed by name; of more, their number is."""
 
@@ -595,7 +599,7 @@ def text(spot: Spot, configurations: int = 2) -> str:
         f"{SENSED.get(spot.row, spot.row)} in {run(spot.run, spot.axis)}{where}",
         *([] if np.isnan(spot.frequency) else [f"{low} Hz" if low == high else f"{low}-{high} Hz"]),
         f"{two_digits(spot.sigma)} sigma",
-        f"{two_digits(spot.percent)} % {share}",
+        *([f"{two_digits(spot.percent)} % {share}"] if spot.percent < NOTHING_READ else []),
         *([spot.course] if spot.course else []),
     ]
     # The same row in other runs and data sets
