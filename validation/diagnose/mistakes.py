@@ -276,7 +276,7 @@ def mistakes(data: Study) -> tuple[Cause, ...]:
     if data.tests:
         of_tests = mistakes_of_tests(data)
         return of_tests if not data.made else (*of_tests, *mistakes(replace(data, tests=())))
-    if not data.made or any(one.tested.campaign.cross_motion for one in data.made):  # too few channels tell what others read
+    if not data.made:
         return ()
     every = [LowFrequencyReadings.of(one.with_effects(data.model.effects)) for one in data.made]
     channels = every[0].channels

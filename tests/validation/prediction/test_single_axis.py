@@ -81,6 +81,14 @@ def test_motions_that_are_said_to_be_far_smaller_than_they_are_show(lab, answer)
     assert "failed" in [one["verdict"] for one in found["errors"]]
 
 
+def test_diagnose_refuses_it_in_words(lab, refused, capsys):
+    lab()
+    capsys.readouterr()
+    text = " ".join(refused("diagnose", "lab.toml", "test").split())
+    assert "`campaign.cross_motion`: is stated" in text
+    assert "massline compare" in text
+
+
 def test_runs_along_two_axes_and_a_base_that_nobody_reads_are_refused(simulated):
     whole = replace(simulated(""), cross_motion=0.03)
     with pytest.raises(BadInput, match="its runs are driven along"):
