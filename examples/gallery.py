@@ -14,7 +14,7 @@ import shlex
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -26,7 +26,7 @@ from tools.pages import commands
 
 HERE = Path(__file__).resolve().parent
 PICTURES = HERE.parent / "docs" / "pictures"
-TUTORIAL, REPORT = (HERE.parent / "docs" / name for name in ("tutorial.md", "report.md"))
+TUTORIAL, REPORT, FRAME = (HERE.parent / "docs" / name for name in ("tutorial.md", "report.md", "three-storey-frame.md"))
 DATA = Path(os.environ.get("MASSLINE_DATA", HERE.parent.parent / "shared" / "data")).resolve()
 
 
@@ -39,11 +39,13 @@ class Story:
     commands : ``massline ...`` or ``python examples/...``, run in order in a folder of their own
     pictures : by name in ``docs/pictures`` the file; of a page also the sections that are photographed
     needs : folder of data without which it is passed over; None when it needs none
+    files : what lies in the folder beforehand, by path
     """
 
     commands: str
     pictures: Mapping[str, str]
     needs: Path | None = None
+    files: Mapping[str, Path] = field(default_factory=dict)
 
 
 def articles(folder: Path) -> None:
@@ -112,11 +114,9 @@ TOLD: Mapping[str, Story] = {
         pictures={"table-2": "out/table-2.png", "table-2-decide": "out/table-2-decide.png"},
     ),
     "three-storey-frame": Story(
-        commands=f"python examples/three_storey_frame.py --data {shlex.quote(str(DATA))} --out out",
-        pictures={
-            "three-storey-frame": "out/three-storey-frame.png",
-            "three-storey-frame-ladder": "out/three-storey-frame-ladder.png",
-        },
+        commands="\n".join(commands(FRAME)),
+        pictures={"three-storey-frame-ladder": "out/three-storey/frame-ladder.png"},
+        files={"out/three-storey/frame.toml": HERE / "league" / "three-storey-frame.toml"},
         needs=DATA / "three_storey_frame",
     ),
 }
@@ -132,7 +132,11 @@ def draw(name: str, folder: Path = PICTURES) -> None:
     if story.needs is not None and not story.needs.is_dir():
         sys.stderr.write(f"{name} is passed over: {story.needs} is absent\n")
         return
+    os.environ.setdefault("MASSLINE_DATA", str(DATA))
     with TemporaryDirectory() as place, inside(place):
+        for path, file in story.files.items():
+            Path(path).parent.mkdir(parents=True, exist_ok=True)
+            Path(path).write_bytes(file.read_bytes())
         for line in filter(None, map(str.strip, story.commands.splitlines())):
             done(line)
         for shown, file in story.pictures.items():

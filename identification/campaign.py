@@ -216,6 +216,8 @@ class Campaign:
     hardware : campaigns of the same id share FMD and sensors, and so their errors; empty when it is not stated
     date, place, operator, serial_number : of the test and of its article, for whoever signs; ISO 8601; empty when not stated
     instruments : that measured
+    cross_motion : of a single-axis shaker the size of the base's other motions, which nobody measured, as a share of the driven
+        one (rotations at a metre); 0 where base motions are measured
     table : channels and the reference point, the paper's F
     runs : in the order of the file
     recordings : by name of the run; all of them, or none where only the description was read
@@ -238,6 +240,7 @@ class Campaign:
     operator: str = ""
     serial_number: str = ""
     instruments: tuple[Instrument, ...] = ()
+    cross_motion: float = 0.0
     mounting: Pose | None = None
     gravity: float = 9.81
     processing: Processing | None = None

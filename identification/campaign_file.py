@@ -358,6 +358,7 @@ LONGEST_NAME = 80
 
 TOP = ("format", "campaign", "mounting", "environment", "frame", "processing", "instrument", "channel", "run")
 CAMPAIGN = ("title", "article", "hardware", "notes", "date", "place", "operator", "serial_number")
+CROSS_MOTION = "cross_motion"
 DATES = ("calibrated", "due")
 INSTRUMENT = ("name", "serial_number", *DATES, "channels")
 RUN = ("name", "file", "axis", "excitation")
@@ -383,7 +384,9 @@ def parse(table: Mapping[str, Any], source: str, problems: Problems) -> campaign
     problems.attempt(toml_file.require_known, table, TOP, source=source)
     problems.attempt(toml_file.require_present, table, ("campaign", "environment", "channel", "run"), source=source)
     reader = Reader(source=source, problems=problems)
-    stated = reader.dated(reader.table(table, "campaign", CAMPAIGN), "campaign", ("date",))
+    stated = reader.dated(reader.table(table, "campaign", (*CAMPAIGN, CROSS_MOTION)), "campaign", ("date",))
+    cross = reader.number({CROSS_MOTION: 0.0, **stated}, "campaign", CROSS_MOTION, low=0.0, high=1.0)
+    stated = {key: value for key, value in stated.items() if key != CROSS_MOTION}
     about = reader.strings(stated, "campaign", CAMPAIGN[:2], CAMPAIGN[2:])
     frame = reader.table(table, "frame", ("origin", "length_unit"))
     unit = problems.attempt(length_unit, str(frame.get("length_unit", "m")), source, "frame.length_unit")
@@ -430,6 +433,7 @@ def parse(table: Mapping[str, Any], source: str, problems: Problems) -> campaign
         operator=about.get("operator", ""),
         serial_number=about.get("serial_number", ""),
         instruments=tuple(instruments),
+        cross_motion=cross or 0.0,
         table=sensors,
         runs=tuple(runs),
         mounting=mounting,
@@ -463,7 +467,8 @@ def text(campaign: campaigns.Campaign) -> str:
     """
     blocks: list[tuple[str, Lines]] = []
     about = [(key, getattr(campaign, key)) for key in CAMPAIGN]
-    blocks.append(("[campaign]", [(key, string(value)) for key, value in about if value]))
+    cross = [(CROSS_MOTION, repr(float(campaign.cross_motion)))] if campaign.cross_motion else []
+    blocks.append(("[campaign]", [*((key, string(value)) for key, value in about if value), *cross]))
     if campaign.mounting is not None:
         R = campaign.mounting.rotation
         if abs(R[2, 2] - 1) > ROUNDING:
@@ -756,8 +761,16 @@ def examine(folder: str | Path, *, progress: Progress | None = None) -> Examined
     verdicts = campaigns.observed(campaign.table)
     found = []
     for key, what, remedy in (
-        ("base motion by table and cover", "base motion", "Add an accelerometer that moves with it to [[channel]]"),
-        ("resultants by fmd", "resultant", "Add a load cell that senses it to [[channel]], or give the cells of a sum singly"),
+        ()
+        if campaign.cross_motion
+        else (  # of a single-axis shaker no more is known
+            ("base motion by table and cover", "base motion", "Add an accelerometer that moves with it to [[channel]]"),
+            (
+                "resultants by fmd",
+                "resultant",
+                "Add a load cell that senses it to [[channel]], or give the cells of a sum singly",
+            ),
+        )
     ):
         verdict = verdicts[key]
         if not verdict.complete:

@@ -125,12 +125,19 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
         k = int(np.argmin(frequency > 0))
         problem = f"must be positive, found {frequency[k]:g} Hz of mode {k + 1}"
         raise BadInput(source=source, field="frequencies", problem=problem, remedy="Correct it")
+    if "damping" in columns and np.any(columns["damping"] >= 1):
+        k = int(np.argmax(columns["damping"]))
+        problem = f"must be a share below 1, found {columns['damping'][k]:g} of mode {k + 1}"
+        raise BadInput(source=source, field="damping", problem=problem, remedy='Write 0.01 or "1 %" where it is in per cent')
     for name, share, of in (
         ("frequency_deviation", FREQUENCY_DEVIATION, "frequency"),
         ("damping_deviation", DAMPING_DEVIATION, "damping"),
     ):
         if of in columns and name not in columns:
             columns[name] = _deviation(table.get(name), share, columns[of], warnings, f"{name} of {source}", source, name)
+        elif name in columns and np.any(none := columns[name] == 0) and isinstance(table.get("frequencies"), list):
+            usual = _deviation(table.get(name), share, columns[of], warnings, f"{name} of some modes of {source}", source, name)
+            columns[name] = np.where(none, usual, columns[name])
     points, shapes, deviation = _shapes(table, len(frequency), source, folder) if file is None else file[1:]
     seen = [one.name for one in points]
     if twice := sorted({name for name in seen if seen.count(name) > 1}):
@@ -138,6 +145,9 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ModalTable:
     if shapes is not None and not np.all(moving := np.isfinite(shapes).all(axis=1) & np.any(shapes != 0, axis=1)):
         problem = f"the shape of mode {int(np.argmin(moving)) + 1} is zero at every sensor, or not finite"
         raise BadInput(source=source, field="shapes", problem=problem, remedy="Leave that mode's shape out, or correct it")
+    if shapes is not None and len(points) == 1:
+        warnings.append(f"shapes at {points[0].name} alone say nothing, since each is known up to a factor; they are left out")
+        shapes, deviation, points = None, None, ()
     if shapes is not None and deviation is None:
         largest = np.abs(shapes).max(axis=1, keepdims=True) * np.ones(shapes.shape)
         name = "shapes_deviation"
@@ -234,7 +244,7 @@ def _frequencies(table: Mapping[str, Any], source: str, folder: Path) -> dict[st
             else:
                 raise BadInput(source=source, field=name, problem=f"must be a number, found {one!r}", remedy="Correct it")
         columns[name] = np.array([value for value, _ in pairs])
-        if all(sd > 0 for _, sd in pairs):
+        if any(sd > 0 for _, sd in pairs):
             columns[f"{name}_deviation"] = np.array([sd for _, sd in pairs])
         if len(pairs) != len(columns["frequency"]):
             problem = f"states {len(pairs)} modes, and frequencies {len(columns['frequency'])}"

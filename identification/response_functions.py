@@ -253,12 +253,13 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
     """
     if not pieces:
         raise BadInput(source=source, field="files", problem="no function is found", remedy="Name the files that hold them")
+    warnings: list[str] = []
+    pieces = _from_a_common_line(pieces, warnings)
     first = min(pieces, key=lambda one: len(one.frequency))
     n, f = len(first.frequency), first.frequency
     if n < 2:
         problem = f"it has {n} lines, and at least two are needed"
         raise BadInput(source=first.source, field="frequency", problem=problem, remedy=files.DAMAGED)
-    warnings: list[str] = []
     for one in pieces:
         step, other = float(np.median(np.diff(f))), float(np.median(np.diff(one.frequency)))
         if abs(other - step) > 1e-6 * step or np.abs(one.frequency[:n] - f).max() > 0.01 * step:
@@ -308,6 +309,23 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
         band=(float(f[0]), float(f[-1])),
         warnings=tuple(warnings),
     )
+
+
+def _from_a_common_line(pieces: Sequence[Piece], warnings: list[str]) -> list[Piece]:
+    """`pieces` without the lines below the first that all have; one whose lines lie between those of others is left as it is."""
+    latest = max(pieces, key=lambda one: one.frequency[0])
+    low, found, cut = float(latest.frequency[0]), list[Piece](), 0
+    for one in pieces:
+        at = int(np.argmin(np.abs(one.frequency - low)))
+        step = float(np.median(np.diff(one.frequency))) if len(one.frequency) > 1 else 0.0
+        if at and abs(one.frequency[at] - low) <= 0.01 * step:
+            coherence = None if one.coherence is None else one.coherence[at:]
+            one = replace(one, frequency=one.frequency[at:], values=one.values[at:], coherence=coherence)
+            cut = max(cut, at)
+        found.append(one)
+    if cut:
+        warnings.append(f"{latest.source} begins at {low:g} Hz; {cut} lines below that other functions have are left out")
+    return found
 
 
 # What functions are, and what they are mistaken for.
@@ -639,6 +657,11 @@ def _of_text(
     return frequency, found
 
 
+TURNS = 120.0
+"""[deg] by which phases in degrees turn at least where there is a resonance: a half-turn, less what damping and the ends of a
+band take. Imaginary parts beside real ones that are never negative (a mobility where it is driven) seldom span as much. Held by
+tests/validation/test_odd_studies.py."""
+
 _POLAR_WORDS = re.compile(r"(?<![a-z])(?:phase|deg|grad|angle|arg|db|decibel|mag|abs|ampl|modul)", re.IGNORECASE)
 
 
@@ -666,7 +689,7 @@ def _joined(columns: list[Any], header: Sequence[str], stated: str | None, sourc
     one, other = columns
     if stated in (None, PAIRS):
         polar_header = any(_POLAR_WORDS.search(name) for name in header)
-        degrees = np.all(np.abs(other) <= 360) and np.abs(other).max() > 2 * np.pi and np.all(one >= 0)
+        degrees = np.all(np.abs(other) <= 360) and np.ptp(other) > TURNS and np.all(one >= 0)
         if stated is None and (polar_header or degrees):
             problem = "its columns look like magnitude and phase where real and imaginary part were meant"
             raise refused(problem, f"Write parts = one of {', '.join(PARTS[1:])}")

@@ -142,7 +142,10 @@ def read_tests(paths: Sequence[str], model: Model) -> tuple[Test, ...]:
     BadInput : a test that cannot be used.
     OSError : a file cannot be read.
     """
-    own = (test_file.read(model.source, {"article": model.article, **one}) for one in model.tests)
+    own = [test_file.read(model.source, {"article": model.article, **one}) for one in model.tests]
+    untitled = [k for k, one in enumerate(model.tests) if "title" not in one]
+    for k in untitled if len(untitled) > 1 else ():
+        own[k] = replace(own[k], title=f"{own[k].title}-{k + 1}")
     return (*own, *map(test_file.read, filter(is_test, paths)))
 
 
@@ -320,7 +323,7 @@ class Study:
         """
         bare = replace(model, effects=(), looked_at=model.positions)
         plain = tuple(one.with_effects(()) for one in made)
-        tests = structure_tests.predictions(bare, data.tests)
+        tests = structure_tests.predictions(bare, [structure_tests.within(one, asked.band) for one in data.tests])
         said = facts(bare, data.classical)
         opened = cls(model=model, campaigns=data.campaigns, made=plain, tests=tests, said=said, asked=asked)
         whole = opened.whole()

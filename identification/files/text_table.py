@@ -112,8 +112,9 @@ def read(path: Path, separator: str = "") -> TextTable:
     files.require_file(path)
     source = str(path)
     content = path.read_bytes().removeprefix(b"\xef\xbb\xbf")
+    wide = content.startswith((b"\xff\xfe", b"\xfe\xff"))  # as spreadsheets write "Unicode text"
     try:
-        text = content.decode("utf-8")
+        text = content.decode("utf-16" if wide else "utf-8")
     except UnicodeDecodeError:
         text = content.decode("latin-1")
     if "\0" in text:
@@ -131,6 +132,9 @@ def read(path: Path, separator: str = "") -> TextTable:
         problem = f"line {lines[start + odd][0]} has {len(rows[odd])} columns, the first row {width}"
         raise BadInput(source=source, problem=problem, remedy=DAMAGED)
     above = [_cells(line.lstrip("#% "), by) for _, line in lines[:start]]
+    if above and len(above[-1]) == width and "" in above[-1] and sum(as_number(one) is not None for one in above[-1]) > 1:
+        problem = f"line {lines[start - 1][0]}: cell {above[-1].index('') + 1} of {width} is empty"
+        raise BadInput(source=source, problem=problem, remedy="A number is needed in each; leave out rows that have none")
     header = next((words for words in reversed(above) if len(words) == width), ())
     return TextTable(source=source, header=tuple(header), cells=tuple(rows), first=lines[start][0])
 

@@ -15,8 +15,8 @@ A fenced block has a language, and the language says what happens to it. There i
 - ``output``: lines of what the block above printed, in order, ``...`` for what is left out. Words agree, numbers to the last
   digit shown or to a hundredth.
 
-Where a page names ``../shared/data``, the real data lie there; it is skipped where they are absent. Commands within sentences
-must exist with every option that they are given.
+Where a page names ``../shared/data`` or ``MASSLINE_DATA``, the real data lie there; it is skipped where they are absent. Commands
+within sentences must exist with every option that they are given.
 """
 
 import json
@@ -62,6 +62,7 @@ LONG = {
         "league.md",
         "laboratories.md",
         "your-own-structure.md",
+        "three-storey-frame.md",
     ),
 }
 """Pages whose commands take ten seconds of computing and more: they are run by `make proof`, the others by `make test`."""
@@ -136,7 +137,7 @@ def done(page: Path, asked: list[dict[str, Any]], here: Path, code: Path) -> lis
     process = subprocess.run(
         command,
         cwd=here,
-        env={**os.environ, "PYTHONPATH": str(code)},
+        env={**os.environ, "PYTHONPATH": str(code), "MASSLINE_DATA": "../shared/data"},
         input=json.dumps(asked),
         capture_output=True,
         encoding="utf-8",
@@ -189,7 +190,7 @@ def test_everything_that_a_page_shows_runs_and_prints_what_it_says(
         return
     here = tmp_path / "repository"
     shutil.copytree(ROOT / "examples", here / "examples")
-    if "../shared/data" in json.dumps(asked.steps):
+    if re.search(r"\.\./shared/data|MASSLINE_DATA", json.dumps(asked.steps)):
         (tmp_path / "shared").mkdir()
         (tmp_path / "shared" / "data").symlink_to(request.getfixturevalue("data").resolve())
     answers = done(page, asked.steps, here, code)

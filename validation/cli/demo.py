@@ -150,7 +150,7 @@ STEPS = (
     DemoStep(title="... and the ladder, with pictures of the fall", command=f"massline ladder {MODEL} --out {HIDDEN}/ladder"),
     DemoStep(
         title="Real data with a real missing effect: a three-storey frame",
-        command=f"python examples/three_storey_frame.py --data {shlex.quote(str(DATA))}",
+        command=f"massline league three_storey_frame --data {shlex.quote(str(DATA))}",
         needs=DATA / "three_storey_frame",
     ),
     DemoStep(title="An effect of one's own, from its file to a campaign", command="python examples/own_effect.py"),

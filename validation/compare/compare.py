@@ -56,6 +56,7 @@ def of_evaluation(study: Study, fitted: Problem, evaluation: Evaluation, progres
     explained = ExplainedError(
         measurement=_percent([of.explained for of in maps]), with_modes=_percent([of.explained_with_modes for of in maps])
     )
+    due = verdicts.due_misfit(evaluation.fitted, fitted)
     facts = []
     for fact in (one.with_effects(model.effects) for one in study.said):
         sigma = fact.residual(plain)[0]
@@ -75,7 +76,8 @@ def of_evaluation(study: Study, fitted: Problem, evaluation: Evaluation, progres
         source=model.source,
         evaluation=evaluation,
         explained=explained,
-        errors=verdicts.told(evaluation, explained, max((spot.sigma for spot in spots), default=0.0)),
+        errors=verdicts.told(evaluation, explained, max((spot.sigma for spot in spots), default=0.0), due),
+        due_misfit=due,
         absurd=verdicts.tolerances(evaluation.fitted)[: verdicts.TOLERANCES_NAMED],
         maps=maps,
         modes=modes,
@@ -180,6 +182,7 @@ class Comparison:
     source : its file
     evaluation : the four errors and the fits behind them
     explained : what tolerances let expect of the plain error
+    due_misfit : chi² per degree of freedom that noise makes of tables of modes by itself; None without one
     errors : the four errors in words
     absurd : the tolerances that the fit moved farthest, most absurd first
     maps : one a data set
@@ -196,6 +199,7 @@ class Comparison:
     effects: tuple[str, ...] = ()
     evaluation: Evaluation = unwritten()
     explained: ExplainedError = unwritten()
+    due_misfit: float | None = unwritten(default=None)
     errors: tuple[StatedError, ...]
     absurd: tuple[Tolerance, ...] = entry("absurd_tolerances")
     maps: tuple[Map, ...] = unwritten()
@@ -220,6 +224,7 @@ class Comparison:
         return {
             "plain_error_percent": of.plain.percent,
             "fitted_chi2_per_dof": verdicts.misfit(of.fitted),
+            **({} if self.due_misfit is None else {"fitted_chi2_per_dof_of_noise": self.due_misfit}),
             "tolerance_z2": of.fitted.tolerance_z2,
             "worst": [to_json(one) | {"text": text(one, len(self.maps))} for one in self.worst],
             "nominal_error_percent": of.nominal.percent,
@@ -574,6 +579,10 @@ SENSED = dict(
 
 AXES = dict(zip(MOTIONS, ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z"), strict=True))
 
+NOTHING_READ = 1e6
+"""[%] of what a channel reads, from which it reads nothing, and no share of it is told. Exercised by
+tests/validation/prediction/test_single_axis.py."""
+
 NAMED = 3
 """Runs that are listed by name; of more, their number is."""
 
@@ -590,7 +599,7 @@ def text(spot: Spot, configurations: int = 2) -> str:
         f"{SENSED.get(spot.row, spot.row)} in {run(spot.run, spot.axis)}{where}",
         *([] if np.isnan(spot.frequency) else [f"{low} Hz" if low == high else f"{low}-{high} Hz"]),
         f"{two_digits(spot.sigma)} sigma",
-        f"{two_digits(spot.percent)} % {share}",
+        *([f"{two_digits(spot.percent)} % {share}"] if spot.percent < NOTHING_READ else []),
         *([spot.course] if spot.course else []),
     ]
     # The same row in other runs and data sets

@@ -252,7 +252,9 @@ def functions(test: ResponseFunctionTest, offsets: Offsets) -> FunctionCorrelati
     measured = data.values
     pairs = [(f"{run}/{channel}", r, c) for r, run in enumerate(data.runs) for c, channel in enumerate(data.channels)]
     alike = {name: frac(measured[r, :, c], found[r, :, c]) for name, r, c in pairs}
-    level = {name: 20 * np.log10(np.linalg.norm(found[r, :, c]) / np.linalg.norm(measured[r, :, c])) for name, r, c in pairs}
+    least = np.finfo(np.float64).tiny ** 0.5  # a function that is zero, in data or model, is very low
+    sizes = [np.maximum(np.linalg.norm(one, axis=1), least) for one in (found, measured)]
+    level = {name: float(20 * np.log10(sizes[0][r, c] / sizes[1][r, c])) for name, r, c in pairs}
     said = []
     loud = {name: one for name, one in level.items() if alike[name] >= GREEN and abs(one) > 1}
     if loud:

@@ -565,7 +565,7 @@ class Map:
     @property
     def percent(self) -> Array:
         """(r, n, m) deviations in per cent: of what the channel reads there, of the dynamic mass for a load."""
-        return np.asarray(100 * np.abs(self.deviation) / np.maximum(self.level, np.finfo(np.float64).tiny))
+        return np.asarray(100 * np.abs(self.deviation) / np.maximum(self.level, np.finfo(np.float64).tiny ** 0.5))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -528,12 +528,17 @@ def ready(asked: Options, progress: Progress | None = None) -> tuple[Model, Data
 
 
 def require_runs(campaigns: Sequence[Campaign]) -> None:
-    """Refuse a series of campaigns of which nothing can be held out.
+    """Refuse a series of campaigns of which nothing can be held out, or whose base motions nobody measured.
 
     Raises
     ------
-    BadInput : fewer runs than `FEWEST_RUNS` in all.
+    BadInput : fewer runs than `FEWEST_RUNS` in all; `cross_motion` is stated.
     """
+    for one in campaigns:
+        if one.cross_motion:
+            problem = "is stated, and what is missing cannot be told yet from base motions that nobody measured"
+            remedy = "`massline compare` says where the model fails; `massline add` tries an effect"
+            raise BadInput(source=one.source, field="campaign.cross_motion", problem=problem, remedy=remedy)
     count = sum(len(one.runs) for one in campaigns)
     if count < FEWEST_RUNS:
         names = ", ".join(f"{run.name} of {one.source}" for one in campaigns for run in one.runs)

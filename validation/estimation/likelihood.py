@@ -362,7 +362,7 @@ def left_of_run(
 
     Raises
     ------
-    CheckFailed : without some channel the others do not tell the inputs.
+    CheckFailed : there is a line of which no channel can be told by the others.
     """
     y = seen.values[run]
     some = np.ones(y.shape[1], dtype=bool) if asked is None else asked
@@ -372,13 +372,14 @@ def left_of_run(
     Q, R = np.linalg.qr(weight[..., None] * rows)
     # (m, c) 1 / (1 - h)
     left = 1 - np.sum(np.abs(Q) ** 2, axis=-1)
-    if np.any(left < ALONE):
-        line, channel = np.argwhere(left < ALONE)[0]
+    told = left >= ALONE
+    if not np.all(told.any(axis=1)):
+        line = int(np.argmin(told.any(axis=1)))
         raise CheckFailed(
-            f"the {Q.shape[2]} inputs cannot be told without channel {channel + 1} at line {line + 1}, so nothing is "
-            "known of it; measure with more channels, or leave that line out"
+            f"the {Q.shape[2]} inputs cannot be told without any one of the channels at line {line + 1}, so nothing is known of "
+            "them; measure with more channels, or leave that line out"
         )
-    to_others = np.asarray(1 / left[:, some])
+    to_others = np.divide(1.0, left, out=np.zeros_like(left), where=told)[:, some]  # of one alone nothing is said
     whitened = to_others[..., None] * (np.eye(y.shape[1])[some] - Q[:, some] @ Q.conj().transpose(0, 2, 1))
     gain = np.asarray(whitened * weight[:, None, :] / weight[:, some, None], dtype=np.complex128)
     try:

@@ -60,6 +60,7 @@ class Measured:
         which are eliminated line by line
     discrepancy : share of the variance of the model-error floor that a test without any fault uses; 0 where the floor is a bound
         that none does
+    read : (r, n, c) the part of `noise` that a sound model would read, where `noise` allows it to be off by more; None for all
     is_real : whether values are real numbers, such as frequencies, and `noise` is their standard deviation: the imaginary parts
         are zero and say nothing
     """
@@ -78,6 +79,7 @@ class Measured:
     noise_spread: float = 0.0
     inputs: ComplexArray | None = None
     discrepancy: float = 0.0
+    read: Array | None = None
     is_real: bool = False
 
     def __post_init__(self) -> None:
@@ -96,6 +98,7 @@ class Measured:
             axes=tuple(self.axes[k] for k in kept),
             values=self.values[kept],
             noise=self.noise[kept],
+            read=None if self.read is None else self.read[kept],
             inputs=None if self.inputs is None else self.inputs[kept],
         )
 
@@ -248,7 +251,7 @@ class Problem:
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
-        """The union of all, by name.
+        """The union of all, by name; of a sensor's tolerance that is stated twice the smaller one.
 
         Raises
         ------
@@ -260,6 +263,10 @@ class Problem:
             for parameter in parameters:
                 first, said_by = found.setdefault(parameter.name, (parameter, source))
                 if first is parameter or said_alike(first) == said_alike(parameter):
+                    continue
+                if first.kind == SENSOR and said_alike(replace(parameter, tolerance=first.tolerance)) == said_alike(first):
+                    if parameter.tolerance < first.tolerance:  # one sensor, stated twice: both are true
+                        found[parameter.name] = (parameter, source)
                     continue
                 what = next(what for what in AGREED if getattr(first, what) != getattr(parameter, what))
                 raise ValueError(

@@ -11,7 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from validation.estimation.problem import IDENTIFIED, TOLERANCES, Evaluation, Fit, Parameter
+from identification.self_calibration.solve import total
+from validation.estimation.fit import FLOOR
+from validation.estimation.likelihood import cost_of
+from validation.estimation.problem import IDENTIFIED, TOLERANCES, Evaluation, Fit, Parameter, Problem
 from validation.output import derived, entry, percent, two_digits
 
 GOOD, DOUBTFUL, FAILED = VERDICTS = ("good", "doubtful", "failed")
@@ -141,13 +144,14 @@ def costly(z2: float, expected: float, largest: float) -> bool:
     return largest >= ABSURD or bool(chdtrc(max(expected, 1.0), z2) < UNLIKELY)
 
 
-def told(of: Evaluation, explained: ExplainedError, peak: float) -> tuple[StatedError, ...]:
+def told(of: Evaluation, explained: ExplainedError, peak: float, due: float | None = None) -> tuple[StatedError, ...]:
     """The four errors of `of`.
 
     Parameters
     ----------
     explained : what the plain error would be by tolerances alone
     peak : the worst spot of the maps [sigma]
+    due : as `due_misfit`
     """
     high = peak >= STANDS_OUT
     said = f"a sound laboratory would miss by up to {percent(explained.measurement)}"
@@ -163,10 +167,10 @@ def told(of: Evaluation, explained: ExplainedError, peak: float) -> tuple[Stated
     )
     nominal = percent(of.nominal.percent)
     as_it_stands = StatedError(name="nominal error", figure=nominal, meaning="the model as it stands, nothing fitted")
-    return (as_it_stands, plain, _fitted(of.fitted), _held_out(of, explained))
+    return (as_it_stands, plain, _fitted(of.fitted, due), _held_out(of, explained))
 
 
-def _fitted(of: Fit) -> StatedError:
+def _fitted(of: Fit, due: float | None) -> StatedError:
     ratio = misfit(of)
     moved, too_much = tolerances(of), absurd(of)
     paying = [one for one in moved if one.parameter.kind in TOLERANCES]
@@ -178,11 +182,12 @@ def _fitted(of: Fit) -> StatedError:
         verdict, text = FAILED, f"χ² is good only because the fit moved tolerances too far: {worst}"
     else:
         verdict, text = GOOD, "data and tolerances agree"
+    allowed = "" if due is None else f" ({two_digits(due)} by noise alone)"
     return StatedError(
         name="fitted error",
         figure=f"χ² {ratio:.3g}, z² {two_digits(of.tolerance_z2)}",
-        meaning=f"every tolerance fitted: χ² per degree of freedom, and its prior penalty, the sum of z² of {of.tolerances} "
-        f"tolerances, about {expected_z2(of):.0f} in a sound laboratory",
+        meaning=f"every tolerance fitted: χ² per degree of freedom{allowed}, and its prior penalty, the sum of z² of "
+        f"{of.tolerances} tolerances, about {expected_z2(of):.0f} in a sound laboratory",
         verdict=verdict,
         text=text,
     )
@@ -191,6 +196,35 @@ def _fitted(of: Fit) -> StatedError:
 def misfit(of: Fit) -> float:
     """Chi² per degree of freedom."""
     return of.chi2 / max(of.degrees_of_freedom, 1)
+
+
+def due_misfit(of: Fit, problem: Problem) -> float | None:
+    """Chi² per degree of freedom that noise and tolerances come to by themselves in the fit `of` of `problem`.
+
+    None without a table of modes: of lines by the hundred it is about 1. With J the whitened derivatives of the data, P what is
+    known beforehand, C = (J^T J + P)^-1 and S the share of each variance that is noise, the residual (1 - J C J^T) (J x + n) has
+    the mean square
+
+        tr C P C J^T J + sum_b s_b (count_b - 2 tr C M_b + tr C M_b C J^T J),      M_b = J_b^T J_b of every run.
+    """
+    if not any(one.measured.is_real or one.measured.read is not None for one in problem.predictions):
+        return None
+    cost = cost_of(problem, of.parameters, FLOOR)
+    by_run = cost.by_run(of.offsets)
+    C, M = of.covariance, total(by_run.values(), len(of.offsets)).matrix
+    known = np.array([1 / one.tolerance**2 if 0 < one.tolerance < np.inf else 0.0 for one in of.parameters])
+    CM = C @ M
+    found = float(np.sum((C * known) * CM.T))
+    for prediction, lines, seen in cost.observed:
+        read = seen.noise if prediction.measured.read is None else prediction.measured.read[:, lines]
+        variance = np.square(seen.noise) + np.square(FLOOR * seen.floor)
+        latent = prediction.at(of.by_name, lines[:1], derivatives=False).rows.shape[-1] if seen.inputs is None else 0
+        for k, run in enumerate(seen.runs):
+            own = C @ by_run[prediction.measured.name, run].matrix
+            count = seen.parts * len(lines) * (seen.values.shape[2] - latent)
+            share = float(np.mean(np.square(read[k]) / variance[k]))
+            found += share * (count - 2 * float(np.trace(own)) + float(np.sum(own * CM.T)))
+    return found / max(of.degrees_of_freedom, 1)
 
 
 def _held_out(of: Evaluation, explained: ExplainedError) -> StatedError:

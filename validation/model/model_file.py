@@ -497,8 +497,8 @@ def study_text(path: str, tests: Sequence[str], out: Path) -> str:
                 else {key: moved(one) if key in ("file", "path") else one for key, one in value.items()}
             )
 
-        changed: dict[str, Any] = {key: moved(table[key]) for key in ("file", "files", "shapes", "frequencies") if key in table}
-        changed = {key: value for key, value in changed.items() if key in ("file", "files") or isinstance(table[key], dict)}
+        of_files = {key for key in ("shapes", "frequencies") if isinstance(table.get(key), dict)} | {"file", "files"}
+        changed: dict[str, Any] = {key: moved(table[key]) for key in of_files & table.keys()}
         tables.append({key: changed.get(key, value) for key, value in table.items() if key not in ("format", "article")})
     if len(articles) > 1:
         problem = f"they are of {' and of '.join(articles)}"

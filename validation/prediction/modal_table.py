@@ -157,6 +157,7 @@ def partners(modes: RealModes, table: ModalTable) -> tuple[int, ...]:
     """
     f = modes.frequency
     moving = np.flatnonzero(f > SLOWEST * table.frequency.min())
+    moving = moving[np.isfinite(f[moving])]
     if len(moving) < len(table.frequency):
         raise ValueError(f"the model has {len(moving)} modes, and the table {len(table.frequency)}")
     shapes = None if table.shapes is None else (seen(modes.matrices, table) @ modes.shapes[:, moving]).T
@@ -473,6 +474,7 @@ def of(structure: Nuisances, table: ModalTable) -> tuple[TableFrequencies | Tabl
             frequency=np.array([table.frequency.mean()]),
             values=(table.shapes / largest).astype(np.complex128)[:, None],
             noise=np.hypot(table.shapes_deviation / largest, SOUND_SHAPE)[:, None],
+            read=(table.shapes_deviation / largest)[:, None],
             is_real=is_real,
         ),
         structure=structure,

@@ -495,6 +495,7 @@ def of(
         force_gain=data.force_gain,
         tolerances=tolerances,
         decay_rate=data.decay_rate,
+        remarks=data.warnings,
         coherence=None
         if data.coherence is None
         else data.coherence[:, (data.frequency >= low) & (data.frequency <= high) & kept],

@@ -19,11 +19,13 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from geometry.dynamic_mass import ComplexArray
+from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
+from geometry.sensors import Channel, Place
 from identification.campaign import Campaign, Processing, Run
 from identification.chain import Chain, chain
+from identification.self_calibration.solve import smoothed_level
 from identification.spectra.line_spectra import Spectra, hann
 from identification.spectra.noise import of_block, of_full_record
 from identification.spectra.of_campaign import SAME_LINE, grid, spectra
@@ -230,7 +232,7 @@ def per_rms(campaign: Campaign, method: str) -> Array:
 
 def _measured(campaign: Campaign, found: Spectra, of: Chain, name: str) -> problem.Measured:
     columns = list(of.columns)
-    return problem.Measured(
+    made = problem.Measured(
         name=name,
         configuration=campaign.article,
         hardware=campaign.hardware,
@@ -244,7 +246,76 @@ def _measured(campaign: Campaign, found: Spectra, of: Chain, name: str) -> probl
         noise_scatter=found.noise_scatter,
         noise_spread=found.noise_spread,
     )
+    return _with_their_size(made, campaign)
 
+
+# A single-axis shaker: the base moves along the other five axes as well, a little, and nobody measured how. These motions are
+# inputs like any other, latent, and what is known of them stands beside the data: a pick-up on the base along each that reads
+# nothing, with their size as its noise. Eliminating the inputs then marginalises them with that Gaussian prior.
+
+UNMEASURED = "unmeasured-"
+"""How these pick-ups begin."""
+
+
+def with_unmeasured(campaign: Campaign) -> Campaign:
+    """`campaign` with a pick-up for each of the five motions that are not driven, where it states how large these are.
+
+    Raises
+    ------
+    BadInput : runs that are not all along one of x, y, z, or no accelerometer on the base along it.
+    """
+    if not campaign.cross_motion:
+        return campaign
+    driven = {run.axis for run in campaign.runs}
+    along = next((k for k, axis in enumerate(MOTIONS[:3]) if driven == {axis}), None)
+    if along is None:
+        problem = f"is stated, and its runs are driven along {', '.join(sorted(map(str, driven)))}"
+        remedy = "Make a campaign of the runs along each of x, y and z; rotations need measured base motions"
+        raise BadInput(source=campaign.source, field="campaign.cross_motion", problem=problem, remedy=remedy)
+    base = [one for one in campaign.table.channels if one.quantity == "acceleration" and one.group != "article"]
+    if not any(abs(one.places[0].direction[along]) > ALONG for one in base):
+        problem = f"is stated, and no accelerometer on the base reads along {MOTIONS[along]}"
+        raise BadInput(source=campaign.source, field="campaign.cross_motion", problem=problem, remedy="Add it to [[channel]]")
+    made, e = list[Channel](), np.eye(3)
+    for k, axis in enumerate(MOTIONS):
+        turned = e[k % 3]  # about it, or along it
+        arm, way = next((e[j], np.cross(turned, e[j])) for j in range(3) if j != k % 3 and not np.cross(turned, e[j])[along])
+        place = Place(position=campaign.table.origin, direction=turned)
+        if k >= 3:
+            place = Place(position=campaign.table.origin + arm, direction=way)
+        if k != along:
+            name = UNMEASURED + axis
+            made.append(
+                Channel(name=name, quantity="acceleration", group="table", places=(place,), senses_gravity=False, noise_rms=0)
+            )
+    table = replace(campaign.table, channels=(*campaign.table.channels, *made))
+    names, recordings = tuple(one.name for one in table.channels), {}
+    for name, one in campaign.recordings.items():
+        silent = np.zeros((len(one.values), len(made)), dtype=one.values.dtype)
+        recordings[name] = replace(one, names=names, values=np.column_stack([one.values, silent]))
+    return replace(campaign, table=table, recordings=recordings)
+
+
+def _with_their_size(of: problem.Measured, campaign: Campaign) -> problem.Measured:
+    """Spectra in which the pick-ups of `with_unmeasured` read nothing, as well as the stated share of the driven motion."""
+    quiet = np.array([name.startswith(UNMEASURED) for name in of.channels])
+    if not campaign.cross_motion:
+        return of
+    axis = MOTIONS.index(str(campaign.runs[0].axis))
+    along = {one.name: abs(one.places[0].direction[axis]) for one in campaign.table.channels if one.group != "article"}
+    base = [k for k, name in enumerate(of.channels) if not quiet[k] and along.get(name, 0.0) > ALONG]
+    level = smoothed_level(of.frequency, of.values)[:, :, base].max(axis=2, keepdims=True)
+    article = np.array([one not in along for one in of.channels])
+    return replace(
+        of,
+        values=np.where(quiet, 0.0, of.values),
+        noise=np.where(quiet, campaign.cross_motion * level, of.noise),
+        judged=of.judged if np.any(of.judged) else article,
+    )
+
+
+ALONG = 0.9
+"""[1] Cosine between a pick-up on the base and the driven axis from which it tells the driven motion."""
 
 Progress = Callable[[float], None]
 
@@ -277,9 +348,9 @@ def predictions(
     ------
     BadInput : campaigns of several hardwares, an article that the model cannot describe, whatever makes no spectra.
     """
-    stated = {one.hardware: one.source for one in campaigns if one.hardware}
-    if len(stated) > 1:
-        listed = "; ".join(f"{hardware} in {source}" for hardware, source in stated.items())
+    by_hardware = {one.hardware: one.source for one in campaigns if one.hardware}
+    if len(by_hardware) > 1:
+        listed = "; ".join(f"{hardware} in {source}" for hardware, source in by_hardware.items())
         raise BadInput(
             source="series",
             field="hardware",
@@ -287,7 +358,8 @@ def predictions(
             remedy="Compare campaigns of one hardware at a time, each with a model of its own",
         )
     found, tell, count = [], progress or (lambda share: None), len(campaigns)
-    for k, (campaign, name) in enumerate(zip(campaigns, names(campaigns), strict=True)):
+    for k, (stated, name) in enumerate(zip(campaigns, names(campaigns), strict=True)):
+        campaign = with_unmeasured(stated)
         stands, of = mounted_article(model, campaign), laboratory(model, campaign, ())
         done = partial(lambda before, share: tell((before + share) / count), k)
         made = measured(campaign, of, name, band=band, method=method, lines=lines, progress=done)
@@ -347,7 +419,10 @@ class TestedCampaign:
                 *dynamic_mass.parameters(carried.moving, model.fmd_tolerance),
                 *carried.mounted,
             ]
+            exact = [f":{name}" for name in of.names if name.startswith(UNMEASURED)]  # no pick-up, and none of its tolerances
             for one in of.parameters:  # what is offset by its logarithm is 1 + its relative change there
+                if any(name in one.name for name in exact):
+                    continue
                 kind = KINDS.get(one.family, problem.SENSOR)
                 within = problem.WITHIN * one.tolerance if kind == problem.DECLARED else inf
                 own.append(replace(one, channels=(), kind=kind, within=within))
@@ -382,7 +457,8 @@ class SeriesPrediction:
     @property
     def there(self) -> There:
         """What effects can act on."""
-        return replace(self.tested.carried.standing.there, channels=self.measured.channels)
+        read = tuple(name for name in self.measured.channels if not name.startswith(UNMEASURED))
+        return replace(self.tested.carried.standing.there, channels=read)
 
     @property
     def remarks(self) -> tuple[str, ...]:

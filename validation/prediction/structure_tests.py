@@ -76,7 +76,8 @@ def predictions(model: Model, tests: Sequence[Test]) -> tuple[StructurePredictio
 
     Raises
     ------
-    BadInput : a structure that `model` does not name or that cannot be used, a place that it has not, two tests of one name.
+    BadInput : a structure that `model` does not name or that cannot be used, a place that it has not, two tests of one name, a
+        gain that one test knows and another does not.
     CheckFailed : as `validation.prediction.structure.by_itself`.
     """
     found: list[StructurePrediction] = []
@@ -100,6 +101,15 @@ def predictions(model: Model, tests: Sequence[Test]) -> tuple[StructurePredictio
     for name in names:
         if names.count(name) > 1:
             raise BadInput(source=name, field="test", problem="two tests have this name", remedy="Give each a `title` of its own")
+    stated: dict[str, tuple[bool, str]] = {}
+    for made in found:
+        for parameter in made.parameters:
+            unknown, by = stated.setdefault(parameter.name, (parameter.logarithmic, made.measured.name))
+            if unknown != parameter.logarithmic:
+                pair = (by, made.measured.name) if unknown else (made.measured.name, by)
+                problem = f"is unknown in {pair[0]}, known in {pair[1]}"
+                remedy = 'State `gain` and `force_gain` alike, or name the sensor apart: { place = "tip:z", name = "tip-z-2" }'
+                raise BadInput(source="test", field=parameter.name, problem=problem, remedy=remedy)
     return tuple(found)
 
 
@@ -189,6 +199,30 @@ def named(model: Model, article: str, test: Test) -> Test:
     if isinstance(test, ResponseFunctions):
         return replace(test, drives=tuple(map(there, test.drives)), responses=tuple(map(there, test.responses)))
     return replace(test, sensors=tuple(map(there, test.sensors)))
+
+
+def within(test: Test, band: tuple[float, float] | None) -> Test:
+    """`test` with what lies in `band` [Hz] alone, as it is where none is asked for.
+
+    Raises
+    ------
+    BadInput : nothing of it does.
+    """
+    if band is None:
+        return test
+    low, high = test.band if isinstance(test, ResponseFunctions) else (float(test.frequency.min()), float(test.frequency.max()))
+    if band[0] > high or band[1] < low:
+        problem = f"is {band[0]:g} to {band[1]:g} Hz, and {test.title} has {low:g} to {high:g} Hz"
+        raise BadInput(source="--band", field=test.title, problem=problem, remedy="Ask for a band that it has, or leave it out")
+    if isinstance(test, ResponseFunctions):
+        return replace(test, band=(max(band[0], low), min(band[1], high)))
+    kept = np.flatnonzero((test.frequency >= band[0]) & (test.frequency <= band[1]))
+    if not len(kept):
+        problem = f"no mode of {test.title} lies within {band[0]:g} to {band[1]:g} Hz"
+        raise BadInput(source="--band", field=test.title, problem=problem, remedy="Ask for a wider band, or leave it out")
+    by_mode = ("frequency", "frequency_deviation", "damping_ratio", "damping_deviation", "shapes", "shapes_deviation")
+    some = {name: getattr(test, name)[kept] for name in by_mode if getattr(test, name) is not None}
+    return replace(test, **some, names=tuple(test.names[k] for k in kept))
 
 
 COMMON = 3

@@ -15,6 +15,7 @@ from validation.effects.stages import Matrices
 from validation.estimation.evaluate import evaluate, residuals
 from validation.estimation.fit import fit
 from validation.estimation.problem import FITTED, Problem
+from validation.estimation.verdicts import due_misfit, misfit
 from validation.model.model import Added, StructureTolerances
 from validation.prediction import effects as prediction_effects
 from validation.prediction import modal_table
@@ -83,6 +84,28 @@ def test_frequencies_and_shapes_of_a_chain_are_those_of_the_closed_form() -> Non
     assert_allclose(frequencies.at({}).rows[:, 0, 0, 0], exact, rtol=1e-12)
     sines = np.sin(np.outer(angle, np.arange(1, COUNT + 1)))
     assert_allclose(np.diag(mac(shapes.at({}).rows[:, 0, :, 0], sines)), 1.0, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("options", "most"), [({}, 0.2), (NO_SHAPES, 0.8)])
+def test_chi2_of_sound_tables_is_what_noise_makes_of_it_beside_tolerances(options: dict[str, None], most: float) -> None:
+    of, rng, pairs = chain(), np.random.default_rng(22), []
+    made = modal_table.of(of, table(of, **options))
+    for _ in range(40):
+        there = {one.name: one.tolerance * rng.standard_normal() for part in made for one in part.parameters}
+        drawn = []
+        for part in made:
+            data = part.measured
+            sd = data.noise if data.read is None else data.read
+            values = part.at(there).rows[..., 0] + sd * rng.standard_normal(sd.shape)
+            drawn.append(replace(part, measured=replace(data, values=values)))
+        problem = Problem(tuple(drawn))
+        found = fit(problem, FITTED)
+        pairs.append((misfit(found), due_misfit(found, problem)))
+    mean, due = np.mean(pairs, axis=0)
+    assert (
+        mean < most
+    )  # shapes may be off by a tenth and were read to a hundredth; a few frequencies are told by as many tolerances
+    assert_allclose(mean, due, rtol=0.25)
 
 
 def test_the_damping_ratio_is_half_the_loss_factor_and_the_viscous_share() -> None:

@@ -1,0 +1,156 @@
+"""Odd but sound studies: each was refused with wrong words, or ended in a traceback. No code of ours knows the chain."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from identification import test_file
+
+LINES = np.arange(3.0, 40.0, 0.1)
+FLOORS = 'responses = ["floor-1:x", "floor-2:x", "floor-3:x"]\n'
+ONE, THREE = 'file = "one.csv"\ndrive = "floor-1:x"\n' + FLOORS, 'file = "three.csv"\ndrive = "floor-3:x"\n' + FLOORS
+SPRING = 4 * 12 * 70e9 * (0.025 * 0.003**3 / 12) / 0.15**3
+CHAIN = SPRING * np.array([[2.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 1.0]])
+SQUARES, SHAPES = np.linalg.eigh(CHAIN / 5.0)
+HERTZ = (np.sqrt(SQUARES) / (2 * np.pi)).round(4).tolist()
+TABLE = f"frequencies = {HERTZ}\n"
+
+
+def functions(drive: int, seed: int) -> np.ndarray:
+    """(n, 3) accelerances with noise of half a per cent."""
+    rng = np.random.default_rng(seed)
+    H = np.array([-(w**2) * np.linalg.inv(CHAIN * (1 + 0.02j) - 5.0 * w**2 * np.eye(3))[:, drive] for w in 2 * np.pi * LINES])
+    return H * (1 + 0.005 * (rng.standard_normal(H.shape) + 1j * rng.standard_normal(H.shape)) / np.sqrt(2))
+
+
+def write(path: Path, H: np.ndarray, first: int = 0, code: str = "utf-8") -> None:
+    rows = np.column_stack([LINES, np.ascontiguousarray(H).view(float)])[first:]
+    text = "frequency," + ",".join(f"r{k},i{k}" for k in (1, 2, 3)) + "\n"
+    path.write_text(text + "\n".join(",".join(f"{x:.9g}" for x in row) for row in rows) + "\n", encoding=code)
+
+
+@pytest.fixture
+def study(tmp_path: Path, three_floors: Callable[..., str]) -> Callable[..., str]:
+    """Writes a study of these tests, beside the functions of two drives."""
+    write(tmp_path / "one.csv", functions(0, 1))
+    write(tmp_path / "three.csv", functions(2, 2))
+
+    def written(*tests: str) -> str:
+        bodies = (f'[[test]]\nkind = "{"modal-table" if "frequencies" in one else "response-functions"}"\n{one}' for one in tests)
+        (tmp_path / "lab.toml").write_text(three_floors() + "\n".join(bodies), encoding="utf-8")
+        return "lab.toml"
+
+    return written
+
+
+def says_that_it_is_sound(found: dict) -> bool:
+    return found["plain_error_percent"] < 0.5 and found["tolerance_z2"] < 5 and all(one["sigma"] < 5 for one in found["worst"])
+
+
+@pytest.mark.parametrize(
+    "tests",
+    [
+        (f'title = "a"\ngain = 0.02\n{ONE}', f'title = "b"\ngain = 0.05\n{THREE}'),
+        (f'title = "a"\n{ONE}', f'title = "b"\nforce_gain = 0.05\n{THREE}'),
+        (f'title = "a"\ngain = 0\n{ONE}', f'title = "b"\n{THREE}'),
+        (f'title = "a"\n{ONE}', f'title = "b"\ngain = 0.1\nsensors = ["floor-1:x", "floor-3:x"]\n{TABLE}shapes = '
+         f"{SHAPES[[0, 2]].T.round(4).tolist()}\n"),
+        (ONE, THREE),  # no titles
+    ],
+)  # fmt: skip
+def test_tests_of_one_study_need_no_title_and_may_state_a_sensors_gain_each(study, answer, tests):
+    assert says_that_it_is_sound(answer("compare", study(*tests)))
+
+
+def test_the_smaller_of_two_tolerances_of_one_sensor_holds(study, answer):
+    tests = (f'title = "a"\ngain = 0.02\n{ONE}', f'title = "b"\ngain = 0.0002\n{THREE}')
+    for order in (tests, tests[::-1]):
+        fitted = answer("compare", study(*order))["parameters"]["fitted"]
+        assert fitted["accelerometer-gain:floor-2-x"]["sd"] < 2.1e-4
+
+
+def test_a_gain_that_one_test_knows_and_another_does_not_is_refused_in_words(study, refused):
+    text = refused("compare", study(f'title = "a"\ngain = "each unknown"\n{ONE}', f'title = "b"\n{THREE}'))
+    assert re.search(r"floor-\d-x.*unknown in a, known in b", re.sub(r"\s+", " ", text))
+    assert "name the sensor apart" in re.sub(r"\s+", " ", text)
+
+
+@pytest.mark.parametrize(
+    ("sensors", "shapes"),
+    [
+        (["floor-3:x"], [[1], [1], [1]]),  # a mode is seen by one sensor alone
+        (["floor-1:x", "floor-2:y"], [[1, 0.01], [1, 0.02], [1, 0.01]]),  # the other does not move in the model
+    ],
+)
+def test_a_mode_that_one_sensor_sees_alone_fails_no_comparison(study, answer, sensors, shapes):
+    found = answer("compare", study(f"sensors = {sensors}\n{TABLE}shapes = {shapes}\n".replace("'", '"')))
+    assert says_that_it_is_sound(found)
+    assert len(sensors) > 1 or any("floor-3-x alone say nothing" in text for text in found["warnings"])
+
+
+def test_functions_that_begin_at_different_lines_are_cut_to_those_that_all_have(study, answer, tmp_path):
+    write(tmp_path / "late.csv", functions(2, 2), first=50)
+    files = '[{ path = "one.csv", drive = "floor-1:x" }, { path = "late.csv", drive = "floor-3:x" }]'
+    found = answer("compare", study(f"files = {files}\n{FLOORS}"))
+    assert says_that_it_is_sound(found)
+    assert found["maps"][0]["frequency_band_hz"][0] == pytest.approx(8.0)
+    assert any("50 lines below" in text for text in found["warnings"])
+
+
+def test_a_mobility_where_it_is_driven_is_not_taken_for_magnitude_and_phase(study, answer, tmp_path):
+    write(tmp_path / "one.csv", 1e3 * functions(0, 1) / (2j * np.pi * LINES[:, None]))
+    assert says_that_it_is_sound(answer("compare", study(f'unit = "mm/s/N"\n{ONE}')))
+
+
+def test_text_of_a_spreadsheet_in_utf_16_is_read(study, answer, tmp_path):
+    write(tmp_path / "one.csv", functions(0, 1), code="utf-16")
+    assert says_that_it_is_sound(answer("compare", study(ONE)))
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_sensor_across_the_motion_of_the_model_is_compared(study, answer):
+    found = answer("compare", study(ONE.replace("floor-2:x", "floor-2:y")))
+    assert "floor-2-y" in found["worst"][0]["text"]
+
+
+@pytest.mark.parametrize(
+    ("test", "words"),
+    [
+        (f"frequencies = {[*HERTZ, 55.0]}\n", "the model has 3 modes, and the table 4"),
+        (f"{TABLE}damping = [1.0, 1.0, 1.0]\n", "must be a share below 1, found 1 of mode 1"),
+        (f'{TABLE}shapes = {{ file = "empty.csv", sensor = "at", modes = "mode{{}}" }}\n', "cell 3 of 4 is empty"),
+        (f"{TABLE}leave_out = [2]\n", "no mode of lab lies within 10 to 20 Hz"),
+    ],
+)
+def test_what_is_wrong_is_said_of_what_is_wrong(study, refused, tmp_path, test, words):
+    (tmp_path / "empty.csv").write_text("at,mode1,mode2,mode3\nfloor-1:x,0.3,,0.6\nfloor-2:x,0.6,0.3,-0.7\n", encoding="utf-8")
+    band = ("--band", "10", "20") if "leave_out" in test else ()
+    assert words in re.sub(r"\s+", " ", refused("compare", study(test), *band))
+
+
+def test_deviations_of_some_modes_are_kept_beside_usual_ones():
+    stated = {"kind": "modal-table", "article": "frame", "frequencies": ["4.0 +/- 0.01 Hz", 8.0, "12 Hz"]}
+    table = test_file.read("lab.toml", stated)
+    assert_allclose(table.frequency_deviation, [0.01, 0.04, 0.06])  # half a per cent where nothing is said
+    assert "frequency_deviation of some modes" in table.warnings[0]
+
+
+def test_a_band_is_that_of_tests_of_structures_too(study, answer):
+    (one,) = answer("compare", study(ONE), "--band", "10", "20")["maps"]
+    assert one["frequency_band_hz"] == pytest.approx([10.0, 20.0])
+    (one,) = answer("compare", study(TABLE), "--band", "15", "40")["maps"]
+    assert one["runs"] == ["mode 2", "mode 3"]
+
+
+def test_a_study_of_modes_that_are_typed_is_written(study, run, tmp_path, three_floors):
+    (tmp_path / "frame.toml").write_text(three_floors(), encoding="utf-8")
+    shapes = SHAPES.T.round(4).tolist()
+    text = f'format = 1\nkind = "modal-table"\narticle = "frame"\nsensors = ["floor-1:x", "floor-2:x", "floor-3:x"]\n{TABLE}'
+    (tmp_path / "table.toml").write_text(f"{text}shapes = {shapes}\n", encoding="utf-8")
+    code, _, err = run("model", "frame.toml", "--test", "table.toml", "--out", "study.toml")
+    assert code == 0, err
+    assert run("compare", "study.toml")[0] == 0
