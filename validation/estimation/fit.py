@@ -36,12 +36,16 @@ FINE = (0.02, 0.006, 0.003)
 ROUGHLY = 1.0
 """[sd] that the last step of a stage may be which is not the last. Exercised by tests/validation/engine/test_fit.py."""
 
-STEPS = 12
-"""[count] of evaluations that such a stage may take. Held by tests/validation/engine/test_fit.py."""
+STEPS = 6
+"""[count] of evaluations that such a stage may take, the first twice as many where it begins several times. Held by
+tests/validation/engine/test_fit.py."""
 
 LOOKED_AT = 32
 """[count] of draws from the priors of stiffnesses at which a baseline looks where to begin. Held by
 tests/validation/engine/test_fit.py."""
+
+STIFFNESSES = ("modulus", "support-stiffness", "thickness")
+"""Families of what is declared that moves resonances by many of their widths. By definition."""
 
 BEGUN = 3
 """[count] of the cheapest of these from which its first stage begins as well. Held by tests/validation/engine/test_fit.py."""
@@ -120,10 +124,12 @@ def annealed(
     for done, (floor, everything) in enumerate(stages):
         moving = tuple(one for one in cost.free if everything or one.kind not in (SENSOR, STRUCTURAL))
         stage = replace(cost, problem=sparse, observed=(), free=moving, floor=floor, base={**cost.base, **found})
-        ends = [_solved(stage, found, close=ROUGHLY, most=STEPS)]
-        for begin in _elsewhere(stage, found) if everywhere and not done else ():
+        others = _elsewhere(stage, found) if everywhere and not done else []
+        steps = 2 * STEPS if others else STEPS
+        ends = [_solved(stage, found, close=ROUGHLY, most=steps)]
+        for begin in others:
             with suppress(CheckFailed):
-                ends.append(_solved(stage, begin, close=ROUGHLY, most=STEPS))
+                ends.append(_solved(stage, begin, close=ROUGHLY, most=steps))
         found |= stage.offsets(min(ends, key=lambda end: end.normal.cost).seen)
         progress((done + 1) / (len(stages) + 2))
     return direct(cost, found, progress, most=most, again=again)
@@ -131,7 +137,7 @@ def annealed(
 
 def _elsewhere(cost: Cost, offsets: Offsets) -> list[dict[str, float]]:
     """`offsets` with other stiffnesses: of draws from what is known of them beforehand the cheapest."""
-    stiff = [one for one in cost.free if one.kind == DECLARED and one.logarithmic]
+    stiff = [one for one in cost.free if one.kind == DECLARED and one.family in STIFFNESSES]
     draws = np.random.default_rng(0).standard_normal((LOOKED_AT if stiff else 0, len(stiff)))
     found: list[tuple[float, dict[str, float]]] = []
     for draw in draws * [one.tolerance for one in stiff]:

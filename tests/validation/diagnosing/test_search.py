@@ -446,6 +446,22 @@ def restarted(soft, paid, torsion) -> Candidate:
     return search.restarted_from_priors(soft, paid, torsion)
 
 
+def test_a_layer_is_named_where_it_loses_more_than_its_own_tolerance_hides(tmp_path):
+    """Its loss factor of 0.2 is known to 35 %, and a fault may plausibly be larger; `damping = 0.1` halves its interval."""
+    layer, campaign, loss = "layer-damping:upper-short", str(tmp_path / "blades"), 0.6
+    assert main.run(["simulate", "fmd+clumod-4", "--out", campaign, *DRIVEN, "--effect", f"{layer}={loss}"]) == main.DONE
+    wide = []
+    for tolerances in ("", "tolerances = { damping = 0.1 }"):
+        file = tmp_path / "model.toml"
+        file.write_text(f'format = 1\nmodel = {{ title = "four", article = "fmd+clumod-4" }}\n[structure]\n{tolerances}\n')
+        found = diagnose.diagnosed(Study.open(file, [campaign]), only=["layer-damping", "structural-damping"])
+        assert [one.id for one in found.accepted] == [layer], found.text
+        ((size,),) = [one.sizes for one in found.accepted]
+        assert abs(size.value / loss - 1) < 0.3
+        wide.append(size.high - size.low)
+    assert wide[1] < 0.6 * wide[0] < 0.3 * loss
+
+
 @pytest.mark.proof
 def test_from_where_tolerances_have_paid_no_step_leads_there_and_from_home_one_does(paid, stuck, restarted):
     assert stuck.effects[-1].named.values[""] < 0.5 * SIZE
