@@ -292,6 +292,7 @@ def fit(
                 steps=dict(worst),
                 chi2=end.chi2,
                 degrees_of_freedom=_degrees(end),
+                fit=fitted(end),
             )
     tell(1.0)
     return fitted(end)
