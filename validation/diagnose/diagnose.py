@@ -12,7 +12,7 @@ from math import inf
 import numpy as np
 
 from geometry import cache
-from geometry.errors import BadInput
+from geometry.errors import BadInput, CheckFailed
 from geometry.toml_file import nearest
 from identification.campaign import Campaign
 from identification.quality import NORMAL_90
@@ -30,7 +30,7 @@ from validation.effects.catalogue import FAMILIES, code_of_families, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS
 from validation.estimation.evaluate import evaluate, folds
 from validation.estimation.fit import FLOOR, PLAIN_FLOOR, nearby, unfitted
-from validation.estimation.problem import EFFECT, FITTED, IDENTIFIED, Evaluation, Offsets
+from validation.estimation.problem import EFFECT, FITTED, IDENTIFIED, Evaluation, Fit, Offsets
 from validation.history.add import completed
 from validation.model.model import Added, Model, require_target, vocabulary
 from validation.model.setups import above_fmd, is_stack
@@ -66,7 +66,8 @@ def diagnosed(
     Raises
     ------
     BadInput : one of `only` could not act on these data.
-    CheckFailed : the baseline does not converge; an unconverged baseline makes any effect look decisive.
+    CheckFailed : the baseline does not converge, and no single effect of the structure explains why; an unconverged baseline
+        makes any effect look decisive.
     """
     tell = progress or (lambda what, share: None)
     tell("looking for mistakes", 0.0)
@@ -82,7 +83,13 @@ def diagnosed(
         found = nonlinear_answer(right, differing, tell, only=only, leave_out=leave_out)
     else:
         tell("fitting the model as it is", 0.0)
-        fit = right.all_free(lambda share: tell("fitting the model as it is", share))
+        refused = None
+        try:
+            fit = right.all_free(lambda share: tell("fitting the model as it is", share))
+        except CheckFailed as error:
+            if right.tests or not isinstance(ended := error.evidence.get("fit"), Fit):
+                raise
+            fit, refused = ended, error
         base = diagnosis.Candidate(effects=(), fit=fit, problem=right.problem())
         if right.tests:
             tell("looking everywhere on the mesh", 0.0)
@@ -95,6 +102,8 @@ def diagnosed(
             base = diagnosis.Candidate(effects=(), fit=right.all_free(), problem=right.problem())
         menu = menu if only else candidates.candidates(right, leave_out=leave_out)
         at, steps = stepwise_search(right, base, menu, tell)
+        if refused is not None and not at.effects:
+            raise refused
         unknown = right.tests and not right.made and not goodness_of_fit(at.fit, at.problem).null
         afar = FromAfar.search(right, menu, tell) if unknown else None
         found = answer(right, at, steps, tell) if afar is None else answer_from_afar(right, base, steps, afar, tell)

@@ -23,7 +23,7 @@ from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, STRUCTURE, evidence_threshold
 from validation.estimation.fit import BREAKDOWNS, FLOOR, child, nearby
 from validation.estimation.likelihood import cost_of, observed
-from validation.estimation.problem import EFFECT, FITTED, Fit, Parameter, Problem
+from validation.estimation.problem import EFFECT, FITTED, PLAIN, Fit, Parameter, Problem
 from validation.estimation.verdicts import expected_z2, largest_z, misfit
 from validation.history.add import sized_by
 from validation.model.model import Added
@@ -226,6 +226,47 @@ def restarted_from_priors(data: Study, at: Candidate, added: Added | None = None
             nearest, least = size, there
     begin = home | {which: nearest}
     return recentred(data, Candidate(effects=effects, fit=child(problem, FITTED, at.fit, begin, from_afar=True), problem=problem))
+
+
+FROM_AFAR = 0.25
+"""[plausible size] at which an effect begins beside a model that does not converge, either way. Held by
+tests/validation/diagnosing/test_search.py."""
+
+
+def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: "Progress") -> "SearchStep":
+    """The step from `at`, which did not converge, to the effect of the structure that comes nearest to the data and converges.
+
+    What drove tolerances so far that no fit ends is seen from where they are declared, over a floor of `SIZE_SCAN_FLOOR` on few
+    lines: each effect begins there at a part of what is plausible, and what is declared of the structure goes with it.
+    """
+    asked = [one for one in menu if FAMILIES[one.named.family].side == STRUCTURE and can_restart(one)]
+    without = child(at.problem.sparser(ROUGH_FIT_STRIDE), PLAIN, at.fit, _declared(at.problem, at.fit), floor=SIZE_SCAN_FLOOR)
+    found: list[tuple[float, Added, Fit]] = []
+    for done, added in enumerate(asked):
+        progress("looking from afar for what keeps the model from converging", done / len(asked))
+        problem = data.problem((*at.effects, added)).sparser(ROUGH_FIT_STRIDE)
+        (which,) = (name(added.named, size.key) for size in added.named.fitted_sizes)
+        size = problem.by_name[which]
+        for begin in (FROM_AFAR * size.tolerance, -FROM_AFAR * size.tolerance):
+            if size.low < begin < size.high:
+                fit = child(problem, PLAIN, without, {which: begin}, floor=SIZE_SCAN_FLOOR)
+                found.append((fit.cost, added, fit))
+    nearest = {one[1].named.id: one for one in sorted(found, key=lambda one: -one[0])}  # the cheapest of each
+    tried, least = list[CandidateFit](), inf
+    for cost, added, fit in sorted(nearest.values(), key=lambda one: one[0])[:ROUGH_FITS_FINISHED]:
+        if any(one.goodness.null for one in tried) and cost > least + INDISTINGUISHABLE_NATS:
+            break
+        least = cost
+        progress(f"trying {added.named.id} from afar", 0.9)
+        effects = (*at.effects, added)
+        problem = data.problem(effects)
+        whole = child(problem, FITTED, at.fit, _declared(problem, at.fit) | fit.by_name, from_afar=True)
+        if whole.converged:
+            tried.append(candidate_fit(at, recentred(data, Candidate(effects=effects, fit=whole, problem=problem))))
+    tried, here = ranked(tried), goodness_of_fit(at.fit, at.problem)
+    good = bool(tried) and is_accepted(tried[0])
+    screened = screen(data, at, menu)
+    return SearchStep(at=at, goodness=here, screened=screened, tried=tuple(tried), added=tried[0].id if good else "")
 
 
 def _declared(problem: Problem, fit: Fit) -> dict[str, float]:
@@ -536,7 +577,7 @@ def stepwise_search(
     at, again = base, REFITS
     rounds: list[SearchStep] = []
     while len(at.effects) < MOST_EFFECTS and sum(not one.reconsidered for one in rounds) < MOST_STEPS:
-        one = _step(data, at, menu, progress)
+        one = (step_from_afar if at is base and not base.fit.converged else _step)(data, at, menu, progress)
         if (
             again
             and one.tried

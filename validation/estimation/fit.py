@@ -22,7 +22,7 @@ from geometry.frames import Array
 from geometry.toml_file import nearest
 from identification.self_calibration.solve import CLOSE, MOST, Normal, Solution, inverse, minimise
 from validation.estimation.likelihood import Cost, cost_of, log_evidence
-from validation.estimation.problem import PLAIN, SENSOR, STRUCTURAL, TOLERANCES, Fit, Offsets, Parameter, Problem
+from validation.estimation.problem import DECLARED, PLAIN, SENSOR, STRUCTURAL, TOLERANCES, Fit, Offsets, Parameter, Problem
 
 # The way down: stages of an annealed floor, all of them within the bounds of the parameters, and where it ended.
 
@@ -37,7 +37,18 @@ ROUGHLY = 1.0
 """[sd] that the last step of a stage may be which is not the last. Exercised by tests/validation/engine/test_fit.py."""
 
 STEPS = 6
-"""[count] of evaluations that such a stage may take. Held by tests/validation/engine/test_fit.py."""
+"""[count] of evaluations that such a stage may take, the first twice as many where it begins several times. Held by
+tests/validation/engine/test_fit.py."""
+
+LOOKED_AT = 32
+"""[count] of draws from the priors of stiffnesses at which a baseline looks where to begin. Held by
+tests/validation/engine/test_fit.py."""
+
+STIFFNESSES = ("modulus", "support-stiffness", "thickness")
+"""Families of what is declared that moves resonances by many of their widths. By definition."""
+
+BEGUN = 3
+"""[count] of the cheapest of these from which its first stage begins as well. Held by tests/validation/engine/test_fit.py."""
 
 STRIDE = 3
 """[count] Every third line is taken by such a stage, where that leaves enough: its minimum need not be sharp; and by errors that
@@ -92,10 +103,17 @@ def ended(cost: Cost, offsets: Offsets, *, converged: bool, data: Normal | None 
     return End(cost=cost, x=x, whole=whole, data=data, chi2=chi2, converged=converged)
 
 
-def annealed(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = RESTARTS) -> End:
+def annealed(
+    cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = RESTARTS, everywhere: bool = False
+) -> End:
     """From `offsets` through floors that fall to that of `cost`; tolerances of the measurement are released half-way.
 
     At the last floor it takes at most `most` evaluations before it begins again, at most `again` times, see `direct`.
+
+    Parameters
+    ----------
+    everywhere : whether the first stage begins at other stiffnesses as well, and the way goes on from its cheapest end: of modes
+        that lie closer than their parts are known, one takes the place of another, and no step leads back from there
 
     Raises
     ------
@@ -106,9 +124,28 @@ def annealed(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MO
     for done, (floor, everything) in enumerate(stages):
         moving = tuple(one for one in cost.free if everything or one.kind not in (SENSOR, STRUCTURAL))
         stage = replace(cost, problem=sparse, observed=(), free=moving, floor=floor, base={**cost.base, **found})
-        found |= stage.offsets(_solved(stage, found, close=ROUGHLY, most=STEPS).seen)
+        others = _elsewhere(stage, found) if everywhere and not done else []
+        steps = 2 * STEPS if others else STEPS
+        ends = [_solved(stage, found, close=ROUGHLY, most=steps)]
+        for begin in others:
+            with suppress(CheckFailed):
+                ends.append(_solved(stage, begin, close=ROUGHLY, most=steps))
+        found |= stage.offsets(min(ends, key=lambda end: end.normal.cost).seen)
         progress((done + 1) / (len(stages) + 2))
     return direct(cost, found, progress, most=most, again=again)
+
+
+def _elsewhere(cost: Cost, offsets: Offsets) -> list[dict[str, float]]:
+    """`offsets` with other stiffnesses: of draws from what is known of them beforehand the cheapest."""
+    stiff = [one for one in cost.free if one.kind == DECLARED and one.family in STIFFNESSES]
+    draws = np.random.default_rng(0).standard_normal((LOOKED_AT if stiff else 0, len(stiff)))
+    found: list[tuple[float, dict[str, float]]] = []
+    for draw in draws * [one.tolerance for one in stiff]:
+        there = {**offsets, **{one.name: float(np.clip(x, one.low, one.high)) for one, x in zip(stiff, draw, strict=True)}}
+        still = replace(cost, free=(), base={**cost.base, **there})
+        with suppress(*BREAKDOWNS):
+            found.append((still.data(np.zeros(0)).cost, there))
+    return [there for _, there in sorted(found, key=lambda one: one[0])[:BEGUN]]
 
 
 def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = RESTARTS) -> End:
@@ -243,7 +280,7 @@ def fit(
         end = _best(ends)
     else:
         baseline_start = start or {}
-        end = _cheaper(annealed(cost, baseline_start, tell), baseline_start, tell)
+        end = _cheaper(annealed(cost, baseline_start, tell, everywhere=SENSOR in kinds), baseline_start, tell)
         if not end.converged:
             step = -inverse(end.whole.matrix) @ end.whole.gradient
             sd = np.sqrt(np.diag(inverse(end.whole.matrix)))
@@ -255,6 +292,7 @@ def fit(
                 steps=dict(worst),
                 chi2=end.chi2,
                 degrees_of_freedom=_degrees(end),
+                fit=fitted(end),
             )
     tell(1.0)
     return fitted(end)

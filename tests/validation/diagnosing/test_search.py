@@ -18,8 +18,8 @@ from validation.diagnose.candidates import candidates
 from validation.diagnose.diagnosis import Candidate, Screened
 from validation.effects.catalogue import FAMILIES, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, STRUCTURE, evidence_threshold
-from validation.estimation.fit import FLOOR
-from validation.estimation.problem import EFFECT, Fit, Parameter
+from validation.estimation.fit import FLOOR, unfitted
+from validation.estimation.problem import EFFECT, FITTED, Fit, Parameter
 from validation.estimation.screening import ScoreTest
 from validation.estimation.verdicts import expected_z2
 from validation.model import model_file
@@ -444,6 +444,38 @@ def stuck(soft, paid, torsion) -> Candidate:
 def restarted(soft, paid, torsion) -> Candidate:
     """The effect added from where they are declared."""
     return search.restarted_from_priors(soft, paid, torsion)
+
+
+def test_a_layer_is_named_where_it_loses_more_than_its_own_tolerance_hides(tmp_path):
+    """Its loss factor of 0.2 is known to 35 %, and a fault may plausibly be larger; `damping = 0.1` halves its interval."""
+    layer, campaign, loss = "layer-damping:upper-short", str(tmp_path / "blades"), 0.6
+    assert main.run(["simulate", "fmd+clumod-4", "--out", campaign, *DRIVEN, "--effect", f"{layer}={loss}"]) == main.DONE
+    wide = []
+    for tolerances in ("", "tolerances = { damping = 0.1 }"):
+        file = tmp_path / "model.toml"
+        file.write_text(f'format = 1\nmodel = {{ title = "four", article = "fmd+clumod-4" }}\n[structure]\n{tolerances}\n')
+        found = diagnose.diagnosed(Study.open(file, [campaign]), only=["layer-damping", "structural-damping"])
+        assert [one.id for one in found.accepted] == [layer], found.text
+        ((size,),) = [one.sizes for one in found.accepted]
+        assert abs(size.value / loss - 1) < 0.3
+        wide.append(size.high - size.low)
+    assert wide[1] < 0.6 * wide[0] < 0.3 * loss
+
+
+def test_a_model_that_does_not_converge_is_rescued_by_what_is_found_from_afar_or_refused(soft, monkeypatch):
+    """As if its fit had stopped where it begins."""
+    stopped = unfitted(soft.problem(), FITTED, {})
+
+    def refuse(study, progress=None):
+        raise CheckFailed("the fit did not converge", fit=stopped)
+
+    monkeypatch.setattr(Study, "all_free", refuse)
+    found = diagnose.diagnosed(soft, only=["joint-compliance", "orientation"])
+    assert [one.id for one in found.accepted] == [TORSION], found.text
+    ((size,),) = [one.sizes for one in found.accepted]
+    assert_allclose(size.value, SIZE, rtol=0.2)
+    with pytest.raises(CheckFailed, match="did not converge"):
+        diagnose.diagnosed(soft, only=["orientation"])
 
 
 @pytest.mark.proof

@@ -218,21 +218,25 @@ class Valley:
         return Predicted(rows=reads, changes=changes)
 
 
-def test_a_child_in_a_bent_valley_goes_on_while_it_gains(lab):
-    """The parent had to bend its modulus far out of its tolerance; straight steps along the valley leave it at once."""
-    n = 40
-    shape = (1, n, 1)
-    measured = Measured(
+def reading(values, noise):
+    """One channel that reads `values` (n,) for a known input of 1."""
+    shape = (1, len(values), 1)
+    return Measured(
         name="one",
         configuration="one",
         runs=("r",),
         channels=("c",),
         judged=np.ones(1, dtype=bool),
-        frequency=np.linspace(1.0, 2.0, n),
-        values=np.full(shape, 0.7, dtype=complex),
-        noise=np.full(shape, 2e-6),
+        frequency=np.linspace(1.0, 2.0, len(values)),
+        values=np.reshape(values, shape).astype(complex),
+        noise=np.full(shape, noise),
         inputs=np.ones(shape, dtype=complex),
     )
+
+
+def test_a_child_in_a_bent_valley_goes_on_while_it_gains(lab):
+    """The parent had to bend its modulus far out of its tolerance; straight steps along the valley leave it at once."""
+    measured = reading(np.full(40, 0.7), 2e-6)
     modulus = Parameter(name="modulus", unit="1", tolerance=0.02, kind=DECLARED)
     clamp = Parameter(name="clamp", unit="1", tolerance=0.5, kind=EFFECT, start=3.0, low=0.0)
     parent = fit(Problem((Valley(measured=measured, parameters=(modulus,)),)), FITTED, floor=0.0)
@@ -242,6 +246,31 @@ def test_a_child_in_a_bent_valley_goes_on_while_it_gains(lab):
     assert child.converged
     assert child.cost < least + 0.5
     assert parent.cost > least + 50
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Turning:
+    """One channel whose phase turns with a stiffness, the quicker the higher the frequency: one valley for every turn."""
+
+    measured: Measured
+    parameters: tuple[Parameter, ...]
+
+    def at(self, offsets, lines=None, *, derivatives=True):
+        f = self.measured.frequency if lines is None else self.measured.frequency[lines]
+        reads = np.exp(6j * f * offsets.get("modulus", 0.0))[:, None, None]
+        changes = {"modulus": Change(channels=(0,), rows=6j * f[:, None, None] * reads)} if derivatives else {}
+        return Predicted(rows=reads, changes=changes)
+
+
+@pytest.mark.parametrize("truth", [-0.7, 0.0, 0.6])
+def test_a_baseline_begins_at_other_stiffnesses_as_well(truth):
+    """From the nominal one every way leads down into the valley of another turn; a way begun near the truth does not."""
+    stiffness = Parameter(name="modulus", unit="1", tolerance=0.5, kind=DECLARED, logarithmic=True, nominal=1.0)
+    f = np.linspace(1.0, 2.0, 60)
+    problem = Problem((Turning(measured=reading(np.exp(6j * f * truth), 1e-3), parameters=(stiffness,)),))
+    assert_allclose(fit(problem, FITTED).by_name["modulus"], truth, atol=1e-3)
+    here = direct(cost_of(problem, problem.parameters, 0.2), {}, lambda share: None)
+    assert (abs(here.offsets["modulus"] - truth) > 0.1) == (truth != 0.0)
 
 
 def test_what_is_new_begins_where_it_has_no_effect_and_a_factor_at_its_own_start(lab):
