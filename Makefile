@@ -18,7 +18,7 @@ $(READY): requirements.lock pyproject.toml tools/setup.sh tools/pip.sh tools/doc
 
 ifdef PYTHON
 export PYTHON
-version = $(shell $(1) -c 'import sys; print(*sys.version_info[:2])' 2>&1)
+version = $(shell command -v $(1) >/dev/null && $(1) -c 'import sys; print(*sys.version_info[:2])' 2>/dev/null)
 ifneq ($(call version,$(PYTHON)),$(call version,$(VENV)))
 .PHONY: $(READY) # of another Python: made anew
 endif
