@@ -472,6 +472,10 @@ def _opensees_mass(deck: Deck, at: NodeOfDeck, mass: float) -> list[str]:
 def _opensees_spring(deck: Deck, ends: Sequence[NodeOfDeck], axis: int, stiffness: float) -> list[str]:
     n, lines, other = next(deck.elements), list[str](), ends[-1].node
     if len(ends) == 1:
+        if not ends[0].point:
+            raise CheckFailed(
+                f"{deck.source} says no coordinates of node {other}, where the held node would stand: add it by hand."
+            )
         other = next(deck.nodes)
         size = 6 if ends[0].turning else 3
         lines = [f"node {other} {' '.join(map(repr, ends[0].point))}", f"fix {other} {' '.join(size * '1')}"]

@@ -14,7 +14,7 @@ import pytest
 from geometry.errors import BadInput, CheckFailed
 from validation.cli.main import run
 from validation.model import model_file
-from validation.model.write_back import written
+from validation.model.write_back import FIRST_MATERIAL, written
 from validation.study import Study
 
 PARTS = {"ROOT": "207000., 0.3\n*DENSITY\n7.85e-9", "ARM": "70000., 0.33\n*DENSITY\n2.7e-9"}
@@ -216,3 +216,28 @@ def test_the_command_writes_a_file_and_does_not_replace_one(beam: Path, capsys: 
     assert run([*command, "--out", str(beam / "found.bdf")]) == 2
     assert "--force" in capsys.readouterr().err
     assert run([*command, "--out", str(beam / "found.toml")]) == 2
+
+
+def test_of_matrices_only_what_they_say_is_written(tmp_path: Path) -> None:
+    np.savez(tmp_path / "column.npz", stiffness=np.eye(2), mass=np.eye(2))
+    text = """format = 1
+model = { title = "Column", article = "column" }
+[fe_model]
+kind = "matrices"
+units = "mm-t-N-s"
+support = "ground"
+file = "column.npz"
+places = { tip = 110, edge = ["0 mm", "0 mm", "10 mm"] }
+parts = { arm = { material = "steel" } }
+"""
+    effects = {"modulus:arm": -0.2, "modulus:column": 0.1, "point-mass:tip": 0.05, "point-mass:edge": 0.1, "cable:tip:z": 1e3}
+    text += "".join(f'[[effect]]\nid = "{name}"\nvalue = {value}\n' for name, value in effects.items())
+    (tmp_path / "column.toml").write_text(text, encoding="utf-8")
+    found = model_file.read(tmp_path / "column.toml")
+    cards = written(found, "calculix")
+    assert "*ELASTIC\n165600., 0.3" in cards
+    assert f"{FIRST_MATERIAL}, 110\n*MASS" in cards
+    assert "3\n1.\n" in cards
+    assert "not written: modulus:column: column.toml states no material of column. By hand: multiply the modulus" in cards
+    assert "not written: point-mass:edge: column.toml says no number of a node at edge" in cards
+    assert "not written: cable:tip:z: column.toml says no coordinates of node 110" in written(found, "opensees")
