@@ -95,6 +95,13 @@ def _quaternion(rotation: Array) -> Array:
     return np.asarray(np.linalg.eigh(K, UPLO="U")[1][:, -1])
 
 
+def nastran_field(value: float | None) -> str:
+    """A large field of Nastran: 16 characters, the exponent without its letter, as many digits as fit; blank for None."""
+    texts = (f"{(value or 0.0) + 0.0:.{digits}e}".split("e") for digits in range(16, 0, -1))
+    short = (f"{mantissa}{int(exponent):+d}" if int(exponent) else mantissa for mantissa, exponent in texts)
+    return " " * 16 if value is None else next(f"{text:>16}" for text in short if len(text) <= 16)
+
+
 def _fields(number: int, label: str, body: Inertia) -> dict[str, str]:
     """What the formats say of one body, as text by the names that `FORMATS` has in braces."""
     mass, cog, tensor = body.mass, body.cog, body.tensor_cog
@@ -102,12 +109,7 @@ def _fields(number: int, label: str, body: Inertia) -> dict[str, str]:
     entries = [float(tensor[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
     xx, yy, zz, xy, xz, yz = entries
     # CONM2: grid and frame 0, mass, X1 to X3, an empty field, I11, I21, I22, I31, I32, I33
-    cells = []
-    for one in (mass, *cog, None, xx, -xy, yy, -xz, -yz, zz):
-        # A large field of Nastran: 16 characters, the exponent without its letter, as many digits as fit
-        texts = (f"{(one or 0.0) + 0.0:.{digits}e}".split("e") for digits in range(16, 0, -1))
-        short = (f"{mantissa}{int(exponent):+d}" if int(exponent) else mantissa for mantissa, exponent in texts)
-        cells.append(" " * 16 if one is None else next(f"{text:>16}" for text in short if len(text) <= 16))
+    cells = [nastran_field(one) for one in (mass, *cog, None, xx, -xy, yy, -xz, -yz, zz)]
     rows = [f"CONM2*  {number:>16}{1000 + number:>16}{0:>16}{cells[0]}*"]
     rows += ["*       " + "".join(cells[k : k + 4]) + "*" * (k < 9) for k in (1, 5, 9)]
     masses = []

@@ -9,25 +9,53 @@ folder=$1
 
 say() { printf 'massline: %s\n' "$*" >&2; }
 
+locked=$(sed -n 's/^LOCKED := //p' Makefile) # oldest first
+oldest=${locked%% *}
+newest=${locked##* }
+debian() { say "On Debian 12, as root: apt-get install $*"; }
+
+version() { "$1" -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null; }
+
+# Sets `python`: what PYTHON names, else the Python of the environment that is there, else the newest of the locked ones that is found.
 find_python() {
-    for candidate in python3.11 python3 python; do
-        if "$candidate" -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null; then
-            command -v "$candidate"
-            return
-        fi
+    if [ -n "${PYTHON:-}" ]; then
+        found=$(version "$PYTHON") || { say "PYTHON=$PYTHON cannot be started as a Python; give its name or path, as in PYTHON=python$newest."; exit 1; }
+        case " $locked " in
+            *" $found "*) python=$PYTHON; say "Python $found, because PYTHON=$PYTHON says so."; return ;;
+        esac
+        say "PYTHON=$PYTHON is Python $found, and requirements.lock is for $locked: name one of these."
+        exit 1
+    fi
+    found=$(version "$folder/bin/python") || found=
+    case " $locked " in
+        *" $found "*) python=$folder/bin/python; return ;;
+    esac
+    newest_first=
+    for wanted in $locked; do newest_first="$wanted $newest_first"; done
+    lame=
+    for wanted in $newest_first; do
+        for candidate in "python$wanted" python3 python; do
+            [ "$(version "$candidate")" = "$wanted" ] || continue
+            python=$(command -v "$candidate")
+            if "$candidate" -c 'import ensurepip, venv' 2>/dev/null; then
+                say "Python $wanted ($python), the newest of $locked found on the path; PYTHON=python$oldest would pick another."
+                return
+            fi
+            lame=${lame:-$wanted}
+            say "$python is passed over: it cannot make virtual environments, its modules venv and ensurepip are missing."
+            break
+        done
     done
-    say "Python 3.11 is missing (neither python3.11 nor a python3 of that version is on the path)."
-    say "On Debian 12, as root: apt-get install python3.11 python3.11-venv"
-    return 1
+    if [ -n "$lame" ]; then
+        debian "python$lame-venv"
+    else
+        say "No Python of $locked is found on the path, and requirements.lock is for these alone."
+        debian "python3.11 python3.11-venv"
+    fi
+    exit 1
 }
 
-python=$(find_python)
-
-if ! "$python" -c 'import ensurepip, venv' 2>/dev/null; then
-    say "$python cannot make virtual environments: its modules venv and ensurepip are missing."
-    say "On Debian 12, as root: apt-get install python3.11-venv"
-    exit 1
-fi
+find_python
 
 "$python" tools/doctor.py
 
@@ -35,9 +63,10 @@ quiet=--quiet
 if [ -t 1 ]; then quiet=; fi
 pip="sh tools/pip.sh $folder/bin/python"
 
-if ! cmp -s requirements.lock "$folder/installed.lock" || ! "$folder/bin/python" -c '' 2>/dev/null; then
+if ! cmp -s requirements.lock "$folder/installed.lock" || [ "$(version "$folder/bin/python")" != "$(version "$python")" ]; then
     say "installing $(grep -c '^[a-z0-9].*==' requirements.lock) locked packages into $folder: a minute or more, about 2.8 GB, once."
-    "$python" -m venv --clear "$folder"
+    base=$("$python" -c 'import sys; print(getattr(sys, "_base_executable", sys.executable))') # the environment's own is about to be cleared
+    "$base" -m venv --clear "$folder"
     $pip install $quiet --require-hashes --only-binary :all: --requirement requirements.lock
     cp requirements.lock "$folder/installed.lock"
 fi

@@ -75,7 +75,7 @@ def test_the_page_of_install_names_the_system_libraries_and_the_browser(root: Pa
 
 def test_submissions_are_judged_by_the_suite_and_the_proof(root: Path) -> None:
     script = (root / ".ci" / "run").read_text(encoding="utf-8")
-    left_out = set(re.findall(r"not (\w+)", "".join(re.findall(r"-m \"(.*?)\"", script))))
+    left_out = set(re.findall(r"not (\w+)", "".join(re.findall(r"-m '(.*?)'", script))))
     assert left_out == {"proof", "fast"}
     assert {"make check", "make proof", "export CI=true"} <= {line.strip() for line in script.splitlines()}
     assert "pytest --quiet -m fast tests/fem" in script
@@ -107,29 +107,62 @@ def test_the_makefile_has_the_target_and_says_what_it_does(target: str, root: Pa
     assert re.search(rf"^{target}:[^#\n]*## \S", (root / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
 
 
-def test_without_python_3_11_the_setup_says_what_to_install(root: Path, tmp_path: Path) -> None:
-    tools = tmp_path / "bin"
+def pythons(folder: Path, **versions: str) -> Path:
+    """A search path with the tools of the setup and Pythons that say they are of `versions`; with 1 after it: no ensurepip."""
+    tools = folder / "bin"
     tools.mkdir()
-    for name in ("sh", "dirname"):
+    for name in ("sh", "dirname", "sed"):
         (tools / name).symlink_to(f"/bin/{name}" if Path(f"/bin/{name}").exists() else f"/usr/bin/{name}")
+    for name, version in versions.items():
+        program = tools / name.replace("_", ".")
+        number, code = f"{version} 0".split()[:2]
+        cases = f"*%d.%d*) echo {number}; exit;; *ensurepip*) exit {code};;"
+        program.write_text(f'#!/bin/sh\ncase "$2" in {cases} esac\nexit 7\n', encoding="utf-8")
+        program.chmod(0o755)
+    return tools
+
+
+def test_of_the_pythons_on_the_path_the_newest_that_has_a_lock_is_taken(root: Path, tmp_path: Path) -> None:
+    tools = pythons(tmp_path, python3_10="3.10", python3_11="3.11", python3_13="3.13", python3_14="3.14 1", python3="3.12")
+    run = set_up(root, tmp_path, path=tools)
+    assert run.returncode == 7  # of the stand-in, which is no Python
+    assert f"{tools}/python3.14 is passed over: it cannot make virtual environments" in run.stderr
+    assert f"Python 3.13 ({tools}/python3.13), the newest of 3.11 3.12 3.13 3.14 found on the path" in run.stderr
+
+
+def test_a_python_that_is_named_is_taken_or_refused_with_those_that_have_a_lock(root: Path, tmp_path: Path) -> None:
+    tools = pythons(tmp_path, python3_10="3.10", python3_12="3.12", python3_13="3.13")
+    said = {name: set_up(root, tmp_path, path=tools, python=name) for name in ("python3.12", "python3.10", "python4")}
+    assert "Python 3.12, because PYTHON=python3.12 says so." in said["python3.12"].stderr
+    assert "PYTHON=python3.10 is Python 3.10, and requirements.lock is for 3.11 3.12 3.13 3.14" in said["python3.10"].stderr
+    assert "PYTHON=python4 cannot be started as a Python" in said["python4"].stderr
+    assert [run.returncode for run in said.values()] == [7, 1, 1]
+
+
+def test_the_python_of_an_environment_that_is_there_is_kept(root: Path, tmp_path: Path) -> None:
+    tools = pythons(tmp_path, python3_12="3.12", python3_14="3.14")
+    (tmp_path / "venv" / "bin").mkdir(parents=True)
+    (tools / "python3.12").rename(tmp_path / "venv" / "bin" / "python")
+    run = set_up(root, tmp_path, path=tools)
+    assert run.returncode == 7
+    assert run.stderr == ""
+
+
+def test_where_no_python_will_do_the_setup_says_what_to_install(root: Path, tmp_path: Path) -> None:
+    tools = pythons(tmp_path, python3="3.10")
     run = set_up(root, tmp_path, path=tools)
     assert run.returncode == 1
+    assert "No Python of 3.11 3.12 3.13 3.14 is found" in run.stderr
     assert "apt-get install python3.11 python3.11-venv" in run.stderr
-
-
-def test_without_ensurepip_the_setup_says_what_to_install(root: Path, tmp_path: Path) -> None:
-    lame = tmp_path / "bin" / "python3.11"
-    lame.parent.mkdir()
-    lame.write_text(f'#!/bin/sh\ncase "$2" in *ensurepip*) exit 1;; esac\nexec {sys.executable} "$@"\n', encoding="utf-8")
-    lame.chmod(0o755)
-    run = set_up(root, tmp_path, path=lame.parent, then=os.environ["PATH"])
+    (tmp_path / "lame").mkdir()
+    run = set_up(root, tmp_path, path=pythons(tmp_path / "lame", python3_11="3.11 1"))
     assert run.returncode == 1
     assert "apt-get install python3.11-venv" in run.stderr
 
 
-def set_up(root: Path, folder: Path, *, path: Path, then: str = "") -> subprocess.CompletedProcess[str]:
-    """Run the setup into `folder`/venv with the search path `path` and `then`."""
-    environment = {**os.environ, "PATH": f"{path}:{then}".rstrip(":")}
+def set_up(root: Path, folder: Path, *, path: Path, python: str = "") -> subprocess.CompletedProcess[str]:
+    """Run the setup into `folder`/venv with the search path `path`, `python` named."""
+    environment = {**os.environ, "PATH": str(path), "PYTHON": python}
     command = ["/bin/sh", str(root / "tools/setup.sh"), str(folder / "venv")]
     return subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
 

@@ -46,8 +46,8 @@ def as_state(figure: Figure) -> dict[str, Any]:
 # Overlay and map, drawn as the page stands.
 
 
-ROW, TOP, BOTTOM = 9, 28, 40
-"""Least height of a row of the map, and room above its rows, for the buttons, and below them [pixels]."""
+ROWS, TOP, BOTTOM = 222, 24, 34
+"""Least height of all rows of the map, and room above them, for the buttons, and below them [pixels]."""
 
 WORST_OF_ALL = -1
 """In place of a run: the worst of all."""
@@ -94,8 +94,7 @@ async def drawn(window: WindowState) -> None:
             figure = maps.pair_map(pairs, modes=modes, dark=dark)
         else:
             figure = maps.channel_map(of, None if number == WORST_OF_ALL else number, modes=modes, dark=dark)
-        height = TOP + ROW * len(figure.data[0]["y"]) + BOTTOM
-        figure.update(title={"text": ""}, height=height, margin={"t": TOP, "b": BOTTOM})
+        figure.update(title={"text": ""}, height=TOP + ROWS + BOTTOM, margin={"t": TOP, "b": BOTTOM})
         figure.across(title={"standoff": 2, "font": {"size": 12}}, tickfont={"size": 11})
         return as_state(figure)
 
@@ -209,14 +208,14 @@ def name_of(tried: WhatIf) -> str:
 # The ladder as the page shows it: rungs with their errors, the fall, and identified inertia on its way.
 
 
-LOW = 290
+LOW = 270
 """Least height of a figure [pixels]; the page gives it what there is."""
 
 HEADINGS = {
     "mass and moments about the CoG [%]": "mass and moments<br>about the CoG [%]",
-    "products about the CoG [% of √(Θii Θjj)]": "products about the CoG<br>[% of √(Θii Θjj)]",
+    "products about the CoG [% of √(Θii Θjj)]": "products<br>about the CoG<br>[% of √(Θii Θjj)]",
 }
-"""Of the inertia, in two lines."""
+"""Of the inertia, in lines as narrow as its panels."""
 
 SHORTER = {
     "plain, fitted data": "plain",
@@ -272,15 +271,16 @@ async def rungs_shown(window: WindowState) -> None:
             one["name"] = SHORTER.get(one["name"], one["name"])
         figure.update(margin={"b": 28, "l": 54})
         figure.up(title={"font": {"size": 11}}, tickfont={"size": 11})
-        return _untitled(figure, 60)
+        return _untitled(figure, 14)
 
     def inertia() -> dict[str, Any]:
-        """With its headings in two lines, likewise."""
+        """With its headings in narrow lines, likewise."""
         figure = identified_inertia(dict(list(bodies.items())[-BESIDE:]), dark=dark)
         for heading in figure.layout["annotations"]:
             if heading["text"] in HEADINGS:
                 heading |= {"text": HEADINGS[heading["text"]], "font": {"size": 11}}
-        return _untitled(figure, 78)
+        figure.across(tickangle=0, tickfont={"size": 10})
+        return _untitled(figure, 50)
 
     # The first article's identified inertia on each rung of the way
     bodies = {f"{one.number} {one.title}": one.bodies[0] for one in way_to(at) if one.bodies}
@@ -288,10 +288,11 @@ async def rungs_shown(window: WindowState) -> None:
     state.fig_inertia = await window.away(inertia) if bodies else None
 
 
-def _untitled(figure: Figure, top: int) -> dict[str, Any]:
-    """Without its title, which the tab above it says, in a low panel; `top` [pixels] are left for a legend at the upper edge."""
+def _untitled(figure: Figure, above: int) -> dict[str, Any]:
+    """Without its title, which the tab above it says, in a low panel; `above` [pixels] are left between legend and curves."""
     legend = {"yref": "container", "y": 1.0, "yanchor": "top", "font": {"size": 11}}
-    figure.update(title={"text": ""}, height=LOW, margin={"t": top, "r": functions.ROOM + 6}, legend=legend)
+    margin = {"t": above + 40, "r": functions.ROOM + 6}
+    figure.update(title={"text": ""}, height=LOW, margin=margin, legend=legend, meta={"above": above})
     figure.update(modebar={"orientation": "v"})
     return as_state(figure)
 

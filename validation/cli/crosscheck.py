@@ -304,6 +304,12 @@ def league_command(names: tuple[str, ...], data: Path, studies: Path, as_json: b
 @click.option("--examine", is_flag=True, help="Write nothing; say all that is wrong with the FE model in the file ARTICLE.")
 @click.option("--json", "as_json", is_flag=True, help="With --examine: print one JSON object instead.")
 @click.option(
+    "--as",
+    "program",
+    type=click.Choice(["nastran", "calculix", "opensees"]),
+    help="Write the effects of the model file ARTICLE as a snippet for this program's deck; Abaqus reads that of calculix.",
+)
+@click.option(
     "--test",
     "tests",
     multiple=True,
@@ -311,7 +317,9 @@ def league_command(names: tuple[str, ...], data: Path, studies: Path, as_json: b
     help="A test of your own FE model: write the study of both. Repeatable.",
 )
 @options.effects_from
-def model_command(article: str, out: Path | None, force: bool, examine: bool, as_json: bool, tests: tuple[str, ...]) -> None:
+def model_command(
+    article: str, out: Path | None, force: bool, examine: bool, as_json: bool, program: str | None, tests: tuple[str, ...]
+) -> None:
     """Write a commented model file for ARTICLE: laboratory, structure, tolerances, and place for effects.
 
     ARTICLE is a built-in stack on the force measurement device, such as fmd+clumod-1; a file of your own - FE model, STEP or
@@ -322,7 +330,13 @@ def model_command(article: str, out: Path | None, force: bool, examine: bool, as
 
     With --examine ARTICLE is an FE model of your own, of which each finding says what is wrong, where, how much, and what to do;
     docs/own-model.md has an example. Exit code 0 when nothing is wrong, 1 with findings, 2 when the file cannot be read at all.
+
+    With --as ARTICLE is a model file of your own mesh or matrices, to which `massline add` added what was found; what is written
+    is that in units and node numbers of your mesh (docs/your-own-structure.md). Exit code 1 when nothing can be written.
     """
+    if program is not None and (examine or tests):
+        problem = "it writes what was found, and nothing else"
+        raise BadInput(source="--as", problem=problem, remedy="Leave out --examine and --test")
     if examine:
         from validation.report.examine import answer
 
@@ -338,7 +352,7 @@ def model_command(article: str, out: Path | None, force: bool, examine: bool, as
         raise BadInput(source="--json", problem="a model file is TOML", remedy="Use it with --examine")
     from validation.report.history import model
 
-    model(article, out, force=force, tests=tests)
+    model(article, out, force=force, tests=tests, program=program)
 
 
 @click.command("report")

@@ -13,7 +13,7 @@ from geometry.errors import BadInput
 from identification.quality import NORMAL_90
 from validation.history import history
 from validation.history.history import SHOWN, Body, HistoryPosition, Version, VersionSize, is_worth_adding, percent
-from validation.model import model_file
+from validation.model import model_file, write_back
 from validation.output import (
     NONE,
     json_text,
@@ -350,27 +350,36 @@ def _show(at: HistoryPosition, *, as_json: bool) -> None:
 # The run of `massline model`.
 
 
-def model(article: str, out: Path | None, *, force: bool, tests: Sequence[str] = ()) -> None:
+def model(article: str, out: Path | None, *, force: bool, tests: Sequence[str] = (), program: str | None = None) -> None:
     """Print the model file for `article`, or write it to `out`; with `tests` the study of an FE model beside them.
+
+    With a `program` it is the snippet for that program's deck instead (`validation.model.write_back`).
 
     Raises
     ------
     BadInput : see `draft`; `out` is there already and not to be replaced, or cannot be written.
     OSError : a file cannot be read or written.
     """
+    known = None if program is None else write_back.PROGRAMS[program]
     if out is not None:
-        require_ending(out, (".toml",), "a model file", "model.toml")
+        if known is None:
+            require_ending(out, (".toml",), "a model file", "model.toml")
+        else:
+            require_ending(out, known.endings, f"a snippet for {known.name}", f"found{known.endings[0]}")
         if out.exists() and not force:
             problem = "it is there already, perhaps with changes of your own"
             raise BadInput(
                 source=str(out), field="--out", problem=problem, remedy="Name another file, or replace it with --force"
             )
         require_file(out, "--out")
-    if tests:
+    if program is not None:
+        text = write_back.written(model_file.read(article), program)
+    elif tests:
         text = model_file.study_text(article, tests, out or Path("study.toml"))
     else:
         text = model_file.text(model_file.draft(article, out))
-    model_file.of_text(text, str(out or "model.toml"))
+    if program is None:
+        model_file.of_text(text, str(out or "model.toml"))
     if out is None:
         click.echo(text, nl=False)
         return

@@ -209,7 +209,7 @@
         this.$refs.root.style.height = `${height}px`;
         if (this.keys !== "cells") return; // and tall: the map
         const { margin, yaxis } = layout;
-        yaxis.tickfont.size = Math.min(11, Math.max(9, (height - margin.t - margin.b) / yaxis.categoryarray.length - 1));
+        yaxis.tickfont.size = Math.min(11, Math.max(8, (height - margin.t - margin.b) / yaxis.categoryarray.length - 1));
       },
       resize() {
         const root = this.$refs.root;
@@ -217,13 +217,13 @@
         this.heighten(root.layout);
         this.Plotly.Plots.resize(root).then(() => this.settle());
       },
-      // A legend above the curves takes as many rows as it needs: they begin below it.
+      // A legend above the curves takes as many rows as it needs: they begin below it, and so do headings of theirs (`meta.above`).
       async settle() {
         const root = this.$refs.root;
         const legend = root?._fullLayout?.legend;
         const drawn = root?.querySelector(".legend");
         if (!drawn || legend.orientation !== "h" || legend.yref !== "container") return;
-        const wanted = Math.ceil(drawn.getBBox().height) + 8;
+        const wanted = Math.ceil(drawn.getBBox().height) + 8 + (root.layout.meta?.above ?? 0);
         if (Math.abs(root.layout.margin.t - wanted) > 1) await this.Plotly.relayout(root, { "margin.t": wanted });
       },
     },

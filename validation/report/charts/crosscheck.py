@@ -25,7 +25,9 @@ SHARES: tuple[tuple[str, Callable[[Evaluation], Share | None]], ...] = (
     ("plain, held out", lambda of: of.held_out),
     ("a configuration never seen", lambda of: of.held_out_configurations),
 )
-PER_CENT = "per cent of the measured forces"
+PER_CENT = "per cent of what was measured"
+"""Forces of a base test, answers or modes of a structure's."""
+
 CHI2 = "chi² per degree of freedom"
 
 
@@ -142,7 +144,7 @@ def changes_of(
 
 
 def draw_before_after(chart: spec.BarChart, path: Path) -> None:
-    """Write pairs of bars: per cent of the measured forces above, ratios to what is due below.
+    """Write pairs of bars: per cent of what was measured above, ratios to what is due below.
 
     Raises
     ------
