@@ -16,7 +16,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Sequence
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +27,7 @@ from benchmarks.bench_structures import BAND, SHEET, plan
 from benchmarks.blind.structures.shapes import PLATE, Mesh, Plan
 from fem.structure import Structure
 from fem.user_model import reading
+from geometry.frames import Array
 from identification.campaign import Campaign
 from validation.compare.compare import compared
 from validation.diagnose.candidates import candidates, screen
@@ -84,13 +85,11 @@ def strips(count: int) -> Plan:
     """A plate of 800 x 40 mm, cut into so many strips of its own material each."""
 
     def build(mesh: Mesh) -> None:
+        def at(u: float, v: float, k: int) -> Array:
+            return np.array([800 * (k + u) / count, 40 * v, 0.0])
+
         for k in range(count):
-            low, high = 800 * k / count, 800 * (k + 1) / count
-            mesh.patch(
-                f"strip-{k}",
-                lambda u, v, low=low, high=high: np.array([low + (high - low) * u, 40 * v, 0.0]),
-                (AROUND // count, 4),
-            )
+            mesh.patch(f"strip-{k}", partial(at, k=k), (AROUND // count, 4))
 
     return Plan(kind=PLATE, build=build, parts={f"strip-{k}": SHEET for k in range(count)}, support="free")
 
