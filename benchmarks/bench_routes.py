@@ -15,7 +15,8 @@ from benchmarks.ratios import measure, show
 from geometry import cad
 from geometry import routes as geometry_routes
 from geometry.articles import built_in
-from geometry.routes import DEFAULT_CHORD, by_mesh, tessellation_error
+from geometry.mesh import DEFAULT_CHORD
+from geometry.routes import by_mesh, tessellation_error
 
 ARTICLE = "fmd+clumod-4"
 CHORDS = DEFAULT_CHORD * 4.0 ** np.arange(4, -1, -1)

@@ -285,6 +285,8 @@ def coverage(results: list[Json]) -> Table:
 @click.option("--scheduler", default="", metavar="ADDRESS", help="Of Dask, whose workers do it instead of PROCESSES here.")
 def main(seeds: int, processes: int, sheet: str, scheduler: str) -> None:
     """Print the tables; exit code 1 when the self-calibrated way misses a bar."""
+    if processes > 1 and scheduler:
+        raise click.BadParameter("the workers of --scheduler do the work, as many as they are; leave out PROCESSES")
     console = Console()
     if sheet:
         results = list(finished(range(1, seeds + 1), processes, console, scheduler, sheet))

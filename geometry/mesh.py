@@ -17,6 +17,9 @@ from geometry.frames import Array, Pose, frozen
 from geometry.inertia import Inertia
 from geometry.toml_file import METRE, UNITS, LengthUnit, doubts, length_unit
 
+DEFAULT_CHORD = 2e-6
+"""Chord error of the mesh of an exact drawing [m]."""
+
 Integers = npt.NDArray[np.int64]
 
 

@@ -24,7 +24,7 @@ from geometry.article import Article, Box, Cylinder, Placed
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose, frozen
 from geometry.inertia import PARAMETERS, UNITS, Inertia, Kind, judge, parallel_axis, require_physical
-from geometry.mesh import TriangleMesh
+from geometry.mesh import DEFAULT_CHORD, TriangleMesh
 
 # Do inertias that were found by different routes agree, and what were they allowed to differ by?
 
@@ -95,9 +95,6 @@ def missing_mass(mass: float, reach: Array) -> Array:
 
 
 ROUTES = ("occ", "trimesh", "pinocchio")
-
-DEFAULT_CHORD = 2e-6
-"""Chord error of the mesh route [m]."""
 
 
 def by_routes(article: Article, chord: float = DEFAULT_CHORD) -> Mapping[str, Inertia]:

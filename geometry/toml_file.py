@@ -365,6 +365,17 @@ LARGEST_QUANTITY = 1e15
 """In SI: no quantity of a test article lies beyond, and arithmetic stays far from overflow. What is smaller than its inverse is
 the rounding that another program leaves of a zero, and is read as zero."""
 
+SAID_OFTEN = {
+    "ratio": {"1": 1.0, "%": 0.01},
+    "length": {"m": 1.0, "mm": 0.001, "um": 1e-06},
+    "mass": {"kg": 1.0, "g": 0.001},
+    "time": {"s": 1.0, "ms": 0.001, "us": 1e-06},
+    "frequency": {"Hz": 1.0},
+    "angle": {"rad": 1.0, "mrad": 0.001},
+    "force": {"N": 1.0},
+}
+"""Units by dimension and what they are in SI, as pint says; reading its tables takes longer than a campaign's files."""
+
 _NAMED = {**SI_UNITS, "volume": "m^3", "velocity": "m/s", "torque": "N m"}
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY = re.compile(
@@ -445,6 +456,8 @@ def _is_percent(unit: str) -> bool:
 
 def _factor(unit: str, dimension: str, source: str, field: str) -> float:
     """What a number in `unit` is multiplied with to be in the SI unit of `dimension`."""
+    if (known := SAID_OFTEN.get(dimension, {}).get(unit.strip())) is not None:
+        return known
     registry = _registry()
     try:
         found = registry.Quantity(1.0, registry.parse_units("dimensionless" if unit.strip() == "1" else unit))

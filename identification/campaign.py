@@ -11,6 +11,7 @@ from functools import cached_property
 from itertools import combinations
 from types import MappingProxyType
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
@@ -377,6 +378,16 @@ def levels(recorded: Recording, table: ChannelTable) -> Levels | None:
 
     The cover plate's accelerometers are used where they tell all six motions, else the table's, too.
     """
+    known = _KNOWN.get(recorded)
+    if known is None or known[0] is not table:
+        known = _KNOWN[recorded] = (table, _levels(recorded, table))  # several checks of a campaign ask for the same
+    return known[1]
+
+
+_KNOWN: "WeakKeyDictionary[Recording, tuple[ChannelTable, Levels | None]]" = WeakKeyDictionary()
+
+
+def _levels(recorded: Recording, table: ChannelTable) -> Levels | None:
     motion = base_motion(recorded, table)
     if motion is None or recorded.sampling_rate is None:
         return None

@@ -6,6 +6,7 @@ error of the chain acts on article and tare alike; what it does to their differe
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -80,6 +81,16 @@ def setup(spectra: Spectra, settings: Settings) -> Setup:
     ------
     BadInput : channels or runs that do not tell six motions and six loads.
     """
+    known = _KNOWN.get(spectra)
+    if known is None or known[0] is not settings:
+        known = _KNOWN[spectra] = (settings, _setup(spectra, settings))  # the plain and the joint way begin with it
+    return known[1]
+
+
+_KNOWN: "WeakKeyDictionary[Spectra, tuple[Settings, Setup]]" = WeakKeyDictionary()
+
+
+def _setup(spectra: Spectra, settings: Settings) -> Setup:
     moved, loaded = base_motion(spectra, gravity=settings.gravity), resultants(spectra)
     motion, load = moved.values, loaded.values
     known = np.all(np.isfinite(spectra.noise)) and np.all(spectra.noise > 0)
@@ -174,17 +185,16 @@ def sensitivity(spectra: Spectra, found: Setup, chain: Chain) -> Sensitivity:
     H = model.dynamic_mass(Inertia(parameters=found.ten).mass_matrix, found.terms, thin.frequency)
     inverse_motion = np.asarray(np.linalg.pinv(found.motion[:, chosen].transpose(1, 2, 0)), dtype=np.complex128)  # (n, r, 6)
     offsets = np.zeros(len(chain.parameters))
-    changed = []
-    for change in chain.derivatives(offsets, thin.frequency, H):
-        dy = np.zeros(thin.values.shape, dtype=np.complex128)
-        columns = [chain.columns[k] for k in change.channels]
-        dy[:, :, columns] = (change.rows @ found.motion[:, chosen, :, None])[..., 0]
-        changed.append(dy)
-    sensed = np.zeros((10, 0))
-    if changed:  # dH (p, n, 6, 6) of all of them at once
-        by_run = _left(_stacked(thin, changed), H, len(spectra.runs)).transpose(0, 2, 3, 1)  # (p, n, 6, r)
-        sensed = (gain.reshape(10, -1) @ (by_run @ inverse_motion).reshape(len(changed), -1).T).real
-    noise = _noise(thin, H, inverse_motion, gain)
+    left = _left_of_each(thin, H)
+    every = chain.derivatives(offsets, thin.frequency, H)
+    changed = np.zeros((*thin.values.shape[:2], len(thin.table), len(every)), dtype=np.complex128)  # (r, n, c, p)
+    for k, change in enumerate(every):
+        columns = [chain.columns[channel] for channel in change.channels]
+        changed[:, :, columns, k] = (change.rows @ found.motion[:, chosen, :, None])[..., 0]
+    # dH (p, n, 6, 6) of all of them at once
+    by_run = (left.transpose(1, 2, 3, 0) @ changed).transpose(3, 1, 2, 0)  # (p, n, 6, r)
+    sensed = (gain.reshape(10, -1) @ (by_run @ inverse_motion).reshape(len(every), -1).T).real
+    noise = _noise(thin, left, inverse_motion, gain)
     return Sensitivity(names=tuple(one.name for one in chain.parameters), chain=sensed, noise=noise)
 
 
@@ -202,31 +212,25 @@ def _gain(found: Setup, frequency: Array, deviation: Array) -> ComplexArray:
     return full
 
 
-def _stacked(spectra: Spectra, values: list[ComplexArray]) -> Spectra:
-    """Sets of values, one at least, as so many times the runs of `spectra`, so that linear operators take them all at once."""
-    count = len(values)
-    return replace(
+def _left_of_each(spectra: Spectra, H: ComplexArray) -> ComplexArray:
+    """(c, r, n, 6) dF - H dU of a unit error of every channel alone."""
+    count, unit = len(spectra.table), np.zeros((len(spectra.table), *spectra.values.shape), dtype=np.complex128)
+    for k, values in enumerate(unit):
+        values[:, :, k] = 1.0
+    stacked = replace(
         spectra,
-        values=np.concatenate(values),
+        values=unit.reshape(-1, *spectra.values.shape[1:]),
         noise=np.concatenate([spectra.noise] * count),
         quality=np.concatenate([spectra.quality] * count),
         runs=spectra.runs * count,
         axes=spectra.axes * count,
     )
-
-
-def _left(stacked: Spectra, H: ComplexArray, runs: int) -> ComplexArray:
-    """(p, r, n, 6) dF - H dU of changes of the channels that are stacked on each other, `runs` each."""
     dU, dF = base_motion(stacked).values, resultants(stacked).values
-    return np.asarray(dF - (H @ dU[..., None])[..., 0]).reshape(-1, runs, len(H), 6)
+    return np.asarray(dF - (H @ dU[..., None])[..., 0]).reshape(count, -1, len(H), 6)
 
 
-def _noise(spectra: Spectra, H: ComplexArray, inverse_motion: ComplexArray, gain: ComplexArray) -> Array:
+def _noise(spectra: Spectra, left: ComplexArray, inverse_motion: ComplexArray, gain: ComplexArray) -> Array:
     """(10, 10): unit errors of every channel, weighed by the variance of its noise at each line and run."""
-    unit = [np.zeros(spectra.values.shape, dtype=np.complex128) for _ in range(len(spectra.table))]
-    for k, values in enumerate(unit):
-        values[:, :, k] = 1.0
-    left = _left(_stacked(spectra, unit), H, len(spectra.runs))
     # g[k, n, c, r] = sum_ij gain[k, n, i, j] left[c, r, n, i] inverse_motion[n, r, j]
     g = np.einsum("knij,crni,nrj->kncr", gain, left, inverse_motion, optimize=True)
     weighted = g * (spectra.noise.transpose(1, 2, 0) / np.sqrt(2))

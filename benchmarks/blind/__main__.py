@@ -37,6 +37,8 @@ def main(
     which: str, seed: int | None, kinds: str, cases: int | None, only: str, structures: int | None, jobs: int, scheduler: str
 ) -> None:
     """Diagnose the cases of a draw; what is finished is kept, and not done again by the same code."""
+    if jobs > 1 and scheduler:
+        raise click.BadParameter("the workers of --scheduler do the work, and how many they are is their own; leave out --jobs")
     console, book = Console(stderr=True), ledger.read()
     chosen = book.structures if structures and which == TEST and seed is None else _seed(which, seed, book)
     wanted = tuple(one.strip() for one in kinds.split(","))

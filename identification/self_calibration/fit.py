@@ -14,7 +14,7 @@ from identification.elastic import model
 from identification.elastic.model import ElasticTerms
 from identification.request import Evidence, Identified, Settings
 from identification.self_calibration import likelihood
-from identification.self_calibration.likelihood import residual
+from identification.self_calibration.likelihood import cost, residual
 from identification.self_calibration.problem import FAMILY, Assembly, Layout, Part, assembled, felt, normals, of_article
 from identification.self_calibration.solve import CLOSE, MOST, Solution, inverse, minimise, total
 
@@ -451,4 +451,5 @@ def _minimum(
         most=most,
         size=sum(part.observed.size for part in parts),
         progress=progress,
+        cost=lambda x: sum(cost(part.observed, part.rows(problem.layout, x, changes=False)) for part in parts),
     )

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pint
 import pytest
 import trimesh
 from hypothesis import given
@@ -243,6 +244,14 @@ unit = "mm"
 material = "lead"
 position_mm = [1, 2, 3]
 """
+
+
+@pytest.mark.parametrize(("dimension", "unit"), [(kind, unit) for kind, units in toml_file.SAID_OFTEN.items() for unit in units])
+def test_units_that_are_said_often_are_what_pint_says_to_the_last_digit(dimension: str, unit: str) -> None:
+    registry = pint.UnitRegistry()
+    si = "dimensionless" if dimension == "ratio" else toml_file.SI_UNITS[dimension]
+    said = registry.Quantity(1.0, registry.parse_units("dimensionless" if unit == "1" else unit)).to(si).magnitude
+    assert quantity(f"1 {unit}" if unit != "1" else "1", dimension, source="file", field="").n == said
 
 
 @pytest.mark.parametrize(("ending", "count"), [(".stl", 70), (".ply", 70), (".obj", 70), (".toml", 60), (".step", 60)])

@@ -205,6 +205,9 @@ def diagnose_command(
     for folder in given["effects_from"]:
         catalogue.load(folder)
     asked = Options(model=str(model), **given)
+    if jobs and scheduler:
+        problem = "the workers of --scheduler do the work, and how many they are is their own"
+        raise BadInput(source="--jobs", problem=problem, remedy="Leave out one of the two")
     if each is None:
         if jobs or scheduler:
             raise BadInput(source="--jobs or --scheduler", problem="there is one diagnosis", remedy="Name many with --each DIR")

@@ -112,6 +112,24 @@ MODULES = {
 """The modules of `validation.cli` by the commands that they hold, each as the function ``NAME_command``."""
 
 
+KEPT = 32 * 2**20
+"""[bytes] Arrays up to this size are taken from memory that the process has kept, which glibc takes for no more than that."""
+
+
+def keep_freed_memory() -> None:
+    """Let glibc, where that is the C library, keep what is freed: the fits make arrays of the same sizes all the time, and to
+    give each back to the system and ask for it again takes as long as the sums with it."""
+    if sys.platform == "linux":
+        import ctypes
+
+        if hasattr(library := ctypes.CDLL(None), "mallopt"):
+            library.mallopt(M_MMAP_THRESHOLD, KEPT)
+            library.mallopt(M_TRIM_THRESHOLD, 2**31 - 1)
+
+
+M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3
+
+
 class _LazyGroup(click.Group):
     """A group that knows its commands by name and imports one only to run it, so that help answers in a blink."""
 
@@ -121,6 +139,7 @@ class _LazyGroup(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command:
         if cmd_name not in COMMANDS:
             raise click.exceptions.NoSuchCommand(cmd_name, possibilities=COMMANDS, ctx=ctx)
+        keep_freed_memory()
         module = next(module for module, names in MODULES.items() if cmd_name in names)
         command: click.Command = getattr(import_module(f"validation.cli.{module}"), f"{cmd_name.replace('-', '_')}_command")
         return command

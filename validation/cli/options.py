@@ -6,13 +6,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from geometry.errors import BadInput
-from geometry.routes import DEFAULT_CHORD
-from validation.model.setups import is_file
-from validation.reference import reference
-from validation.reference.reference import ArticleOptions
+from geometry.mesh import DEFAULT_CHORD
 
 if TYPE_CHECKING:
     from validation.flexible import model
+    from validation.reference.reference import ArticleOptions
 
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -167,6 +165,7 @@ def flexible_asked(
     """
     from fem.damping import Damping
     from validation.flexible.model import FlexibleOptions, require_count
+    from validation.reference import reference
 
     require_count(count, counted)
     return FlexibleOptions(
@@ -183,14 +182,16 @@ def flexible_asked(
 
 def reading(
     chord: str | None, unit: str | None, material: str | None, settings: Sequence[str], repair: bool = False
-) -> ArticleOptions:
+) -> "ArticleOptions":
     """The options, checked.
 
     Raises
     ------
     BadInput : the chord error is no length within `CHORDS`, or a setting is not of the form KEY=VALUE with a number.
     """
-    return ArticleOptions(
+    from validation.reference import reference
+
+    return reference.ArticleOptions(
         chord=None if chord is None else _length(chord, "--chord", CHORDS, '"2 um"'),
         unit=unit,
         material=material,
@@ -207,6 +208,7 @@ def require_articles(names: Sequence[str]) -> None:
     BadInput : such a name, with the nearest.
     """
     from geometry.articles import dimension_files
+    from validation.model.setups import is_file
 
     for name in names:
         if not is_file(name):

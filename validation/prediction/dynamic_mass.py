@@ -377,14 +377,37 @@ class SupportedDynamicMass:
     nuisances: Nuisances | None
     mounted: tuple[Parameter, ...] = ()
 
-    def at(
-        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, drive: BaseDrive, *, derivatives: Wanted
-    ) -> tuple[ComplexArray, Tangents]:
-        """Dynamic mass (n, 6, 6) about F, and how it answers to the parameters of which `derivatives` are wanted.
+    def solved(
+        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, *, derivatives: Wanted
+    ) -> "SolvedStructure | None":
+        """What stands there at `frequency` (n,) [Hz], effects on it applied; None where nothing does.
 
         Raises
         ------
         numpy.linalg.LinAlgError, ValueError : no such body, or a line on an undamped mode.
+        """
+        if self.nuisances is None:
+            return None
+        matrices, tangents = structure(self.nuisances, offsets, effects, derivatives=derivatives)
+        return SolvedStructure(matrices=matrices, tangents=tangents, answered=dynamic_mass(matrices, frequency))
+
+    def at(
+        self,
+        offsets: Offsets,
+        effects: Sequence[Added],
+        frequency: Array,
+        drive: BaseDrive,
+        *,
+        derivatives: Wanted,
+        solved: "SolvedStructure | None" = None,
+    ) -> tuple[ComplexArray, Tangents]:
+        """Dynamic mass (n, 6, 6) about F, and how it answers to the parameters of which `derivatives` are wanted.
+
+        `solved` is what `SupportedDynamicMass.solved` says of the same, where it was asked already.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError, ValueError : as `solved`.
         """
         base = at(self.moving, offsets).mass_matrix
         H = np.broadcast_to(base.astype(np.complex128), (len(frequency), 6, 6))
@@ -395,9 +418,10 @@ class SupportedDynamicMass:
                 for name, E in zip(names(), BASIS, strict=True)
                 if is_wanted(name, derivatives)
             }
-        if self.nuisances is None:
+        solved = solved or self.solved(offsets, effects, frequency, derivatives=derivatives)
+        if solved is None:
             return H, found
-        mounted, changes = self._mounted(self.nuisances, offsets, effects, frequency, drive, derivatives=derivatives)
+        mounted, changes = self._mounted(solved, effects, drive, derivatives=derivatives)
         if self.mounted:
             seated, told = self._seated(mounted, offsets)
             T, article = seated.transformation, mounted.matrix + seated.more
@@ -431,30 +455,35 @@ class SupportedDynamicMass:
         }
 
     def sensed(
-        self, offsets: Offsets, effects: Sequence[Added], frequency: Array, sensors: Sequence[str], *, derivatives: Wanted
+        self,
+        solved: "SolvedStructure | None",
+        offsets: Offsets,
+        frequency: Array,
+        sensors: Sequence[str],
+        *,
+        derivatives: Wanted,
     ) -> tuple[ComplexArray, Tangents]:
-        """(n, 3 a, 6) accelerations along the axes of F at the accelerometers `sensors`, beyond those of a rigid article, for a
-        unit of every motion of F; and how they answer to the parameters of which `derivatives` are wanted.
+        """(n, 3 a, 6) accelerations along the axes of F at the accelerometers `sensors` of what was `solved`, beyond those of a
+        rigid article, for a unit of every motion of F; and how they answer to the parameters of which `derivatives` are wanted.
 
         Raises
         ------
-        numpy.linalg.LinAlgError, ValueError : as `at`.
+        numpy.linalg.LinAlgError : a line lies on an undamped mode.
         """
-        if self.nuisances is None:
+        if solved is None:
             return np.zeros((len(frequency), 3 * len(sensors), 6), dtype=np.complex128), {}
-        matrices, tangents = structure(self.nuisances, offsets, effects, derivatives=bool(derivatives))
+        matrices, tangents, answered = solved.matrices, solved.tangents, solved.answered
         b, pose = matrices.base, self.standing.pose
         rows = np.vstack([pose.rotation @ matrices.places[self.standing.sensors[name]] for name in sensors])
-        answered = dynamic_mass(matrices, frequency)
         bent = np.array(rows)
         bent[:, :b] = 0
-        D = dynamic_matrix(matrices, 2 * np.pi * frequency)
         back = np.zeros((len(matrices.mass), len(frequency), len(rows)), dtype=np.complex128)
-        if len(matrices.mass) > b:
+        if tangents and len(matrices.mass) > b:
+            D = dynamic_matrix(matrices, 2 * np.pi * frequency)
             pulls = np.broadcast_to(bent[:, b:].T.astype(np.complex128), (len(frequency), len(matrices.mass) - b, len(rows)))
             back[b:] = np.linalg.solve(D[:, b:, b:], pulls).transpose(1, 0, 2)
         own = replace(answered, matrix=bent @ answered.right.transpose(1, 0, 2), left=np.ascontiguousarray(back), sign=-1.0)
-        changes = transfer_tangents(own, {name: one for name, one in tangents.items() if is_wanted(name, derivatives)})
+        changes = transfer_tangents(own, tangents)
         R, T = _turned(pose), rigid_transformation_6(pose.position)
         told: dict[str, tuple[Array, Array]] = {}
         if self.mounted:
@@ -496,30 +525,30 @@ class SupportedDynamicMass:
         return Seated(transformation=back @ T, more=more), told
 
     def _mounted(
-        self,
-        of: Nuisances,
-        offsets: Offsets,
-        effects: Sequence[Added],
-        frequency: Array,
-        drive: BaseDrive,
-        *,
-        derivatives: Wanted,
+        self, solved: "SolvedStructure", effects: Sequence[Added], drive: BaseDrive, *, derivatives: Wanted
     ) -> tuple[MountedDynamicMass, Tangents]:
-        matrices, tangents = structure(of, offsets, effects, derivatives=derivatives)
-        answered = dynamic_mass(matrices, frequency)
-        changes = transfer_tangents(answered, tangents)
+        changes = transfer_tangents(solved.answered, solved.tangents)
         R = _turned(self.standing.pose)
         mounted = MountedDynamicMass(
-            frequency=frequency,
-            matrix=R @ answered.matrix @ R.T,
+            frequency=solved.answered.frequency,
+            matrix=R @ solved.answered.matrix @ R.T,
             seat=self.standing.pose.position,
-            cog=self.standing.pose.rotation @ matrices.cog,
+            cog=self.standing.pose.rotation @ solved.matrices.cog,
             amplitude=drive.amplitude,
             sweep_rate=drive.sweep_rate,
             block=drive.block,
         )
         turned = {name: R @ change @ R.T for name, change in changes.items()}
         return prediction_effects.body(mounted, turned, effects, derivatives=bool(derivatives))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SolvedStructure:
+    """Matrices of a structure with their `tangents` by parameter, and what they answer at every line."""
+
+    matrices: Matrices
+    tangents: dict[str, Tangent]
+    answered: CondensedTransfer
 
 
 def structure(

@@ -579,9 +579,10 @@ class SeriesPrediction:
         effects, every = prediction_effects.at(self._reaching, at), self.measured.frequency
         families = [FAMILIES[one.named.family] for one in effects]
         if self._chain.article.channels:
-            whole = self.tested.carried.at(at, effects, frequency, drive, derivatives=derivatives)
+            solved = self.tested.carried.solved(at, effects, frequency, derivatives=derivatives)
+            whole = self.tested.carried.at(at, effects, frequency, drive, derivatives=derivatives, solved=solved)
             names = [one.name for one in self._chain.article.channels]
-            own = self.tested.carried.sensed(at, effects, frequency, names, derivatives=derivatives)
+            own = self.tested.carried.sensed(solved, at, frequency, names, derivatives=derivatives)
             nothing = np.zeros_like(whole[0]), np.zeros_like(own[0])
             changes = {
                 name: np.concatenate([of.get(name, none) for of, none in zip((whole[1], own[1]), nothing, strict=True)], axis=1)

@@ -18,7 +18,8 @@ from geometry.articles import NAMES, built_in, changes_of, dimension_files
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, Pose
 from geometry.inertia import Inertia, judge
-from geometry.routes import DEFAULT_CHORD, ROUTES, agreement, by_mesh, by_routes, rounding, tessellation_error
+from geometry.mesh import DEFAULT_CHORD
+from geometry.routes import ROUTES, agreement, by_mesh, by_routes, rounding, tessellation_error
 from geometry.user_article import ESTIMATE
 from validation.model.setups import is_file, is_stack
 from validation.output import derived, entry, to_json, unwritten

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 import numpy as np
@@ -21,11 +22,12 @@ from identification.plain import setup as of_spectra
 from identification.request import Settings
 from identification.response_functions import ResponseFunctions
 from identification.spectra.of_campaign import spectra
-from validation.correct import AppliedCorrection, asked, in_turn
 from validation.identify.check import Summary
 from validation.output import NONE, print_json, require_folder, share_done, shown, to_json
 from validation.report.document import Column, Document, Grid, Table
-from validation.virtual_test import simulate
+
+if TYPE_CHECKING:
+    from validation.correct import AppliedCorrection
 
 AXES = ("x", "y", "z", "α", "β", "γ")
 LEVEL_UNITS = ("m/s²", "m/s²", "m/s²", "rad/s²", "rad/s²", "rad/s²")
@@ -163,6 +165,9 @@ def correct(folder: str, effects: Sequence[str], out: Path, *, force: bool, as_j
         destroy something.
     OSError : a file cannot be read or written.
     """
+    from validation.correct import asked, in_turn  # the catalogue of effects and the simulator are nothing to `check`
+    from validation.virtual_test import simulate
+
     source = Path(folder)
     simulate.require_folder(out)
     there, read = out.resolve(), source.resolve()
@@ -192,7 +197,7 @@ def correct(folder: str, effects: Sequence[str], out: Path, *, force: bool, as_j
     click.echo(f"massline: wrote {out}.", err=True)
 
 
-def _corrected(campaign: Campaign, made: Campaign, steps: Sequence[AppliedCorrection]) -> Document:
+def _corrected(campaign: Campaign, made: Campaign, steps: Sequence["AppliedCorrection"]) -> Document:
     """What was done to which channel of `campaign`."""
 
     changed = {one.name: one for step in steps for one in step.channels}

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from operator import itemgetter
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 import numpy as np
@@ -19,13 +20,9 @@ from identification.campaign import Campaign
 from identification.elastic.model import dynamic_mass
 from identification.quality import NORMAL_95, impossible
 from identification.response_functions import ResponseFunctions
-from validation.compare.compare import Comparison
-from validation.history.add import body_of, conditions_of
-from validation.history.history import Body, HistoryPosition
 from validation.identify import identify
 from validation.identify.check import require_measurement
 from validation.identify.identify import DrawnBandStudy, IdentificationFindings, IdentifyOptions, Reported
-from validation.model.model import Model
 from validation.model.setups import FMD, above_fmd, is_stack, stated, takes_fmd_off
 from validation.output import NONE, json_text, print_json, rounded, shown, to_json
 from validation.reference.reference import ArticleOptions, file_name, reference
@@ -36,8 +33,12 @@ from validation.report.charts.spec import LEFT_OUT, MEASURED, QUOTIENT
 from validation.report.charts.style import DynamicMassCurve, diagonal, full
 from validation.report.parts import CampaignPart, Picture, Report, notes, paragraphs, section
 from validation.report.reference import drawing_of, drawn, kept, tried
-from validation.report.scenes.setups import sensor_map as draw_sensors
-from validation.study import Study
+
+if TYPE_CHECKING:
+    from validation.compare.compare import Comparison
+    from validation.history.history import Body, HistoryPosition
+    from validation.model.model import Model
+    from validation.study import Study
 
 # What is said of an identification: both results side by side, what each parameter rests on, elastic terms, what was left out.
 
@@ -436,7 +437,7 @@ NOT_MOUNTED = (
 
 
 def campaign_part(
-    one: Campaign, series: Sequence[Campaign], model: Model, band: tuple[float, float] | None, method: str
+    one: Campaign, series: Sequence[Campaign], model: "Model", band: tuple[float, float] | None, method: str
 ) -> CampaignPart:
     """What is known of the campaign `one` of a `series`; its tare is a campaign of the series whose article is known."""
     missing: list[str] = []
@@ -479,12 +480,14 @@ def sensor_map(one: Campaign, missing: list[str]) -> Picture | None:
     of = one.table, one.article, one.source, one.title, one.mounting
 
     def made() -> Picture:
+        from validation.report.scenes.setups import sensor_map as draw_sensors
+
         return cache.answer(lambda: drawn(lambda folder: draw_sensors(one, folder), said), "sensors", *of)
 
     return tried(made, missing, "No map of the sensors: ")
 
 
-def drawing_beside(found: IdentificationFindings, model: Model, missing: list[str]) -> Statement | None:
+def drawing_beside(found: IdentificationFindings, model: "Model", missing: list[str]) -> Statement | None:
     """Of what was identified, as it is drawn, in the frame of the result.
 
     None where no drawing is known, with an FMD that the model knows otherwise, and where nothing says how the article stands.
@@ -526,8 +529,8 @@ Progress = Callable[[str, float], None]
 
 
 def identified(
-    study: Study, comparison: Comparison, at: HistoryPosition | None, progress: Progress
-) -> tuple[tuple[Body, ...], str]:
+    study: "Study", comparison: "Comparison", at: "HistoryPosition | None", progress: Progress
+) -> "tuple[tuple[Body, ...], str]":
     """Of the rung on which the model stands, where that stands on the same data; else of a fit. None of a model without effects
     that no rung has, and none where there is a reason, which is told.
 
@@ -539,6 +542,8 @@ def identified(
     ------
     OSError : a file cannot be read.
     """
+    from validation.history.add import body_of, conditions_of
+
     rung = None if at is None else at.rung
     if rung is not None and rung.errors is not None:
         same_held = rung.errors.held_out_names == comparison.evaluation.held_out_names
@@ -575,7 +580,7 @@ def _quantities() -> list[doc.Column]:
     ]
 
 
-def _with_effects(body: Body, report: Report, figures: doc.Figures) -> doc.Safe:
+def _with_effects(body: "Body", report: Report, figures: doc.Figures) -> doc.Safe:
     from validation.report.charts.history import identified_inertia
 
     effects = report.comparison.effects
@@ -607,6 +612,7 @@ def _with_effects(body: Body, report: Report, figures: doc.Figures) -> doc.Safe:
 
 
 def _from_records(one: CampaignPart, figures: doc.Figures) -> doc.Safe:
+    from validation.history.history import Body
     from validation.report.charts.history import identified_inertia
 
     found, reference = one.findings, one.reference

@@ -4,20 +4,23 @@ from base64 import b64encode
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
-from identification.campaign import Campaign
-from validation.classical.files import Reduction
-from validation.compare.compare import Comparison
-from validation.diagnose.diagnosis import Diagnosis
 from validation.estimation.problem import Evaluation
 from validation.estimation.verdicts import DOUBTFUL, FAILED, GOOD, expected_z2, misfit
-from validation.history.history import Body, Errors, HistoryPosition, Source
-from validation.identify.identify import IdentificationFindings
-from validation.model.model import Model
 from validation.output import NONE, percent
-from validation.reference.reference import ReferenceTable
-from validation.reference.statement import Statement
 from validation.report.document import Safe, joined, tag, worded
+
+if TYPE_CHECKING:  # rooms that whoever fills the parts has loaded, and nobody else needs
+    from identification.campaign import Campaign
+    from validation.classical.files import Reduction
+    from validation.compare.compare import Comparison
+    from validation.diagnose.diagnosis import Diagnosis
+    from validation.history.history import Body, Errors, HistoryPosition, Source
+    from validation.identify.identify import IdentificationFindings
+    from validation.model.model import Model
+    from validation.reference.reference import ReferenceTable
+    from validation.reference.statement import Statement
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -48,7 +51,7 @@ class ArticlePart:
     """
 
     name: str
-    table: ReferenceTable | None = None
+    table: "ReferenceTable | None" = None
     picture: Picture | None = None
     shapes: Picture | None = None
     missing: tuple[str, ...] = ()
@@ -68,10 +71,10 @@ class CampaignPart:
     missing : sentences: what cannot be shown, and why
     """
 
-    campaign: Campaign
+    campaign: "Campaign"
     sensors: Picture | None = None
-    findings: IdentificationFindings | None = None
-    reference: Statement | None = None
+    findings: "IdentificationFindings | None" = None
+    reference: "Statement | None" = None
     command: str = ""
     missing: tuple[str, ...] = ()
 
@@ -95,7 +98,7 @@ class Provenance:
     by: str = ""
     command: str = ""
     versions: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
-    inputs: tuple[Source, ...] = ()
+    inputs: "tuple[Source, ...]" = ()
     settings: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
     model_text: str = ""
 
@@ -117,17 +120,17 @@ class Report:
     standing : the model's ladder; without rungs where there is none
     """
 
-    model: Model
-    comparison: Comparison
+    model: "Model"
+    comparison: "Comparison"
     provenance: Provenance
     articles: tuple[ArticlePart, ...] = ()
     campaigns: tuple[CampaignPart, ...] = ()
-    identified: tuple[Body, ...] = ()
+    identified: "tuple[Body, ...]" = ()
     not_identified: str = ""
-    classical: tuple[Reduction, ...] = ()
-    diagnosis: Diagnosis | None = None
+    classical: "tuple[Reduction, ...]" = ()
+    diagnosis: "Diagnosis | None" = None
     not_diagnosed: str = ""
-    standing: HistoryPosition | None = None
+    standing: "HistoryPosition | None" = None
 
 
 # The errors of a model, wherever they stand beside those of another: each once, by name, unit and key.
@@ -149,7 +152,7 @@ SAID = {"chi2_per_dof": "fitted: chi² per degree of freedom", "tolerance_z2": "
 """Names on a terminal, where they are others; what is due stands beside its sum there."""
 
 
-def error_figures(of: Evaluation | Errors | None) -> dict[str, float | None]:
+def error_figures(of: "Evaluation | Errors | None") -> dict[str, float | None]:
     """By key the errors of a model, or of a version of it; None for what was not held out, or where nobody evaluated it."""
     if not isinstance(of, Evaluation):
         return {key: getattr(of, key, None) for _, _, key in ERRORS}
@@ -158,7 +161,7 @@ def error_figures(of: Evaluation | Errors | None) -> dict[str, float | None]:
     return {key: None if one is None else one.percent for key, one in shares.items()} | fitted
 
 
-def error_lines(*several: Evaluation | Errors | None) -> Iterator[tuple[str, list[str]]]:
+def error_lines(*several: "Evaluation | Errors | None") -> Iterator[tuple[str, list[str]]]:
     """Name and figures of every error, as a terminal has them."""
     figures = [error_figures(of) for of in several]
     for name, unit, key in ERRORS:

@@ -6,7 +6,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, TypeVar
 
-from fem.user_model.reading import is_model
 from geometry import cache, inertia_files
 from geometry.articles import built_in, changes_of
 from geometry.errors import BadInput, CheckFailed, lacking
@@ -14,9 +13,6 @@ from geometry.inertia import Inertia
 from geometry.routes import ROUTES
 from validation.classical import files
 from validation.classical.files import Item, Reduction
-from validation.compare.compare import Comparison
-from validation.flexible.model import FlexibleOptions, flexible
-from validation.model.model import RIGID, Model
 from validation.model.setups import above_fmd, is_file, is_stack
 from validation.output import NONE, print_json, print_pages, rounded, to_json
 from validation.reference import reference
@@ -25,13 +21,15 @@ from validation.reference.robot import LinkFindings, RobotFindings
 from validation.reference.statement import MIN_WORDS, QUANTITIES, Stated, Statement, headline, rows_table
 from validation.report import document
 from validation.report.document import NOTHING, Cell, Column, Figures, Number, Safe, number, tag, toleranced
-from validation.report.flexible import ON_THE_SHEET, draw_sheet
 from validation.report.parts import ArticlePart, Picture, Report, notes, picture, section
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.table import Table
 
+    from validation.compare.compare import Comparison
+    from validation.flexible.model import FlexibleOptions
+    from validation.model.model import Model
     from validation.report.scenes.scene import DrawnBody
 
 
@@ -222,8 +220,12 @@ SOFT = 4.0
 """Times the top of the band up to which a mode makes shapes worth a picture."""
 
 
-def article_part(name: str, model: Model, comparison: Comparison, classical: Sequence[Reduction]) -> ArticlePart:
+def article_part(name: str, model: "Model", comparison: "Comparison", classical: Sequence[Reduction]) -> ArticlePart:
     """What is known of the article `name`, which stands on the FMD."""
+    from validation.flexible.model import FlexibleOptions
+    from validation.model.model import RIGID
+    from validation.report.flexible import ON_THE_SHEET
+
     missing: list[str] = []
     source = drawing_of(name, model)
     if not source:
@@ -249,8 +251,10 @@ def article_part(name: str, model: Model, comparison: Comparison, classical: Seq
     return ArticlePart(name=name, table=table, picture=picture, shapes=shapes, missing=tuple(missing))
 
 
-def drawing_of(name: str, model: Model) -> str:
+def drawing_of(name: str, model: "Model") -> str:
     """By what name or path the article `name` is drawn; empty where it is known by a model alone."""
+    from fem.user_model.reading import is_model
+
     if is_stack(name):
         return name
     path = next((path for article, path in model.own.items() if name in (article, above_fmd(article))), name)
@@ -281,7 +285,10 @@ def _table(source: str, asked: ArticleOptions, name: str, classical: Sequence[Re
     return replace(table, article=name, columns=columns, footnotes=notes)
 
 
-def _shapes(source: str, kind: str, asked: FlexibleOptions) -> Picture:
+def _shapes(source: str, kind: str, asked: "FlexibleOptions") -> Picture:
+    from validation.flexible.model import flexible
+    from validation.report.flexible import draw_sheet
+
     def sheet() -> Picture:
         found = flexible(source, kind, asked)
         said = f"Mode shapes of {found.article} as drawn, base held, by the {kind} model; effects of the model are not in it"

@@ -138,6 +138,28 @@ def test_the_gradient_is_nothing_inside_and_points_outwards_at_every_bound(seed:
     assert np.abs(gradient[~(at_low | at_high)]).max(initial=0.0) < 1e-3
 
 
+def test_in_a_valley_refused_steps_are_known_by_their_cost_alone_and_the_way_is_the_same() -> None:
+    asked: list[bytes] = []
+
+    def data(x):
+        asked.append(x.tobytes())
+        left = np.array([10 * (x[1] - x[0] ** 2), 1 - x[0]])
+        slopes = np.array([[-20 * x[0], 10.0], [-1.0, 0.0]])
+        return Normal(cost=0.5 * float(left @ left), gradient=slopes.T @ left, matrix=slopes.T @ slopes)
+
+    def knowledge(x):
+        return 1e-6 * x, 1e-6 * np.eye(2)
+
+    start = np.array([-1.2, 1.0])
+    whole = minimise(data, start, knowledge, close=1e-6)
+    every = len(asked)
+    asked.clear()
+    short = minimise(data, start, knowledge, close=1e-6, cost=lambda x: 50 * (x[1] - x[0] ** 2) ** 2 + 0.5 * (1 - x[0]) ** 2)
+    assert_allclose(short.x, whole.x, rtol=1e-9)
+    assert short.evaluations == whole.evaluations
+    assert len(asked) < every
+
+
 FLOOR = 0.0015
 
 

@@ -168,6 +168,7 @@ def test_several_processes_say_the_same_bit_for_bit_and_what_was_done_is_not_don
         (("--each", "."), "there is no campaign folder and no test file below it"),
         (("--jobs", "2"), "there is one diagnosis"),
         (("--each", ".", "--auto"), "one model stands for all"),
+        (("--each", ".", "--jobs", "2", "--scheduler", "tcp://localhost:1"), "Leave out one of the two"),
         (("--each", "."), "--each"),
     ],
 )
