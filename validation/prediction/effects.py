@@ -70,9 +70,10 @@ class Tangent:
 FIELDS = ("mass", "stiffness", "viscous", "structural")
 
 
-def of_arrays(
-    size: int, parts: Mapping[str, Array] = MappingProxyType({}), crossing: int | None = None, **changes: Array
-) -> Tangent:
+NOT_BY_PARTS: Mapping[str, Array] = MappingProxyType({})
+
+
+def of_arrays(size: int, parts: Mapping[str, Array] = NOT_BY_PARTS, crossing: int | None = None, **changes: Array) -> Tangent:
     """The tangent of full (size, size) `changes` by the names of `FIELDS`; what is not named does not change.
 
     Parameters
@@ -172,10 +173,11 @@ def with_damping_law(
         if tangent.structural.any():
             at = np.ix_(tangent.at, tangent.at) if len(tangent.at) < len(W) else ...
             lost = tangent.structural * together[at] if apart else tangent.structural
-            if share:
-                found[name] = replace(tangent, structural=lost * kept[at], viscous=tangent.viscous + turning[at] * lost)
-            else:
-                found[name] = replace(tangent, structural=lost)
+            viscous = turning[at] * lost
+            viscous += tangent.viscous
+            found[name] = (
+                replace(tangent, structural=lost * kept[at], viscous=viscous) if share else replace(tangent, structural=lost)
+            )
     turned = within * matrices.structural
     if derivatives and DAMPING_LAW in laws:
         found[DAMPING_LAW] = of_arrays(len(W), viscous=turned, structural=-matrices.structural * own)
@@ -457,17 +459,14 @@ class _Now:
 
     def _of_frequency(self, configuration: str, mode: str) -> Tangent:
         r, m = self.of.nominal.base + int(mode) - 1, self.matrices
-        changes = {"stiffness": _crossed(m.stiffness, r), "structural": _crossed(m.structural, r)}
-        if self.drags:
-            changes["viscous"] = _crossed(self.uncoupled, r) / 2
-        return of_arrays(len(m.mass), crossing=r, **changes)
+        viscous = {"viscous": _crossed(self.uncoupled, r) / 2} if self.drags else {}
+        stiffness, structural = _crossed(m.stiffness, r), _crossed(m.structural, r)
+        return of_arrays(len(m.mass), NOT_BY_PARTS, r, stiffness=stiffness, structural=structural, **viscous)
 
     def _of_damping(self, configuration: str, mode: str) -> Tangent:
         r, m = self.of.nominal.base + int(mode) - 1, self.matrices
-        changes = {"structural": _crossed(m.structural, r) / 2}
-        if self.drags:
-            changes["viscous"] = _crossed(self.uncoupled, r) / 2
-        return of_arrays(len(m.mass), crossing=r, **changes)
+        viscous = {"viscous": _crossed(self.uncoupled, r) / 2} if self.drags else {}
+        return of_arrays(len(m.mass), NOT_BY_PARTS, r, structural=_crossed(m.structural, r) / 2, **viscous)
 
     def _of_participation(self, configuration: str, mode: str, axis: str) -> Tangent:
         r, a = int(mode) - 1, MOTIONS.index(axis)

@@ -526,8 +526,8 @@ def _by_line(rows: ComplexArray, count: int) -> ComplexArray:
 
 def _change(rows: ComplexArray, count: int) -> Change:
     """A change of the rows (r, c) of all channels as one of those that do change."""
-    moving = rows.any(axis=0)
+    moving = np.asarray(rows.any(axis=0))
     if moving.all():
-        return Change(channels=tuple(range(len(moving))), rows=_by_line(rows, count))
+        return Change(channels=tuple(range(rows.shape[1])), rows=_by_line(rows, count))
     channels = tuple(np.flatnonzero(moving).tolist())
     return Change(channels=channels, rows=_by_line(rows[:, list(channels)], count))
