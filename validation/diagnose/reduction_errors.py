@@ -3,14 +3,11 @@ study would name: `massline model --examine STUDY`, of a model file that names i
 
 An effect shifts squares of frequencies; with d what it shifts those of the band of the tests by, each as a share of the square,
 
-    error = |d_reduced - d_whole| / |d_whole| .
-
-Whole means K and M on all degrees of freedom with the effect put into them, and their modes solved anew.
+    error = |d_reduced - d_whole| / |d_whole| ,      whole: modes of K and M on all degrees of freedom, with the effect in them.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -76,8 +73,7 @@ class ReductionErrors:
     ----------
     article : its name
     freedoms, coordinates : of the whole structure, and how many it is reduced to
-    band : [Hz] where its tests end
-    modes : how many are compared
+    band, modes : [Hz] where its tests end, and how many are compared
     effects : the worst first
     """
 
@@ -92,8 +88,6 @@ class ReductionErrors:
     def text(self) -> str:
         """One sentence."""
         head = f"its tests up to {self.band:.4g} Hz see {self.coordinates} coordinates of {self.freedoms} degrees of freedom"
-        if not self.effects:
-            return f"{head}; no effect on the structure is told by them"
         worst = self.effects[0]
         met = "below" if worst.error <= BAR else "ABOVE"
         return (
@@ -111,145 +105,92 @@ def reduction_errors(study: Study) -> tuple[ReductionErrors, ...]:
     CheckFailed : the model does not fit its tests, so that nobody knows what they would name; as `fem.modes.lowest`.
     """
     tested = {one.structure.configuration: one.structure for one in study.tests if isinstance(one, OnNodes)}
-    known = {name: (of, of.reduced) for name, of in tested.items() if of.reduced is not None}
-    small = {name: pair for name, pair in known.items() if pair[1].structure.mass.shape[0] <= LARGEST}
+    small = {name: of for name, of in tested.items() if of.reduced is not None and len(of.reduced.basis) <= LARGEST}
     if not small:
         return ()
     base = Candidate(effects=(), fit=study.all_free(), problem=study.problem())
-    menu = [one for one in candidates(study) if one.named.family in CHANGES and "every" not in one.named.targets]
+    menu = [one for one in candidates(study) if one.named.family in FAMILIES_MOVING and "every" not in one.named.targets]
     by_id = {one.named.id: one.named for one in menu}
     limits = {by_id[one.id]: one.size for one in detectable(screen(study, base, menu))}
     found = []
-    for name, (of, reduced) in small.items():
-        both = _Both(of=of, reduced=reduced)
-        errors = [both.error(one) for named, size in limits.items() for one in _sized(named, MULTIPLE * size, of)]
-        told = [one for one in errors if one is not None]
-        worst = tuple(sorted(told, key=lambda one: -one.error))
-        found.append(
-            ReductionErrors(
-                article=name,
-                freedoms=reduced.structure.mass.shape[0],
-                coordinates=reduced.basis.shape[1],
-                band=reduced.band,
-                modes=both.count,
-                effects=worst,
-            )
-        )
+    for name, of in small.items():
+        reduced = of.reduced
+        assert reduced is not None
+        count = max(int(np.sum(reduced.frequency <= 1.01 * reduced.band)), 1)  # a band may end at a measured mode
+        effects = [one for named, size in limits.items() for one in _sized(named, MULTIPLE * size)]
+        errors = sorted(_errors(of, reduced, effects, count), key=lambda one: -one.error)
+        n, k = reduced.basis.shape
+        if errors:
+            made = ReductionErrors(article=name, freedoms=n, coordinates=k, band=reduced.band, modes=count, effects=tuple(errors))
+            found.append(made)
     return tuple(found)
 
 
-def _sized(named: Named, size: float, of: Nuisances) -> Iterator[Named]:
+def _sized(named: Named, size: float) -> Iterator[Named]:
     """`named` at that distance from no effect, to either side where there is one."""
     (spec, *_) = named.sizes
     if named.family == "support-stiffness":
         low, high = (1 + end for end in reduction.FAR_SUPPORT)
         sizes = {min(1 + size, high), max(1 / (1 + size), low)}
-    elif named.family in RANGES:
-        low, high = RANGES[named.family]
-        sizes = {min(size, high), max(-size, low)}
     else:
-        sizes = {min(size, spec.high)}
+        low, high = RANGES.get(named.family, (min(size, spec.high), spec.high))
+        sizes = {min(size, high), max(-size, low)}
     yield from (replace(named, values={**named.values, spec.key: one}) for one in sorted(sizes))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Both:
-    """A structure, reduced and whole."""
+def _errors(of: Nuisances, reduced: ReducedStructure, effects: Iterable[Named], count: int) -> Iterator[ReductionError]:
+    """Of those of `effects` that move one of the lowest `count` modes, at a place none by more than nobody overlooks."""
+    structure = reduced.structure
+    slowest = 1e-3 * (2 * np.pi * reduced.frequency[0]) ** 2  # below is the motion of what floats
 
-    of: Nuisances
-    reduced: ReducedStructure
+    def lowest_of(squares: Array) -> Array:
+        return np.sort(squares[squares > slowest])[:count]
 
-    @cached_property
-    def count(self) -> int:
-        """Modes up to the end of the band, one at least."""
-        return max(int(np.sum(self.reduced.frequency <= 1.01 * self.reduced.band)), 1)  # a band may end at a measured mode
+    def of_whole(K: Sparse, M: Sparse) -> Array:
+        free = hold(replace(structure, stiffness=K.tocsr(), mass=M.tocsr()))
+        shift = floating_shift(free.stiffness, free.mass) if structure.floating else 0.0
+        return lowest_of(lowest(free.stiffness, free.mass, count + 6 * structure.floating, shift=shift).values)
 
-    @cached_property
-    def slowest(self) -> float:
-        """[rad²/s²] below which a mode is the motion of what floats."""
-        return 1e-3 * float((2 * np.pi * self.reduced.frequency[0]) ** 2)
+    def of_reduced(acting: tuple[Added, ...]) -> Array:
+        open_, here = ([one for one in acting if (FAMILIES[one.named.family].stage == OPENED) is side] for side in (True, False))
+        matrices, _ = dynamic_mass.structure(of, opened(of.parameters, open_)[1], here, derivatives=False)
+        return lowest_of(real_modes(matrices).squares)
 
-    @cached_property
-    def before(self) -> tuple[Array, Array]:
-        """Squares without any effect, whole and reduced."""
-        structure = self.reduced.structure
-        return self.of_whole(structure.stiffness, structure.mass), self.of_reduced(())
-
-    def error(self, named: Named) -> ReductionError | None:
-        """None where it moves no frequency of the band, or more than anybody would overlook."""
-        K, M = CHANGES[named.family](self.reduced.structure, named)
-        whole, few = self.before
-        d = self.of_whole(K, M) / whole - 1
+    whole, few = of_whole(structure.stiffness, structure.mass), of_reduced(())
+    for named in effects:
+        d = of_whole(*_changed(structure, named)) / whole - 1
         change = float(np.abs(d).max())
         if change < SEEN or (named.family in ("point-mass", "cable") and change > ATTACHED):
-            return None
-        off = self.of_reduced((Added(named=named, fixed=True),)) / few - 1 - d
-        return ReductionError(id=named.id, size=named.value, change=change, error=float(np.linalg.norm(off) / np.linalg.norm(d)))
-
-    def of_whole(self, K: Sparse, M: Sparse) -> Array:
-        """(count,) squares [rad²/s²] of all degrees of freedom."""
-        free = hold(replace(self.reduced.structure, stiffness=K.tocsr(), mass=M.tocsr()))
-        floats = self.reduced.structure.floating
-        shift = floating_shift(free.stiffness, free.mass) if floats else 0.0
-        squares = lowest(free.stiffness, free.mass, self.count + 6 * floats, shift=shift).values
-        return self._elastic(squares)
-
-    def of_reduced(self, effects: tuple[Added, ...]) -> Array:
-        """(count,) squares [rad²/s²] of the reduced structure."""
-        open_, here = ([one for one in effects if (FAMILIES[one.named.family].stage == OPENED) is side] for side in (True, False))
-        _, given = opened(self.of.parameters, open_)
-        matrices, _ = dynamic_mass.structure(self.of, given, here, derivatives=False)
-        return self._elastic(real_modes(matrices).squares)
-
-    def _elastic(self, squares: Array) -> Array:
-        return np.sort(squares[squares > self.slowest])[: self.count]
+            continue
+        off = float(np.linalg.norm(of_reduced((Added(named=named, fixed=True),)) / few - 1 - d) / np.linalg.norm(d))
+        yield ReductionError(id=named.id, size=named.value, change=change, error=off)
 
 
 SEEN = 1e-6
 """[share] of a squared frequency that an effect must move for its error to be more than rounding. By definition."""
 
-
-def _stiffer(structure: Structure, named: Named) -> tuple[Sparse, Sparse]:
-    by = named.value - (named.family == "support-stiffness")
-    return structure.stiffness + by * structure.part_stiffness[named.target], structure.mass
+FAMILIES_MOVING = ("modulus", "support-stiffness", "mass", "thickness", "point-mass", "cable", "connection-compliance")
+"""Families that are put into whole structures here; losses move no frequency."""
 
 
-def _heavier(structure: Structure, named: Named) -> tuple[Sparse, Sparse]:
-    return structure.stiffness, structure.mass + named.value * structure.part_mass[named.target]
-
-
-def _thicker(structure: Structure, named: Named) -> tuple[Sparse, Sparse]:
-    linear, cubed = structure.sections[named.target]
-    K = structure.stiffness + named.value * linear + ((1 + named.value) ** 3 - 1) * cubed
-    return K, _heavier(structure, named)[1] if named.target in structure.part_mass else structure.mass
-
-
-def _attached(structure: Structure, named: Named) -> tuple[Sparse, Sparse]:
-    rows = structure.places[named.targets[0]].tocsr()[list(ALONG["".join(named.targets[1:])])]
-    more = named.value * (rows.T @ rows)
-    if named.family == "cable":
-        return structure.stiffness + more, structure.mass
-    return structure.stiffness, structure.mass + more
-
-
-def _looser(structure: Structure, named: Named) -> tuple[Sparse, Sparse]:
+def _changed(structure: Structure, named: Named) -> tuple[Sparse, Sparse]:
+    """K and M of a whole structure with an effect."""
     from scipy.sparse import csr_array
 
-    springs = reduction.joint_springs(structure, named.targets[0])
-    if springs is None:
-        return structure.stiffness, structure.mass
-    p, k = (one[MOTIONS.index(named.targets[1])] for one in springs)
-    p = csr_array(p.reshape(-1, 1))
-    return structure.stiffness - named.value / (1 + named.value * k) * (p @ p.T), structure.mass
-
-
-CHANGES = {
-    "modulus": _stiffer,
-    "support-stiffness": _stiffer,
-    "mass": _heavier,
-    "thickness": _thicker,
-    "point-mass": _attached,
-    "cable": _attached,
-    "connection-compliance": _looser,
-}
-"""K and M of a whole structure with an effect, by family; losses move no frequency."""
+    K, M, value, what = structure.stiffness, structure.mass, named.value, named.targets[0]
+    if named.family in ("modulus", "support-stiffness"):
+        K = K + (value - (named.family == "support-stiffness")) * structure.part_stiffness[what]
+    elif named.family == "thickness":
+        linear, cubed = structure.sections[what]
+        K = K + value * linear + ((1 + value) ** 3 - 1) * cubed
+    elif named.family in ("point-mass", "cable"):
+        rows = structure.places[what].tocsr()[list(ALONG["".join(named.targets[1:])])]
+        more = value * (rows.T @ rows)
+        K, M = (K, M + more) if named.family == "point-mass" else (K + more, M)
+    elif named.family != "mass" and (springs := reduction.joint_springs(structure, what)) is not None:
+        p, k = (one[MOTIONS.index(named.targets[1])] for one in springs)
+        p = csr_array(p.reshape(-1, 1))
+        K = K - value / (1 + value * k) * (p @ p.T)
+    if named.family in ("mass", "thickness") and what in structure.part_mass:
+        M = M + value * structure.part_mass[what]
+    return K, M

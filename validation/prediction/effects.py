@@ -402,11 +402,6 @@ class _Now:
     losses: Mapping[str, float]
     offsets: Offsets
 
-    @cached_property
-    def drags(self) -> bool:
-        """Whether anything is viscous."""
-        return bool(self.uncoupled.any())
-
     def tangent(self, parameter: str) -> Tangent:
         """The derivative by one of the parameters."""
         family, *names = parameter.split(":")
@@ -447,7 +442,7 @@ class _Now:
         changes = {"stiffness": stiffness}
         if (eta := self.losses.get(part, 0.0)) > 0:
             changes["structural"] = (eta * DE)[:, None] * K * DE
-        if self.drags:
+        if self.uncoupled.any():
             changes["viscous"] = self.uncoupled * (grows[:, None] + grows)
         if mass is not None:
             changes["mass"] = mass
@@ -459,13 +454,13 @@ class _Now:
 
     def _of_frequency(self, configuration: str, mode: str) -> Tangent:
         r, m = self.of.nominal.base + int(mode) - 1, self.matrices
-        viscous = {"viscous": _crossed(self.uncoupled, r) / 2} if self.drags else {}
+        viscous = {"viscous": _crossed(self.uncoupled, r) / 2} if self.uncoupled.any() else {}
         stiffness, structural = _crossed(m.stiffness, r), _crossed(m.structural, r)
         return of_arrays(len(m.mass), NOT_BY_PARTS, r, stiffness=stiffness, structural=structural, **viscous)
 
     def _of_damping(self, configuration: str, mode: str) -> Tangent:
         r, m = self.of.nominal.base + int(mode) - 1, self.matrices
-        viscous = {"viscous": _crossed(self.uncoupled, r) / 2} if self.drags else {}
+        viscous = {"viscous": _crossed(self.uncoupled, r) / 2} if self.uncoupled.any() else {}
         return of_arrays(len(m.mass), NOT_BY_PARTS, r, structural=_crossed(m.structural, r) / 2, **viscous)
 
     def _of_participation(self, configuration: str, mode: str, axis: str) -> Tangent:

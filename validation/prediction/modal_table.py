@@ -72,8 +72,7 @@ class Moved:
 
     def on(self, runs: Sequence[int]) -> "Moved":
         """Of some of them."""
-        at = list(runs)
-        return Moved(squares=self.squares[at], shares=self.shares[:, at], damping_ratio=self.damping_ratio[at])
+        return Moved(**{name: np.asarray(one)[..., list(runs)] for name, one in vars(self).items()})
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -104,9 +103,8 @@ class RealModes:
 
     def changed(self, of: Sequence[int], by: Tangent) -> "Moved":
         """How the modes `of` answer to one parameter."""
-        whole, every = len(by.at) == len(self.shapes), self.shapes
         square, gaps, drag_of_itself, lost = self._of(tuple(of))
-        every = every if whole else every[by.at]
+        every = self.shapes if len(by.at) == len(self.shapes) else self.shapes[by.at]
         own = every[:, list(of)]
         pulled, heavier = by.stiffness @ own, 0.0
         if np.any(by.mass):
@@ -526,8 +524,5 @@ def _by_line(rows: ComplexArray, count: int) -> ComplexArray:
 
 def _change(rows: ComplexArray, count: int) -> Change:
     """A change of the rows (r, c) of all channels as one of those that do change."""
-    moving = np.asarray(rows.any(axis=0))
-    if moving.all():
-        return Change(channels=tuple(range(rows.shape[1])), rows=_by_line(rows, count))
-    channels = tuple(np.flatnonzero(moving).tolist())
+    channels = tuple(np.flatnonzero(rows.any(axis=0)).tolist())
     return Change(channels=channels, rows=_by_line(rows[:, list(channels)], count))
