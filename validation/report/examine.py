@@ -52,10 +52,6 @@ def _reduced(path: str) -> tuple[tuple[ReductionErrors, ...], str]:
         return (), f"How exact its reduction is was not measured: {error}"
 
 
-WORST = 5
-"""[count] of effects of a reduction that are shown. By definition."""
-
-
 def document(found: examine.Examination, reduced: Sequence[ReductionErrors] = ()) -> Document:
     """What was found, each with where, how much and what to do; causes first. Then how exact its reduction is."""
     columns = (
@@ -75,7 +71,7 @@ def document(found: examine.Examination, reduced: Sequence[ReductionErrors] = ()
         Column("off by", lambda one: f"{100 * one.error:.2g} % of that"),
     )
     caption = f"How exact the reduction is, effects at {MULTIPLE:g} times what the tests would name; the worst"
-    tables = [Table(caption=caption, columns=of_effects, rows=one.effects[:WORST]) for one in reduced if one.effects]
+    tables = [Table(caption=caption, columns=of_effects, rows=one.effects[:5]) for one in reduced if one.effects]
     return Document(
         title=f"{found.name}: {found.kind} in {found.source}",
         opening=[*([f"{'; '.join(found.facts)}."] if found.facts else []), *(f"{one.article}: {one.text}." for one in reduced)],
