@@ -37,14 +37,14 @@ BAR = 1e-3
 """[share] of what an effect changes that the reduction may be off. By definition."""
 
 LARGEST = 20_000
-"""[count] of degrees of freedom up to which this is measured: two solutions of the whole structure for each effect."""
+"""[count] of degrees of freedom up to which this is measured: two whole solutions an effect. By definition."""
 
 RANGES = {"modulus": reduction.FAR, "mass": reduction.FAR, "thickness": reduction.FAR_THICKNESS}
 """Relative changes that the reduction is made for; larger ones are asked at their end."""
 
 ATTACHED = 0.5
-"""[share of omega²] by which something at a place moves the mode that it moves most, beyond which it is asked there: such a size
-is overlooked by nobody. By definition."""
+"""[share] of omega² by which something at a place moves the mode that it moves most, beyond which it is not asked there: nobody
+overlooks it. By definition."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
