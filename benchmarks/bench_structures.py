@@ -1,6 +1,7 @@
 """What a mesh of a user's own costs to read and to reduce, how that grows, and how much memory it takes.
 
     python -m benchmarks.bench_structures [CELLS ...]     a plate with two ribs, so many quadrangles along its longer side
+    python -m benchmarks.bench_structures STUDY.toml      a whole diagnosis, in full eigen-solutions of its structure
 
 Times are of the processor, so that others on the machine do not count; memory is the peak of the process, the largest mesh last.
 """
@@ -11,16 +12,21 @@ import resource
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import click
 import numpy as np
+from scipy.linalg import eigh
 
 from benchmarks.blind.structures.shapes import PLATE, Mesh, Plan
-from fem.structure import Structure
+from benchmarks.ratios import measure, show
+from fem.modes import lowest
+from fem.structure import Structure, hold
 from fem.user_model import reading
+from validation.diagnose.diagnose import diagnosed
 from validation.prediction.structure import by_itself
+from validation.study import Study
 
 CELLS = (40, 80, 160, 226)
 """Up to 300,000 degrees of freedom."""
@@ -29,6 +35,12 @@ SHEET = 'material = "steel"\nthickness = "4 mm"\nloss_factor = 0.01'
 
 BAND = 300.0
 """[Hz]"""
+
+MODES = 16
+"""[count] of the lowest modes of a structure."""
+
+BAR = 200.0
+"""[eigen-solutions] that a whole diagnosis may cost."""
 
 
 def plan(cells: int) -> Plan:
@@ -59,6 +71,23 @@ def costs(cells: int) -> tuple[int, float, float, float]:
     return found.mass.shape[0], read, reduced, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
 
 
+def diagnosis(study: str) -> None:
+    """Print what a diagnosis of `study` costs over one eigen-solution of its first structure, all modes, and over the lowest."""
+    opened = Study.open(study, ())
+    reduced = next(one.structure.reduced for one in opened.tests if one.structure is not None)
+    assert reduced is not None
+    free = hold(reduced.structure)
+    K, M = free.stiffness.toarray(), free.mass.toarray()
+    calls: dict[str, Callable[[], object]] = {
+        "one eigen-solution, all modes": lambda: eigh(M, K),  # which has no mass has a mode, too, of share zero
+        f"one eigen-solution, the lowest {MODES}": lambda: lowest(free.stiffness, free.mass, MODES),
+    }
+    timings = measure(calls, rounds=3, clock=time.process_time)
+    timings |= measure({"a whole diagnosis": lambda: diagnosed(opened)}, rounds=1, clock=time.process_time)
+    title = f"{study}: {len(K)} degrees of freedom, {reduced.basis.shape[1]} coordinates; bar {BAR:g}"
+    show(title, timings, base="one eigen-solution, all modes")
+
+
 def main(cells: Sequence[int]) -> None:
     """Print a line each size, and the exponents from the first to the last."""
     rows = []
@@ -74,4 +103,8 @@ def main(cells: Sequence[int]) -> None:
 
 
 if __name__ == "__main__":
-    main([int(one) for one in sys.argv[1:]] or CELLS)
+    asked = [one for one in sys.argv[1:] if not one.startswith("--")]
+    if asked and not asked[0].isdecimal():
+        diagnosis(asked[0])
+    else:
+        main([int(one) for one in asked] or CELLS)

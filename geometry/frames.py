@@ -17,13 +17,14 @@ Integers = npt.NDArray[np.intp]
 
 
 def frozen(value: npt.ArrayLike, shape: tuple[int, ...], name: str) -> Array:
-    """Copy `value` into a read-only float64 array of `shape`.
+    """Copy `value` into a read-only float64 array of `shape`; one that is read-only and nobody else's stays what it is.
 
     Raises
     ------
     ValueError : `value` has another shape or holds NaN or infinity; the message names it and the first such entry.
     """
-    array = np.array(value, dtype=np.float64)
+    safe = isinstance(value, np.ndarray) and not value.flags.writeable and value.base is None
+    array = np.array(value, dtype=np.float64, copy=None if safe else True)
     if array.shape != shape:
         raise ValueError(f"`{name}` must have shape {shape}, found {array.shape}")
     if not np.all(np.isfinite(array)):

@@ -168,7 +168,7 @@ def transfer_tangents(answered: CondensedTransfer, changes: Mapping[str, Tangent
             (change.structural, -1j / omega**2),
         )
         for matrix, factor in fields:
-            if np.any(matrix):
+            if matrix.any():
                 found += factor * _product(left, matrix, right, change.crossing)
         made[name] = answered.sign * found
     return made
@@ -184,7 +184,10 @@ def _product(left: ComplexArray, matrix: Array, right: ComplexArray, crossing: i
         # The same of a matrix of which row and column `crossing` alone are there, alike: two sums over the coordinates
         half = np.array(matrix[crossing])
         half[crossing] /= 2
-        over_left, over_right = (np.tensordot(half, side, axes=1) for side in (left, right))
+        flat = (side.reshape(len(side), -1).view(np.float64) for side in (left, right))  # real rows, and sides as real numbers
+        over_left, over_right = (
+            (half @ each).view(np.complex128).reshape(side.shape[1:]) for each, side in zip(flat, (left, right), strict=True)
+        )
         return np.asarray(left[crossing][:, :, None] * over_right[:, None] + over_left[:, :, None] * right[crossing][:, None])
     k, n, d = right.shape
     pulled = (matrix @ right.reshape(k, n * d).view(np.float64)).view(np.complex128).reshape(k, n, d)

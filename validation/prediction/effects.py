@@ -6,6 +6,7 @@ leaves it alone, so that one model serves a series of articles.
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import inf, sqrt
 from types import MappingProxyType
 from typing import Any
@@ -34,9 +35,6 @@ from validation.prediction.structure import HIGHEST, ReducedStructure, sheet
 # A support has a factor on its stiffness instead of a modulus. G lets viscous damping grow with
 # the frequency of its mode, G_rr = (K'_rr / K_rr)^(1/4), so that a stated ratio stays what it is. Nothing is re-diagonalised: the
 # matrices are smooth in every parameter, stay symmetric, K and C positive, and a cluster of frequencies needs no tracking.
-#
-# How far a mode moves is known no better than how far a base drives it: of a structure by itself l is a change of scale of all
-# matrices A, A' = P A P, P = diag(e^-l), by which whatever is read of mode r and whatever drives it grow by e^l.
 #
 # What is not known of the stiffness that one mode feels couples it with its neighbours as well: of a small symmetric error
 # without a preferred direction the entries beside the diagonal have 1 / sqrt(2) of the deviation of those on it (M. L. Mehta,
@@ -78,9 +76,10 @@ class Tangent:
 FIELDS = ("mass", "stiffness", "viscous", "structural")
 
 
-def of_arrays(
-    size: int, parts: Mapping[str, Array] = MappingProxyType({}), crossing: int | None = None, **changes: Array
-) -> Tangent:
+NOT_BY_PARTS: Mapping[str, Array] = MappingProxyType({})
+
+
+def of_arrays(size: int, parts: Mapping[str, Array] = NOT_BY_PARTS, crossing: int | None = None, **changes: Array) -> Tangent:
     """The tangent of full (size, size) `changes` by the names of `FIELDS`; what is not named does not change.
 
     Parameters
@@ -89,24 +88,29 @@ def of_arrays(
     """
     moving = np.zeros(size, dtype=bool)
     for change in changes.values():
-        moving |= np.any(change != 0, axis=0) | np.any(change != 0, axis=1)
+        for axis in (0, 1):
+            if not moving.all():
+                moving |= change.any(axis=axis)
     at = np.flatnonzero(moving)
-    nothing = np.zeros((len(at), len(at)))
+    nothing, whole = np.zeros((len(at), len(at))), len(at) == size
     where = None if crossing is None or not moving[crossing] else int(np.searchsorted(at, crossing))
-    mass, stiffness, viscous, structural = (changes[name][np.ix_(at, at)] if name in changes else nothing for name in FIELDS)
+    own = {name: change if whole else change[np.ix_(at, at)] for name, change in changes.items()}
+    mass, stiffness, viscous, structural = (own.get(name, nothing) for name in FIELDS)
     return Tangent(at=at, mass=mass, stiffness=stiffness, viscous=viscous, structural=structural, parts=parts, crossing=where)
 
 
 def between(before: Matrices, after: Matrices, step: float) -> Tangent:
     """(after - before) / step."""
-    changes = {name: (getattr(after, name) - getattr(before, name)) / step for name in FIELDS}
+    pairs = {name: (getattr(before, name), getattr(after, name)) for name in FIELDS}
+    changes = {name: (new - old) / step for name, (old, new) in pairs.items() if new is not old}
     parts = {name: (share - before.parts[name]) / step for name, share in after.parts.items() if share is not before.parts[name]}
     return of_arrays(len(before.mass), {name: change for name, change in parts.items() if np.any(change)}, **changes)
 
 
 def plus(one: Tangent, other: Tangent, size: int) -> Tangent:
     """The sum of both, on matrices of `size`."""
-    whole = {name: full(one, name, size) + full(other, name, size) for name in FIELDS}
+    some = [name for name in FIELDS if getattr(one, name).any() or getattr(other, name).any()]
+    whole = {name: full(one, name, size) + full(other, name, size) for name in some}
     return of_arrays(size, {**one.parts, **other.parts}, None, **whole)
 
 
@@ -159,38 +163,35 @@ def with_damping_law(
     laws : of `LAWS` those whose shares are open
     """
     # (k,) omega^-1/2 of every coordinate; 0 of the base and of what effects append, which brings its own losses
-    W, own = np.zeros(len(matrices.mass)), slice(nominal.base, len(nominal.mass))
+    W, there = np.zeros(len(matrices.mass)), slice(nominal.base, len(nominal.mass))
     with np.errstate(over="ignore"):  # what has next to no mass moves as fast as can be
-        square = np.diag(nominal.stiffness)[own] / np.maximum(np.diag(nominal.mass)[own], LIGHTEST)
-    W[own] = np.where(square > 0, square, np.inf) ** -0.25
+        square = np.diag(nominal.stiffness)[there] / np.maximum(np.diag(nominal.mass)[there], LIGHTEST)
+    W[there] = np.where(square > 0, square, np.inf) ** -0.25
     share, apart = offsets.get(DAMPING_LAW, 0.0), offsets.get(LOSS_COUPLING, 0.0)
-    beside = _own(W, W) * (1 - np.eye(len(W)))
+    own = np.outer(W > 0, W > 0).astype(np.float64)  # 1 where both coordinates lose by this law, 0 elsewhere
+    beside, within = own * (1 - np.eye(len(W))), W[:, None] * W
     coupled, found = np.asarray(matrices.structural), dict(tangents)
+    kept, together = 1 - share * own, 1 - apart * beside
+    turning = share * within
     if apart:
-        matrices = replace(matrices, structural=coupled * (1 - apart * beside))
-        for name, tangent in tangents.items():
-            less = tangent.structural * (1 - apart * beside[np.ix_(tangent.at, tangent.at)])
-            found[name] = replace(tangent, structural=less)
-    tangents, turned = dict(found), W[:, None] * matrices.structural * W
-    for name, tangent in tangents.items() if share else ():
-        if np.any(tangent.structural):
-            at = W[tangent.at]
-            kept = tangent.structural * (1 - share * _own(at, at))
-            viscous = tangent.viscous + share * at[:, None] * tangent.structural * at
-            found[name] = replace(tangent, structural=kept, viscous=viscous)
+        matrices = replace(matrices, structural=coupled * together)
+    for name, tangent in tangents.items() if share or apart else ():
+        if tangent.structural.any():
+            at = np.ix_(tangent.at, tangent.at) if len(tangent.at) < len(W) else ...
+            lost = tangent.structural * together[at] if apart else tangent.structural
+            viscous = turning[at] * lost
+            viscous += tangent.viscous
+            found[name] = (
+                replace(tangent, structural=lost * kept[at], viscous=viscous) if share else replace(tangent, structural=lost)
+            )
+    turned = within * matrices.structural
     if derivatives and DAMPING_LAW in laws:
-        found[DAMPING_LAW] = of_arrays(len(W), viscous=turned, structural=-matrices.structural * _own(W, W))
+        found[DAMPING_LAW] = of_arrays(len(W), viscous=turned, structural=-matrices.structural * own)
     if derivatives and LOSS_COUPLING in laws:
         less = -coupled * beside
-        viscous = share * W[:, None] * less * W
-        found[LOSS_COUPLING] = of_arrays(len(W), structural=less * (1 - share * _own(W, W)), viscous=viscous)
-    left = matrices.structural * (1 - share * _own(W, W))
+        found[LOSS_COUPLING] = of_arrays(len(W), structural=less * kept, viscous=turning * less)
+    left = matrices.structural * kept
     return replace(matrices, structural=left, viscous=matrices.viscous + share * turned), found
-
-
-def _own(one: Array, other: Array) -> Array:
-    """1 where both coordinates lose by this law, 0 elsewhere."""
-    return np.outer(one > 0, other > 0).astype(np.float64)
 
 
 NEIGHBOURS = 0.1
@@ -215,6 +216,7 @@ class Nuisances:
     part_tolerances : by part, of "modulus", "density", "loss_factor", "thickness", where they are stated for it
     scaled : whether the matrices are in SI; else nothing can be said of a mass or a spring at a place, only of shares
     reduced : of which they are, of a structure by itself
+    last : what a prediction made of them last, for the next that asks the same
     """
 
     configuration: str
@@ -225,6 +227,7 @@ class Nuisances:
     part_tolerances: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
     scaled: bool = True
     reduced: ReducedStructure | None = None
+    last: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
     def at_positions(self, positions: Sequence[str]) -> "Nuisances":
         """The same made ready for effects at further `positions`, which are written as coordinates.
@@ -238,7 +241,7 @@ class Nuisances:
         made = self.reduced.at(positions)
         return replace(self, nominal=made.matrices, frequency=made.frequency[: len(self.frequency)], reduced=made)
 
-    @property
+    @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
         """All of them; a tolerance of 0 closes a family."""
         of, m, modes = self.tolerances, self.nominal, range(1, len(self.frequency) + 1)
@@ -253,9 +256,6 @@ class Nuisances:
         made += [_declared(f"damping:{self.configuration}:{r}", left[r - 1]) for r in modes]
         if self.nominal.base:
             names = (f"participation:{self.configuration}:{r}:{axis}" for r in modes for axis in MOTIONS)
-            made += [Parameter(name=name, unit="1", tolerance=of.participation, kind=STRUCTURAL) for name in names]
-        else:
-            names = (f"participation:{self.configuration}:{r}" for r in modes)
             made += [Parameter(name=name, unit="1", tolerance=of.participation, kind=STRUCTURAL) for name in names]
         kinds = [("coupling", of.mode_coupling)] + ([] if self.nominal.base else [("mixing", sqrt(2) * of.frequency)])
         for kind, tolerance in kinds:
@@ -272,7 +272,7 @@ class Nuisances:
         """How the parameter for the stiffness of a part is called: a support has no modulus."""
         return f"support-stiffness:{part}" if part in self.nominal.supports else f"modulus:{part}"
 
-    @property
+    @cached_property
     def lossy(self) -> tuple[str, ...]:
         """Parts that have a loss factor."""
         parts = self.nominal.parts if len(self.frequency) else ()
@@ -284,13 +284,13 @@ class Nuisances:
         known = (self.tolerances.damping_law, self.tolerances.loss_coupling)
         return tuple(law for law, tolerance in zip(LAWS, known, strict=True) if self.lossy and tolerance > 0)
 
-    @property
+    @cached_property
     def by_parts(self) -> tuple[bool, ...]:
         """(m,) whether the damping of a mode is that of its parts alone, and none of it was given for the mode."""
         own = np.diag(self.nominal.viscous)[self.nominal.base :]
         return tuple(bool(self.lossy) and not own[r] for r in range(len(self.frequency)))
 
-    @property
+    @cached_property
     def neighbours(self) -> tuple[tuple[int, int], ...]:
         """Pairs of modes, from 0, whose damping may be coupled."""
         f = self.frequency
@@ -299,28 +299,9 @@ class Nuisances:
 
     def at(self, offsets: Offsets, *, derivatives: Wanted = True) -> tuple[Matrices, dict[str, Tangent]]:
         """The matrices at `offsets`, before effects and laws of damping, and their `derivatives` by parameters but those laws."""
-        now, P = self._now(offsets), self.scale(offsets)
-        wanted = [one.name for one in self.parameters if is_wanted(one.name, derivatives) and one.name not in LAWS]
-        scales = {
-            f"participation:{self.configuration}:{r + 1}": r for r in range(0 if self.nominal.base else len(self.frequency))
-        }
-        matrices, found = now.matrices, {name: now.tangent(name) for name in wanted if name not in scales}
-        if np.any(P != 1):
-            matrices, found = _scaled(matrices, found, P)
-        for name in wanted:
-            if name in scales:
-                r = scales[name]
-                changes = {field: -_crossed(getattr(matrices, field), r) for field in FIELDS}
-                parts = {part: -_crossed(share, r) for part, share in matrices.parts.items()}
-                found[name] = of_arrays(len(P), parts, r, **changes)
-        return matrices, found
-
-    def scale(self, offsets: Offsets) -> Array:
-        """(k,) By what all matrices of a structure by itself are multiplied on either side: e^-l of its modes."""
-        P = np.ones(len(self.nominal.mass))
-        for r in range(0 if self.nominal.base else len(self.frequency)):
-            P[r] = np.exp(-offsets.get(f"participation:{self.configuration}:{r + 1}", 0.0))
-        return P
+        now = self._now(offsets)
+        wanted = (one.name for one in self.parameters if is_wanted(one.name, derivatives) and one.name not in LAWS)
+        return now.matrices, {name: now.tangent(name) for name in wanted}
 
     def _now(self, offsets: Offsets) -> "_Now":
         m, name, b = self.nominal, self.configuration, self.nominal.base
@@ -328,7 +309,7 @@ class Nuisances:
         for r in range(len(self.frequency)):
             E[b + r] = np.exp(offsets.get(f"frequency:{name}:{r + 1}", 0.0))
             D[b + r] = np.exp(offsets.get(f"damping:{name}:{r + 1}", 0.0) / 2)
-        K, S, mass, parts = m.stiffness, m.structural, np.array(m.mass), dict(m.parts)
+        K, S, mass, parts = np.array(m.stiffness), np.array(m.structural), np.array(m.mass), dict(m.parts)
         for part, share in m.parts.items():
             stiffer, lossier = offsets.get(self.stiffness_of(part), 0.0), offsets.get(f"loss:{part}", 0.0)
             thicker, denser = offsets.get(f"thickness:{part}", 0.0), offsets.get(f"mass:{part}", 0.0)
@@ -336,11 +317,14 @@ class Nuisances:
             if thicker:
                 one, cubed = m.sections[part]
                 share = share + np.expm1(thicker) * one + np.expm1(3 * thicker) * cubed
-                K, parts[part], S = K + (share - drawn), share, S + eta * (share - drawn)
+                K += share - drawn
+                S += eta * (share - drawn)
+                parts[part] = share
             if stiffer:
-                K, parts[part] = K + np.expm1(stiffer) * share, np.exp(stiffer) * share
-            if stiffer or lossier:
-                S = S + (np.exp(stiffer) * (1 + lossier) - 1) * eta * share
+                K += np.expm1(stiffer) * share
+                parts[part] = np.exp(stiffer) * share
+            if eta and (stiffer or lossier):
+                S += (np.exp(stiffer) * (1 + lossier) - 1) * eta * share
             if (thicker or denser) and part in m.part_mass:
                 mass += (np.exp(thicker) * (1 + denser) - 1) * m.part_mass[part]
         stiffness = E[:, None] * K * E
@@ -473,11 +457,11 @@ class _Now:
         E, DE = self.E, self.D * self.E
         stiffness, whole = E[:, None] * K * E, np.diag(self.matrices.stiffness)
         grows = np.divide(np.diag(stiffness), 4 * whole, out=np.zeros_like(whole), where=whole > 0)
-        changes = {
-            "stiffness": stiffness,
-            "structural": self.losses.get(part, 0.0) * DE[:, None] * K * DE,
-            "viscous": self.uncoupled * (grows[:, None] + grows),
-        }
+        changes = {"stiffness": stiffness}
+        if (eta := self.losses.get(part, 0.0)) > 0:
+            changes["structural"] = (eta * DE)[:, None] * K * DE
+        if self.uncoupled.any():
+            changes["viscous"] = self.uncoupled * (grows[:, None] + grows)
         if mass is not None:
             changes["mass"] = mass
         return of_arrays(len(K), {part: K}, None, **changes)
@@ -488,14 +472,14 @@ class _Now:
 
     def _of_frequency(self, configuration: str, mode: str) -> Tangent:
         r, m = self.of.nominal.base + int(mode) - 1, self.matrices
-        viscous = _crossed(self.uncoupled, r) / 2
+        viscous = {"viscous": _crossed(self.uncoupled, r) / 2} if self.uncoupled.any() else {}
         stiffness, structural = _crossed(m.stiffness, r), _crossed(m.structural, r)
-        return of_arrays(len(m.mass), crossing=r, stiffness=stiffness, structural=structural, viscous=viscous)
+        return of_arrays(len(m.mass), NOT_BY_PARTS, r, stiffness=stiffness, structural=structural, **viscous)
 
     def _of_damping(self, configuration: str, mode: str) -> Tangent:
         r, m = self.of.nominal.base + int(mode) - 1, self.matrices
-        viscous, structural = _crossed(self.uncoupled, r) / 2, _crossed(m.structural, r) / 2
-        return of_arrays(len(m.mass), crossing=r, viscous=viscous, structural=structural)
+        viscous = {"viscous": _crossed(self.uncoupled, r) / 2} if self.uncoupled.any() else {}
+        return of_arrays(len(m.mass), NOT_BY_PARTS, r, structural=_crossed(m.structural, r) / 2, **viscous)
 
     def _of_participation(self, configuration: str, mode: str, axis: str) -> Tangent:
         r, a = int(mode) - 1, MOTIONS.index(axis)
@@ -508,27 +492,6 @@ class _Now:
     def _of_mixing(self, configuration: str, one: str, other: str) -> Tangent:
         r, s, b = int(one) - 1, int(other) - 1, self.of.nominal.base
         return _pair("stiffness", b + r, b + s, self.of.between(r, s) * self.E[r] * self.E[s])
-
-
-def _scaled(of: Matrices, tangents: Mapping[str, Tangent], P: Array) -> tuple[Matrices, dict[str, Tangent]]:
-    """All matrices with P (k,) on either side, those of the parts and the `tangents` among them."""
-
-    def all_of(shares: Mapping[str, Array]) -> dict[str, Array]:
-        return {name: np.outer(P, P) * share for name, share in shares.items()}
-
-    found = {}
-    for name, one in tangents.items():
-        both = np.outer(P[one.at], P[one.at])
-        found[name] = replace(one, parts=all_of(one.parts), **{key: both * getattr(one, key) for key in FIELDS})
-    made = replace(
-        of,
-        parts=all_of(of.parts),
-        part_mass=all_of(of.part_mass),
-        sections={name: (np.outer(P, P) * one, np.outer(P, P) * cubed) for name, (one, cubed) in of.sections.items()},
-        geometric=np.outer(P, P) * of.geometric if of.geometric.size else of.geometric,
-        **{key: np.outer(P, P) * getattr(of, key) for key in FIELDS},
-    )
-    return made, found
 
 
 def _crossed(matrix: Array, r: int) -> Array:

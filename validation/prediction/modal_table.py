@@ -29,7 +29,7 @@ from geometry.frames import Array
 from geometry.sensors import Tolerances
 from identification.modal_table import SOUND_SHAPE, ModalTable, paired
 from validation.effects.catalogue import FAMILIES, There
-from validation.effects.effect import CHANNEL_STAGE
+from validation.effects.effect import CHANNEL_STAGE, STRUCTURE_STAGE
 from validation.effects.stages import ChannelResponse, Matrices
 from validation.estimation.problem import Change, Lines, Measured, Offsets, Parameter, Predicted, Wanted
 from validation.model.model import Added
@@ -57,6 +57,26 @@ CLOSEST = 1e-9
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class Moved:
+    """How some modes answer to one parameter.
+
+    Attributes
+    ----------
+    squares : (m,) d omega² [1/s²]
+    shares : (k, m) of every mode in the change of their shapes
+    damping_ratio : (m,) its change
+    """
+
+    squares: Array
+    shares: Array
+    damping_ratio: Array
+
+    def on(self, runs: Sequence[int]) -> "Moved":
+        """Of some of them."""
+        return Moved(**{name: np.asarray(one)[..., list(runs)] for name, one in vars(self).items()})
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class RealModes:
     """Modes of reduced matrices.
 
@@ -70,7 +90,7 @@ class RealModes:
     matrices: Matrices
     squares: Array
     shapes: Array
-    _lost: dict[int, tuple[Array, float, Array]] = field(default_factory=dict, init=False)
+    _lost: dict[tuple[int, ...], tuple[Array, Array, Array, Array]] = field(default_factory=dict, init=False)
 
     @property
     def frequency(self) -> Array:
@@ -82,24 +102,39 @@ class RealModes:
         omega, phi = np.sqrt(self.squares[mode]), self.shapes[:, mode]
         return float(phi @ (omega * self.matrices.viscous + self.matrices.structural) @ phi / (2 * omega**2))
 
-    def changed(self, mode: int, by: Tangent) -> tuple[float, Array, float]:
-        """How omega² [1/s²], the shape (k,) and the damping ratio of one mode answer to one parameter."""
-        at, square, phi = by.at, self.squares[mode], self.shapes[:, mode]
-        if mode not in self._lost:
-            drag = self.matrices.viscous @ phi
-            self._lost[mode] = self._gaps(mode), float(phi @ drag), np.sqrt(square) * drag + self.matrices.structural @ phi
-        gaps, drag_of_itself, lost = self._lost[mode]
-        own, every = phi[at], self.shapes[at]
-        mass = by.mass @ own
-        force = every.T @ (by.stiffness @ own - square * mass)
+    def changed(self, of: Sequence[int], by: Tangent) -> "Moved":
+        """How the modes `of` answer to one parameter."""
+        square, gaps, drag_of_itself, lost = self._of(tuple(of))
+        every = self.shapes if len(by.at) == len(self.shapes) else self.shapes[by.at]
+        own = every[:, list(of)]
+        pulled, heavier = by.stiffness @ own, 0.0
+        if np.any(by.mass):
+            weighed = by.mass @ own
+            pulled, heavier = pulled - square * weighed, np.sum(own * weighed, axis=0) / 2
+        force, which = every.T @ pulled, np.arange(len(square))
         shares = force / gaps
-        shares[mode] = -own @ mass / 2
-        shape, d_square = self.shapes @ shares, float(force[mode])
+        shares[list(of), which] = -heavier
+        d_square = force[list(of), which]
         # zeta = q / (2 omega²), q = phi^T (omega C + S) phi
         omega = np.sqrt(square)
         d_omega = d_square / (2 * omega)
-        d_loss = own @ (omega * (by.viscous @ own) + by.structural @ own) + d_omega * drag_of_itself + 2 * shape @ lost
-        return d_square, shape, float((d_loss - phi @ lost * d_square / square) / (2 * square))
+        d_loss = d_omega * drag_of_itself + 2 * np.sum(shares * lost, axis=0)
+        if np.any(by.viscous):
+            d_loss = d_loss + omega * np.sum(own * (by.viscous @ own), axis=0)
+        if np.any(by.structural):
+            d_loss = d_loss + np.sum(own * (by.structural @ own), axis=0)
+        ratio = (d_loss - lost[list(of), which] * d_square / square) / (2 * square)
+        return Moved(squares=d_square, shares=shares, damping_ratio=ratio)
+
+    def _of(self, of: tuple[int, ...]) -> tuple[Array, Array, Array, Array]:
+        """Of modes (m,) squares, gaps (k, m), phi^T C phi, and what each mode meets of their losses (k, m)."""
+        if of not in self._lost:
+            phi, square = self.shapes[:, list(of)], self.squares[list(of)]
+            drag = self.matrices.viscous @ phi
+            gaps = np.stack([self._gaps(mode) for mode in of], axis=1) if of else np.zeros((len(self.squares), 0))
+            lost = self.shapes.T @ (np.sqrt(square) * drag + self.matrices.structural @ phi)
+            self._lost[of] = square, gaps, np.sum(phi * drag, axis=0), lost
+        return self._lost[of]
 
     def attached(self, mode: int, moved: Array) -> tuple[Array, Array, Array]:
         """The same of a mass on each of `moved` (q, k), what modes move a place along an axis: (q,), (k, q) and (q,), per kg."""
@@ -144,8 +179,7 @@ def real_modes(matrices: Matrices) -> RealModes:
 
 def seen(matrices: Matrices, table: ModalTable) -> Array:
     """(s, k) what each coordinate moves the sensors of `table`."""
-    rows = [dynamic_mass.along(matrices, point.place, point.direction) for point in table.sensors]
-    return np.array(rows).reshape(len(rows), len(matrices.mass))
+    return points.stated(matrices, table.sensors)
 
 
 def partners(modes: RealModes, table: ModalTable) -> tuple[int, ...]:
@@ -188,17 +222,28 @@ class _TablePart(ABC):
 
     def found(
         self, offsets: Offsets, *, derivatives: Wanted
-    ) -> tuple[RealModes, tuple[int, ...], Mapping[str, Tangent], tuple[Added, ...]]:
-        """Modes at `offsets`, the partner of every run, how the matrices change, and the effects as they stand."""
+    ) -> tuple[RealModes, tuple[int, ...], Mapping[str, Moved], tuple[Added, ...]]:
+        """Modes at `offsets`, the partner of every run, how these answer, and the effects as they stand.
+
+        Frequencies and shapes of a table are asked one after the other of the same matrices: these are made once.
+        """
         effects = prediction_effects.at(self.effects, offsets)
         if not derivatives:
             effects = tuple(replace(one, fixed=True) for one in effects)
-        matrices, tangents = dynamic_mass.structure(self.structure, offsets, effects, derivatives=bool(derivatives))
-        if not isinstance(derivatives, bool):
-            tangents = {name: tangent for name, tangent in tangents.items() if name in derivatives}
-        modes = real_modes(matrices)
-        every = partners(modes, self.table)
-        return modes, tuple(every[k] for k in self.modes), tangents, effects
+        acting = tuple(one for one in effects if FAMILIES[one.named.family].stage == STRUCTURE_STAGE)
+        stand = tuple((one.named.id, *one.named.values.items(), one.fixed) for one in acting)
+        wanted = derivatives if isinstance(derivatives, bool) else frozenset(derivatives)
+        key, last = (id(self.table), tuple(offsets.items()), stand, wanted), self.structure.last
+        if last.get("key") != key:
+            matrices, tangents = dynamic_mass.structure(self.structure, offsets, acting, derivatives=wanted)
+            modes = real_modes(matrices)
+            every = partners(modes, self.table)
+            moved = {name: modes.changed(every, tangent) for name, tangent in tangents.items()} if wanted else {}
+            last |= {"key": key, "table": self.table, "made": (modes, every, moved)}
+        modes, every, moved = last["made"]
+        if self.modes != tuple(range(len(every))):
+            every, moved = tuple(every[k] for k in self.modes), {name: one.on(self.modes) for name, one in moved.items()}
+        return modes, every, moved, effects
 
     @property
     def there(self) -> There:
@@ -293,7 +338,7 @@ class TableFrequencies(_TablePart):
         numpy.linalg.LinAlgError, ValueError, FloatingPointError : the model breaks down there.
         """
         known = {**offsets, **self._opened[1]}
-        modes, of, tangents, _ = self.found(known, derivatives=derivatives)
+        modes, of, moved, _ = self.found(known, derivatives=derivatives)
         wanted, lines_count = len(self.measured.channels), 1 if lines is None else len(lines)
         decay = known.get(WINDOW, 0.0)
         each = [[modes.frequency[k], modes.damping_ratio(k) + decay / np.sqrt(modes.squares[k])][:wanted] for k in of]
@@ -302,15 +347,12 @@ class TableFrequencies(_TablePart):
         if derivatives and WINDOW in (one.name for one in self.parameters):
             own = np.array([[0.0, 1 / np.sqrt(modes.squares[k])] for k in of], dtype=np.complex128)
             changes[WINDOW] = _change(own[:, :wanted], lines_count)
-        for name, tangent in tangents.items() if derivatives else ():
+        squares, f = modes.squares[list(of)], modes.frequency[list(of)]
+        for name, one in moved.items():
             if name in self._opened[1]:
                 continue
-            moved = [modes.changed(k, tangent) for k in of]
-            pairs = [
-                (square / (8 * np.pi**2 * modes.frequency[k]), ratio - decay * square / (2 * modes.squares[k] ** 1.5))
-                for k, (square, _, ratio) in zip(of, moved, strict=True)
-            ]
-            changes[name] = _change(np.array(pairs, dtype=np.complex128)[:, :wanted], lines_count)
+            both = [one.squares / (8 * np.pi**2 * f), one.damping_ratio - decay * one.squares / (2 * squares**1.5)]
+            changes[name] = _change(np.array(both[:wanted], dtype=np.complex128).T, lines_count)
         return Predicted(rows=_by_line(rows, lines_count), changes=changes)
 
     def _modes_read(self, modes: RealModes, of: Sequence[int], offsets: Offsets, effects: Sequence[Added]) -> ComplexArray:
@@ -349,15 +391,11 @@ class TableShapes(_TablePart):
         numpy.linalg.LinAlgError, ValueError, FloatingPointError : the model breaks down there.
         """
         known = {**offsets, **self._opened[1]}
-        modes, of, tangents, effects = self.found(known, derivatives=derivatives)
+        modes, of, changed, effects = self.found(known, derivatives=derivatives)
         count = 1 if lines is None else len(lines)
         where, sign, shapes, gains = self._shapes(modes, of, known)
-        rows = where.values
-        moved = {
-            name: sign * (rows @ np.array([modes.changed(k, tangent)[1] for k in of]).T).T
-            for name, tangent in tangents.items()
-            if derivatives and name not in self._opened[1]
-        }
+        rows = where.values @ modes.shapes if changed else where.values
+        moved = {name: sign * (rows @ one.shares).T for name, one in changed.items() if name not in self._opened[1]}
         for name, (k, row) in where.changes.items() if derivatives else ():
             moved[name] = np.zeros_like(shapes)
             moved[name][:, k] = sign[:, 0] * (row @ modes.shapes[:, of])
@@ -490,5 +528,5 @@ def _by_line(rows: ComplexArray, count: int) -> ComplexArray:
 
 def _change(rows: ComplexArray, count: int) -> Change:
     """A change of the rows (r, c) of all channels as one of those that do change."""
-    channels = tuple(int(k) for k in np.flatnonzero(np.any(rows != 0, axis=0)))
+    channels = tuple(np.flatnonzero(rows.any(axis=0)).tolist())
     return Change(channels=channels, rows=_by_line(rows[:, list(channels)], count))

@@ -77,11 +77,19 @@ def possible(
     ]
 
 
+def stated(matrices: Matrices, points: Sequence[Point]) -> Array:
+    """(p, k) of `points` as they are stated."""
+    if not points:
+        return np.zeros((0, len(matrices.mass)))
+    directions = np.array([one.direction for one in points], dtype=np.float64)
+    return np.asarray(np.einsum("pa,pak->pk", directions, np.stack([matrices.places[one.place] for one in points])))
+
+
 def rows(
     matrices: Matrices, points: Sequence[Point], others: Sequence[Point], names: Sequence[str], offsets: Offsets
 ) -> PointRows:
     """Of `points` at `offsets`, and by the parameters `names`; one that points at nothing of these is left out."""
-    stated = np.array([dynamic_mass.along(matrices, one.place, one.direction) for one in points]).reshape(len(points), -1)
+    own = stated(matrices, points)
     at = {one.name: k for k, one in enumerate(points)}
     instead = {one.name: one for one in others}
     changes = {}
@@ -103,13 +111,13 @@ def rows(
         elif family == "wrong-place":
             if word not in matrices.places:
                 continue
-            change = dynamic_mass.along(matrices, word, d) - stated[k]
+            change = dynamic_mass.along(matrices, word, d) - own[k]
         else:
             if word not in instead:
                 continue
-            change = dynamic_mass.along(matrices, instead[word].place, instead[word].direction) - stated[k]
+            change = dynamic_mass.along(matrices, instead[word].place, instead[word].direction) - own[k]
         changes[name] = (k, change)
-    values = np.array(stated)
+    values = np.array(own)
     for name, (k, change) in changes.items():
         values[k] += offsets.get(name, 0.0) * change
     return PointRows(values=values, changes=changes)

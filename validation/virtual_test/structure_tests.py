@@ -150,7 +150,8 @@ class TestedStructure:
             kept = shares > MASSLESS * shares.max()
             squares, vectors = 1 / shares[kept] + shift, vectors[:, kept] / np.sqrt(shares[kept])
         else:
-            squares, vectors = eigsh(K, k=min(MOST_MODES, len(free) - 2), M=M, sigma=shift)
+            first = solver.solve(M @ np.random.default_rng(0).standard_normal(len(free)))  # else every run begins elsewhere
+            squares, vectors = eigsh(K, k=min(MOST_MODES, len(free) - 2), M=M, sigma=shift, v0=first)
         order = np.argsort(squares)
         whole = np.zeros((self.structure.mass.shape[0], len(squares)))
         whole[free] = vectors[:, order]
@@ -186,7 +187,9 @@ class TestedStructure:
         hertz, eta = np.sqrt(np.maximum(values.real, 0)) / (2 * np.pi), values.imag / np.maximum(values.real, 1e-30)
         inside = [int(k) for k in np.argsort(hertz) if low <= hertz[k] <= high]
         shapes = ((np.array(rows) @ self.modes[1]) @ turned[:, inside]).real.T
-        return hertz[inside], self.ratio + eta[inside] / 2, shapes
+        # A shape has no sign; that of its largest entry is +, so that noise upon it is the same in every run
+        largest = np.take_along_axis(shapes, np.abs(shapes).argmax(axis=1, keepdims=True), axis=1)
+        return hertz[inside], self.ratio + eta[inside] / 2, np.where(largest < 0, -shapes, shapes)
 
 
 def tested(plan: StructurePlan) -> TestedStructure:
