@@ -238,7 +238,10 @@ units = "mm"
 file = "{mesh}"
 support = "ground"
 interface = ["HELD"]
-places = {{ a = ["0 mm", "0 mm", "240 mm"], b = ["300 mm", "0 mm", "240 mm"], c = ["150 mm", "0 mm", "240 mm"], d = ["75 mm", "0 mm", "240 mm"] }}
+places.a = ["0 mm", "0 mm", "240 mm"]
+places.b = ["300 mm", "0 mm", "240 mm"]
+places.c = ["150 mm", "0 mm", "240 mm"]
+places.d = ["75 mm", "0 mm", "240 mm"]
 [fe_model.parts.posts]
 material = "steel"
 section = {{ width = "12 mm", height = "8 mm" }}

@@ -116,17 +116,6 @@ KEPT = 32 * 2**20
 """[bytes] Arrays up to this size are taken from memory that the process has kept, which glibc takes for no more than that."""
 
 
-def keep_freed_memory() -> None:
-    """Let glibc, where that is the C library, keep what is freed: the fits make arrays of the same sizes all the time, and to
-    give each back to the system and ask for it again takes as long as the sums with it."""
-    if sys.platform == "linux":
-        import ctypes
-
-        if hasattr(library := ctypes.CDLL(None), "mallopt"):
-            library.mallopt(M_MMAP_THRESHOLD, KEPT)
-            library.mallopt(M_TRIM_THRESHOLD, 2**31 - 1)
-
-
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3
 
 
@@ -139,10 +128,21 @@ class _LazyGroup(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command:
         if cmd_name not in COMMANDS:
             raise click.exceptions.NoSuchCommand(cmd_name, possibilities=COMMANDS, ctx=ctx)
-        keep_freed_memory()
+        self._keep_freed_memory()
         module = next(module for module, names in MODULES.items() if cmd_name in names)
         command: click.Command = getattr(import_module(f"validation.cli.{module}"), f"{cmd_name.replace('-', '_')}_command")
         return command
+
+    @staticmethod
+    def _keep_freed_memory() -> None:
+        """Let glibc, where that is the C library, keep what is freed: the fits make arrays of the same sizes all the time, and to
+        give each back to the system and ask for it again takes as long as the sums with it."""
+        if sys.platform == "linux":
+            import ctypes
+
+            if hasattr(library := ctypes.CDLL(None), "mallopt"):
+                library.mallopt(M_MMAP_THRESHOLD, KEPT)
+                library.mallopt(M_TRIM_THRESHOLD, 2**31 - 1)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):

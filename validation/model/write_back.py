@@ -1,6 +1,7 @@
 """`written`: effects of a model as a snippet for the deck of Nastran, CalculiX and Abaqus, or OpenSees, in its own units."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
@@ -125,89 +126,117 @@ class Deck:
         tag, point = int(self.mesh.node_tags[index]), self.mesh.points[index]
         return NodeOfDeck(node=tag, point=tuple(point.tolist()), turning=turning, said=tuple(said))
 
+    @classmethod
+    def of(cls, model: Model) -> "Deck":
+        """What the FE model of `model` says of its deck.
 
-@dataclass(frozen=True, kw_only=True)
-class Program:
+        Raises
+        ------
+        BadInput : it has none of the user's own, or its units or nodes are not known.
+        """
+        path = Path(model.own.get(model.article, next(iter(model.own.values()), "")))
+        if path.suffix != ".toml" or not reading.is_model(path):
+            problem = "has no FE model of your own that a TOML describes, and massline's own beams stand in no deck"
+            raise BadInput(source=model.source, field="fe_model", problem=problem, remedy="Bring a mesh: docs/own-model.md")
+        table = toml_file.read(path)[matrices.TABLE]
+        new = count(FIRST_MATERIAL)
+        if described.described(path):
+            found = described.read(path)
+            if found.kind != "mesh":
+                problem = "is an assembly, which massline meshes anew each time: its nodes stand in no deck"
+                raise BadInput(source=str(path), field="fe_model.kind", problem=problem, remedy='Bring your mesh, kind = "mesh"')
+            length, mesh = str(table["units"]), files.read(found.file)
+            system = length if "-" in length else UNITS.get(length, f"{length}-N-s")
+            return cls(
+                path=path,
+                source=found.file.name,
+                units=unit_system(system, str(path)),
+                parts=found.parts,
+                springs={name: (one.stiffness, one.at) for name, one in found.springs.items()},
+                places=found.places,
+                boxes=found.boxes,
+                mesh=mesh,
+                elements=count(1 + max(int(cells.tags.max()) for cells in mesh.cells.values())),
+                nodes=count(1 + int(mesh.node_tags.max())),
+            )
+        if table.get("kind") == "frame":
+            return cls(
+                path=path,
+                source=path.name,
+                units=SI,
+                parts={},
+                springs={},
+                places={},
+                boxes={},
+                mesh=None,
+                elements=new,
+                nodes=new,
+            )
+        about = matrices.read_description(path)
+        if not about.units.known:
+            problem = "of its matrices nobody knows the units"
+            raise BadInput(source=str(path), field="fe_model.units", problem=problem, remedy="State them, as in mm-t-N-s")
+        places = {name: place.node for name, place in about.named.places.items() if place.node is not None}
+        springs = {
+            name: (one.stiffness, tuple(end for end in one.between if end != GROUND))
+            for name, one in about.named.joints.items()
+            if one.stiffness is not None and set(one.between) <= {*places, GROUND}
+        }
+        return cls(
+            path=path,
+            source=path.name,
+            units=about.units,
+            parts=about.named.parts,
+            springs=springs,
+            places=places,
+            boxes={},
+            mesh=None,
+            elements=new,
+            nodes=count(max((FIRST_MATERIAL - 1, *places.values())) + 1),
+        )
+
+    def together(self, effects: Sequence[Added]) -> dict[tuple[str, str], list[Added]]:
+        """Effects by what they change together: the properties of a part, the springs of a joint; each other one by itself."""
+        found: dict[tuple[str, str], list[Added]] = {}
+        for one in effects:
+            target, family = "".join(one.named.targets[:1]), one.named.family
+            spring = family in ("connection-compliance", "support-stiffness") or (family == "modulus" and target in self.springs)
+            kind = SPRING if spring else PART if family in PROPERTIES else ""
+            found.setdefault((kind, target if kind else one.named.id), []).append(one)
+        return found
+
+
+class Program(ABC):
     """How a program writes what was found, all numbers in the deck's units.
 
     Attributes
     ----------
     name, comment, endings : of the program, of its comments and files
-    properties : cards of a material and, where its thickness changes, the section
-    mass : of a mass at a node
-    spring : of a spring along one of six axes, from a node to the ground or between two
-    inertia : of a mass matrix (6, 6) at a point (3,); None where a node has no such
     lossy : whether a material may have a loss factor
+    products : whether a node may have a mass matrix with products
     """
 
     name: str
     comment: str
     endings: tuple[str, ...]
-    properties: Callable[[PropertyValues], list[str]]
-    mass: Callable[[Deck, NodeOfDeck, float], list[str]]
-    spring: Callable[[Deck, Sequence[NodeOfDeck], int, float], list[str]]
-    inertia: Callable[[Deck, Array, Array], list[str]] | None = None
-    lossy: bool = True
+    lossy = True
+    products = False
 
+    @abstractmethod
+    def properties(self, p: PropertyValues) -> list[str]:
+        """Cards of a material and, where its thickness changes, the section."""
 
-def deck_of(model: Model) -> Deck:
-    """What the FE model of `model` says of its deck.
+    @abstractmethod
+    def mass(self, deck: Deck, at: NodeOfDeck, mass: float) -> list[str]:
+        """Of a mass at a node."""
 
-    Raises
-    ------
-    BadInput : it has none of the user's own, or its units or nodes are not known.
-    """
-    path = Path(model.own.get(model.article, next(iter(model.own.values()), "")))
-    if path.suffix != ".toml" or not reading.is_model(path):
-        problem = "has no FE model of your own that a TOML describes, and massline's own beams stand in no deck"
-        raise BadInput(source=model.source, field="fe_model", problem=problem, remedy="Bring a mesh: docs/own-model.md")
-    table = toml_file.read(path)[matrices.TABLE]
-    new = count(FIRST_MATERIAL)
-    if described.described(path):
-        found = described.read(path)
-        if found.kind != "mesh":
-            problem = "is an assembly, which massline meshes anew each time: its nodes stand in no deck"
-            raise BadInput(source=str(path), field="fe_model.kind", problem=problem, remedy='Bring your mesh, kind = "mesh"')
-        length, mesh = str(table["units"]), files.read(found.file)
-        system = length if "-" in length else UNITS.get(length, f"{length}-N-s")
-        return Deck(
-            path=path,
-            source=found.file.name,
-            units=unit_system(system, str(path)),
-            parts=found.parts,
-            springs={name: (one.stiffness, one.at) for name, one in found.springs.items()},
-            places=found.places,
-            boxes=found.boxes,
-            mesh=mesh,
-            elements=count(1 + max(int(cells.tags.max()) for cells in mesh.cells.values())),
-            nodes=count(1 + int(mesh.node_tags.max())),
-        )
-    if table.get("kind") == "frame":
-        return Deck(
-            path=path, source=path.name, units=SI, parts={}, springs={}, places={}, boxes={}, mesh=None, elements=new, nodes=new
-        )
-    about = matrices.read_description(path)
-    if not about.units.known:
-        problem = "of its matrices nobody knows the units"
-        raise BadInput(source=str(path), field="fe_model.units", problem=problem, remedy="State them, as in mm-t-N-s")
-    places = {name: place.node for name, place in about.named.places.items() if place.node is not None}
-    springs = {
-        name: (one.stiffness, tuple(end for end in one.between if end != GROUND))
-        for name, one in about.named.joints.items()
-        if one.stiffness is not None and set(one.between) <= {*places, GROUND}
-    }
-    return Deck(
-        path=path,
-        source=path.name,
-        units=about.units,
-        parts=about.named.parts,
-        springs=springs,
-        places=places,
-        boxes={},
-        mesh=None,
-        elements=new,
-        nodes=count(max((FIRST_MATERIAL - 1, *places.values())) + 1),
-    )
+    @abstractmethod
+    def spring(self, deck: Deck, ends: Sequence[NodeOfDeck], axis: int, stiffness: float) -> list[str]:
+        """Of a spring along one of six axes, from a node to the ground or between two."""
+
+    def inertia(self, deck: Deck, point: Array, matrix: Array) -> list[str]:
+        """Of a mass matrix (6, 6) at a point (3,), where a node may have one."""
+        raise NotImplementedError
 
 
 def written(model: Model, form: str) -> str:
@@ -215,15 +244,15 @@ def written(model: Model, form: str) -> str:
 
     Raises
     ------
-    BadInput : see `deck_of`; the model has no effects.
+    BadInput : see `Deck.of`; the model has no effects.
     CheckFailed : none of them can be written.
     """
     if not model.effects:
         problem = "has no effect: nothing was found and added yet"
         raise BadInput(source=model.source, field="effect", problem=problem, remedy="massline add MODEL EFFECT")
-    deck, program = deck_of(model), PROGRAMS[form]
+    deck, program = Deck.of(model), PROGRAMS[form]
     pieces, refused = list[tuple[list[str], list[str]]](), list[str]()
-    for (kind, name), own in _together(deck, model.effects).items():
+    for (kind, name), own in deck.together(model.effects).items():
         try:
             said, cards = _piece(deck, program, kind, name, own)
         except CheckFailed as error:
@@ -254,17 +283,6 @@ PROPERTIES = {
     "structural-damping": "loss factor",
 }
 """By family, the property of a part that it changes."""
-
-
-def _together(deck: Deck, effects: Sequence[Added]) -> dict[tuple[str, str], list[Added]]:
-    """Effects by what they change together: the properties of a part, the springs of a joint; each other one by itself."""
-    found: dict[tuple[str, str], list[Added]] = {}
-    for one in effects:
-        target, family = "".join(one.named.targets[:1]), one.named.family
-        spring = family in ("connection-compliance", "support-stiffness") or (family == "modulus" and target in deck.springs)
-        kind = SPRING if spring else PART if family in PROPERTIES else ""
-        found.setdefault((kind, target if kind else one.named.id), []).append(one)
-    return found
 
 
 def _told(one: Added) -> str:
@@ -382,9 +400,9 @@ def _springs(deck: Deck, program: Program, own: Sequence[Added]) -> tuple[list[s
 
 
 def _rigid(deck: Deck, program: Program, named: Named) -> tuple[list[str], list[str]]:
-    structure = reading.read(deck.path)
-    if program.inertia is None:
+    if not program.products:
         raise CheckFailed(f"a node of {program.name} has no mass matrix with products: change mass and inertia in the mesh.")
+    structure = reading.read(deck.path)
     if not isinstance(structure, Structure) or structure.floating or structure.grounded:
         raise CheckFailed("no node moves as the body as a whole but the base of a structure that is held by it.")
     m, u = structure.rigid_mass, deck.units
@@ -414,104 +432,78 @@ def _nastran(word: str, *fields: object) -> list[str]:
     return [f"{word + '*' if k == 0 else '*':<8}{row}".rstrip() for k, row in enumerate(rows)]
 
 
-def _nastran_properties(p: PropertyValues) -> list[str]:
-    lost = p.loss_factor or None
-    cards = _nastran("MAT1", p.number, p.modulus, None, p.poisson_ratio, p.density, None, None, lost)
-    return cards + (_nastran("PSHELL", p.number, p.number, p.thickness, p.number, None, p.number) if p.thickness else [])
+class _Nastran(Program):
+    name, comment, endings, products = "Nastran", "$", (".bdf", ".dat", ".nas"), True
+
+    def properties(self, p: PropertyValues) -> list[str]:
+        lost = p.loss_factor or None
+        cards = _nastran("MAT1", p.number, p.modulus, None, p.poisson_ratio, p.density, None, None, lost)
+        return cards + (_nastran("PSHELL", p.number, p.number, p.thickness, p.number, None, p.number) if p.thickness else [])
+
+    def mass(self, deck: Deck, at: NodeOfDeck, mass: float) -> list[str]:
+        return _nastran("CONM2", next(deck.elements), at.node, None, mass)
+
+    def spring(self, deck: Deck, ends: Sequence[NodeOfDeck], axis: int, stiffness: float) -> list[str]:
+        fields = [value for end in ends for value in (end.node, axis + 1)]
+        return _nastran("CELAS2", next(deck.elements), stiffness, *fields)
+
+    def inertia(self, deck: Deck, point: Array, matrix: Array) -> list[str]:
+        node = next(deck.nodes)
+        lower = [float(matrix[i, j]) for i in range(6) for j in range(i + 1)]
+        return _nastran("GRID", node, None, *map(float, point)) + _nastran("CONM1", next(deck.elements), node, None, *lower)
 
 
-def _nastran_spring(deck: Deck, ends: Sequence[NodeOfDeck], axis: int, stiffness: float) -> list[str]:
-    fields = [value for end in ends for value in (end.node, axis + 1)]
-    return _nastran("CELAS2", next(deck.elements), stiffness, *fields)
+class _Abaqus(Program):
+    name, comment, endings = "CalculiX and Abaqus", "**", (".inp",)
+
+    def properties(self, p: PropertyValues) -> list[str]:
+        lines = [
+            f"*MATERIAL, NAME={p.part}",
+            "*ELASTIC",
+            f"{real(p.modulus)}, {real(p.poisson_ratio)}",
+            "*DENSITY",
+            real(p.density),
+        ]
+        lines += [f"*DAMPING, STRUCTURAL={real(p.loss_factor)}"] if p.loss_factor else []
+        return lines + ([f"*SHELL SECTION, ELSET={p.part}, MATERIAL={p.part}", real(p.thickness)] if p.thickness else [])
+
+    def mass(self, deck: Deck, at: NodeOfDeck, mass: float) -> list[str]:
+        n = next(deck.elements)
+        return [f"*ELEMENT, TYPE=MASS, ELSET=MASSLINE_{n}", f"{n}, {at.node}", f"*MASS, ELSET=MASSLINE_{n}", real(mass)]
+
+    def spring(self, deck: Deck, ends: Sequence[NodeOfDeck], axis: int, stiffness: float) -> list[str]:
+        n, kind = next(deck.elements), f"SPRING{len(ends)}"
+        nodes, dofs = ", ".join(str(end.node) for end in ends), ", ".join(str(axis + 1) for _ in ends)
+        head = f"*ELEMENT, TYPE={kind}, ELSET=MASSLINE_{n}"
+        return [head, f"{n}, {nodes}", f"*SPRING, ELSET=MASSLINE_{n}", dofs, real(stiffness)]
 
 
-def _nastran_inertia(deck: Deck, point: Array, matrix: Array) -> list[str]:
-    node = next(deck.nodes)
-    lower = [float(matrix[i, j]) for i in range(6) for j in range(i + 1)]
-    return _nastran("GRID", node, None, *map(float, point)) + _nastran("CONM1", next(deck.elements), node, None, *lower)
+class _OpenSees(Program):
+    name, comment, endings, lossy = "OpenSees", "#", (".tcl",), False
+
+    def properties(self, p: PropertyValues) -> list[str]:
+        thick = (p.thickness,) if p.thickness else ()
+        kind = "section ElasticMembranePlateSection" if thick else "nDMaterial ElasticIsotropic"
+        return [f"{kind} {p.number} " + " ".join(map(real, (p.modulus, p.poisson_ratio, *thick, p.density)))]
+
+    def mass(self, deck: Deck, at: NodeOfDeck, mass: float) -> list[str]:
+        return [f"mass {at.node} " + " ".join([real(mass)] * 3 + ["0"] * 3 * at.turning)]
+
+    def spring(self, deck: Deck, ends: Sequence[NodeOfDeck], axis: int, stiffness: float) -> list[str]:
+        n, lines, other = next(deck.elements), list[str](), ends[-1].node
+        if len(ends) == 1:
+            if not ends[0].point:
+                by_hand = "where the held node would stand: add it by hand."
+                raise CheckFailed(f"{deck.source} says no coordinates of node {other}, {by_hand}")
+            other = next(deck.nodes)
+            size = 6 if ends[0].turning else 3
+            lines = [f"node {other} {' '.join(map(repr, ends[0].point))}", f"fix {other} {' '.join(size * '1')}"]
+        return [
+            *lines,
+            f"uniaxialMaterial Elastic {n} {real(stiffness)}",
+            f"element zeroLength {n} {other} {ends[0].node} -mat {n} -dir {axis + 1}",
+        ]
 
 
-def _abaqus_properties(p: PropertyValues) -> list[str]:
-    lines = [
-        f"*MATERIAL, NAME={p.part}",
-        "*ELASTIC",
-        f"{real(p.modulus)}, {real(p.poisson_ratio)}",
-        "*DENSITY",
-        real(p.density),
-    ]
-    lines += [f"*DAMPING, STRUCTURAL={real(p.loss_factor)}"] if p.loss_factor else []
-    return lines + ([f"*SHELL SECTION, ELSET={p.part}, MATERIAL={p.part}", real(p.thickness)] if p.thickness else [])
-
-
-def _abaqus_mass(deck: Deck, at: NodeOfDeck, mass: float) -> list[str]:
-    n = next(deck.elements)
-    return [f"*ELEMENT, TYPE=MASS, ELSET=MASSLINE_{n}", f"{n}, {at.node}", f"*MASS, ELSET=MASSLINE_{n}", real(mass)]
-
-
-def _abaqus_spring(deck: Deck, ends: Sequence[NodeOfDeck], axis: int, stiffness: float) -> list[str]:
-    n = next(deck.elements)
-    nodes, dofs = ", ".join(str(end.node) for end in ends), ", ".join(str(axis + 1) for _ in ends)
-    return [
-        f"*ELEMENT, TYPE=SPRING{len(ends)}, ELSET=MASSLINE_{n}",
-        f"{n}, {nodes}",
-        f"*SPRING, ELSET=MASSLINE_{n}",
-        dofs,
-        real(stiffness),
-    ]
-
-
-def _opensees_properties(p: PropertyValues) -> list[str]:
-    kind, thick = ("section ElasticMembranePlateSection", (p.thickness,)) if p.thickness else ("nDMaterial ElasticIsotropic", ())
-    return [f"{kind} {p.number} " + " ".join(map(real, (p.modulus, p.poisson_ratio, *thick, p.density)))]
-
-
-def _opensees_mass(deck: Deck, at: NodeOfDeck, mass: float) -> list[str]:
-    return [f"mass {at.node} " + " ".join([real(mass)] * 3 + ["0"] * 3 * at.turning)]
-
-
-def _opensees_spring(deck: Deck, ends: Sequence[NodeOfDeck], axis: int, stiffness: float) -> list[str]:
-    n, lines, other = next(deck.elements), list[str](), ends[-1].node
-    if len(ends) == 1:
-        if not ends[0].point:
-            raise CheckFailed(
-                f"{deck.source} says no coordinates of node {other}, where the held node would stand: add it by hand."
-            )
-        other = next(deck.nodes)
-        size = 6 if ends[0].turning else 3
-        lines = [f"node {other} {' '.join(map(repr, ends[0].point))}", f"fix {other} {' '.join(size * '1')}"]
-    return [
-        *lines,
-        f"uniaxialMaterial Elastic {n} {real(stiffness)}",
-        f"element zeroLength {n} {other} {ends[0].node} -mat {n} -dir {axis + 1}",
-    ]
-
-
-PROGRAMS: Mapping[str, Program] = {
-    "nastran": Program(
-        name="Nastran",
-        comment="$",
-        endings=(".bdf", ".dat", ".nas"),
-        properties=_nastran_properties,
-        mass=lambda deck, at, mass: _nastran("CONM2", next(deck.elements), at.node, None, mass),
-        spring=_nastran_spring,
-        inertia=_nastran_inertia,
-    ),
-    "calculix": Program(
-        name="CalculiX and Abaqus",
-        comment="**",
-        endings=(".inp",),
-        properties=_abaqus_properties,
-        mass=_abaqus_mass,
-        spring=_abaqus_spring,
-    ),
-    "opensees": Program(
-        name="OpenSees",
-        comment="#",
-        endings=(".tcl",),
-        properties=_opensees_properties,
-        mass=_opensees_mass,
-        spring=_opensees_spring,
-        lossy=False,
-    ),
-}
+PROGRAMS: Mapping[str, Program] = {"nastran": _Nastran(), "calculix": _Abaqus(), "opensees": _OpenSees()}
 """What can be written, by the word of ``--as``."""

@@ -46,13 +46,7 @@ def asked(effects: Sequence[Added], families: Sequence[str]) -> list[str]:
     return [one.named.id for one in effects if one.named.family in families and FAMILIES[one.named.family].stage == OPENED]
 
 
-def uncertain(points: Sequence[Point], families: Sequence[str], tolerances: Tolerances) -> list[str]:
-    """Names of what no test knows exactly of its `points`: how they are turned about each axis, and lie beside their place."""
-    kinds = [(family, size) for family in families if (size := _tolerance(family, tolerances)) > 0]
-    return [f"{family}:{point.name}:{axis}" for point in points for family, _ in kinds for axis in "xyz"]
-
-
-def _tolerance(family: str, tolerances: Tolerances) -> float:
+def tolerance_of(family: str, tolerances: Tolerances) -> float:
     """Of a parameter of `family`; 0 where none is stated for it."""
     _, _, kind = family.partition("-")
     return {"misalignment": tolerances.angle, "position": tolerances.position}.get(kind, 0.0)
@@ -71,7 +65,9 @@ def possible(
     changes = rows(matrices, points, others, names, {}).changes
     families = {name: name.partition(":")[0] for name in changes}
     return [
-        Parameter(name=name, unit=FAMILIES[families[name]].sizes[0].unit, tolerance=_tolerance(families[name], tolerances) or 1.0)
+        Parameter(
+            name=name, unit=FAMILIES[families[name]].sizes[0].unit, tolerance=tolerance_of(families[name], tolerances) or 1.0
+        )
         for name, (_, row) in changes.items()
         if np.any(row)
     ]

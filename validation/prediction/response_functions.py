@@ -263,8 +263,12 @@ class ResponseFunctionTest:
     def _moved(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Names of what may move the rows of the responses, and of the drives: tolerances, and what effects ask for."""
         every = ((self.responses, points.RESPONSES), (self.drives, points.DRIVES))
-        names = ((*points.uncertain(of, kinds, self.tolerances), *points.asked(self.effects, kinds)) for of, kinds in every)
-        here, there = (tuple(dict.fromkeys(some)) for some in names)
+        found = []
+        for of, families in every:
+            known = [one for one in families if points.tolerance_of(one, self.tolerances) > 0]
+            names = [f"{family}:{point.name}:{axis}" for point in of for family in known for axis in "xyz"]
+            found.append(tuple(dict.fromkeys([*names, *points.asked(self.effects, families)])))
+        here, there = found
         return here, there
 
     def _on_axis(

@@ -45,7 +45,12 @@ def written(model: Path, fine: Path, text: str) -> Path:
     A = A * (1 + 0.003 * noise)
     for k in range(2):
         table = np.column_stack([frequency, np.ascontiguousarray(A[:, :, k]).view(np.float64)])
-        np.savetxt(model.parent / f"{k}.csv", table, delimiter=",", header="f,a re,a im,b re,b im,c re,c im,d re,d im,e re,e im,g re,g im")
+        np.savetxt(
+            model.parent / f"{k}.csv",
+            table,
+            delimiter=",",
+            header="f,a re,a im,b re,b im,c re,c im,d re,d im,e re,e im,g re,g im",
+        )
     files = '[{ path = "0.csv", drive = "a:x" }, { path = "1.csv", drive = "c:y" }]'
     head = 'format = 1\nkind = "response-functions"\narticle = "portal"\nshare = 0.004\nresponses = '
     (model.parent / "test.toml").write_text(f'{head}["a:x", "b:z", "c:z", "c:y", "b:x", "d:z"]\nfiles = {files}\n')
