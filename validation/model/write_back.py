@@ -250,6 +250,17 @@ def written(model: Model, form: str) -> str:
     if not model.effects:
         problem = "has no effect: nothing was found and added yet"
         raise BadInput(source=model.source, field="effect", problem=problem, remedy="massline add MODEL EFFECT")
+
+    def told(one: Added) -> str:
+        """An effect with its size and interval, in SI."""
+        sizes = []
+        for key, value in one.named.values.items():
+            half = NORMAL_90 * one.deviation.get(key, 0.0)
+            between = f" ({value - half:.6g} to {value + half:.6g})" if half else ""
+            sizes.append(f"{key + ' ' if key else ''}{value:.6g}{between}")
+        unit = next((size.unit for size in FAMILIES[one.named.family].sizes_at(one.named.targets) if size.unit != "1"), "")
+        return f"{one.named.id} = {', '.join(sizes)} {unit}".rstrip()
+
     deck, program = Deck.of(model), PROGRAMS[form]
     pieces, refused = list[tuple[list[str], list[str]]](), list[str]()
     for (kind, name), own in deck.together(model.effects).items():
@@ -258,7 +269,7 @@ def written(model: Model, form: str) -> str:
         except CheckFailed as error:
             refused.append(f"{', '.join(one.named.id for one in own)}: {error}")
         else:
-            pieces.append(([*map(_told, own), *said], cards))
+            pieces.append(([*map(told, own), *said], cards))
     if not pieces:
         raise CheckFailed(f"Nothing of {model.source} can be written for {program.name}. {' '.join(refused)}")
     head = [
@@ -283,17 +294,6 @@ PROPERTIES = {
     "structural-damping": "loss factor",
 }
 """By family, the property of a part that it changes."""
-
-
-def _told(one: Added) -> str:
-    """An effect with its size and interval, in SI."""
-    sizes = []
-    for key, value in one.named.values.items():
-        half = NORMAL_90 * one.deviation.get(key, 0.0)
-        between = f" ({value - half:.6g} to {value + half:.6g})" if half else ""
-        sizes.append(f"{key + ' ' if key else ''}{value:.6g}{between}")
-    unit = next((size.unit for size in FAMILIES[one.named.family].sizes_at(one.named.targets) if size.unit != "1"), "")
-    return f"{one.named.id} = {', '.join(sizes)} {unit}".rstrip()
 
 
 def _piece(deck: Deck, program: Program, kind: str, name: str, own: Sequence[Added]) -> tuple[list[str], list[str]]:
