@@ -241,7 +241,6 @@ interface = ["HELD"]
 places.a = ["0 mm", "0 mm", "240 mm"]
 places.b = ["300 mm", "0 mm", "240 mm"]
 places.c = ["150 mm", "0 mm", "240 mm"]
-places.d = ["75 mm", "0 mm", "240 mm"]
 [fe_model.parts.posts]
 material = "steel"
 section = {{ width = "12 mm", height = "8 mm" }}

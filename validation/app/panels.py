@@ -46,7 +46,7 @@ def as_state(figure: Figure) -> dict[str, Any]:
 # Overlay and map, drawn as the page stands.
 
 
-ROWS, TOP, BOTTOM = 222, 24, 34
+ROWS, TOP, BOTTOM = 218, 28, 34
 """Least height of all rows of the map, and room above them, for the buttons, and below them [pixels]."""
 
 WORST_OF_ALL = -1

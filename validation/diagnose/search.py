@@ -229,7 +229,7 @@ def restarted_from_priors(data: Study, at: Candidate, added: Added | None = None
 
 
 FROM_AFAR = 0.25
-"""[plausible size] at which an effect begins beside a model that does not converge, either way. Held by
+"""[prior sd] at which an effect begins beside a model that does not converge, either way. Held by
 tests/validation/diagnosing/test_search.py."""
 
 

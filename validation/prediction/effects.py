@@ -280,9 +280,11 @@ class Nuisances:
 
     @property
     def laws(self) -> tuple[str, ...]:
-        """Of `LAWS` what is open of the losses of its parts, see `with_damping_law`."""
+        """Of `LAWS` what is open of the losses of its parts, see `with_damping_law`: one loss factor of all couples nothing."""
         known = (self.tolerances.damping_law, self.tolerances.loss_coupling)
-        return tuple(law for law, tolerance in zip(LAWS, known, strict=True) if self.lossy and tolerance > 0)
+        factors = {self.losses[part] for part in self.lossy}
+        least = {DAMPING_LAW: 1, LOSS_COUPLING: 2}
+        return tuple(law for law, tolerance in zip(LAWS, known, strict=True) if len(factors) >= least[law] and tolerance > 0)
 
     @cached_property
     def by_parts(self) -> tuple[bool, ...]:

@@ -25,7 +25,7 @@ from geometry.sensors import Point, Tolerances
 from identification.response_functions import GAIN, ResponseFunctions
 from validation.effects.catalogue import There
 from validation.effects.stages import ChannelResponse, Matrices
-from validation.estimation.problem import IDENTIFIED, STRUCTURAL, Change, Lines, Measured, Offsets, Parameter, Predicted, Wanted
+from validation.estimation.problem import IDENTIFIED, Change, Lines, Measured, Offsets, Parameter, Predicted, Wanted
 from validation.model.model import Added
 from validation.prediction import dynamic_mass, points, series
 from validation.prediction import effects as prediction_effects
@@ -239,25 +239,8 @@ class ResponseFunctionTest:
     def _rows(self, matrices: Matrices, offsets: Offsets) -> tuple[points.PointRows, points.PointRows]:
         """Of the responses and of the drives, with what is wrong with them."""
         here, there = self._moved
-        every = (
-            points.rows(matrices, self.responses, (), here, offsets),
-            points.rows(matrices, self.drives, self.responses, there, offsets),
-        )
-        more = np.ones(len(matrices.mass))
-        for name, r in self._amplitudes.items():
-            more[r] = np.exp(offsets.get(name, 0.0))
-        of_responses, of_drives = (
-            points.PointRows(values=one.values * more, changes={name: (k, row * more) for name, (k, row) in one.changes.items()})
-            for one in every
-        )
-        return of_responses, of_drives
-
-    @cached_property
-    def _amplitudes(self) -> dict[str, int]:
-        """By parameter the coordinate of a mode that may move more or less than computed, e^l of it: participations have this
-        tolerance on a base. What is attached to the structure takes it as it is computed."""
-        of = self.structure
-        return {f"participation:{of.configuration}:{r + 1}": of.nominal.base + r for r in range(len(of.frequency))}
+        of_responses = points.rows(matrices, self.responses, (), here, offsets)
+        return of_responses, points.rows(matrices, self.drives, self.responses, there, offsets)
 
     @cached_property
     def _moved(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -297,10 +280,6 @@ class ResponseFunctionTest:
         for name, (at, row) in of_drives.changes.items() if derivatives else ():
             dT[name] = np.zeros_like(T)
             dT[name][:, :, at] = left @ row
-        for name, at in self._amplitudes.items() if derivatives else ():
-            read, driven = (np.zeros(len(one)) for one in (rows, forces))
-            read[:c], driven[:r] = rows[:c, at], forces[:r, at]
-            dT[name] = read[:, None] * right[..., at][:, None, :] + left[..., at][:, :, None] * driven
         omega, power = answered.omega[:, None, None], POWERS[self.quantity]
         if derivatives and WINDOW in self._asked:
             # d D / d decay = -i (2 (K + i S) / omega³ + i C / omega²)
@@ -427,10 +406,7 @@ class ResponseFunctionTest:
             for name, unit in ((WINDOW, "1/s"), (LEAKAGE, "1"), (TRANSDUCER, "kg"))
             if name in self._asked and (name != TRANSDUCER or self.structure.scaled)
         ]
-        far = self.structure.tolerances.participation
-        modes = [Parameter(name=name, unit="1", tolerance=far, kind=STRUCTURAL) for name in self._amplitudes if far > 0]
-        every = [*self.structure.parameters, *modes, *gains, *moved, *late, *method]
-        left, given = prediction_effects.opened(every, self.effects)
+        left, given = prediction_effects.opened([*self.structure.parameters, *gains, *moved, *late, *method], self.effects)
         return (*left, *prediction_effects.parameters(self.effects, self.structure)), given
 
 

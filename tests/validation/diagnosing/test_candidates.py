@@ -78,7 +78,7 @@ def test_the_smallest_mass_brings_the_evidence_that_is_asked_for_and_grows_with_
     assert smallest_mass(np.inf, 8.0) == np.inf  # the data tell nothing of it
     offset = smallest_mass(3.0, 8.0) / TINY  # a straight line from the mass TINY, whose offset is that of ln m
     assert_allclose(0.5 * offset**2 / 3.0**2 - OCCAM, 8.0, rtol=1e-12)
-    assert_allclose(smallest_mass(3.0, 8.0), 3e-6 * np.sqrt(2 * (8 + 4)), rtol=1e-12)  # [kg]
+    assert_allclose(smallest_mass(3.0, 8.0), 3 * TINY * np.sqrt(2 * (8 + 4)), rtol=1e-12)  # [kg]
 
 
 @pytest.mark.parametrize(("f", "there"), [(3.4, False), (3.6, True), (12.0, True), (36.0, True), (38.0, False)])

@@ -89,13 +89,6 @@ def test_neighbouring_modes_turn_into_each_other_by_what_is_not_known_of_their_s
     assert_derivatives(close)
 
 
-def test_a_mode_that_moves_more_is_read_and_driven_by_that_more():
-    test = model(chain())
-    whole = test.at({}, derivatives=False).rows[..., 0]
-    each = [test.at({f"participation:chain:{r}": 0.1}, derivatives=False).rows[..., 0] - whole for r in (1, 2, 3)]
-    assert_allclose(sum(each), (np.exp(0.2) - 1) * whole, rtol=1e-9)
-
-
 def test_gains_scale_channels_the_force_the_other_way_and_a_known_effect_is_no_parameter_and_acts():
     test = model(chain())
     plain = test.at({}, derivatives=False).rows

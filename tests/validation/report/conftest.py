@@ -15,9 +15,10 @@ import pytest
 
 from validation.cli import main
 from validation.history.history import Body, Errors, HistoryPosition, Ladder, Version
-from validation.report import identify, reference
+from validation.report import reference
 from validation.report.page import ReportOptions, reported, write
 from validation.report.parts import Report
+from validation.report.scenes import setups
 from validation.study import Options
 
 PIXEL = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
@@ -83,7 +84,7 @@ def report(series, tmp_path_factory) -> Report:
     """Compared, diagnosed, identified and drawn; the ladder is made by hand."""
     with pytest.MonkeyPatch.context() as patch:  # pictures of articles and sensors have tests of their own, and take longest
         patch.setenv("MASSLINE_CACHE", str(tmp_path_factory.mktemp("dots")))  # that they are dots nobody else may learn
-        for module, name in ((reference, "draw"), (identify, "draw_sensors")):
+        for module, name in ((reference, "draw"), (setups, "sensor_map")):
             patch.setattr(module, name, lambda _, *given, **how: dot(given[-1]))
         found = reported(
             ReportOptions(compared=series.asked, by="A. Tester", command="massline report cuboid.toml gain"), quiet=True

@@ -5,6 +5,7 @@ from dataclasses import replace
 from validation import study
 from validation.diagnose import diagnose
 from validation.report import identify, page, reference
+from validation.report.scenes import setups
 
 
 def test_a_report_makes_spectra_once_and_fits_all_parameters_once(series, monkeypatch):
@@ -36,10 +37,10 @@ def test_a_second_report_identifies_and_draws_nothing_again(report, tmp_path, mo
     dot = tmp_path / "dot.png"
     dot.write_bytes(b"a picture")
     counting(identify.identify, "identified", lambda given: report.campaigns[0].findings)
-    counting(identify, "draw_sensors", lambda given: dot)
+    counting(setups, "sensor_map", lambda given: dot)
     counting(reference, "draw", lambda given: dot)
     counting(reference.reference, "reference_table", lambda given: report.articles[0].table)
-    whole = ["identified", "draw_sensors", "reference_table", "draw"]
+    whole = ["identified", "sensor_map", "reference_table", "draw"]
 
     def made():
         counted.clear()
