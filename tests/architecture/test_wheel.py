@@ -88,7 +88,8 @@ def installed(wheel: zipfile.ZipFile, tmp_path_factory: pytest.TempPathFactory) 
     folder = tmp_path_factory.mktemp("installed")
     venv.create(folder, with_pip=True, symlinks=True)
     python = folder / "bin" / "python"
-    pip = [str(python), "-m", "pip", "install", "--quiet", "--no-index", "--no-deps", str(wheel.filename)]
+    # Isolated: what the tests have on their path is not what this environment has
+    pip = [str(python), "-I", "-m", "pip", "install", "--quiet", "--no-index", "--no-deps", str(wheel.filename)]
     subprocess.run(pip, check=True, capture_output=True)
     (site,) = folder.glob("lib/python3*/site-packages")
     for one in core().values():
