@@ -26,7 +26,6 @@ import numpy as np
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
-from geometry.sensors import Tolerances
 from identification.modal_table import SOUND_SHAPE, ModalTable, paired
 from validation.effects.catalogue import FAMILIES, There
 from validation.effects.effect import CHANNEL_STAGE, STRUCTURE_STAGE
@@ -456,7 +455,7 @@ class TableShapes(_TablePart):
     def _opened(self) -> tuple[tuple[Parameter, ...], Offsets]:
         gains = [Parameter(name=name, unit="1", tolerance=self.table.gain) for name in self._gains if self.table.gain > 0]
         asked = points.asked(self.effects, points.RESPONSES)
-        moved = points.possible(self.structure.nominal, self.table.sensors, (), asked, Tolerances())
+        moved = points.possible(self.structure.nominal, self.table.sensors, (), asked, points.EXACT)
         left, given = prediction_effects.opened([*self.structure.parameters, *gains, *moved], self.effects)
         return (*left, *prediction_effects.parameters(self.effects, self.structure)), given
 

@@ -46,10 +46,21 @@ def asked(effects: Sequence[Added], families: Sequence[str]) -> list[str]:
     return [one.named.id for one in effects if one.named.family in families and FAMILIES[one.named.family].stage == OPENED]
 
 
+EXACT = Tolerances().scaled(0.0)
+"""Of a test that says by other deviations what its points may be off."""
+
+
 def tolerance_of(family: str, tolerances: Tolerances) -> float:
     """Of a parameter of `family`; 0 where none is stated for it."""
     _, _, kind = family.partition("-")
     return {"misalignment": tolerances.angle, "position": tolerances.position}.get(kind, 0.0)
+
+
+def uncertain(points: Sequence[Point], families: Sequence[str], effects: Sequence[Added], tolerances: Tolerances) -> list[str]:
+    """Names of what may move the rows of `points`: what is known within `tolerances`, and what `effects` ask for, each once."""
+    known = [one for one in families if tolerance_of(one, tolerances) > 0]
+    names = [f"{family}:{point.name}:{axis}" for point in points for family in known for axis in "xyz"]
+    return list(dict.fromkeys([*names, *asked(effects, families)]))
 
 
 def possible(

@@ -11,7 +11,7 @@ coordinates move.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil, inf, isfinite
 
@@ -87,7 +87,7 @@ class ResponseFunctionTest:
     quantity: str = "acceleration"
     gain: float = GAIN
     force_gain: float = GAIN
-    tolerances: Tolerances = field(default_factory=Tolerances)
+    tolerances: Tolerances = points.EXACT
     decay_rate: float | Array = 0.0
     scale: float | None = None
     coherence: Array | None = None
@@ -243,15 +243,10 @@ class ResponseFunctionTest:
         return of_responses, points.rows(matrices, self.drives, self.responses, there, offsets)
 
     @cached_property
-    def _moved(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    def _moved(self) -> tuple[list[str], list[str]]:
         """Names of what may move the rows of the responses, and of the drives: tolerances, and what effects ask for."""
-        every = ((self.responses, points.RESPONSES), (self.drives, points.DRIVES))
-        found = []
-        for of, families in every:
-            known = [one for one in families if points.tolerance_of(one, self.tolerances) > 0]
-            names = [f"{family}:{point.name}:{axis}" for point in of for family in known for axis in "xyz"]
-            found.append(tuple(dict.fromkeys([*names, *points.asked(self.effects, families)])))
-        here, there = found
+        here = points.uncertain(self.responses, points.RESPONSES, self.effects, self.tolerances)
+        there = points.uncertain(self.drives, points.DRIVES, self.effects, self.tolerances)
         return here, there
 
     def _on_axis(
@@ -437,7 +432,7 @@ def _roved(
 def of(
     structure: Nuisances,
     data: ResponseFunctions,
-    tolerances: Tolerances = Tolerances(),  # noqa: B008 - frozen
+    tolerances: Tolerances = points.EXACT,
 ) -> tuple[ResponseFunctionTest, ...]:
     """The prediction of `data` by a model of what was tested, whose points are known within `tolerances`.
 

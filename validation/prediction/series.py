@@ -272,8 +272,7 @@ def with_unmeasured(campaign: Campaign) -> Campaign:
         problem = f"is stated, and its runs are driven along {', '.join(sorted(map(str, driven)))}"
         remedy = "Make a campaign of the runs along each of x, y and z; rotations need measured base motions"
         raise BadInput(source=campaign.source, field="campaign.cross_motion", problem=problem, remedy=remedy)
-    base = [one for one in campaign.table.channels if one.quantity == "acceleration" and one.group != "article"]
-    if not any(abs(one.places[0].direction[along]) > ALONG for one in base):
+    if not _base_along(campaign, along):
         problem = f"is stated, and no accelerometer on the base reads along {MOTIONS[along]}"
         raise BadInput(source=campaign.source, field="campaign.cross_motion", problem=problem, remedy="Add it to [[channel]]")
     made, e = list[Channel](), np.eye(3)
@@ -301,17 +300,21 @@ def _with_their_size(of: problem.Measured, campaign: Campaign) -> problem.Measur
     quiet = np.array([name.startswith(UNMEASURED) for name in of.channels])
     if not campaign.cross_motion:
         return of
-    axis = MOTIONS.index(str(campaign.runs[0].axis))
-    along = {one.name: abs(one.places[0].direction[axis]) for one in campaign.table.channels if one.group != "article"}
-    base = [k for k, name in enumerate(of.channels) if not quiet[k] and along.get(name, 0.0) > ALONG]
-    level = smoothed_level(of.frequency, of.values)[:, :, base].max(axis=2, keepdims=True)
-    article = np.array([one not in along for one in of.channels])
+    driven = _base_along(campaign, MOTIONS.index(str(campaign.runs[0].axis)))
+    level = smoothed_level(of.frequency, of.values)[:, :, np.isin(of.channels, driven)].max(axis=2, keepdims=True)
+    article = np.isin(of.channels, [one.name for one in campaign.table.channels if one.group == "article"])
     return replace(
         of,
         values=np.where(quiet, 0.0, of.values),
         noise=np.where(quiet, campaign.cross_motion * level, of.noise),
         judged=of.judged if np.any(of.judged) else article,
     )
+
+
+def _base_along(campaign: Campaign, axis: int) -> list[str]:
+    """Accelerometers on the base that tell its motion along `axis`, an index of `MOTIONS`."""
+    base = [one for one in campaign.table.channels if one.quantity == "acceleration" and one.group != "article"]
+    return [one.name for one in base if abs(one.places[0].direction[axis]) > ALONG]
 
 
 ALONG = 0.9

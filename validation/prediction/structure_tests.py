@@ -1,6 +1,6 @@
 """What response functions and modal tables of a user's own structure should be, by one model: a prediction of each data set."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Protocol, Self, runtime_checkable
 
@@ -90,7 +90,10 @@ def predictions(model: Model, tests: Sequence[Test]) -> tuple[StructurePredictio
                 problem=f"is {article}, and {model.source} has no model of it",
                 remedy=f"{nearest(article, model.own)}Name its file in [structure.own] of {model.source}, or correct the article",
             )
-        own = [named(model, article, aligned(model, article, one)) for one in own]
+        path = model.own[article]
+        users = reduction.users_model(path, reduction.stamp(path)).model
+        if isinstance(users, Structure):
+            own = [named(users, aligned(users, one)) for one in own]
         known = tested(model, article, own)
         for one in own:
             if isinstance(one, ResponseFunctions):
@@ -128,8 +131,7 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
         problem = "is known by modal data alone, which have no places"
         raise BadInput(source=path, field=article, problem=problem, remedy="Bring its matrices or its mesh")
     structure = users.model
-    seen = [(*one.drives, *one.responses) if isinstance(one, ResponseFunctions) else one.sensors for one in tests]
-    points = [point for each in seen for point in each]
+    points = [point for one in tests for point in points_of(one)]
     rows: dict[str, Sparse] = {}  # (3, n) what each degree of freedom moves a point, by its number or its coordinates
     n = structure.mass.shape[0]
     for point in (point for point in points if point.place not in structure.places):
@@ -178,27 +180,39 @@ def ready_at(tests: Sequence[StructurePrediction], positions: Sequence[str]) -> 
     return tuple(found)
 
 
+def points_of(test: Test) -> tuple[Point, ...]:
+    """Where it is driven, and where it is read."""
+    return (*test.drives, *test.responses) if isinstance(test, ResponseFunctions) else test.sensors
+
+
+def with_points(test: Test, other: Callable[[Point], Point]) -> Test:
+    """`test` with the `other` of each of its points."""
+    if isinstance(test, ResponseFunctions):
+        return replace(test, drives=tuple(map(other, test.drives)), responses=tuple(map(other, test.responses)))
+    return replace(test, sensors=tuple(map(other, test.sensors)))
+
+
 SAME = 1e-6
 """[m] within which a point of a test and a place of the model are one. By definition."""
 
 
-def named(model: Model, article: str, test: Test) -> Test:
-    """`test` whose points that lie where the structure has a named place are at that place: nothing is looked for twice."""
-    path = model.own[article]
-    structure = reduction.users_model(path, reduction.stamp(path)).model
-    if not isinstance(structure, Structure):
+def named(structure: Structure, test: Test) -> Test:
+    """`test` whose points that lie where `structure` has a named place are at that place: nothing is looked for twice."""
+
+    def is_nameless(one: Point) -> bool:
+        return one.position is not None and one.place not in structure.places
+
+    if not any(map(is_nameless, points_of(test))):
         return test
     known = {name: at for name in structure.places if (at := position_of(structure, name)) is not None}
 
     def there(one: Point) -> Point:
-        if one.position is None or one.place in structure.places:
+        if not is_nameless(one):
             return one
         at = np.asarray(one.position)
         return next((replace(one, place=name) for name, p in known.items() if np.linalg.norm(p - at) <= SAME), one)
 
-    if isinstance(test, ResponseFunctions):
-        return replace(test, drives=tuple(map(there, test.drives)), responses=tuple(map(there, test.responses)))
-    return replace(test, sensors=tuple(map(there, test.sensors)))
+    return with_points(test, there)
 
 
 def within(test: Test, band: tuple[float, float] | None) -> Test:
@@ -233,8 +247,8 @@ APART = 0.02
 tests/validation/prediction/test_structure_tests.py."""
 
 
-def aligned(model: Model, article: str, test: Test) -> Test:
-    """`test` in the axes of the structure, by all points whose coordinates both state, and the motion that brings them together.
+def aligned(structure: Structure, test: Test) -> Test:
+    """`test` in the axes of `structure`, by all points whose coordinates both state, and the motion that brings them together.
 
     W. Kabsch, Acta Crystallographica A32 (1976), 922.
 
@@ -242,13 +256,8 @@ def aligned(model: Model, article: str, test: Test) -> Test:
     ------
     BadInput : they do not come together; by how much, where most, and the factor that would do it.
     """
-    stated = (*test.drives, *test.responses) if isinstance(test, ResponseFunctions) else test.sensors
-    path = model.own[article]
-    users = reduction.users_model(path, reduction.stamp(path))
-    if not isinstance(users.model, Structure):
-        return test
-    known = {one.place: one for one in stated if one.position is not None and one.place in users.model.places}
-    pairs = {name: (np.asarray(one.position), position_of(users.model, name)) for name, one in known.items()}
+    known = {one.place: one for one in points_of(test) if one.position is not None and one.place in structure.places}
+    pairs = {name: (np.asarray(one.position), position_of(structure, name)) for name, one in known.items()}
     there = {name: (own, of) for name, (own, of) in pairs.items() if of is not None}
     if len(there) < COMMON:
         return test
@@ -280,6 +289,4 @@ def aligned(model: Model, article: str, test: Test) -> Test:
         at = None if one.position is None else R @ (np.asarray(one.position) - P.mean(axis=0)) + Q.mean(axis=0)
         return replace(one, direction=R @ np.asarray(one.direction), position=at)
 
-    if isinstance(test, ResponseFunctions):
-        return replace(test, drives=tuple(map(moved, test.drives)), responses=tuple(map(moved, test.responses)))
-    return replace(test, sensors=tuple(map(moved, test.sensors)))
+    return with_points(test, moved)
