@@ -28,6 +28,10 @@ class Carrier(Protocol):
         """What each degree of freedom moves `points` (p, 3) [m] along x, y, z; (3, n) sparse each."""
         ...
 
+    def unresolved(self, shapes: Array) -> dict[str, Array]:
+        """By part (k, k) how much too stiff its elements are to `shapes` (n, k)."""
+        ...
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Structure:

@@ -9,7 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.structure import Sparse, Structure
+from fem.mesh.places import ENERGY_TOO_HIGH
+from fem.modes import floating_shift, lowest
+from fem.structure import Sparse, Structure, hold
 from fem.user_model import freedoms, frequency_checks, matrices, matrix_checks, reading
 from fem.user_model.description import Contents, Description
 from fem.user_model.frequency_checks import refusal
@@ -77,8 +79,50 @@ def _as_read(path: str | Path, kind: str) -> Examination:
         found = reading.load(path)
     except BadInput as error:
         return Examination(source=str(path), name=Path(path).stem, kind=kind, findings=(refusal(error),))
-    facts = (f"{found.model.mass.shape[0]} degrees of freedom",) if isinstance(found.model, Structure) else ()
-    return Examination(source=str(path), name=found.name, kind=kind, findings=(), facts=facts)
+    if not isinstance(found.model, Structure):
+        return Examination(source=str(path), name=found.name, kind=kind, findings=())
+    facts, findings = [f"{found.model.mass.shape[0]} degrees of freedom"], []
+    if worst := coarsest(found.model):
+        hertz, part, share = worst
+        facts.append(f"a finer mesh would lower a frequency by up to about {100 * share:.2g} %, that of {hertz:.4g} Hz")
+        if share > TOO_COARSE:
+            what = "strains jump so much from element to element that the mesh bends far too hard"
+            remedy = "Mesh it finer there, or with elements of the second order"
+            amount = f"about {100 * share:.2g} % of the frequency of the mode at {hertz:.4g} Hz"
+            findings.append(Finding(check="mesh", what=what, where=part, amount=amount, remedy=remedy))
+    return Examination(source=str(path), name=found.name, kind=kind, findings=tuple(findings), facts=tuple(facts))
+
+
+LOOKED_AT = 10
+"""[count] of modes by which a mesh is judged: what a test of a structure usually has. By definition."""
+
+TOO_COARSE = 0.05
+"""[share of a frequency] that a mesh may be off before it is wrong: as much as a modulus a tenth off. Held by
+tests/fem/test_examine.py."""
+
+
+def coarsest(structure: Structure) -> tuple[float, str, float] | None:
+    """Of the lowest modes the one that the mesh leaves most unsure: its frequency [Hz], the part that has most of that, and the
+    share of the frequency that a finer mesh would take off; None where no solid elements tell."""
+    if structure.elements is None:
+        return None
+    free = hold(structure)
+    K, M = free.stiffness, free.mass
+    count = min(LOOKED_AT + 6 * structure.floating, len(free.free))
+    pairs = lowest(K, M, count, shift=floating_shift(K, M) if structure.floating else 0.0)
+    elastic = pairs.values > RIGID * pairs.values.max()
+    squares, unsure = pairs.values[elastic], structure.elements.unresolved(free.expand(pairs.vectors[:, elastic]))
+    if not unsure:
+        return None
+    shares = {part: ENERGY_TOO_HIGH * np.diag(one) / squares / 2 for part, one in unsure.items()}
+    total = np.sum(list(shares.values()), axis=0)
+    worst = int(np.argmax(total))
+    part = max(shares, key=lambda name: float(shares[name][worst]))
+    return float(np.sqrt(squares[worst]) / (2 * np.pi)), part, float(total[worst])
+
+
+RIGID = 1e-6
+"""[share of the highest square asked for] below which a mode moves without strain. By definition."""
 
 
 def submitted(contents: Contents, description: Description) -> tuple[Submitted | None, list[Finding]]:

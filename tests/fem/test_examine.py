@@ -10,6 +10,7 @@ import pytest
 from scipy.linalg import eigh
 from scipy.sparse import csr_array
 
+from benchmarks.read_meshes import STEEL, abaqus, bricks
 from fem.beam.elements import Section
 from fem.beam.frame import Body, Member, Plan, assemble
 from fem.structure import rigid_motion
@@ -779,3 +780,16 @@ def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
     (tmp_path / "model.npz").write_bytes(b"PK nothing")
     with pytest.raises(BadInput):
         examine.examine(tmp_path / "model.npz")
+
+
+@pytest.mark.parametrize(("kind", "cells", "is_wrong"), [("C3D4", (8, 2, 2), True), ("C3D10", (8, 2, 2), False)])
+def test_a_mesh_that_is_too_coarse_for_its_modes_is_named_with_the_part(
+    kind: str, cells: tuple[int, int, int], is_wrong: bool, tmp_path: Path
+) -> None:
+    points, elements = bricks(cells, (1.0, 0.1, 0.08), kind)
+    (tmp_path / "mesh.inp").write_text(abaqus(points, {"beam": (kind, elements)}), encoding="utf-8")
+    described = 'format = 1\n[fe_model]\nkind = "mesh"\nunits = "m"\nfile = "mesh.inp"\nsupport = "free"\n'
+    (tmp_path / "beam.toml").write_text(f"{described}[fe_model.parts.beam]\n{STEEL}\n", encoding="utf-8")
+    found = examine.examine(tmp_path / "beam.toml")
+    assert any("finer mesh" in fact for fact in found.facts)
+    assert [(one.check, one.where) for one in found.findings] == ([("mesh", "beam")] if is_wrong else [])

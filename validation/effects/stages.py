@@ -52,6 +52,7 @@ class Matrices:
     supports : those of `parts` that are springs to the ground
     joints : those of `parts` that are springs between two others
     sections : by name of a shell or beam, the shares of its stiffness that grow with the thickness and with its cube
+    unresolved : by part of a mesh of solids (k, k), by how much its stiffness is too high, as far as its strains tell
     geometric : (k, k) stiffness that the weight gives or takes under standard gravity; (0, 0) where it is not known
     rigid : (6, k) rigid motion of the article about its origin that each coordinate carries along; by default that of the base
     """
@@ -69,6 +70,7 @@ class Matrices:
     supports: tuple[str, ...] = ()
     joints: Mapping[str, JointSprings] = field(default_factory=lambda: MappingProxyType({}))
     sections: Mapping[str, tuple[Array, Array]] = field(default_factory=lambda: MappingProxyType({}))
+    unresolved: Mapping[str, Array] = field(default_factory=lambda: NOTHING)
     geometric: Array = field(default_factory=lambda: np.zeros((0, 0)))
     rigid: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
@@ -281,6 +283,7 @@ def with_resonators(stage: Matrices, place: str, axes: tuple[int, ...], values: 
         part_mass={name: _grown(share, more, more) for name, share in stage.part_mass.items()},
         joints={name: replace(one, loads=_grown(one.loads, 0, more)) for name, one in stage.joints.items()},
         sections={name: (_grown(one, more, more), _grown(cubed, more, more)) for name, (one, cubed) in stage.sections.items()},
+        unresolved={name: _grown(share, more, more) for name, share in stage.unresolved.items()},
         geometric=_grown(stage.geometric, more, more) if stage.geometric.size else stage.geometric,
         rigid=_grown(stage.rigid, 0, more),
     )

@@ -675,6 +675,7 @@ def _laid_out_otherwise(source: str) -> BadInput:
 
 STRUCTURE_NOTES = {
     "modulus": "of every part's moduli",
+    "mesh": "of how much too stiff a part's solid elements are, in what the jumps of their strains tell",
     "frequency": "of every mode's frequency, beside the moduli",
     "damping": "of every part's loss factor; of the logarithm of every mode's damping where damping_ratio gives it",
     "mode_damping": "of the logarithm of every mode's damping, beside the loss factors of the parts",

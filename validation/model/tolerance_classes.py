@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from math import radians
 from types import MappingProxyType
 
+from fem.mesh.places import ENERGY_TOO_HIGH
 from geometry.sensors import Tolerances
 
 # `metrology` is a laboratory that has calibrated its own chain against known masses and measured where all stands; `calibrated`
@@ -24,6 +25,7 @@ class StructureTolerances:
     Attributes
     ----------
     modulus : of every part's moduli
+    mesh : of how much softer an endless mesh of a part would be, in the energy of the jumps of its strains
     frequency : of every mode's frequency, beside the moduli
     damping : of every part's loss factor, or of the logarithm of every mode's damping where that is given by mode
     mode_damping : of the logarithm of every mode's damping beside the loss factors of the parts
@@ -34,6 +36,7 @@ class StructureTolerances:
     """
 
     modulus: float = 0.025
+    mesh: float = ENERGY_TOO_HIGH
     frequency: float = 0.0015
     damping: float = 0.35
     mode_damping: float = 0.1

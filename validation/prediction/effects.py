@@ -202,6 +202,15 @@ DENSITY, THICKNESS, SUPPORT = (FAMILIES[name].tolerance for name in ("mass", "th
 """Standard deviations of what nobody states: of a part's density and thickness, and of the logarithm of a support's stiffness."""
 
 
+APART_BY_MESH = 0.25
+"""[share of what a mesh is too stiff by] that is not common to all modes: 0.2 over 25 modes of three structures against CalculiX,
+see `fem.mesh.places.ENERGY_TOO_HIGH`. Held by tests/validation/prediction/test_structure_tests.py."""
+
+FINE_MESH = 0.1
+"""[tolerance of a frequency] below which what a mesh leaves unsure of every mode is no parameter: it adds half a per cent to the
+tolerance. By definition."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Nuisances:
     """The uncertain numbers of one article.
@@ -248,19 +257,21 @@ class Nuisances:
         parts = self.nominal.parts if len(self.frequency) else ()
         made = [_factor(self.stiffness_of(part), self.known(part, "modulus", of.modulus)) for part in parts]
         made += [_factor(f"thickness:{part}", self.known(part, "thickness", THICKNESS)) for part in parts if part in m.sections]
+        made += [_declared(f"mesh:{part}", of.mesh) for part in self.coarse]
         made += [_declared(f"mass:{part}", self.known(part, "density", DENSITY)) for part in parts if part in m.part_mass]
         made += [_declared(f"loss:{part}", self.known(part, "loss_factor", of.damping)) for part in self.lossy]
         made += [_declared(law, of.damping_law if law == DAMPING_LAW else of.loss_coupling) for law in self.laws]
-        made += [_declared(f"frequency:{self.configuration}:{r}", of.frequency) for r in modes]
+        known = self.frequency_tolerance
+        made += [_declared(f"frequency:{self.configuration}:{r}", known[r - 1]) for r in modes]
         left = [of.mode_damping if own else of.damping for own in self.by_parts]
         made += [_declared(f"damping:{self.configuration}:{r}", left[r - 1]) for r in modes]
         if self.nominal.base:
             names = (f"participation:{self.configuration}:{r}:{axis}" for r in modes for axis in MOTIONS)
             made += [Parameter(name=name, unit="1", tolerance=of.participation, kind=STRUCTURAL) for name in names]
-        kinds = [("coupling", of.mode_coupling)] + ([] if self.nominal.base else [("mixing", sqrt(2) * of.frequency)])
-        for kind, tolerance in kinds:
-            names = (f"{kind}:{self.configuration}:{r + 1}:{s + 1}" for r, s in self.neighbours)
-            made += [Parameter(name=name, unit="1", tolerance=tolerance, kind=STRUCTURAL) for name in names]
+        kinds = {"coupling": lambda r, s: of.mode_coupling, "mixing": lambda r, s: sqrt(2 * known[r] * known[s])}
+        for kind in list(kinds)[: 1 if self.nominal.base else 2]:
+            pairs = [(f"{kind}:{self.configuration}:{r + 1}:{s + 1}", kinds[kind](r, s)) for r, s in self.neighbours]
+            made += [Parameter(name=name, unit="1", tolerance=tolerance, kind=STRUCTURAL) for name, tolerance in pairs]
         return tuple(one for one in made if one.tolerance > 0)
 
     def known(self, part: str, what: str, usual: float) -> float:
@@ -271,6 +282,25 @@ class Nuisances:
     def stiffness_of(self, part: str) -> str:
         """How the parameter for the stiffness of a part is called: a support has no modulus."""
         return f"support-stiffness:{part}" if part in self.nominal.supports else f"modulus:{part}"
+
+    @cached_property
+    def too_stiff(self) -> dict[str, Array]:
+        """By part (m,) the tolerance of every frequency by the mesh of that part."""
+        at, squares = self.nominal.base + np.arange(len(self.frequency)), (2 * np.pi * self.frequency) ** 2
+        return {part: self.tolerances.mesh * np.diag(share)[at] / squares / 2 for part, share in self.nominal.unresolved.items()}
+
+    @property
+    def coarse(self) -> tuple[str, ...]:
+        """Parts whose mesh leaves a mode unsure by more than a share of what is not known of its frequency anyway."""
+        least = FINE_MESH * self.tolerances.frequency
+        return tuple(part for part, share in self.too_stiff.items() if np.any(share > least))
+
+    @property
+    def frequency_tolerance(self) -> list[float]:
+        """(m,) of every mode by itself: what is stated, and what its mesh is too stiff by other than to the other modes."""
+        stated, modes = self.tolerances.frequency, np.zeros(len(self.frequency))
+        own = APART_BY_MESH * sum(self.too_stiff.values(), modes)
+        return np.hypot(stated, own if stated else modes).tolist()  # type: ignore[no-any-return]
 
     @cached_property
     def lossy(self) -> tuple[str, ...]:
@@ -319,6 +349,9 @@ class Nuisances:
             if thicker:
                 one, cubed = m.sections[part]
                 share = share + np.expm1(thicker) * one + np.expm1(3 * thicker) * cubed
+            if unsure := offsets.get(f"mesh:{part}", 0.0):
+                share = share - unsure * m.unresolved[part]
+            if share is not drawn:
                 K += share - drawn
                 S += eta * (share - drawn)
                 parts[part] = share
@@ -428,6 +461,7 @@ class _Now:
             "modulus": self._of_modulus,
             "support-stiffness": self._of_modulus,
             "thickness": self._of_thickness,
+            "mesh": self._of_mesh,
             "mass": self._of_mass,
             "loss": self._of_loss,
             "frequency": self._of_frequency,
@@ -449,6 +483,9 @@ class _Now:
             return self._stiffer(part, stiffer)
         heavier = tau * (1 + self.offsets.get(f"mass:{part}", 0.0)) * m.part_mass[part]
         return self._stiffer(part, stiffer, heavier)
+
+    def _of_mesh(self, part: str) -> Tangent:
+        return self._stiffer(part, -np.exp(self.offsets.get(self.of.stiffness_of(part), 0.0)) * self.of.nominal.unresolved[part])
 
     def _of_mass(self, part: str) -> Tangent:
         share = np.exp(self.offsets.get(f"thickness:{part}", 0.0)) * self.of.nominal.part_mass[part]

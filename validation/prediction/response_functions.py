@@ -60,6 +60,14 @@ SCALE = "scale"
 """Family of the parameter that stands for the one factor that readings without calibration share."""
 
 
+LOCAL = "local-compliance"
+"""Family of the parameters of what solids give right where a force acts on them, by drive."""
+
+POINT = 5.0
+"""[compliance that the jumps of strains tell] A force on one node of a solid gives way as its elements are small, without end; a
+hammer's tip or a stud has an area. Held by tests/validation/prediction/test_response_functions.py."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ResponseFunctionTest:
     """A model of one test: a `validation.estimation.problem.Prediction`.
@@ -276,6 +284,12 @@ class ResponseFunctionTest:
             dT[name] = np.zeros_like(T)
             dT[name][:, :, at] = left @ row
         omega, power = answered.omega[:, None, None], POWERS[self.quantity]
+        for k, drive in enumerate(self.drives) if np.any(self._local) else ():
+            softer = -(omega[:, 0] ** 2) * self._local[:, k]
+            T[:, :c, k] += offsets.get(f"{LOCAL}:{drive.name}", 0.0) * softer
+            if derivatives:
+                dT[f"{LOCAL}:{drive.name}"] = np.zeros_like(T)
+                dT[f"{LOCAL}:{drive.name}"][:, :c, k] = softer
         if derivatives and WINDOW in self._asked:
             # d D / d decay = -i (2 (K + i S) / omega³ + i C / omega²)
             whole = np.arange(len(matrices.mass))
@@ -387,6 +401,16 @@ class ResponseFunctionTest:
         return found
 
     @cached_property
+    def _local(self) -> Array:
+        """(c, r) [m/N] by how much more a response would give to a force that acts on a point of an endless mesh, as far as the
+        jumps of strains around the two tell, and beyond what modes do."""
+        m = self.structure.nominal
+        own = np.arange(len(m.mass)) >= m.base + len(self.structure.frequency)
+        answers = np.linalg.pinv(np.where(np.outer(own, own), m.stiffness, 0.0), hermitian=True)
+        left, right = (points.stated(m, some) @ answers for some in (self.responses, self.drives))
+        return np.asarray(left @ sum(m.unresolved.values(), np.zeros_like(m.mass)) @ right.T)
+
+    @cached_property
     def _opened(self) -> tuple[tuple[Parameter, ...], Offsets]:
         """The parameters, and the offsets of those that stand at a given size."""
         # The offset of a gain that is known to a tolerance is what it is beyond 1, as the effect of its name has it
@@ -395,6 +419,11 @@ class ResponseFunctionTest:
         here, there = self._moved
         moved = points.possible(nominal, self.responses, (), here, self.tolerances)
         moved += points.possible(nominal, self.drives, self.responses, there, self.tolerances)
+        moved += [
+            Parameter(name=f"{LOCAL}:{one.name}", unit="1", tolerance=POINT)
+            for one, compliance in zip(self.drives, self._local.T, strict=True)
+            if np.any(compliance)
+        ]
         late = [Parameter(name=name, unit="s", tolerance=1.0) for name in self._delays if name in self._asked]
         method = [
             Parameter(name=name, unit=unit, tolerance=1.0)

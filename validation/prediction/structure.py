@@ -139,6 +139,7 @@ def of_structure(
         supports=own.supports,
         joints={name: replace(one, loads=np.pad(one.loads, ((0, 0), (BASE, 0)))) for name, one in own.joints.items()},
         sections={name: (on_base(one), on_base(cubed)) for name, (one, cubed) in own.sections.items()},
+        unresolved={name: on_base(share) for name, share in own.unresolved.items()},
         geometric=_congruent(sum(structure.geometric.values()), whole) if structure.geometric else np.zeros((0, 0)),
     )
 
@@ -277,6 +278,7 @@ def _on_shapes(
             if one is not None
         },
         sections={name: (on_shapes(one), on_shapes(cubed)) for name, (one, cubed) in structure.sections.items()},
+        unresolved={} if structure.elements is None else structure.elements.unresolved(free.expand(shapes)),
         geometric=on_shapes(sum(structure.geometric.values())) if structure.geometric else np.zeros((0, 0)),
     )
 

@@ -9,6 +9,7 @@ from scipy.linalg import eigh
 
 from benchmarks.read_meshes import STEEL, abaqus, bricks, plate
 from fem.mesh import shells, solids
+from fem.mesh.places import ENERGY_TOO_HIGH
 from fem.modes import fixed_base, floating_shift, lowest
 from fem.structure import Structure
 
@@ -207,3 +208,35 @@ def test_two_membrane_triangles_bend_exactly_in_their_plane_whatever_their_aspec
     u[structure.rotations[:, 2]] = x
     # The optimal membrane is exact for the Poisson's ratio that its factor is made from, up to 0.5
     assert_allclose(u @ (structure.stiffness @ u), E * t * b**3 / 12 * aspect * b, rtol=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["C3D4", "C3D10", "C3D6", "C3D15", "C3D20"])
+def test_a_body_in_constant_strain_is_resolved_by_any_mesh(solid: Callable[..., Structure], kind: str) -> None:
+    structure = solid(kind)
+    motions = np.zeros((structure.mass.shape[0], 7))
+    motions[structure.translations, 0] = structure.points @ np.random.default_rng(2).standard_normal((3, 3)).T
+    motions[:, 1:] = structure.rigid
+    assert structure.elements is not None
+    (energy,) = structure.elements.unresolved(motions).values()
+    assert_allclose(energy, 0, atol=1e-12 * (motions[:, 0] @ structure.stiffness @ motions[:, 0]))
+
+
+@pytest.mark.parametrize(
+    ("kind", "cells"), [("C3D4", (12, 4, 4)), ("C3D10", (5, 2, 2)), ("C3D6", (12, 4, 4)), ("C3D15", (5, 2, 2))]
+)
+def test_how_much_too_stiff_a_mesh_is_is_told_by_the_jumps_of_its_strains(
+    meshed: Meshed, kind: str, cells: tuple[int, int, int]
+) -> None:
+    box = '[fe_model.groups.root]\nbox = [["0 m", "0 m", "0 m"], ["0 m", "1 m", "1 m"]]'
+
+    def held(kind: str, cells: tuple[int, int, int]) -> Structure:
+        points, elements = bricks(cells, (1.0, 0.2, 0.15), kind)
+        return meshed(abaqus(points, {"p": (kind, elements)}), PART, support='interface = ["root"]', more=box)
+
+    structure = held(kind, cells)
+    modes, true = fixed_base(structure, 2), fixed_base(held("C3D20", (16, 4, 4)), 2)
+    assert structure.elements is not None
+    assert modes.shapes is not None
+    told = np.diag(structure.elements.unresolved(modes.shapes)["p"]) / (2 * np.pi * modes.frequency) ** 2
+    off = 1 - (true.frequency / modes.frequency) ** 2
+    assert np.all((off / told > ENERGY_TOO_HIGH / 2) & (off / told < 2 * ENERGY_TOO_HIGH))

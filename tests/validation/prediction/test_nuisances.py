@@ -1,5 +1,7 @@
 """What a model declares to know within tolerances: identities, derivatives, and the damping law."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -30,6 +32,7 @@ def made(article: str, damping: Damping | None) -> Nuisances:
     structure = articles.structure(article)
     modes = fixed_base(structure, 20, damping=damping)
     found = prediction_structure.of_structure(structure, modes, damping=damping, article=built_in(article))
+    found = replace(found, unresolved={"mast": 0.02 * found.parts["mast"]})
     losses = structure.loss_factors if damping is None else {}
     return effects.nuisances(article, found, modes.frequency, losses, highest=20.0)
 
@@ -69,7 +72,7 @@ def test_nothing_moves_at_no_offset_and_a_tolerance_of_nothing_is_no_parameter(o
     for name in ("mass", "stiffness", "viscous", "structural"):
         np.testing.assert_array_equal(getattr(m, name), getattr(one.nominal, name))
     exact = StructureTolerances(
-        modulus=0, frequency=0, damping=0, mode_damping=0, damping_law=0, participation=0, mode_coupling=0
+        modulus=0, mesh=0, frequency=0, damping=0, mode_damping=0, damping_law=0, participation=0, mode_coupling=0
     )
     closed = effects.nuisances(one.configuration, one.nominal, one.frequency, one.losses, exact)
     assert closed.parameters == ()
@@ -90,7 +93,8 @@ def test_parameters_are_called_and_known_as_agreed(one):
     of, name = StructureTolerances(), one.configuration
     expected = {
         "modulus:mast": (of.modulus, DECLARED),
-        f"frequency:{name}:1": (of.frequency, DECLARED),
+        "mesh:mast": (of.mesh, DECLARED),
+        f"frequency:{name}:1": (one.frequency_tolerance[0], DECLARED),
         f"damping:{name}:2": (of.mode_damping if one.losses else of.damping, DECLARED),
         f"participation:{name}:1:alpha": (of.participation, STRUCTURAL),
         f"coupling:{name}:1:2": (of.mode_coupling, STRUCTURAL),

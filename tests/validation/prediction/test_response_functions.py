@@ -220,3 +220,21 @@ def assert_derivatives(test: ResponseFunctionTest) -> None:
         scale = np.abs(difference).max()
         assert scale > 0
         assert_allclose(change.rows, difference, rtol=0, atol=1e-5 * scale, err_msg=name)  # the step's third power
+
+
+def test_solids_give_where_a_force_acts_on_a_point_of_them_by_what_their_mesh_leaves_unsure():
+    test = model(chain())
+    unsure = {"springs": np.diag([0.0, 0.0, 0.1]) @ test.structure.nominal.stiffness}
+    of = replace(test.structure, nominal=replace(test.structure.nominal, unresolved=unsure))
+    of = replace(of, frequency=of.frequency[:2])  # the third coordinate answers statically
+    test = replace(test, structure=of)
+    (own,) = (one for one in test.parameters if one.name == f"{response_functions.LOCAL}:b")
+    assert own.tolerance == response_functions.POINT
+    still, moved = (test.at({own.name: size}, derivatives=False).rows[1, ..., 0] for size in (0.0, 0.3))
+    there = of.nominal.places
+    stiffness = of.nominal.stiffness[2, 2]
+    softer = [0.1 * there[name][0, 2] * there["b"][0, 2] / stiffness for name in NAMES]
+    assert_allclose(moved - still, -((2 * np.pi * F[:, None]) ** 2) * 0.3 * np.array(softer), rtol=1e-6)
+    change = test.at({}).changes[own.name].rows[1, ..., 0]
+    assert_allclose(change, (moved - still) / 0.3, rtol=1e-6)
+    assert not any(one.name.startswith(response_functions.LOCAL) for one in model(chain()).parameters)

@@ -1,19 +1,24 @@
 """Tests of a user's own structure: places by number, what is plausible by the modes, joints that give alike, and refusals."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.linalg import eigh
+from scipy.sparse.linalg import spsolve
 
+from benchmarks.read_meshes import STEEL, abaqus, bricks
+from fem.user_model import reading
 from geometry.errors import BadInput
 from identification import test_file
 from validation.effects.catalogue import FAMILIES, Named, acts, parse
 from validation.model import model_file
-from validation.model.model import Added
+from validation.model.model import Added, StructureTolerances
 from validation.prediction import effects, structure_tests
 from validation.prediction.structure import mounted_article
+from validation.study import Study
 
 STUDY = """format = 1
 model = { title = "Wall", article = "wall" }
@@ -157,3 +162,53 @@ def test_what_stands_on_the_ground_stands_on_no_fmd(opened, ordinary):
     model = replace(opened[0], own={"fmd+wall": opened[0].source})
     with pytest.raises(BadInput, match="no base that an FMD could carry"):
         mounted_article(model, replace(ordinary("fmd+clumod-1", "rigid").campaign, article="fmd+wall"))
+
+
+BLOCK = """format = 1
+model = {{ title = "Block", article = "block" }}
+structure = {{ tolerances = {{ mesh = {mesh} }} }}
+[fe_model]
+kind = "mesh"
+units = "m"
+file = "block.inp"
+support = "ground"
+interface = ["root"]
+places = {{ corner = ["0.2 m", "0 m", "0.03 m"], edge = ["0.2 m", "0.02 m", "0.03 m"], side = ["0.1 m", "0 m", "0.015 m"] }}
+[fe_model.groups.root]
+box = [["0 m", "0 m", "0 m"], ["0 m", "1 m", "1 m"]]
+[fe_model.parts.p]
+{steel}
+loss_factor = 0.02
+[[test]]
+kind = "response-functions"
+article = "block"
+file = "block.csv"
+drive = "corner:z"
+responses = ["corner:z", "edge:z", "side:y", "corner:y"]
+"""
+
+
+def block(folder: Path, cells: tuple[int, int, int], kind: str, mesh: float) -> Path:
+    """The study of a cantilever of such elements."""
+    points, elements = bricks(cells, (0.2, 0.02, 0.03), kind)
+    (folder / "block.inp").write_text(abaqus(points, {"p": (kind, elements)}), encoding="utf-8")
+    (folder / "block.toml").write_text(BLOCK.format(mesh=mesh, steel=STEEL), encoding="utf-8")
+    return folder / "block.toml"
+
+
+@pytest.mark.parametrize("mesh", [StructureTolerances().mesh, 0.0])
+def test_a_sound_block_that_others_meshed_finer_is_within_what_its_mesh_leaves_unsure(tmp_path, mesh):
+    path, rng = block(tmp_path, (12, 3, 3), "C3D20", mesh), np.random.default_rng(4)
+    true, hertz = reading.read(path), np.linspace(300.0, 3000.0, 60)
+    sensors = [("corner", 2), ("edge", 2), ("side", 1), ("corner", 1)]
+    rows = np.array([true.places[name].toarray()[axis] for name, axis in sensors])
+    lines = ["frequency," + ",".join(f"{name}{axis} {part}" for name, axis in sensors for part in ("re", "im"))]
+    for f in hertz:
+        omega = 2 * np.pi * f
+        H = -(omega**2) * rows @ spsolve((true.stiffness * (1 + 0.02j) - omega**2 * true.mass).tocsc(), rows[0].astype(complex))
+        H = H * (1 + 0.01 * rng.standard_normal((4, 2)) @ [1, 1j])
+        lines.append(",".join(f"{x:.8g}" for x in [f, *H.view(np.float64)]))
+    (tmp_path / "block.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    block(tmp_path, (8, 2, 2), "C3D10", mesh)
+    found = Study.open(str(path), []).all_free()
+    assert (found.tolerance_z2 < found.tolerances) == bool(mesh)
