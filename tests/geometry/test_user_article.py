@@ -413,6 +413,33 @@ def test_nested_assemblies_put_every_body_in_its_place_and_number_doubled_names(
     assert_allclose(centres, [[0.005, 0.005, 0.005], [0.025, 0.005, 0.005], [-0.005, 0.105, 0.005]], atol=1e-12)
 
 
+def test_a_body_that_is_used_several_times_is_computed_once_and_is_right_at_every_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import cadquery
+
+    from geometry import cad
+
+    drawn = cadquery.Workplane().box(30, 20, 10).faces(">Z").workplane().center(5, 2).hole(6).val()
+    places = [((0, 0, 0), (0, 0, 1), 0), ((50, 7, -3), (1, 2, 3), 40), ((-40, 0, 60), (0, 1, 1), 170)]
+    assembly = cadquery.Assembly(name="three")
+    for k, place in enumerate(places):
+        assembly.add(drawn, name=f"brick {k}", loc=cadquery.Location(*place))
+    assembly.export(str(tmp_path / "three.step"), "STEP")
+    asked, by_occ = [], cad.from_occ
+    monkeypatch.setattr(cad, "from_occ", lambda *of: asked.append(of) or by_occ(*of))
+    article = load(tmp_path / "three.step", material="steel")
+    assert len(asked) == 1
+    found = inertias(article)
+    one_by_one = sum((by_occ(part.solid, 7850.0) for part in article.parts), Inertia(parameters=np.zeros(10)))
+    assert_allclose(found["occ"].parameters, one_by_one.parameters, rtol=1e-12, atol=1e-12)
+    assert agreement(article, found).agree
+    for part in article.parts:  # the mesh stands where the solid does, and its curved face is within what bounds it
+        middle = cad.tessellate_solid(part.solid, part.chord).bounds.mean(axis=0)
+        assert_allclose(part.mesh.bounds.mean(axis=0), middle, atol=2 * part.chord)
+        assert_allclose(part.curved_reach.mean(axis=0), cad.curved(part.solid)[1].mean(axis=0), atol=1e-5)
+
+
 def test_a_material_by_the_name_that_bodies_share_goes_to_all_of_them(tmp_path: Path) -> None:
     write_assembly(tmp_path / "a.step", ["bolt", "nut", "bolt"])
     row = 'format = 1\n[[part]]\nname = "a"\nfile = "a.step"\nmaterials = {bolt = "1000 kg/m^3", nut = "steel"}\n'
