@@ -140,6 +140,8 @@ def test_mass_outside_the_shape_and_impossible_densities_are_doubted(tmp_path: P
     assert "times as far as its visual shape allows" in findings(urdf(tmp_path, wide)).links[0].doubts[0]
     away = Inertia.from_cog(body.mass, body.cog + np.array([0, 0, 0.5]), body.tensor_cog)
     assert "outside its visual shape" in findings(urdf(tmp_path, away)).links[0].doubts[0]
+    corner = Inertia.from_cog(body.mass, heavy.drawn.corners.min(axis=0), body.tensor_cog)
+    assert "at the very edge of its visual shape" in findings(urdf(tmp_path, corner)).links[0].doubts[0]
 
 
 MJCF = """<mujoco model="m"><compiler angle="degree" meshdir="meshes" eulerseq="zyx"/>
