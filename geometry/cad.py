@@ -19,7 +19,7 @@ import numpy as np
 
 from geometry import atomic
 from geometry.article import Article, Box, Part, Placed
-from geometry.errors import BadInput
+from geometry.errors import BadInput, require_fetched
 from geometry.frames import Array, Pose
 from geometry.inertia import Inertia
 from geometry.mesh import Integers, TriangleMesh
@@ -109,6 +109,7 @@ def read(path: Path, chord: float | None = None) -> tuple[Body, ...]:
     """
     source = str(path)
     content = path.read_bytes()
+    require_fetched(content, source)
     if not content[:256].lstrip().startswith(b"ISO-10303-21"):
         raise BadInput(source=source, problem="it is not a STEP file (it does not begin with ISO-10303-21)", remedy=_AGAIN)
     if b"END-ISO-10303-21" not in content[-256:]:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from geometry.errors import BadInput
+from geometry.errors import BadInput, require_fetched
 from geometry.frames import Array, Pose, frozen
 from geometry.inertia import Inertia
 from geometry.toml_file import METRE, UNITS, LengthUnit, doubts, length_unit
@@ -548,6 +548,9 @@ def read_mesh(path: Path, unit: str | None = None) -> MeshFile:
     content = path.read_bytes()
     ending = path.suffix.lower()
     source = str(path)
+    require_fetched(content, source)
+    if b"\0" not in content[:1024] and b"facet" in content[:1024].lower() and b"endsolid" not in content.lower():
+        content += b"\nendsolid"  # without which trimesh finds no face at all; a file that was cut short is found to be open
     # The unit that the file's own comments name, if any
     comments = b"\n".join(_COMMENT[ending].findall(content[:4096])).decode("latin-1")
     found = _STATED.search(comments)

@@ -151,6 +151,29 @@ def test_what_is_no_mesh_is_refused(tmp_path: Path) -> None:
     assert "no such file" in refused(tmp_path / "absent.stl").problem
 
 
+def test_a_pointer_in_place_of_a_file_is_said_to_be_one_and_a_last_line_that_is_missing_takes_no_face_away(
+    tmp_path: Path,
+) -> None:
+    for name in ("a.stl", "a.obj", "a.ply", "a.step"):
+        (tmp_path / name).write_text(
+            "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n", encoding="utf-8"
+        )
+        assert (
+            "a pointer of Git LFS"
+            in refused(tmp_path / name, material="steel", **({} if name == "a.step" else {"unit": "mm"})).problem
+        )
+    corners = np.array([[0, 0, 0], [10, 0, 0], [0, 10, 0], [0, 0, 10]])
+    faces = [corners[list(face)] for face in ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))]
+    facets = [
+        "facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {x} {y} {z}\n" for x, y, z in face) + "endloop\nendfacet\n"
+        for face in faces
+    ]
+    (tmp_path / "b.stl").write_text("solid b\n" + "".join(facets), encoding="utf-8")
+    assert_allclose(inertias(load(tmp_path / "b.stl", unit="mm", material="1000 kg/m^3"))["trimesh"].mass, 1e-3 / 6, rtol=1e-12)
+    (tmp_path / "c.stl").write_text("solid c\n" + "".join(facets[:3]), encoding="utf-8")
+    assert "3 open edges in 1 hole" in refused(tmp_path / "c.stl", unit="mm", material="steel").problem
+
+
 def cad(data: Path, tool: str) -> tuple[Inertia, float]:
     """What the CAD says of a tool: its inertia about the mesh's origin, and its volume [m³]."""
     sheet = yaml.safe_load((data / TOOLS / tool / "Inertia.yaml").read_text(encoding="utf-8"))["OBJECT"]
