@@ -4,12 +4,14 @@ import faulthandler
 import hashlib
 import io
 import os
+import pickle
 import re
 import signal
+import tempfile
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from itertools import combinations
+from itertools import combinations, product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,10 +19,10 @@ import numpy as np
 
 from geometry import atomic
 from geometry.article import Article, Box, Part, Placed
-from geometry.errors import BadInput
+from geometry.errors import BadInput, require_fetched
 from geometry.frames import Array, Pose
 from geometry.inertia import Inertia
-from geometry.mesh import TriangleMesh
+from geometry.mesh import Integers, TriangleMesh
 
 # Drawings turned into OCC solids by CadQuery: material united, voids cut. In millimetres.
 
@@ -68,6 +70,9 @@ def location(pose: Pose) -> Any:
 ENDINGS = (".step", ".stp")
 """What can be read, upper or lower case."""
 
+RELATIVE_CHORD = 1e-4
+"""Chord error of the mesh of a solid where none is asked for, relative to the diagonal of the box around it."""
+
 TIME_LIMIT = 600
 """Seconds after which a file that OCC never finishes counts as corrupt."""
 
@@ -79,16 +84,23 @@ class Body(NamedTuple):
     ----------
     name : unique in its file; bodies that share a name are numbered, ``bolt-1``, ``bolt-2``
     label : the name as the file has it
-    solid : a CadQuery solid [mm], in the frame of the file
+    solid : a CadQuery solid [mm], in the frame of the file, with a mesh of its faces
+    chord : chord error of that mesh [m]
+    valid, volume : whether OCC finds the solid so, and what it finds inside [mm³]
     """
 
     name: str
     label: str
     solid: OccShape
+    chord: float
+    valid: bool
+    volume: float
 
 
-def read(path: Path) -> tuple[Body, ...]:
+def read(path: Path, chord: float | None = None) -> tuple[Body, ...]:
     """Every solid of the STEP file `path`, at its place in the assembly, in the order of the file.
+
+    `chord` [m] is that of the meshes which they come with, by default `RELATIVE_CHORD` of each.
 
     Raises
     ------
@@ -97,26 +109,23 @@ def read(path: Path) -> tuple[Body, ...]:
     """
     source = str(path)
     content = path.read_bytes()
+    require_fetched(content, source)
     if not content[:256].lstrip().startswith(b"ISO-10303-21"):
         raise BadInput(source=source, problem="it is not a STEP file (it does not begin with ISO-10303-21)", remedy=_AGAIN)
     if b"END-ISO-10303-21" not in content[-256:]:
         raise BadInput(source=source, problem="it is cut short (it does not end with END-ISO-10303-21)", remedy=_AGAIN)
-    if not _survived(path):
-        raise BadInput(source=source, problem="OCC breaks down on it: the file is corrupt", remedy=_AGAIN)
     try:
-        found = _leaves(path)
+        found = _read_apart(path, chord)
     except BadInput:
         raise
     except Exception as error:  # OCC raises Standard_Failure and Python errors alike on corrupt files
         raise BadInput(source=source, problem=f"OCC cannot read it ({type(error).__name__})", remedy=_AGAIN) from error
-    solids = [(label, solid) for label, shape in found for solid in shape.Solids()]
-    total, seen, bodies = Counter(label for label, _ in solids), Counter[str](), list[Body]()
-    for label, solid in solids:
-        seen[label] += 1
-        name = label if total[label] == 1 else f"{label}-{seen[label]}"
-        bodies.append(Body(name=name, label=label, solid=solid))
+    total, seen, bodies = Counter(one.label for one in found), Counter[str](), list[Body]()
+    for one in found:
+        seen[one.label] += 1
+        bodies.append(one if total[one.label] == 1 else one._replace(name=f"{one.label}-{seen[one.label]}"))
     if not bodies:
-        shapes = [shape for _, shape in found]
+        shapes = [shape for _, shape in _leaves(path)]
         kinds = {"shell": "Shells", "face": "Faces", "wire": "Wires", "edge": "Edges", "vertex": "Vertices"}
         counts = {kind: sum(len(getattr(shape, method)()) for shape in shapes) for kind, method in kinds.items()}
         contents = ", ".join(f"{count} {kind}(s)" for kind, count in counts.items() if count) or "nothing"
@@ -126,12 +135,11 @@ def read(path: Path) -> tuple[Body, ...]:
             remedy="Export solids; surfaces must be closed and made solid in the CAD first",
         )
     for body in bodies:
-        volume, valid = body.solid.Volume(), body.solid.isValid()
-        if not valid or not volume > 0:
+        if not body.valid or not body.volume > 0:
             raise BadInput(
                 source=source,
                 field=body.name,
-                problem=f"the solid is not sound: OCC finds it {'valid' if valid else 'invalid'}, volume {volume:.6g} mm³",
+                problem=f"the solid is not sound: OCC finds it {'' if body.valid else 'in'}valid, volume {body.volume:.6g} mm³",
                 remedy="Heal the solid in the CAD (closed shell, faces outwards) and export it again",
             )
     return tuple(bodies)
@@ -158,14 +166,12 @@ def diagonal(solid: OccShape) -> float:
     return float(solid.BoundingBox().DiagonalLength) * MM
 
 
-def curved_reach(solid: OccShape) -> tuple[float, Array]:
-    """Area [m²] of the faces of `solid` that are not planes, and how far they reach from the origin along x, y, z (3,) [m]."""
-    curved = [face for face in solid.Faces() if face.geomType() != "PLANE"]
-    if not curved:
-        return 0.0, np.zeros(3)
-    boxes = [face.BoundingBox() for face in curved]
-    corners = np.array([[[b.xmin, b.ymin, b.zmin], [b.xmax, b.ymax, b.zmax]] for b in boxes])
-    return sum(face.Area() for face in curved) * MM**2, np.abs(corners).max(axis=(0, 1)) * MM
+def curved(solid: OccShape) -> tuple[float, Array]:
+    """Area [m²] of the faces of `solid` that are not planes, and the corners (n, 3) [m] of boxes around them."""
+    faces = [face for face in solid.Faces() if face.geomType() != "PLANE"]
+    boxes = [face.BoundingBox() for face in faces]
+    corners = [place for b in boxes for place in product((b.xmin, b.xmax), (b.ymin, b.ymax), (b.zmin, b.zmax))]
+    return sum(face.Area() for face in faces) * MM**2, np.array(corners).reshape(-1, 3) * MM
 
 
 _ENTRY = re.compile(r"=>\s*\[[\d:]+\]|Open CASCADE STEP translator [\d. ]+")
@@ -174,23 +180,61 @@ _ENTRY = re.compile(r"=>\s*\[[\d:]+\]|Open CASCADE STEP translator [\d. ]+")
 _AGAIN = "Check that the file is whole and what its ending says, and export it again as STEP (AP203, AP214 or AP242)"
 
 
-def _survived(path: Path) -> bool:
-    """Whether OCC lives through reading and meshing the file: on corrupt ones it may end its process, so a child goes first."""
-    child = os.fork()
-    if child:
-        return not os.WIFSIGNALED(os.waitpid(child, 0)[1])
-    try:
-        faulthandler.disable()
-        for number in (1, 2):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), number)
-        signal.alarm(TIME_LIMIT)
-        for _, shape in _leaves(path):
-            for solid in shape.Solids():
-                solid.isValid()
-                solid.Volume()
-                solid.tessellate(1e-3 * solid.BoundingBox().DiagonalLength, 0.5)
-    finally:
-        os._exit(0)  # what the child found wrong without dying is found again, and said, by the parent
+def _read_apart(path: Path, chord: float | None) -> list[Body]:
+    """All solids of the file, examined by a child process: on corrupt ones OCC may end the one that reads or meshes them."""
+    from cadquery import Compound, Shape
+
+    with tempfile.TemporaryFile() as passed:
+        child = os.fork()
+        if not child:
+            try:
+                faulthandler.disable()
+                for number in (1, 2):
+                    os.dup2(os.open(os.devnull, os.O_WRONLY), number)
+                signal.alarm(TIME_LIMIT)
+                found, shapes = _examined(path, chord), io.BytesIO()
+                Compound.makeCompound([one.solid for one in found]).exportBin(shapes)
+                pickle.dump((shapes.getvalue(), [one._replace(solid=None) for one in found]), passed)
+                passed.flush()
+            finally:
+                os._exit(0)
+        if os.WIFSIGNALED(os.waitpid(child, 0)[1]):
+            raise BadInput(source=str(path), problem="OCC breaks down on it: the file is corrupt", remedy=_AGAIN)
+        if not passed.seek(0, os.SEEK_END):
+            return _examined(path, chord)  # what the child found wrong without dying is found again, and said
+        passed.seek(0)
+        content, found = pickle.load(passed)
+    return [one._replace(solid=solid) for one, solid in zip(found, Shape.importBin(io.BytesIO(content)), strict=True)]
+
+
+def _examined(path: Path, chord: float | None) -> list[Body]:
+    solids = [(label, solid) for label, shape in _leaves(path) for solid in shape.Solids()]
+    found: list[Body] = []
+    for (label, solid), same in zip(solids, alike([solid for _, solid in solids]), strict=True):
+        if same < len(found):
+            found.append(found[same]._replace(name=label, label=label, solid=solid))
+            continue
+        valid, volume, fine = solid.isValid(), solid.Volume(), chord or RELATIVE_CHORD * diagonal(solid)
+        _mesh_faces(solid, fine)
+        found.append(Body(name=label, label=label, solid=solid, chord=fine, valid=valid, volume=volume))
+    return found
+
+
+def alike(solids: Sequence[OccShape]) -> list[int]:
+    """For each of `solids` the number of the first that is the same body, there or at another place: itself where none is."""
+    first: list[int] = []
+    for number, solid in enumerate(solids):
+        turn, shape = solid.wrapped.Orientation(), solid.wrapped
+        earlier = ((k, solids[k].wrapped) for k in dict.fromkeys(first))
+        first.append(next((k for k, one in earlier if one.IsPartner(shape) and one.Orientation() == turn), number))
+    return first
+
+
+def placement(solid: OccShape) -> Pose:
+    """Where `solid` stands that is drawn once and used in several places."""
+    found = solid.wrapped.Location().Transformation()
+    matrix = np.array([[found.Value(i, j) for j in (1, 2, 3, 4)] for i in (1, 2, 3)])
+    return Pose(position=matrix[:, 3] * MM, rotation=matrix[:, :3])
 
 
 def _leaves(path: Path) -> list[tuple[str, OccShape]]:
@@ -320,12 +364,6 @@ def of_triangles(mesh: TriangleMesh, density: float) -> Inertia:
     return _of_properties(properties, density).moved(middle)
 
 
-def to_occ(inertia: Inertia) -> tuple[float, tuple[float, float, float], tuple[tuple[float, ...], ...]]:
-    """Mass [kg], CoG [mm] and tensor about the CoG [kg mm²] as nested tuples: what a CAD's mass-property sheet lists."""
-    x, y, z = (inertia.cog / MM).tolist()
-    return inertia.mass, (x, y, z), tuple(tuple(row) for row in (inertia.tensor_cog / MM**2).tolist())
-
-
 def overlaps(article: Article) -> dict[tuple[str, str], float]:
     """Pairs of parts that share volume, and how much [m³], by intersecting their B-reps.
 
@@ -392,16 +430,42 @@ def tessellate(part: Part, chord: float) -> TriangleMesh:
 
 def tessellate_solid(shape: OccShape, chord: float) -> TriangleMesh:
     """Closed mesh [m] of a CadQuery shape [mm] with chord error `chord` [m], vertices of neighbouring faces welded."""
-    from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.BRepTools import BRepTools
 
     BRepTools.Clean_s(shape.wrapped)  # OCC keeps a finer mesh made before; the chord error asked for is the one given
+    _mesh_faces(shape, chord)
+    return mesh_of_faces(shape)
+
+
+def _mesh_faces(shape: OccShape, chord: float) -> None:
+    """Give every face of a CadQuery shape [mm] that has none yet a mesh with chord error `chord` [m]."""
+    from OCP.BRepMesh import BRepMesh_IncrementalMesh
+
     # CadQuery by itself would take the chord error relative to each edge's length; here it is a length.
     BRepMesh_IncrementalMesh(shape.wrapped, chord / MM, False, ANGLE)
-    points, triangles = shape.tessellate(chord / MM, ANGLE)
-    vertices = np.array([point.toTuple() for point in points])
+
+
+def mesh_of_faces(shape: OccShape) -> TriangleMesh:
+    """The meshes [m] that the faces of a CadQuery shape [mm] have as one, vertices of neighbouring faces welded."""
+    from OCP.BRep import BRep_Tool
+    from OCP.TopAbs import TopAbs_REVERSED
+    from OCP.TopLoc import TopLoc_Location
+
+    points, triangles, count = list[Array](), list[Integers](), 0
+    for face in shape.Faces():
+        location = TopLoc_Location()
+        if (found := BRep_Tool.Triangulation_s(face.wrapped, location)) is None:
+            continue
+        turn = location.Transformation()
+        matrix = np.array([[turn.Value(i, j) for j in (1, 2, 3, 4)] for i in (1, 2, 3)])
+        nodes = np.array([(node.X(), node.Y(), node.Z()) for node in map(found.Node, range(1, found.NbNodes() + 1))])
+        corners = np.array([one.Get() for one in found.Triangles()], dtype=np.int64) - 1 + count
+        count += len(nodes)
+        points.append(nodes @ matrix[:, :3].T + matrix[:, 3])
+        triangles.append(corners[:, ::-1] if face.wrapped.Orientation() == TopAbs_REVERSED else corners)
+    vertices = np.vstack(points)
     _, first, welded = np.unique(np.round(vertices / WELD).astype(np.int64), axis=0, return_index=True, return_inverse=True)
-    faces = welded.ravel()[np.array(triangles)]
+    faces = welded.ravel()[np.vstack(triangles)]
     # At the pole of a patch OCC puts two corners of a triangle into one point; without it its neighbours meet all the same
     whole = np.all(faces != np.roll(faces, 1, axis=1), axis=1)
     return TriangleMesh(vertices=vertices[first] * MM, faces=faces[whole])

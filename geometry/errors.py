@@ -32,6 +32,13 @@ class BadInput(ValueError):
         return partial(BadInput, source=self.source, problem=self.problem, remedy=self.remedy, field=self.field), ()
 
 
+def require_fetched(content: bytes, source: str) -> None:
+    """Refuse what Git LFS leaves in a clone in place of a large file that it was not asked to fetch."""
+    if content.startswith(b"version https://git-lfs"):
+        problem = "it is a pointer of Git LFS: the file itself was not fetched"
+        raise BadInput(source=source, problem=problem, remedy="Run `git lfs pull` in its repository")
+
+
 class CheckFailed(RuntimeError):
     """A check of data or model that did not pass, said in words; `evidence` holds the figures by name."""
 

@@ -3,16 +3,16 @@
 import io
 import re
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import islice
+from itertools import chain, combinations, islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from geometry.errors import BadInput
+from geometry.errors import BadInput, require_fetched
 from geometry.frames import Array, Pose, frozen
 from geometry.inertia import Inertia
 from geometry.toml_file import METRE, UNITS, LengthUnit, doubts, length_unit
@@ -162,6 +162,9 @@ CLEARLY = 1e-10
 """How far apart two directions are that rounding cannot have put apart: far above its 1e-16, far below what faces differ by. What
 is nearer is left to exact predicates; the tests against CGAL hold it."""
 
+TOGETHER = 1 << 15
+"""Pairs of neighbours that are looked at in one go: enough for a call to cost nothing beside them, and few for the memory."""
+
 
 def intersecting_faces(mesh: TriangleMesh) -> Integers:
     """Pairs (p, 2) of faces of `mesh` that have more in common than the corners they share, without tolerance.
@@ -184,61 +187,93 @@ def intersecting_faces(mesh: TriangleMesh) -> Integers:
     corner, face, ends = corner[order], face[order], ends[order]
     ways = vertices[ends] - vertices[corner, None]
     ways /= np.linalg.norm(ways, axis=2, keepdims=True)
-    found = [apart]
-    for step in range(1, int(np.bincount(corner).max())):
+    pending, doubtful, most = list[Integers](), [np.empty((0, 2), dtype=np.int64)], int(np.bincount(corner).max())
+    for step in range(1, most):
         one = np.flatnonzero(corner[step:] == corner[:-step])
+        pending.append(np.column_stack([one, one + step]))
+        if step + 1 < most and sum(map(len, pending)) < TOGETHER:
+            continue
+        one, other = np.vstack(pending).T
+        pending = []
         # Clear of one another where a plane through the corner parts them, along an edge that both may share
         for i, j in ((1, 0), (0, 1), (0, 0), (1, 1)):
-            across = ways[one, i] - ways[one + step, j]
-            here, there = (np.einsum("pij,pj->pi", ways[which], across) for which in (one, one + step))
-            one = one[(here.min(axis=1) <= CLEARLY) | (there.max(axis=1) >= -CLEARLY)]
+            across = ways[one, i] - ways[other, j]
+            here, there = (np.einsum("pij,pj->pi", ways[which], across) for which in (one, other))
+            near = (here.min(axis=1) <= CLEARLY) | (there.max(axis=1) >= -CLEARLY)
+            one, other = one[near], other[near]
         for i, j in ((1, 0), (0, 1), (0, 0), (1, 1)):
-            along, here, there = ways[one, i], ways[one, 1 - i], ways[one + step, 1 - j]
+            along, here, there = ways[one, i], ways[one, 1 - i], ways[other, 1 - j]
             here, there = (way - np.sum(way * along, axis=1)[:, None] * along for way in (here, there))
             folded = (np.linalg.norm(np.cross(here, there), axis=1) <= CLEARLY) & (np.sum(here * there, axis=1) >= -CLEARLY)
-            one = one[folded | (ends[one, i] != ends[one + step, j])]
-        doubtful = [k for k in one if _meet(vertices, corner[k], ends[k], ends[k + step])]
-        found.append(np.column_stack([face[doubtful], face[np.array(doubtful, dtype=np.int64) + step]]))
-    return np.unique(np.sort(np.vstack(found), axis=1), axis=0)
+            near = folded | (ends[one, i] != ends[other, j])
+            one, other = one[near], other[near]
+        doubtful.append(np.column_stack([one, other]))
+    pairs = np.vstack(doubtful)
+    pairs = pairs[_meet(vertices, corner[pairs[:, 0]], *ends[pairs.T])]
+    return np.unique(np.sort(np.vstack([apart, face[pairs]]), axis=1), axis=0)
 
 
-def _meet(vertices: Array, corner: int, one: Integers, other: Integers) -> bool:
-    """Whether the sectors between two `vertices` each, seen from `corner`, share a direction other than a vertex of both."""
-    from igl.predicates import orient2d, orient3d
+def _meet(vertices: Array, corner: Integers, one: Integers, other: Integers) -> npt.NDArray[np.bool_]:
+    """Whether sectors between two `vertices` each (n, 2), seen from `corner` (n,), share a way other than a vertex of both."""
+    from igl.predicates import orient3d
 
-    def upon(way: int, first: int, second: int) -> bool:
+    def turn(plane: list[int], *corners: Array) -> Integers:
+        """Which way three points (m, 3) turn in a `plane`: as they do seen from a point above the first one."""
+        a, b, c = (points[:, [*plane, 0]] * [1.0, 1.0, 0.0] for points in corners)
+        return np.asarray(orient3d(a, b, c, a + np.array([0.0, 0.0, 1.0])), dtype=np.int64)
+
+    def upon(way: Array, first: Array, second: Array, o: Array) -> npt.NDArray[np.bool_]:
         """Whether `way`, in the plane of the sector from `first` to `second`, lies within it."""
+        within, told = (np.zeros(len(way), dtype=np.bool_) for _ in range(2))
         for plane in ([0, 1], [1, 2], [2, 0]):
-            o, a, b, c = (vertices[number, plane] for number in (corner, first, second, way))
-            if turn := orient2d(o, a, b).value:
-                return bool(orient2d(o, a, c).value * turn >= 0 and orient2d(o, c, b).value * turn >= 0)
-        return False
+            around = turn(plane, o, first, second)
+            inside = (turn(plane, o, first, way) * around >= 0) & (turn(plane, o, way, second) * around >= 0)
+            within |= ~told & (around != 0) & inside
+            told |= around != 0
+        return within
 
-    sides = []
-    for (first, second), ways in ((one, other), (other, one)):
+    o, sides, within = vertices[corner], [], np.zeros(len(corner), dtype=np.bool_)
+    for (first, second), ways in ((one.T, other.T), (other.T, one.T)):
         for way in ways:
-            if way in (first, second):
-                sides.append(0)
-                continue
-            sides.append(orient3d(vertices[first], vertices[second], vertices[way], vertices[corner]).value)
-            if not sides[-1] and upon(way, first, second):
-                return True
-    return bool(sides[0] * sides[1] < 0 and sides[2] * sides[3] < 0 and sides[0] * sides[2] < 0)
+            common = (way == first) | (way == second)
+            side = np.asarray(orient3d(vertices[first], vertices[second], vertices[way], o), dtype=np.int64)
+            sides.append(np.where(common, 0, side))
+            flat = np.flatnonzero(~common & (side == 0))
+            within[flat] |= upon(*(vertices[which[flat]] for which in (way, first, second, corner)))
+    return within | ((sides[0] * sides[1] < 0) & (sides[2] * sides[3] < 0) & (sides[0] * sides[2] < 0))
 
 
 def shared_volume(first: TriangleMesh, second: TriangleMesh) -> float:
-    """Volume [m³] that belongs to both bodies; each closed and free of self-intersections.
+    """Volume [m³] that belongs to both bodies, as `shared_volumes` has it."""
+    return shared_volumes((first, second)).get((0, 1), 0.0)
 
-    To rounding of the coordinates about the middle of `first`, where exact arithmetic would be without any.
+
+def shared_volumes(bodies: Sequence[TriangleMesh]) -> dict[tuple[int, int], float]:
+    """Volume [m³] that two of `bodies` share, by their numbers, where it is not zero; each closed, free of self-intersections.
+
+    To rounding of the coordinates about the middle of all, where exact arithmetic would be without any.
     """
     from manifold3d import Error, Manifold, Mesh64
 
-    middle = first.bounds.mean(axis=0)
-    one, other = (Manifold(Mesh64(mesh.vertices - middle, mesh.faces.astype(np.uint64))) for mesh in (first, second))
-    both = one ^ other
-    if both.status() != Error.NoError:
-        raise ValueError(f"`first` and `second` must be closed surfaces, found {both.status().name}")
-    return max(0.0, float(both.volume()))
+    if len(bodies) < 2:
+        return {}
+    bounds, shared = np.array([body.bounds for body in bodies]), dict[tuple[int, int], float]()
+    middle = 0.5 * (bounds[:, 0].min(axis=0) + bounds[:, 1].max(axis=0))
+    near = [
+        (i, j)
+        for i, j in combinations(range(len(bodies)), 2)
+        if np.all(bounds[[i, j], 0].max(axis=0) < bounds[[i, j], 1].min(axis=0))
+    ]
+    solids = {
+        k: Manifold(Mesh64(bodies[k].vertices - middle, bodies[k].faces.astype(np.uint64))) for k in sorted({*chain(*near)})
+    }
+    for i, j in near:
+        both = solids[i] ^ solids[j]
+        if both.status() != Error.NoError:
+            raise ValueError(f"`bodies` must be closed surfaces, found {both.status().name}")
+        if (volume := float(both.volume())) > 0:
+            shared[i, j] = volume
+    return shared
 
 
 def winding_number(mesh: TriangleMesh, point: Array) -> int:
@@ -513,6 +548,9 @@ def read_mesh(path: Path, unit: str | None = None) -> MeshFile:
     content = path.read_bytes()
     ending = path.suffix.lower()
     source = str(path)
+    require_fetched(content, source)
+    if b"\0" not in content[:1024] and b"facet" in content[:1024].lower() and b"endsolid" not in content.lower():
+        content += b"\nendsolid"  # without which trimesh finds no face at all; a file that was cut short is found to be open
     # The unit that the file's own comments name, if any
     comments = b"\n".join(_COMMENT[ending].findall(content[:4096])).decode("latin-1")
     found = _STATED.search(comments)
@@ -568,24 +606,6 @@ def _unreadable(ending: str, why: str, source: str) -> BadInput:
 # is told.
 
 
-class MassProperties(NamedTuple):
-    """Mass properties as trimesh has them: `mass` [kg], `center_mass` (3,) [m], `inertia` (3, 3) [kg m²] about it."""
-
-    mass: float
-    center_mass: Array
-    inertia: Array
-
-
-def from_trimesh(mass: float, center_mass: npt.ArrayLike, inertia: npt.ArrayLike) -> Inertia:
-    """From trimesh's mass [kg], centre of mass (3,) [m] and tensor (3, 3) [kg m²] about it; the result is about the origin."""
-    return Inertia.from_cog(mass, center_mass, inertia)
-
-
-def to_trimesh(inertia: Inertia) -> MassProperties:
-    """Mass, centre of mass and the tensor about it, as trimesh has them; the mass must not be zero."""
-    return MassProperties(mass=inertia.mass, center_mass=inertia.cog, inertia=inertia.tensor_cog)
-
-
 def inertia(mesh: TriangleMesh, density: float, source: str, unit: LengthUnit = METRE) -> Inertia:
     """Inertia about the mesh's origin of the body within `mesh`, of `density` [kg/m³].
 
@@ -606,4 +626,4 @@ def inertia_unchecked(mesh: TriangleMesh, density: float) -> Inertia:
 
     middle = mesh.bounds.mean(axis=0)  # integrated about its middle, so that a body far from the origin loses no digits
     found: Any = mass_properties(mesh.triangles - middle, density=density)
-    return from_trimesh(found.mass, found.center_mass, found.inertia).moved(middle)
+    return Inertia.from_cog(found.mass, found.center_mass, found.inertia).moved(middle)

@@ -8,7 +8,7 @@ Both are read as they are written, without the simulators. Lengths are metres. A
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -270,6 +270,7 @@ class _Mjcf(_Numbers):
         for one in root.findall("compiler"):
             compiler |= one.attrib
         self.degrees = compiler.get("angle", "degree") != "radian"
+        self.of_geoms = compiler.get("inertiafromgeom", "auto") == "true"
         self.order = compiler.get("eulerseq", "xyz")
         if not re.fullmatch("[xyzXYZ]{3}", self.order):
             raise BadInput(
@@ -316,25 +317,36 @@ class _Mjcf(_Numbers):
         return Element(element.tag, {**defaults, **element.attrib})
 
     def links(self) -> tuple[Link, ...]:
-        bodies = (body for world in self.root.findall("worldbody") for body in world.findall("body"))
-        return tuple(link for body in bodies for link in self._below(body, "", 0))
+        worlds = (self._inside(world, "", Pose(), 0) for world in self.root.findall("worldbody"))
+        return tuple(link for world in worlds for one, own, _ in world if one.tag == "body" for link in self._below(one, own, 0))
 
-    def _below(self, body: Element, child_class: str, level: int) -> Iterator[Link]:
+    def _inside(self, element: Element, child_class: str, place: Pose, level: int) -> Iterator[tuple[Element, str, Pose]]:
+        """What stands in `element`, with its class and the place of the frames around it, which are no bodies themselves."""
         if level > MOST_LEVELS:
             raise BadInput(
                 source=str(self.path), problem=f"more than {MOST_LEVELS} bodies within bodies", remedy="Check the file"
             )
-        child_class = body.get("childclass", child_class)
+        for one in element:
+            if one.tag == "frame":
+                yield from self._inside(one, one.get("childclass", child_class), place @ self.pose(one), level + 1)
+            else:
+                yield one, child_class, place
+
+    def _below(self, body: Element, child_class: str, level: int) -> Iterator[Link]:
+        inside = list(self._inside(body, body.get("childclass", child_class), Pose(), level))
         self.unnamed += "name" not in body.attrib
         name = body.get("name") or f"unnamed {self.unnamed}"
-        shapes = tuple(shape for one in body.findall("geom") if (shape := self.shape(self._full(one, child_class))) is not None)
+        drawn = ((place, self.shape(self._full(one, own))) for one, own, place in inside if one.tag == "geom")
+        shapes = tuple(replace(shape, pose=place @ shape.pose) for place, shape in drawn if shape is not None)
         stated = body.find("inertial")
-        if stated is None:
-            yield Link(name=name, shapes=shapes, note="it states no inertia; MuJoCo makes one of its geoms")
+        if stated is None or self.of_geoms:
+            why = "it states no inertia" if stated is None else "what it states is not used (inertiafromgeom)"
+            yield Link(name=name, shapes=shapes, note=f"{why}; MuJoCo makes one of its geoms")
         else:
             yield self.stated(name, stated, shapes)
-        for one in body.findall("body"):
-            yield from self._below(one, child_class, level + 1)
+        for one, own, _ in inside:
+            if one.tag == "body":
+                yield from self._below(one, own, level + 1)
 
     def stated(self, name: str, stated: Element, shapes: tuple[LinkShape, ...]) -> Link:
         pose = self.pose(stated)
@@ -369,8 +381,7 @@ class _Mjcf(_Numbers):
             y = self.unit(element, both[3:] - x * (x @ both[3:]))
             rotation = np.column_stack([x, y, np.cross(x, y)])
         elif element.get("zaxis") is not None:
-            z = self.unit(element, self.of(element, "zaxis", [0.0] * 3))
-            rotation = self.turned(element, np.array([1 + z[2], -z[1], z[0], 0.0]) if z[2] > -1 else np.array([0.0, 1, 0, 0]))
+            rotation = self.along(element, self.of(element, "zaxis", [0.0] * 3))
         else:
             rotation = self.turned(element, self.of(element, "quat", [1.0, 0.0, 0.0, 0.0]))
         return Pose(position=position, rotation=rotation)
@@ -380,6 +391,11 @@ class _Mjcf(_Numbers):
         if not length > 1e-12:
             raise BadInput(source=str(self.path), field=element.tag, problem="a direction has no length", remedy="Correct it")
         return np.asarray(vector / length)
+
+    def along(self, element: Element, z: Array) -> Array:
+        """The smallest turn (3, 3) that brings the axis z into the direction `z`."""
+        z = self.unit(element, z)
+        return self.turned(element, np.array([1 + z[2], -z[1], z[0], 0.0]) if z[2] > -1 else np.array([0.0, 1, 0, 0]))
 
     def turned(self, element: Element, quaternion: Array) -> Array:
         w, x, y, z = self.unit(element, quaternion)
@@ -404,8 +420,12 @@ class _Mjcf(_Numbers):
             lost = f"its mesh {named} has a reference pose of its own, which is not read" if moved else ""
             lost = lost or ("" if named and path.is_file() else f"its mesh {named or '(without a file)'} is not there")
             return LinkShape(use=use, kind=kind, pose=pose, file=None if lost else path, scale=(x, y, z), lost=lost)
-        if kind not in SIZES or geom.get("fromto") is not None:
-            return LinkShape(use=use, kind=kind, pose=pose, lost=f"a {kind} that is said by its ends or unknown is not read")
+        if kind not in SIZES:
+            return LinkShape(use=use, kind=kind, pose=pose, lost=f"a {kind} is not known")
         size = self.of(geom, "size", [0.0] * 3, least=1)[: SIZES[kind]]
+        if geom.get("fromto") is not None and SIZES[kind] > 1:  # said by its ends: the first size is that across
+            one, other = self.of(geom, "fromto", [0.0] * 6).reshape(2, 3)
+            size = np.append(size[:1].repeat(SIZES[kind] - 1), 0.5 * np.linalg.norm(one - other))
+            pose = Pose(position=0.5 * (one + other), rotation=self.along(geom, one - other))
         doubled = 2 * size if kind == "box" else np.append(size[:1], 2 * size[1:]) if kind in ("cylinder", "capsule") else size
         return LinkShape(use=use, kind=kind, pose=pose, size=tuple(doubled.tolist()))

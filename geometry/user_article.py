@@ -2,9 +2,8 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from itertools import combinations
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -12,15 +11,11 @@ from geometry import mesh as meshes
 from geometry import toml_file
 from geometry.article import Material, material
 from geometry.errors import BadInput
-from geometry.frames import Pose, frozen, rotation_about
+from geometry.frames import Array, Pose, frozen, rotation_about
 from geometry.inertia import Inertia
 from geometry.repair import EstimatedBody, estimated, mended
 from geometry.routes import Agreement, held_together, missing_mass, rounding
 from geometry.toml_file import MILLIMETRE, length_unit, quantity
-
-if TYPE_CHECKING:
-    pass
-
 
 # Materials as users write them: a name of the library, or a density with its unit.
 
@@ -261,6 +256,8 @@ class UserPart:
     chord : [m], how far `mesh` may lie from the true surface: 0 when the mesh is what the file holds
     solid : its CadQuery solid [mm], when it came from a STEP file; else None
     refused : why `mesh` is no skin of a body though `solid` is sound; empty where it is one
+    at_unit_density : of `solid` by OCC, in the article's frame
+    curved_area, curved_reach : area [m²] of the faces of `solid` that are not planes, corners (n, 3) [m] of boxes around them
     estimate : at unit density in the article's frame, where `mesh` is no skin and nothing else is known
     """
 
@@ -271,6 +268,9 @@ class UserPart:
     chord: float = 0.0
     solid: Any = None
     refused: str = ""
+    at_unit_density: Inertia | None = None
+    curved_area: float = 0.0
+    curved_reach: Array = field(default_factory=lambda: np.zeros((0, 3)))
     estimate: EstimatedBody | None = None
 
 
@@ -333,10 +333,9 @@ def inertias(article: UserArticle) -> Mapping[str, Inertia]:
         )
         return {ESTIMATE: sum(one_by_one, nothing)}
     found = {}
+    solids = [part.at_unit_density.scaled(part.material.density) for part in article.parts if part.at_unit_density]
     if article.exact:
-        from geometry.cad import from_occ
-
-        found["occ"] = sum((from_occ(part.solid, part.material.density) for part in article.parts), nothing)
+        found["occ"] = sum(solids, nothing)
     if not any(part.refused for part in article.parts):
         found["trimesh"] = sum((meshes.inertia_unchecked(part.mesh, part.material.density) for part in article.parts), nothing)
     return found
@@ -352,13 +351,11 @@ def agreement(article: UserArticle, found: Mapping[str, Inertia]) -> Agreement:
     if "occ" not in found:
         text = "one route only: a mesh is integrated exactly as it is, and nothing else is known of it"
         return Agreement(agree=True, text=text, difference=nothing, tolerance=nothing, excess=0.0)
-    from geometry import cad
-
     # A mesh within the chord error of the true surface misses or adds at most a shell over the curved faces
     exact, missed = rounding(found["occ"]), np.zeros(10)
     for part in article.parts:
-        area, reach = cad.curved_reach(part.solid)
-        missed = missed + missing_mass(part.material.density * area * part.chord, reach)
+        shell, reach = part.material.density * part.curved_area * part.chord, np.abs(part.curved_reach)
+        missed = missed + missing_mass(shell, reach.max(axis=0, initial=0.0))
     return held_together(found, {"occ": exact, "trimesh": exact + missed})
 
 
@@ -369,14 +366,10 @@ def overlap_warnings(article: str, parts: tuple[UserPart, ...]) -> Iterator[str]
     ------
     BadInput : two parts share more than that; it would count in both materials.
     """
-    for first, second in combinations(parts, 2):
-        a, b = first.mesh, second.mesh
-        if first.refused or second.refused:
-            continue
-        if np.any(np.maximum(a.bounds[0], b.bounds[0]) >= np.minimum(a.bounds[1], b.bounds[1])):
-            continue
-        share = meshes.shared_volume(a, b) / min(a.volume, b.volume)
-        said = f"parts {first.name} and {second.name} overlap: {share:.2%} of the smaller one counts twice"
+    skins = [part for part in parts if not part.refused]
+    for (i, j), volume in meshes.shared_volumes([part.mesh for part in skins]).items():
+        share = volume / min(skins[i].mesh.volume, skins[j].mesh.volume)
+        said = f"parts {skins[i].name} and {skins[j].name} overlap: {share:.2%} of the smaller one counts twice"
         if share > meshes.SLIVER:
             raise BadInput(source=article, problem=said, remedy="Cut one by the other in the CAD, or correct its position")
         if share > NOTHING:
@@ -384,9 +377,6 @@ def overlap_warnings(article: str, parts: tuple[UserPart, ...]) -> Iterator[str]
 
 
 # From a path to a `UserArticle`: one file with one material, or an ``article.toml`` that says which body is made of what.
-
-RELATIVE_CHORD = 1e-4
-"""Chord error of the mesh of a solid where none is asked for, relative to the diagonal of the box around it."""
 
 STEP_ENDINGS = (".step", ".stp")
 ENDINGS = (*STEP_ENDINGS, *meshes.MESH_ENDINGS, ".toml")
@@ -406,7 +396,8 @@ def load(
     `unit` is that of a mesh file's numbers (mm, cm, m, in, ft); it may be left out where the file itself states one, and STEP
     always does. `material` is a name of the library or a density such as ``"7800 kg/m^3"``, for all bodies; of an
     ``article.toml`` both go to the parts that state none themselves. `chord` [m] is that of the meshes made of STEP solids, by
-    default `RELATIVE_CHORD` of each. `repair` mends what is safe in a mesh and estimates what is left, see `geometry.repair`.
+    default `geometry.cad.RELATIVE_CHORD` of each. `repair` mends what is safe in a mesh and estimates what is left, see
+    `geometry.repair`.
 
     Raises
     ------
@@ -469,7 +460,7 @@ def _finished(name: str, parts: tuple[UserPart, ...], note: str, warnings: tuple
         from geometry.cad import stated_unit
 
         size = np.ptp(np.vstack([part.mesh.bounds for part in parts]), axis=0)
-        units = dict.fromkeys(stated_unit(Path(part.source)) for part in parts)
+        units = dict.fromkeys(map(stated_unit, dict.fromkeys(Path(part.source) for part in parts)))
         note = f"{note[:-1]}, in {' and '.join(units)}: {' x '.join(f'{1e3 * one:.4g}' for one in size)} mm."
     return UserArticle(name=name, parts=parts, note=note, warnings=(*dict.fromkeys(warnings), *overlap_warnings(name, parts)))
 
@@ -483,7 +474,7 @@ def _parts(entry: PartEntry, chord: float | None, repair: bool) -> tuple[tuple[U
         if entry.unit is not None:
             problem = f"a STEP file states its own unit, and {entry.unit!r} was given beside it"
             raise BadInput(source=str(entry.file), field="unit", problem=problem, remedy="Leave the unit out")
-        found = cad.read(entry.file)
+        found = cad.read(entry.file, chord)
         if entry.body is not None:
             chosen = tuple(body for body in found if entry.body in (body.name, body.label))
             found = chosen or _no_body(entry, [body.name for body in found])
@@ -502,21 +493,40 @@ def _parts(entry: PartEntry, chord: float | None, repair: bool) -> tuple[tuple[U
                 remedy=f"Give one for all (--material steel), or one for each in an {DESCRIPTION}: "
                 f'[[part]] name = "{entry.name}", file = "{entry.file.name}", materials = {{ {rows} }}',
             )
-        parts = []
-        for body in found:
+        parts: list[UserPart] = []
+        for body, same in zip(found, cad.alike([body.solid for body in found]), strict=True):
             if (made := materials[body.name]) is None:
                 continue
+            name = body.name if not entry.named else entry.name if len(found) == 1 else f"{entry.name}/{body.name}"
             solid = cad.moved(body.solid, entry.pose)
-            fine = chord or RELATIVE_CHORD * cad.diagonal(solid)
-            mesh = cad.tessellate_solid(solid, fine)
-            refused = ""
+            if same < len(parts):  # drawn once, used several times: all that follows is known from its first place
+                like, pose = parts[same], cad.placement(solid) @ cad.placement(parts[same].solid).inverse
+                mesh, reach = meshes.placed(like.mesh, pose), pose.apply(like.curved_reach)
+                inertia = like.at_unit_density and like.at_unit_density.placed(pose)
+                here = replace(
+                    like, name=name, material=made, solid=solid, mesh=mesh, curved_reach=reach, at_unit_density=inertia
+                )
+                parts.append(here)
+                continue
+            mesh, refused = cad.mesh_of_faces(solid), ""
             try:
                 meshes.require_closed_volume(mesh, f"{entry.file}, mesh of {body.name}", MILLIMETRE)
             except BadInput as error:  # the solid is sound, and its exact route needs no mesh
                 refused = error.problem
-            name = body.name if not entry.named else entry.name if len(found) == 1 else f"{entry.name}/{body.name}"
+            area, reach = cad.curved(solid)
             parts.append(
-                UserPart(name=name, material=made, source=str(entry.file), mesh=mesh, chord=fine, solid=solid, refused=refused)
+                UserPart(
+                    name=name,
+                    material=made,
+                    source=str(entry.file),
+                    mesh=mesh,
+                    chord=body.chord,
+                    solid=solid,
+                    refused=refused,
+                    at_unit_density=cad.from_occ(solid, 1.0),
+                    curved_area=area,
+                    curved_reach=reach,
+                )
             )
         corners = np.vstack([part.mesh.bounds for part in parts])
         longest, own = float(np.ptp(corners, axis=0).max()), cad.stated_unit(entry.file)

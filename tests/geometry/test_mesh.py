@@ -15,7 +15,6 @@ from geometry.frames import Pose, rotation_about
 from geometry.inertia import Inertia
 from geometry.mesh import (
     TriangleMesh,
-    from_trimesh,
     inertia,
     joined,
     merged,
@@ -24,7 +23,6 @@ from geometry.mesh import (
     require_closed_volume,
     scaled,
     selected,
-    to_trimesh,
 )
 from geometry.toml_file import MILLIMETRE
 
@@ -122,18 +120,6 @@ def test_a_cavity_takes_its_mass_away_and_separate_pieces_add_up() -> None:
     pair = joined(box(), box(centre=(1.0, 0.0, 0.0)))
     total = inertia(box(), DENSITY, "one") + inertia(box(centre=(1.0, 0.0, 0.0)), DENSITY, "two")
     assert_allclose(inertia(pair, DENSITY, "pair").parameters, total.parameters, rtol=1e-12, atol=1e-14)
-
-
-def test_conversion_to_trimesh_gives_what_trimesh_itself_finds_and_goes_back() -> None:
-    mesh = lopsided()
-    solid = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
-    solid.density = DENSITY
-    moved = [1.0, -2.0, 0.5]
-    body = inertia(mesh, DENSITY, "tet").moved(moved)
-    found = to_trimesh(body)
-    assert_allclose([found.mass, *found.center_mass], [solid.mass, *np.add(solid.center_mass, moved)], rtol=1e-12)
-    assert_allclose(found.inertia, solid.moment_inertia, rtol=1e-9)
-    assert_allclose(from_trimesh(*found).parameters, body.parameters, rtol=1e-12, atol=1e-10)
 
 
 def test_pieces_come_in_the_order_of_their_first_face_and_join_to_the_whole() -> None:

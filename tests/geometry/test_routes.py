@@ -208,14 +208,6 @@ def test_unphysical_inertia_is_refused_that_pinocchio_would_take() -> None:
         routes.to_pinocchio(impossible, "result.toml")
 
 
-def test_a_mass_property_sheet_goes_there_and_back() -> None:
-    inertia = cad.inertia(built_in("clumod-1"))
-    mass, centre, tensor = cad.to_occ(inertia)
-    back = Inertia.from_cog(mass, np.array(centre) * MM, np.array(tensor) * MM**2)
-    # the tensor passes through the CoG, where the parallel-axis terms cancel
-    assert_allclose(back.parameters, inertia.parameters, rtol=1e-12, atol=1e-13)
-
-
 def test_ideal_bodies_have_no_log_cholesky_coordinates() -> None:
     rod = Inertia.from_cog(1.0, [0, 0, 0], np.diag([1.0, 1.0, 0.0]))
     with pytest.raises(BadInput, match="body with volume"):

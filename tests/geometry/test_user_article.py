@@ -151,6 +151,29 @@ def test_what_is_no_mesh_is_refused(tmp_path: Path) -> None:
     assert "no such file" in refused(tmp_path / "absent.stl").problem
 
 
+def test_a_pointer_in_place_of_a_file_is_said_to_be_one_and_a_last_line_that_is_missing_takes_no_face_away(
+    tmp_path: Path,
+) -> None:
+    for name in ("a.stl", "a.obj", "a.ply", "a.step"):
+        (tmp_path / name).write_text(
+            "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n", encoding="utf-8"
+        )
+        assert (
+            "a pointer of Git LFS"
+            in refused(tmp_path / name, material="steel", **({} if name == "a.step" else {"unit": "mm"})).problem
+        )
+    corners = np.array([[0, 0, 0], [10, 0, 0], [0, 10, 0], [0, 0, 10]])
+    faces = [corners[list(face)] for face in ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))]
+    facets = [
+        "facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {x} {y} {z}\n" for x, y, z in face) + "endloop\nendfacet\n"
+        for face in faces
+    ]
+    (tmp_path / "b.stl").write_text("solid b\n" + "".join(facets), encoding="utf-8")
+    assert_allclose(inertias(load(tmp_path / "b.stl", unit="mm", material="1000 kg/m^3"))["trimesh"].mass, 1e-3 / 6, rtol=1e-12)
+    (tmp_path / "c.stl").write_text("solid c\n" + "".join(facets[:3]), encoding="utf-8")
+    assert "3 open edges in 1 hole" in refused(tmp_path / "c.stl", unit="mm", material="steel").problem
+
+
 def cad(data: Path, tool: str) -> tuple[Inertia, float]:
     """What the CAD says of a tool: its inertia about the mesh's origin, and its volume [m³]."""
     sheet = yaml.safe_load((data / TOOLS / tool / "Inertia.yaml").read_text(encoding="utf-8"))["OBJECT"]
@@ -411,6 +434,33 @@ def test_nested_assemblies_put_every_body_in_its_place_and_number_doubled_names(
     assert [part.name for part in article.parts] == ["bolt-1", "nut", "bolt-2"]
     centres = [part.mesh.bounds.mean(axis=0) for part in article.parts]
     assert_allclose(centres, [[0.005, 0.005, 0.005], [0.025, 0.005, 0.005], [-0.005, 0.105, 0.005]], atol=1e-12)
+
+
+def test_a_body_that_is_used_several_times_is_computed_once_and_is_right_at_every_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import cadquery
+
+    from geometry import cad
+
+    drawn = cadquery.Workplane().box(30, 20, 10).faces(">Z").workplane().center(5, 2).hole(6).val()
+    places = [((0, 0, 0), (0, 0, 1), 0), ((50, 7, -3), (1, 2, 3), 40), ((-40, 0, 60), (0, 1, 1), 170)]
+    assembly = cadquery.Assembly(name="three")
+    for k, place in enumerate(places):
+        assembly.add(drawn, name=f"brick {k}", loc=cadquery.Location(*place))
+    assembly.export(str(tmp_path / "three.step"), "STEP")
+    asked, by_occ = [], cad.from_occ
+    monkeypatch.setattr(cad, "from_occ", lambda *of: asked.append(of) or by_occ(*of))
+    article = load(tmp_path / "three.step", material="steel")
+    assert len(asked) == 1
+    found = inertias(article)
+    one_by_one = sum((by_occ(part.solid, 7850.0) for part in article.parts), Inertia(parameters=np.zeros(10)))
+    assert_allclose(found["occ"].parameters, one_by_one.parameters, rtol=1e-12, atol=1e-12)
+    assert agreement(article, found).agree
+    for part in article.parts:  # the mesh stands where the solid does, and its curved face is within what bounds it
+        middle = cad.tessellate_solid(part.solid, part.chord).bounds.mean(axis=0)
+        assert_allclose(part.mesh.bounds.mean(axis=0), middle, atol=2 * part.chord)
+        assert_allclose(part.curved_reach.mean(axis=0), cad.curved(part.solid)[1].mean(axis=0), atol=1e-5)
 
 
 def test_a_material_by_the_name_that_bodies_share_goes_to_all_of_them(tmp_path: Path) -> None:

@@ -140,6 +140,8 @@ def test_mass_outside_the_shape_and_impossible_densities_are_doubted(tmp_path: P
     assert "times as far as its visual shape allows" in findings(urdf(tmp_path, wide)).links[0].doubts[0]
     away = Inertia.from_cog(body.mass, body.cog + np.array([0, 0, 0.5]), body.tensor_cog)
     assert "outside its visual shape" in findings(urdf(tmp_path, away)).links[0].doubts[0]
+    corner = Inertia.from_cog(body.mass, heavy.drawn.corners.min(axis=0), body.tensor_cog)
+    assert "at the very edge of its visual shape" in findings(urdf(tmp_path, corner)).links[0].doubts[0]
 
 
 MJCF = """<mujoco model="m"><compiler angle="degree" meshdir="meshes" eulerseq="zyx"/>
@@ -180,6 +182,37 @@ def test_every_way_to_turn_a_frame_in_mjcf(words: str, expected: Array, tmp_path
     (link,) = robot.read(tmp_path / "r.xml").links
     assert isinstance(link, Link)
     assert_allclose(link.inertia.tensor_cog, expected @ np.diag([1, 1.5, 2]) @ expected.T, atol=1e-12)  # type: ignore[union-attr]
+
+
+def test_shapes_said_by_their_ends_and_within_frames_are_where_mujoco_puts_them(tmp_path: Path) -> None:
+    """Place, size and turn are those that MuJoCo 4.0 has for the same text."""
+    ends = '<geom type="{}" size="0.02" fromto="0.1 -0.2 0.3 0.4 0.1 -0.5"/>'
+    inner = (
+        '<frame pos="0 0 1" euler="0 0 90"><body name="hand"><geom type="sphere" size="0.1"/></body><geom size="0.3"/></frame>'
+    )
+    geoms = "".join(ends.format(kind) for kind in ("capsule", "box", "ellipsoid"))
+    text = f'<mujoco><worldbody><frame><body name="arm">{geoms}{inner}</body></frame></worldbody></mujoco>'
+    (tmp_path / "r.xml").write_text(text, encoding="utf-8")
+    arm, hand = robot.read(tmp_path / "r.xml").links
+    assert (arm.name, hand.name, len(hand.shapes)) == ("arm", "hand", 1)
+    length = 2 * 0.45276926
+    sizes = [(0.02, length), (0.04, 0.04, length), (0.02, 0.02, length / 2), (0.3,)]
+    for shape, size in zip(arm.shapes, sizes, strict=True):
+        assert_allclose(shape.size, size, rtol=1e-7)
+    x, _, z = arm.shapes[1].pose.rotation
+    assert_allclose(arm.shapes[1].pose.position, [0.25, -0.05, -0.1], atol=1e-15)
+    assert_allclose(x, [0.941726104, -0.058273896, -0.331294578], atol=1e-9)
+    assert_allclose(z, [0.331294578, 0.331294578, 0.883452209], atol=1e-9)
+    assert_allclose(arm.shapes[3].pose.position, [0, 0, 1], atol=1e-15)
+
+
+def test_mujoco_uses_no_stated_inertia_where_geoms_are_to_make_it(tmp_path: Path) -> None:
+    body = '<body name="b"><inertial mass="10"/><geom type="sphere" size="0.1"/></body>'
+    text = f'<mujoco><compiler inertiafromgeom="true"/><worldbody>{body}</worldbody></mujoco>'
+    (tmp_path / "r.xml").write_text(text, encoding="utf-8")
+    (link,) = robot.read(tmp_path / "r.xml").links
+    assert (link.inertia, link.mass) == (None, 0.0)
+    assert "inertiafromgeom" in link.note
 
 
 def test_the_command_says_what_is_wrong_first_ends_with_1_and_writes_for_other_programs(

@@ -205,9 +205,12 @@ class LinkFindings:
             apart = float(np.max([low - body.cog, body.cog - high]))
             found.append(f"its centre of mass lies {1e3 * apart:.3g} mm outside its {self.shape} shape")
         elif np.any(second > room):
-            k = int(np.argmax(second / room))
-            many = float(np.sqrt(second[k] / room[k]))
-            found.append(f"along {'xyz'[k]} its mass is spread {many:.3g} times as far as its {self.shape} shape allows")
+            with np.errstate(divide="ignore", invalid="ignore"):  # no room: the centre of mass lies on the face of the box
+                many = np.sqrt(np.nan_to_num(np.maximum(second, 0) / room))
+            k = int(np.argmax(many))
+            far = f"{many[k]:.3g} times as far as its {self.shape} shape allows"
+            at_the_edge = f"though its centre of mass lies at the very edge of its {self.shape} shape"
+            found.append(f"along {'xyz'[k]} its mass is spread {far if room[k] > 0 else at_the_edge}")
         return tuple(found)
 
     @property

@@ -500,7 +500,7 @@ def print_to(page: Path, path: Path, program: str) -> None:
 
 PROGRAMS = (
     *("massline", "numpy", "scipy", "plotly", "pyvista", "vtk", "matplotlib", "exudyn", "pin", "cadquery", "cadquery-ocp"),
-    *("trimesh", "gmsh", "scikit-fem", "h5py", "joblib", "libigl", "manifold3d", "networkx", "pillow", "pint", "pyuff", "pyyeti"),
+    *("trimesh", "gmsh", "scikit-fem", "h5py", "joblib", "libigl", "manifold3d", "pillow", "pint", "pyuff", "pyyeti"),
     *("tomlkit", "uncertainties"),
 )
 """Whose versions stand in the report where they are installed, beside Python's: what reads, computes or draws what is on it."""

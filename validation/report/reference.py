@@ -120,7 +120,7 @@ def robot_document(found: RobotFindings) -> document.Document:
 
     columns = (
         Column("link", lambda one: one.name, words=True),
-        Column("mass [kg]", lambda one: one.link.mass, ".4g"),
+        Column("mass [kg]", lambda one: one.link.mass or None, ".4g"),
         Column("a body", lambda one: {None: NONE, True: "yes", False: "NO"}[one.physical], words=True),
         Column("shape", lambda one: one.shape or NONE, words=True),
         Column("kg/m³", lambda one: one.density, ".0f"),

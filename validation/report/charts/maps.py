@@ -1,7 +1,7 @@
 """Where a model fails, in sigmas: channels and loads, pairs of axes, runs; and measured beside predicted dynamic mass."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -12,7 +12,6 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array
 from validation.compare.compare import SENSED, run
 from validation.compare.maps import Map, NamedMode, Pairs
-from validation.estimation.problem import Measured
 from validation.report.charts import interactive, spec, static
 from validation.report.charts.figure import Figure
 from validation.report.charts.interactive import LEGEND_ROOM, TITLE_ROOM, add_entry, dressed, escaped, legend_above
@@ -134,75 +133,6 @@ def side_by_side(panels: Sequence[tuple[str, spec.EntryPanel]], title: str, dark
     margin = {"t": TITLE_ROOM + LEGEND_ROOM, "b": 24}
     height = margin["t"] + margin["b"] + round((1010 - margin["t"] - margin["b"]) * high / 3)
     return dressed(figure, title, height, dark, legend=legend_above(), margin=margin)
-
-
-# Accelerances of a test beside those of models: at every drive point the reading there, and the error of all readings.
-
-
-MODELS = (spec.COLOURS[spec.ASIDE][0], spec.CURVES[1], spec.CURVES[2], spec.CURVES[0], *spec.CURVES[3:])
-SMOOTHED = 0.2
-"""[Hz] to either side over which errors are averaged."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class DrawnModel:
-    """One model.
-
-    Attributes
-    ----------
-    name : for the legend
-    rows : (r, n, c) accelerances that it predicts
-    """
-
-    name: str
-    rows: ComplexArray
-
-
-def draw_accelerances(
-    title: str, measured: Measured, models: Sequence[DrawnModel], path: Path, note: str = "", about: str = ""
-) -> None:
-    """Write a picture with one column a run; the reading that is drawn is the largest of its channels above all resonances.
-
-    Raises
-    ------
-    BadInput : the ending of `path` is unknown.
-    """
-    static.require_format(path)
-    figure = static.new_figure(16.0, 9.2)
-    room = {"left": 0.055, "right": 0.985, "top": 0.86, "bottom": 0.1, "hspace": 0.09, "wspace": 0.09}
-    panels = figure.subplots(2, len(measured.runs), sharex=True, sharey="row", squeeze=False, gridspec_kw=room)
-    for k, name in enumerate(measured.runs):
-        upper, lower = panels[:, k]
-        f, values = measured.frequency, measured.values[k]
-        channel = int(np.argmax(np.abs(values[-len(f) // 10 :]).mean(axis=0)))
-        upper.loglog(f, np.abs(values[:, channel]), color=spec.INK, linewidth=4, alpha=0.25, label="measured")
-        for model, colour in zip(models, MODELS, strict=False):
-            upper.loglog(f, np.abs(model.rows[k][:, channel]), color=colour, linewidth=1.2, label=model.name)
-            error = np.sum(np.abs(values - model.rows[k]) ** 2, axis=1) / np.sum(np.abs(values) ** 2, axis=1)
-            width = max(1, round(2 * SMOOTHED / float(f[1] - f[0])))
-            around = np.convolve(error, np.ones(width), mode="same")
-            smoothed = np.asarray(around / np.convolve(np.ones_like(error), np.ones(width), mode="same"))
-            lower.loglog(f, 100 * np.sqrt(smoothed), color=colour, linewidth=1.2)
-        _dress(upper, f)
-        _dress(lower, f)
-        upper.set_title(name, fontsize=12, loc="left", color=spec.INK)
-        lower.set_xlabel("frequency [Hz]", fontsize=10)
-    panels[0, 0].set_ylabel("|acceleration / force| [1/kg]", fontsize=10)
-    panels[1, 0].set_ylabel("error of all readings [%]", fontsize=10)
-    handles, labels = panels[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, fontsize=10, frameon=False, loc="upper right", bbox_to_anchor=(0.985, 0.95), ncols=len(labels))
-    static.finish(figure, title, note, path, about)
-
-
-def _dress(axes: static.Axes, f: Array) -> None:
-    from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
-
-    axes.set_xlim(f[0], f[-1])
-    axes.xaxis.set_major_locator(FixedLocator([one for one in (1, 2, 3, 5, 10, 20, 30, 50, 100) if f[0] <= one <= f[-1]]))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    static.grid_lines(axes)
 
 
 # Maps of sigmas: channels and loads of a run, the 36 pairs of axes, and runs of campaigns.
