@@ -38,6 +38,9 @@ WELL_CONDITIONED = 1e6
 BLOCK = 32_768
 """Samples that are answered at a time, to spare memory."""
 
+TOGETHER = 64
+"""Samples that are stepped through one by one, in as many rows at once: states of some dozens of modes then stay in the cache."""
+
 SMALL = 0.1
 """Below this size of s a series gives phi1 and phi2, where their closed form would lose digits."""
 
@@ -201,25 +204,35 @@ def straightened(samples: Array) -> Array:
 
 def _by_poles(uncoupled: Poles, outputs: Array, step: float) -> Callable[[Array], tuple[Array, Array]]:
     """What answers the next block of samples, from where the last one ended: outputs (k, o), state (2 n,) at the end."""
-    from scipy.signal import lfilter
-
     growth, now, ahead = held(uncoupled.pole * step)
     first, last = step * now, step * ahead
-    modes, parted = len(uncoupled.pole), np.vstack([uncoupled.drive.real, uncoupled.drive.imag])
+    parted = np.vstack([uncoupled.drive.real, uncoupled.drive.imag])
     seen = outputs @ np.hstack([uncoupled.shape.real, -uncoupled.shape.imag])  # real products: those of BLAS, half as many
-    memory: ComplexArray | None = None
+    modes, powers = len(growth), growth[None, :] ** np.arange(1, TOGETHER + 1)[:, None]
+    before, state = np.full(modes, np.nan, dtype=np.complex128), np.zeros(modes, dtype=np.complex128)
 
     def solve(samples: Array) -> tuple[Array, Array]:
-        nonlocal memory
-        parts = parted @ samples.T  # real and imaginary part of the forces, then of the states
-        end = np.empty(modes, dtype=np.complex128)
-        if memory is None:
-            memory = -last * (parts[:modes, 0] + 1j * parts[modes:, 0])  # at rest at the first sample, whatever the input
-        for r in range(modes):
-            forces = parts[r] + 1j * parts[modes + r]
-            w, rest = lfilter([last[r], first[r]], [1.0, -growth[r]], forces, zi=memory[r : r + 1])
-            parts[r], parts[modes + r], end[r], memory[r] = w.real, w.imag, w[-1], rest[0]
-        return (seen @ parts).T, np.asarray((uncoupled.shape @ end).real)
+        nonlocal before, state
+        if len(samples) > TOGETHER**2:
+            pieces = [solve(samples[k : k + TOGETHER**2]) for k in range(0, len(samples), TOGETHER**2)]
+            return np.hstack([found.T for found, _ in pieces]).T, pieces[-1][1]
+        count, rows, parts = len(samples), -(-len(samples) // TOGETHER), parted @ samples.T
+        forces = np.zeros((rows * TOGETHER + 1, modes), dtype=np.complex128)
+        forces[0], forces[1 : count + 1] = before, (parts[:modes] + 1j * parts[modes:]).T
+        pushed = forces[1:] * last
+        pushed += forces[:-1] * first
+        pushed[0] = np.where(np.isnan(before), 0.0, pushed[0])  # at rest at the first sample, whatever the input
+        # Rows of `TOGETHER` samples, each from rest, all at once; then what every row begins with, and what becomes of it
+        w = np.ascontiguousarray(pushed.reshape(rows, TOGETHER, modes).transpose(1, 0, 2))
+        for k in range(1, TOGETHER):
+            w[k] += growth * w[k - 1]
+        start = np.empty((rows, modes), dtype=np.complex128)
+        for k in range(rows):
+            start[k], state = state, w[-1, k] + powers[-1] * state
+        w += powers[:, None, :] * start
+        flat = w.transpose(2, 1, 0).reshape(modes, rows * TOGETHER)[:, :count]
+        before, state = forces[count], flat[:, -1].copy()
+        return (seen @ np.concatenate([flat.real, flat.imag])).T, np.asarray((uncoupled.shape @ state).real)
 
     return solve
 

@@ -170,8 +170,8 @@ class Refined:
     vector : (k,) of `layout`
     chi2 : of the data alone
     cost : of data and priors
-    jacobian : (k, N) of the weighted data, N = 42 n: line by line, entry by entry, real and imaginary
-    residual : (N,) fitted less measured, weighted
+    residual : (N,) fitted less measured, weighted, N = 42 n: line by line, entry by entry, real and imaginary
+    slope : (k,) J^T r, gradient of half the data's cost
     prior : (k,) gradient of half the priors' cost
     certainty : (k,) inverse variance of the priors, 0 where there is none
     information : (k, k) J^T J with the priors
@@ -182,8 +182,8 @@ class Refined:
     vector: Array
     chi2: float
     cost: float
-    jacobian: Array
     residual: Array
+    slope: Array
     prior: Array
     certainty: Array
     information: Array
@@ -192,7 +192,7 @@ class Refined:
     def _step(self, damping: float, lines: Lines) -> tuple[Array, float]:
         """The vector of the next trial and what cost it should save; what stands at a limit and pushes against it stays."""
         x, A, blocks = self.vector, self.information, self.layout.blocks
-        g = self.jacobian @ self.residual + self.prior
+        g = self.slope + self.prior
         limited = slice(blocks["frequency"].start, blocks["pairs"].stop)
         low, high = np.full(len(x), -np.inf), np.full(len(x), np.inf)
         low[limited], high[limited] = limits(self.layout, lines)
@@ -287,18 +287,36 @@ def limits(layout: ElasticLayout, lines: Lines) -> tuple[Array, Array]:
 def linearised(x: Array, layout: ElasticLayout, lines: Lines) -> Refined:
     """Cost and derivatives at the vector `x` (k,), which nothing moves."""
     _, terms = model.unpack(x, layout)
-    J = weighted(model.upper_derivatives(terms, lines.frequency, layout), lines)
-    r = weighted(leftover(x, layout, lines), lines)
+    common, answer = model.parts(terms, lines.frequency, layout)
+    left, weight, m, d = leftover(x, layout, lines), np.sqrt(2) / lines.deviation.T, layout.modes, len(common)
+    # What moves all entries, and what is left, by entry; then entry by entry the few that move some
+    D = np.concatenate([common * weight, (left.T * weight)[None]]).view(np.float64)  # (d + 1, 21, 2 n)
+    whole = D.reshape(d + 1, -1) @ D.reshape(d + 1, -1).T
+    information, slope, chi2 = np.zeros((len(x), len(x))), np.zeros(len(x)), float(whole[d, d])
+    information[:d, :d], slope[:d] = whole[:d, :d], whole[:d, d]
+    residual = (2 * np.pi * lines.frequency) ** 2 * model.residual_basis()[:, UPPER[0], UPPER[1]].diagonal()[:, None]
+    for e, (i, j) in enumerate(zip(*UPPER, strict=True)):
+        rows = [(SCALE[i] * weight[e]) * answer[:, j], (SCALE[j] * weight[e]) * answer[:, i]]
+        at = [d + 6 * np.arange(m) + i, d + 6 * np.arange(m) + j]
+        if i == j:
+            rows, at = [2 * rows[0]], at[:1]
+        if layout.residual:
+            rows, at = [*rows, (residual[e] * weight[e])[None]], [*at, np.array([d + 6 * m + e])]
+        own, places = np.concatenate(rows, dtype=np.complex128).view(np.float64), np.concatenate(at)
+        met = own @ D[:, e].T
+        information[places, :d] += met[:, :d]
+        information[np.ix_(places, places)] += own @ own.T
+        slope[places] += met[:, d]
+    information[:d, d:] = information[d:, :d].T
     p, slopes = _prior(x, layout, lines)
-    chi2, information = float(r @ r), J @ J.T
     information[np.diag_indices(len(x))] += slopes**2
     return Refined(
         layout=layout,
         vector=x,
         chi2=chi2,
         cost=chi2 + float(p @ p),
-        jacobian=J,
-        residual=r,
+        residual=weighted(left, lines),
+        slope=slope,
         prior=slopes * p,
         certainty=slopes**2,
         information=information,
@@ -407,16 +425,17 @@ def _shortlist(at: Refined, lines: Lines) -> tuple[Array, Array]:
 def _projected(at: Refined, lines: Lines, f: Array, zeta: Array) -> tuple[Array, Array]:
     """Right-hand sides (s, 21) and normal matrices (s, 21, 21) of the amplitudes once all parameters of the fit may give way."""
     n, k = len(lines.frequency), len(at.vector)
+    jacobian = weighted(model.upper_derivatives(model.unpack(at.vector, at.layout)[1], lines.frequency, at.layout), lines)
     curve = _curves(2 * np.pi * lines.frequency, f, zeta)
     g = curve.view(np.float64).reshape(len(f), n, 2)
     weight = np.sqrt(2) / lines.deviation
-    J, r = at.jacobian.reshape(k, n, 21, 2), at.residual.reshape(n, 21, 2)
+    J, r = jacobian.reshape(k, n, 21, 2), at.residual.reshape(n, 21, 2)
     rows = np.tensordot(g, weight[:, :, None] * J, axes=((1, 2), (1, 3)))  # (s, k, 21)
     own = np.abs(curve) ** 2 @ weight**2
     d = unit_of(at.information)
     root = np.linalg.cholesky(at.information / np.outer(d, d) + ROUNDING * np.eye(k)) * d[:, None]
     half = np.linalg.solve(root, rows)
-    slope = np.linalg.solve(root, at.jacobian @ at.residual + at.prior)
+    slope = np.linalg.solve(root, at.slope + at.prior)
     rhs = np.einsum("ske,k->se", half, slope) - np.tensordot(g, weight[:, :, None] * r, axes=((1, 2), (0, 2)))
     P = -half.swapaxes(1, 2) @ half
     P[:, np.arange(21), np.arange(21)] += own * (1 + RIDGE)

@@ -145,26 +145,36 @@ def derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLa
 
 def upper_derivatives(terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLayout) -> ComplexArray:
     """The same (k, n, 21) for the entries in `UPPER`, all that a symmetric matrix has."""
-    blocks, w2 = layout.blocks, _squares(frequency)[:, :, 0]
-    X = _answers(terms, frequency).transpose(1, 0, 2)  # (m, n, 6)
-    out = np.empty((layout.size, len(w2), 21), dtype=np.complex128)
-    out[blocks["inertia"]] = inertia_basis()[:, None, UPPER[0], UPPER[1]]
+    blocks, (common, answer) = layout.blocks, parts(terms, frequency, layout)
+    out = np.zeros((layout.size, common.shape[2], 21), dtype=np.complex128)
+    out[: len(common)] = common.transpose(0, 2, 1)
     if layout.residual:
-        out[blocks["residual"]] = w2 * residual_basis()[:, None, UPPER[0], UPPER[1]]
+        out[blocks["residual"]] = _squares(frequency)[:, :, 0] * residual_basis()[:, None, UPPER[0], UPPER[1]]
+    # L: row j and column j of H are omega² X_r
+    by_participation = out[blocks["participation"]].reshape(layout.modes, 6, common.shape[2], 21)
+    for e, (i, j) in enumerate(zip(*UPPER, strict=True)):
+        by_participation[:, i, :, e] += SCALE[i] * answer[:, j]
+        by_participation[:, j, :, e] += SCALE[j] * answer[:, i]
+    return out
+
+
+def parts(terms: ElasticTerms, frequency: npt.ArrayLike, layout: ElasticLayout) -> tuple[ComplexArray, ComplexArray]:
+    """Of the same those (d, 21, n) that move all entries - inertia, ln f, ln zeta, rho - and omega² X (m, 6, n).
+
+    What a participation L_ri moves are row and column i alone, by omega² X_r.
+    """
+    blocks, w2 = layout.blocks, _squares(frequency)[:, 0, 0]
+    X = np.ascontiguousarray(_answers(terms, frequency).transpose(1, 2, 0))
+    out = np.empty((blocks["pairs"].stop, 21, len(w2)), dtype=np.complex128)
+    out[blocks["inertia"]] = inertia_basis()[:, UPPER[0], UPPER[1], None]
     # ln f, through stiffness and through the damping 2 zeta omega that ln zeta shares, ln zeta and rho
     r, s = _pairs(layout)
     squares, d = (2 * np.pi * terms.frequency) ** 2, np.sqrt(np.diag(terms.damping))
     lossy = -1j * w2**1.5
-    out[blocks["damping"]] = lossy / 2 * _both(X, np.tensordot(terms.damping, X, axes=1))
-    out[blocks["frequency"]] = out[blocks["damping"]] - squares[:, None, None] * w2 * _both(X, X)
-    out[blocks["pairs"]] = lossy * _both((d[r] * d[s])[:, None, None] * X[r], X[s])
-    # L: row j and column j of H are omega² X_r
-    by_participation, answer = out[blocks["participation"]].reshape(layout.modes, 6, len(w2), 21), w2 * X
-    by_participation[:] = 0
-    for e, (i, j) in enumerate(zip(*UPPER, strict=True)):
-        by_participation[:, i, :, e] += SCALE[i] * answer[:, :, j]
-        by_participation[:, j, :, e] += SCALE[j] * answer[:, :, i]
-    return out
+    out[blocks["damping"]] = _both(X * (lossy / 2), np.tensordot(terms.damping, X, axes=1))
+    out[blocks["frequency"]] = out[blocks["damping"]] - _both(X * (squares[:, None, None] * w2), X)
+    out[blocks["pairs"]] = _both(X[r] * ((d[r] * d[s])[:, None, None] * lossy), X[s])
+    return out, w2 * X
 
 
 def pack(parameters: npt.ArrayLike, terms: ElasticTerms, layout: ElasticLayout | None = None) -> Array:
@@ -247,6 +257,6 @@ def _answers(terms: ElasticTerms, frequency: npt.ArrayLike) -> ComplexArray:
 
 
 def _both(left: ComplexArray, right: ComplexArray) -> ComplexArray:
-    """(..., 21): left right^T + right left^T."""
+    """(k, 21, n): left right^T + right left^T of (k, 6, n)."""
     i, j = UPPER
-    return np.asarray(left[..., i] * right[..., j] + right[..., i] * left[..., j])
+    return np.asarray(left[:, i] * right[:, j] + right[:, i] * left[:, j])

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -14,9 +15,9 @@ from identification.elastic import model
 from identification.elastic.model import ElasticTerms
 from identification.request import Evidence, Identified, Settings
 from identification.self_calibration import likelihood
-from identification.self_calibration.likelihood import cost, residual
-from identification.self_calibration.problem import FAMILY, Assembly, Layout, Part, assembled, felt, normals, of_article
-from identification.self_calibration.solve import CLOSE, MOST, Solution, inverse, minimise, total
+from identification.self_calibration.likelihood import residual
+from identification.self_calibration.problem import FAMILY, Assembly, Layout, NearPart, Part, assembled, felt, normals, of_article
+from identification.self_calibration.solve import CLOSE, MOST, NOTHING, Solution, inverse, minimise, total
 
 # One pole more, where lines do not fit: closer to its neighbours, or weaker, than the errors of the plain chain let one see.
 #
@@ -345,6 +346,12 @@ MOST_BEYOND = 3
 LET_IN = 16.0
 """What such a pole must take out of chi², twice its eight parameters (Akaike 1974): there are poles beyond for certain."""
 
+ROUNDS = 6
+"""Points about which the cost is told to second order in H before all is evaluated at every step."""
+
+NEAR = 30
+"""Evaluations near each of them."""
+
 FURTHER_STEPS = 20
 """Evaluations after which a further pole that does not pay yet is given up."""
 
@@ -376,7 +383,8 @@ def calibrated(
         shorter = pruned(problem, solution, _size(problem, settings.floor), below=problem.band[1])
         if shorter is not None and shorter[0].modes < problem.modes:
             problem, solution = shorter[0], _minimum(shorter[0], settings.floor, shorter[1])
-    found = identified(problem, solution, settings)
+    there = _minimum(problem, settings.floor, solution.x, most=1)  # its covariance is made of the equations of the place itself
+    found = identified(problem, replace(solution, seen=there.seen, normal=there.normal, data=there.data), settings)
     tell(1.0)
     return found
 
@@ -441,15 +449,30 @@ def _minimum(
     most: int = MOST,
     progress: Callable[[float], None] | None = None,
 ) -> Solution:
-    parts = problem.parts(floor)
-    return minimise(
-        lambda x: total(normals(parts, problem.layout, x), len(x)),
-        start,
-        problem.knowledge,
-        close=close,
-        asked=problem.layout.at("article"),
+    """The minimum for the weights of `floor`, of the cost near one point after another; of the cost itself where that fails."""
+    parts, layout, size, found = problem.parts(floor), problem.layout, _size(problem, floor), None
+    least = partial(minimise, knowledge=problem.knowledge, close=close, asked=layout.at("article"), size=size)
+    best, lowest, x = start, np.inf, start
+    about: list[NearPart] = []
+    for _ in range(ROUNDS if most > 1 else 0):
+        about[:] = [part.near(layout, x, 0.5 * close**2) for part in parts]
+        if found is not None and found.converged and all(one.known for one in about):
+            return found
+        here = sum(one.exact for one in about) + 0.5 * float(np.sum(np.square(problem.knowledge(x)[0])))
+        if not here < lowest + NOTHING:
+            break
+        best, lowest = x, here
+        found = least(
+            lambda to: total([one.normal(to) for one in about], len(to)),
+            x,
+            most=NEAR,
+            cost=lambda to: sum(one.cost(to) for one in about),
+        )
+        x = found.x
+    return least(
+        lambda x: total(normals(parts, layout, x), len(x)),
+        best,
         most=most,
-        size=sum(part.observed.size for part in parts),
         progress=progress,
-        cost=lambda x: sum(cost(part.observed, part.rows(problem.layout, x, changes=False)) for part in parts),
+        cost=lambda x: sum(part.cost(layout, x) for part in parts),
     )

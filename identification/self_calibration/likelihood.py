@@ -14,7 +14,7 @@ Kaufman leaves out of dr is of second order in r.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -22,7 +22,7 @@ import numpy.typing as npt
 from geometry.dynamic_mass import ComplexArray
 from geometry.frames import Array, frozen
 from identification.chain import Derivative
-from identification.elastic.model import ElasticTerms
+from identification.elastic.model import UPPER, ElasticTerms
 from identification.self_calibration import solve
 from identification.self_calibration.solve import SILENT, Normal
 from identification.self_calibration.ways import Ways
@@ -99,8 +99,8 @@ def cost(observed: Observed, rows: Rows) -> float:
     return sum(0.5 * float(np.sum(np.square(np.abs(one)))) for one in residual(observed, rows))
 
 
-def normal(observed: Observed, rows: Rows) -> Normal:
-    """The normal equations of the campaign, run by run; chain parameters first, then structural ones."""
+def _ways(rows: Rows) -> Ways:
+    """The parameters of `rows` by how channels see them."""
     # The channels see structural parameters through the loads, most of the chain in one channel each
     lines, channels, _ = rows.a1.shape
     moved = np.zeros((lines, 6, 6, 0), dtype=np.complex128) if rows.structure is None else rows.structure
@@ -110,7 +110,7 @@ def normal(observed: Observed, rows: Rows) -> Normal:
     whole = np.zeros((len(others), lines, channels, 6), dtype=np.complex128)
     for place, k in enumerate(others):
         whole[place][:, rows.chain[k].channels] = rows.chain[k].rows
-    of = Ways(
+    return Ways(
         count=len(rows.chain) + moved.shape[-1],
         channels=loaded,
         through=rows.a1[:, loaded],
@@ -122,11 +122,95 @@ def normal(observed: Observed, rows: Rows) -> Normal:
         others=np.array(others, dtype=np.int64),
         whole=whole,
     )
+
+
+def normal(observed: Observed, rows: Rows) -> Normal:
+    """The normal equations of the campaign, run by run; chain parameters first, then structural ones."""
+    of = _ways(rows)
     A, found = rows.a0 + rows.a1 @ rows.dynamic_mass, []
     for y, w in zip(observed.values, observed.weight, strict=True):
         r, Q, u = solve.eliminated(A, y, w)
         found.append(by_ways(of, r, Q, u, w))
     return solve.total(found, of.count)
+
+
+# The same cost about one point, to second order in the chain and in the dynamic mass of every line.
+#
+# A structure shows in the channels through H alone, of which a line has 21 entries. What all runs say of them and of the chain is
+# summed once; where a structure moves, it is then told for next to nothing, however curved its way: of the point are only base
+# motions and directions of the residual. At the point itself cost, gradient and J^T J are the exact ones.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Near:
+    """The cost of one campaign near a point.
+
+    Attributes
+    ----------
+    chain : cost, gradient (p,) and matrix (p, p) of the chain alone
+    gradient : (n, 21) by the entries of H in `UPPER`
+    matrix : (n, 21, 21) of these, Hermitian
+    met : (p, n, 21) of the chain with these
+    """
+
+    chain: Normal
+    gradient: ComplexArray
+    matrix: ComplexArray
+    met: ComplexArray
+
+    def cost(self, theta: Array, h: ComplexArray) -> float:
+        """With the chain `theta` (p,) and the dynamic mass `h` (n, 21) away from the point."""
+        met = np.tensordot(theta, self.met, axes=1) + (self.matrix @ h[..., None])[..., 0] / 2
+        of_chain = (self.chain.gradient + self.chain.matrix @ theta / 2) @ theta
+        return self.chain.cost + float(of_chain + np.vdot(h, self.gradient + met).real)
+
+    def normal(self, theta: Array, h: ComplexArray, changes: ComplexArray) -> Normal:
+        """The same to second order by the chain and by what changes H by `changes` (k, n, 21), in this order."""
+        slope = self.gradient + np.tensordot(theta, self.met, axes=1) + (self.matrix @ h[..., None])[..., 0]
+        turned = (changes.transpose(1, 0, 2) @ self.matrix.transpose(0, 2, 1)).transpose(1, 0, 2)
+        moved, met = solve.as_real(changes), solve.as_real(self.met)
+        across = moved @ met.T
+        gradient = self.chain.gradient + self.chain.matrix @ theta + met @ solve.as_real(h[None])[0]
+        return Normal(
+            cost=self.cost(theta, h),
+            gradient=np.concatenate([gradient, moved @ solve.as_real(slope[None])[0]]),
+            matrix=np.block([[self.chain.matrix, across.T], [across, moved @ solve.as_real(turned).T]]),
+        )
+
+
+def near(observed: Observed, rows: Rows) -> Near:
+    """The cost of the campaign near the point of `rows`, of which those of the structure are not asked for."""
+    i, j = UPPER
+    twice = i != j
+    A, (runs, lines, _) = rows.a0 + rows.a1 @ rows.dynamic_mass, observed.values.shape
+    gradient, matrix = np.zeros((lines, 6, 6), dtype=np.complex128), np.zeros((lines, 6, 6, 6, 6), dtype=np.complex128)
+    met = np.empty((lines, len(rows.chain), 6, runs), dtype=np.complex128)
+    motion = np.empty((lines, runs, 6), dtype=np.complex128)
+    of, found = _ways(replace(rows, structure=None)), []
+    for k, (y, w) in enumerate(zip(observed.values, observed.weight, strict=True)):
+        r, Q, u = solve.eliminated(A, y, w)
+        found.append(by_ways(of, r, Q, u, w))
+        # What loads do to the channels beside the inputs, (n, c, 6), and how all else meets it
+        T = w[..., None] * rows.a1
+        B = T - Q @ (Q.conj().transpose(0, 2, 1) @ T)
+        Bh, motion[:, k] = B.conj().transpose(0, 2, 1), u.conj()
+        here = met[..., k]
+        here[:, of.single] = Bh[:, :, of.at].transpose(0, 2, 1) * (w[:, of.at] * np.einsum("bmk,mk->mb", of.rows, u))[..., None]
+        here[:, of.others] = (w * (of.whole @ u[..., None])[..., 0]).transpose(1, 0, 2) @ B.conj()
+        gradient -= (Bh @ r[..., None]) * motion[:, k, None, :]
+        outer = motion[:, k, :, None] * u[:, None, :]
+        matrix += (Bh @ B)[:, :, None, :, None] * outer[:, None, :, None, :]
+    whole = (met.reshape(lines, -1, runs) @ motion).reshape(lines, len(rows.chain), 6, 6)
+
+    def upper(one: ComplexArray) -> ComplexArray:
+        return np.asarray(one[..., i, j] + np.where(twice, one[..., j, i], 0.0))
+
+    return Near(
+        chain=solve.total(found, of.count),
+        gradient=upper(gradient),
+        matrix=upper(upper(matrix).transpose(0, 3, 1, 2)).transpose(0, 2, 1),
+        met=np.ascontiguousarray(upper(whole).transpose(1, 0, 2)),
+    )
 
 
 def gradients(observed: Observed, rows: Rows) -> Array:

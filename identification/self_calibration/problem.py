@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
@@ -208,6 +210,17 @@ class Structure:
         return chosen
 
 
+@dataclass(eq=False, kw_only=True)
+class Kept:
+    """What is observed of a campaign at one floor; chain, dynamic mass and cost where it was told last."""
+
+    observed: Observed
+    about: Any = ()
+
+
+_KEPT: "WeakKeyDictionary[Chain, dict[tuple[float, bytes], Kept]]" = WeakKeyDictionary()
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Part:
     """One campaign.
@@ -219,6 +232,7 @@ class Part:
     chain : of its channels
     offsets : (p,) where the offsets of its chain stand in the joint vector; campaigns of the same hardware share them
     structure : what stood on the load cells
+    kept : what does not change with the joint vector
     """
 
     name: str
@@ -226,6 +240,7 @@ class Part:
     chain: Chain
     offsets: npt.NDArray[np.int64]
     structure: Structure
+    kept: "Kept"
 
     def rows(self, layout: Layout, x: Array, *, changes: bool = True) -> Rows:
         """The linear model at `x`, with its derivatives where `changes`."""
@@ -237,11 +252,53 @@ class Part:
         structure = self.structure.derivatives(layout, x, f).transpose(1, 2, 3, 0)
         return Rows(a0=a0, a1=a1, dynamic_mass=H, chain=self.chain.derivatives(theta, f, H), structure=structure)
 
+    def cost(self, layout: Layout, x: Array) -> float:
+        """Half the sum of squares at `x`."""
+        return likelihood.cost(self.observed, self.rows(layout, x, changes=False))
+
+    def near(self, layout: Layout, x: Array, within: float) -> "NearPart":
+        """The cost near `x`: the one that was told before where it says that of `x` to `within`, else anew."""
+        last = NearPart(part=self, layout=layout, selection=self.selection(layout), exact=self.cost(layout, x), known=True)
+        if self.kept.about and abs(last.cost(x) - last.exact) <= within:
+            return last
+        theta, f = x[self.offsets], self.observed.frequency
+        H, (a0, a1) = self.structure.dynamic_mass(layout, x, f), self.chain.rows(theta, f)
+        rows = Rows(a0=a0, a1=a1, dynamic_mass=H, chain=self.chain.derivatives(theta, f, H))
+        self.kept.about = theta, H, likelihood.near(self.observed, rows)
+        return replace(last, known=False)
+
     def selection(self, layout: Layout) -> Array:
         """(own, len(layout)): chain offsets, the ten and the elastic parameters from the joint vector."""
         chain = np.zeros((len(self.offsets), len(layout)))
         chain[np.arange(len(self.offsets)), self.offsets] = 1.0
         return np.vstack([chain, self.structure.selection(layout)])
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class NearPart:
+    """The cost of one campaign near a point, see `likelihood.Near`: `exact` where it was asked for, `known` before or not."""
+
+    part: Part
+    layout: Layout
+    selection: Array
+    exact: float
+    known: bool
+
+    def cost(self, x: Array) -> float:
+        """At the joint vector `x`."""
+        return float(self.part.kept.about[2].cost(*self._away(x)))
+
+    def normal(self, x: Array) -> Normal:
+        """The same to second order."""
+        part, S, (i, j) = self.part, self.selection, model.UPPER
+        changes = part.structure.derivatives(self.layout, x, part.observed.frequency)[:, :, i, j]
+        own = part.kept.about[2].normal(*self._away(x), np.ascontiguousarray(changes))
+        return Normal(cost=own.cost, gradient=S.T @ own.gradient, matrix=S.T @ own.matrix @ S)
+
+    def _away(self, x: Array) -> tuple[Array, ComplexArray]:
+        theta, H, _ = self.part.kept.about
+        now = self.part.structure.dynamic_mass(self.layout, x, self.part.observed.frequency)
+        return x[self.part.offsets] - theta, (now - H)[:, *model.UPPER]
 
 
 def normals(parts: Sequence[Part], layout: Layout, x: Array) -> list[Normal]:
@@ -391,13 +448,17 @@ class Assembly:
         for one in self.campaigns:
             at, names = self.layout.at(one.chain_block), self.layout.block(one.chain_block).names
             offsets = [at.start + names.index(parameter.name) for parameter in one.chain.parameters]
+            kept, which = _KEPT.setdefault(one.chain, {}), (floor, one.lines.tobytes())
+            if which not in kept:
+                kept[which] = Kept(observed=observed(one.spectra, one.chain.columns, one.lines, floor))
             found.append(
                 Part(
                     name=one.name,
-                    observed=observed(one.spectra, one.chain.columns, one.lines, floor),
+                    observed=kept[which].observed,
                     chain=one.chain,
                     offsets=np.array(offsets, dtype=np.int64),
                     structure=one.structure,
+                    kept=kept[which],
                 )
             )
         return found

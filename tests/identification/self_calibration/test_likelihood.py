@@ -70,6 +70,30 @@ def test_gradients_by_line_add_up_to_the_gradient(problem, away):
     assert_allclose(added, whole, atol=1e-9 * np.abs(whole).max())
 
 
+def test_near_a_point_the_cost_is_the_exact_one_there_and_to_second_order_beside_it(problem, away):
+    """Whatever the structure does: a longer way in the elastic terms is off by what base motions and directions turn alone."""
+    parts, layout = problem.parts(0.0015), problem.layout
+    about = [part.near(layout, away, -1.0) for part in parts]
+    exact, told = total(normals(parts, layout, away), len(away)), total([one.normal(away) for one in about], len(away))
+    unit = np.sqrt(np.diag(exact.matrix))
+    assert_allclose([told.cost, sum(one.cost(away) for one in about)], exact.cost, rtol=1e-12)
+    assert_allclose(told.gradient / unit, exact.gradient / unit, atol=1e-9 * np.abs(exact.gradient / unit).max())
+    assert_allclose(told.matrix / np.outer(unit, unit), exact.matrix / np.outer(unit, unit), atol=1e-9)
+    step = 0.1 * np.random.default_rng(2).standard_normal(len(away)) / unit
+    up, down = (total([one.normal(away + sign * step) for one in about], len(away)) for sign in (1, -1))
+    assert_allclose(up.cost - down.cost, 2 * exact.gradient @ step, rtol=0.02)
+    tiny = 1e-4 * step
+    slope = sum(one.cost(away + step + tiny) - one.cost(away + step - tiny) for one in about) / 2
+    assert_allclose(up.gradient @ tiny, slope, rtol=1e-4)
+
+
+def test_what_was_told_near_a_point_is_kept_where_it_still_says_the_cost(problem, away):
+    part, layout = problem.parts(0.0015)[1], problem.layout
+    part.near(layout, away, -1.0)
+    assert part.near(layout, away, 1e-6).known
+    assert not part.near(layout, layout.start, 1e-6).known
+
+
 def test_a_channel_that_reads_nothing_is_not_trusted_without_bound(exact, lab):
     """Spectra of noise zero: the weight of a silent channel is that of a floor on a share of what its kind reads."""
     read, floor = exact.spectra(lab.NOTHING), 0.0015
