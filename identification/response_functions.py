@@ -293,8 +293,15 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
             remedy="Add the file, or make a test of each reference that has other responses",
         )
     values = np.array([[by_pair[d, c].values[:n] for c in responses] for d in drives]).transpose(0, 2, 1)
+    read = np.flatnonzero(np.any(values != 0, axis=(0, 2)))
+    low, high = (0, n) if len(read) < 2 else (int(read[0]) if read[0] > 1 else 0, int(read[-1]) + 1)  # zero at 0 Hz is none
+    if high - low < n:
+        warnings.append(
+            f"{n - high + low} lines outside {f[low]:g} to {f[high - 1]:g} Hz, where all functions are 0, are left out"
+        )
+    f, values = f[low:high], values[:, low:high]
     known = all(one.coherence is not None for one in pieces)
-    coherence = [[one.coherence[:n] for c in responses if (one := by_pair[d, c]).coherence is not None] for d in drives]
+    coherence = [[one.coherence[:n][low:high] for c in responses if (one := by_pair[d, c]).coherence is not None] for d in drives]
     _require_upright(f, values, source)
     return ResponseFunctions(
         source=source,

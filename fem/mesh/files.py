@@ -322,9 +322,20 @@ _WORDS = ("points", "lines", "faces", "volumes")
 
 
 def _cards(path: Path) -> Iterator[list[str]]:
-    """Cards of bulk data as a name and fields: small, large and free format, continued ones put together."""
+    """Cards of bulk data as a name and fields: small, large and free format, continued ones put together.
+
+    Raises
+    ------
+    BadInput : a line that is marked as continued, and is not by the next; a file that ends within a line.
+    """
+
+    def refused(problem: str) -> BadInput:
+        return BadInput(source=str(path), problem=problem, remedy="Write it again; it may be cut short or damaged")
+
     card: list[str] = []
-    for line in _lines(path):
+    mark = ""  # of the line that continues the last one, where its tenth field says one
+    ended = path.read_bytes()[-1:] == b"\n"
+    for number, line in enumerate(_lines(path), start=1):
         text = line.split("$")[0].rstrip()
         if not text:
             continue
@@ -336,12 +347,20 @@ def _cards(path: Path) -> Iterator[list[str]]:
             fields = [first, *(text[n : n + 16].strip() for n in range(8, 72, 16))]
         else:
             fields = [first, *(text[n : n + 8].strip() for n in range(8, 72, 8))]
-        if fields[0] in ("", "*") or fields[0].startswith("+") or (fields[0].startswith("*") and card):
+        follows = fields[0][:1] in ("", "+") or (fields[0].startswith("*") and bool(card))
+        if mark and not (follows and fields[0][1:] in ("", mark)):
+            raise refused(f"line {number} is {first!r}, where the one before is continued by +{mark}")
+        behind = "" if "," in text else text[72:80].strip()
+        mark = behind[1:] if behind[:1] in ("+", "*") and behind else ""
+        ended = ended or first.upper() == "ENDDATA"
+        if follows:
             card += fields[1:]
             continue
         if card:
             yield card
         card = [fields[0].rstrip("*").upper(), *fields[1:]]
+    if mark or not ended:
+        raise refused("it ends within a card")
     if card:
         yield card
 

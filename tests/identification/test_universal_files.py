@@ -244,3 +244,12 @@ def test_a_node_without_coordinates_of_its_own_type_is_refused(tmp_path: Path) -
     (tmp_path / "n.unv").write_text(dataset(15, "         1         0         0         8  1.0  2.0"))
     with pytest.raises(BadInput, match="coordinates"):
         uff_tests.read(tmp_path / "n.unv")
+
+
+def test_lines_in_which_all_functions_are_zero_are_no_measurement(tmp_path: Path) -> None:
+    padded = np.where((F > 4) & (F < 20), H, 0)
+    found = read(tmp_path, function(padded), function(padded, response=(3, 3)))
+    assert_allclose(found.frequency[[0, -1]], [6, 18])
+    assert found.band == (6, 18)
+    assert "where all functions are 0" in " ".join(found.warnings)
+    assert len(read(tmp_path, function(np.where(F > 0, H, 0))).frequency) == len(F)  # at 0 Hz an accelerance is 0

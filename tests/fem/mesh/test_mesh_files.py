@@ -264,3 +264,25 @@ def test_a_damaged_text_is_refused_or_read_but_never_breaks_the_reader(
         except BadInput:
             refusals += 1
     assert refusals > 10
+
+
+def test_a_bulk_data_deck_that_lost_lines_or_its_end_is_refused(tmp_path: Path) -> None:
+    """A quadratic tetrahedron without its second line would be a linear one, and one that goes on in another's line a third."""
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    middles = [(i, j) for i in range(4) for j in range(i)]
+    places = [*map(np.array, corners), *((np.array(corners[i]) + corners[j]) / 2 for i, j in middles)]
+    at = {frozenset(pair): 5 + k for k, pair in enumerate(middles)}
+    order = [1, 2, 3, 4, *(at[frozenset(pair)] for pair in ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)))]
+    grid = [f"GRID,{k},,{x[0]},{x[1]},{x[2]}" for k, x in enumerate(places, start=1)]
+    first = f"{'CTETRA':<8}{1:<8}{1:<8}" + "".join(f"{n:<8}" for n in order[:6]) + "+E1"
+    second = f"{'+E1':<8}" + "".join(f"{n:<8}" for n in order[6:])
+    path = tmp_path / "one.bdf"
+    path.write_text("\n".join([*grid, first, second]) + "\n")  # without ENDDATA, as a file that is included has it
+    assert list(files.read(path).cells) == ["tet10"]
+    for lines in ([*grid, first], [*grid, first, *grid[:0], second.replace("+E1", "+E2")], [*grid, first, "ENDDATA"]):
+        path.write_text("\n".join(lines) + "\n")
+        with pytest.raises(BadInput, match=r"continued by|within a card"):
+            files.read(path)
+    path.write_text("\n".join([*grid, first, second])[:-9])
+    with pytest.raises(BadInput, match="within a card"):
+        files.read(path)
