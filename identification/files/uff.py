@@ -446,19 +446,27 @@ def _units(found: list[Dataset], names: list[str], source: str) -> dict[str, Sta
     current: StatedUnits | None = None
     for block in found:
         if block.number == 164:
-            what = "dataset 164"
-            if len(block.lines) < 2:
-                raise BadInput(source=source, field=what, problem="is cut short", remedy=DAMAGED)
-            code = int(column(block.lines[0], 0, 10, int, what, source))
-            row = block.lines[1].replace("D", "E").replace("d", "e")
-            length, force = (column(row, start, 25, float, what, source) for start in (0, 25))
-            if not (0 < length < np.inf and 0 < force < np.inf):
-                raise BadInput(
-                    source=source, field=what, problem=f"has the factors {length:g} and {force:g}", remedy="Correct it"
-                )
-            described = block.lines[0][10:30].strip()
-            words = f"code {code}, {CODES.get(code, 'unknown')}" + (f", {described!r}" if described else "")
-            current = StatedUnits(length=1 / length, force=1 / force, words=words)
+            current = units_of(block, source)
         elif block.number == 58:
             stated.append((next(order), current))
     return {name: units or current for name, units in stated if units or current}  # type: ignore[misc]
+
+
+def units_of(block: Dataset, source: str) -> StatedUnits:
+    """What a dataset 164 says.
+
+    Raises
+    ------
+    BadInput : it is cut short, or its factors are none.
+    """
+    what = "dataset 164"
+    if len(block.lines) < 2:
+        raise BadInput(source=source, field=what, problem="is cut short", remedy=DAMAGED)
+    code = int(column(block.lines[0], 0, 10, int, what, source))
+    row = block.lines[1].replace("D", "E").replace("d", "e")
+    length, force = (column(row, start, 25, float, what, source) for start in (0, 25))
+    if not (0 < length < np.inf and 0 < force < np.inf):
+        raise BadInput(source=source, field=what, problem=f"has the factors {length:g} and {force:g}", remedy="Correct it")
+    described = block.lines[0][10:30].strip()
+    words = f"code {code}, {CODES.get(code, 'unknown')}" + (f", {described!r}" if described else "")
+    return StatedUnits(length=1 / length, force=1 / force, words=words)

@@ -126,28 +126,25 @@ def read(path: Path) -> ModalFile:
     files.require_file(path)
     source = str(path)
     found = uff.blocks(path.read_bytes(), source)
-    stated = [_units(block, source) for block in found if block.number == 164]
-    length, force = first = stated[0] if stated else (1.0, 1.0)  # what one unit is [m, N], as far as the file says it
-    systems: dict[int, System] = {}
-    for block in found:
-        if block.number == 164:
-            length, force = _units(block, source)
-        elif block.number in (18, 2420):
-            systems |= _systems(block, source, length)
-    length, force = first
+    stated = [block for block in found if block.number == 164]
+    units = [
+        uff.units_of(next((u for u in reversed(stated) if u.index < one.index), stated[0]), source) if stated else None
+        for one in found
+    ]
+    systems = {}
+    for block, unit in zip(found, units, strict=True):
+        if block.number in (18, 2420):
+            systems |= _systems(block, source, 1.0 if unit is None else unit.length)
     nodes: dict[int, Array] = {}
     axes: dict[int, Array] = {}
     functions, modes, over = list[Function](), list[Mode](), Counter[str]()
-    for block in found:
-        if block.number == 164:
-            length, force = _units(block, source)
-        elif block.number in (15, 781, 2411):
-            for number, place, turned in _nodes(block, systems, source, length):
+    for block, unit in zip(found, units, strict=True):
+        if block.number in (15, 781, 2411):
+            for number, place, turned in _nodes(block, systems, source, 1.0 if unit is None else unit.length):
                 nodes[number] = place
-                if turned is not None:
-                    axes[number] = turned
+                axes |= {} if turned is None else {number: turned}
         elif block.number == 58:
-            one = _function(block, source, length / force if stated else None)
+            one = _function(block, source, None if unit is None else unit.length / unit.force)
             if isinstance(one, str):
                 over[one] += 1
             else:
@@ -182,18 +179,6 @@ def point(at: NodeAxis, file: ModalFile, places: Mapping[str, Any], direction: s
         where |= {"name": f"{place}:{axis[-1]}"}
         return sensors.point({"place": place, "direction": along.tolist(), **where}, source=file.source, field="places")
     return sensors.point({"place": place, "direction": axis, **where}, source=file.source, field="places")
-
-
-def _units(block: Dataset, source: str) -> tuple[float, float]:
-    """What one unit of length is [m], and one of force [N]."""
-    if len(block.lines) < 2:
-        raise BadInput(source=source, field="dataset 164", problem="is cut short", remedy=DAMAGED)
-    row = block.lines[1].replace("D", "E").replace("d", "e")
-    factors = [column(row, start, 25, float, "dataset 164", source) for start in (0, 25)]
-    if not all(0 < factor < np.inf for factor in factors):
-        problem = f"has the factors {factors[0]:g} and {factors[1]:g}"
-        raise BadInput(source=source, field="dataset 164", problem=problem, remedy="Correct it")
-    return 1 / factors[0], 1 / factors[1]
 
 
 # Nodes, and the axes along which they move. A file that speaks of a system that it does not have means its global one.
@@ -246,23 +231,19 @@ def _nodes(
     """Number, place [m] and axes of every node; None where these are the global ones."""
     what = f"dataset {block.number}"
     lines = [line for line in block.lines if line.strip()]
-    pairs = [(line[:40], line[40:]) for line in lines]
-    if block.number != 15:
-        if len(lines) % 2:
-            raise BadInput(source=source, field=what, problem="is cut short", remedy=DAMAGED)
-        pairs = list(zip(lines[::2], lines[1::2], strict=True))
+    if block.number != 15 and len(lines) % 2:
+        raise BadInput(source=source, field=what, problem="is cut short", remedy=DAMAGED)
+    one_line = [(line[:40], line[40:]) for line in lines]
+    pairs = one_line if block.number == 15 else list(zip(lines[::2], lines[1::2], strict=True))
     for head, text in pairs:
         at = _numbers(text, 3, what, source)
         number, defined, moved = (int(column(head, start, 10, int, what, source)) for start in (0, 10, 20))
+        place = at * length
         if block.number == 15 and defined in systems:  # those of 781 and 2411 are global
             kind, origin, rows = systems[defined]
-            scaled = at * length
-            if kind == CYLINDRICAL:
-                angle = np.radians(at[1])
-                scaled = np.array([scaled[0] * np.cos(angle), scaled[0] * np.sin(angle), scaled[2]])
-            place = origin + scaled @ rows
-        else:
-            place = at * length
+            angle = np.radians(at[1])
+            around = length * np.array([at[0] * np.cos(angle), at[0] * np.sin(angle), at[2]])
+            place = origin + (around if kind == CYLINDRICAL else place) @ rows
         if moved not in systems:
             yield number, place, None
             continue
