@@ -5,6 +5,7 @@ gmsh 4.15 does not read ``.inp``, ends its process on ``.unv`` files that it wro
 """
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -276,6 +277,9 @@ _NASTRAN = {
     "CBEAM": ("line2",),
     "CROD": ("line2",),
 }
+_CARRIES = re.compile(r"C(?!END|ORD|REEP|LOAD|SET|AERO)\w+|RBE\d|RBAR\d?|RROD|RSPLINE|MPC|GENEL")
+"""Cards of bulk data that weigh, hold or join."""
+
 _MIDDLES_LAST = {"hex20": [*range(12), *range(16, 20), *range(12, 16)], "wedge15": [*range(9), *range(12, 15), *range(9, 12)]}
 """Nastran gives the middles of the upright edges before those of the top."""
 
@@ -293,6 +297,9 @@ def _nastran(path: Path) -> _Raw:
                     source=str(path), field="GRID", problem=problem, remedy="Write the grid points in the basic system"
                 )
             x, y, z = (_real((fields + 5 * [""])[n]) for n in (2, 3, 4))
+            if any(field and not field.isdigit() for field in fields[5:8]):
+                problem = f"node {fields[0]} has {', '.join(fields[5:8])!r} where its system and freedoms are numbers"
+                raise BadInput(source=str(path), field="GRID", problem=problem, remedy="Write it again; it may be damaged")
             _once(nodes, int(fields[0]), (x, y, z), str(path))
         elif card in _NASTRAN:
             tag, group = int(fields[0]), fields[1] or fields[0]
@@ -308,6 +315,10 @@ def _nastran(path: Path) -> _Raw:
             order = _MIDDLES_LAST.get(kind, range(len(own)))
             _once(elements.setdefault(kind, {}), tag, [own[n] for n in order], str(path))
             groups.setdefault(group, []).append(tag)
+        elif _CARRIES.fullmatch(card):
+            problem = f"{card} {fields[0]} is no element that is read, and what it weighs or holds together would be lost"
+            remedy = "Take such cards out of the mesh, and state masses, springs and joints in the description"
+            raise BadInput(source=str(path), field=card, problem=problem, remedy=remedy)
     # What a program without properties writes has one number for a volume, its skin and its edges
     dimension = {tag: DIMENSION[kind] for kind, own in elements.items() for tag in own}
     apart: dict[str, list[int]] = {}
