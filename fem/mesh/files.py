@@ -196,6 +196,18 @@ _ABAQUS = {
     "line3": ("B32", "B32R", "T3D3", "B22"),
     POINT: ("MASS", "ROTARYI"),
 }
+_ABAQUS_CARRIES = (
+    "MASS",
+    "ROTARY INERTIA",
+    "NONSTRUCTURAL MASS",
+    "SPRING",
+    "TIE",
+    "EQUATION",
+    "MPC",
+    "COUPLING",
+    "RIGID BODY",
+    "SYSTEM",
+)
 _ABAQUS_KINDS = {word: kind for kind, words in _ABAQUS.items() for word in words}
 
 
@@ -217,6 +229,10 @@ def _abaqus(path: Path) -> _Raw:
             if keyword in ("INCLUDE", "INSTANCE"):
                 problem = f"it has *{keyword}, which is not followed"
                 raise BadInput(source=str(path), problem=problem, remedy="Write a flat file with all nodes and elements in it")
+            if keyword in _ABAQUS_CARRIES or (keyword == "NODE" and options.get("SYSTEM", "R").upper() != "R"):
+                problem = f"it has *{text[1:]}, which is not read, and what it moves, weighs or holds together would be lost"
+                remedy = "Take it out of the mesh; masses, springs and joints stand in the description, nodes in global axes"
+                raise BadInput(source=str(path), field=f"*{keyword}", problem=problem, remedy=remedy)
             if keyword == "ELEMENT":
                 word = options.get("TYPE", "").upper()
                 if word not in _ABAQUS_KINDS:

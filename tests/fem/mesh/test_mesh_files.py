@@ -305,3 +305,16 @@ def test_a_deck_with_cards_that_would_be_lost_is_refused_by_card(card: str, word
     path.write_text("\n".join([*deck, card, "ENDDATA", ""]))
     with pytest.raises(BadInput, match=words):
         files.read(path)
+
+
+@pytest.mark.parametrize(
+    "lines", ["*MASS, ELSET=m\n2.", "*EQUATION\n2\n1,1,1.,2,1,-1.", "*TIE, NAME=t\na, b", "*NODE, SYSTEM=C\n9,1.,90.,0."]
+)
+def test_keywords_of_abaqus_that_would_be_lost_are_refused(lines: str, tmp_path: Path) -> None:
+    path = tmp_path / "one.inp"
+    deck = "*NODE, SYSTEM=R\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT, TYPE=C3D4, ELSET=p\n1,1,2,3,4\n"
+    path.write_text(deck)
+    assert len(files.read(path).node_tags) == 4
+    path.write_text(deck + lines + "\n")
+    with pytest.raises(BadInput, match="would be lost"):
+        files.read(path)
