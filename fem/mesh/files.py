@@ -196,18 +196,7 @@ _ABAQUS = {
     "line3": ("B32", "B32R", "T3D3", "B22"),
     POINT: ("MASS", "ROTARYI"),
 }
-_ABAQUS_CARRIES = (
-    "MASS",
-    "ROTARY INERTIA",
-    "NONSTRUCTURAL MASS",
-    "SPRING",
-    "TIE",
-    "EQUATION",
-    "MPC",
-    "COUPLING",
-    "RIGID BODY",
-    "SYSTEM",
-)
+_ABAQUS_CARRIES = ("MASS", "ROTARY INERTIA", "NONSTRUCTURAL MASS", "SPRING", "SYSTEM")
 _ABAQUS_KINDS = {word: kind for kind, words in _ABAQUS.items() for word in words}
 
 
@@ -230,7 +219,7 @@ def _abaqus(path: Path) -> _Raw:
                 problem = f"it has *{keyword}, which is not followed"
                 raise BadInput(source=str(path), problem=problem, remedy="Write a flat file with all nodes and elements in it")
             if keyword in _ABAQUS_CARRIES or (keyword == "NODE" and options.get("SYSTEM", "R").upper() != "R"):
-                problem = f"it has *{text[1:]}, which is not read, and what it moves, weighs or holds together would be lost"
+                problem = f"it has *{text[1:]}, which is not read, and what it moves, weighs or holds would be lost"
                 remedy = "Take it out of the mesh; masses, springs and joints stand in the description, nodes in global axes"
                 raise BadInput(source=str(path), field=f"*{keyword}", problem=problem, remedy=remedy)
             if keyword == "ELEMENT":
@@ -293,8 +282,8 @@ _NASTRAN = {
     "CBEAM": ("line2",),
     "CROD": ("line2",),
 }
-_CARRIES = re.compile(r"C(?!END|ORD|REEP|LOAD|SET|AERO)\w+|RBE\d|RBAR\d?|RROD|RSPLINE|MPC|GENEL")
-"""Cards of bulk data that weigh, hold or join."""
+_CARRIES = re.compile(r"C(?!END|ORD|REEP|LOAD|SET|AERO)\w+|GENEL")
+"""Cards of bulk data that are elements."""
 
 _MIDDLES_LAST = {"hex20": [*range(12), *range(16, 20), *range(12, 16)], "wedge15": [*range(9), *range(12, 15), *range(9, 12)]}
 """Nastran gives the middles of the upright edges before those of the top."""
@@ -332,7 +321,7 @@ def _nastran(path: Path) -> _Raw:
             _once(elements.setdefault(kind, {}), tag, [own[n] for n in order], str(path))
             groups.setdefault(group, []).append(tag)
         elif _CARRIES.fullmatch(card):
-            problem = f"{card} {fields[0]} is no element that is read, and what it weighs or holds together would be lost"
+            problem = f"{card} {fields[0]} is no element that is read, and what it weighs or holds would be lost"
             remedy = "Take such cards out of the mesh, and state masses, springs and joints in the description"
             raise BadInput(source=str(path), field=card, problem=problem, remedy=remedy)
     # What a program without properties writes has one number for a volume, its skin and its edges
