@@ -131,7 +131,7 @@ def read(path: Path) -> ModalFile:
         uff.units_of(next((u for u in reversed(stated) if u.index < one.index), stated[0]), source) if stated else None
         for one in found
     ]
-    systems = {}
+    systems = dict[int, System]()
     for block, unit in zip(found, units, strict=True):
         if block.number in (18, 2420):
             systems |= _systems(block, source, 1.0 if unit is None else unit.length)
