@@ -155,7 +155,8 @@ def _part(entry: Any, number: int, path: Path, own: Mapping[str, Material]) -> P
         if not _text(entry, key, source, where):
             raise BadInput(source=source, field=f"{where}.{key}", problem="is missing", remedy=f'Add {key} = "..."')
     name, file = entry["name"], entry["file"]
-    there = path.parent / file
+    whose = toml_file.named_file(file, path.parent, source, f"{where}.file") if file.startswith(f"${toml_file.DATA}/") else None
+    there = whose or path.parent / file
     if not there.is_file():
         raise BadInput(source=source, field=f"{where}.file", problem=f"there is no file {file!r}", remedy=f"Looked for {there}")
     unit = _text(entry, "unit", source, where)

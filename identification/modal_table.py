@@ -269,7 +269,7 @@ FromFile = tuple[dict[str, Array], tuple[Point, ...], Samples | None, Array | No
 
 def _of_file(path: Path, table: Mapping[str, Any], source: str) -> FromFile:
     """A whole table in one file: universal, or arrays by name."""
-    if path.suffix.lower() in uff.ENDINGS:
+    if uff.is_universal(path):
         return (*_of_universal(path, table, source), None)
     if path.suffix.lower() in (".csv", ".txt", ".dat"):
         remedy = "Name the columns of a text file under `frequencies` and `shapes`"
@@ -320,7 +320,7 @@ def _of_universal(path: Path, table: Mapping[str, Any], source: str) -> tuple[di
     """Frequencies and damping by name, sensors, and shapes (m, s) of a universal file; axes that no mode has are left out."""
     file = uff_tests.read(path)
     if not file.modes:
-        raise BadInput(source=str(path), problem="it holds no dataset 55", remedy="Export the modes as dataset 55")
+        raise BadInput(source=str(path), problem="it holds no dataset 55 or 2414", remedy="Export the modes as dataset 55")
     nodes = file.modes[0].nodes
     for k, one in enumerate(file.modes):
         if one.nodes != nodes:
@@ -330,7 +330,7 @@ def _of_universal(path: Path, table: Mapping[str, Any], source: str) -> tuple[di
     there = [(k, axis) for k in range(len(nodes)) for axis in range(3) if np.any(whole[:, k, axis] != 0)]
     places = toml_file.require_table(table.get("places", {}), source=source, where="places")
     at = [uff_tests.NodeAxis(node=nodes[k], axis=uff_tests.AXES[axis]) for k, axis in there]
-    points = tuple(uff_tests.point(one, file.nodes, places, "", str(path)) for one in at)
+    points = tuple(uff_tests.point(one, file, places, "") for one in at)
     columns = {"frequency": np.array([one.frequency for one in file.modes])}
     if all(one.damping_ratio > 0 for one in file.modes):
         columns["damping"] = np.array([one.damping_ratio for one in file.modes])

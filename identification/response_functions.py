@@ -17,7 +17,7 @@ from geometry.sensors import Point
 from identification.files import files, text_table, uff, uff_tests
 from identification.spectra import response_estimates
 
-QUANTITIES = {"acceleration": "m/s^2/N", "velocity": "m/s/N", "displacement": "m/N"}
+QUANTITIES = uff_tests.PER_NEWTON
 """What may be read per newton, and its SI unit."""
 
 UPSIDE_DOWN = {f"force over {name}": f"N/({unit.removesuffix('/N')})" for name, unit in QUANTITIES.items()}
@@ -170,8 +170,8 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ResponseFun
     else:
         pieces, reach = [], inf
         for path, entry in entries:
-            if path.suffix.lower() in uff.ENDINGS:
-                pieces += _of_universal(path, table, source)
+            if uff.is_universal(path):
+                pieces += _of_universal(path, entry, table, source, warnings)
                 continue
             drive, responses = points_of(entry, table, source)
             if path.suffix.lower() in SIGNALS:
@@ -186,7 +186,7 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ResponseFun
         if len(said) > 1:
             problem = f"functions of {' and of '.join(said)} stand together"
             raise BadInput(source=source, field="quantity", problem=problem, remedy="Make a test of each")
-        if said and "quantity" in table and quantity not in said:
+        if said and ("quantity" in table or "unit" in table) and quantity not in said:
             problem = f"is {quantity}, and {next(iter(said.values()))} says {next(iter(said))}"
             raise BadInput(source=source, field="quantity", problem=problem, remedy="Correct it")
         quantity = next(iter(said), quantity)
@@ -273,8 +273,8 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
     longest = max(len(one.frequency) for one in pieces)
     if longest > n:
         warnings.append(f"{first.source} ends at {f[-1]:g} Hz; {longest - n} lines above that other functions have are left out")
-    drives = {one.drive.name: one.drive for one in pieces}
-    responses = {one.response.name: one.response for one in pieces}
+    drives, responses = dict[str, Point](), dict[str, Point]()
+    pieces = [_turned(_turned(one, "drive", drives), "response", responses) for one in pieces]
     by_pair: dict[tuple[str, str], Piece] = {}
     for one in pieces:
         pair = (one.drive.name, one.response.name)
@@ -293,8 +293,15 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
             remedy="Add the file, or make a test of each reference that has other responses",
         )
     values = np.array([[by_pair[d, c].values[:n] for c in responses] for d in drives]).transpose(0, 2, 1)
+    read = np.flatnonzero(np.any(values != 0, axis=(0, 2)))
+    low, high = (0, n) if len(read) < 2 else (int(read[0]) if read[0] > 1 else 0, int(read[-1]) + 1)  # zero at 0 Hz is none
+    if high - low < n:
+        warnings.append(
+            f"{n - high + low} lines outside {f[low]:g} to {f[high - 1]:g} Hz, where all functions are 0, are left out"
+        )
+    f, values = f[low:high], values[:, low:high]
     known = all(one.coherence is not None for one in pieces)
-    coherence = [[one.coherence[:n] for c in responses if (one := by_pair[d, c]).coherence is not None] for d in drives]
+    coherence = [[one.coherence[:n][low:high] for c in responses if (one := by_pair[d, c]).coherence is not None] for d in drives]
     _require_upright(f, values, source)
     return ResponseFunctions(
         source=source,
@@ -309,6 +316,17 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
         band=(float(f[0]), float(f[-1])),
         warnings=tuple(warnings),
     )
+
+
+def _turned(piece: Piece, end: str, known: dict[str, Point]) -> Piece:
+    """`piece` with its drive or response along the direction that the first of `known` with this name has."""
+    at: Point = getattr(piece, end)
+    first = known.setdefault(at.name, at)
+    along = float(np.asarray(first.direction) @ np.asarray(at.direction))
+    if abs(abs(along) - 1) > 1e-6:
+        problem = f"{at.name} has one direction here, and another in {piece.source}"
+        raise BadInput(source=piece.source, field=end, problem=problem, remedy="Give each direction a name of its own")
+    return piece if along > 0 else replace(piece, values=-piece.values)
 
 
 def _from_a_common_line(pieces: Sequence[Piece], warnings: list[str]) -> list[Piece]:
@@ -519,7 +537,7 @@ def _record(
     columns = _columns(entry, responses, source)
     if len(responses) == 1 and "response" in columns:
         columns[responses[0].name] = columns["response"]
-    if path.suffix.lower() in SIGNALS:
+    if path.suffix.lower() in (*SIGNALS, *uff.ENDINGS):
         signals = files.read(path)
         if signals.sampling_rate is None:
             problem = "it holds functions of frequency where records of time are needed"
@@ -530,7 +548,13 @@ def _record(
             if name not in known:
                 remedy = f"Name the channels in `columns`; there are {', '.join(known)}"
                 raise BadInput(source=str(path), field=name, problem="no channel is called so", remedy=remedy)
-        return signals.sampling_rate, signals.samples[wanted[0]], np.column_stack([signals.samples[name] for name in wanted[1:]])
+        units = {} if "unit" in table else signals.units
+        scaled = {
+            name: signals.samples[name] * getattr(units.get(name), "length" if k else "force", 1.0)
+            for k, name in enumerate(wanted)
+        }
+        force, *read = scaled.values()
+        return signals.sampling_rate, force, np.column_stack(read)
     text = text_table.read(path, str(table.get("separator", "")))
     at = {key: text.column(names[0], f"columns.{key}") for key, names in columns.items()}
     axis = at.get("time", 0)
@@ -547,38 +571,58 @@ def _record(
     return rate, text.numbers(force).real.astype(np.float64), np.column_stack([text.numbers(k).real for k in named])
 
 
-def _of_universal(path: Path, table: Mapping[str, Any], source: str) -> list[Piece]:
-    """The response functions of a universal file, which says itself where they were read and in which unit."""
-    if "unit" in table:
-        remedy = "Take `unit` out; dataset 164 of the file says the units"
-        raise BadInput(source=source, field="unit", problem="a universal file states its own", remedy=remedy)
+def _of_universal(
+    path: Path, entry: Mapping[str, Any], table: Mapping[str, Any], source: str, warnings: list[str]
+) -> list[Piece]:
+    """The response functions of a universal file, which says itself where they were read and in which unit.
+
+    Where it names no nodes, ``drive`` and ``responses`` say where they are, and ``unit`` where it contradicts itself.
+    """
     file = uff_tests.read(path)
-    if not file.functions:
+    functions = [one for one in file.functions if one.kind == uff_tests.RESPONSE_FUNCTION]
+    if not functions:
         remedy = "Export response functions as dataset 58, or modes as a modal table"
         raise BadInput(source=str(path), problem="it holds no dataset 58", remedy=remedy)
+    warnings += file.warnings
     places = toml_file.require_table(table.get("places", {}), source=source, where="places")
     direction, turned = str(table.get("direction", "")), table.get("inverted", False) is True
-    coherences = {(one.response, one.reference): one.values.real for one in file.functions if one.kind == uff_tests.COHERENCE}
+    coherences = {(one.response, one.reference): one for one in file.functions if one.kind != uff_tests.RESPONSE_FUNCTION}
+    nowhere = uff_tests.NodeAxis(node=0, axis="")
+    if all(one.response == nowhere for one in functions) and "responses" in entry:
+        drive, listed = points_of(entry, table, source)
+        if len(listed) != len(functions):
+            problem = f"are {len(listed)}, and the file has {len(functions)} functions without nodes"
+            raise BadInput(source=str(path), field="responses", problem=problem, remedy="Name one of each, in their order")
+        at = [(drive, response) for response in listed]
+    else:
+        at = []
+    if "unit" not in table and "quantity" not in table and not all(one.quantity for one in functions):
+        warnings.append(f"{path} does not say what was read per newton; acceleration is taken")
     found = []
-    for one in file.functions:
-        if one.kind == uff_tests.COHERENCE:
-            continue
-        if one.reference.node == 0 and not one.reference.axis:
+    for k, one in enumerate(functions):
+        if not at and one.reference == nowhere:
             problem = f"the function of node {one.response.node} names no reference node: where the force acted is missing"
-            raise BadInput(source=str(path), field="reference", problem=problem, remedy="Export it with its reference")
+            remedy = "Export it with its reference, or write `drive` and `responses` where it names no nodes at all"
+            raise BadInput(source=str(path), field="reference", problem=problem, remedy=remedy)
         if one.inverted and not turned:
             problem = f"the function of node {one.response.node} is force over {one.quantity}"
             remedy = "Write inverted = true, or export response over force"
             raise BadInput(source=str(path), field="functions", problem=problem, remedy=remedy)
-        drive, response = (uff_tests.point(at, file.nodes, places, direction, str(path)) for at in (one.reference, one.response))
+        if one.doubt and "unit" not in table:
+            problem = f"the function of node {one.response.node} {one.doubt}"
+            raise BadInput(source=str(path), field="unit", problem=problem, remedy='Write which it is, such as unit = "g/N"')
+        ends = (one.response, one.reference) if one.inverted else (one.reference, one.response)
+        drive, response = at[k] if at else (uff_tests.point(end, file, places, direction) for end in ends)
+        coherence = coherences.get((one.response, one.reference)) or coherences.get((one.response, nowhere))
+        values = one.values if "unit" in table else one.factor * one.values
         found.append(
             Piece(
                 source=str(path),
                 drive=drive,
                 response=response,
                 frequency=one.frequency,
-                values=1 / one.values if turned else one.values,
-                coherence=coherences.get((one.response, one.reference)),
+                values=1 / values if turned else values,
+                coherence=None if coherence is None else coherence.values.real,
                 quantity=one.quantity,
             )
         )

@@ -5,6 +5,7 @@ gmsh 4.15 does not read ``.inp``, ends its process on ``.unv`` files that it wro
 """
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -195,6 +196,7 @@ _ABAQUS = {
     "line3": ("B32", "B32R", "T3D3", "B22"),
     POINT: ("MASS", "ROTARYI"),
 }
+_ABAQUS_CARRIES = ("MASS", "ROTARY INERTIA", "NONSTRUCTURAL MASS", "SPRING", "SYSTEM")
 _ABAQUS_KINDS = {word: kind for kind, words in _ABAQUS.items() for word in words}
 
 
@@ -216,6 +218,10 @@ def _abaqus(path: Path) -> _Raw:
             if keyword in ("INCLUDE", "INSTANCE"):
                 problem = f"it has *{keyword}, which is not followed"
                 raise BadInput(source=str(path), problem=problem, remedy="Write a flat file with all nodes and elements in it")
+            if keyword in _ABAQUS_CARRIES or (keyword == "NODE" and options.get("SYSTEM", "R").upper() != "R"):
+                problem = f"it has *{text[1:]}, which is not read, and what it moves, weighs or holds would be lost"
+                remedy = "Take it out of the mesh; masses, springs and joints stand in the description, nodes in global axes"
+                raise BadInput(source=str(path), field=f"*{keyword}", problem=problem, remedy=remedy)
             if keyword == "ELEMENT":
                 word = options.get("TYPE", "").upper()
                 if word not in _ABAQUS_KINDS:
@@ -276,6 +282,9 @@ _NASTRAN = {
     "CBEAM": ("line2",),
     "CROD": ("line2",),
 }
+_CARRIES = re.compile(r"C(?!END|ORD|REEP|LOAD|SET|AERO)\w+|GENEL")
+"""Cards of bulk data that are elements."""
+
 _MIDDLES_LAST = {"hex20": [*range(12), *range(16, 20), *range(12, 16)], "wedge15": [*range(9), *range(12, 15), *range(9, 12)]}
 """Nastran gives the middles of the upright edges before those of the top."""
 
@@ -293,6 +302,9 @@ def _nastran(path: Path) -> _Raw:
                     source=str(path), field="GRID", problem=problem, remedy="Write the grid points in the basic system"
                 )
             x, y, z = (_real((fields + 5 * [""])[n]) for n in (2, 3, 4))
+            if any(field and not field.isdigit() for field in fields[5:8]):
+                problem = f"node {fields[0]} has {', '.join(fields[5:8])!r} where its system and freedoms are numbers"
+                raise BadInput(source=str(path), field="GRID", problem=problem, remedy="Write it again; it may be damaged")
             _once(nodes, int(fields[0]), (x, y, z), str(path))
         elif card in _NASTRAN:
             tag, group = int(fields[0]), fields[1] or fields[0]
@@ -308,6 +320,10 @@ def _nastran(path: Path) -> _Raw:
             order = _MIDDLES_LAST.get(kind, range(len(own)))
             _once(elements.setdefault(kind, {}), tag, [own[n] for n in order], str(path))
             groups.setdefault(group, []).append(tag)
+        elif _CARRIES.fullmatch(card):
+            problem = f"{card} {fields[0]} is no element that is read, and what it weighs or holds would be lost"
+            remedy = "Take such cards out of the mesh, and state masses, springs and joints in the description"
+            raise BadInput(source=str(path), field=card, problem=problem, remedy=remedy)
     # What a program without properties writes has one number for a volume, its skin and its edges
     dimension = {tag: DIMENSION[kind] for kind, own in elements.items() for tag in own}
     apart: dict[str, list[int]] = {}
@@ -322,9 +338,20 @@ _WORDS = ("points", "lines", "faces", "volumes")
 
 
 def _cards(path: Path) -> Iterator[list[str]]:
-    """Cards of bulk data as a name and fields: small, large and free format, continued ones put together."""
+    """Cards of bulk data as a name and fields: small, large and free format, continued ones put together.
+
+    Raises
+    ------
+    BadInput : a line that is marked as continued, and is not by the next; a file that ends within a line.
+    """
+
+    def refused(problem: str) -> BadInput:
+        return BadInput(source=str(path), problem=problem, remedy="Write it again; it may be cut short or damaged")
+
     card: list[str] = []
-    for line in _lines(path):
+    mark = ""  # of the line that continues the last one, where its tenth field says one
+    ended = path.read_bytes()[-1:] == b"\n"
+    for number, line in enumerate(_lines(path), start=1):
         text = line.split("$")[0].rstrip()
         if not text:
             continue
@@ -336,12 +363,20 @@ def _cards(path: Path) -> Iterator[list[str]]:
             fields = [first, *(text[n : n + 16].strip() for n in range(8, 72, 16))]
         else:
             fields = [first, *(text[n : n + 8].strip() for n in range(8, 72, 8))]
-        if fields[0] in ("", "*") or fields[0].startswith("+") or (fields[0].startswith("*") and card):
+        follows = fields[0][:1] in ("", "+") or (fields[0].startswith("*") and bool(card))
+        if mark and not (follows and fields[0][1:] in ("", mark)):
+            raise refused(f"line {number} is {first!r}, where the one before is continued by +{mark}")
+        behind = "" if "," in text else text[72:80].strip()
+        mark = behind[1:] if behind[:1] in ("+", "*") and behind else ""
+        ended = ended or first.upper() == "ENDDATA"
+        if follows:
             card += fields[1:]
             continue
         if card:
             yield card
         card = [fields[0].rstrip("*").upper(), *fields[1:]]
+    if mark or not ended:
+        raise refused("it ends within a card")
     if card:
         yield card
 

@@ -53,7 +53,11 @@ def read_hdf5(path: Path) -> Contents:
                 problem = f"its datasets would take {total / 2**30:.3g} GiB, more than {LARGEST_BYTES / 2**30:.3g}"
                 raise BadInput(source=source, problem=problem, remedy=TOO_LARGE)
             arrays = {name: np.asarray(dataset[()]) for name, dataset in found.items()}
-            text = file.attrs.get("description")
+            text = None
+            if "description" in file.attrs:  # told by its type first: the library fails on a damaged one in ways nobody can catch
+                if h5py.check_string_dtype(file.attrs.get_id("description").dtype) is None:
+                    raise BadInput(source=source, field="description", problem="is no text", remedy=_WRITE_AGAIN)
+                text = file.attrs["description"]
     except BadInput:
         raise
     except Exception as error:  # h5py raises OSError, KeyError, RuntimeError, ValueError and more on damaged bytes
@@ -345,7 +349,7 @@ def _save_npz(path: Path, arrays: dict[str, Any], text: str) -> None:
 def _save_hdf5(path: Path, arrays: dict[str, Any], text: str) -> None:
     import h5py
 
-    with h5py.File(path, "w") as file:
-        file.attrs["description"] = text
+    with h5py.File(path, "w", libver=("v110", "v110")) as file:
+        file.attrs["description"] = np.bytes_(text.encode())
         for name, array in arrays.items():  # checksums: a damaged file is refused, not believed
             file.create_dataset(name, data=array, **({"fletcher32": True} if np.size(array) else {}))

@@ -34,7 +34,7 @@ SINGLE = (2, 5)
 _LINE_END = re.compile(rb"\r?\n")
 _MARK_LINE = re.compile(rb"(?:^|(?<=\n))    -1[ ]*\r?(?:\n|$)")
 _CLOSING = re.compile(rb"(?:\r?\n)?    -1[ ]*\r?(?:\n|$)")
-_NUMBERS = re.compile(rb"[-+0-9eE. nafiNAFI\r\n]*")
+_NUMBERS = re.compile(rb"[-+0-9eEdD. nafiNAFI\r\n]*")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -170,10 +170,12 @@ def _ascii(content: bytes, place: int, widths: list[int], count: int, name: str,
     if _NUMBERS.fullmatch(body) is None:
         raise BadInput(source=source, field=name, problem="holds something that is no number", remedy=DAMAGED)
     ends = [sum(widths[: k + 1]) for k in range(len(widths))]
-    found, rows = 0, [row.rstrip(b" \r") for row in body.rstrip(b"\r\n").split(b"\n")] if count else []
+    found, rows = 0, [row.rstrip(b"\r") for row in body.rstrip(b"\r\n").split(b"\n")] if count else []
     for k, row in enumerate(rows):
+        bare = row.rstrip()
+        rows[k] = row = row if len(row) in ends and len(bare) not in ends else bare  # some writers end each field in a blank
         length = len(row)
-        if length not in ends or (length != ends[-1] and k + 1 < len(rows)):
+        if length not in ends or (length != len(rows[0]) and k + 1 < len(rows)):
             problem = f"line {k + 1} of its numbers has {length} characters where fields end at {', '.join(map(str, ends))}"
             raise BadInput(source=source, field=name, problem=problem, remedy=DAMAGED)
         found += ends.index(length) + 1
@@ -181,7 +183,7 @@ def _ascii(content: bytes, place: int, widths: list[int], count: int, name: str,
         raise BadInput(source=source, field=name, problem=f"promises {count} numbers, found {found}", remedy=DAMAGED)
     group = widths[:1] if len(set(widths)) == 1 else widths[: 3 if len(widths) == 3 else 2]
     try:
-        cells = np.frombuffer(b"".join(rows), [(f"f{k}", f"S{width}") for k, width in enumerate(group)])
+        cells = np.frombuffer(re.sub(rb"[dD]", b"E", b"".join(rows)), [(f"f{k}", f"S{width}") for k, width in enumerate(group)])
         fields = np.column_stack([cells[f"f{k}"].astype(np.float64) for k in range(len(group))]).ravel()
     except ValueError as error:
         raise BadInput(source=source, field=name, problem=f"holds something that is no number: {error}", remedy=DAMAGED) from None
@@ -307,6 +309,15 @@ def _characteristics(kind: int, unit: str) -> str:
 
 
 ENDINGS = (".uff", ".unv")
+
+
+def is_universal(path: Path) -> bool:
+    """Whether `path` is a universal file, by its ending or by its first line."""
+    if path.suffix.lower() in ENDINGS or not path.is_file():
+        return path.suffix.lower() in ENDINGS
+    with path.open("rb") as file:
+        return _MARK_LINE.match(file.read(100).lstrip(b"\r\n")) is not None
+
 
 TIME_RESPONSE, RESPONSE_FUNCTION, SPECTRUM = 1, 4, 12
 
@@ -435,19 +446,27 @@ def _units(found: list[Dataset], names: list[str], source: str) -> dict[str, Sta
     current: StatedUnits | None = None
     for block in found:
         if block.number == 164:
-            what = "dataset 164"
-            if len(block.lines) < 2:
-                raise BadInput(source=source, field=what, problem="is cut short", remedy=DAMAGED)
-            code = int(column(block.lines[0], 0, 10, int, what, source))
-            row = block.lines[1].replace("D", "E").replace("d", "e")
-            length, force = (column(row, start, 25, float, what, source) for start in (0, 25))
-            if not (0 < length < np.inf and 0 < force < np.inf):
-                raise BadInput(
-                    source=source, field=what, problem=f"has the factors {length:g} and {force:g}", remedy="Correct it"
-                )
-            described = block.lines[0][10:30].strip()
-            words = f"code {code}, {CODES.get(code, 'unknown')}" + (f", {described!r}" if described else "")
-            current = StatedUnits(length=1 / length, force=1 / force, words=words)
+            current = units_of(block, source)
         elif block.number == 58:
             stated.append((next(order), current))
     return {name: units or current for name, units in stated if units or current}  # type: ignore[misc]
+
+
+def units_of(block: Dataset, source: str) -> StatedUnits:
+    """What a dataset 164 says.
+
+    Raises
+    ------
+    BadInput : it is cut short, or its factors are none.
+    """
+    what = "dataset 164"
+    if len(block.lines) < 2:
+        raise BadInput(source=source, field=what, problem="is cut short", remedy=DAMAGED)
+    code = int(column(block.lines[0], 0, 10, int, what, source))
+    row = block.lines[1].replace("D", "E").replace("d", "e")
+    length, force = (column(row, start, 25, float, what, source) for start in (0, 25))
+    if not (0 < length < np.inf and 0 < force < np.inf):
+        raise BadInput(source=source, field=what, problem=f"has the factors {length:g} and {force:g}", remedy="Correct it")
+    described = block.lines[0][10:30].strip()
+    words = f"code {code}, {CODES.get(code, 'unknown')}" + (f", {described!r}" if described else "")
+    return StatedUnits(length=1 / length, force=1 / force, words=words)

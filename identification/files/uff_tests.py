@@ -1,13 +1,18 @@
-"""What a modal test leaves in a universal file: nodes (15, 2411), units (164), response functions (58) and modes (55)."""
+"""What a modal test leaves in a universal file.
 
-from collections.abc import Mapping
+Nodes (15, 781, 2411), the systems along whose axes they move (18, 2420), units (164), functions (58) and modes (55, 2414).
+"""
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from geometry import sensors
+from geometry import sensors, toml_file
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
@@ -16,20 +21,28 @@ from identification.files import files, uff
 from identification.files.files import DAMAGED, Samples
 from identification.files.uff import Dataset, column
 
-RESPONSE_FUNCTION, COHERENCE = 4, 6
+RESPONSE_FUNCTION, COHERENCE, MULTIPLE_COHERENCE = 4, 6, 26
 """Function types of dataset 58."""
 
 QUANTITIES = {8: "displacement", 11: "velocity", 12: "acceleration"}
 FORCES = (9, 13)
+UNSAID = (0, 1)
 """Specific data types of an ordinate."""
 
-NORMAL_MODE, COMPLEX_MODE, VELOCITY_MODE = 2, 3, 7
-"""Analysis types of dataset 55."""
+PER_NEWTON = {"acceleration": "m/s^2/N", "velocity": "m/s/N", "displacement": "m/N"}
+"""SI units by quantity."""
+
+CARTESIAN, CYLINDRICAL = 0, 1
+"""Types of a system of coordinates."""
+
+NORMAL_MODE = 2
+MODES = (NORMAL_MODE, 3, 7)
+"""Analysis types of datasets 55 and 2414: normal, and complex of displacement and of velocity."""
 
 AXES = "xyz"
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class NodeAxis:
     """A node and the axis along which it was read or driven: ``x``, ``-z``; empty for a scalar."""
 
@@ -43,12 +56,14 @@ class Function:
 
     Attributes
     ----------
-    kind : `RESPONSE_FUNCTION` or `COHERENCE`
+    kind : `RESPONSE_FUNCTION`, `COHERENCE` or `MULTIPLE_COHERENCE`
     response, reference : where it was read, and where the force acts
     quantity : of `QUANTITIES`; empty where the file does not say
     inverted : whether the file says that it is force over response
     frequency : (n,) [Hz]
-    values : (n,) complex, in SI by the units of the file
+    values : (n,) complex, in the units of the file
+    factor : what one of these is in SI
+    doubt : where dataset 164 and the label of the axis say different units, in words
     """
 
     kind: int
@@ -58,11 +73,13 @@ class Function:
     inverted: bool
     frequency: Array
     values: ComplexArray
+    factor: float = 1.0
+    doubt: str = ""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Mode:
-    """One dataset 55.
+    """One dataset 55 or 2414.
 
     Attributes
     ----------
@@ -86,13 +103,17 @@ class ModalFile:
     ----------
     source : the file
     nodes : (3,) [m] by number
+    axes : (3, 3) by number of a node that has axes of its own: its x, y and z (or r, t, z) as rows
     functions, modes : in the order of the file
+    warnings : what was passed over, in words
     """
 
     source: str
     nodes: dict[int, Array]
+    axes: dict[int, Array]
     functions: tuple[Function, ...]
     modes: tuple[Mode, ...]
+    warnings: tuple[str, ...] = ()
 
 
 def read(path: Path) -> ModalFile:
@@ -105,61 +126,138 @@ def read(path: Path) -> ModalFile:
     files.require_file(path)
     source = str(path)
     found = uff.blocks(path.read_bytes(), source)
-    length = force = 1.0  # what one unit is [m, N], as far as the file says it
     stated = [block for block in found if block.number == 164]
-    if stated:
-        if len(stated[0].lines) < 2:
-            raise BadInput(source=source, field="dataset 164", problem="is cut short", remedy=DAMAGED)
-        row = stated[0].lines[1].replace("D", "E").replace("d", "e")
-        factors = [column(row, start, 25, float, "dataset 164", source) for start in (0, 25)]
-        if not all(0 < factor < np.inf for factor in factors):
-            problem = f"has the factors {factors[0]:g} and {factors[1]:g}"
-            raise BadInput(source=source, field="dataset 164", problem=problem, remedy="Correct it")
-        length, force = (1 / factor for factor in factors)
+    units = [
+        uff.units_of(next((u for u in reversed(stated) if u.index < one.index), stated[0]), source) if stated else None
+        for one in found
+    ]
+    systems = dict[int, System]()
+    for block, unit in zip(found, units, strict=True):
+        if block.number in (18, 2420):
+            systems |= _systems(block, source, 1.0 if unit is None else unit.length)
     nodes: dict[int, Array] = {}
-    functions, modes = [], []
-    for block in found:
-        if block.number in (15, 2411):
-            what = f"dataset {block.number}"
-            lines = [line.replace("D", "E").replace("d", "e") for line in block.lines if line.strip()]
-            pairs = [(line[:40], line[40:]) for line in lines]
-            if block.number == 2411:
-                if len(lines) % 2:
-                    raise BadInput(source=source, field=what, problem="is cut short", remedy=DAMAGED)
-                pairs = list(zip(lines[::2], lines[1::2], strict=True))
-            for head, place in pairs:
-                words = place.split()
-                try:
-                    at = np.array([float(word) for word in words]) * length
-                except ValueError:
-                    at = np.zeros(0)
-                if at.shape != (3,) or not np.all(np.abs(at) < files.LARGEST):
-                    problem = f"a node must have three coordinates, found {place.strip()[:60]!r}"
-                    raise BadInput(source=source, field=what, problem=problem, remedy=DAMAGED)
-                nodes[int(column(head, 0, 10, int, what, source))] = at
+    axes: dict[int, Array] = {}
+    functions, modes, over = list[Function](), list[Mode](), Counter[str]()
+    for block, unit in zip(found, units, strict=True):
+        if block.number in (15, 781, 2411):
+            for number, place, turned in _nodes(block, systems, source, 1.0 if unit is None else unit.length):
+                nodes[number] = place
+                axes |= {} if turned is None else {number: turned}
         elif block.number == 58:
-            functions.append(_function(block, source, length, force))
-        elif block.number == 55:
-            modes.append(_mode(block, source))
-    return ModalFile(source=source, nodes=nodes, functions=tuple(functions), modes=tuple(modes))
+            one = _function(block, source, None if unit is None else unit.length / unit.force)
+            if isinstance(one, str):
+                over[one] += 1
+            else:
+                functions.append(one)
+        elif block.number in (55, 2414) and (mode := _mode(block, source)) is not None:
+            modes.append(mode)
+    if over and not any(one.kind == RESPONSE_FUNCTION for one in functions):
+        problem = f"it holds no response function (function type {RESPONSE_FUNCTION}), only {', '.join(over)}"
+        remedy = "Export response functions, or state `records` if it holds time histories"
+        raise BadInput(source=source, field="functions", problem=problem, remedy=remedy)
+    warnings = [f"{source}: {count} functions are passed over: {what}" for what, count in over.items()]
+    return ModalFile(
+        source=source, nodes=nodes, axes=axes, functions=tuple(functions), modes=tuple(modes), warnings=tuple(warnings)
+    )
 
 
-def point(at: NodeAxis, nodes: Mapping[int, Array], places: Mapping[str, Any], direction: str, source: str) -> Point:
+def point(at: NodeAxis, file: ModalFile, places: Mapping[str, Any], direction: str) -> Point:
     """A node as a point of the structure: by its name among `places`, which have it by number, else ``node 12``.
 
     Raises
     ------
     BadInput : it has no direction, and none is given.
     """
-    if not (at.axis or direction):
+    axis = at.axis or direction
+    if not axis:
         remedy = 'Write direction = "z" in the test, or export with directions'
-        raise BadInput(source=source, field=f"node {at.node}", problem="has no direction", remedy=remedy)
-    place, position = str(places.get(str(at.node), f"node {at.node}")), nodes.get(at.node)
-    where = {} if position is None else {"position": position.tolist()}
-    return sensors.point({"place": place, "direction": at.axis or direction, **where}, source=source, field="places")
+        raise BadInput(source=file.source, field=f"node {at.node}", problem="has no direction", remedy=remedy)
+    place, position = str(places.get(str(at.node), f"node {at.node}")), file.nodes.get(at.node)
+    where: dict[str, Any] = {} if position is None else {"position": position.tolist()}
+    if at.axis and at.node in file.axes:
+        along = file.axes[at.node][AXES.index(axis[-1])] * (-1 if axis[0] == "-" else 1)
+        where |= {"name": f"{place}:{axis[-1]}"}
+        return sensors.point({"place": place, "direction": along.tolist(), **where}, source=file.source, field="places")
+    return sensors.point({"place": place, "direction": axis, **where}, source=file.source, field="places")
 
 
-def _function(block: Dataset, source: str, length: float, force: float) -> Function:
+# Nodes, and the axes along which they move. A file that speaks of a system that it does not have means its global one.
+
+System = tuple[int, Array, Array]
+"""Type, origin (3,) [m] and axes (3, 3) as rows of a system of coordinates."""
+
+
+def _numbers(text: str, count: int, what: str, source: str) -> Array:
+    """`count` numbers, which may touch where one is negative."""
+    words = re.sub(r"(?<=[\d.])-", " -", re.sub(r"[Dd]", "E", text)).split()
+    try:
+        found = np.array([float(word) for word in words])
+    except ValueError:
+        found = np.zeros(0)
+    if found.shape != (count,) or not np.all(np.abs(found) < files.LARGEST):
+        problem = f"must have {count} coordinates, found {text.strip()[:60]!r}"
+        raise BadInput(source=source, field=what, problem=problem, remedy=DAMAGED)
+    return found
+
+
+def _systems(block: Dataset, source: str, length: float) -> dict[int, System]:
+    """Of dataset 18 (origin, a point on x, one in the plane xz) or 2420 (the axes as rows, then the origin)."""
+    what, each = f"dataset {block.number}", 4 if block.number == 18 else 6
+    lines = [line for line in block.lines if line.strip()] if block.number == 18 else list(block.lines[2:])
+    if len(lines) % each:
+        raise BadInput(source=source, field=what, problem="is cut short", remedy=DAMAGED)
+    found: dict[int, System] = {}
+    for k in range(0, len(lines), each):
+        number, kind = (int(column(lines[k], start, 10, int, what, source)) for start in (0, 10))
+        numbers = _numbers(" ".join(lines[k + 2 : k + each]), 9 if block.number == 18 else 12, what, source).reshape(-1, 3)
+        if block.number == 18:
+            origin, x, plane = numbers[0], numbers[1] - numbers[0], numbers[2] - numbers[0]
+            y = np.cross(plane, x)
+            rows = np.array([x, y, np.cross(x, y)])
+            rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), np.finfo(np.float64).tiny)
+        else:
+            rows, origin = numbers[:3], numbers[3]
+        if kind not in (CARTESIAN, CYLINDRICAL) or not np.allclose(rows @ rows.T, np.eye(3), atol=1e-4):
+            problem = f"system {number} is of type {kind}, or its axes are no right angles"
+            remedy = "Export nodes and functions in Cartesian or cylindrical systems"
+            raise BadInput(source=source, field=what, problem=problem, remedy=remedy)
+        found[number] = kind, origin * length, rows / np.linalg.norm(rows, axis=1, keepdims=True)
+    return found
+
+
+def _nodes(
+    block: Dataset, systems: Mapping[int, System], source: str, length: float
+) -> Iterator[tuple[int, Array, Array | None]]:
+    """Number, place [m] and axes of every node; None where these are the global ones."""
+    what = f"dataset {block.number}"
+    lines = [line for line in block.lines if line.strip()]
+    if block.number != 15 and len(lines) % 2:
+        raise BadInput(source=source, field=what, problem="is cut short", remedy=DAMAGED)
+    one_line = [(line[:40], line[40:]) for line in lines]
+    pairs = one_line if block.number == 15 else list(zip(lines[::2], lines[1::2], strict=True))
+    for head, text in pairs:
+        at = _numbers(text, 3, what, source)
+        number, defined, moved = (int(column(head, start, 10, int, what, source)) for start in (0, 10, 20))
+        place = at * length
+        if block.number == 15 and defined in systems:  # those of 781 and 2411 are global
+            kind, origin, rows = systems[defined]
+            angle = np.radians(at[1])
+            around = length * np.array([at[0] * np.cos(angle), at[0] * np.sin(angle), at[2]])
+            place = origin + (around if kind == CYLINDRICAL else place) @ rows
+        if moved not in systems:
+            yield number, place, None
+            continue
+        kind, origin, rows = systems[moved]
+        if kind == CYLINDRICAL:
+            out = (place - origin) - ((place - origin) @ rows[2]) * rows[2]
+            size = float(np.linalg.norm(out))
+            r = out / size if size > 0 else rows[0]
+            rows = np.array([r, np.cross(rows[2], r), rows[2]])
+        yield number, place, None if np.allclose(rows, np.eye(3), atol=1e-6) else rows
+
+
+def _function(block: Dataset, source: str, per_newton: float | None) -> Function | str:
+    """A function, or in words what it is where it is none that is used; `per_newton` is [m/N] of dataset 164."""
     name = block.lines[0].strip() or f"dataset {block.index + 1}"
 
     def refused(problem: str, remedy: str) -> BadInput:
@@ -167,14 +265,23 @@ def _function(block: Dataset, source: str, length: float, force: float) -> Funct
 
     head = block.lines[5]
     kind = int(column(head, 0, 5, int, name, source))
-    if kind not in (RESPONSE_FUNCTION, COHERENCE):
-        problem = (
-            f"has the function type {kind}, where {RESPONSE_FUNCTION} (response function) or {COHERENCE} (coherence) is read"
-        )
-        raise refused(problem, "Export response functions, or name the file under `records` if it holds time histories")
+    if kind not in (RESPONSE_FUNCTION, COHERENCE, MULTIPLE_COHERENCE):
+        return f"of function type {kind}"
+    above, below, along = (int(column(block.lines[line], 0, 10, int, name, source)) for line in (8, 9, 7))
+    inverted = above in FORCES and below in QUANTITIES
+    upright = above in (*QUANTITIES, *UNSAID) and below in (*FORCES, *UNSAID)
+    if kind == RESPONSE_FUNCTION and not (inverted or upright):
+        return f"of data type {above} over {below}, no response over force"
+    response, reference = (_at(head, at, at + 10, name, source) for at in (41, 66))
+    if "rotation" in (response.axis, reference.axis):
+        return "about an axis of rotation"
     data, count, even = (int(column(block.lines[6], start, 10, int, name, source)) for start in (0, 10, 20))
     if kind == RESPONSE_FUNCTION and data not in uff.COMPLEX:
         raise refused("is real, and a complex response function is needed", "Export real and imaginary part")
+    axis = block.lines[7][47:67].strip().lower()
+    hertz = 1 / (2 * np.pi) if "rad" in axis else 1e3 if axis == "khz" else 1.0
+    if along not in (*UNSAID, FREQUENCY) or "rpm" in axis:
+        raise refused(f"runs along data type {along}, {axis!r}, where frequency is read", "Export functions of frequency")
     rows = block.numbers.reshape(count, -1)
     if even:
         start, step = (column(block.lines[6], at, 13, float, name, source) for at in (30, 43))
@@ -183,49 +290,89 @@ def _function(block: Dataset, source: str, length: float, force: float) -> Funct
         frequency = np.asarray(start + step * np.arange(count), dtype=np.float64)
     else:
         frequency, rows = rows[:, 0], rows[:, 1:]
+    frequency = hertz * frequency
     files.require_lines(frequency, source, name)
     values = files.as_complex(rows[:, 0], rows[:, 1]) if data in uff.COMPLEX else rows[:, 0].astype(np.complex128)
     if not np.all(np.isfinite(values)):
         raise refused("holds NaN or infinity", "Leave these lines out")
-    above, below = (int(column(block.lines[line], 0, 10, int, name, source)) for line in (8, 9))
-    inverted = above in FORCES and below in QUANTITIES
-    factor = (length / force) ** (-1 if inverted else 1) if kind == RESPONSE_FUNCTION else 1.0
+    quantity, factor = QUANTITIES.get(below if inverted else above, ""), per_newton or 1.0
+    labelled, says = _label(block, inverted, source)
+    doubt = ""
+    if labelled and per_newton is not None and abs(says / factor - 1) > SAME_UNIT:
+        doubt = f"labels its numbers as {says:g} {PER_NEWTON[labelled]}, and dataset 164 says {factor:g}"
+    elif labelled and quantity and labelled != quantity:
+        doubt = f"is of {quantity} by its data type, and of {labelled} by its label"
+    elif labelled:
+        quantity, factor = labelled, says
     return Function(
         kind=kind,
-        response=_at(head, 41, 51, name, source),
-        reference=_at(head, 66, 76, name, source),
-        quantity=QUANTITIES.get(below if inverted else above, ""),
+        response=response,
+        reference=reference,
+        quantity=quantity,
         inverted=inverted,
         frequency=frequency,
-        values=factor * values,
+        values=values,
+        factor=1.0 if kind != RESPONSE_FUNCTION else 1 / factor if inverted else factor,
+        doubt=doubt if kind == RESPONSE_FUNCTION else "",
     )
+
+
+FREQUENCY = 18
+"""Specific data type of an abscissa."""
+
+SAME_UNIT = 1e-3
+"""Relative difference up to which two ways to say a unit say the same: factors of dataset 164 have more digits."""
+
+
+def _label(block: Dataset, inverted: bool, source: str) -> tuple[str, float]:
+    """The quantity per newton that the labels of the ordinate name, and what one of its unit is in SI; an empty word for none."""
+    printed = [block.lines[line][47:67].strip().replace("\ufffd", "^2") for line in (8, 9)]
+    over, under = (re.sub(r"(?<=s)2\b", "^2", one) for one in printed)
+    whole = [over, f"({over})/({under})"]
+    for text in [f"1/({one})" for one in whole] if inverted else whole:
+        try:
+            return toml_file.unit_among(text, PER_NEWTON, source=source, field="label")
+        except BadInput:
+            continue
+    return "", 1.0
 
 
 def _at(head: str, node: int, direction: int, name: str, source: str) -> NodeAxis:
     number = int(column(head, node, 10, int, name, source))
     along = int(column(head, direction, 4, int, name, source))
+    if abs(along) > 6:
+        problem = f"is along the direction {along}, where 1 to 3 (x, y, z) are read"
+        raise BadInput(source=source, field=name, problem=problem, remedy=DAMAGED)
     if abs(along) > 3:
-        problem = f"is along the direction {along}, a rotation, where 1 to 3 (x, y, z) are read"
-        raise BadInput(source=source, field=name, problem=problem, remedy="Leave rotations out of the export")
+        return NodeAxis(node=number, axis="rotation")
     return NodeAxis(node=number, axis=("-" if along < 0 else "") + AXES[abs(along) - 1] if along else "")
 
 
-def _mode(block: Dataset, source: str) -> Mode:
+def _mode(block: Dataset, source: str) -> Mode | None:
+    """A mode; None for what a dataset 2414 holds besides."""
     name = f"dataset {block.index + 1}"
 
     def refused(problem: str, remedy: str = DAMAGED) -> BadInput:
         return BadInput(source=source, field=name, problem=problem, remedy=remedy)
 
-    lines = block.lines
-    if len(lines) < 10:
+    lines, newer = block.lines, block.number == 2414
+    kinds, real, body = (8, 11, 13) if newer else (5, 7, 8)  # lines of the kinds, of the first real numbers, of the shape
+    if len(lines) < body + 2:
         raise refused("is cut short")
-    analysis, data, each = (int(column(lines[5], at, 10, int, name, source)) for at in (10, 40, 50))
-    numbers = [column(lines[7], at, 13, float, name, source) for at in (0, 13, 26, 39) if lines[7][at : at + 13].strip()]
+    analysis, result, data, each = (int(column(lines[kinds], at, 10, int, name, source)) for at in (10, 30, 40, 50))
+    if newer and (column(lines[2], 0, 10, int, name, source) != 1 or analysis not in MODES or result not in QUANTITIES):
+        return None
+    numbers = [column(lines[real], at, 13, float, name, source) for at in range(0, 78, 13) if lines[real][at : at + 13].strip()]
+    if newer and analysis != NORMAL_MODE:
+        numbers = [column(lines[real + 1], at, 13, float, name, source) for at in (0, 13)]
+    elif newer:  # time, frequency, eigenvalue, modal mass, then both kinds of damping
+        numbers = [one for k, one in enumerate(numbers) if k not in (0, 2)]
     if not numbers:
         raise refused("states no frequency")
     if analysis == NORMAL_MODE:
-        frequency, damping = numbers[0], numbers[2] if len(numbers) > 2 else 0.0
-    elif analysis in (COMPLEX_MODE, VELOCITY_MODE) and len(numbers) > 1:
+        frequency, viscous, structural = numbers[0], *[*numbers[2:4], 0.0, 0.0][:2]
+        damping = viscous or structural / 2
+    elif analysis in MODES and len(numbers) > 1:
         size = float(np.hypot(numbers[0], numbers[1]))
         frequency, damping = size / (2 * np.pi), -numbers[0] / size if size else 0.0
     else:
@@ -235,7 +382,7 @@ def _mode(block: Dataset, source: str) -> Mode:
     parts = 2 if data in uff.COMPLEX else 1
     if each not in (3, 6) or not 0 < frequency < files.LARGEST:
         raise refused(f"has {each} numbers a node and {frequency:g} Hz, where 3 or 6 and a positive frequency are read")
-    nodes, rows, place = [], [], 8
+    nodes, rows, place = [], [], body
     per_node = -(-each * parts // 6)  # lines of six numbers
     while place < len(lines) and lines[place].strip():
         nodes.append(int(column(lines[place], 0, 10, int, name, source)))

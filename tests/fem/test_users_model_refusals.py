@@ -410,3 +410,18 @@ def test_includes_are_not_followed(nastran_files: Path) -> None:
     grids.rename(nastran_files / "inner.bdf")
     grids.write_text("INCLUDE 'inner.bdf'\n", encoding="utf-8")
     refused(nastran_files / "bracket-op4.toml", "", "bracket.bdf", "INCLUDE")
+
+
+def test_a_description_whose_type_is_damaged_is_refused_before_the_library_reads_it(tmp_path: Path) -> None:
+    """Found by damaging files: the library ended the whole process there."""
+    import h5py
+
+    with h5py.File(tmp_path / "text.h5", "w") as file:
+        file.attrs["description"] = "format = 1"
+        file["mass"] = np.eye(10)
+    content = bytearray((tmp_path / "text.h5").read_bytes())
+    at = content.index(b"description") + 16 + 1  # behind the name, padded to eight: class of the type, then what it is a list of
+    assert content[at - 1] & 0xF == 9
+    content[at] = 0x62
+    (tmp_path / "text.h5").write_bytes(bytes(content))
+    refused(tmp_path / "text.h5", "description", "no text")

@@ -250,3 +250,31 @@ def test_of_a_real_set_the_league_names_what_is_expected_and_says_what_is_left(d
     assert found["verdict"] == "unknown"  # not by these effects alone
     assert found["left"]
     bars(found)
+
+
+def test_bicycles_and_tools_stand_in_the_same_table(data, root, answer, run, monkeypatch):
+    monkeypatch.setenv("MASSLINE_DATA", os.environ.get("MASSLINE_DATA", ""))
+    bicycles = [f"bicycle_{name}" for name in ("browser", "fisher", "pista", "yellow")]
+    tools = ["tool_allen_key", "tool_box_wrench", "tool_machinist_hammer"]
+    where = ["--data", str(data), "--studies", str(root / "examples" / "league")]
+    found = answer("league", *bicycles, *tools, *where)["sets"]
+    assert [one["verdict"] for one in found.values()] == [*["nothing"] * 6, "unknown"]
+    assert all(found[name]["error_after_percent"] < 1e-8 for name in bicycles)
+    assert "CoG y" in found["tool_machinist_hammer"]["left"]  # of two materials, taken as one density
+    printed = plain_words(run("league", *bicycles, *tools, *where)[1])
+    for words in ("not one density", "Iyy as published", "1760.0 standard deviations"):
+        assert words in printed
+
+
+def test_periods_that_do_not_give_what_is_published_are_said(data, root, tmp_path, answer, monkeypatch):
+    monkeypatch.setenv("MASSLINE_DATA", os.environ.get("MASSLINE_DATA", ""))
+    shipped = root / "examples" / "league"
+    for name in ("bicycle-pista.toml", "bicycle-pista-published.toml"):
+        (tmp_path / name).write_text(
+            (shipped / name).read_text(encoding="utf-8").replace('Iyy = { value = "0.1', 'Iyy = { value = "0.2')
+        )
+    entry = (shipped / "league.toml").read_text(encoding="utf-8").partition('name = "bicycle_pista"')[2].partition("[[set]]")[0]
+    (tmp_path / "league.toml").write_text('format = 1\n[[set]]\nname = "bicycle_pista"' + entry, encoding="utf-8")
+    made = answer("league", "--data", str(data), "--studies", str(tmp_path))["sets"]["bicycle_pista"]
+    assert made["verdict"] == "unknown"
+    assert "beyond its tolerance" in made["said"]

@@ -9,14 +9,17 @@ import click
 
 from geometry import toml_file
 from geometry.errors import BadInput, CheckFailed
+from validation.classical import files, pendulum
 from validation.diagnose.diagnose import diagnosed
-from validation.diagnose.diagnosis import Diagnosis, headline
+from validation.diagnose.diagnosis import NOTHING, UNKNOWN, Answer, Diagnosis, headline
+from validation.diagnose.pendulum import only_classical
+from validation.model import model_file
 from validation.output import json_text, stages
 from validation.report import document as doc
 from validation.study import Study
 
 FILE = "league.toml"
-KEYS = ("name", "study", "data", "hold_out", "expected", "tuned_on")
+KEYS = ("name", "folder", "study", "data", "hold_out", "expected", "tuned_on")
 FIRST = 3
 """Names of the ranking that JSON has of a set, accepted or not."""
 
@@ -30,15 +33,17 @@ class RealSet:
 
     Attributes
     ----------
-    name : of the set, and of its folder among the data
-    study : its model file
-    data : campaigns and tests beside those that the study names
+    name : of the set, and of its folder among the data where no other is named
+    folder : among the data
+    study : its model file; or pendulum periods, which are reduced and held against the published results that are its data
+    data : campaigns and tests beside those that the study names, or weights and periods alone
     hold_out : see `validation.study.Options`
     expected : what a good answer is, and whose word that is
     tuned_on : whether anything of the program was chosen by looking at it
     """
 
     name: str
+    folder: str = ""
     study: Path
     data: tuple[Path, ...] = ()
     hold_out: tuple[str, ...] = ()
@@ -55,13 +60,16 @@ class Result:
     entry : the set
     verdict : of the diagnosis, or `REFUSED`
     said : in a sentence
-    found : the diagnosis; None where it refused
+    found : the diagnosis; None where it refused, or nothing was diagnosed
+    before, after : [%] plain errors of a diagnosis; of results that were reduced the largest deviation from what is published
     """
 
     entry: RealSet
     verdict: str
     said: str
-    found: Diagnosis | None = None
+    found: Answer | None = None
+    before: float | None = None
+    after: float | None = None
 
     @property
     def as_json(self) -> Mapping[str, Any]:
@@ -75,8 +83,8 @@ class Result:
             "class": [] if of is None else list(of.equivalence_class),
             "left": None if of is None else of.left,
             "first": [] if of is None else [one.id for one in of.ranking[:FIRST]],
-            "error_before_percent": None if of is None else of.before.plain.percent,
-            "error_after_percent": None if of is None else of.after.plain.percent,
+            "error_before_percent": self.before,
+            "error_after_percent": self.after,
             "tuned_on": self.entry.tuned_on,
         }
 
@@ -97,10 +105,11 @@ def real_sets(folder: Path, data: Path) -> tuple[RealSet, ...]:
         where = f"set[{k}]"
         toml_file.require_known(one, KEYS, source=str(source), where=where)
         toml_file.require_present(one, ("name", "study", "expected", "tuned_on"), source=str(source), where=where)
-        paths = tuple(data / name for name in one.get("data", ()))
+        paths = tuple(folder / name if (folder / name).is_file() else data / name for name in one.get("data", ()))
         found.append(
             RealSet(
                 name=one["name"],
+                folder=one.get("folder", one["name"]),
                 study=folder / one["study"],
                 data=paths,
                 hold_out=tuple(one.get("hold_out", ())),
@@ -115,11 +124,41 @@ def result(entry: RealSet, *, quiet: bool = False) -> Result:
     """What a diagnosis says of one set."""
     try:
         with stages(entry.name, quiet=quiet) as told:
+            if _is_measurement(entry.study):
+                return _reduced(entry)
+            if entry.data and all(map(_is_measurement, entry.data)):
+                alone = only_classical(model_file.read(entry.study), [str(path) for path in entry.data])
+                said = alone.text.partition(" Chi² ")[0]
+                return Result(entry=entry, verdict=alone.verdict, said=said, found=alone)
             study = Study.open(entry.study, entry.data, hold_out=entry.hold_out, progress=told)
-            found = diagnosed(study, progress=told)
+            found: Diagnosis = diagnosed(study, progress=told)
     except (BadInput, CheckFailed) as error:
         return Result(entry=entry, verdict=REFUSED, said=str(error))
-    return Result(entry=entry, verdict=found.verdict, said=headline(found), found=found)
+    before, after = float(found.before.plain.percent), float(found.after.plain.percent)
+    return Result(entry=entry, verdict=found.verdict, said=headline(found), found=found, before=before, after=after)
+
+
+def _is_measurement(path: Path) -> bool:
+    """Whether a file holds weights, periods, or what somebody made of them."""
+    return path.suffix == ".toml" and toml_file.read(path).get("kind") in files.KINDS
+
+
+def _reduced(entry: RealSet) -> Result:
+    """What comes out of pendulum periods beside what their authors published of them."""
+    ours = pendulum.reduce(files.read(str(entry.study), ("pendulum",))).results
+    theirs = {
+        key: value for path in entry.data for key, value in files.reduce(files.read(str(path), ("results",))).results.items()
+    }
+    off = {key: ours[key].nominal_value - value.nominal_value for key, value in theirs.items()}
+    share = {key: 100 * abs(one / theirs[key].nominal_value) for key, one in off.items()}
+    worst = max(share, key=lambda key: share[key])
+    far = [key for key, one in off.items() if abs(one) > theirs[key].std_dev]
+    said = (
+        f"{', '.join(share)} as published: {worst} is {share[worst]:.2g} % off, "
+        + ("beyond" if far else "within")
+        + " its tolerance"
+    )
+    return Result(entry=entry, verdict=UNKNOWN if far else NOTHING, said=said, after=share[worst])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -134,19 +173,15 @@ class League:
         return doc.Document(title="Real tests that others made", blocks=(self._table(),), notes=tuple(self._notes()))
 
     def _table(self) -> doc.Table:
-        def percent(one: Result, when: str) -> float | None:
-            return None if one.found is None else float(getattr(one.found, when).plain.percent)
-
         return doc.Table(
             caption="What was expected, what was said, and the plain error before and after",
             rows=self.results,
             columns=(
                 doc.Column("set", lambda one: one.entry.name, words=True),
-                doc.Column("expected", lambda one: one.entry.expected, words=True),
-                doc.Column("said", lambda one: one.said, words=True),
-                doc.Column("before", lambda one: percent(one, "before"), ".3g", unit="%"),
-                doc.Column("after", lambda one: percent(one, "after"), ".3g", unit="%"),
-                doc.Column("tuned on", lambda one: "yes" if one.entry.tuned_on else "no", words=True),
+                doc.Column("before", lambda one: one.before, ".3g", unit="%"),
+                doc.Column("after", lambda one: one.after, ".3g", unit="%"),
+                doc.Column("tuned on", lambda one: "yes" if one.entry.tuned_on else "no"),
+                doc.Column("expected, and said", lambda one: f"{one.entry.expected}. Said: {one.said}", words=True),
             ),
         )
 
@@ -168,7 +203,7 @@ def answer(folder: Path, data: Path, names: tuple[str, ...], *, as_json: bool) -
         problem = f"no set is called {', '.join(sorted(unknown))}"
         raise BadInput(source="NAME", problem=problem, remedy=f"There are {known}")
     chosen = [one for one in every if not names or one.name in names]
-    here = [one for one in chosen if (data / one.name).is_dir()]
+    here = [one for one in chosen if (data / one.folder).is_dir()]
     if not here:
         problem = f"it holds none of {', '.join(one.name for one in chosen)}"
         raise BadInput(source=str(data), field="--data", problem=problem, remedy="docs/league.md says where they come from")

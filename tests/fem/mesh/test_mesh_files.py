@@ -264,3 +264,57 @@ def test_a_damaged_text_is_refused_or_read_but_never_breaks_the_reader(
         except BadInput:
             refusals += 1
     assert refusals > 10
+
+
+def test_a_bulk_data_deck_that_lost_lines_or_its_end_is_refused(tmp_path: Path) -> None:
+    """A quadratic tetrahedron without its second line would be a linear one, and one that goes on in another's line a third."""
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    middles = [(i, j) for i in range(4) for j in range(i)]
+    places = [*map(np.array, corners), *((np.array(corners[i]) + corners[j]) / 2 for i, j in middles)]
+    at = {frozenset(pair): 5 + k for k, pair in enumerate(middles)}
+    order = [1, 2, 3, 4, *(at[frozenset(pair)] for pair in ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)))]
+    grid = [f"GRID,{k},,{x[0]},{x[1]},{x[2]}" for k, x in enumerate(places, start=1)]
+    first = f"{'CTETRA':<8}{1:<8}{1:<8}" + "".join(f"{n:<8}" for n in order[:6]) + "+E1"
+    second = f"{'+E1':<8}" + "".join(f"{n:<8}" for n in order[6:])
+    path = tmp_path / "one.bdf"
+    path.write_text("\n".join([*grid, first, second]) + "\n")  # without ENDDATA, as a file that is included has it
+    assert list(files.read(path).cells) == ["tet10"]
+    for lines in ([*grid, first], [*grid, first, *grid[:0], second.replace("+E1", "+E2")], [*grid, first, "ENDDATA"]):
+        path.write_text("\n".join(lines) + "\n")
+        with pytest.raises(BadInput, match=r"continued by|within a card"):
+            files.read(path)
+    path.write_text("\n".join([*grid, first, second])[:-9])
+    with pytest.raises(BadInput, match="within a card"):
+        files.read(path)
+
+
+@pytest.mark.parametrize(
+    ("card", "words"),
+    [
+        ("CONM2,9,1,,5.", "what it weighs"),
+        ("CBUSH,9,1,1,2", "or holds"),
+        ("CELAS2,9,1000.,1,1", "CELAS2"),
+        ("GRID    9       0       61.250000.00E+0010.000010.00000", "freedoms"),
+    ],
+)
+def test_a_deck_with_cards_that_would_be_lost_is_refused_by_card(card: str, words: str, tmp_path: Path) -> None:
+    deck = ["SOL 103", "CEND", "BEGIN BULK", *(f"GRID,{k},,{k}.,{k * k}.,{k**3}." for k in range(1, 5)), "CTETRA,1,1,1,2,3,4"]
+    path = tmp_path / "one.bdf"
+    path.write_text("\n".join([*deck, "CORD2R,7,,0.,0.,0.,0.,0.,1.", ",1.,0.,0.", "RBE2,8,1,123,2,3", "ENDDATA", ""]))
+    assert len(files.read(path).node_tags) == 4  # constraints are the user's to state
+    path.write_text("\n".join([*deck, card, "ENDDATA", ""]))
+    with pytest.raises(BadInput, match=words):
+        files.read(path)
+
+
+@pytest.mark.parametrize(
+    "lines", ["*MASS, ELSET=m\n2.", "*SPRING, ELSET=s\n1\n100.", "*SYSTEM\n1,0,0,2,0,0", "*NODE, SYSTEM=C\n9,1.,90.,0."]
+)
+def test_keywords_of_abaqus_that_would_be_lost_are_refused(lines: str, tmp_path: Path) -> None:
+    path = tmp_path / "one.inp"
+    deck = "*NODE, SYSTEM=R\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT, TYPE=C3D4, ELSET=p\n1,1,2,3,4\n"
+    path.write_text(deck)
+    assert len(files.read(path).node_tags) == 4
+    path.write_text(deck + lines + "\n")
+    with pytest.raises(BadInput, match="would be lost"):
+        files.read(path)

@@ -1,0 +1,255 @@
+"""Universal files as other programs write them: each feature here is one of a file of another maker, written again in small."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from geometry.errors import BadInput
+from identification import test_file
+from identification.files import uff_tests
+from identification.modal_table import ModalTable
+from identification.response_functions import ResponseFunctions
+
+F = np.arange(0.0, 24.0, 2.0)
+H = np.exp(0.3j * F) * (1 + F)
+"""A function of frequency without resonances: what it is does not matter here."""
+
+
+def dataset(number: int, *lines: str) -> str:
+    return "".join(f"{line}\n" for line in ("    -1", f"{number:6d}", *lines, "    -1"))
+
+
+def units(length: float = 1.0, force: float = 1.0) -> str:
+    return dataset(164, f"{1:10d}{'SI':<20}{2:10d}", f"{length:25.16E}{force:25.16E}{1.0:25.16E}", f"{273.15:25.16E}")
+
+
+def function(
+    values: np.ndarray = H,
+    *,
+    kind: int = 4,
+    response: tuple[int, int] = (1, 3),
+    reference: tuple[int, int] = (2, 3),
+    over: tuple[int, str] = (12, "NONE"),
+    under: tuple[int, str] = (13, "NONE"),
+    axis: str = "Hz",
+    rows: Sequence[str] | None = None,
+) -> str:
+    """One dataset 58, complex of double precision unless `rows` say it all in single."""
+    numbers = np.column_stack([values.real, values.imag]).ravel() if kind not in (6, 26) else values.real
+    data = 5 if rows is not None else 6 if kind not in (6, 26) else 4
+    text = ["".join(f"{one:20.11E}" for one in numbers[k : k + 4]) for k in range(0, len(numbers), 4)]
+    ends = [f"{'NONE':<10}{node:10d}{along:4d}" for node, along in (response, reference)]
+    characteristics = "{:10d}    0    0    0 {:<20} {:<20}".format
+    return dataset(
+        58,
+        *["NONE"] * 5,
+        f"{kind:5d}{0:10d}{0:5d}{0:10d} {ends[0]} {ends[1]}",
+        f"{data:10d}{len(values):10d}{1:10d}{0.0:13.5E}{F[1]:13.5E}{0.0:13.5E}",
+        characteristics(18, "Frequency", axis),
+        characteristics(over[0], "NONE", over[1]),
+        characteristics(under[0], "NONE", under[1]),
+        characteristics(0, "NONE", "NONE"),
+        *(text if rows is None else rows),
+    )
+
+
+def read(folder: Path, *parts: str, name: str = "test.unv", **stated: Any) -> ResponseFunctions:
+    (folder / name).write_bytes("".join(parts).encode("latin-1"))
+    found = test_file.read(folder / "t.toml", {"kind": "response-functions", "article": "a", "file": name, **stated})
+    assert isinstance(found, ResponseFunctions)
+    return found
+
+
+def test_directions_are_those_of_the_systems_in_which_nodes_move(tmp_path: Path) -> None:
+    """As Test.Lab writes them: a system (dataset 18) of every node. SYS1 has x along -x and z along -z, SYS2 is cylindrical about
+    the global z through the origin; node 3 moves along the global axes."""
+    systems = dataset(
+        18,
+        f"{1:10d}{0:10d}{0:10d}{8:10d}{1:10d}",
+        "SYS1",
+        " -2.40000e+00 -9.50000e-01  0.00000e+00 -3.40000e+00 -9.50000e-01 -8.74228e-08",
+        " -3.40000e+00 -9.50000e-01 -1.00000e+00",
+        f"{2:10d}{1:10d}{0:10d}{8:10d}{1:10d}",
+        "SYS2",
+        "  0.00000e+00  0.00000e+00  0.00000e+00  1.00000e+00  0.00000e+00  0.00000e+00",
+        "  1.00000e+00  0.00000e+00  1.00000e+00",
+    )
+    nodes = dataset(
+        15,
+        "         1         0         1         8-2.40000e+00-9.50000e-01 0.00000e+00",
+        "         2         2         2         8 2.00000e+00 9.00000e+01 5.00000e-01",
+        "         3         0         0         8 1.00000e+00 0.00000e+00 0.00000e+00",
+    )
+    ends = [(1, 1), (1, 2), (1, -3), (2, 1), (2, 2), (3, 1)]
+    found = read(tmp_path, systems, nodes, units(), *(function(response=one, reference=(3, 3)) for one in ends))
+    wanted = [[-1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 1, 0], [-1, 0, 0], [1, 0, 0]]
+    assert_allclose([one.direction for one in found.responses], wanted, atol=1e-6)  # type: ignore[arg-type]
+    positions = [one.position for one in found.responses]
+    assert_allclose(positions[0], [-2.4, -0.95, 0])  # type: ignore[arg-type]
+    assert_allclose(positions[3], [0, 2, 0.5], atol=1e-12)  # type: ignore[arg-type]
+    assert len({one.name for one in found.responses}) == len(ends)
+
+
+def test_a_left_handed_system_of_dataset_2420_keeps_its_axes(tmp_path: Path) -> None:
+    rows = [f"{a:25.16E}{b:25.16E}{c:25.16E}" for a, b, c in [(0, 1, 0), (1, 0, 0), (0, 0, 1), (5, 0, 0)]]
+    systems = dataset(2420, f"{1:10d}", "part", f"{7:10d}{0:10d}{8:10d}", "CS7", *rows)
+    nodes = dataset(2411, f"{1:10d}{7:10d}{7:10d}{8:10d}", f"{1.5:25.16E}{0.0:25.16E}{0.0:25.16E}".replace("E", "D"))
+    found = read(tmp_path, units(1000.0), systems, nodes, function(response=(1, -1)))
+    assert_allclose(np.asarray(found.responses[0].direction), [0, -1, 0], atol=1e-12)
+    assert_allclose(np.asarray(found.responses[0].position), [1.5e-3, 0, 0])  # those of 2411 are global ones
+
+
+def test_a_system_that_is_none_is_refused(tmp_path: Path) -> None:
+    rows = [f"{a:25.16E}{b:25.16E}{c:25.16E}" for a, b, c in [(0, 1, 0), (1, 0.3, 0), (0, 0, 1), (0, 0, 0)]]
+    with pytest.raises(BadInput, match="right angles"):
+        read(tmp_path, dataset(2420, f"{1:10d}", "part", f"{7:10d}{0:10d}{8:10d}", "CS7", *rows), function())
+
+
+def test_a_sensor_that_was_turned_round_between_two_references_keeps_one_sign(tmp_path: Path) -> None:
+    found = read(tmp_path, function(), function(-H, response=(1, -3), reference=(4, 3)))
+    assert_allclose(found.values[0], found.values[1])
+    assert len(found.responses) == 1
+
+
+def test_what_is_in_a_file_besides_response_functions_is_passed_over_and_said(tmp_path: Path) -> None:
+    """Auto spectra, ratios of accelerations and rotations stand beside response functions in what analysers export."""
+    others = (function(kind=2), function(over=(12, "NONE"), under=(12, "NONE"), response=(9, 3)), function(response=(1, 5)))
+    found = read(tmp_path, *others, function())
+    assert len(found.drives) == len(found.responses) == 1
+    assert sum("passed over" in one for one in found.warnings) == 3
+    with pytest.raises(BadInput, match="holds no response function"):
+        read(tmp_path, *others)
+
+
+@pytest.mark.parametrize("kind", [6, 26])
+def test_coherence_in_a_dataset_of_its_own_belongs_to_its_function(tmp_path: Path, kind: int) -> None:
+    gamma = np.linspace(0.5, 1.0, len(F))
+    found = read(tmp_path, function(), function(gamma, kind=kind, reference=(2, 3) if kind == 6 else (0, 0)))
+    assert found.coherence is not None
+    assert_allclose(found.coherence[0, :, 0], gamma)
+
+
+def test_units_are_those_of_the_label_where_no_dataset_164_says_them(tmp_path: Path) -> None:
+    assert_allclose(read(tmp_path, function(over=(12, "g"), under=(13, "N"))).values[0, :, 0], 9.80665 * H)
+    found = read(tmp_path, function(over=(1, "(1/N)*(m/s\xb2)"), under=(0, "NONE")))  # latin-1, general data type
+    assert found.quantity == "acceleration"
+    assert_allclose(found.values[0, :, 0], H)
+    found = read(tmp_path, function(over=(0, "mm/s/N"), under=(0, "NONE")))
+    assert found.quantity == "velocity"
+    assert_allclose(found.values[0, :, 0], 1e-3 * H)
+
+
+def test_a_label_that_contradicts_dataset_164_is_refused_until_the_test_says_the_unit(tmp_path: Path) -> None:
+    parts = units(), function(over=(12, "g"), under=(13, "N"))
+    with pytest.raises(BadInput, match=r"unit = \"g/N\""):
+        read(tmp_path, *parts)
+    assert_allclose(read(tmp_path, *parts, unit="g/N").values[0, :, 0], 9.80665 * H)
+    assert_allclose(read(tmp_path, *parts, unit="m/s^2/N").values[0, :, 0], H)
+    with pytest.raises(BadInput, match="acceleration"):
+        read(tmp_path, *parts, unit="mm/s/N")
+
+
+def test_what_was_read_per_newton_is_said_to_be_assumed_where_the_file_does_not_say_it(tmp_path: Path) -> None:
+    assert "acceleration is taken" in " ".join(read(tmp_path, function(over=(1, "NONE"), under=(1, "NONE"))).warnings)
+    assert "acceleration is taken" not in " ".join(read(tmp_path, function()).warnings)
+
+
+def test_an_axis_in_radians_per_second_is_one_in_hertz(tmp_path: Path) -> None:
+    assert_allclose(read(tmp_path, function(axis="rad/s")).frequency, F / (2 * np.pi))
+    with pytest.raises(BadInput, match="where frequency is read"):
+        read(tmp_path, function(axis="rpm"))
+
+
+def test_two_files_in_one_have_each_their_units(tmp_path: Path) -> None:
+    found = read(tmp_path, units(), function(), units(1000.0), function(1e3 * H, response=(5, 3)))
+    assert_allclose(found.values[0, :, 0], found.values[0, :, 1])
+
+
+def test_force_over_response_acts_where_the_file_says_that_the_force_is(tmp_path: Path) -> None:
+    found = read(tmp_path, function(1 / H, over=(13, "NONE"), under=(12, "NONE")), inverted=True)
+    assert_allclose(found.values[0, :, 0], H)
+    assert [one.place for one in (*found.drives, *found.responses)] == ["node 1", "node 2"]
+
+
+def test_fields_that_end_in_a_blank_and_lines_that_are_padded_are_read(tmp_path: Path) -> None:
+    """As an HBM export writes single precision, and catman its last line."""
+    numbers = np.column_stack([H[:3].real, H[:3].imag]).ravel()
+    behind = "".join(f" {one:.5e} " if one >= 0 else f"{one:.5e} " for one in numbers)
+    assert_allclose(read(tmp_path, function(H[:3], rows=[behind])).values[0, :, 0], H[:3], rtol=1e-5)
+    padded = "".join(f"{one:13.5E}" for one in numbers).ljust(80)
+    assert_allclose(read(tmp_path, function(H[:3], rows=[padded])).values[0, :, 0], H[:3], rtol=1e-5)
+    three = ["".join(f"{one:13.5E}" for one in numbers[k : k + 2]).replace("E", "D") for k in (0, 2, 4)]
+    assert_allclose(read(tmp_path, function(H[:3], rows=three)).values[0, :, 0], H[:3], rtol=1e-5)
+
+
+def test_a_file_without_nodes_takes_them_from_the_test_and_one_of_another_ending_is_known_by_its_first_line(
+    tmp_path: Path,
+) -> None:
+    nowhere = {"response": (0, 0), "reference": (0, 0)}
+    parts = function(**nowhere), function(2 * H, **nowhere)  # type: ignore[arg-type]
+    found = read(tmp_path, *parts, name="test.unv.txt", drive="a:z", responses=["b:z", "c:-x"])
+    assert [one.place for one in found.responses] == ["b", "c"]
+    assert_allclose(found.values[0, :, 1], 2 * H)
+    with pytest.raises(BadInput, match="has 2 functions"):
+        read(tmp_path, *parts, drive="a:z", responses=["b:z"])
+    with pytest.raises(BadInput, match="reference"):
+        read(tmp_path, *parts)
+
+
+def test_records_in_a_universal_file_are_records(tmp_path: Path) -> None:
+    from identification.files import files
+    from identification.files.files import Signals, StatedUnits
+
+    generator = np.random.default_rng(2)
+    force = generator.standard_normal(4096)
+    millimetres = dict.fromkeys(["force", "a-z"], StatedUnits(length=1e-3, force=1.0, words="mm"))
+    samples = {"force": force, "a-z": 1000 * force}
+    files.write(tmp_path / "x.unv", Signals(source="x", samples=samples, sampling_rate=512.0, units=millimetres))
+    stated = {"drive": "a:z", "responses": ["a:z"], "records": {"kind": "shaker", "block": 1.0}, "columns": {"a:z": "a-z"}}
+    table = {"kind": "response-functions", "article": "a", "file": "x.unv", **stated}
+    found = test_file.read(tmp_path / "t.toml", table)
+    assert isinstance(found, ResponseFunctions)
+    assert_allclose(found.values[0, 5:-5, 0], 1.0, rtol=1e-6)
+
+
+def test_modes_of_dataset_2414_are_a_table_and_what_else_it_holds_is_passed_over(tmp_path: Path) -> None:
+    def results(mode: int, *, complex_one: bool = False, result: int = 8) -> str:
+        pole = 2 * np.pi * 10 * mode * (-0.01 + 1j)
+        rows = [[1.0, 0.0, 0.5, 0, 0, 0], [0.0, 0.0, -1.0, 0, 0, 0]]
+        width, data = (3, 5) if complex_one else (6, 2)
+        kinds = f"{1:10d}{3 if complex_one else 2:10d}{3:10d}{result:10d}{data:10d}{width:10d}"
+        real = [0.0, 0.0 if complex_one else 10.0 * mode, 0.0, 1.0, 0.0, 0.0 if complex_one else 0.02]
+        poles = [pole.real, pole.imag, 0.0, 0.0, 0.0, 0.0]
+        numbers = ["".join(f"{one:13.5E}" for one in row) for row in (real, poles)]
+        shape = [line for k, row in enumerate(rows) for line in (f"{k + 1:10d}", "".join(f"{one:13.5E}" for one in row))]
+        ids = f"{1:10d}" * 8
+        return dataset(2414, f"{mode:10d}", "B.C. 1", f"{1:10d}", *["NONE"] * 5, kinds, ids, f"{1:10d}" * 2, *numbers, *shape)
+
+    for complex_one in (False, True):
+        parts = [results(k, complex_one=complex_one) for k in (1, 2)] + [results(3, result=2)]
+        (tmp_path / "m.unv").write_text("".join(parts))
+        found = test_file.read(tmp_path / "t.toml", {"kind": "modal-table", "article": "a", "file": "m.unv"})
+        assert isinstance(found, ModalTable)
+        assert_allclose(found.frequency, [10, 20], rtol=1e-4)
+        assert found.damping_ratio is not None
+        assert_allclose(found.damping_ratio, 0.01, rtol=1e-3)  # half of the structural one where no viscous one is stated
+        assert len(found.sensors) == 3
+
+
+def test_a_node_without_coordinates_of_its_own_type_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "n.unv").write_text(dataset(15, "         1         0         0         8  1.0  2.0"))
+    with pytest.raises(BadInput, match="coordinates"):
+        uff_tests.read(tmp_path / "n.unv")
+
+
+def test_lines_in_which_all_functions_are_zero_are_no_measurement(tmp_path: Path) -> None:
+    padded = np.where((F > 4) & (F < 20), H, 0)
+    found = read(tmp_path, function(padded), function(padded, response=(3, 3)))
+    assert_allclose(found.frequency[[0, -1]], [6, 18])
+    assert found.band == (6, 18)
+    assert "where all functions are 0" in " ".join(found.warnings)
+    assert len(read(tmp_path, function(np.where(F > 0, H, 0))).frequency) == len(F)  # at 0 Hz an accelerance is 0
