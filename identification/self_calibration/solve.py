@@ -230,7 +230,8 @@ class _Place:
             if not beyond.any():
                 step, settled = wanted, True
                 slope = force + N @ step
-                held = np.where(free | (low == high), 0.0, np.where(step >= walls[1], slope, -slope))  # above 0 where it would rather go back
+                # Above 0 where it would rather go back
+                held = np.where(free | (low == high), 0.0, np.where(step >= walls[1], slope, -slope))
                 if held.max() <= len(low) * np.finfo(np.float64).eps * np.abs(force).max():
                     break
                 free[np.argmax(held)] = True
