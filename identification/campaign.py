@@ -408,8 +408,9 @@ def base_motion(recorded: Recording, table: ChannelTable) -> npt.NDArray[Any] | 
     for groups in (("cover",), RIGID_GROUPS):
         if of_motions(table, groups).complete:
             chosen = table.select(group=groups, quantity="acceleration")
-            rows = motion_rows([table.channels[k] for k in chosen], table.origin)
-            return np.asarray(recorded.values[:, chosen] @ np.linalg.pinv(rows).T)
+            told = np.zeros((len(table), 6))
+            told[list(chosen)] = np.linalg.pinv(motion_rows([table.channels[k] for k in chosen], table.origin)).T
+            return np.asarray(recorded.values @ told)
     return None
 
 

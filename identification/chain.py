@@ -22,7 +22,7 @@ from geometry.article import rectangle
 from geometry.articles.parts import load
 from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.errors import BadInput
-from geometry.frames import Array, frozen, left_jacobian, rigid_transformation, rigid_transformation_6, rotation_by, skew
+from geometry.frames import Array, frozen, left_jacobian, rigid_transformation_6, rotation_by
 from geometry.sensors import Channel, ChannelTable, Place, Summation, Tolerances, row, summation
 from identification.base_motion import STANDARD_GRAVITY, TILT
 from identification.parameter import Parameter, opened
@@ -679,27 +679,29 @@ class Sight:
 @lru_cache(maxsize=KEPT)
 def placed(channel: Channel, point: Vector, shift: Vector, turn: Vector) -> tuple[Array, float]:
     """d^T [G(p)] (6,) of a `channel` about `point` [m], shifted [m] and turned [rad], and the vertical component of d."""
-    Q = rotation_by(np.array(turn))
-    directions = [Q @ place.direction for place in channel.places]
-    arms = [place.position + np.array(shift) - np.array(point) for place in channel.places]
-    row = np.mean([d @ rigid_transformation(arm) for d, arm in zip(directions, arms, strict=True)], axis=0)
-    return frozen(row, (6,), "row"), float(np.mean([d[2] for d in directions]))
+    directions, arms = _aimed(channel, point, shift, turn)
+    row = np.concatenate([directions, np.cross(arms, directions)], axis=1).mean(axis=0)
+    return frozen(row, (6,), "row"), float(directions[:, 2].mean())
 
 
 @lru_cache(maxsize=KEPT)
 def placed_changes(channel: Channel, point: Vector, shift: Vector, turn: Vector) -> dict[tuple[str, str], tuple[Array, float]]:
     """By family and axis, how both answer to a further shift or turn."""
-    J = left_jacobian(np.array(turn))
-    directions = [rotation_by(np.array(turn)) @ place.direction for place in channel.places]
-    arms = [place.position + np.array(shift) - np.array(point) for place in channel.places]
+    directions, arms = _aimed(channel, point, shift, turn)
+    shifted = np.cross(np.eye(3), directions.mean(axis=0))
+    turned = np.cross(left_jacobian(np.array(turn)).T[:, None], directions)  # (3, places, 3)
+    rows = np.concatenate([turned, np.cross(arms, turned)], axis=2).mean(axis=1)
     found: dict[tuple[str, str], tuple[Array, float]] = {}
-    for axis, e in zip(AXES, np.eye(3), strict=True):
-        d = np.mean(directions, axis=0)
-        found["position", axis] = np.concatenate([np.zeros(3), -d @ skew(e)]), 0.0
-        turned = [np.cross(J @ e, direction) for direction in directions]
-        change = np.mean([d @ rigid_transformation(arm) for d, arm in zip(turned, arms, strict=True)], axis=0)
-        found["misalignment", axis] = np.asarray(change), float(np.mean([d[2] for d in turned]))
+    for k, axis in enumerate(AXES):
+        found["position", axis] = np.concatenate([np.zeros(3), shifted[k]]), 0.0
+        found["misalignment", axis] = rows[k], float(turned[k, :, 2].mean())
     return found
+
+
+def _aimed(channel: Channel, point: Vector, shift: Vector, turn: Vector) -> tuple[Array, Array]:
+    """Directions and arms [m] about `point` of the places of a `channel`, (k, 3) each."""
+    directions = np.array([place.direction for place in channel.places]) @ rotation_by(np.array(turn)).T
+    return directions, np.array([place.position for place in channel.places]) + np.array(shift) - np.array(point)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -214,14 +214,35 @@ class _Place:
         return step if np.all((step >= low) & (step <= high)) else self._stopped(damping, low, high)
 
     def _stopped(self, damping: float, low: Array, high: Array) -> Array:
-        """The damped step (k,) that lies between `low` and `high` (k,) and gains most: linear least squares with bounds."""
-        from scipy.optimize import lsq_linear
+        """The damped step (k,) that lies between `low` and `high` (k,) and gains most: linear least squares with bounds.
 
-        root = np.sqrt(self.values + damping)
-        wanted = -(self.vectors.T @ (self.scale * self.total.gradient)) / root
-        least, greatest = np.minimum(low / self.scale, -TINY), np.maximum(high / self.scale, TINY)  # it wants them apart
-        found = lsq_linear(root[:, None] * self.vectors.T, wanted, (least, greatest), method="bvls")
-        return np.asarray(np.clip(self.scale * found.x, low, high))
+        What would leave its bounds stops at them until nothing does; then the one that its bound holds back most is let go, again
+        and again, while there is one (Stark & Parker, Bounded-Variable Least-Squares, Computational Statistics 10, 1995).
+        """
+        N = (self.vectors * (self.values + damping)) @ self.vectors.T
+        force, walls = self.scale * self.total.gradient, np.array([low, high]) / self.scale
+        step, free, settled = np.zeros(len(low)), np.ones(len(low), dtype=bool), False
+        for _ in range(4 * len(low)):
+            wanted = step.copy()
+            wanted[free] -= np.linalg.solve(N[np.ix_(free, free)], (force + N @ step)[free])
+            there = np.clip(wanted, *walls)
+            beyond = free & (there != wanted)
+            if not beyond.any():
+                step, settled = wanted, True
+                slope = force + N @ step
+                # Above 0 where it would rather go back
+                held = np.where(free | (low == high), 0.0, np.where(step >= walls[1], slope, -slope))
+                if held.max() <= len(low) * np.finfo(np.float64).eps * np.abs(force).max():
+                    break
+                free[np.argmax(held)] = True
+            elif settled:  # up to the bound that is met first
+                share = np.where(beyond, (there - step) / np.where(beyond, wanted - step, 1.0), np.inf)
+                step = np.clip(step + share.min() * (wanted - step), *walls)
+                free &= share > share.min()
+                step[~free] = np.where(np.abs(step - walls[0]) < np.abs(step - walls[1]), *walls)[~free]
+            else:
+                step, free = np.where(beyond, there, step), free & ~beyond
+        return np.asarray(np.clip(self.scale * step, low, high))
 
     def expected(self, step: Array) -> float:
         """What the quadratic model says that `step` gains."""

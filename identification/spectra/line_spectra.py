@@ -150,7 +150,9 @@ def without_straight_line(samples: Array) -> Array:
     """`samples` (n, c) less the straight line that fits each channel best."""
     t = np.arange(len(samples)) - (len(samples) - 1) / 2
     slope = (t @ samples) / max(float(t @ t), np.finfo(np.float64).tiny)
-    return np.asarray(samples - samples.mean(axis=0) - t[:, None] * slope)
+    line = t[:, None] * slope
+    line += samples.mean(axis=0)
+    return np.asarray(np.subtract(samples, line, out=line))
 
 
 def hann(size: int) -> Array:

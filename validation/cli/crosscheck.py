@@ -196,7 +196,6 @@ def diagnose_command(
     """
     from validation.effects import catalogue
     from validation.output import require_folder
-    from validation.report import fleet
     from validation.report.diagnose import diagnosis_answer
     from validation.study import Options
 
@@ -215,6 +214,8 @@ def diagnose_command(
         return
     if auto:
         raise BadInput(source="--auto", problem="one model stands for all with --each", remedy="Leave it out")
+    from validation.report import fleet
+
     fleet.answer(asked, each, processes=jobs or 0, scheduler=scheduler or "", as_json=as_json, folder=out)
 
 

@@ -25,8 +25,7 @@ from identification.response_functions import QUANTITIES
 from identification.self_calibration.solve import inverse, smoothed_level
 from identification.spectra.line_spectra import Spectra
 from validation.estimation import evaluate
-from validation.estimation.evaluate import solved
-from validation.estimation.fit import FLOOR, PLAIN_FLOOR
+from validation.estimation.fit import FLOOR, PLAIN_FLOOR, at_bounds
 from validation.estimation.likelihood import cost_of, floor_of, left_of_run, observed, root
 from validation.estimation.problem import (
     STRUCTURAL,
@@ -82,7 +81,7 @@ def doubt(problem: Problem, plain: Fit) -> Doubt:
     fitted = {one.name for one in plain.parameters}
     others = [one for one in problem.parameters if one.name not in fitted and 0 < one.tolerance < np.inf]
     loose = {one.name: one.tolerance for one in others}
-    free = solved(problem, plain, PLAIN_FLOOR).cost.free
+    free = at_bounds(cost_of(problem, plain.parameters, PLAIN_FLOOR, plain=True), plain.by_name).free
     held = {name: x for name, x in plain.by_name.items() if name not in {one.name for one in free}}
     cost = cost_of(problem, (*free, *others), PLAIN_FLOOR, held)
     N = cost.total(cost.at(plain.by_name))[0].matrix

@@ -322,8 +322,6 @@ def mistakes(data: Study) -> tuple[Cause, ...]:
 
 def _sources(every: Sequence[LowFrequencyReadings], known: Sequence[_KnownFactors]) -> tuple[ChannelSource, ...]:
     """What each channel holds, by all campaigns together."""
-    from scipy.optimize import linear_sum_assignment
-
     of, count = every[0], len(every[0].channels)
     best = np.full((count, count), -np.inf)  # an accelerometer never holds a force
     factors, units = np.ones((count, count)), np.full((count, count), -1)
@@ -351,7 +349,11 @@ def _sources(every: Sequence[LowFrequencyReadings], known: Sequence[_KnownFactor
     best[stays, stays] = right[stays]
     for c in np.flatnonzero(stays).tolist():
         best[c, c], factors[c, c], units[c, c] = right[c], 1.0, -1
-    _, plugs = linear_sum_assignment(-best)
+    plugs = best.argmax(axis=1)
+    if len(set(plugs.tolist())) < count:  # two channels want one plug
+        from scipy.optimize import linear_sum_assignment
+
+        _, plugs = linear_sum_assignment(-best)
     taken = [
         ChannelSource(
             channel=c,

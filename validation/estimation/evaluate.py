@@ -14,7 +14,7 @@ from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from geometry.toml_file import nearest
 from identification.self_calibration.solve import Normal, excess, smoothed_level, total
-from validation.estimation.fit import BREAKDOWNS, PLAIN_FLOOR, STRIDE, Progress, at_bounds, direct, fit, nearby
+from validation.estimation.fit import BREAKDOWNS, PLAIN_FLOOR, STRIDE, Progress, at_bounds, descent, fit, nearby
 from validation.estimation.fit import FLOOR as FIT_FLOOR
 from validation.estimation.likelihood import Cost, Left, cost_of, left_of_run, observed
 from validation.estimation.problem import FITTED, PLAIN, Evaluation, Fit, Lines, Offsets, Predicted, Prediction, Problem, Share
@@ -348,10 +348,16 @@ def refitted(at: Solved, fold: Fold, *, quick: bool = False) -> dict[str, float]
     offsets = rest.offsets(x + step)
     if quick or float(step @ matrix @ step) < (NEAR * excess(left, size)) ** 2:
         return offsets
+    cost = rest.holding({})
     try:  # with the data that are left; folds tell their number, not their share
-        return direct(rest.holding({}), offsets, lambda share: None, most=FEW, again=0).offsets
+        found = descent(cost, offsets, most=FEW)
     except CheckFailed:
         return offsets
+    try:  # its last step is shorter than `CLOSE`, and nobody asks what that gains
+        cost.size(found.x)
+    except BREAKDOWNS:
+        return cost.offsets(found.seen)
+    return cost.offsets(found.x)
 
 
 def evaluate(

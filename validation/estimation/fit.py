@@ -126,10 +126,10 @@ def annealed(
         stage = replace(cost, problem=sparse, observed=(), free=moving, floor=floor, base={**cost.base, **found})
         others = _elsewhere(stage, found) if everywhere and not done else []
         steps = 2 * STEPS if others else STEPS
-        ends = [_solved(stage, found, close=ROUGHLY, most=steps)]
+        ends = [descent(stage, found, close=ROUGHLY, most=steps)]
         for begin in others:
             with suppress(CheckFailed):
-                ends.append(_solved(stage, begin, close=ROUGHLY, most=steps))
+                ends.append(descent(stage, begin, close=ROUGHLY, most=steps))
         found |= stage.offsets(min(ends, key=lambda end: end.normal.cost).seen)
         progress((done + 1) / (len(stages) + 2))
     return direct(cost, found, progress, most=most, again=again)
@@ -164,12 +164,12 @@ def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST
     ------
     CheckFailed : the model breaks down where it begins.
     """
-    solution = _solved(cost, offsets, close=CLOSE, most=most)
+    solution = descent(cost, offsets, most=most)
     converged = solution.converged
     for _ in range(again):
         if converged:
             break
-        before, solution = solution, _solved(cost, cost.offsets(solution.seen), close=CLOSE, most=most)
+        before, solution = solution, descent(cost, cost.offsets(solution.seen), most=most)
         gained = before.normal.cost - solution.normal.cost
         idle = gained < RESTART_GAIN
         converged = solution.converged or (idle and solution.evaluations >= most)
@@ -210,7 +210,13 @@ def at_bounds(cost: Cost, offsets: Offsets) -> Cost:
     return cost.holding({**{one.name: cost.base[one.name] for one in cost.held}, **held})
 
 
-def _solved(cost: Cost, offsets: Offsets, *, close: float, most: int) -> Solution:
+def descent(cost: Cost, offsets: Offsets, *, close: float = CLOSE, most: int) -> Solution:
+    """From `offsets` down, `most` evaluations at most.
+
+    Raises
+    ------
+    CheckFailed : the model breaks down where it begins.
+    """
     start = np.clip(cost.at(offsets), *cost.bounds)
     if not len(start):
         whole, data, _ = cost.total(start)

@@ -11,7 +11,7 @@ shared by real and imaginary part. "The likelihood" of the catalogue of effects.
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from types import MappingProxyType
 
 import numpy as np
@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import CheckFailed
-from geometry.frames import Array
+from geometry.frames import Array, frozen
 from identification.self_calibration import solve
 from identification.self_calibration.solve import SILENT, Normal
 from identification.self_calibration.ways import Ways, normal
@@ -103,13 +103,14 @@ def observed(measured: Measured, lines: Lines) -> ObservedLines:
     )
 
 
+@lru_cache(maxsize=8)
 def floor_of(measured: Measured) -> Array:
-    """(r, n, c) the level that a model-error floor is relative to.
+    """(r, n, c) the level that a model-error floor is relative to; every fit and every map asks for it.
 
     Of a channel that is nearly silent in a run it is `SILENT` of what channels read that are judged, or not judged, as it is.
     """
     level = solve.smoothed_level(measured.frequency, measured.values)
-    return np.asarray(np.hypot(level, SILENT * solve.level_of_groups(measured.values, measured.judged)))
+    return frozen(np.hypot(level, SILENT * solve.level_of_groups(measured.values, measured.judged)), level.shape, "floor")
 
 
 def normals(seen: ObservedLines, predicted: Predicted, free: Sequence[str], floor: float) -> dict[str, Normal]:

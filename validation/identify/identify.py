@@ -33,8 +33,12 @@ from validation.output import derived, entry, inertia_json, share_done, stages, 
 from validation.reference.statement import Stated, Statement, about_cog, read_frame
 
 
-def identified(asked: "IdentifyOptions", frame: str | None = None, *, quiet: bool = True) -> "IdentificationFindings":
+def identified(
+    asked: "IdentifyOptions", frame: str | None = None, *, quiet: bool = True, at_hand: Sequence[Campaign] = ()
+) -> "IdentificationFindings":
     """The findings that `asked` leads to, reported in `frame`, the user's own seen from the article's.
+
+    Campaigns `at_hand` are not read again.
 
     Raises
     ------
@@ -43,7 +47,7 @@ def identified(asked: "IdentifyOptions", frame: str | None = None, *, quiet: boo
     """
     pose = None if frame is None else read_frame(frame)
     with stages("reading", quiet=quiet) as told:
-        made = ready(asked, told)
+        made = ready(asked, told, at_hand)
     with share_done(f"identifying {made.request.campaign.article}", quiet=quiet) as share:
         found = identify(made.request, share)
     if not made.request.study:
@@ -265,8 +269,10 @@ class PreparedRequest:
     warnings: tuple[str, ...] = field(default=())
 
 
-def ready(asked: IdentifyOptions, progress: Callable[[str, float], None] | None = None) -> PreparedRequest:
-    """The request that `asked` comes to, campaigns read.
+def ready(
+    asked: IdentifyOptions, progress: Callable[[str, float], None] | None = None, at_hand: Sequence[Campaign] = ()
+) -> PreparedRequest:
+    """The request that `asked` comes to, campaigns read but for those `at_hand`.
 
     `progress` hears which campaign is read and the share of it.
 
@@ -307,7 +313,8 @@ def ready(asked: IdentifyOptions, progress: Callable[[str, float], None] | None 
         words += known(name or above_fmd(tare.article) or "fmd", tare, _source(name, tare))[1]
     data, said = facts(asked.classical, described, tared=bool(below) or asked.fmd is not None)
     words += [*said, *asked.band_within(described)]
-    campaign = _read(asked.campaign, progress)
+    there_already = {one.source: one for one in at_hand if one.recordings}
+    campaign = there_already.get(asked.campaign) or _read(asked.campaign, progress)
     if band is not None and campaign.recordings:
         there, grid = next(iter(campaign.recordings.values())).frequency, campaign.processing or Processing()
         lines = np.arange(band[0], band[1], grid.step) if there is None else there[(there >= band[0]) & (there <= band[1])]
@@ -316,7 +323,7 @@ def ready(asked: IdentifyOptions, progress: Callable[[str, float], None] | None 
             raise BadInput(source="--band", problem=problem, remedy=f"Choose a band of {FEWEST} lines or more")
     tares = []
     for folder, name in zip(asked.tares, names, strict=True):
-        tare = _read(folder, progress)
+        tare = there_already.get(folder) or _read(folder, progress)
         inertia, _ = known(name or above_fmd(tare.article) or "fmd", tare, _source(name, tare))
         tares.append(Tare(campaign=tare, known=inertia, relative_sd=share))
     request = Request(

@@ -393,8 +393,12 @@ class Nuisances:
 
     def largest(self, r: int, axis: int) -> float:
         """Largest participation of mode `r` as a share of the body's own mass there, in the unit of `axis`."""
-        size = np.sqrt(np.diag(self.nominal.mass)[:6])
-        return float(size[axis] * np.max(np.abs(self.nominal.mass[:6, 6 + r]) / size))
+        return float(self._largest[r, axis])
+
+    @cached_property
+    def _largest(self) -> Array:
+        size, of = np.sqrt(np.diag(self.nominal.mass)[:6]), self.nominal.mass[:6, 6 : 6 + len(self.frequency)]
+        return np.asarray(np.max(np.abs(of) / size[:, None], axis=0)[:, None] * size)
 
     def between(self, r: int, s: int) -> float:
         """Geometric mean of the stiffness of two modes as they are computed."""

@@ -448,7 +448,7 @@ def campaign_part(
     found: IdentificationFindings | None = None
     try:
         of = cache.content([asked.campaign, *asked.tares])
-        found = cache.answer(lambda: _without_records(identify.identified(asked)), "identification", asked, of)
+        found = cache.answer(lambda: _without_records(identify.identified(asked, at_hand=series)), "identification", asked, of)
     except (BadInput, CheckFailed) as error:
         missing.append(f"No inertia was identified: {error}")
     return CampaignPart(
@@ -477,14 +477,15 @@ def is_tare(one: Campaign) -> bool:
 def sensor_map(one: Campaign, missing: list[str]) -> Picture | None:
     """The map of the sensors of `one`; None, with the reason among what is `missing`, where nothing can be rendered."""
     said = f"Sensors of {Path(one.source).name}, seen from F: accelerometers of table, cover plate and article, and load cells"
-    of = one.table, one.article, one.source, one.title, one.mounting
+    of = one.table, one.article, one.title, one.mounting  # of whatever records, the same picture
 
     def made() -> Picture:
         from validation.report.scenes.setups import sensor_map as draw_sensors
 
-        return cache.answer(lambda: drawn(lambda folder: draw_sensors(one, folder), said), "sensors", *of)
+        return cache.answer(lambda: drawn(lambda folder: draw_sensors(one, folder), ""), "sensors", *of)
 
-    return tried(made, missing, "No map of the sensors: ")
+    picture = tried(made, missing, "No map of the sensors: ")
+    return None if picture is None else replace(picture, said=said)
 
 
 def drawing_beside(found: IdentificationFindings, model: "Model", missing: list[str]) -> Statement | None:

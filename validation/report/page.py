@@ -7,9 +7,11 @@ import shlex
 import shutil
 import subprocess
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime
-from importlib.metadata import distributions
+from importlib.metadata import PackageNotFoundError
+from importlib.metadata import version as version_of
 from importlib.resources import files
 from pathlib import Path
 from platform import platform, python_version
@@ -618,8 +620,11 @@ def provenance(asked: ReportOptions) -> Provenance:
     OSError : a file cannot be read.
     """
     question = asked.compared
-    there = {one.name.lower().replace("_", "-"): one.version for one in distributions()}
-    found = {name: there[name] for name in PROGRAMS if name in there} | {"Python": python_version(), "system": platform()}
+    there: dict[str, str] = {}
+    for name in PROGRAMS:
+        with suppress(PackageNotFoundError):
+            there[name] = version_of(name)
+    found = there | {"Python": python_version(), "system": platform()}
     versions = {**found, "browser that prints": version(browser_path())} if asked.pdf else found
     # Files of code that take part in every figure
     own_effects = tuple(source for source in SOURCES.values() if Path(source).is_file())

@@ -162,6 +162,27 @@ def test_the_gradient_is_nothing_inside_and_points_outwards_at_every_bound(seed:
     assert np.abs(gradient[~(at_low | at_high)]).max(initial=0.0) < 1e-3
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_a_step_within_bounds_is_that_of_scipy_where_many_of_them_hold(seed: int) -> None:
+    from scipy.optimize import lsq_linear
+
+    rng = np.random.default_rng(seed)
+    J = rng.standard_normal((90, 40)) * np.geomspace(1e-3, 1e3, 40)
+    J += rng.standard_normal((90, 1)) * np.geomspace(1e-3, 1e3, 40)  # what one does, the others do as well
+    wanted = rng.standard_normal(90)
+    free = np.abs(np.linalg.lstsq(J, wanted, rcond=None)[0])
+    low, high = -rng.uniform(0.1, 1.5, 40) * free, rng.uniform(0.1, 1.5, 40) * free
+
+    def data(x):
+        left = J @ x - wanted
+        return Normal(cost=0.5 * float(left @ left), gradient=J.T @ left, matrix=J.T @ J)
+
+    found = minimise(data, np.zeros(40), lambda x: (np.zeros(0), np.zeros((0, 40))), bounds=(low, high))
+    best = lsq_linear(J, wanted, (low, high), method="bvls", tol=1e-14).x
+    assert np.sum((best == low) | (best == high)) > 5
+    assert_allclose(found.x / free, best / free, rtol=0, atol=1e-4)  # `minimise` damps by 1e-6 of the diagonal
+
+
 def test_in_a_valley_refused_steps_are_known_by_their_cost_alone_and_the_way_is_the_same() -> None:
     asked: list[bytes] = []
 

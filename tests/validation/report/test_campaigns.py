@@ -23,7 +23,7 @@ def part(report: Report, mounting: Pose | None, cache: Path) -> CampaignPart:
     found = replace(known.findings, article="cuboid", origin="F", request=replace(known.findings.request, campaign=campaign))
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("MASSLINE_CACHE", str(cache))
-        patch.setattr(identify.identify, "identified", lambda asked: found)
+        patch.setattr(identify.identify, "identified", lambda asked, **how: found)
         patch.setattr(identify, "sensor_map", lambda one, missing: None)
         return identify.campaign_part(campaign, [campaign], report.model, None, "full-record")
 

@@ -54,8 +54,23 @@ def test_a_second_report_identifies_and_draws_nothing_again(report, tmp_path, mo
 
     assert made() == whole
     assert made() == []
+    assert identify.sensor_map(replace(report.campaigns[0].campaign, source="of/another-day"), []).said.startswith(
+        "Sensors of another-day,"
+    )
+    assert counted == []  # of other records of one set-up the same picture
     monkeypatch.setenv("MASSLINE_CACHE", str(tmp_path / "empty"))
     assert made() == whole
+
+
+def test_campaigns_that_are_read_already_are_not_read_again_to_identify(report, monkeypatch):
+    campaign, read = report.campaigns[0].campaign, []
+    monkeypatch.setattr(identify.identify.campaign_file, "read", lambda folder, **how: read.append(folder) or campaign)
+    monkeypatch.setattr(identify.identify, "facts", lambda files, campaign, *, tared: ((), ()))
+    asked = identify.IdentifyOptions(campaign=campaign.source)
+    assert identify.identify.ready(asked, at_hand=(campaign,)).request.campaign is campaign
+    assert read == []
+    identify.identify.ready(asked, at_hand=(replace(campaign, recordings={}),))
+    assert read == [campaign.source]
 
 
 def test_a_diagnosis_is_made_once_of_the_same_data_whoever_is_said_to_have_tested(series, tmp_path, monkeypatch):
