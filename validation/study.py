@@ -387,15 +387,10 @@ class Study:
         return self._fits[0]
 
     def evaluation(self, progress: Callable[[float], None] | None = None) -> Evaluation:
-        """The four errors of the model as it is and the fits behind them, made once; `all_free` is then its own.
-
-        Raises
-        ------
-        CheckFailed : a fit that does not converge.
-        """
+        """The four errors of the model as it is and the fits behind them, made once; if it converged, `all_free` is its own."""
         if not self._evaluations:
             found = evaluate(self.whole(), hold_out=self.hold_out, progress=progress)
-            self._fits[:], self._evaluations[:] = [found.fitted], [found]
+            self._fits[:], self._evaluations[:] = [found.fitted] if found.fitted.converged else [], [found]
         return self._evaluations[0]
 
     @property

@@ -38,7 +38,7 @@ def compared(study: Study, progress: Progress | None = None) -> "Comparison":
 
     Raises
     ------
-    CheckFailed : a fit that does not converge.
+    CheckFailed : without some channel the others do not tell latent inputs.
     """
     tell = progress or (lambda what, share: None)
     evaluation = study.evaluation(lambda share: tell("fitting", share))

@@ -390,7 +390,7 @@ def evaluate(
     Raises
     ------
     BadInput : an unknown name in `hold_out`; too many `blocks`.
-    CheckFailed : a fit without a parent does not converge; without some channel the others do not tell latent inputs.
+    CheckFailed : without some channel the others do not tell latent inputs.
     """
     tell = progress or (lambda share: None)
     apart = named(problem, hold_out) if hold_out else None
@@ -404,12 +404,14 @@ def evaluate(
             PLAIN,
             start=parent.plain_fit if isinstance(parent, Evaluation) else None,
             progress=lambda share: tell(0.25 * share),
+            strict=False,
         )
         fitted = fit(
             known,
             FITTED,
             start=(parent.fitted if isinstance(parent, Evaluation) else parent) or plain.by_name,
             progress=lambda share: tell(0.25 + 0.5 * share),
+            strict=False,
         )
     offsets = {**problem.start, **plain.by_name}
     parts: list[tuple[Fold, Offsets]]

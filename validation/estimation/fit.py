@@ -251,6 +251,7 @@ def fit(
     start: Fit | Offsets | None = None,
     floor: float | None = None,
     progress: Progress | None = None,
+    strict: bool = True,
 ) -> Fit:
     """The parameters of `kinds` that fit best, knowledge beforehand counted; others stand where the model has them.
 
@@ -263,6 +264,7 @@ def fit(
         have begins at the size at which there is no effect (offset 0) and, once more, at its own start
     floor : model-error floor; `FLOOR`, and `PLAIN_FLOOR` where tolerances of the measurement are not fitted
     progress : told the share of the work that is done, 0 to 1
+    strict : whether a fit without a parent that does not converge is refused; else it says so (`Fit.converged`)
 
     Raises
     ------
@@ -291,8 +293,9 @@ def fit(
             step = -inverse(end.whole.matrix) @ end.whole.gradient
             sd = np.sqrt(np.diag(inverse(end.whole.matrix)))
             worst = sorted(zip(end.cost.names, step / sd, strict=True), key=lambda one: -abs(one[1]))[:3]
-            if abs(worst[0][1]) < CLOSE:  # it is there: two modes that change places let no step gain what is expected
-                return fitted(replace(end, converged=True))
+            close = abs(worst[0][1]) < CLOSE  # it is there: two modes that change places let no step gain what is expected
+            if close or not strict:
+                return fitted(replace(end, converged=close))
             named = ", ".join(f"{name} ({away:+.1f})" for name, away in worst)
             raise CheckFailed(
                 f"the fit of {len(end.x)} parameters did not converge: its next step is still many standard deviations in "

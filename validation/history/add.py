@@ -494,6 +494,7 @@ def judged(study: Study, parent: Version | None, progress: Progress | None = Non
     tell = progress or (lambda what, share: None)
     if parent is None:
         found = study.evaluation(lambda share: tell("fitting", share))
+        study.all_free()
     else:
         whole = study.whole()
         # As much of the evaluation of `parent` as a child begins with: where its fits ended

@@ -322,7 +322,8 @@ def of_table(table: dict[str, Any], source: str) -> Model:
     stated = whole.inner("tolerances").only([CLASS, *(row.key for row in OF_LABORATORY)])
     known = ToleranceClass.named(stated.choice(CLASS, CLASSES) if CLASS in stated.table else METROLOGY)
     if STRUCTURE_FILE[0] in table and CLASS not in stated.table:  # its damping by mode is as builds scatter, whoever tests it
-        known = replace(known, structure=ToleranceClass.named(CALIBRATED).structure)
+        builds = ToleranceClass.named(CALIBRATED).structure.mode_damping
+        known = replace(known, structure=replace(known.structure, mode_damping=builds))
     told = laboratory.text("learnt")
     learnt = Learnt.read(Path(source).parent / told, laboratory.text("hardware")) if told else None
     for row in OF_LABORATORY:

@@ -296,11 +296,15 @@ class Nuisances:
         return tuple(part for part, share in self.too_stiff.items() if np.any(share > least))
 
     @property
+    def apart_by_mesh(self) -> Array:
+        """(m,) share of a frequency that the mesh is too stiff by other than to the other modes."""
+        return np.asarray(APART_BY_MESH * sum(self.too_stiff.values(), np.zeros(len(self.frequency))))
+
+    @property
     def frequency_tolerance(self) -> list[float]:
-        """(m,) of every mode by itself: what is stated, and what its mesh is too stiff by other than to the other modes."""
-        stated, modes = self.tolerances.frequency, np.zeros(len(self.frequency))
-        own = APART_BY_MESH * sum(self.too_stiff.values(), modes)
-        return np.hypot(stated, own if stated else modes).tolist()  # type: ignore[no-any-return]
+        """(m,) of every mode by itself; 0 where a frequency is stated to be exact."""
+        stated = self.tolerances.frequency
+        return np.hypot(stated, self.apart_by_mesh if stated else 0.0 * self.frequency).tolist()  # type: ignore[no-any-return]
 
     @cached_property
     def lossy(self) -> tuple[str, ...]:

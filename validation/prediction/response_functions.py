@@ -504,6 +504,7 @@ def of(
         both = [k for k, c in enumerate(at) if c >= 0]
         alike = data.values[both][:, there][:, :, [at[k] for k in both]]
         share = series.repeatability(alike) if len(both) > 1 else 0.0
+    share = float(np.hypot(share, structure.apart_by_mesh.max(initial=0.0)))
     test = ResponseFunctionTest(
         measured=measured(
             data.title,
