@@ -544,6 +544,11 @@ def _same(one: Point, other: Point) -> bool:
     return one.place == other.place and float(np.dot(np.asarray(one.direction), np.asarray(other.direction))) > 0.99
 
 
+SCATTERS = 0.8
+"""[lines] A noise that few lines tell scatters, and chi² with its inverse: too large by this over their number, as a share. Held
+by tests/validation/prediction/test_response_functions.py."""
+
+
 def measured(
     name: str,
     configuration: str,
@@ -571,7 +576,8 @@ def measured(
     kept = (f >= low) & (f <= high)
     if noise is None:
         step = float(np.median(np.diff(f)))
-        noise = series.noise(f, values, max(series.AROUND, step * series.FEWEST / 2))
+        around = max(series.AROUND, step * series.FEWEST / 2)
+        noise = series.noise(f, values, around) * np.sqrt(1 + SCATTERS * step / (2 * around))
     return Measured(
         name=name,
         configuration=configuration,

@@ -238,3 +238,11 @@ def test_solids_give_where_a_force_acts_on_a_point_of_them_by_what_their_mesh_le
     change = test.at({}).changes[own.name].rows[1, ..., 0]
     assert_allclose(change, (moved - still) / 0.3, rtol=1e-6)
     assert not any(one.name.startswith(response_functions.LOCAL) for one in model(chain()).parameters)
+
+
+@pytest.mark.parametrize("spacing", [1.0, 0.1, 0.05])
+def test_chi_squared_of_noise_alone_is_one_whatever_lines_tell_the_noise(spacing):
+    rng, f = np.random.default_rng(3), spacing * np.arange(1, 20001)
+    values = (rng.standard_normal((len(f), 4)) + 1j * rng.standard_normal((len(f), 4))) / np.sqrt(2)
+    found = measured("test", "chain", f, {"a": values}, ("a", "b", "c", "d"))
+    assert_allclose(np.mean(np.abs(found.values / found.noise) ** 2), 1.0, atol=0.025)
