@@ -206,6 +206,13 @@ APART_BY_MESH = 0.25
 """[share of what a mesh is too stiff by] that is not common to all modes: 0.2 over 25 modes of three structures against CalculiX,
 see `fem.mesh.places.ENERGY_TOO_HIGH`. Held by tests/validation/prediction/test_structure_tests.py."""
 
+LEFT = 0.9
+"""[share of the stiffness of any motion] that a mesh may be too stiff by in a fit, however far off the model is. Held by
+tests/validation/prediction/test_nuisances.py."""
+
+SOFTEST = 1e-9
+"""[share of the stiffest coordinate's stiffness] below which one moves without strain. By definition."""
+
 FINE_MESH = 0.1
 """[tolerance of a frequency] below which what a mesh leaves unsure of every mode is no parameter: it adds half a per cent to the
 tolerance. By definition."""
@@ -289,6 +296,16 @@ class Nuisances:
         at, squares = self.nominal.base + np.arange(len(self.frequency)), (2 * np.pi * self.frequency) ** 2
         return {part: self.tolerances.mesh * np.diag(share)[at] / squares / 2 for part, share in self.nominal.unresolved.items()}
 
+    @cached_property
+    def farthest(self) -> float:
+        """[energy of the jumps of strains] to which a mesh is too stiff at most, by which the stiffness stays positive."""
+        own = slice(self.nominal.base, None)
+        squares, axes = np.linalg.eigh(self.nominal.stiffness[own, own])
+        kept = squares > SOFTEST * squares.max()
+        scaled = axes[:, kept] / np.sqrt(squares[kept])
+        jumps = sum(self.nominal.unresolved.values(), np.zeros_like(self.nominal.stiffness))[own, own]
+        return float(LEFT / np.linalg.eigvalsh(scaled.T @ jumps @ scaled)[-1])
+
     @property
     def coarse(self) -> tuple[str, ...]:
         """Parts whose mesh leaves a mode unsure by more than a share of what is not known of its frequency anyway."""
@@ -354,7 +371,7 @@ class Nuisances:
                 one, cubed = m.sections[part]
                 share = share + np.expm1(thicker) * one + np.expm1(3 * thicker) * cubed
             if unsure := offsets.get(f"mesh:{part}", 0.0):
-                share = share - unsure * m.unresolved[part]
+                share = share - self.farthest * np.tanh(unsure / self.farthest) * m.unresolved[part]
             if share is not drawn:
                 K += share - drawn
                 S += eta * (share - drawn)
@@ -493,7 +510,9 @@ class _Now:
         return self._stiffer(part, stiffer, heavier)
 
     def _of_mesh(self, part: str) -> Tangent:
-        return self._stiffer(part, -np.exp(self.offsets.get(self.of.stiffness_of(part), 0.0)) * self.of.nominal.unresolved[part])
+        slope = 1 - np.tanh(self.offsets.get(f"mesh:{part}", 0.0) / self.of.farthest) ** 2
+        stiffer = np.exp(self.offsets.get(self.of.stiffness_of(part), 0.0))
+        return self._stiffer(part, -slope * stiffer * self.of.nominal.unresolved[part])
 
     def _of_mass(self, part: str) -> Tangent:
         share = np.exp(self.offsets.get(f"thickness:{part}", 0.0)) * self.of.nominal.part_mass[part]

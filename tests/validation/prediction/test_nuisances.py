@@ -88,6 +88,13 @@ def test_matrices_stay_symmetric_and_positive_at_ten_tolerances(one):
         assert np.linalg.eigvalsh(matrix)[0] >= -1e-9 * np.abs(matrix).max()
 
 
+def test_however_far_off_a_mesh_is_taken_to_be_the_stiffness_stays_positive(one):
+    K = one.at({"mesh:mast": 1e6})[0].stiffness[6:, 6:]
+    assert np.linalg.eigvalsh(K)[0] > 0
+    little = one.at({"mesh:mast": 0.1})[0].stiffness - one.nominal.stiffness
+    np.testing.assert_allclose(little, -0.1 * one.nominal.unresolved["mast"], rtol=1e-3, atol=1e-9)
+
+
 def test_parameters_are_called_and_known_as_agreed(one):
     by_name = {parameter.name: parameter for parameter in one.parameters}
     of, name = StructureTolerances(), one.configuration
