@@ -87,7 +87,7 @@ def diagnosed(
         try:
             fit = right.all_free(lambda share: tell("fitting the model as it is", share))
         except CheckFailed as error:
-            if right.tests or not isinstance(ended := error.evidence.get("fit"), Fit):
+            if not isinstance(ended := error.evidence.get("fit"), Fit):
                 raise
             fit, refused = ended, error
         base = diagnosis.Candidate(effects=(), fit=fit, problem=right.problem())
@@ -95,17 +95,17 @@ def diagnosed(
             tell("looking everywhere on the mesh", 0.0)
         every, best = found_nodes(base)
         nodes = tuple(one for one in best if candidates.looked_for(one.named, only, leave_out))
-        if fitted := without_a_name(right, base, nodes):
+        if refused is None and (fitted := without_a_name(right, base, nodes)):
             again = {one.kind for one in fitted}
             nodes = (*fitted, *(one for one in nodes if one.kind not in again))
             right = right.ready_at([one.named.target for one in fitted])
             base = diagnosis.Candidate(effects=(), fit=right.all_free(), problem=right.problem())
         menu = menu if only else candidates.candidates(right, leave_out=leave_out)
         at, steps = stepwise_search(right, base, menu, tell)
-        if refused is not None and not at.effects:
-            raise refused
         unknown = right.tests and not right.made and not goodness_of_fit(at.fit, at.problem).null
         afar = FromAfar.search(right, menu, tell) if unknown else None
+        if refused is not None and not at.effects and afar is None:
+            raise refused
         found = answer(right, at, steps, tell) if afar is None else answer_from_afar(right, base, steps, afar, tell)
         found = replace(found, everywhere=nodes, nodes=every)
     whole = with_mistakes(of, found, mistaken) if mistaken else found
