@@ -16,7 +16,7 @@ from fem.user_model import freedoms, frequency_checks, matrices, matrix_checks, 
 from fem.user_model.description import Contents, Description
 from fem.user_model.frequency_checks import refusal
 from fem.user_model.matrix_checks import Finding, Submitted
-from geometry.errors import BadInput
+from geometry.errors import BadInput, CheckFailed
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -84,7 +84,7 @@ def _as_read(path: str | Path, kind: str) -> Examination:
     facts, findings = [f"{found.model.mass.shape[0]} degrees of freedom"], []
     if worst := coarsest(found.model):
         hertz, part, share = worst
-        facts.append(f"a finer mesh would lower a frequency by up to about {100 * share:.2g} %, that of {hertz:.4g} Hz")
+        facts.append(f"a finer mesh may lower a frequency by about {100 * share:.2g} %, that of {hertz:.4g} Hz")
         if share > TOO_COARSE:
             what = "strains jump so much from element to element that the mesh bends far too hard"
             remedy = "Mesh it finer there, or with elements of the second order"
@@ -109,13 +109,18 @@ def coarsest(structure: Structure) -> tuple[float, str, float] | None:
     free = hold(structure)
     K, M = free.stiffness, free.mass
     count = min(LOOKED_AT + 6 * structure.floating, len(free.free))
-    pairs = lowest(K, M, count, shift=floating_shift(K, M) if structure.floating else 0.0)
+    if not count:
+        return None
+    try:
+        pairs = lowest(K, M, count, shift=floating_shift(K, M) if structure.floating else 0.0)
+    except CheckFailed:  # part of it swings freely: modes are none of a mesh
+        return None
     elastic = pairs.values > RIGID * pairs.values.max()
     squares, unsure = pairs.values[elastic], structure.elements.unresolved(free.expand(pairs.vectors[:, elastic]))
-    if not unsure:
-        return None
     shares = {part: ENERGY_TOO_HIGH * np.diag(one) / squares / 2 for part, one in unsure.items()}
     total = np.sum(list(shares.values()), axis=0)
+    if not shares or np.max(total, initial=0.0) < RIGID:  # elements alone, of which none has a neighbour, tell nothing
+        return None
     worst = int(np.argmax(total))
     part = max(shares, key=lambda name: float(shares[name][worst]))
     return float(np.sqrt(squares[worst]) / (2 * np.pi)), part, float(total[worst])

@@ -494,7 +494,9 @@ def judged(study: Study, parent: Version | None, progress: Progress | None = Non
     tell = progress or (lambda what, share: None)
     if parent is None:
         found = study.evaluation(lambda share: tell("fitting", share))
-        study.all_free()
+        if not (found.plain_fit.converged and found.fitted.converged):
+            study.all_free()  # says of which parameters
+            raise CheckFailed("the fit of the model as it is did not converge; start from a nearer model")
     else:
         whole = study.whole()
         # As much of the evaluation of `parent` as a child begins with: where its fits ended

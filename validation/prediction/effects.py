@@ -304,7 +304,7 @@ class Nuisances:
         kept = squares > SOFTEST * squares.max()
         scaled = axes[:, kept] / np.sqrt(squares[kept])
         jumps = sum(self.nominal.unresolved.values(), np.zeros_like(self.nominal.stiffness))[own, own]
-        return float(LEFT / np.linalg.eigvalsh(scaled.T @ jumps @ scaled)[-1])
+        return float(LEFT / max(np.linalg.eigvalsh(scaled.T @ jumps @ scaled)[-1], SOFTEST))
 
     @property
     def coarse(self) -> tuple[str, ...]:

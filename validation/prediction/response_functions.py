@@ -242,6 +242,7 @@ class ResponseFunctionTest:
         rows, forces = (one.values for one in self._rows(matrices, offsets))
         decay = self.decay_rate + offsets.get(WINDOW, 0.0)
         answered = dynamic_mass.accelerance(matrices, f, rows, forces, decay_rate=decay)
+        answered = replace(answered, matrix=answered.matrix + self._softer(answered.omega, offsets))
         return matrices, answered, (1j * answered.omega[:, None, None]) ** -POWERS[self.quantity]
 
     def _rows(self, matrices: Matrices, offsets: Offsets) -> tuple[points.PointRows, points.PointRows]:
@@ -284,12 +285,11 @@ class ResponseFunctionTest:
             dT[name] = np.zeros_like(T)
             dT[name][:, :, at] = left @ row
         omega, power = answered.omega[:, None, None], POWERS[self.quantity]
-        for k, drive in enumerate(self.drives) if np.any(self._local) else ():
-            softer = -(omega[:, 0] ** 2) * self._local[:, k]
-            T[:, :c, k] += offsets.get(f"{LOCAL}:{drive.name}", 0.0) * softer
-            if derivatives:
-                dT[f"{LOCAL}:{drive.name}"] = np.zeros_like(T)
-                dT[f"{LOCAL}:{drive.name}"][:, :c, k] = softer
+        softer = self._softer(answered.omega, offsets)
+        T[:, :c, :r] += softer
+        for k, drive in enumerate(self.drives) if derivatives and np.any(self._local) else ():
+            dT[f"{LOCAL}:{drive.name}"] = np.zeros_like(T)
+            dT[f"{LOCAL}:{drive.name}"][:, :c, k] = -(omega[:, 0] ** 2) * self._local[:, k]
         if derivatives and WINDOW in self._asked:
             # d D / d decay = -i (2 (K + i S) / omega³ + i C / omega²)
             whole = np.arange(len(matrices.mass))
@@ -298,6 +298,7 @@ class ResponseFunctionTest:
             lost = Tangent(at=whole, mass=none, stiffness=none, viscous=matrices.viscous, structural=none)
             moved = dynamic_mass.transfer_tangents(answered, {"held": held, "lost": lost})
             dT[WINDOW] = 1j / omega * (2 * moved["held"] + moved["lost"]) - power / (1j * omega) * T
+            dT[WINDOW][:, :c, :r] += 2 / (1j * omega) * softer
         A, dA = _roved(T, dT, offsets.get(TRANSDUCER, 0.0), c, r) if roves else (T, dT)
         if not derivatives:
             dA = {}
@@ -410,6 +411,11 @@ class ResponseFunctionTest:
         left, right = (points.stated(m, some) @ answers for some in (self.responses, self.drives))
         return np.asarray(left @ sum(m.unresolved.values(), np.zeros_like(m.mass)) @ right.T)
 
+    def _softer(self, omega: ComplexArray, offsets: Offsets) -> ComplexArray:
+        """(n, c, r) accelerances by what solids give beside the drives at `offsets`."""
+        sizes = np.array([offsets.get(f"{LOCAL}:{one.name}", 0.0) for one in self.drives])
+        return np.asarray(-(omega[:, None, None] ** 2) * self._local * sizes)
+
     @cached_property
     def _opened(self) -> tuple[tuple[Parameter, ...], Offsets]:
         """The parameters, and the offsets of those that stand at a given size."""
@@ -504,7 +510,8 @@ def of(
         both = [k for k, c in enumerate(at) if c >= 0]
         alike = data.values[both][:, there][:, :, [at[k] for k in both]]
         share = series.repeatability(alike) if len(both) > 1 else 0.0
-    share = float(np.hypot(share, structure.apart_by_mesh.max(initial=0.0)))
+        inside = (structure.frequency >= low) & (structure.frequency <= high)
+        share = float(np.hypot(share, structure.apart_by_mesh[inside].max(initial=0.0)))
     test = ResponseFunctionTest(
         measured=measured(
             data.title,

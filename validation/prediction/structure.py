@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -278,17 +279,22 @@ def _on_shapes(
             if one is not None
         },
         sections={name: (on_shapes(one), on_shapes(cubed)) for name, (one, cubed) in structure.sections.items()},
-        unresolved={} if structure.elements is None else structure.elements.unresolved(free.expand(shapes)),
+        unresolved={} if structure.elements is None else _by_sheet(structure.elements.unresolved(free.expand(shapes))),
         geometric=on_shapes(sum(structure.geometric.values())) if structure.geometric else np.zeros((0, 0)),
     )
 
 
 def _parts(structure: Structure) -> dict[str, Sparse]:
     """Stiffness of every part by the words of the effects."""
-    parts: dict[str, Sparse] = {}
-    for name, K in structure.part_stiffness.items():
-        one = sheet(name) if f"{sheet(name)}{LAYER}" in structure.part_stiffness else name
-        parts[one] = parts[one] + K if one in parts else K
+    return _by_sheet(structure.part_stiffness)
+
+
+def _by_sheet(shares: Mapping[str, Any]) -> dict[str, Any]:
+    """Shares of parts, those of the sheets of one laminate added up."""
+    parts: dict[str, Any] = {}
+    for name, share in shares.items():
+        one = sheet(name) if f"{sheet(name)}{LAYER}" in shares else name
+        parts[one] = parts[one] + share if one in parts else share
     return parts
 
 

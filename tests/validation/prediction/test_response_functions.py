@@ -235,8 +235,17 @@ def test_solids_give_where_a_force_acts_on_a_point_of_them_by_what_their_mesh_le
     stiffness = of.nominal.stiffness[2, 2]
     softer = [0.1 * there[name][0, 2] * there["b"][0, 2] / stiffness for name in NAMES]
     assert_allclose(moved - still, -((2 * np.pi * F[:, None]) ** 2) * 0.3 * np.array(softer), rtol=1e-6)
+    every = np.arange(len(F))
+    here = np.vstack([there["c"][:1], np.zeros((2, 3))])
+    nothing = test.finite({own.name: 0.3}, every)(here, np.array([1e-9, 0.0, 0.0]), np.zeros(3))
+    assert_allclose(nothing[1, ..., 0], moved, rtol=0, atol=1e-6 * np.abs(moved).max())
     change = test.at({}).changes[own.name].rows[1, ..., 0]
     assert_allclose(change, (moved - still) / 0.3, rtol=1e-6)
+    windowed = test.with_effects([added("exponential-window", 0.0)])
+    (name,) = (one.name for one in windowed.parameters if one.name == response_functions.WINDOW)
+    above, below = (windowed.at({own.name: 3.0, name: side}, derivatives=False).rows for side in (1e-3, -1e-3))
+    slope = windowed.at({own.name: 3.0}).changes[name].rows
+    assert_allclose(slope, (above - below) / 2e-3, rtol=0, atol=1e-4 * np.abs(slope).max())
     assert not any(one.name.startswith(response_functions.LOCAL) for one in model(chain()).parameters)
 
 
