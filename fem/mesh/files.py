@@ -196,7 +196,10 @@ _ABAQUS = {
     "line3": ("B32", "B32R", "T3D3", "B22"),
     POINT: ("MASS", "ROTARYI"),
 }
-_ABAQUS_CARRIES = ("MASS", "ROTARY INERTIA", "NONSTRUCTURAL MASS", "SPRING", "SYSTEM")
+_ABAQUS_CARRIES = ("MASS", "ROTARY INERTIA", "NONSTRUCTURAL MASS", "SPRING", "DASHPOT", "SYSTEM")
+_ABAQUS_MAKES = ("INCLUDE", "INSTANCE", "NGEN", "NFILL", "NCOPY", "ELGEN", "ELCOPY")
+"""Keywords with nodes and elements that do not stand in the file."""
+
 _ABAQUS_KINDS = {word: kind for kind, words in _ABAQUS.items() for word in words}
 
 
@@ -215,15 +218,16 @@ def _abaqus(path: Path) -> _Raw:
             keyword = keyword.upper()
             options = {key.strip().upper(): value.strip().strip('"') for key, _, value in (word.partition("=") for word in words)}
             pending = []
-            if keyword in ("INCLUDE", "INSTANCE"):
-                problem = f"it has *{keyword}, which is not followed"
+            if keyword in _ABAQUS_MAKES or (keyword in ("NODE", "ELEMENT") and "INPUT" in options):
+                problem = f"it has *{text[1:]}, which is not followed"
                 raise BadInput(source=str(path), problem=problem, remedy="Write a flat file with all nodes and elements in it")
-            if keyword in _ABAQUS_CARRIES or (keyword == "NODE" and options.get("SYSTEM", "R").upper() != "R"):
+            word, system = options.get("TYPE", "").upper(), options.get("SYSTEM", "R").upper()
+            loaded = keyword == "ELEMENT" and _ABAQUS_KINDS.get(word) == POINT  # whether or not it says how heavy
+            if keyword in _ABAQUS_CARRIES or loaded or (keyword == "NODE" and system != "R"):
                 problem = f"it has *{text[1:]}, which is not read, and what it moves, weighs or holds would be lost"
                 remedy = "Take it out of the mesh; masses, springs and joints stand in the description, nodes in global axes"
                 raise BadInput(source=str(path), field=f"*{keyword}", problem=problem, remedy=remedy)
             if keyword == "ELEMENT":
-                word = options.get("TYPE", "").upper()
                 if word not in _ABAQUS_KINDS:
                     known = ", ".join(sorted(words[0] for words in _ABAQUS.values()))
                     problem = f"elements of type {word!r} are not known"
@@ -282,8 +286,11 @@ _NASTRAN = {
     "CBEAM": ("line2",),
     "CROD": ("line2",),
 }
-_CARRIES = re.compile(r"C(?!END|ORD|REEP|LOAD|SET|AERO)\w+|GENEL")
-"""Cards of bulk data that are elements."""
+_CARRIES = re.compile(
+    r"CONM[12]|CMASS\d|CELAS\d|CDAMP\d|CBUSH\w*|CVISC|CONROD|CTUBE|CGAP|CBEND|CBEAM3|CWELD|CFAST|CSEAM|CSHEAR|CPYRAM?|GENEL"
+    r"|CQUAD|CQUADX\d?|CTRIAX\d?|CTRAX\d|CPLST[NS]\d|CRAC[23]D|CDUM\d|CHBDY[EGP]|CFLUID\d|CAXIF\d|CSLOT\d|CHACAB|CHACBR|CAABSF"
+)
+"""Cards of bulk data that are elements which are not read."""
 
 _MIDDLES_LAST = {"hex20": [*range(12), *range(16, 20), *range(12, 16)], "wedge15": [*range(9), *range(12, 15), *range(9, 12)]}
 """Nastran gives the middles of the upright edges before those of the top."""
@@ -302,7 +309,7 @@ def _nastran(path: Path) -> _Raw:
                     source=str(path), field="GRID", problem=problem, remedy="Write the grid points in the basic system"
                 )
             x, y, z = (_real((fields + 5 * [""])[n]) for n in (2, 3, 4))
-            if any(field and not field.isdigit() for field in fields[5:8]):
+            if any(field not in ("", "-1") and not field.isdigit() for field in fields[5:8]):  # -1: a point of a fluid
                 problem = f"node {fields[0]} has {', '.join(fields[5:8])!r} where its system and freedoms are numbers"
                 raise BadInput(source=str(path), field="GRID", problem=problem, remedy="Write it again; it may be damaged")
             _once(nodes, int(fields[0]), (x, y, z), str(path))
@@ -338,22 +345,23 @@ _WORDS = ("points", "lines", "faces", "volumes")
 
 
 def _cards(path: Path) -> Iterator[list[str]]:
-    """Cards of bulk data as a name and fields: small, large and free format, continued ones put together.
+    """Cards from BEGIN BULK, if it is there, to ENDDATA as a name and fields: small, large and free, continued ones put together.
 
     Raises
     ------
-    BadInput : a line that is marked as continued, and is not by the next; a file that ends within a line.
+    BadInput : a line that is marked as continued, and is not by the next; a file that ends within a card.
     """
 
     def refused(problem: str) -> BadInput:
         return BadInput(source=str(path), problem=problem, remedy="Write it again; it may be cut short or damaged")
 
     card: list[str] = []
-    mark = ""  # of the line that continues the last one, where its tenth field says one
+    begin = next((n for n, line in enumerate(_lines(path), start=1) if re.match(r"\s*BEGIN\s+BULK", line, re.IGNORECASE)), 0)
+    text = mark = ""  # mark: of the line that continues the last one, where its tenth field says one
     ended = path.read_bytes()[-1:] == b"\n"
     for number, line in enumerate(_lines(path), start=1):
         text = line.split("$")[0].rstrip()
-        if not text:
+        if not text or number <= begin:
             continue
         first = text.split(",")[0][:8].strip()
         if "," in text:
@@ -368,14 +376,18 @@ def _cards(path: Path) -> Iterator[list[str]]:
             raise refused(f"line {number} is {first!r}, where the one before is continued by +{mark}")
         behind = "" if "," in text else text[72:80].strip()
         mark = behind[1:] if behind[:1] in ("+", "*") and behind else ""
-        ended = ended or first.upper() == "ENDDATA"
+        if first.upper() == "ENDDATA":
+            ended = True
+            break
         if follows:
             card += fields[1:]
             continue
         if card:
             yield card
         card = [fields[0].rstrip("*").upper(), *fields[1:]]
-    if mark or not ended:
+    cut = card if text and not ended else []  # the last line is no comment and may lack its end
+    halved = any(word.startswith(cut[0]) and word != cut[0] for word in ("GRID", *_NASTRAN)) if cut else False
+    if mark or halved or (cut[:1] == ["GRID"] and not any(cut[5:6])):
         raise refused("it ends within a card")
     if card:
         yield card

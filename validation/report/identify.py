@@ -447,7 +447,8 @@ def campaign_part(
     typed += [] if band is None else ["--band", *(f"{end:g}" for end in band)]
     found: IdentificationFindings | None = None
     try:
-        of = cache.content([asked.campaign, *asked.tares])
+        used = [one.recordings for one in series if one.source in (asked.campaign, *asked.tares)]
+        of = cache.content([asked.campaign, *asked.tares]), used  # records at hand may be older than the folder is now
         found = cache.answer(lambda: _without_records(identify.identified(asked, at_hand=series)), "identification", asked, of)
     except (BadInput, CheckFailed) as error:
         missing.append(f"No inertia was identified: {error}")

@@ -284,8 +284,21 @@ def test_a_bulk_data_deck_that_lost_lines_or_its_end_is_refused(tmp_path: Path) 
         with pytest.raises(BadInput, match=r"continued by|within a card"):
             files.read(path)
     path.write_text("\n".join([*grid, first, second])[:-9])
-    with pytest.raises(BadInput, match="within a card"):
+    with pytest.raises(BadInput, match="has 9 nodes"):
         files.read(path)
+    for last in ("GRID,11,,1.,", "CTETR"):
+        path.write_text("\n".join([*grid, first, second, last]))
+        with pytest.raises(BadInput, match="within a card"):
+            files.read(path)
+
+
+@pytest.mark.parametrize("end", ["", "\n", "\n$ the end", "\nENDDATA", "\nENDDATA\nCreated by Patran\nCONM2,9,1,,5.\n"])
+def test_a_sound_deck_is_read_whatever_stands_around_its_bulk_data(end: str, tmp_path: Path) -> None:
+    head = ["Created by Patran", "SOL 103", "CEND", "CMETHOD = 10", f"{'TITLE = plate':<72}+abc", "BEGIN BULK"]
+    grid = [f"GRID,{k},,{k}.,{k * k}.,{k**3}.,{'-1' * (k == 1)}" for k in range(1, 5)]
+    path = tmp_path / "one.bdf"
+    path.write_text("\n".join([*head, *grid, "CTETRA,1,1,1,2,3,4"]) + end)
+    assert [len(cells.tags) for cells in files.read(path).cells.values()] == [1]
 
 
 @pytest.mark.parametrize(
@@ -294,6 +307,7 @@ def test_a_bulk_data_deck_that_lost_lines_or_its_end_is_refused(tmp_path: Path) 
         ("CONM2,9,1,,5.", "what it weighs"),
         ("CBUSH,9,1,1,2", "or holds"),
         ("CELAS2,9,1000.,1,1", "CELAS2"),
+        ("CONROD,9,1,2,1,1.", "CONROD"),
         ("GRID    9       0       61.250000.00E+0010.000010.00000", "freedoms"),
     ],
 )
@@ -308,7 +322,22 @@ def test_a_deck_with_cards_that_would_be_lost_is_refused_by_card(card: str, word
 
 
 @pytest.mark.parametrize(
-    "lines", ["*MASS, ELSET=m\n2.", "*SPRING, ELSET=s\n1\n100.", "*SYSTEM\n1,0,0,2,0,0", "*NODE, SYSTEM=C\n9,1.,90.,0."]
+    "lines",
+    [
+        "*MASS, ELSET=m\n2.",
+        "*SPRING, ELSET=s\n1\n100.",
+        "*DASHPOT, ELSET=s\n1\n100.",
+        "*SYSTEM\n1,0,0,2,0,0",
+        "*NODE, SYSTEM=C\n9,1.,90.,0.",
+        "*NODE, INPUT=nodes.txt",
+        "*Element, type=C3D4, input = elements.txt",
+        "*ELEMENT, TYPE=MASS, ELSET=m\n9, 1",
+        "*NGEN\n1, 4, 1",
+        "*NFILL\na, b, 2",
+        "*NCOPY, CHANGE NUMBER=10, OLD SET=a",
+        "*ELGEN\n1, 2, 1",
+        "*ELCOPY, OLD SET=p",
+    ],
 )
 def test_keywords_of_abaqus_that_would_be_lost_are_refused(lines: str, tmp_path: Path) -> None:
     path = tmp_path / "one.inp"
@@ -316,5 +345,5 @@ def test_keywords_of_abaqus_that_would_be_lost_are_refused(lines: str, tmp_path:
     path.write_text(deck)
     assert len(files.read(path).node_tags) == 4
     path.write_text(deck + lines + "\n")
-    with pytest.raises(BadInput, match="would be lost"):
+    with pytest.raises(BadInput, match=r"would be lost|is not followed"):
         files.read(path)

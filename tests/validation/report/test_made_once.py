@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from validation import study
 from validation.diagnose import diagnose
 from validation.report import identify, page, reference
@@ -60,6 +62,19 @@ def test_a_second_report_identifies_and_draws_nothing_again(report, tmp_path, mo
     assert counted == []  # of other records of one set-up the same picture
     monkeypatch.setenv("MASSLINE_CACHE", str(tmp_path / "empty"))
     assert made() == whole
+
+
+def test_records_that_were_read_before_their_folder_changed_answer_for_themselves_alone(report, tmp_path, monkeypatch):
+    monkeypatch.setenv("MASSLINE_CACHE", str(tmp_path))
+    new, counted = report.campaigns[0].campaign, []
+    name, one = next(iter(new.recordings.items()))
+    field = next(key for key, value in vars(one).items() if isinstance(value, np.ndarray) and value.dtype.kind in "fc")
+    old = replace(new, recordings={**new.recordings, name: replace(one, **{field: 1.5 * getattr(one, field)})})
+    monkeypatch.setattr(identify, "sensor_map", lambda *given: None)
+    monkeypatch.setattr(identify.identify, "identified", lambda *given, **how: counted.append(0) or report.campaigns[0].findings)
+    for campaign in (old, new, old, new):
+        identify.campaign_part(campaign, [campaign], report.model, None, "full-record")
+    assert len(counted) == 2
 
 
 def test_campaigns_that_are_read_already_are_not_read_again_to_identify(report, monkeypatch):
