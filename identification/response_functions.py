@@ -1,6 +1,7 @@
 """`ResponseFunctions`: what a structure answers per newton, measured with a hammer or a shaker, and its readers."""
 
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
@@ -179,9 +180,11 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ResponseFun
             else:
                 frequency, functions = _of_text(path, entry, table, responses, source)
             pieces += [
-                Piece(source=str(path), drive=drive, response=at, frequency=frequency, values=1 / one if inverted else one)
+                Piece(source=str(path), drive=drive, response=at, frequency=frequency, values=one)
                 for at, one in zip(responses, functions, strict=True)
             ]
+        if inverted:
+            pieces = [_upright(one, warnings) for one in pieces]
         said = {one.quantity: one.source for one in pieces if one.quantity}  # by files that say it
         if len(said) > 1:
             problem = f"functions of {' and of '.join(said)} stand together"
@@ -318,6 +321,20 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
     )
 
 
+def _upright(piece: Piece, warnings: list[str]) -> Piece:
+    """One over `piece`, without the lines at its ends at which it is 0."""
+    name = f"{piece.response.name} over {piece.drive.name}"
+    read = np.abs(piece.values) > 1 / LARGEST
+    within = slice(int(np.argmax(read)), len(read) - int(np.argmax(read[::-1])))
+    if not np.all(read[within]):
+        problem = f"is 0 at {piece.frequency[within][np.argmin(read[within])]:g} Hz, where one over it is needed"
+        raise BadInput(source=piece.source, field=name, problem=problem, remedy="Leave this line out of all functions")
+    if not np.all(read):
+        warnings.append(f"{piece.source}: lines at the ends, where force over response is 0, are left out of {name}")
+    coherence = None if piece.coherence is None else piece.coherence[within]
+    return replace(piece, frequency=piece.frequency[within], values=1 / piece.values[within], coherence=coherence)
+
+
 def _turned(piece: Piece, end: str, known: dict[str, Point]) -> Piece:
     """`piece` with its drive or response along the direction that the first of `known` with this name has."""
     at: Point = getattr(piece, end)
@@ -389,7 +406,7 @@ def _unit(table: Mapping[str, Any], source: str) -> tuple[str, float]:
     unit = table.get("unit", "")
     if not unit:
         return str(stated or "acceleration"), 1.0
-    inverted = table.get("inverted", False) is True
+    inverted = bool(table.get("inverted", False))
     found, factor = toml_file.unit_among(str(unit), {**QUANTITIES, **UPSIDE_DOWN}, source=source, field="unit")
     if (found in UPSIDE_DOWN) != inverted:
         what = f"{unit!r} is {found}" + (
@@ -585,17 +602,24 @@ def _of_universal(
         raise BadInput(source=str(path), problem="it holds no dataset 58", remedy=remedy)
     warnings += file.warnings
     places = toml_file.require_table(table.get("places", {}), source=source, where="places")
-    direction, turned = str(table.get("direction", "")), table.get("inverted", False) is True
-    coherences = {(one.response, one.reference): one for one in file.functions if one.kind != uff_tests.RESPONSE_FUNCTION}
-    nowhere = uff_tests.NodeAxis(node=0, axis="")
+    (_, stated), nowhere = _unit(table, source), uff_tests.NodeAxis(node=0, axis="")
+    direction, turned = str(table.get("direction", "")), bool(table.get("inverted", False))
+    coherences = [one for one in file.functions if one.kind != uff_tests.RESPONSE_FUNCTION]
+    count = Counter((one.response, one.reference) for one in coherences)
+    by_ends = {ends: one for one in coherences if count[ends := (one.response, one.reference)] == 1}
     if all(one.response == nowhere for one in functions) and "responses" in entry:
         drive, listed = points_of(entry, table, source)
         if len(listed) != len(functions):
             problem = f"are {len(listed)}, and the file has {len(functions)} functions without nodes"
             raise BadInput(source=str(path), field="responses", problem=problem, remedy="Name one of each, in their order")
+        if coherences and len(coherences) != len(functions):
+            problem = f"it has {len(coherences)} coherences and {len(functions)} functions without nodes"
+            raise BadInput(source=str(path), field="coherence", problem=problem, remedy="Export one with each function, or none")
         at = [(drive, response) for response in listed]
     else:
         at = []
+        if len(by_ends) < len(count):
+            warnings.append(f"{path} holds several coherences of the same nodes, and they are passed over")
     if "unit" not in table and "quantity" not in table and not all(one.quantity for one in functions):
         warnings.append(f"{path} does not say what was read per newton; acceleration is taken")
     found = []
@@ -608,20 +632,31 @@ def _of_universal(
             problem = f"the function of node {one.response.node} is force over {one.quantity}"
             remedy = "Write inverted = true, or export response over force"
             raise BadInput(source=str(path), field="functions", problem=problem, remedy=remedy)
+        if turned and one.inverted is False:
+            problem = f"the function of node {one.response.node} is response over force already"
+            raise BadInput(source=str(path), field="inverted", problem=problem, remedy="Take inverted = true out")
+        if "unit" in table and not one.doubt and one.factor and abs(stated / one.factor - 1) > uff_tests.SAME_UNIT:
+            problem = f"is {stated:g} in SI, and the file says {one.factor:g} for the function of node {one.response.node}"
+            raise BadInput(source=str(path), field="unit", problem=problem, remedy="Take `unit` out, or correct the file")
         if one.doubt and "unit" not in table:
             problem = f"the function of node {one.response.node} {one.doubt}"
             raise BadInput(source=str(path), field="unit", problem=problem, remedy='Write which it is, such as unit = "g/N"')
-        ends = (one.response, one.reference) if one.inverted else (one.reference, one.response)
+        ends = (one.response, one.reference) if turned else (one.reference, one.response)
         drive, response = at[k] if at else (uff_tests.point(end, file, places, direction) for end in ends)
-        coherence = coherences.get((one.response, one.reference)) or coherences.get((one.response, nowhere))
-        values = one.values if "unit" in table else one.factor * one.values
+        coherence = by_ends.get((one.response, one.reference)) or by_ends.get((one.response, nowhere))
+        coherence = coherences[k] if at and coherences else coherence
+        f = one.frequency if coherence is None else coherence.frequency
+        if f.shape != one.frequency.shape or not np.allclose(f, one.frequency, rtol=1e-5):
+            problem = f"of {response.name} over {drive.name} has other lines than its function"
+            raise BadInput(source=str(path), field="coherence", problem=problem, remedy="Export both with the same lines")
+        factor = 1.0 if "unit" in table or one.factor is None else one.factor
         found.append(
             Piece(
                 source=str(path),
                 drive=drive,
                 response=response,
                 frequency=one.frequency,
-                values=1 / values if turned else values,
+                values=one.values / factor if turned else factor * one.values,
                 coherence=None if coherence is None else coherence.values.real,
                 quantity=one.quantity,
             )

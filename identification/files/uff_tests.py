@@ -59,10 +59,10 @@ class Function:
     kind : `RESPONSE_FUNCTION`, `COHERENCE` or `MULTIPLE_COHERENCE`
     response, reference : where it was read, and where the force acts
     quantity : of `QUANTITIES`; empty where the file does not say
-    inverted : whether the file says that it is force over response
+    inverted : whether the file says that it is force over response; None where it does not say
     frequency : (n,) [Hz]
     values : (n,) complex, in the units of the file
-    factor : what one of these is in SI
+    factor : what one unit of response per force is in SI; None where the file does not say
     doubt : where dataset 164 and the label of the axis say different units, in words
     """
 
@@ -70,10 +70,10 @@ class Function:
     response: NodeAxis
     reference: NodeAxis
     quantity: str
-    inverted: bool
+    inverted: bool | None
     frequency: Array
     values: ComplexArray
-    factor: float = 1.0
+    factor: float | None = None
     doubt: str = ""
 
 
@@ -134,7 +134,7 @@ def read(path: Path) -> ModalFile:
     systems = dict[int, System]()
     for block, unit in zip(found, units, strict=True):
         if block.number in (18, 2420):
-            systems |= _systems(block, source, 1.0 if unit is None else unit.length)
+            systems |= _systems(block, systems, source, 1.0 if unit is None else unit.length)
     nodes: dict[int, Array] = {}
     axes: dict[int, Array] = {}
     functions, modes, over = list[Function](), list[Mode](), Counter[str]()
@@ -142,6 +142,7 @@ def read(path: Path) -> ModalFile:
         if block.number in (15, 781, 2411):
             for number, place, turned in _nodes(block, systems, source, 1.0 if unit is None else unit.length):
                 nodes[number] = place
+                axes.pop(number, None)  # a node that comes again is as the last one says
                 axes |= {} if turned is None else {number: turned}
         elif block.number == 58:
             one = _function(block, source, None if unit is None else unit.length / unit.force)
@@ -186,6 +187,8 @@ def point(at: NodeAxis, file: ModalFile, places: Mapping[str, Any], direction: s
 System = tuple[int, Array, Array]
 """Type, origin (3,) [m] and axes (3, 3) as rows of a system of coordinates."""
 
+CARTESIAN_SYSTEMS = "Export nodes and functions in Cartesian or cylindrical systems"
+
 
 def _numbers(text: str, count: int, what: str, source: str) -> Array:
     """`count` numbers, which may touch where one is negative."""
@@ -200,13 +203,21 @@ def _numbers(text: str, count: int, what: str, source: str) -> Array:
     return found
 
 
-def _systems(block: Dataset, source: str, length: float) -> dict[int, System]:
-    """Of dataset 18 (origin, a point on x, one in the plane xz) or 2420 (the axes as rows, then the origin)."""
+def _system(line: str, start: int, what: str, source: str) -> int:
+    """The number of a system; blanks are 0, the global one."""
+    return int(column(line, start, 10, int, what, source)) if line[start : start + 10].strip() else 0
+
+
+def _systems(block: Dataset, known: Mapping[int, System], source: str, length: float) -> dict[int, System]:
+    """Of dataset 18 (in one of `known`: origin, a point on x, one in the plane xz) or 2420 (axes as rows, then origin)."""
     what, each = f"dataset {block.number}", 4 if block.number == 18 else 6
-    lines = [line for line in block.lines if line.strip()] if block.number == 18 else list(block.lines[2:])
+    lines = list(block.lines[0 if block.number == 18 else 2 :])
+    while lines and not lines[-1].strip():
+        lines.pop()
     if len(lines) % each:
         raise BadInput(source=source, field=what, problem="is cut short", remedy=DAMAGED)
     found: dict[int, System] = {}
+    numbered = {*known, *(_system(line, 0, what, source) for line in lines[::each])}
     for k in range(0, len(lines), each):
         number, kind = (int(column(lines[k], start, 10, int, what, source)) for start in (0, 10))
         numbers = _numbers(" ".join(lines[k + 2 : k + each]), 9 if block.number == 18 else 12, what, source).reshape(-1, 3)
@@ -217,11 +228,18 @@ def _systems(block: Dataset, source: str, length: float) -> dict[int, System]:
             rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), np.finfo(np.float64).tiny)
         else:
             rows, origin = numbers[:3], numbers[3]
-        if kind not in (CARTESIAN, CYLINDRICAL) or not np.allclose(rows @ rows.T, np.eye(3), atol=1e-4):
-            problem = f"system {number} is of type {kind}, or its axes are no right angles"
-            remedy = "Export nodes and functions in Cartesian or cylindrical systems"
-            raise BadInput(source=source, field=what, problem=problem, remedy=remedy)
-        found[number] = kind, origin * length, rows / np.linalg.norm(rows, axis=1, keepdims=True)
+        if not np.allclose(rows @ rows.T, np.eye(3), atol=1e-4):
+            problem = f"the axes of system {number} are no right angles"
+            raise BadInput(source=source, field=what, problem=problem, remedy=CARTESIAN_SYSTEMS)
+        origin, rows = origin * length, rows / np.linalg.norm(rows, axis=1, keepdims=True)
+        reference = _system(lines[k], 20, what, source) if block.number == 18 else 0
+        if reference != number and reference in numbered:
+            of, start, turn = {**known, **found}.get(reference, (None, origin, rows))
+            if of != CARTESIAN:
+                problem = f"system {number} is stated in system {reference}, which is not Cartesian or comes behind it"
+                raise BadInput(source=source, field=what, problem=problem, remedy=CARTESIAN_SYSTEMS)
+            origin, rows = start + origin @ turn, rows @ turn
+        found[number] = kind, origin, rows
     return found
 
 
@@ -237,7 +255,12 @@ def _nodes(
     pairs = one_line if block.number == 15 else list(zip(lines[::2], lines[1::2], strict=True))
     for head, text in pairs:
         at = _numbers(text, 3, what, source)
-        number, defined, moved = (int(column(head, start, 10, int, what, source)) for start in (0, 10, 20))
+        number = int(column(head, 0, 10, int, what, source))
+        defined, moved = (_system(head, start, what, source) for start in (10, 20))
+        for used in (moved, defined if block.number == 15 else moved):
+            if used in systems and systems[used][0] not in (CARTESIAN, CYLINDRICAL):
+                problem = f"node {number} is in system {used}, of type {systems[used][0]}"
+                raise BadInput(source=source, field=what, problem=problem, remedy=CARTESIAN_SYSTEMS)
         place = at * length
         if block.number == 15 and defined in systems:  # those of 781 and 2411 are global
             kind, origin, rows = systems[defined]
@@ -268,7 +291,7 @@ def _function(block: Dataset, source: str, per_newton: float | None) -> Function
     if kind not in (RESPONSE_FUNCTION, COHERENCE, MULTIPLE_COHERENCE):
         return f"of function type {kind}"
     above, below, along = (int(column(block.lines[line], 0, 10, int, name, source)) for line in (8, 9, 7))
-    inverted = above in FORCES and below in QUANTITIES
+    inverted = (above in FORCES and below in QUANTITIES) or (None if above in UNSAID and below in UNSAID else False)
     upright = above in (*QUANTITIES, *UNSAID) and below in (*FORCES, *UNSAID)
     if kind == RESPONSE_FUNCTION and not (inverted or upright):
         return f"of data type {above} over {below}, no response over force"
@@ -295,10 +318,13 @@ def _function(block: Dataset, source: str, per_newton: float | None) -> Function
     values = files.as_complex(rows[:, 0], rows[:, 1]) if data in uff.COMPLEX else rows[:, 0].astype(np.complex128)
     if not np.all(np.isfinite(values)):
         raise refused("holds NaN or infinity", "Leave these lines out")
-    quantity, factor = QUANTITIES.get(below if inverted else above, ""), per_newton or 1.0
-    labelled, says = _label(block, inverted, source)
-    doubt = ""
-    if labelled and per_newton is not None and abs(says / factor - 1) > SAME_UNIT:
+    quantity, factor, doubt = QUANTITIES.get(below if inverted else above, ""), per_newton, ""
+    for way in (False, True) if inverted is None else (inverted,):
+        labelled, says = _label(block, way, source)
+        if labelled:
+            inverted = way
+            break
+    if labelled and factor is not None and abs(says / factor - 1) > SAME_UNIT:
         doubt = f"labels its numbers as {says:g} {PER_NEWTON[labelled]}, and dataset 164 says {factor:g}"
     elif labelled and quantity and labelled != quantity:
         doubt = f"is of {quantity} by its data type, and of {labelled} by its label"
@@ -312,7 +338,7 @@ def _function(block: Dataset, source: str, per_newton: float | None) -> Function
         inverted=inverted,
         frequency=frequency,
         values=values,
-        factor=1.0 if kind != RESPONSE_FUNCTION else 1 / factor if inverted else factor,
+        factor=factor,
         doubt=doubt if kind == RESPONSE_FUNCTION else "",
     )
 

@@ -253,3 +253,103 @@ def test_lines_in_which_all_functions_are_zero_are_no_measurement(tmp_path: Path
     assert found.band == (6, 18)
     assert "where all functions are 0" in " ".join(found.warnings)
     assert len(read(tmp_path, function(np.where(F > 0, H, 0))).frequency) == len(F)  # at 0 Hz an accelerance is 0
+
+
+NOWHERE: dict[str, Any] = {"response": (0, 0), "reference": (0, 0)}
+
+
+def test_coherences_without_nodes_are_those_of_functions_in_their_order(tmp_path: Path) -> None:
+    first, second = np.linspace(0.5, 1.0, len(F)), np.linspace(0.9, 0.2, len(F))
+    parts = [function(**NOWHERE), function(first, kind=6, **NOWHERE), function(2 * H, **NOWHERE)]
+    found = read(tmp_path, *parts, function(second, kind=6, **NOWHERE), drive="a:z", responses=["b:z", "c:z"])
+    assert found.coherence is not None
+    assert_allclose(found.coherence[0].T, [first, second])
+    with pytest.raises(BadInput, match="1 coherences and 2 functions"):
+        read(tmp_path, *parts, drive="a:z", responses=["b:z", "c:z"])
+    twice = read(tmp_path, function(), function(first, kind=6), function(second, kind=6))
+    assert twice.coherence is None
+    assert "several coherences" in " ".join(twice.warnings)
+
+
+@pytest.mark.parametrize("other", [F[:-2], 2 * F])
+def test_coherence_at_other_lines_than_its_function_is_refused(tmp_path: Path, other: np.ndarray) -> None:
+    gamma = function(np.full(len(other), 0.9), kind=6).replace(f"{F[1]:13.5E}", f"{other[1]:13.5E}")
+    with pytest.raises(BadInput, match="other lines than its function"):
+        read(tmp_path, function(), gamma)
+
+
+@pytest.mark.parametrize("parts", [(units(), function()), (function(over=(12, "m/s^2"), under=(13, "N")),)])
+def test_a_unit_that_contradicts_what_the_file_says_is_refused(tmp_path: Path, parts: tuple[str, ...]) -> None:
+    assert_allclose(read(tmp_path, *parts, unit="m/s^2/N").values[0, :, 0], H)
+    with pytest.raises(BadInput, match=r"0\.001 in SI, and the file says 1"):
+        read(tmp_path, *parts, unit="mm/s^2/N")
+    assert_allclose(read(tmp_path, function(), unit="mm/s^2/N").values[0, :, 0], 1e-3 * H)  # where it says nothing
+
+
+def turned_system(number: int, kind: int, reference: int, name: str = "CS") -> str:
+    """A system 1 m along x of its reference, its x along the y of that, as lines of dataset 18."""
+    points = [f"{1.0:13.5E}{0.0:13.5E}{0.0:13.5E}{1.0:13.5E}{1.0:13.5E}{0.0:13.5E}", f"{1.0:13.5E}{0.0:13.5E}{1.0:13.5E}"]
+    return "\n".join([f"{number:10d}{kind:10d}{reference:10d}{8:10d}{1:10d}", name, *points])
+
+
+def in_system(number: int, at: str = "1.0  0.0  0.0") -> str:
+    return dataset(15, f"{1:10d}{number:10d}{number:10d}{8:10d} {at}")
+
+
+def test_a_system_that_is_stated_in_another_is_read_in_it(tmp_path: Path) -> None:
+    chained = dataset(18, turned_system(1, 0, 0, ""), turned_system(2, 0, 1, ""), "", "")  # names may be blank
+    found = read(tmp_path, units(), chained, in_system(2), function(response=(1, 1)))
+    assert_allclose(np.asarray(found.responses[0].direction), [-1, 0, 0], atol=1e-6)
+    assert_allclose(np.asarray(found.responses[0].position), [0, 1, 0], atol=1e-6)
+    for refused in ((turned_system(2, 0, 1), turned_system(1, 0, 0)), (turned_system(1, 1, 0), turned_system(2, 0, 1))):
+        with pytest.raises(BadInput, match="stated in system 1"):
+            read(tmp_path, dataset(18, *refused), function())
+
+
+def test_a_spherical_system_is_refused_where_a_node_uses_it_only(tmp_path: Path) -> None:
+    spherical = dataset(18, turned_system(1, 2, 0))
+    assert_allclose(np.asarray(read(tmp_path, spherical, in_system(0), function()).responses[0].direction), [0, 0, 1])
+    with pytest.raises(BadInput, match="node 1 is in system 1, of type 2"):
+        read(tmp_path, spherical, in_system(1), function())
+
+
+def test_blank_systems_are_the_global_one_and_blank_lines_behind_systems_are_none(tmp_path: Path) -> None:
+    rows = [f"{a:25.16E}{b:25.16E}{c:25.16E}" for a, b, c in [(0, 1, 0), (1, 0, 0), (0, 0, 1), (0, 0, 0)]]
+    systems = dataset(2420, f"{1:10d}", "part", f"{7:10d}{0:10d}{8:10d}", "", *rows, "", "")
+    nodes = dataset(15, f"{1:10d}{'':30} 1.0  2.0  3.0")
+    found = read(tmp_path, units(), systems, nodes, function(response=(1, 1)))
+    assert_allclose(np.asarray(found.responses[0].position), [1, 2, 3])
+    assert_allclose(np.asarray(found.responses[0].direction), [1, 0, 0])
+
+
+def test_a_node_that_comes_again_has_the_axes_it_then_has(tmp_path: Path) -> None:
+    own = dataset(2411, f"{1:10d}{0:10d}{1:10d}{8:10d}", f"{1.0:25.16E}{0.0:25.16E}{0.0:25.16E}")
+    for parts, wanted in (((own,), [0, 1, 0]), ((own, in_system(0)), [1, 0, 0])):
+        found = read(tmp_path, dataset(18, turned_system(1, 0, 0)), *parts, function(response=(1, 1)))
+        assert_allclose(np.asarray(found.responses[0].direction), wanted, atol=1e-6)
+
+
+INVERTED: dict[str, Any] = {"over": (13, "NONE"), "under": (12, "NONE")}
+
+
+@pytest.mark.filterwarnings("error")
+def test_force_over_response_that_is_zero_is_left_out_at_the_ends_and_refused_between(tmp_path: Path) -> None:
+    padded = np.where((F > 4) & (F < 20), 1 / H, 0)
+    found = read(tmp_path, function(padded, **INVERTED), function(1 / H, response=(3, 3), **INVERTED), inverted=True)
+    assert_allclose(found.frequency, F[3:10])
+    assert_allclose(found.values[:, :, 0], [H[3:10]] * 2)
+    assert "force over response is 0" in " ".join(found.warnings)
+    for zeros in (F == 8, F >= 0):
+        with pytest.raises(BadInput, match="Hz, where one over it is needed"):
+            read(tmp_path, function(np.where(zeros, 0, 1 / H), **INVERTED), inverted=True)
+
+
+def test_inverted_decides_only_where_the_file_says_nothing(tmp_path: Path) -> None:
+    found = read(tmp_path, units(1000.0), function(1 / H, over=(0, "NONE"), under=(0, "NONE")), inverted=True)
+    assert_allclose(found.values[0, :, 0], 1e-3 * H)
+    assert [one.place for one in (*found.drives, *found.responses)] == ["node 1", "node 2"]
+    for parts in (function(), function(over=(0, "m/s^2/N"), under=(0, "NONE"))):
+        with pytest.raises(BadInput, match="Take inverted = true out"):
+            read(tmp_path, parts, inverted=True)
+    with pytest.raises(BadInput, match="Write inverted = true"):
+        read(tmp_path, function(over=(0, "N"), under=(0, "m/s^2")))
