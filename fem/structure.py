@@ -24,12 +24,17 @@ Sparse = Any
 class Carrier(Protocol):
     """A mesh that knows what moves a point of it."""
 
+    @property
+    def shells(self) -> tuple[str, ...]:
+        """Parts that are shells."""
+        ...
+
     def rows(self, points: npt.ArrayLike, names: tuple[str, ...] = ()) -> list[Sparse]:
         """What each degree of freedom moves `points` (p, 3) [m] along x, y, z; (3, n) sparse each."""
         ...
 
-    def unresolved(self, shapes: Array) -> dict[str, Array]:
-        """By part (k, k) how much too stiff its elements are to `shapes` (n, k)."""
+    def unresolved(self, shapes: Array, squares: Array) -> dict[str, Array]:
+        """By part (k, k) how much too stiff its elements are to `shapes` (n, k), modes of omega² `squares` (k,) or of 0."""
         ...
 
 

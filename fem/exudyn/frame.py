@@ -26,7 +26,7 @@ import numpy as np
 
 from fem.beam.elements import Sandwich, Section
 from fem.beam.frame import Member, Plan, Ports
-from fem.exudyn.run import ORDER_OF_SIX, failed, finite, integrated, running
+from fem.exudyn.run import ORDER_OF_SIX, finite, running
 from fem.reduction import static_shapes
 from fem.structure import Sparse, Structure, restricted
 from geometry.errors import BadInput
@@ -434,70 +434,3 @@ def floating_frame(structure: Structure, count: int, *, flight: Flight | None = 
         modes=solid.modeBasis["matrix"],
         eigenvalues=solid.eigenValues[ascending],
     )
-
-
-# The body set free, and what must not change while it flies: momentum, angular momentum and energy.
-#
-# Exudyn integrates its floating-frame equations. It is not asked for energies: place, rotation and modes at the end give the
-# velocity of every point of the solid, which the solid's own full matrices weigh.
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Instant:
-    """A free flexible body at one instant, in the fixed frame.
-
-    Attributes
-    ----------
-    energy : kinetic and elastic [J]
-    momentum : (3,) [kg m/s]
-    angular_momentum : (3,) [kg m²/s] about the fixed frame's origin
-    rotation : (3, 3) of the body's frame
-    deflection : [m] largest distance of a point from its place in the body's frame
-    """
-
-    energy: float
-    momentum: Array
-    angular_momentum: Array
-    rotation: Array
-    deflection: float
-
-
-def now(structure: Structure, body: FloatingFrame) -> Instant:
-    """Where `body`, made of `structure`, is in exudyn's present state."""
-    with running("tell the state of the flexible body") as exudyn:
-        kinds, data = exudyn.OutputVariableType, body.system.systemData
-        output = [kinds.Position, kinds.Velocity, kinds.RotationMatrix, kinds.AngularVelocity]
-        place, velocity, rotation, spin = (np.array(body.system.GetNodeOutput(body.node, kind)) for kind in output)
-        found = [finite(values, "integrate") for values in (data.GetODE2Coordinates(), data.GetODE2Coordinates_t())]
-    shape, rate = ((body.modes @ q[body.frame_coordinates :]).reshape(-1, 3) for q in found)
-    A = rotation.reshape(3, 3)
-    arms = (structure.points - structure.reference_point + shape) @ A.T
-    speeds = velocity + np.cross(spin, arms) + rate @ A.T
-    # The mass of a solid is the same in every direction, so it weighs velocities in any axes.
-    weighted = (by_points(structure, structure.mass) @ speeds.ravel()).reshape(-1, 3)
-    stored = shape.ravel() @ (by_points(structure, structure.stiffness) @ shape.ravel())
-    return Instant(
-        energy=float(np.sum(speeds * weighted) + stored) / 2,
-        momentum=weighted.sum(axis=0),
-        angular_momentum=np.cross(place + arms, weighted).sum(axis=0),
-        rotation=A,
-        deflection=float(np.linalg.norm(shape, axis=1).max()),
-    )
-
-
-def fly(structure: Structure, body: FloatingFrame, duration: float, steps: int) -> Instant:
-    """`body` after `duration` [s] of free flight in `steps` steps of exudyn.
-
-    Raises
-    ------
-    CheckFailed : the integration failed or its result is not finite.
-    """
-    task = "integrate the free flexible body"
-    with running(task) as exudyn:
-        settings = exudyn.SimulationSettings()
-        settings.solution.file.write = False
-        settings.timeIntegration.numberOfSteps, settings.timeIntegration.endTime = steps, duration
-        settings.timeIntegration.generalizedAlpha.spectralRadius = 1.0  # takes no energy out
-        if not integrated(body.system, settings):
-            raise failed(task, "the solver gave up")
-    return now(structure, body)

@@ -356,10 +356,11 @@ def _cards(path: Path) -> Iterator[list[str]]:
         return BadInput(source=str(path), problem=problem, remedy="Write it again; it may be cut short or damaged")
 
     card: list[str] = []
-    begin = next((n for n, line in enumerate(_lines(path), start=1) if re.match(r"\s*BEGIN\s+BULK", line, re.IGNORECASE)), 0)
+    lines = tuple(_lines(path))
+    begin = next((n for n, line in enumerate(lines, start=1) if re.match(r"\s*BEGIN\s+BULK", line, re.IGNORECASE)), 0)
     text = mark = ""  # mark: of the line that continues the last one, where its tenth field says one
     ended = path.read_bytes()[-1:] == b"\n"
-    for number, line in enumerate(_lines(path), start=1):
+    for number, line in enumerate(lines, start=1):
         text = line.split("$")[0].rstrip()
         if not text or number <= begin:
             continue

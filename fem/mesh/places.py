@@ -1,8 +1,8 @@
 """Elements of a structure, and what moves a point of them: found by coordinates, carried by the functions of its element."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import combinations
 
 import numpy as np
@@ -16,14 +16,25 @@ from geometry.errors import BadInput
 from geometry.frames import Array, Integers, rigid_transformation, skew
 
 OUTSIDE = 0.02
-"""Distance from its element, as a share of the element's size, up to which a place counts as lying on the skin of the mesh."""
+"""[share of an element's size] Distance up to which a place counts as lying on a flat skin of the mesh. By definition."""
+
+SHARP = 60.0
+"""[degrees] by which faces turn at an edge of the body; by less they are flat sides of a round one. By definition."""
+
+ALIKE = 1 + 1e-9
+"""[1] Ratio of two distances up to which they are one. By definition."""
 
 LINE = "line2"
 
 ENERGY_TOO_HIGH = 2.0
-"""[1] What the stiffness of a mesh of solids is too high by, in energy of the jumps of its strains: from 0.9 to 1.9 in 25 modes
-of three structures against CalculiX on meshes of half the size, to 3.4 where two elements of second order are the whole width.
-Held by tests/fem/mesh/test_mesh_elements.py."""
+"""[1] What the stiffness of a mesh of solids is too high by, in energy of the jumps of its strains: from 0.7 to 2.3 in 43 modes
+of five structures of ten-node tetrahedra against CalculiX on finer meshes, to 4 and once 6.8 where one or two hexahedra of second
+order are the whole width. Held by tests/fem/mesh/test_mesh_elements.py."""
+
+OF_JUMPS = {"hex8": 0.75, **dict.fromkeys(shells.TRIANGLES, 0.25)}
+"""[1] Share of the energy of jumps that tells as much as that of other kinds: what is too high was 0.2 to 1.6 times the whole in
+26 modes of hexahedra of eight nodes, and -0.8 to 1.0 times in 72 of shells, which do not meet along their edges and may be too
+soft. Held likewise."""
 
 QUARTERS = {
     "tet": ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)),
@@ -31,6 +42,16 @@ QUARTERS = {
     "hex": ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
 }
 """Corners of the faces of a solid element, by its shape."""
+
+
+SIX = np.arange(6)
+
+TRACE = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+"""What makes of a strain, as `solids.strains` has it, the sum of its diagonal."""
+
+Piece = tuple[Integers, Callable[[], tuple[Array, Array]]]
+"""Elements of a part: numbers (c, k) of their corners; overlaps (c, k, k) of their functions, and at the corners strains
+(c, k, s, m) the square of whose length is a density of energy."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -127,7 +148,8 @@ class Elements:
         BadInput : it lies outside.
         """
         foot = self.nearest(point, part)
-        if foot.distance > max(OUTSIDE * foot.size, 1.001 * foot.reach):
+        allowed = max(OUTSIDE * foot.size, 1.001 * foot.reach)
+        if foot.distance > allowed and foot.distance > self._bulge(foot):
             near = ", ".join(f"{1e3 * value:.5g}" for value in foot.point)
             problem = (
                 f"lies {1e3 * foot.distance:.4g} mm outside {'the mesh' if part is None else f'part {part}'}; "
@@ -198,59 +220,149 @@ class Elements:
             away[[self.blocks[k].part != part for k in owner[:, 0]]] = np.inf
         best: Foot | None = None
         for k in np.argsort(away, kind="stable"):
-            if best is not None and (away[k] >= best.distance or best.distance == 0):
+            if best is not None and (away[k] > best.distance * ALIKE or best.distance == 0):
                 break
             block = self.blocks[owner[k, 0]]
-            for foot in self._feet(block, int(owner[k, 1]), point):
-                if best is None or foot.distance < best.distance:
+            for foot in self._feet(block, int(owner[k, 1]), point):  # at an edge of two shells the thicker one reaches further
+                if best is None or (foot.distance / (ALIKE if foot.reach > best.reach else 1.0) < best.distance):
                     best = foot
         if best is None or not np.isfinite(best.distance):
             raise ValueError(f"`part` must have elements, found {part!r}")
         return best
 
-    def unresolved(self, shapes: Array) -> dict[str, Array]:
-        """By part of solids (k, k): how much too stiff its elements are to `shapes` (n, k), by the jumps of their strains.
+    def unresolved(self, shapes: Array, squares: Array) -> dict[str, Array]:
+        """By part (k, k): how much too stiff its elements are to `shapes` (n, k), by jumps of strains.
 
-        [unit of shapes]² N/m; of part and mode it is the share of omega² that the mesh leaves unsure.
+        [unit of shapes]² N/m; of part and mode it is the share of omega² that the mesh leaves unsure. `squares` (k,) are omega²
+        of shapes that are modes, else 0: beams are exact between their ends but for what their own mass bends.
         """
         from scipy.sparse import csr_array
 
         k, whole = shapes.shape[1], self.carried @ shapes
         found: dict[str, Array] = {}
-        for part, table in self.parts.items():
-            blocks = [one for one in self.blocks if one.part == part and one.kind in solids.RECOVERED]
-            if not blocks:
-                continue
-            pieces = [
-                (one.kind, one.nodes[first : first + step])
-                for one in blocks
-                for step in [max(solids.BATCH // (one.nodes.shape[1] * 6 * k), 1)]
-                for first in range(0, len(one.nodes), step)
-            ]
-            nodes, at = np.unique(np.concatenate([own.ravel() for _, own in pieces]), return_inverse=True)
-            total, weight, passed = np.zeros((len(nodes), 6 * k)), np.zeros(len(nodes)), 0
-            for kind, own in pieces:
-                where = at[passed : (passed := passed + own.size)]
-                volumes = np.repeat(solids.overlaps(kind, self.points[own]).sum(axis=(1, 2)), own.shape[1])
-                gather = csr_array((volumes, (where, np.arange(own.size))), shape=(len(nodes), own.size))
-                total += gather @ self._strains(kind, own, whole).reshape(own.size, -1)
-                weight += gather.sum(axis=1)
-            E, mu = moduli(table.material, part)
-            law = 2 * mu * np.eye(6)
-            law[:3, :3] += mu * (E - 2 * mu) / (3 * mu - E)
-            root, energy, passed = np.linalg.cholesky(law), np.zeros((k, k)), 0
-            for kind, own in pieces:
-                where = at[passed : (passed := passed + own.size)]
-                jumps = (total[where] / weight[where, None]).reshape(*own.shape, 6, k) - self._strains(kind, own, whole)
-                stress = np.einsum("st,cbsm->cbtm", root, jumps, optimize=True)
-                spread = np.einsum("cab,cbtm->catm", solids.overlaps(kind, self.points[own]), stress, optimize=True)
-                energy += stress.reshape(-1, k).T @ spread.reshape(-1, k)
-            found[part] = (energy + energy.T) / 2
+        for part in self.parts:
+            for pieces in (self._solid_pieces(part, whole), self._shell_pieces(part, whole)):
+                if not pieces:
+                    continue
+                corners, at = np.unique(np.concatenate([own.ravel() for own, _ in pieces]), return_inverse=True)
+                total, weight, passed = np.zeros(()), np.zeros(len(corners)), 0
+                for own, made in pieces:
+                    where = at[passed : (passed := passed + own.size)]
+                    overlaps, strains = made()
+                    extents = np.repeat(overlaps.sum(axis=(1, 2)), own.shape[1])
+                    gather = csr_array((extents, (where, np.arange(own.size))), shape=(len(corners), own.size))
+                    total = total + gather @ strains.reshape(own.size, -1)
+                    weight += gather.sum(axis=1)
+                mean, energy, passed = total / weight[:, None], np.zeros((k, k)), 0
+                for own, made in pieces:
+                    where = at[passed : (passed := passed + own.size)]
+                    overlaps, strains = made()
+                    jumps = mean[where].reshape(strains.shape) - strains
+                    spread = np.einsum("cab,cbtm->catm", overlaps, jumps, optimize=True)
+                    energy += jumps.reshape(-1, k).T @ spread.reshape(-1, k)
+                found[part] = found.get(part, 0.0) + (energy + energy.T) / 2
+            if any(block.part == part and block.kind == LINE for block in self.blocks):
+                found[part] = found.get(part, 0.0) + self._bowed(part, whole * squares)
         return found
 
-    def _strains(self, kind: str, nodes: Integers, moved: Array) -> Array:
-        """Strain (c, k, 6, m) at the nodes (c, k) of elements, where all degrees of freedom are `moved` (n, m)."""
-        return solids.strains(kind, self.points[nodes], moved[self.first[nodes][:, :, None] + np.arange(3)])
+    def _bowed(self, part: str, pushed: Array) -> Array:
+        """Energy (k, k) by which the beams of a part bow between their ends where their mass is `pushed` (n, k) [m/s²]."""
+        X, W = np.polynomial.legendre.leggauss(6)
+        x, w, energy = (1 + X) / 2, W / 2, np.zeros((pushed.shape[1], pushed.shape[1]))
+        bows = np.array([x**2 * (1 - x) ** 2, x**2 * (1 - x) ** 2 * (2 * x - 1)])
+        bent = np.array([2 - 12 * x + 12 * x**2, -2 + 24 * x - 60 * x**2 + 40 * x**3])
+        A, a = np.linalg.inv((bent * w) @ bent.T), x * (1 - x)
+        for block in self.blocks:
+            table = self.parts[part]
+            if block.part != part or block.kind != LINE or table.section is None:
+                continue
+            beam = table.section.times(1.0)
+            for nodes in block.nodes:
+                corners = self.points[nodes]
+                L, T = float(np.linalg.norm(corners[1] - corners[0])), np.kron(np.eye(4), beam_axes(corners, table.z_axis))
+                own = T @ pushed[(self.first[nodes][:, None] + SIX).ravel()]
+                for planar, sign, bending, shear in (
+                    (IN_XY, np.ones(4), beam.bending_z, beam.shear_y),
+                    (IN_XZ, SIGN_XZ, beam.bending_y, beam.shear_z),
+                ):
+                    v = shape_functions(x, 12 * bending / (shear * L**2), L)[0]
+                    load = beam.mass * L * ((bows * w) @ (v.T @ (sign[:, None] * own[planar])))
+                    energy += L**3 / bending * load.T @ A @ load
+                for ends, mass, stiffness in (
+                    ((0, 6), beam.mass, beam.axial),
+                    ((3, 9), beam.rotary_y + beam.rotary_z, beam.torsion),
+                ):
+                    pull = mass * L * ((a * w) @ np.column_stack([1 - x, x])) @ own[list(ends)]
+                    energy += 3 * L / stiffness * np.outer(pull, pull)
+        return energy
+
+    def _solid_pieces(self, part: str, moved: Array) -> list[Piece]:
+        """Solids of a part where all degrees of freedom are `moved` (n, m), some at a time."""
+        made: list[Piece] = []
+        for block in self.blocks:
+            if block.part != part or block.kind not in solids.KINDS:
+                continue
+            E, mu = moduli(self.parts[part].material, part)
+            lam = mu * (E - 2 * mu) / (3 * mu - E)
+            root = np.asarray(np.linalg.cholesky(2 * mu * np.eye(6) + lam * np.outer(TRACE, TRACE)), dtype=np.float64)
+            step = max(solids.BATCH // (block.nodes.shape[1] * 6 * moved.shape[1]), 1)
+
+            def piece(kind: str, nodes: Integers, lam: float = lam, mu: float = mu, root: Array = root) -> tuple[Array, Array]:
+                own = solids.strains(kind, self.points[nodes], moved[self.first[nodes][:, :, None] + np.arange(3)], lam, mu)
+                return OF_JUMPS.get(kind, 1.0) * solids.overlaps(kind, self.points[nodes]), np.einsum(
+                    "st,cbsm->cbtm", root, own, optimize=True
+                )
+
+            pieces = (block.nodes[first : first + step] for first in range(0, len(block.nodes), step))
+            made += [(nodes, partial(piece, block.kind, nodes)) for nodes in pieces]
+        return made
+
+    def _shell_pieces(self, part: str, moved: Array) -> list[Piece]:
+        """Triangles of the shells of a part likewise; a corner is that of a sheet, so that nothing is seen to jump at a fold."""
+        thickness = self.parts[part].thickness or 0.0
+        of = [block for block in self.blocks if block.part == part and block.kind in shells.TRIANGLES]
+        if not of:
+            return []
+        own = [
+            (block.nodes[:, list(corners)], OF_JUMPS[block.kind] * weight)
+            for block in of
+            for corners, weight in shells.TRIANGLES[block.kind]
+        ]
+        nodes, weights = np.vstack([one for one, _ in own]), np.concatenate([np.full(len(one), share) for one, share in own])
+        E, mu = moduli(self.parts[part].material, part)
+        nu = E / (2 * mu) - 1
+        root = np.linalg.cholesky(E / (1 - nu**2) * ((1 - nu) * np.eye(6) + nu * np.outer(TRACE, TRACE)))
+        corners = shells.sheets(self.points[nodes], nodes)[:, None] * len(self.points) + nodes
+        step = max(solids.BATCH // (3 * 24 * moved.shape[1]), 1)
+
+        def piece(at: slice) -> tuple[Array, Array]:
+            dofs = (self.first[nodes[at]][:, :, None] + np.arange(6)).reshape(-1, 18)
+            strains = shells.strains(self.points[nodes[at]], moved[dofs], thickness)
+            strains = np.einsum("st,cbxsm->cbxtm", root, strains.reshape(*strains.shape[:2], 4, 6, -1), optimize=True)
+            areas = weights[at] * shells.areas(self.points[nodes[at]])
+            return areas[:, None, None] / 12 * (np.ones((3, 3)) + np.eye(3)), strains.reshape(*strains.shape[:2], 24, -1)
+
+        return [(corners[at], partial(piece, at)) for at in (slice(n, n + step) for n in range(0, len(nodes), step))]
+
+    @property
+    def shells(self) -> tuple[str, ...]:
+        """Parts that are shells."""
+        return tuple(part for part in self.parts if any(one.part == part and one.kind in shells.TRIANGLES for one in self.blocks))
+
+    def _bulge(self, foot: Foot) -> float:
+        """How far [m] a round skin may lie outside its flat sides at `foot`, by how much the sides beside it turn."""
+        triangles, _ = self.skin()
+        corners = self.points[triangles]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(np.float64).tiny)
+        own = np.isin(triangles, foot.nodes).all(axis=1)
+        own &= np.abs(np.einsum("ti,ti->t", normals, foot.point - corners[:, 0])) < 1e-6 * foot.size
+        largest = 0.0
+        for k in np.flatnonzero(own):
+            beside = np.isin(triangles, triangles[k]).sum(axis=1) == 2
+            turns = np.arccos(np.minimum(np.abs(normals[beside] @ normals[k]), 1.0))
+            largest = max(largest, float(turns[turns < np.radians(SHARP)].max(initial=0.0)))
+        return 1.05 * foot.size / 2 * float(np.tan(largest / 4))
 
     def skin(self) -> tuple[Integers, Integers]:
         """Triangles (t, 3) and lines (l, 2) by the indices of their nodes; of a solid with nodes along its edges the corners.
@@ -290,12 +402,19 @@ class Elements:
     def _feet(self, block: Block, index: int, point: Array) -> Iterator[Foot]:
         nodes = block.nodes[index]
         corners, table = self.points[nodes], self.parts[block.part]
-        size, tag = float(np.ptp(corners, axis=0).max()), int(block.tags[index])
+        size = float(np.ptp(corners, axis=0).max())
+
+        def made(foot: Array, reach: float, dofs: Integers, moved: Array, turned: Array | None) -> Foot:
+            away = float(np.linalg.norm(point - foot))
+            known = {"part": block.part, "tag": int(block.tags[index]), "size": size, "reach": reach, "nodes": nodes}
+            distance = 0.0 if away < 1e-9 * size else away
+            return Foot(point=foot, distance=distance, dofs=dofs, moved=moved, turned=turned, **known)
+
         if block.kind in solids.KINDS:
             _, N = solids.located(block.kind, corners, point)
             foot, dofs = N @ corners, (self.first[nodes][:, None] + np.arange(3)).ravel()
             moved = np.asarray(np.kron(N, np.eye(3)), dtype=np.float64)
-            yield self._foot(block.part, tag, point, foot, size, 0.0, nodes, dofs, moved, None)
+            yield made(foot, 0.0, dofs, moved, None)
             return
         six = (self.first[nodes][:, None] + np.arange(6)).ravel()
         if block.kind == LINE:
@@ -319,7 +438,7 @@ class Elements:
                     turned[3 - row, planar] = sign * theta[:, 0] * (1 if row == 1 else -1)
                 T = np.kron(np.eye(4), R)
                 moved, turned = np.asarray(R.T @ moved @ T), np.asarray(R.T @ turned @ T)
-                yield self._foot(block.part, tag, point, foot, size, table.reach, nodes, six, moved, turned)
+                yield made(foot, table.reach, six, moved, turned)
             return
         for triangle, _ in shells.TRIANGLES[block.kind]:
             own = corners[list(triangle)]
@@ -327,36 +446,7 @@ class Elements:
             moved = shells.displacement(own[None], L[None])[0, 0]
             turned = np.hstack([np.hstack([np.zeros((3, 3)), weight * np.eye(3)]) for weight in L])
             dofs = (self.first[nodes[list(triangle)]][:, None] + np.arange(6)).ravel()
-            yield self._foot(block.part, tag, point, L @ own, size, table.thickness or 0.0, nodes, dofs, moved, turned)
-
-    def _foot(
-        self,
-        part: str,
-        tag: int,
-        point: Array,
-        foot: Array,
-        size: float,
-        reach: float,
-        nodes: Integers,
-        dofs: Integers,
-        moved: Array,
-        turned: Array | None,
-    ) -> Foot:
-        distance = float(np.linalg.norm(point - foot))
-        if distance < 1e-9 * size:
-            distance = 0.0
-        return Foot(
-            part=part,
-            tag=tag,
-            point=foot,
-            distance=distance,
-            size=size,
-            reach=reach,
-            nodes=nodes,
-            dofs=dofs,
-            moved=moved,
-            turned=turned,
-        )
+            yield made(L @ own, table.thickness or 0.0, dofs, moved, turned)
 
 
 def fitted(points: Array, centre: Array) -> Array:

@@ -6,7 +6,7 @@ thin: transverse shear is left out, which raises the first frequency of a plate 
 
 import numpy as np
 
-from geometry.frames import Array
+from geometry.frames import Array, Integers
 
 TRIANGLES = {
     "tri3": (((0, 1, 2), 1.0),),
@@ -38,22 +38,71 @@ def plane_stress(E: float, nu: float) -> Array:
     return E / (1 - nu**2) * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]])
 
 
+_STRETCHED = np.array([[6 * node + dof for dof in (0, 1, 5)] for node in range(3)]).ravel()
+_BENT = np.array([[6 * node + dof for dof in (2, 3, 4)] for node in range(3)]).ravel()
+
+
+def _laid(corners: Array) -> tuple[Array, Array]:
+    """Axes (c, 3, 3) of triangles (c, 3, 3), in rows, the third upright on them, and their corners (c, 3, 2) along two."""
+    first = corners[:, 1] - corners[:, 0]
+    normal = np.cross(first, corners[:, 2] - corners[:, 0])
+    x, z = (vector / np.linalg.norm(vector, axis=1, keepdims=True) for vector in (first, normal))
+    R = np.stack([x, np.cross(z, x), z], axis=1)
+    return R, np.einsum("cij,ckj->cki", R[:, :2], corners - corners[:, :1])
+
+
+def strains(corners: Array, moved: Array, thickness: float) -> Array:
+    """Strain (c, 3, 24, m) at the corners (c, 3, 3) of triangles which are `moved` (c, 18, m).
+
+    Of the middle surface, as a tensor in the frame like those of solids, times the root of the `thickness`; and curvatures times
+    the root of its cube over twelve and by the normal, which way round it ever is: the square of the length is that of both.
+    """
+    R, flat = _laid(corners)
+    own = np.einsum("ab,cij->caibj", np.eye(6), R).reshape(-1, 18, 18) @ moved
+    (_, mean, spread), (_, bent) = _stretches(flat), _curvatures(flat, np.eye(3))
+    flats = np.stack([(mean + one) @ own[:, _STRETCHED] for one in spread], axis=1) * np.sqrt(thickness)
+    curved = np.stack([one @ own[:, _BENT] for one in bent], axis=1) * np.sqrt(thickness**3 / 12)
+    a, b = R[:, 0], R[:, 1]
+    pairs = [np.einsum("ci,cj->cij", u, v) for u, v in ((a, a), (b, b), (a, b))]
+    tensors = np.stack([*pairs[:2], (pairs[2] + pairs[2].swapaxes(1, 2)) / 2], axis=1)
+    six = np.stack(
+        [*(tensors[..., i, i] for i in range(3)), *(np.sqrt(2) * tensors[..., i, j] for i, j in ((1, 2), (0, 2), (0, 1)))], axis=2
+    )
+    into = [np.einsum("ces,ckem->cksm", six, one, optimize=True) for one in (flats, curved)]
+    upright = np.einsum("ci,cksm->ckism", R[:, 2], into[1]).reshape(*into[1].shape[:2], 18, -1)
+    return np.concatenate([into[0], upright], axis=2)
+
+
+def sheets(corners: Array, nodes: Integers) -> Integers:
+    """(c,) which smooth sheet each of the triangles with `nodes` (c, 3) at `corners` (c, 3, 3) belongs to: folds part them."""
+    from scipy.sparse import coo_array, csr_array
+    from scipy.sparse.csgraph import connected_components
+
+    normals = _laid(corners)[0][:, 2]
+    edges = np.sort(np.stack([nodes[:, [0, 1]], nodes[:, [1, 2]], nodes[:, [2, 0]]], axis=1), axis=2).reshape(-1, 2)
+    edge = np.unique(edges, axis=0, return_inverse=True)[1].ravel()
+    at = csr_array((np.ones(len(edge)), (np.repeat(np.arange(len(nodes)), 3), edge)))
+    beside = coo_array(at @ at.T)
+    smooth = np.abs(np.sum(normals[beside.row] * normals[beside.col], axis=1)) > SMOOTH
+    graph = csr_array((np.ones(np.sum(smooth)), (beside.row[smooth], beside.col[smooth])), shape=beside.shape)
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.intp)
+
+
+SMOOTH = 0.85
+"""[1] Cosine of the angle between two triangles above which they are one sheet and no fold: 30 degrees, by which twelve flat
+sides of a round body turn. By definition."""
+
+
 def matrices(corners: Array, thickness: float, E: float, nu: float, density: float) -> tuple[Array, Array, Array]:
     """Membrane and bending stiffness and mass (c, 18, 18) of triangles (c, 3, 3) [m] of one `thickness` [m].
 
     Degrees of freedom are x, y, z and the rotations about them of the first node, of the second ...; membrane stiffness grows
     with the thickness, bending stiffness with its cube.
     """
-    first = corners[:, 1] - corners[:, 0]
     D = plane_stress(E, nu)
-    normal = np.cross(first, corners[:, 2] - corners[:, 0])
-    x, z = (vector / np.linalg.norm(vector, axis=1, keepdims=True) for vector in (first, normal))
-    R = np.stack([x, np.cross(z, x), z], axis=1)
-    flat = np.einsum("cij,ckj->cki", R[:, :2], corners - corners[:, :1])
+    R, flat = _laid(corners)
     turned = np.einsum("ab,cij->caibj", np.eye(6), R).reshape(-1, 18, 18)
-    stretched = np.array([[6 * node + dof for dof in (0, 1, 5)] for node in range(3)]).ravel()
-    bent = np.array([[6 * node + dof for dof in (2, 3, 4)] for node in range(3)]).ravel()
-    membrane, bending = turned[:, stretched], turned[:, bent]
+    membrane, bending = turned[:, _STRETCHED], turned[:, _BENT]
     K_membrane = _seen(thickness * _membrane(flat, D, nu), membrane)
     K_bending = _seen(thickness**3 / 12 * _bending(flat, D), bending)
     # Consistent mass, and the rotary inertia of a fibre through the thickness, which has none about itself
@@ -90,6 +139,15 @@ def _bending(flat: Array, D: Array) -> Array:
     Rotations of the normal are quadratic; at nodes and, along the edges, at their middles they follow the slope of a cubic
     deflection (Batoz, Bathe and Ho, Int. J. Num. Meth. Eng. 15, 1980).
     """
+    K = np.zeros((len(flat), 9, 9))
+    area, B = _curvatures(flat, _MIDDLES)
+    for each in B:
+        K += np.einsum("c,cia,ij,cjb->cab", area / 3, each, D, each, optimize=True)
+    return K
+
+
+def _curvatures(flat: Array, weights: Array) -> tuple[Array, list[Array]]:
+    """Area (c,) and, at each of the area coordinates `weights` (q, 3), curvatures xx, yy, 2 xy (c, 3, 9) by the nine motions."""
     c = len(flat)
     G = np.zeros((c, 6, 2, 9))  # tilt of the normal (beta_x, beta_y) at corners and middles of edges
     for node in range(3):
@@ -105,17 +163,15 @@ def _bending(flat: Array, D: Array) -> Array:
         G[:, 3 + edge] = np.einsum("cij,cja->cia", blend, G[:, i] + G[:, j])
         G[:, 3 + edge, :, 3 * j] -= 1.5 * s / length[:, None]
         G[:, 3 + edge, :, 3 * i] += 1.5 * s / length[:, None]
-    area, slopes = _slopes(flat)
-    K = np.zeros((c, 9, 9))
-    for L in _MIDDLES:
+    (area, slopes), found = _slopes(flat), []
+    for L in weights:
         corner = np.array([4 * L[a] - 1 for a in range(3)])[None, :, None] * slopes
         middle = np.stack([4 * (L[i] * slopes[:, j] + L[j] * slopes[:, i]) for i, j in ((0, 1), (1, 2), (2, 0))], axis=1)
         d = np.concatenate([corner, middle], axis=1)  # (c, 6, 2) derivatives of the quadratic functions
         xx, yy = (np.einsum("ca,cak->ck", d[..., i], G[:, :, i]) for i in (0, 1))
         xy = np.einsum("ca,cak->ck", d[..., 1], G[:, :, 0]) + np.einsum("ca,cak->ck", d[..., 0], G[:, :, 1])
-        B = np.stack([xx, yy, xy], axis=1)
-        K += np.einsum("c,cia,ij,cjb->cab", area / 3, B, D, B, optimize=True)
-    return K
+        found.append(np.stack([xx, yy, xy], axis=1))
+    return area, found
 
 
 def _slopes(flat: Array) -> tuple[Array, Array]:
@@ -138,6 +194,17 @@ def _membrane(flat: Array, D: Array, nu: float) -> Array:
     The basic stiffness meets constant strain, the higher-order one makes bending in the plane exact for rectangles of two
     triangles (Felippa, Comput. Methods Appl. Mech. Engrg. 192, 2003, OPT).
     """
+    area, mean, spread = _stretches(flat)
+    K = np.einsum("c,cia,ij,cjb->cab", area, mean, D, mean, optimize=True)
+    stiffer = 0.75 * max((1 - 4 * nu**2) / 2, 0.01)
+    for a, b in ((0, 1), (1, 2), (2, 0)):
+        middle = (spread[a] + spread[b]) / 2
+        K += np.einsum("c,cia,ij,cjb->cab", stiffer * area, middle, D, middle, optimize=True)
+    return np.asarray(K)
+
+
+def _stretches(flat: Array) -> tuple[Array, Array, list[Array]]:
+    """Area (c,), mean strains xx, yy, 2 xy (c, 3, 9) by the nine motions in the plane, and what corners have beside the mean."""
     x, y, c = flat[..., 0], flat[..., 1], len(flat)
     area, _ = _slopes(flat)
 
@@ -154,8 +221,6 @@ def _membrane(flat: Array, D: Array, nu: float) -> Array:
         L[:, 3 * i + 2, 0] = ALPHA / 6 * dy(j, k) * (dy(i, k) - dy(j, i))
         L[:, 3 * i + 2, 1] = ALPHA / 6 * dx(k, j) * (dx(k, i) - dx(i, j))
         L[:, 3 * i + 2, 2] = ALPHA / 3 * (dx(k, i) * dy(i, k) - dx(i, j) * dy(j, i))
-    L /= 2
-    basic = np.einsum("c,cai,ij,cbj->cab", 1 / area, L, D, L, optimize=True)
     # Rotations of the corners less that of the whole
     T = np.zeros((c, 3, 9))
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
@@ -173,16 +238,10 @@ def _membrane(flat: Array, D: Array, nu: float) -> Array:
         axis=1,
     )
     from_natural = np.linalg.inv(natural)
-    E_natural = np.einsum("cia,ij,cjb->cab", from_natural, D, from_natural, optimize=True)
     # Strains at the corners by beta, each row over the square of its edge
     turns = [np.array([[_Q.flat[n - 1] for n in row] for row in rows]) for rows in _ROWS]
     Q = [2 / 3 * (area[:, None, None] / square[:, :, None]) * turn for turn in turns]
-    K = np.zeros((c, 3, 3))
-    for a, b in ((0, 1), (1, 2), (2, 0)):
-        middle = (Q[a] + Q[b]) / 2
-        K += np.einsum("cia,cij,cjb->cab", middle, E_natural, middle, optimize=True)
-    stiffer = 0.75 * max((1 - 4 * nu**2) / 2, 0.01)
-    return np.asarray(basic + stiffer * np.einsum("c,cia,cij,cjb->cab", area, T, K, T, optimize=True))
+    return area, np.swapaxes(L, 1, 2) / (2 * area[:, None, None]), [from_natural @ one @ T for one in Q]
 
 
 _ROWS = (

@@ -5,7 +5,7 @@ from itertools import product
 
 import numpy as np
 
-from geometry.frames import Array, Integers
+from geometry.frames import Array
 
 # Functions of an element: monomials whose combination is one at one node and zero at the others.
 #
@@ -95,6 +95,34 @@ def determinants(kind: str, corners: Array) -> Array:
     return np.asarray(np.linalg.det(np.einsum("cki,qkj->cqij", corners, functions(kind, X)[1], optimize=True)))
 
 
+def _slopes(kind: str, corners: Array, X: Array) -> tuple[Array, Array]:
+    """Mapping (c, q, 3, 3) of elements at `X` (q, 3), and gradients (c, q, n, 3) of their functions and then of inner modes."""
+    reference = functions(kind, X)[1]
+    J = np.einsum("cki,qkj->cqij", corners, reference, optimize=True)
+    gradients = np.einsum("qkj,cqji->cqki", reference, np.linalg.inv(J), optimize=True)
+    if kind == "hex8":
+        centre = np.einsum("cki,kj->cij", corners, functions(kind, np.zeros((1, 3)))[1][0])
+        modes = np.einsum("qm,mj->qmj", -2 * X, np.eye(3))
+        scale = np.linalg.det(centre)[:, None] / np.linalg.det(J)
+        bent = np.einsum("qmj,cji->cqmi", modes, np.linalg.inv(centre)) * scale[:, :, None, None]
+        gradients = np.concatenate([gradients, bent], axis=2)
+    return J, gradients
+
+
+def _stiffness(gradients: Array, volume: Array, lam: float, mu: float) -> Array:
+    """Stiffness (c, 3 n, 3 n) of functions with `gradients` (c, q, n, 3) at points of `volume` (c, q)."""
+    (c, q, n), whole = gradients.shape[:3], (len(gradients), 3 * gradients.shape[2], 3 * gradients.shape[2])
+    weighted = (gradients * volume[:, :, None, None]).reshape(c, q, 3 * n)
+    pairs = weighted.transpose(0, 2, 1) @ gradients.reshape(c, q, 3 * n)
+    blocks = pairs.reshape(-1, n, 3, n, 3)
+    K = lam * pairs
+    K += mu * blocks.transpose(0, 1, 4, 3, 2).reshape(whole)
+    trace = mu * np.einsum("caibi->cab", blocks)
+    for i in range(3):
+        K.reshape(-1, n, 3, n, 3)[:, :, i, :, i] += trace
+    return np.asarray(K)
+
+
 def matrices(kind: str, corners: Array, lam: float, mu: float, density: float) -> tuple[Array, Array]:
     """Stiffness and mass (c, 3 k, 3 k) of elements of `kind` with nodes at `corners` (c, k, 3) [m].
 
@@ -104,27 +132,10 @@ def matrices(kind: str, corners: Array, lam: float, mu: float, density: float) -
     1976).
     """
     X, W = quadrature(kind)
-    values, reference = functions(kind, X)
-    J = np.einsum("cki,qkj->cqij", corners, reference, optimize=True)
-    volume = np.linalg.det(J) * W
-    gradients = np.einsum("qkj,cqji->cqki", reference, np.linalg.inv(J), optimize=True)
-    k = values.shape[1]
-    if kind == "hex8":
-        centre = np.einsum("cki,kj->cij", corners, functions(kind, np.zeros((1, 3)))[1][0])
-        modes = np.einsum("qm,mj->qmj", -2 * X, np.eye(3))
-        scale = np.linalg.det(centre)[:, None] / np.linalg.det(J)
-        bent = np.einsum("qmj,cji->cqmi", modes, np.linalg.inv(centre)) * scale[:, :, None, None]
-        gradients = np.concatenate([gradients, bent], axis=2)
-    n = gradients.shape[2]
-    weighted = (gradients * volume[:, :, None, None]).reshape(len(corners), len(W), 3 * n)
-    pairs = weighted.transpose(0, 2, 1) @ gradients.reshape(len(corners), len(W), 3 * n)
-    K = lam * pairs
-    blocks = pairs.reshape(-1, n, 3, n, 3)
-    K += mu * blocks.transpose(0, 1, 4, 3, 2).reshape(K.shape)
-    trace = mu * np.einsum("caibi->cab", blocks)
-    whole = K.reshape(-1, n, 3, n, 3)
-    for i in range(3):
-        whole[:, :, i, :, i] += trace
+    values = functions(kind, X)[0]
+    J, gradients = _slopes(kind, corners, X)
+    volume, k = np.linalg.det(J) * W, values.shape[1]
+    K, n = _stiffness(gradients, volume, lam, mu), gradients.shape[2]
     if n > k:
         own, inner = slice(0, 3 * k), slice(3 * k, None)
         K = K[:, own, own] - K[:, own, inner] @ np.linalg.solve(K[:, inner, inner], K[:, inner, own])
@@ -141,19 +152,21 @@ def matrices(kind: str, corners: Array, lam: float, mu: float, density: float) -
 # and the energy of the difference is what the stiffness is too high by, to within a factor of two (O. C. Zienkiewicz and J. Z.
 # Zhu, Int. J. Num. Meth. Eng. 33 (1992), 1331).
 
-RECOVERED = tuple(kind for kind in KINDS if kind != "hex8")
-"""Kinds whose strains say so: those of the hexahedron of eight nodes are not those of its functions, which bend too hard."""
 
-
-def strains(kind: str, corners: Array, moved: Array) -> Array:
+def strains(kind: str, corners: Array, moved: Array, lam: float, mu: float) -> Array:
     """Strain (c, k, 6, m) at the nodes of elements with nodes at `corners` (c, k, 3), which are `moved` (c, k, 3, m).
 
-    xx, yy, zz, and yz, xz, xy times the root of two: the square of its length is that of the tensor.
+    xx, yy, zz, and yz, xz, xy times the root of two: the square of its length is that of the tensor. The hexahedron of eight
+    nodes bends by its inner modes, too.
     """
-    reference = functions(kind, local_nodes(kind))[1]
-    J = np.einsum("cki,qkj->cqij", corners, reference, optimize=True)
-    gradients = np.einsum("qkj,cqji->cqki", reference, np.linalg.inv(J), optimize=True)
-    slopes = np.einsum("cqkj,ckim->cqijm", gradients, moved, optimize=True)
+    c, k, _, m = moved.shape
+    if kind == "hex8":
+        X, W = quadrature(kind)
+        J, inside = _slopes(kind, corners, X)
+        K, outer = _stiffness(inside, np.linalg.det(J) * W, lam, mu), 3 * k
+        bent = -np.linalg.solve(K[:, outer:, outer:], K[:, outer:, :outer] @ moved.reshape(c, outer, m))
+        moved = np.concatenate([moved, bent.reshape(c, -1, 3, m)], axis=1)
+    slopes = np.einsum("cqkj,ckim->cqijm", _slopes(kind, corners, local_nodes(kind))[1], moved, optimize=True)
     turned = [(slopes[:, :, i, j] + slopes[:, :, j, i]) / np.sqrt(2) for i, j in ((1, 2), (0, 2), (0, 1))]
     return np.stack([*(slopes[:, :, i, i] for i in range(3)), *turned], axis=2)
 
@@ -187,20 +200,3 @@ def located(kind: str, corners: Array, point: Array) -> tuple[Array, Array]:
         weights = np.maximum([1 - X[0] - X[1], X[0], X[1]], 0)
         inside = np.append(weights[1:] / weights.sum(), np.clip(X[2], -1, 1))
     return X, functions(kind, inside[None])[0][0]
-
-
-def faces(kind: str) -> tuple[Integers, ...]:
-    """Corner nodes of the faces of an element of `kind`."""
-    corners = local_nodes(kind)[: {"tet": 4, "wedge": 6, "hex": 8}[shape(kind)]]
-    planes = [corners[:, axis] == end for axis in range(3) for end in (-1.0, 1.0)]
-    if shape(kind) == "tet":
-        planes = [*(corners[:, axis] == 0 for axis in range(3)), corners.sum(axis=1) == 1]
-    elif shape(kind) == "wedge":
-        planes = [
-            corners[:, 0] == 0,
-            corners[:, 1] == 0,
-            corners[:, :2].sum(axis=1) == 1,
-            corners[:, 2] == -1,
-            corners[:, 2] == 1,
-        ]
-    return tuple(np.flatnonzero(plane) for plane in planes)

@@ -84,10 +84,10 @@ def _as_read(path: str | Path, kind: str) -> Examination:
     facts, findings = [f"{found.model.mass.shape[0]} degrees of freedom"], []
     if worst := coarsest(found.model):
         hertz, part, share = worst
-        facts.append(f"a finer mesh may lower a frequency by about {100 * share:.2g} %, that of {hertz:.4g} Hz")
+        facts.append(f"a finer mesh may move a frequency by about {100 * share:.2g} %, that of {hertz:.4g} Hz")
         if share > TOO_COARSE:
-            what = "strains jump so much from element to element that the mesh bends far too hard"
-            remedy = "Mesh it finer there, or with elements of the second order"
+            what = "strains jump so much from element to element that the mesh is no longer the structure"
+            remedy = "Mesh it finer there, or solids with elements of the second order"
             amount = f"about {100 * share:.2g} % of the frequency of the mode at {hertz:.4g} Hz"
             findings.append(Finding(check="mesh", what=what, where=part, amount=amount, remedy=remedy))
     return Examination(source=str(path), name=found.name, kind=kind, findings=tuple(findings), facts=tuple(facts))
@@ -116,7 +116,8 @@ def coarsest(structure: Structure) -> tuple[float, str, float] | None:
     except CheckFailed:  # part of it swings freely: modes are none of a mesh
         return None
     elastic = pairs.values > RIGID * pairs.values.max()
-    squares, unsure = pairs.values[elastic], structure.elements.unresolved(free.expand(pairs.vectors[:, elastic]))
+    squares = pairs.values[elastic]
+    unsure = structure.elements.unresolved(free.expand(pairs.vectors[:, elastic]), squares)
     shares = {part: ENERGY_TOO_HIGH * np.diag(one) / squares / 2 for part, one in unsure.items()}
     total = np.sum(list(shares.values()), axis=0)
     if not shares or np.max(total, initial=0.0) < RIGID:  # elements alone, of which none has a neighbour, tell nothing

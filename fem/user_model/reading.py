@@ -336,14 +336,12 @@ def write(model: Structure | Modes, path: str | Path, name: str = "", units: Uni
             text += f'\n[fe_model.parts."{part}"]\n' + ("" if loss is None else f"loss_factor = {float(loss)!r}\n")
             listed = ", ".join(f"{key} = {float(value)!r}" for key, value in tolerance.items())
             text += f"tolerance = {{ {listed} }}\n" if tolerance else ""
-    save = _save_npz if path.suffix.lower() == ".npz" else _save_hdf5
-    atomic.write_with(path, lambda temporary: save(temporary, arrays, text))
-
-
-def _save_npz(path: Path, arrays: dict[str, Any], text: str) -> None:
+    if path.suffix.lower() != ".npz":
+        atomic.write_with(path, lambda temporary: _save_hdf5(temporary, arrays, text))
+        return
     packed = io.BytesIO()  # numpy adds its ending to the name of a path that lacks it
     np.savez_compressed(packed, allow_pickle=False, **arrays, description=np.array(text))
-    path.write_bytes(packed.getvalue())
+    atomic.write_with(path, lambda temporary: temporary.write_bytes(packed.getvalue()))
 
 
 def _save_hdf5(path: Path, arrays: dict[str, Any], text: str) -> None:

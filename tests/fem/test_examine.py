@@ -782,7 +782,10 @@ def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
         examine.examine(tmp_path / "model.npz")
 
 
-@pytest.mark.parametrize(("kind", "cells", "is_wrong"), [("C3D4", (8, 2, 2), True), ("C3D10", (16, 3, 3), False)])
+@pytest.mark.parametrize(
+    ("kind", "cells", "is_wrong"),
+    [("C3D4", (8, 2, 2), True), ("C3D10", (16, 3, 3), False), ("C3D8", (8, 1, 1), True), ("C3D8", (40, 2, 2), False)],
+)
 def test_a_mesh_that_is_too_coarse_for_its_modes_is_named_with_the_part(
     kind: str, cells: tuple[int, int, int], is_wrong: bool, tmp_path: Path
 ) -> None:

@@ -1,5 +1,6 @@
 """The three routes agree, each can be caught when it does not; OCC's solids, and Pinocchio's order and signs."""
 
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -37,6 +38,13 @@ def test_three_routes_agree_on_every_built_in_and_the_exact_ones_to_rounding(nam
     occ, pinocchio = inertias["occ"].parameters, inertias["pinocchio"].parameters
     # relative to the largest parameter: products and lateral moments of symmetrical articles are zero
     assert_allclose(occ, pinocchio, rtol=1e-9, atol=1e-12 * np.abs(occ).max())
+
+
+@pytest.mark.parametrize("name", [*NAMES, *SETUPS])
+def test_closed_forms_are_those_of_pinocchio_without_importing_it(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    theirs = routes.by_pinocchio(built_in(name)).parameters
+    monkeypatch.setitem(sys.modules, "pinocchio", None)
+    assert_allclose(routes.inertia(built_in(name)).parameters, theirs, rtol=1e-12, atol=1e-12 * np.abs(theirs).max())
 
 
 def test_planar_part_agrees_to_1e_9_on_all_routes_at_any_chord() -> None:

@@ -248,6 +248,34 @@ def test_a_part_keeps_its_loss_factor_and_tolerances_and_the_unit_of_length_scal
     assert_allclose(mm.stiffness.toarray(), m.stiffness.toarray(), rtol=1e-9, atol=1e-9 * abs(m.stiffness).max())
 
 
+def test_a_place_at_the_corner_of_two_sheets_is_as_near_as_the_thicker_one_reaches(meshed: Meshed) -> None:
+    floor = [[0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0], [0, 0.1, 0]]
+    wall = [[0, 0, -0.1], [0, 0.1, -0.1]]
+    mesh = abaqus(np.array(floor + wall), {"wall": ("S4", [[1, 4, 6, 5]]), "floor": ("S4", [[1, 2, 3, 4]])})
+    parts = "".join(f'[fe_model.parts.{name}]\n{STEEL}\nthickness = "{t} mm"\n' for name, t in (("wall", 2), ("floor", 3)))
+    structure = meshed(mesh, parts, more='[fe_model.places]\ntip = ["-1 mm", "-1 mm", "1.9 mm"]')
+    assert_allclose(structure.places["tip"].toarray() @ structure.rigid[:, 3], [0, -1.9e-3, -1e-3], atol=1e-12)
+
+
+def test_a_place_on_a_round_body_of_twelve_flat_sides_is_on_it(meshed: Meshed) -> None:
+    turn = np.arange(13) * np.pi / 6
+    ring = np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])[:12]
+    points = np.vstack([r * ring + [0, 0, z] for z in (0, 0.52) for r in (0.5, 1.0)])
+    cells = [[1 + k, 13 + k, 13 + (k + 1) % 12, 1 + (k + 1) % 12] for k in range(12)]
+    mesh = abaqus(points, {"tube": ("C3D8", [[*cell, *(n + 24 for n in cell)] for cell in cells])})
+    at = ", ".join(f'"{value} m"' for value in (np.cos(np.pi / 12), np.sin(np.pi / 12), 0.26))
+    structure = meshed(mesh, f"[fe_model.parts.tube]\n{STEEL}\n", more=f"[fe_model.places]\ntip = [{at}]")
+    assert "tip" in structure.places
+
+
+@pytest.mark.parametrize("at", ['"534 mm", "0.1 m", "0.1 m"', '"0.2 m", "0.2 m", "534 mm"'])
+def test_a_place_beside_a_flat_face_is_outside(meshed: Meshed, at: str) -> None:
+    points, elements = bricks((1, 1, 1), (0.5, 0.5, 0.5), "C3D8")
+    mesh = abaqus(points, {"p": ("C3D8", elements)})
+    with pytest.raises(BadInput, match=r"places.tip.*lies 34 mm outside the mesh"):
+        meshed(mesh, f"[fe_model.parts.p]\n{STEEL}", more=f"[fe_model.places]\ntip = [{at}]")
+
+
 def test_a_place_outside_says_how_far_and_where_the_mesh_is_nearest(meshed: Meshed) -> None:
     points, elements = bricks((2, 2, 2), (1.0, 1.0, 1.0), "C3D8")
     with pytest.raises(
