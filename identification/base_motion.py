@@ -530,8 +530,6 @@ def combinations(table: ChannelTable, chosen: Sequence[int]) -> Array:
     With equal stiffness the cells share a load f as B (B^T B)^-1 f, and a combination v of the sums S balances when v S B = 0.
     The rows are as sparse as elimination makes them: a lateral one and a vertical one are not mixed.
     """
-    from scipy.linalg import qr
-
     of = sensors.summation([table.channels[k] for k in chosen], table.origin)
     shown = of.adds @ of.gives.T  # (c, 6): what a channel reads of each load, up to (B^T B)^-1
     scale = np.linalg.norm(shown, axis=0)
@@ -541,8 +539,13 @@ def combinations(table: ChannelTable, chosen: Sequence[int]) -> Array:
     count = null.shape[1]
     if not count:
         return np.zeros((0, len(null)))
-    _, _, pivots = qr(null.T, pivoting=True)
-    rows = np.linalg.solve(null[pivots[:count]].T, null.T)
+    # The channels that `null` sees most, each beside those before it; as Householder's QR with pivots, without importing SciPy
+    left, pivots = np.array(null), []
+    for _ in range(count):
+        pivots.append(int(np.argmax(np.linalg.norm(left, axis=1))))
+        along = left[pivots[-1]] / np.linalg.norm(left[pivots[-1]])
+        left -= np.outer(left @ along, along)
+    rows = np.linalg.solve(null[pivots].T, null.T)
     rows[np.abs(rows) < NOTHING * np.abs(rows).max()] = 0.0
     rows = rows[np.argsort([int(np.flatnonzero(row)[0]) for row in rows], kind="stable")]
     first = np.array([np.sign(row[np.flatnonzero(row)[0]]) for row in rows])

@@ -840,7 +840,8 @@ def _described(folder: Path, problems: Problems) -> campaigns.Campaign | None:
 
 def _table(folder: Path, path: Path) -> Mapping[str, object]:
     if not folder.is_dir():
-        problem = "it is no folder" if folder.exists() else "there is no such folder"
+        named = "file" if folder.suffix.lower() == ".toml" else "folder"
+        problem = "it is no folder" if folder.exists() else f"there is no such {named}"
         if folder.suffix.lower() == ".toml" and folder.is_file() and "model" in toml_file.read(folder):
             problem = "it is a model file, where the folder of a campaign is needed"
         raise BadInput(source=str(folder), problem=problem, remedy=f"Name the folder that holds {NAME}")

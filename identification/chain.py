@@ -228,7 +228,8 @@ def channel_parameters(
         yield Parameter(name=f"{kind}-delay:{name}", unit="s", tolerance=known.delay, channels=(k,))
     for k, name in zip(columns, names, strict=True):
         yield Parameter(name=f"{kind}-highpass:{name}", unit="Hz", tolerance=0.0, channels=(k,))
-    yield Parameter(name=f"board-delay:{board}", unit="s", tolerance=0.0, channels=tuple(columns))
+    if names:
+        yield Parameter(name=f"board-delay:{board}", unit="s", tolerance=0.0, channels=tuple(columns))
 
 
 def factors(names: tuple[str, ...], kind: str, board: str, x: Offsets, frequency: Array) -> ComplexArray:

@@ -1,7 +1,6 @@
 """`ResponseFunctions`: what a structure answers per newton, measured with a hammer or a shaker, and its readers."""
 
 import re
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
@@ -26,6 +25,10 @@ UPSIDE_DOWN = {f"force over {name}": f"N/({unit.removesuffix('/N')})" for name, 
 GAIN = 0.02
 """Standard deviation of the gains of sensors and of the force cell that a careful laboratory admits."""
 
+
+DEAF = 1.5
+"""[1] Coherence of a channel in that of noise, up to which it reads nothing of the force that others read. Held by
+tests/identification/test_test_files.py."""
 
 LARGEST = 1e100
 """No record reads more, in any unit."""
@@ -174,7 +177,7 @@ def of_table(table: Mapping[str, Any], source: str, folder: Path) -> ResponseFun
             if uff.is_universal(path):
                 pieces += _of_universal(path, entry, table, source, warnings)
                 continue
-            drive, responses = points_of(entry, table, source)
+            (drive,), responses = points_of(entry, table, source)
             if path.suffix.lower() in SIGNALS:
                 frequency, functions = _of_signals(path, entry, responses, source)
             else:
@@ -306,6 +309,17 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
     known = all(one.coherence is not None for one in pieces)
     coherence = [[one.coherence[:n][low:high] for c in responses if (one := by_pair[d, c]).coherence is not None] for d in drives]
     _require_upright(f, values, source)
+    averages = min(one.averages for one in pieces)
+    if known and averages > 1:
+        of_noise = 1 - 0.5 ** (1 / (averages - 1))  # the median of what has nothing to do with the force
+        heard = np.max(np.median(np.array(coherence), axis=2), axis=0)
+        warnings += [
+            f"{source}: {name} reads nothing of the force: its coherence is {share:.2g}, as that of noise; look at its cable"
+            for name, share in zip(responses, heard, strict=True)
+            if share < DEAF * of_noise < heard.max() / DEAF
+        ]
+        if heard.max() < DEAF * of_noise:
+            warnings.append(f"{source}: no response follows the force, the best coherence is {heard.max():.2g}; look at its cell")
     return ResponseFunctions(
         source=source,
         title="",
@@ -315,7 +329,7 @@ def assembled(pieces: Sequence[Piece], source: str) -> ResponseFunctions:
         drives=tuple(drives.values()),
         responses=tuple(responses.values()),
         coherence=np.array(coherence).transpose(0, 2, 1) if known else None,
-        averages=min(one.averages for one in pieces),
+        averages=averages,
         band=(float(f[0]), float(f[-1])),
         warnings=tuple(warnings),
     )
@@ -459,8 +473,10 @@ def _entries(table: Mapping[str, Any], source: str) -> list[dict[str, Any]]:
     return found
 
 
-def points_of(entry: Mapping[str, Any], table: Mapping[str, Any], source: str) -> tuple[Point, list[Point]]:
-    """Where the force of a file acts, and where its answers are read."""
+def points_of(
+    entry: Mapping[str, Any], table: Mapping[str, Any], source: str, *, several: bool = False
+) -> tuple[list[Point], list[Point]]:
+    """Where the force of a file acts, or `several` at a time, and where its answers are read."""
     direction = str(table.get("direction", ""))
     stated = entry.get("responses", [])
     listed = stated if isinstance(stated, list) else [stated]
@@ -471,7 +487,11 @@ def points_of(entry: Mapping[str, Any], table: Mapping[str, Any], source: str) -
     if entry.get("drive") is None:
         problem = f"is not said for {entry['path']}: the reference is missing"
         raise BadInput(source=source, field="drive", problem=problem, remedy='Write drive = "tip:z", where the force acts')
-    return sensors.point(entry["drive"], source=source, field="drive", direction=direction), responses
+    drives = entry["drive"] if isinstance(entry["drive"], list) else [entry["drive"]]
+    if not drives or (len(drives) > 1 and not several):
+        remedy = 'Write one; several at a time are read from records of shakers, with records = { kind = "shaker" }'
+        raise BadInput(source=source, field="drive", problem=f"are {len(drives)} of {entry['path']}", remedy=remedy)
+    return [sensors.point(one, source=source, field="drive", direction=direction) for one in drives], responses
 
 
 # Records of force and response.
@@ -493,19 +513,20 @@ def _of_records(
     kind = toml_file.one_of(how.get("kind", SHAKER), (SHAKER, HAMMER), source=source, where="records.kind")
     of = toml_file.one_of(how.get("estimator", "H1"), response_estimates.ESTIMATORS, source=source, where="records.estimator")
     block, overlap, decay = [_number(how, key, usual, source) for key, usual in RECORDED.items()]
-    together: dict[tuple[str, ...], list[tuple[Path, Mapping[str, Any], Point, list[Point]]]] = {}
+    together: dict[tuple[str, ...], list[tuple[Path, Mapping[str, Any], list[Point], list[Point]]]] = {}
     for path, entry in entries:
-        drive, responses = points_of(entry, table, source)
-        key = (drive.name, *(one.name for one in responses))
-        together.setdefault(key if kind == HAMMER else (*key, str(path)), []).append((path, entry, drive, responses))
+        drives, responses = points_of(entry, table, source, several=kind == SHAKER)
+        key = tuple(one.name for one in (*drives, *responses))
+        together.setdefault(key if kind == HAMMER else (*key, str(path)), []).append((path, entry, drives, responses))
     pieces: list[Piece] = []
     warnings: list[str] = []
+    ringing: dict[Path, float] = {}
     reach = inf
     for members in together.values():
-        path, _, drive, responses = members[0]
+        path, _, drives, responses = members[0]
         blows: list[response_estimates.Blow] = []
         for path, entry, _, _ in members:
-            rate, force, read = _record(path, entry, table, responses, source)
+            rate, force, read = _record(path, entry, table, len(drives), responses, source)
             if not all(np.all(np.abs(one) < LARGEST) for one in (force, read)):  # NaN is not below, either
                 problem = f"holds numbers that are none, or beyond {LARGEST:g}"
                 raise BadInput(source=str(path), field="records", problem=problem, remedy="Export it again; it may be damaged")
@@ -515,24 +536,32 @@ def _of_records(
                     force, read, rate, block=block, overlap=overlap, window=window, estimator=of, source=str(path)
                 )
             else:
-                blows += response_estimates.blows(force, read, rate, block=block, source=str(path))
+                blows += response_estimates.blows(force[:, 0], read, rate, block=block, source=str(path))
                 made = None
         if made is None:
             made = response_estimates.struck(blows, rate, decay=decay, estimator=of, source=str(path))
         reach = min(reach, made.reach)
         warnings += made.warnings
+        if made.rings:
+            ringing[path] = made.rings
         pieces += [
             Piece(
                 source=str(path),
                 drive=drive,
                 response=at,
                 frequency=made.frequency,
-                values=made.values[:, k],
-                coherence=made.coherence[:, k],
+                values=made.values[r, :, k],
+                coherence=made.coherence[r, :, k],
                 averages=made.averages,
             )
+            for r, drive in enumerate(drives)
             for k, at in enumerate(responses)
         ]
+    if ringing:
+        worst = max(ringing, key=lambda path: ringing[path])
+        others = f" and of {len(ringing) - 1} other files" if len(ringing) > 1 else ""
+        rest = f"{100 * ringing[worst]:.0f} % of the answers of {worst}{others} still ring at the end of a block"
+        warnings.append(f"{rest}; damping will seem larger, take a longer block")
     return pieces, reach, warnings
 
 
@@ -548,10 +577,15 @@ def _number(how: Mapping[str, Any], key: str, usual: float, source: str) -> floa
 
 
 def _record(
-    path: Path, entry: Mapping[str, Any], table: Mapping[str, Any], responses: Sequence[Point], source: str
+    path: Path, entry: Mapping[str, Any], table: Mapping[str, Any], count: int, responses: Sequence[Point], source: str
 ) -> tuple[float, Array, Array]:
-    """Rate [Hz], force (n,) and responses (n, c) of one file."""
+    """Rate [Hz], `count` forces (n, r) and responses (n, c) of one file."""
     columns = _columns(entry, responses, source)
+    forces = columns.pop("force", ["force"] if count == 1 else [])
+    if len(set(forces)) != count:
+        problem = f"names {len(set(forces))} forces, and the drives are {count}"
+        remedy = 'Write columns = { force = ["F1", "F2"] }, in the order of the drives'
+        raise BadInput(source=source, field="columns.force", problem=problem, remedy=remedy)
     if len(responses) == 1 and "response" in columns:
         columns[responses[0].name] = columns["response"]
     if path.suffix.lower() in (*SIGNALS, *uff.ENDINGS):
@@ -560,23 +594,25 @@ def _record(
             problem = "it holds functions of frequency where records of time are needed"
             raise BadInput(source=str(path), problem=problem, remedy="Take `records` out of the test")
         known = tuple(signals.samples)
-        wanted = [columns.get("force", ["force"])[0], *(columns.get(one.name, [one.name])[0] for one in responses)]
+        wanted = [*forces, *(columns.get(one.name, [one.name])[0] for one in responses)]
         for name in wanted:
             if name not in known:
                 remedy = f"Name the channels in `columns`; there are {', '.join(known)}"
                 raise BadInput(source=str(path), field=name, problem="no channel is called so", remedy=remedy)
         units = {} if "unit" in table else signals.units
         scaled = {
-            name: signals.samples[name] * getattr(units.get(name), "length" if k else "force", 1.0)
-            for k, name in enumerate(wanted)
+            name: signals.samples[name] * getattr(units.get(name), "force" if name in forces else "length", 1.0)
+            for name in wanted
         }
-        force, *read = scaled.values()
-        return signals.sampling_rate, force, np.column_stack(read)
+        whole = np.column_stack([scaled[name] for name in wanted])
+        return signals.sampling_rate, whole[:, :count], whole[:, count:]
     text = text_table.read(path, str(table.get("separator", "")))
     at = {key: text.column(names[0], f"columns.{key}") for key, names in columns.items()}
     axis = at.get("time", 0)
-    force = at.get("force", next(k for k in range(len(text.cells[0])) if k != axis))
-    rest = [k for k in range(len(text.cells[0])) if k not in (axis, force)]
+    stated = "force" in entry.get("columns", {})
+    first = next(k for k in range(len(text.cells[0])) if k != axis)
+    driven = [text.column(name, "columns.force") for name in forces] if stated else [first]
+    rest = [k for k in range(len(text.cells[0])) if k not in (axis, *driven)]
     named = [at[one.name] for one in responses if one.name in at]
     if not named and len(rest) == len(responses):
         named = rest
@@ -585,7 +621,8 @@ def _record(
         raise BadInput(source=str(path), field="responses", problem=problem, remedy="Name all in order, or state `columns`")
     time = text.numbers(axis).real.astype(np.float64)
     rate = files.rate_of_times(time, str(path), text.header[axis] if text.header else "time")
-    return rate, text.numbers(force).real.astype(np.float64), np.column_stack([text.numbers(k).real for k in named])
+    force, read = (np.column_stack([text.numbers(k).real.astype(np.float64) for k in of]) for of in (driven, named))
+    return rate, force, read
 
 
 def _of_universal(
@@ -596,19 +633,15 @@ def _of_universal(
     Where it names no nodes, ``drive`` and ``responses`` say where they are, and ``unit`` where it contradicts itself.
     """
     file = uff_tests.read(path)
-    functions = [one for one in file.functions if one.kind == uff_tests.RESPONSE_FUNCTION]
+    functions, coherences, at = file.functions, file.coherences, list[tuple[Point, Point]]()
     if not functions:
         remedy = "Export response functions as dataset 58, or modes as a modal table"
         raise BadInput(source=str(path), problem="it holds no dataset 58", remedy=remedy)
     warnings += file.warnings
     places = toml_file.require_table(table.get("places", {}), source=source, where="places")
-    (_, stated), nowhere = _unit(table, source), uff_tests.NodeAxis(node=0, axis="")
-    direction, turned = str(table.get("direction", "")), bool(table.get("inverted", False))
-    coherences = [one for one in file.functions if one.kind != uff_tests.RESPONSE_FUNCTION]
-    count = Counter((one.response, one.reference) for one in coherences)
-    by_ends = {ends: one for one in coherences if count[ends := (one.response, one.reference)] == 1}
-    if all(one.response == nowhere for one in functions) and "responses" in entry:
-        drive, listed = points_of(entry, table, source)
+    direction, inverted = str(table.get("direction", "")), bool(table.get("inverted", False))
+    if all(one.response == uff_tests.NOWHERE for one in functions) and "responses" in entry:
+        (drive,), listed = points_of(entry, table, source)
         if len(listed) != len(functions):
             problem = f"are {len(listed)}, and the file has {len(functions)} functions without nodes"
             raise BadInput(source=str(path), field="responses", problem=problem, remedy="Name one of each, in their order")
@@ -616,47 +649,32 @@ def _of_universal(
             problem = f"it has {len(coherences)} coherences and {len(functions)} functions without nodes"
             raise BadInput(source=str(path), field="coherence", problem=problem, remedy="Export one with each function, or none")
         at = [(drive, response) for response in listed]
-    else:
-        at = []
-        if len(by_ends) < len(count):
-            warnings.append(f"{path} holds several coherences of the same nodes, and they are passed over")
+    elif len({(one.response, one.reference) for one in coherences}) < len(coherences):
+        warnings.append(f"{path} holds several coherences of the same nodes, and they are passed over")
     if "unit" not in table and "quantity" not in table and not all(one.quantity for one in functions):
         warnings.append(f"{path} does not say what was read per newton; acceleration is taken")
+    unit = _unit(table, source)[1] if "unit" in table else None
     found = []
     for k, one in enumerate(functions):
-        if not at and one.reference == nowhere:
+        if not at and one.reference == uff_tests.NOWHERE:
             problem = f"the function of node {one.response.node} names no reference node: where the force acted is missing"
             remedy = "Export it with its reference, or write `drive` and `responses` where it names no nodes at all"
             raise BadInput(source=str(path), field="reference", problem=problem, remedy=remedy)
-        if one.inverted and not turned:
-            problem = f"the function of node {one.response.node} is force over {one.quantity}"
-            remedy = "Write inverted = true, or export response over force"
-            raise BadInput(source=str(path), field="functions", problem=problem, remedy=remedy)
-        if turned and one.inverted is False:
-            problem = f"the function of node {one.response.node} is response over force already"
-            raise BadInput(source=str(path), field="inverted", problem=problem, remedy="Take inverted = true out")
-        if "unit" in table and not one.doubt and one.factor and abs(stated / one.factor - 1) > uff_tests.SAME_UNIT:
-            problem = f"is {stated:g} in SI, and the file says {one.factor:g} for the function of node {one.response.node}"
-            raise BadInput(source=str(path), field="unit", problem=problem, remedy="Take `unit` out, or correct the file")
-        if one.doubt and "unit" not in table:
-            problem = f"the function of node {one.response.node} {one.doubt}"
-            raise BadInput(source=str(path), field="unit", problem=problem, remedy='Write which it is, such as unit = "g/N"')
-        ends = (one.response, one.reference) if turned else (one.reference, one.response)
+        values = one.upright(str(path), inverted, unit)
+        ends = (one.response, one.reference) if inverted else (one.reference, one.response)
         drive, response = at[k] if at else (uff_tests.point(end, file, places, direction) for end in ends)
-        coherence = by_ends.get((one.response, one.reference)) or by_ends.get((one.response, nowhere))
-        coherence = coherences[k] if at and coherences else coherence
+        coherence = coherences[k] if at and coherences else file.coherence(one)
         f = one.frequency if coherence is None else coherence.frequency
         if f.shape != one.frequency.shape or not np.allclose(f, one.frequency, rtol=1e-5):
             problem = f"of {response.name} over {drive.name} has other lines than its function"
             raise BadInput(source=str(path), field="coherence", problem=problem, remedy="Export both with the same lines")
-        factor = 1.0 if "unit" in table or one.factor is None else one.factor
         found.append(
             Piece(
                 source=str(path),
                 drive=drive,
                 response=response,
                 frequency=one.frequency,
-                values=one.values / factor if turned else factor * one.values,
+                values=values,
                 coherence=None if coherence is None else coherence.values.real,
                 quantity=one.quantity,
             )

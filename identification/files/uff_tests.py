@@ -50,6 +50,10 @@ class NodeAxis:
     axis: str
 
 
+NOWHERE = NodeAxis(node=0, axis="")
+"""Of a file that names no nodes."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Function:
     """One dataset 58.
@@ -75,6 +79,29 @@ class Function:
     values: ComplexArray
     factor: float | None = None
     doubt: str = ""
+
+    def upright(self, source: str, inverted: bool, unit: float | None) -> ComplexArray:
+        """Response over force (n,) in SI; in the `unit` [SI] that a study states for a file, where it does.
+
+        Raises
+        ------
+        BadInput : which is over which is not what the study says with `inverted`; units that contradict each other.
+        """
+        what = f"the function of node {self.response.node}"
+        if self.inverted and not inverted:
+            remedy = "Write inverted = true, or export response over force"
+            raise BadInput(source=source, field="functions", problem=f"{what} is force over {self.quantity}", remedy=remedy)
+        if inverted and self.inverted is False:
+            problem = f"{what} is response over force already"
+            raise BadInput(source=source, field="inverted", problem=problem, remedy="Take inverted = true out")
+        if unit is None and self.doubt:
+            problem = f"{what} {self.doubt}"
+            raise BadInput(source=source, field="unit", problem=problem, remedy='Write which it is, such as unit = "g/N"')
+        if unit is not None and not self.doubt and self.factor and abs(unit / self.factor - 1) > SAME_UNIT:
+            problem = f"is {unit:g} in SI, and the file says {self.factor:g} for {what.removeprefix('the ')}"
+            raise BadInput(source=source, field="unit", problem=problem, remedy="Take `unit` out, or correct the file")
+        factor = self.factor if unit is None and self.factor is not None else 1.0
+        return self.values / factor if inverted else factor * self.values
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -104,7 +131,7 @@ class ModalFile:
     source : the file
     nodes : (3,) [m] by number
     axes : (3, 3) by number of a node that has axes of its own: its x, y and z (or r, t, z) as rows
-    functions, modes : in the order of the file
+    functions, coherences, modes : in the order of the file
     warnings : what was passed over, in words
     """
 
@@ -112,8 +139,17 @@ class ModalFile:
     nodes: dict[int, Array]
     axes: dict[int, Array]
     functions: tuple[Function, ...]
+    coherences: tuple[Function, ...]
     modes: tuple[Mode, ...]
     warnings: tuple[str, ...] = ()
+
+    def coherence(self, of: Function) -> Function | None:
+        """That of the function between the same nodes, or of the response to all; None where there are several, or none."""
+        for reference in (of.reference, NOWHERE):
+            found = [one for one in self.coherences if (one.response, one.reference) == (of.response, reference)]
+            if len(found) == 1:
+                return found[0]
+        return None
 
 
 def read(path: Path) -> ModalFile:
@@ -152,13 +188,20 @@ def read(path: Path) -> ModalFile:
                 functions.append(one)
         elif block.number in (55, 2414) and (mode := _mode(block, source)) is not None:
             modes.append(mode)
-    if over and not any(one.kind == RESPONSE_FUNCTION for one in functions):
+    responses = tuple(one for one in functions if one.kind == RESPONSE_FUNCTION)
+    if over and not responses:
         problem = f"it holds no response function (function type {RESPONSE_FUNCTION}), only {', '.join(over)}"
         remedy = "Export response functions, or state `records` if it holds time histories"
         raise BadInput(source=source, field="functions", problem=problem, remedy=remedy)
     warnings = [f"{source}: {count} functions are passed over: {what}" for what, count in over.items()]
     return ModalFile(
-        source=source, nodes=nodes, axes=axes, functions=tuple(functions), modes=tuple(modes), warnings=tuple(warnings)
+        source=source,
+        nodes=nodes,
+        axes=axes,
+        functions=responses,
+        coherences=tuple(one for one in functions if one.kind != RESPONSE_FUNCTION),
+        modes=tuple(modes),
+        warnings=tuple(warnings),
     )
 
 

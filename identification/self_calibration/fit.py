@@ -425,8 +425,9 @@ def _paid(
     """The minimum with one pole more; None where it takes less than `price` out of chi²."""
     if longer is None:
         return None
-    more = _minimum(longer[0], settings.floor, longer[1], most=FURTHER_STEPS)
-    if 2 * (solution.normal.cost - more.normal.cost) < price:
+    worth = solution.normal.cost - price / 2
+    more = _minimum(longer[0], settings.floor, longer[1], most=FURTHER_STEPS, worth=worth)
+    if more.normal.cost > worth:
         return None
     return longer[0], more if more.converged else _minimum(longer[0], settings.floor, more.x)
 
@@ -448,10 +449,14 @@ def _minimum(
     close: float = CLOSE,
     most: int = MOST,
     progress: Callable[[float], None] | None = None,
+    worth: float = np.inf,
 ) -> Solution:
-    """The minimum for the weights of `floor`, of the cost near one point after another; of the cost itself where that fails."""
+    """The minimum for the weights of `floor`, of the cost near one point after another; of the cost itself where that fails.
+
+    It is given up where it will not come below a cost of `worth`.
+    """
     parts, layout, size, found = problem.parts(floor), problem.layout, _size(problem, floor), None
-    least = partial(minimise, knowledge=problem.knowledge, close=close, asked=layout.at("article"), size=size)
+    least = partial(minimise, knowledge=problem.knowledge, close=close, asked=layout.at("article"), size=size, worth=worth)
     best, lowest, x = start, np.inf, start
     about: list[NearPart] = []
     for _ in range(ROUNDS if most > 1 else 0):
@@ -469,6 +474,8 @@ def _minimum(
             cost=lambda to: sum(one.cost(to) for one in about),
         )
         x = found.x
+        if not found.converged and found.beyond_hope(worth):
+            return found
     return least(
         lambda x: total(normals(parts, layout, x), len(x)),
         best,

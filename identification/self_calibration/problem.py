@@ -2,8 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
-from weakref import WeakKeyDictionary
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -212,13 +211,10 @@ class Structure:
 
 @dataclass(eq=False, kw_only=True)
 class Kept:
-    """What is observed of a campaign at one floor; chain, dynamic mass and cost where it was told last."""
+    """What is observed of a campaign at one floor; chain, dynamic mass and the cost near them where it was told last."""
 
     observed: Observed
-    about: Any = ()
-
-
-_KEPT: "WeakKeyDictionary[Chain, dict[tuple[float, bytes], Kept]]" = WeakKeyDictionary()
+    about: tuple[Array, ComplexArray, likelihood.Near] | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -240,7 +236,7 @@ class Part:
     chain: Chain
     offsets: npt.NDArray[np.int64]
     structure: Structure
-    kept: "Kept"
+    kept: Kept
 
     def rows(self, layout: Layout, x: Array, *, changes: bool = True) -> Rows:
         """The linear model at `x`, with its derivatives where `changes`."""
@@ -258,14 +254,16 @@ class Part:
 
     def near(self, layout: Layout, x: Array, within: float) -> "NearPart":
         """The cost near `x`: the one that was told before where it says that of `x` to `within`, else anew."""
-        last = NearPart(part=self, layout=layout, selection=self.selection(layout), exact=self.cost(layout, x), known=True)
-        if self.kept.about and abs(last.cost(x) - last.exact) <= within:
-            return last
+        of = partial(NearPart, part=self, layout=layout, selection=self.selection(layout), exact=self.cost(layout, x))
+        if self.kept.about is not None:
+            last = of(about=self.kept.about, known=True)
+            if abs(last.cost(x) - last.exact) <= within:
+                return last
         theta, f = x[self.offsets], self.observed.frequency
         H, (a0, a1) = self.structure.dynamic_mass(layout, x, f), self.chain.rows(theta, f)
         rows = Rows(a0=a0, a1=a1, dynamic_mass=H, chain=self.chain.derivatives(theta, f, H))
         self.kept.about = theta, H, likelihood.near(self.observed, rows)
-        return replace(last, known=False)
+        return of(about=self.kept.about, known=False)
 
     def selection(self, layout: Layout) -> Array:
         """(own, len(layout)): chain offsets, the ten and the elastic parameters from the joint vector."""
@@ -281,22 +279,23 @@ class NearPart:
     part: Part
     layout: Layout
     selection: Array
+    about: tuple[Array, ComplexArray, likelihood.Near]
     exact: float
     known: bool
 
     def cost(self, x: Array) -> float:
         """At the joint vector `x`."""
-        return float(self.part.kept.about[2].cost(*self._away(x)))
+        return self.about[2].cost(*self._away(x))
 
     def normal(self, x: Array) -> Normal:
         """The same to second order."""
         part, S, (i, j) = self.part, self.selection, model.UPPER
         changes = part.structure.derivatives(self.layout, x, part.observed.frequency)[:, :, i, j]
-        own = part.kept.about[2].normal(*self._away(x), np.ascontiguousarray(changes))
+        own = self.about[2].normal(*self._away(x), np.ascontiguousarray(changes))
         return Normal(cost=own.cost, gradient=S.T @ own.gradient, matrix=S.T @ own.matrix @ S)
 
     def _away(self, x: Array) -> tuple[Array, ComplexArray]:
-        theta, H, _ = self.part.kept.about
+        theta, H, _ = self.about
         now = self.part.structure.dynamic_mass(self.layout, x, self.part.observed.frequency)
         return x[self.part.offsets] - theta, (now - H)[:, *model.UPPER]
 
@@ -397,6 +396,7 @@ class CampaignProblem:
     chain_block : in the joint layout, that of its hardware
     structure : what stood on the load cells
     lines : indices that are used
+    kept : by floor and lines; whatever the structure becomes
     """
 
     name: str
@@ -405,6 +405,7 @@ class CampaignProblem:
     chain_block: str
     structure: Structure
     lines: likelihood.Indices
+    kept: dict[tuple[float, bytes], Kept] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -448,17 +449,17 @@ class Assembly:
         for one in self.campaigns:
             at, names = self.layout.at(one.chain_block), self.layout.block(one.chain_block).names
             offsets = [at.start + names.index(parameter.name) for parameter in one.chain.parameters]
-            kept, which = _KEPT.setdefault(one.chain, {}), (floor, one.lines.tobytes())
-            if which not in kept:
-                kept[which] = Kept(observed=observed(one.spectra, one.chain.columns, one.lines, floor))
+            which = floor, one.lines.tobytes()
+            if which not in one.kept:
+                one.kept[which] = Kept(observed=observed(one.spectra, one.chain.columns, one.lines, floor))
             found.append(
                 Part(
                     name=one.name,
-                    observed=kept[which].observed,
+                    observed=one.kept[which].observed,
                     chain=one.chain,
                     offsets=np.array(offsets, dtype=np.int64),
                     structure=one.structure,
-                    kept=kept[which],
+                    kept=one.kept[which],
                 )
             )
         return found

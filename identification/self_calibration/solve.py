@@ -103,6 +103,10 @@ EVERYTHING = slice(None)
 MOST = 60
 """Evaluations before the iteration is given up."""
 
+HOPE = 10.0
+"""Times what the quadratic model still expects that a fit gains along the worst valley seen. Exercised by
+tests/identification/self_calibration/test_likelihood.py."""
+
 LEAST, HOPELESS = 1e-6, 1e12
 """Damping with which the iteration begins, and with which it is given up."""
 
@@ -138,6 +142,10 @@ class Solution:
     decrement: float
     evaluations: int
 
+    def beyond_hope(self, worth: float) -> bool:
+        """Whether `HOPE` times what the quadratic model expects still leaves it above a cost of `worth`."""
+        return self.normal.cost - 0.5 * HOPE * self.decrement**2 > worth
+
 
 def minimise(
     data: Callable[[Array], Normal],
@@ -151,6 +159,7 @@ def minimise(
     bounds: tuple[Array, Array] | None = None,
     progress: Callable[[float], None] | None = None,
     cost: Callable[[Array], float] | None = None,
+    worth: float = np.inf,
 ) -> Solution:
     """The minimum of the cost of `data` and of half the square of the whitened `knowledge`, from `start` (k,).
 
@@ -158,6 +167,7 @@ def minimise(
     Where the data, of `size` real numbers, do not fit, standard deviations are larger than they are stated, and so is `close`.
     `cost` is that of `data` alone to the last digit, where it is made sooner than the equations: once a step was refused, every
     other is asked for it first, and the equations of those that are refused are never made.
+    `worth` is the total cost that the minimum must lie below: it is given up once steps gain next to nothing and that is too far.
     Once steps gain next to nothing, only the parameters `asked` for count: others may creep in a valley where they say the same.
     """
     room = bounds or (np.full(len(start), -np.inf), np.full(len(start), np.inf))
@@ -175,6 +185,8 @@ def minimise(
             return _solution(here, here.x + here.step(0.0), True, evaluation)
         if gained < NOTHING and here.length(asked) < close * excess(here.data, size):
             return _solution(here, here.x, True, evaluation)
+        if gained < NOTHING and (given_up := _solution(here, here.x, False, evaluation)).beyond_hope(worth):
+            return given_up
         step = here.step(damping)
         evaluation += 1
         try:
@@ -287,7 +299,7 @@ def inverse(matrix: Array) -> Array:
 
 def _factorised(matrix: Array) -> tuple[Array, Array, Array]:
     """Scale (k,) that brings the diagonal to 1, eigenvalues (k,) and -vectors (k, k) of what is scaled; none below rounding."""
-    scale = 1 / np.sqrt(np.maximum(np.diag(matrix), TINY))
+    scale = 1 / np.sqrt(np.maximum(np.abs(np.diag(matrix)), TINY))  # rounding may leave one below zero
     values, vectors = np.linalg.eigh(scale[:, None] * matrix * scale)
     return scale, np.maximum(values, values[-1] * len(matrix) * np.finfo(np.float64).eps), vectors
 

@@ -113,12 +113,28 @@ def full_record(signals: npt.ArrayLike, sampling_rate: float, frequency: npt.Arr
         )
     steps = np.diff(lines)
     even = len(lines) > 2 and bool(np.all(np.abs(steps - steps.mean()) <= EVEN * steps.mean()))
+    if even and (folded := _folded(x.reshape(len(x), -1), lines, steps.mean(), sampling_rate)) is not None:
+        return np.asarray(folded.reshape(len(lines), *x.shape[1:]) / sampling_rate)
     if even:
         made = _chirp_transform(x.reshape(len(x), -1).T, lines[0] / sampling_rate, steps.mean() / sampling_rate, len(lines))
         return np.asarray(made.T.reshape(len(lines), *x.shape[1:]) / sampling_rate)
     k = np.arange(len(x))
     turning = (np.exp(-2j * np.pi * f / sampling_rate * k) for f in lines)
     return np.asarray(np.stack([np.tensordot(turn, x, axes=1) for turn in turning]) / sampling_rate)
+
+
+def _folded(x: Array, lines: Array, step: float, sampling_rate: float) -> ComplexArray | None:
+    """(m, c) sum_k x_k exp(-2 pi i f k) of x (n, c) at `lines` that are multiples of their `step`, of which a whole number is the
+    `sampling_rate`: after so many samples all of them turn anew, so that the record may be laid upon itself. None of others."""
+    size, first = round(sampling_rate / step), round(lines[0] / step)
+    away = max(abs(sampling_rate / step - size) * (first + len(lines)) / size, abs(lines[0] / step - first))
+    if away * step * len(x) / sampling_rate > EVEN:  # [turns] that a line is off at the end of the record
+        return None
+    sheet = np.array(x[:size]) if len(x) >= size else np.concatenate([x, np.zeros((size - len(x), x.shape[1]))])
+    for start in range(size, len(x), size):
+        piece = x[start : start + size]
+        sheet[: len(piece)] += piece
+    return np.asarray(np.fft.rfft(sheet.T)[:, first : first + len(lines)].T)
 
 
 PIECE = 4

@@ -7,6 +7,9 @@ With X, F the spectra of blocks and S_xf = <X F*>, S_ff = <F F*>, S_xx = <X X*> 
 H1 where the response is noisy, H2 where the force is, Hv between them (J. S. Bendat and A. G. Piersol, Random Data, 2010,
 chapters 6 and 9). Averages of overlapping blocks count less than their number (P. D. Welch, IEEE Trans. Audio 15, 1967).
 
+Of several forces at a time S_ff is a matrix, and g² of a function the partial coherence: that of response and force without what
+the other forces make of both (the same, chapter 7). All of a response that forces explain, its multiple coherence, is no less.
+
 A blow that rings longer than its block is windowed by exp(-t / decay), force and response alike. That moves the axis on which
 the transfer function H(s) is read from s = i omega to i omega + 1 / decay and changes nothing else: a prediction that is made
 there has the window too, and no damping needs to be taken off (W. G. Halvorsen and D. L. Brown, Sound and Vibration 11, 1977).
@@ -48,21 +51,25 @@ OUT_OF_LINE = 3.0
 RINGS = 0.05
 """Share of its largest value that an impulse response may have at the end of its block."""
 
+LOUD = 5.0
+"""[standard deviations] by which it is above noise there. By definition: of some hundred samples."""
+
 CLIPPED = 5
 """Samples in a row at the end of a channel's range that no signal has."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Estimate:
-    """Response functions of one drive.
+    """Response functions of the forces of a record.
 
     Attributes
     ----------
     frequency : (n,) [Hz], above zero
-    values : (n, c) response over force
-    coherence : (n, c) [0 to 1]; ones of a single blow, which tells none
+    values : (r, n, c) response over force
+    coherence : (r, n, c) [0 to 1]; ones of a single blow, which tells none
     averages : independent averages, rounded down
     reach : [Hz] up to which the force drives
+    rings : share of its largest value that an impulse response has at the end of its block; 0 where it is none to speak of
     warnings : in words
     """
 
@@ -71,6 +78,7 @@ class Estimate:
     coherence: Array
     averages: int
     reach: float
+    rings: float = 0.0
     warnings: tuple[str, ...] = ()
 
 
@@ -89,7 +97,7 @@ def shaken(
 
     Parameters
     ----------
-    force, responses : (n,), (n, c) equally sampled
+    force, responses : (n, r), (n, c) equally sampled; r forces at a time, which must be independent
     rate : [Hz]
     block : [s] length of a block, the resolution is its inverse; 0 for a fifth of the record
     overlap : share of a block that the next one has in common with it
@@ -97,13 +105,15 @@ def shaken(
 
     Raises
     ------
-    BadInput : a silent or clipped channel, a block that does not fit, an unknown window.
+    BadInput : a silent or clipped channel, a block that does not fit, an unknown window; several forces that are one.
     """
     from scipy.signal import get_window
 
     f, x = np.asarray(force, dtype=np.float64), np.asarray(responses, dtype=np.float64)
     _require_alive(f, x, source)
-    for name, channel in (("force", f), *((f"response {k + 1}", x[:, k]) for k in range(x.shape[1]))):
+    several = f.shape[1]
+    names = [f"force {k + 1}" if several > 1 else "force" for k in range(several)]
+    for name, channel in zip([*names, *(f"response {k + 1}" for k in range(x.shape[1]))], np.hstack([f, x]).T, strict=True):
         if clipped(channel):
             problem = "is clipped: it stays at the end of its range for several samples"
             raise BadInput(source=source, field=name, problem=problem, remedy="Record it again in a wider range")
@@ -127,12 +137,17 @@ def shaken(
     alike = sum(2 * (1 - k / count) * (w[:-lag] @ w[lag:] / (w @ w)) ** 2 for k, lag in lags)
     averages = count / (1 + alike)
     lines = np.asarray(np.fft.rfftfreq(size, 1 / rate)[1:], dtype=np.float64)
-    values, coherence = _averaged(spectra, estimator, source)
+    if several > 1 and (estimator != H1 or averages < several + 1):
+        problem = f"{estimator} of {averages:.0f} averages does not tell {several} forces at a time apart"
+        remedy = f"Take H1, of {several + 1} blocks or more, or a file for each force"
+        raise BadInput(source=source, field="records", problem=problem, remedy=remedy)
+    values, coherence = _averaged(spectra[:, :, :several], spectra[:, :, several:], estimator, source)
+    averages -= several - 1
     warnings = []
     if averages < 2:
         coherence = np.ones_like(coherence)
         warnings.append(f"{source}: a single average tells no coherence; take a shorter block")
-    said = _unresolved(lines, values, window)
+    said = _unresolved(lines, np.hstack(list(values)), window)
     reach = float(lines[-1])
     return Estimate(
         frequency=lines,
@@ -144,28 +159,39 @@ def shaken(
     )
 
 
-def _averaged(spectra: ComplexArray, estimator: str, source: str) -> tuple[ComplexArray, Array]:
-    """Functions and coherence (n, c) of spectra (b, n, 1 + c), the force first."""
-    F, X = spectra[:, :, :1], spectra[:, :, 1:]
-    tiny = np.finfo(np.float64).tiny
-    S_ff, S_xx = np.mean(np.abs(F) ** 2, axis=0), np.mean(np.abs(X) ** 2, axis=0)
-    S_xf = np.mean(X * F.conj(), axis=0)
-    if np.any(S_ff <= tiny):
+APART = 0.02
+"""[share] What no other force explains of one, in the mean over lines, below which they are one. Held by
+tests/identification/test_test_files.py."""
+
+
+def _averaged(F: ComplexArray, X: ComplexArray, estimator: str, source: str) -> tuple[ComplexArray, Array]:
+    """Functions and coherence (r, n, c) of spectra (b, n, r) of forces and (b, n, c) of responses."""
+    tiny, count = np.finfo(np.float64).tiny, len(F)
+    S_ff = np.einsum("bnr,bns->nrs", F, F.conj()) / count
+    S_xf, S_xx = np.einsum("bnc,bnr->nrc", X, F.conj()) / count, np.mean(np.abs(X) ** 2, axis=0)
+    own = np.einsum("nrr->nr", S_ff).real
+    if np.any(own <= tiny):
         remedy = "Look at the record"
         raise BadInput(source=source, field="force", problem="drives nothing at some lines", remedy=remedy)
-    coherence = np.abs(S_xf) ** 2 / np.maximum(S_ff * S_xx, tiny)
-    first = S_xf / S_ff
-    if estimator == H1:
-        values = first
-    elif estimator == H2:
-        values = S_xx / np.where(np.abs(S_xf) > tiny, S_xf.conj(), tiny)
-    else:
-        values = np.sqrt(S_xx / S_ff) * np.exp(1j * np.angle(S_xf))
-    return np.asarray(values), np.asarray(np.minimum(coherence, 1.0))
+    scale = np.sqrt(own)
+    alone = np.linalg.inv(S_ff / scale[:, :, None] / scale[:, None, :] + 1e-9 * np.eye(F.shape[2]))  # of copies there is none
+    apart = 1 / np.maximum(np.einsum("nrr->nr", alone).real, 1.0)
+    if (least := float(apart.mean(axis=0).min())) < APART:
+        problem = f"{F.shape[2]} forces are as one: others explain {100 * (1 - least):.1f} % of one of them"
+        raise BadInput(source=source, field="drive", problem=problem, remedy="Drive them by independent signals, or one by one")
+    values = np.einsum("nrs,nsc->nrc", (alone / scale[:, :, None] / scale[:, None, :]).transpose(0, 2, 1), S_xf)
+    left = np.maximum(S_xx - np.einsum("nrc,nrc->nc", values, S_xf.conj()).real, 0.0)[:, None]
+    power = np.abs(values) ** 2 * (own * apart)[:, :, None]
+    coherence = power / np.maximum(power + left, tiny)
+    if estimator == H2:
+        values = S_xx[:, None] / np.where(np.abs(S_xf) > tiny, S_xf.conj(), tiny)
+    elif estimator == HV:
+        values = np.sqrt(S_xx[:, None] / own[:, :, None]) * np.exp(1j * np.angle(S_xf))
+    return values.transpose(1, 0, 2), coherence.transpose(1, 0, 2)
 
 
 def _require_alive(force: Array, responses: Array, source: str) -> None:
-    for name, channel in (("force", force[:, None]), ("response", responses)):
+    for name, channel in (("force", force), ("response", responses)):
         if not np.all(np.isfinite(channel)):
             raise BadInput(source=source, field=name, problem="holds NaN or infinity", remedy="Export the record again")
         if np.any(np.ptp(channel, axis=0) == 0):
@@ -237,7 +263,7 @@ def blows(
     BadInput : no blow, a block that does not fit behind any.
     """
     f, x = np.asarray(force, dtype=np.float64), np.asarray(responses, dtype=np.float64)
-    _require_alive(f, x, source)
+    _require_alive(f[:, None], x, source)
     f = f - np.median(f)
     sign = 1.0 if f.max() >= -f.min() else -1.0
     quiet = 1.4826 * np.median(np.abs(f)) * 8
@@ -327,7 +353,7 @@ def struck(found: Sequence[Blow], rate: float, *, decay: float = 0.0, estimator:
     level = np.sqrt(np.mean(np.abs(blocks[:, :, 0]) ** 2, axis=0))
     driven = np.flatnonzero(level > REACH * level.max())
     reach = float(lines[driven[-1]])
-    values, coherence = _averaged(blocks, estimator, source)
+    values, coherence = _averaged(blocks[:, :, :1], blocks[:, :, 1:], estimator, source)
     if len(good) == 1:
         coherence = np.ones_like(coherence)
     if len(good) > 2:
@@ -340,22 +366,23 @@ def struck(found: Sequence[Blow], rate: float, *, decay: float = 0.0, estimator:
         usual = float(np.median(apart))
         warnings += [
             f"{source}: the blow at {one.at:.4g} s has poor coherence: {100 * far:.0f} % from the others, which lie "
-            f"{100 * usual:.0f} % from each other; was it beside its point, or crooked?"
+            f"{100 * usual:.0f} % from each other; was it beside its point or crooked, or did all move from the one before?"
             for one, far in zip(good, apart, strict=True)
             if far > OUT_OF_LINE * usual and far > 0.03
         ]
-    held = np.array(values)
-    held[driven[-1] + 1 :] = held[driven[-1]].real  # beyond, a blow drives nothing
-    impulse = np.fft.irfft(held, size, axis=0)
-    left = np.abs(impulse[-max(2, size // 20) :]).max(axis=0) / np.abs(impulse[1 : size // 2]).max(axis=0)
-    if np.any(left > RINGS):
-        rest = f"{100 * left.max():.0f} % of the answer still rings at the end of a block of {size / rate:.3g} s"
-        warnings.append(f"{source}: {rest}; damping will seem larger, take a longer block")
+    # Faded out to where a blow drives nothing, for an edge would ring in itself. The last `BEFORE` are what came before the blow
+    faded = np.square(np.cos(np.pi / 2 * np.clip(2 * lines / reach - 1, 0.0, 1.0)))
+    smooth, near, g2 = values[0] * faded[:, None], max(2, round(BEFORE * size)), np.maximum(coherence[0], 1e-6)
+    impulse = np.abs(np.fft.irfft(smooth, size, axis=0))
+    noise = np.sqrt(2 * np.sum(np.abs(smooth) ** 2 * (1 - g2) / (g2 * len(good)), axis=0)) / size
+    last = impulse[-size // 20 - near : -round(1.1 * near)].max(axis=0)
+    left = np.where(last > LOUD * noise, last / impulse[near : size // 2].max(axis=0), 0.0)
     return Estimate(
         frequency=lines[1:],
-        values=values[1:],
-        coherence=coherence[1:],
+        values=values[:, 1:],
+        coherence=coherence[:, 1:],
         averages=len(good),
         reach=reach,
+        rings=float(left.max()) if np.any(left > RINGS) else 0.0,
         warnings=tuple(warnings),
     )

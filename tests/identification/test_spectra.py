@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 
 from geometry.dynamic_mass import DynamicMass
 from geometry.errors import BadInput
-from identification.spectra.line_spectra import full_record
+from identification.spectra.line_spectra import _folded, full_record
 from identification.spectra.peak_hold import applied, kept, lone_mode, model_lines, peak_reference_hold, sweep_bias
 
 RATE = 512.0
@@ -27,10 +27,13 @@ def test_the_spectrum_of_a_decay_is_the_closed_form_of_its_geometric_sum() -> No
     np.testing.assert_allclose(found, series, rtol=0, atol=1e-9 * np.abs(series).max())
 
 
-def test_even_lines_by_the_chirp_transform_are_those_of_the_sum() -> None:
-    x = np.random.default_rng(3).standard_normal((1000, 2, 3))
-    apart = full_record(x, RATE, [4.0, 4.5])  # two lines are summed, many even ones are not
-    np.testing.assert_allclose(full_record(x, RATE, LINES)[:2], apart, rtol=0, atol=1e-12 * np.abs(x).sum() / RATE)
+@pytest.mark.parametrize("length", [700, 2900])
+@pytest.mark.parametrize(("rate", "folds"), [(RATE, True), (511.7, False)])
+def test_even_lines_are_those_of_the_sum_by_the_chirp_or_on_a_folded_record(rate: float, folds: bool, length: int) -> None:
+    x = np.random.default_rng(3).standard_normal((length, 2, 3))
+    apart = full_record(x, rate, LINES[:2])  # two lines are summed, many even ones are not
+    np.testing.assert_allclose(full_record(x, rate, LINES)[:2], apart, rtol=0, atol=1e-12 * np.abs(x).sum() / rate)
+    assert (_folded(x.reshape(length, -1), LINES, 0.5, rate) is not None) is folds
 
 
 def test_a_record_of_any_length_has_the_precision_of_a_short_one() -> None:

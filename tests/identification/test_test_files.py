@@ -382,15 +382,40 @@ def test_estimators_of_a_shaker_bracket_the_function_where_each_channel_is_noisy
     noise = 0.5 * x.std() * rng.standard_normal(len(x))
     level = {}
     for of in response_estimates.ESTIMATORS:
-        made = response_estimates.shaken(force, (x + noise)[:, None], RATE, block=4.0, estimator=of)
+        made = response_estimates.shaken(force[:, None], (x + noise)[:, None], RATE, block=4.0, estimator=of)
         away = (made.frequency > 20) & (made.frequency < 50)
-        level[of] = np.median(np.abs(made.values[away, 0] / exact(made.frequency[away])))
+        level[of] = np.median(np.abs(made.values[0, away, 0] / exact(made.frequency[away])))
     assert level["H1"] == pytest.approx(1, abs=0.06)
     assert level["H1"] < level["Hv"] < level["H2"]
-    clean = response_estimates.shaken(force, x[:, None], RATE, block=8.0)
+    clean = response_estimates.shaken(force[:, None], x[:, None], RATE, block=8.0)
     near = np.abs(clean.frequency - 60) < 3
-    assert_allclose(clean.values[near, 0], exact(clean.frequency[near]), rtol=0.06)  # leakage of 8 s at this damping
-    assert clean.coherence[near].min() > 0.95
+    assert_allclose(clean.values[0, near, 0], exact(clean.frequency[near]), rtol=0.06)  # leakage of 8 s at this damping
+    assert clean.coherence[0, near].min() > 0.95
+
+
+def test_several_shakers_at_a_time_are_told_apart_and_their_noise_is_what_their_coherence_says() -> None:
+    rng, errors, said = np.random.default_rng(1), [], []
+    for _ in range(20):
+        one, other = rng.standard_normal((2, RATE * 60))
+        other = 0.5 * one + other  # the structure couples them a little
+        x = answer(one) - 2 * answer(other, frequency=45.0)
+        x = x + 0.1 * x.std() * rng.standard_normal(len(x))
+        made = response_estimates.shaken(np.column_stack([one, other]), x[:, None], RATE, block=2.0)
+        away = (made.frequency > 10) & (made.frequency < 30)
+        true = np.array([exact(made.frequency[away]), -2 * exact(made.frequency[away], frequency=45.0)])
+        H, g2 = made.values[:, away, 0], made.coherence[:, away, 0]
+        errors.append(np.mean(np.abs(H / true - 1) ** 2, axis=1))
+        said.append(np.mean((1 - g2) / (g2 * made.averages), axis=1))
+        alone = response_estimates.shaken(one[:, None], x[:, None], RATE, block=2.0)
+        assert np.median(np.abs(alone.values[0, away, 0] / true[0] - 1)) > 0.5
+    assert_allclose(np.sqrt(np.mean(errors, axis=0)), np.sqrt(np.mean(said, axis=0)), rtol=0.1)
+    with pytest.raises(BadInput, match="2 forces are as one"):
+        response_estimates.shaken(np.column_stack([one, 1.5 * one + 0.01 * other]), x[:, None], RATE, block=2.0)
+    for copies in ([one, one], [one, -2 * one], [one, other, one + other]):
+        with pytest.raises(BadInput, match="forces are as one"):
+            response_estimates.shaken(np.column_stack(copies), x[:, None], RATE, block=2.0)
+    with pytest.raises(BadInput, match=r"H2 of .* averages does not tell 2 forces"):
+        response_estimates.shaken(np.column_stack([one, other]), x[:, None], RATE, block=2.0, estimator="H2")
 
 
 def blows_of(zeta: float, count: int = 4) -> tuple[Array, Array]:
@@ -412,12 +437,13 @@ def test_blows_give_the_function_on_the_axis_to_which_their_window_moves_it(zeta
     assert [one.fault for one in found] == [""] * 4
     made = response_estimates.struck(found, RATE, decay=decay)
     near = np.abs(made.frequency - 60) < 5
-    assert_allclose(made.values[near, 0], exact(made.frequency[near], decay, zeta=zeta), rtol=3e-3)  # what is left at the end
+    assert_allclose(made.values[0, near, 0], exact(made.frequency[near], decay, zeta=zeta), rtol=3e-3)  # what is left at the end
     assert not made.warnings
+    assert not made.rings
     if decay:
         short = response_estimates.struck(found, RATE)
-        assert any("still rings" in one for one in short.warnings)
-        assert np.abs(short.values[near, 0]).max() < 0.9 * np.abs(exact(made.frequency[near], zeta=zeta)).max()
+        assert short.rings > 0.05
+        assert np.abs(short.values[0, near, 0]).max() < 0.9 * np.abs(exact(made.frequency[near], zeta=zeta)).max()
 
 
 def test_double_hits_overload_and_blows_beside_their_point_are_said_by_blow() -> None:
@@ -446,10 +472,10 @@ def test_a_record_without_a_hit_and_a_clipped_channel_are_refused() -> None:
     with pytest.raises(BadInput, match="no blow"):
         response_estimates.blows(noise, noise[:, None], RATE)
     with pytest.raises(BadInput, match="silent"):
-        response_estimates.shaken(0 * noise, noise[:, None], RATE)
+        response_estimates.shaken(0 * noise[:, None], noise[:, None], RATE)
     loud = np.clip(np.convolve(noise, np.ones(30), mode="same"), -4, 4)
     with pytest.raises(BadInput, match="clipped"):
-        response_estimates.shaken(noise, loud[:, None], RATE)
+        response_estimates.shaken(noise[:, None], loud[:, None], RATE)
 
 
 def test_records_in_files_become_functions_with_their_coherence(tmp_path: Path) -> None:
@@ -470,6 +496,55 @@ def test_records_in_files_become_functions_with_their_coherence(tmp_path: Path) 
     assert made[0].averages > 5
     near = np.abs(made[0].frequency - 30) < 5
     assert_allclose(made[0].values[0, near, 0], exact(made[0].frequency[near]), rtol=0.03)
+
+
+@pytest.mark.parametrize("ending", ["csv", "h5"])
+def test_a_file_may_hold_several_forces_at_a_time(tmp_path: Path, ending: str) -> None:
+    rng = np.random.default_rng(4)
+    F1, F2 = rng.standard_normal((2, RATE * 40))
+    samples = {"F1": F1, "x": answer(F1) + 3 * answer(F2, frequency=40.0), "F2": F2}
+    files.write(tmp_path / "two.h5", Signals(source="two", samples=samples, sampling_rate=RATE))
+    columns = {"time": np.arange(len(F1)) / RATE, **samples}
+    np.savetxt(tmp_path / "two.csv", np.column_stack([*columns.values()]), delimiter=",", header=",".join(columns), comments="")
+    stated = {"file": f"two.{ending}", "drive": ["a", "b"], "responses": ["c"], "quantity": "displacement"}
+    names = {"force": ["F1", "F2"], "c": "x"}
+    found = read(tmp_path, described(**stated, columns=names, records={"block": "4 s"}))
+    assert [one.place for one in found.drives] == ["a", "b"]
+    near = np.abs(found.frequency - 25) < 5
+    for k, true in enumerate((exact(found.frequency[near]), 3 * exact(found.frequency[near], frequency=40.0))):
+        assert_allclose(found.values[k, near, 0], true, rtol=0.05)
+    with pytest.raises(BadInput, match="names 0 forces, and the drives are 2"):
+        read(tmp_path, described(**stated, columns={"c": "x"}, records={"block": "4 s"}))
+    with pytest.raises(BadInput, match="names 1 forces, and the drives are 2"):
+        read(tmp_path, described(**stated, columns={"force": ["F1", "F1"], "c": "x"}, records={"block": "4 s"}))
+    with pytest.raises(BadInput, match="several at a time are read from records of shakers"):
+        read(tmp_path, described(**stated, columns=names, records={"kind": "hammer"}))
+
+
+def test_a_channel_that_reads_nothing_of_the_force_is_said(tmp_path: Path) -> None:
+    rng, (force, x) = np.random.default_rng(5), blows_of(0.01)
+    noise = 1e-3 * x.std() * rng.standard_normal((2, len(x)))
+    said = []
+    for name, read_at, other in (("a", x, noise[0]), ("b", x, x + noise[1]), ("c", noise[1], noise[0])):
+        samples = {"force": force, "a-z": read_at, "b-z": other}
+        files.write(tmp_path / f"{name}.h5", Signals(source=name, samples=samples, sampling_rate=RATE))
+        table = described(file=f"{name}.h5", drive="a", responses=["a", "b"], records={"kind": "hammer"})
+        said.append([one for one in read(tmp_path, table).warnings if "the force" in one])
+    assert len(said[0]) == 1
+    assert "b-z reads nothing of the force: its coherence is 0.2" in said[0][0]
+    assert said[1] == []
+    assert len(said[2]) == 1
+    assert "no response follows the force" in said[2][0]
+
+
+def test_answers_that_ring_on_are_said_once_for_all_files(tmp_path: Path) -> None:
+    force, x = blows_of(0.001, count=2)
+    for name in ("a", "b", "c"):
+        files.write(tmp_path / f"{name}.h5", Signals(source=name, samples={"force": force, name: x}, sampling_rate=RATE))
+    entries = [{"path": f"{name}.h5", "drive": name, "columns": {"response": name}} for name in ("a", "b", "c")]
+    found = read(tmp_path, described(files=entries, responses=["r"], records={"kind": "hammer", "block": "3.8 s"}))
+    (said,) = (one for one in found.warnings if "ring" in one)
+    assert "and of 2 other files still ring" in said
 
 
 # The real ones.

@@ -205,6 +205,25 @@ def test_in_a_valley_refused_steps_are_known_by_their_cost_alone_and_the_way_is_
     assert len(asked) < every
 
 
+def test_a_minimum_along_a_valley_is_given_up_where_it_will_not_pay_and_only_there():
+    """The cost falls ever more slowly, as x^-2: a cost that is reached in the end is not given up."""
+
+    def data(x):
+        left = np.array([1 / (1 + x[0]), 10.0])
+        slope = -1 / (1 + x[0]) ** 2
+        return Normal(cost=0.5 * float(left @ left), gradient=np.array([left[0] * slope]), matrix=np.array([[slope**2]]))
+
+    def nothing(x):
+        return np.zeros(0), np.zeros((0, 1))
+
+    whole = minimise(data, np.zeros(1), nothing, close=1e-3)
+    assert whole.normal.cost < 50.0001
+    hopeless = minimise(data, np.zeros(1), nothing, close=1e-3, worth=49.0)
+    assert not hopeless.converged
+    assert hopeless.evaluations < 0.5 * whole.evaluations
+    assert minimise(data, np.zeros(1), nothing, close=1e-3, worth=50.001).normal.cost == whole.normal.cost
+
+
 FLOOR = 0.0015
 
 
