@@ -14,7 +14,7 @@ from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from geometry.toml_file import nearest
 from identification.self_calibration.solve import Normal, excess, smoothed_level, total
-from validation.estimation.fit import BREAKDOWNS, PLAIN_FLOOR, STRIDE, Progress, at_bounds, descent, fit, nearby
+from validation.estimation.fit import BREAKDOWNS, PLAIN_FLOOR, STRIDE, Progress, at_bounds, child, descent, fit, nearby
 from validation.estimation.fit import FLOOR as FIT_FLOOR
 from validation.estimation.likelihood import Cost, Left, cost_of, left_of_run, observed
 from validation.estimation.problem import FITTED, PLAIN, Evaluation, Fit, Lines, Offsets, Predicted, Prediction, Problem, Share
@@ -396,23 +396,14 @@ def evaluate(
     apart = named(problem, hold_out) if hold_out else None
     thinned = problem.thinned()
     known = thinned if apart is None else without(thinned, apart)
-    if fitted is not None:
-        plain = nearby(known, PLAIN, fitted.by_name, lambda share: tell(0.25 * share), floor=floor)
+    begun, before = (parent.fitted, parent.plain_fit) if isinstance(parent, Evaluation) else (parent, None)
+    every = fitted or fit(known, FITTED, start=begun, progress=lambda share: tell(0.5 * share))
+    if fitted is None and not (every.converged and every.sound):
+        plain = fit(known, PLAIN, start=before, progress=lambda share: tell(0.5 + 0.25 * share))
+    elif before is not None:
+        plain = child(known, PLAIN, before, every.by_name)
     else:
-        plain = fit(
-            known,
-            PLAIN,
-            start=parent.plain_fit if isinstance(parent, Evaluation) else None,
-            progress=lambda share: tell(0.25 * share),
-            strict=False,
-        )
-        fitted = fit(
-            known,
-            FITTED,
-            start=(parent.fitted if isinstance(parent, Evaluation) else parent) or plain.by_name,
-            progress=lambda share: tell(0.25 + 0.5 * share),
-            strict=False,
-        )
+        plain = nearby(known, PLAIN, every.by_name, lambda share: tell(0.5 + 0.25 * share), floor=floor)
     offsets = {**problem.start, **plain.by_name}
     parts: list[tuple[Fold, Offsets]]
     if apart is not None:
@@ -434,7 +425,7 @@ def evaluate(
         held_out=_held_out(problem, runs, quick),
         held_out_nominal=_held_out(problem, runs, quick, given),
         plain_fit=plain,
-        fitted=fitted,
+        fitted=every,
         held_out_names=tuple(fold.name for fold, _ in parts),
         held_out_configurations=_held_out(problem, whole, quick),
         held_out_configurations_nominal=_held_out(problem, whole, quick, given),

@@ -6,6 +6,9 @@ Levenberg-Marquardt with the priors as part of it (`identification.self_calibrat
 
 A fit that begins nowhere converges or is refused: an unconverged baseline makes any further parameter look decisive. A fit that
 begins at a parent's solution keeps that where it finds nothing better, and so never costs more. "What bit" of the catalogue.
+
+Where chance explains all that is left (`Fit.sound`) no other valley is looked for: the short way ends there, within `CLOSE`
+standard deviations of the minimum that the long way finds.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -22,7 +25,18 @@ from geometry.frames import Array
 from geometry.toml_file import nearest
 from identification.self_calibration.solve import CLOSE, MOST, Normal, Solution, inverse, minimise
 from validation.estimation.likelihood import Cost, cost_of, log_evidence
-from validation.estimation.problem import DECLARED, PLAIN, SENSOR, STRUCTURAL, TOLERANCES, Fit, Offsets, Parameter, Problem
+from validation.estimation.problem import (
+    DECLARED,
+    PLAIN,
+    SENSOR,
+    STRUCTURAL,
+    TOLERANCES,
+    Fit,
+    Offsets,
+    Parameter,
+    Problem,
+    by_chance,
+)
 
 # The way down: stages of an annealed floor, all of them within the bounds of the parameters, and where it ended.
 
@@ -104,7 +118,14 @@ def ended(cost: Cost, offsets: Offsets, *, converged: bool, data: Normal | None 
 
 
 def annealed(
-    cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = RESTARTS, everywhere: bool = False
+    cost: Cost,
+    offsets: Offsets,
+    progress: Progress,
+    *,
+    most: int = MOST,
+    again: int = RESTARTS,
+    everywhere: bool = False,
+    near: End | None = None,
 ) -> End:
     """From `offsets` through floors that fall to that of `cost`; tolerances of the measurement are released half-way.
 
@@ -114,6 +135,7 @@ def annealed(
     ----------
     everywhere : whether the first stage begins at other stiffnesses as well, and the way goes on from its cheapest end: of modes
         that lie closer than their parts are known, one takes the place of another, and no step leads back from there
+    near : where the short way from `offsets` ended, to which all further stages lead if none of the others ends lower
 
     Raises
     ------
@@ -130,9 +152,30 @@ def annealed(
         for begin in others:
             with suppress(CheckFailed):
                 ends.append(descent(stage, begin, close=ROUGHLY, most=steps))
-        found |= stage.offsets(min(ends, key=lambda end: end.normal.cost).seen)
+        best = min(ends, key=lambda end: end.normal.cost)
+        if near is not None and ends[0].normal.cost < best.normal.cost + RESTART_GAIN:
+            return near
+        found, near = found | stage.offsets(best.seen), None
         progress((done + 1) / (len(stages) + 2))
     return direct(cost, found, progress, most=most, again=again)
+
+
+def short(cost: Cost, offsets: Offsets, progress: Progress) -> End | None:
+    """Where the way straight from `offsets` ends: what matters first, all on few lines, all on all. None unless chance explains
+    what is left of the data: a misfit is seen on few lines, before anything dear is done."""
+    rough = tuple(one for one in cost.free if one.kind not in (SENSOR, STRUCTURAL))
+    found, sparse = dict(offsets), cost.problem.sparser(STRIDE)
+    try:
+        for free, floor in ((rough, FINE[0]), (cost.free, cost.floor)):
+            stage = replace(cost, problem=sparse, observed=(), free=free, floor=floor, base={**cost.base, **found})
+            last = descent(stage, found, close=ROUGHLY, most=STEPS)
+            found |= stage.offsets(last.seen)
+        if by_chance(2 * last.data.cost, stage.size(last.seen)):
+            end = direct(cost, found, progress, again=0)
+            return end if end.converged and by_chance(end.chi2, end.cost.size(end.x)) else None
+    except CheckFailed:
+        pass
+    return None
 
 
 def _elsewhere(cost: Cost, offsets: Offsets) -> list[dict[str, float]]:
@@ -148,7 +191,9 @@ def _elsewhere(cost: Cost, offsets: Offsets) -> list[dict[str, float]]:
     return [there for _, there in sorted(found, key=lambda one: one[0])[:BEGUN]]
 
 
-def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST, again: int = RESTARTS) -> End:
+def direct(
+    cost: Cost, offsets: Offsets, progress: Progress, *, close: float = CLOSE, most: int = MOST, again: int = RESTARTS
+) -> End:
     """From `offsets` straight down, and once more from where that ended while it does not end by itself but still gains.
 
     A whole beginning that gains next to nothing ends it, too. How far the quadratic model would still like to go is not asked:
@@ -157,6 +202,7 @@ def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST
 
     Parameters
     ----------
+    close : [sd] that the last step may be, as in `minimise`
     most : evaluations before it begins again
     again : times that it may
 
@@ -164,12 +210,12 @@ def direct(cost: Cost, offsets: Offsets, progress: Progress, *, most: int = MOST
     ------
     CheckFailed : the model breaks down where it begins.
     """
-    solution = descent(cost, offsets, most=most)
+    solution = descent(cost, offsets, close=close, most=most)
     converged = solution.converged
     for _ in range(again):
         if converged:
             break
-        before, solution = solution, descent(cost, cost.offsets(solution.seen), most=most)
+        before, solution = solution, descent(cost, cost.offsets(solution.seen), close=close, most=most)
         gained = before.normal.cost - solution.normal.cost
         idle = gained < RESTART_GAIN
         converged = solution.converged or (idle and solution.evaluations >= most)
@@ -201,8 +247,14 @@ def at_its_bounds(cost: Cost, offsets: Offsets, *, converged: bool, data: Normal
 
 
 def at_bounds(cost: Cost, offsets: Offsets) -> Cost:
-    """`cost` with what stands at a bound at `offsets` held there."""
+    """`cost` with what stands at a bound at `offsets` held there.
+
+    A tolerance that stands where physics ends is no surer for that: it counts as free, lest a model gain evidence by it.
+    """
     low, high = cost.bounds
+    if not cost.plain:
+        ends = np.array([one.kind in TOLERANCES for one in cost.free], dtype=bool)
+        low, high = np.where(ends, -inf, low), np.where(ends, inf, high)
     x = cost.at(offsets)
     near = ROUNDING * np.array([one.tolerance if np.isfinite(one.tolerance) else 1.0 for one in cost.free])
     at = np.where(x <= low + near, low, np.where(x >= high - near, high, np.nan))
@@ -251,7 +303,6 @@ def fit(
     start: Fit | Offsets | None = None,
     floor: float | None = None,
     progress: Progress | None = None,
-    strict: bool = True,
 ) -> Fit:
     """The parameters of `kinds` that fit best, knowledge beforehand counted; others stand where the model has them.
 
@@ -264,11 +315,10 @@ def fit(
         have begins at the size at which there is no effect (offset 0) and, once more, at its own start
     floor : model-error floor; `FLOOR`, and `PLAIN_FLOOR` where tolerances of the measurement are not fitted
     progress : told the share of the work that is done, 0 to 1
-    strict : whether a fit without a parent that does not converge is refused; else it says so (`Fit.converged`)
 
     Raises
     ------
-    CheckFailed : without a parent, when the iteration does not end by itself or the model breaks down where it begins; says why.
+    CheckFailed : without a parent, when the model breaks down where it begins.
     """
     tell = progress or (lambda share: None)
     cost = cost_of(problem, problem.free(kinds), floor_of(kinds) if floor is None else floor, plain=SENSOR not in kinds)
@@ -278,39 +328,34 @@ def fit(
         ends = [ended(cost, null, converged=False)]
         begins = {one.name: start.by_name.get(one.name, one.start) for one in cost.free}
         for way, begin in ((direct, null), (annealed, begins)):
-            try:
+            with suppress(CheckFailed):
                 ends.append(_cheaper(way(cost, begin, tell, again=CHILD_RESTARTS), begin, tell))
-            except CheckFailed:
-                continue
+                if not start.sound and fitted(ends[-1]).sound:  # what is new explains what its parent could not
+                    break
         if not _best(ends).converged:  # what the parent was driven to for want of the effect may be a valley without an end
             with suppress(CheckFailed):
                 ends.append(_cheaper(annealed(cost, {}, tell), {}, tell))
         end = _best(ends)
     else:
-        baseline_start = start or {}
-        end = _cheaper(annealed(cost, baseline_start, tell, everywhere=SENSOR in kinds), baseline_start, tell)
-        if not end.converged:
-            step = -inverse(end.whole.matrix) @ end.whole.gradient
-            sd = np.sqrt(np.diag(inverse(end.whole.matrix)))
-            worst = sorted(zip(end.cost.names, step / sd, strict=True), key=lambda one: -abs(one[1]))[:3]
-            close = abs(worst[0][1]) < CLOSE  # it is there: two modes that change places let no step gain what is expected
-            if close or not strict:
-                return fitted(replace(end, converged=close))
-            named = ", ".join(f"{name} ({away:+.1f})" for name, away in worst)
-            raise CheckFailed(
-                f"the fit of {len(end.x)} parameters did not converge: its next step is still many standard deviations in "
-                f"{named}; start from a nearer model, or declare more of it as unknown",
-                steps=dict(worst),
-                chi2=end.chi2,
-                degrees_of_freedom=_degrees(end),
-                fit=fitted(end),
-            )
+        begin, everywhere = dict(start or {}), SENSOR in kinds
+        near = short(cost, begin, tell) if everywhere else None
+        end = near if near is not None and fitted(near).sound else annealed(cost, begin, tell, everywhere=everywhere, near=near)
+        end = _cheaper(end, begin, tell)
+        if not end.converged:  # it is there where the step is short: two modes that change places let none gain what is expected
+            end = replace(end, converged=max(map(abs, _ahead(end).values()), default=0.0) < CLOSE)
     tell(1.0)
     return fitted(end)
 
 
 def child(
-    problem: Problem, kinds: Sequence[str], parent: Fit, start: Offsets, *, from_afar: bool = False, floor: float | None = None
+    problem: Problem,
+    kinds: Sequence[str],
+    parent: Fit,
+    start: Offsets,
+    *,
+    from_afar: bool = False,
+    floor: float | None = None,
+    close: float = CLOSE,
 ) -> Fit:
     """The fit of `problem`, which has more parameters than that of its `parent`, by a single way; it never costs more.
 
@@ -318,6 +363,7 @@ def child(
     ----------
     start : offsets at which the way begins; what is not named begins where the parent ended, or where it has no effect
     from_afar : whether the floor is annealed on the way, instead of straight down
+    close : [sd] that the last step straight down may be
     """
     cost = cost_of(problem, problem.free(kinds), floor_of(kinds) if floor is None else floor, plain=SENSOR not in kinds)
     null = parents_point(cost.free, parent)
@@ -326,7 +372,7 @@ def child(
         if from_afar:
             end = annealed(cost, begin, lambda share: None, most=TRIAL)
         else:
-            end = direct(cost, begin, lambda share: None, most=TRIAL, again=1)
+            end = direct(cost, begin, lambda share: None, close=close, most=TRIAL, again=1)
     except CheckFailed:
         return fitted(ended(cost, null, converged=False))
     if end.whole.cost > parent.cost:
@@ -400,16 +446,23 @@ def fitted(end: End) -> Fit:
         covariance=covariance,
         cost=end.whole.cost,
         chi2=end.chi2,
-        degrees_of_freedom=_degrees(end),
+        degrees_of_freedom=end.cost.size(end.x) - sum(not np.isfinite(one.tolerance) for one in end.cost.free),
         tolerance_z2=sum((offsets[one.name] / one.tolerance) ** 2 for one in tolerances),
         tolerances=len(tolerances),
         log_evidence=log_evidence(end.cost, end.x, end.whole),
         converged=end.converged,
+        ahead={} if end.converged else _ahead(end),
     )
 
 
-def _degrees(end: End) -> int:
-    return end.cost.size(end.x) - sum(not np.isfinite(one.tolerance) for one in end.cost.free)
+def _ahead(end: End) -> dict[str, float]:
+    """The next step of the three parameters that it moves farthest [standard deviations]; none of what its bound holds back."""
+    (low, high), g = end.cost.bounds, end.whole.gradient
+    held = ((end.x <= low) & (g > 0)) | ((end.x >= high) & (g < 0))
+    covariance = inverse(end.whole.matrix[np.ix_(~held, ~held)])
+    steps = -covariance @ g[~held] / np.sqrt(np.diag(covariance))
+    names = (name for name, one in zip(end.cost.names, held, strict=True) if not one)
+    return dict(sorted(zip(names, steps.tolist(), strict=True), key=lambda one: -abs(one[1]))[:3])
 
 
 # Where a fit begins that would not find its way: the best place of a grid over the sizes that it cannot find from afar.

@@ -3,6 +3,7 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import sqrt
 from operator import attrgetter
 from types import MappingProxyType
 from typing import Any, Protocol, Self
@@ -11,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geometry.dynamic_mass import ComplexArray
+from geometry.errors import CheckFailed
 from geometry.frames import Array, frozen
 from identification.parameter import Parameter as Parameter
 from identification.self_calibration.solve import smoothed_level
@@ -360,6 +362,15 @@ class Share:
     by_fold: Mapping[str, float] = entry("by_what_was_held_out", default_factory=lambda: NO_ERRORS)
 
 
+BY_CHANCE = 3.0
+"""[sd] by which a sum of squares may exceed its mean by chance. Held by tests/validation/engine/test_fit.py."""
+
+
+def by_chance(squares: float, count: int) -> bool:
+    """Whether `count` numbers of deviation 1 explain that their squares sum to this."""
+    return squares <= count + BY_CHANCE * sqrt(2 * max(count, 0))
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Fit:
     """Where a fit ended.
@@ -376,6 +387,7 @@ class Fit:
     tolerances : how many these are
     log_evidence : Laplace approximation [nats], up to a constant of the data
     converged : whether the iteration ended by itself
+    ahead : where it did not, the next step of those three parameters that it moves farthest [standard deviations]
     """
 
     parameters: tuple[Parameter, ...]
@@ -388,6 +400,27 @@ class Fit:
     tolerances: int
     log_evidence: float
     converged: bool
+    ahead: Mapping[str, float] = field(default_factory=dict)
+
+    def required(self) -> Self:
+        """Itself, where it converged.
+
+        Raises
+        ------
+        CheckFailed : it did not; says in which parameters.
+        """
+        if not self.converged:
+            named = ", ".join(f"{name} ({step:+.1f})" for name, step in self.ahead.items())
+            raise CheckFailed(
+                f"the fit of {len(self.parameters)} parameters did not converge: its next step is still many standard "
+                f"deviations in {named}; start from a nearer model, or declare more of it as unknown"
+            )
+        return self
+
+    @property
+    def sound(self) -> bool:
+        """Whether chance explains all that is left of data and tolerances."""
+        return by_chance(self.chi2, self.degrees_of_freedom) and by_chance(self.tolerance_z2, self.tolerances)
 
     @property
     def by_name(self) -> dict[str, float]:

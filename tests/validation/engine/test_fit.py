@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput, CheckFailed
-from validation.estimation.fit import PLAIN_FLOOR, direct, fit, parents_point, start
+from validation.estimation.fit import FLOOR, PLAIN_FLOOR, annealed, direct, fit, parents_point, start
 from validation.estimation.likelihood import cost_of
 from validation.estimation.problem import (
     DECLARED,
@@ -144,6 +144,20 @@ def test_a_child_far_from_its_parent_is_found_by_the_annealed_floor(lab, kinds):
     assert abs(straight.offsets["appendage[f]"] - 0.1) > 0.05
 
 
+@pytest.mark.parametrize("sound", [True, False])
+def test_a_baseline_that_chance_explains_ends_where_the_annealed_way_does_but_sooner(lab, sound):
+    asked = []
+    truth = lab.drawn(1) | {"mass": 0.01, "damping": 0.2} | ({} if sound else {"frequency:one": 0.09})
+    toy = replace(lab.toy(truth, seed=1), twist=lambda said, *_: asked.append(1) or said)
+    found, count = fit(Problem((toy,)), FITTED), len(asked)
+    assert found.sound is sound
+    cost = cost_of(Problem((toy,)), found.parameters, FLOOR)
+    long = annealed(cost, {}, lambda share: None, everywhere=True)
+    for name, x in long.offsets.items():
+        assert abs(found.by_name[name] - x) < 0.01 * sd(found, name)
+    assert (count < len(asked) - count) is sound
+
+
 def test_a_child_whose_own_start_breaks_down_is_found_from_its_parent(lab):
     without, having = with_offset(lab, {**TRUTH, "offset": 0.3}, start=2.0)
     fragile = replace(having, twist=lab.breaking(lambda offsets: offsets.get("offset", 0.0) > 1.0))
@@ -167,7 +181,7 @@ def test_a_baseline_that_does_not_converge_or_breaks_down_is_refused_with_the_re
         return replace(said, changes={name: replace(one, rows=-one.rows) for name, one in said.changes.items()})
 
     with pytest.raises(CheckFailed, match=r"4 parameters did not converge.*mass|4 parameters did not converge.*inertia"):
-        fit(Problem((replace(lab.toy(TRUTH), twist=wrong),)), PLAIN)
+        fit(Problem((replace(lab.toy(TRUTH), twist=wrong),)), PLAIN).required()
     with pytest.raises(CheckFailed, match="breaks down where its fit begins: a stiffness turned negative"):
         fit(Problem((replace(lab.toy(TRUTH), twist=lab.breaking(lambda offsets: True)),)), PLAIN)
 
