@@ -72,8 +72,8 @@ def test_out_holds_what_would_have_been_printed(run, tmp_path):
 def test_routes_that_disagree_are_a_failed_check_after_everything_is_printed(run, monkeypatch):
     from geometry import routes
 
-    right = routes.inertia
-    monkeypatch.setattr(routes, "inertia", lambda article: right(article).scaled(1.01))
+    right = routes.by_pinocchio
+    monkeypatch.setattr(routes, "by_pinocchio", lambda article: right(article).scaled(1.01))
     code, out, err = run("reference", "cuboid", "--json")
     assert code == main.FAILED_CHECK
     assert json.loads(out)["articles"]["cuboid"]["agree"] is False

@@ -229,6 +229,9 @@ def excite_command(
     help="sweep, diagonal (and six of two axes at once) or multi (six at once).",
 )
 @click.option("--runs", type=int, metavar="N", help="12 sweeps instead of 6, the others a quarter period later.")
+@click.option(
+    "--axis", default="", metavar="AXIS", help="x, y or z: a single-axis shaker, one pilot and --response are all it has."
+)
 @click.option("--band", nargs=2, type=float, default=(4.0, 32.0), show_default=True, metavar="LO HI", help="Frequencies [Hz].")
 @click.option("--octaves-per-minute", type=float, default=2.0, show_default=True, metavar="RATE", help="Rate of the sweeps.")
 @click.option("--cross", type=float, default=0.03, show_default=True, metavar="SHARE", help="Cross motion of the table.")

@@ -28,6 +28,7 @@ from validation.history.add import names_of
 from validation.model.model import Added
 from validation.prediction import effects
 from validation.prediction.classical_facts import ArticleFact
+from validation.prediction.series import pilots
 from validation.prediction.structure_tests import StructurePrediction
 from validation.study import Study
 
@@ -38,6 +39,9 @@ SHOWN = (effect.STRUCTURE_STAGE, effect.BODY_STAGE, effect.CHANNEL_STAGE, effect
 
 RESONATOR = ("m", "f", "zeta")
 """Keys of the sizes of a resonator."""
+
+OF_BASE = ("accelerometer-misalignment", "accelerometer-position")
+"""Families of a single-axis shaker's pilot that its unmeasured cross motion looks like."""
 
 TINY = 1e-9
 """[kg] Mass of a resonator that does next to nothing; a step of its logarithm is then linear. Set by the development draws of
@@ -60,6 +64,7 @@ def candidates(data: Study, *, only: Sequence[str] = (), leave_out: Sequence[str
     """
     words, known = data.words, {one.named.id for one in data.model.effects}
     lines = any(has_lines(one) for one in (*data.made, *data.tests))
+    of_base = {f"{family}:{name}" for one in data.campaigns for name in pilots(one) for family in OF_BASE}
     acting: list[Added] = []
     for family in FAMILIES.values():
         if family.side not in SIDES or family.stage not in SHOWN:
@@ -71,7 +76,7 @@ def candidates(data: Study, *, only: Sequence[str] = (), leave_out: Sequence[str
             }
             values = TINY_AT if tuple(size.key for size in sizes) == RESONATOR else values
             named = Named(family=family.name, targets=targets, values=values)
-            if is_resonator(named) and not lines:
+            if (is_resonator(named) and not lines) or ":".join(named.id.split(":")[:2]) in of_base:
                 continue
             if named.id not in known and any(acts(named, place) for place in data.there):
                 acting.append(Added(named=named, fixed=bool(sizes) and all(size.whole for size in sizes)))

@@ -7,12 +7,12 @@ Order of work ("What bit" of the catalogue): discrete mistakes, two levels, a co
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from importlib.metadata import version
-from math import inf
+from math import erfc, inf, sqrt
 
 import numpy as np
 
 from geometry import cache
-from geometry.errors import BadInput, CheckFailed
+from geometry.errors import BadInput
 from geometry.toml_file import nearest
 from identification.campaign import Campaign
 from identification.quality import NORMAL_90
@@ -30,11 +30,13 @@ from validation.effects.catalogue import FAMILIES, code_of_families, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS
 from validation.estimation.evaluate import evaluate, folds
 from validation.estimation.fit import FLOOR, PLAIN_FLOOR, nearby, unfitted
-from validation.estimation.problem import EFFECT, FITTED, IDENTIFIED, Evaluation, Fit, Offsets
+from validation.estimation.problem import EFFECT, FITTED, IDENTIFIED, Evaluation, Offsets
+from validation.estimation.verdicts import tolerances
 from validation.history.add import completed
 from validation.model.model import Added, Model, require_target, vocabulary
 from validation.model.setups import above_fmd, is_stack
 from validation.model.tolerance_classes import METROLOGY
+from validation.output import with_unit
 from validation.prediction.effects import name
 from validation.study import Data, Options, Study, read
 
@@ -45,6 +47,12 @@ by the development draws of `make blind`."""
 LINES = 200
 """[count] of lines of all data sets together at which what is unexplained is looked at. Set by the development draws of `make
 blind`."""
+
+CHANCE = 0.05
+"""[probability] that some tolerance of a sound test moves as far: below it the one that did is told. By definition."""
+
+RAREST = 1e-6
+"""[probability] that such a movement is told by, however far it is. By definition."""
 
 RIVALS = 2
 """[count] of explanations between which a test is looked for. By definition."""
@@ -83,35 +91,29 @@ def diagnosed(
         found = nonlinear_answer(right, differing, tell, only=only, leave_out=leave_out)
     else:
         tell("fitting the model as it is", 0.0)
-        refused = None
-        try:
-            fit = right.all_free(lambda share: tell("fitting the model as it is", share))
-        except CheckFailed as error:
-            if not isinstance(ended := error.evidence.get("fit"), Fit):
-                raise
-            fit, refused = ended, error
+        fit = right.all_free(lambda share: tell("fitting the model as it is", share))
         base = diagnosis.Candidate(effects=(), fit=fit, problem=right.problem())
         if right.tests:
             tell("looking everywhere on the mesh", 0.0)
         every, best = found_nodes(base)
         nodes = tuple(one for one in best if candidates.looked_for(one.named, only, leave_out))
-        if refused is None and (fitted := without_a_name(right, base, nodes)):
+        if fit.converged and (fitted := without_a_name(right, base, nodes)):
             again = {one.kind for one in fitted}
             nodes = (*fitted, *(one for one in nodes if one.kind not in again))
             right = right.ready_at([one.named.target for one in fitted])
-            base = diagnosis.Candidate(effects=(), fit=right.all_free(), problem=right.problem())
+            base = diagnosis.Candidate(effects=(), fit=right.all_free().required(), problem=right.problem())
         menu = menu if only else candidates.candidates(right, leave_out=leave_out)
         at, steps = stepwise_search(right, base, menu, tell)
         unknown = right.tests and not right.made and not goodness_of_fit(at.fit, at.problem).null
         afar = FromAfar.search(right, menu, tell) if unknown else None
-        if refused is not None and not at.effects and afar is None:
-            raise refused
+        if not at.effects and afar is None:
+            base.fit.required()
         found = answer(right, at, steps, tell) if afar is None else answer_from_afar(right, base, steps, afar, tell)
         found = replace(found, everywhere=nodes, nodes=every)
     whole = with_mistakes(of, found, mistaken) if mistaken else found
     alike = correlations(of.whole().predictions) if of.tests else ()
-    blind = tuple(text for one in alike for text in one.remarks if text not in whole.remarks)
-    whole = replace(whole, correlation=alike, remarks=(*whole.remarks, *blind))
+    said = (*whole.remarks, *(text.rstrip(".") for one in (*of.tests, *alike) for text in one.remarks))
+    whole = replace(whole, correlation=alike, remarks=tuple(dict.fromkeys(said)))
     return replace(whole, only=tuple(only), settings={**whole.settings, "only": list(only), "leave_out": list(leave_out)})
 
 
@@ -183,7 +185,15 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
             advice = pendulum.advised(study, best.at, swings)
         else:
             advice = advised(study, rivals, lambda share: progress("looking for the next measurement", share))
-    converged = "the fit of what was found did not converge: its sizes are not the last word"
+    told = [] if found.fit.converged else ["the fit of what was found did not converge: its sizes are not the last word"]
+    for moved in tolerances(found.fit)[:1] if verdict == diagnosis.NOTHING else ():
+        by_chance = max(found.fit.tolerances * erfc(abs(moved.z) / sqrt(2)), RAREST)
+        if by_chance < CHANCE:
+            told.append(
+                f"{moved.parameter.name} pays {with_unit(f'{moved.offset:+.3g}', moved.parameter.unit)}, {abs(moved.z):.1f} "
+                f"standard deviations, which is too little for a name; of {found.fit.tolerances} tolerances chance moves one as "
+                f"far in 1 of {1 / by_chance:.0f} tests: measure it again"
+            )
     return diagnosis.Diagnosis(
         verdict=verdict,
         text=text_of_unknown(found, best, left) if verdict == diagnosis.UNKNOWN else "",
@@ -208,7 +218,7 @@ def answer(study: Study, found: diagnosis.Candidate, steps: Sequence[SearchStep]
             if one.reconsidered != one.added or not one.added
         ),
         hold_out=before.held_out_names,
-        remarks=(*pendulum.contradictions(study, base, found), *(() if found.fit.converged else (converged,))),
+        remarks=(*pendulum.contradictions(study, base, found), *told),
         settings={
             **settings(study),
             **search.SETTINGS,
@@ -537,17 +547,12 @@ def ready(asked: Options, progress: Progress | None = None) -> tuple[Model, Data
 
 
 def require_runs(campaigns: Sequence[Campaign]) -> None:
-    """Refuse a series of campaigns of which nothing can be held out, or whose base motions nobody measured.
+    """Refuse a series of campaigns of which nothing can be held out.
 
     Raises
     ------
-    BadInput : fewer runs than `FEWEST_RUNS` in all; `cross_motion` is stated.
+    BadInput : fewer runs than `FEWEST_RUNS` in all.
     """
-    for one in campaigns:
-        if one.cross_motion:
-            problem = "is stated, and what is missing cannot be told yet from base motions that nobody measured"
-            remedy = "`massline compare` says where the model fails; `massline add` tries an effect"
-            raise BadInput(source=one.source, field="campaign.cross_motion", problem=problem, remedy=remedy)
     count = sum(len(one.runs) for one in campaigns)
     if count < FEWEST_RUNS:
         names = ", ".join(f"{run.name} of {one.source}" for one in campaigns for run in one.runs)

@@ -206,7 +206,7 @@ class SizesAsked:
             lacks = tuple(Added(named=parse(text, ANY)) for text in self.accepted)
             mistakes = tuple(replace(one, fixed=True) for one in lacks if FAMILIES[one.named.family].side == MISTAKE)
             right = study.by(replace(study.model, effects=(*study.model.effects, *mistakes)))
-            at = Candidate(effects=(), fit=right.all_free(), problem=right.problem())
+            at = Candidate(effects=(), fit=right.all_free().required(), problem=right.problem())
             for one in lacks:
                 at = at if one in mistakes or FAMILIES[one.named.family].side == MISTAKE else fit_with(right, at, one)
             found = {}

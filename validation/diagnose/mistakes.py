@@ -29,7 +29,7 @@ from validation.effects.effect import INDISTINGUISHABLE_NATS
 from validation.model.model import Added
 from validation.prediction.modal_table import TableShapes
 from validation.prediction.response_functions import FORCE_CHANNEL, ResponseFunctionTest
-from validation.prediction.series import SeriesPrediction
+from validation.prediction.series import UNMEASURED, SeriesPrediction
 from validation.study import Study
 
 # What every channel of a campaign reads at its lowest lines, beside what all others and the model say it should read.
@@ -75,6 +75,9 @@ ROUNDS = 3
 """[count] of times that the final estimate is repeated with the channels that are near. Exercised by
 tests/validation/diagnosing/test_mistakes.py."""
 
+UNHEARD = 1e6
+"""[sd] How unsure a reading is, in SI, of a channel that a campaign has not. By definition."""
+
 FAINT = 0.3
 """[share] of what a channel should read over all runs that counts as its level where it should read less. Exercised by
 tests/validation/diagnosing/test_mistakes.py."""
@@ -93,6 +96,7 @@ class LowFrequencyReadings:
     reading : (m, c) y
     expected : (m, c) p, by the other channels and the model
     noise : (m, c)
+    unsure : (m, c) what base motions that nobody measured may add to what is expected
     """
 
     name: str
@@ -102,6 +106,7 @@ class LowFrequencyReadings:
     reading: ComplexArray
     expected: ComplexArray
     noise: Array
+    unsure: Array
 
     @classmethod
     def of(cls, one: SeriesPrediction) -> "LowFrequencyReadings":
@@ -110,23 +115,45 @@ class LowFrequencyReadings:
         low = np.flatnonzero(measured.frequency <= REACH * measured.frequency[0])
         lines = np.unique(np.linspace(low[0], low[-1], LINES).round().astype(np.int64))
         rows = one.at({parameter.name: parameter.start for parameter in one.parameters}, lines, derivatives=False).rows
-        y = measured.values[:, lines]
-        p = consensus(rows if rows.ndim == 4 else rows[None], y, ~measured.judged)
+        rows = rows if rows.ndim == 4 else rows[None]
+        read = np.array([not name.startswith(UNMEASURED) for name in measured.channels])
+        unsure, moves = np.zeros((len(measured.runs), len(lines), int(np.sum(read)))), slice(None)
+        if not np.all(read):  # one motion is told, and of the others how large they may be
+            driven = MOTIONS.index(measured.axes[0])
+            moves, across = slice(driven, driven + 1), [k for k in range(len(MOTIONS)) if k != driven]
+            size = measured.noise[:, lines][:, :, ~read].max(axis=2, keepdims=True)
+            unsure = size * np.linalg.norm(rows[:, :, read][..., across], axis=-1)
+        y, noise = measured.values[:, lines][:, :, read], np.hypot(measured.noise[:, lines][:, :, read], unsure)
+        p = consensus(rows[:, :, read, moves], y, ~measured.judged[read])
         quantity = {channel.name: channel.quantity for channel in one.tested.campaign.table.channels}
+        channels = tuple(name for name, kept in zip(measured.channels, read, strict=True) if kept)
         return cls(
             name=measured.name,
-            channels=measured.channels,
-            quantities=tuple(quantity[name] for name in measured.channels),
+            channels=channels,
+            quantities=tuple(quantity[name] for name in channels),
             lines=len(lines),
-            reading=y.reshape(-1, y.shape[2]),
-            expected=p.reshape(-1, y.shape[2]),
-            noise=measured.noise[:, lines].reshape(-1, y.shape[2]),
+            reading=y.reshape(-1, len(channels)),
+            expected=p.reshape(-1, len(channels)),
+            noise=noise.reshape(-1, len(channels)),
+            unsure=unsure.reshape(-1, len(channels)),
         )
+
+    def of_channels(self, quantities: Mapping[str, str]) -> "LowFrequencyReadings":
+        """The same in the channels of `quantities`; of those that it has not it tells nothing."""
+        names = tuple(quantities)
+        if names == self.channels:
+            return self
+        at, m = [names.index(name) for name in self.channels], len(self.reading)
+        reading, expected = np.zeros((2, m, len(names)), dtype=np.complex128)
+        noise, unsure = np.full((2, m, len(names)), UNHEARD)
+        reading[:, at], expected[:, at], noise[:, at], unsure[:, at] = self.reading, self.expected, self.noise, self.unsure
+        types, one = tuple(quantities.values()), replace(self, channels=names, reading=reading, expected=expected)
+        return replace(one, quantities=types, noise=noise, unsure=unsure)
 
     @property
     def level(self) -> Array:
         """(m, c) what each channel should read, never nothing."""
-        return np.asarray(level(self.expected[None])[0])
+        return np.asarray(np.hypot(level(self.expected[None])[0], self.unsure))
 
 
 def distance(y: ComplexArray, p: ComplexArray) -> Array:
@@ -143,17 +170,18 @@ def level(p: ComplexArray) -> Array:
 
 
 def consensus(A: ComplexArray, y: ComplexArray, moved: npt.NDArray[np.bool_]) -> ComplexArray:
-    """(r, n, c) what the channels should read, A (r or 1, n, c, 6), by the motion on which most of them agree.
+    """(r, n, c) what the channels should read, A (r or 1, n, c, k), by the motion on which most of them agree.
 
-    It is that of the six channels whose motion the others contradict least, estimated again from all that are near it.
+    It is that of the k channels whose motion the others contradict least, estimated again from all that are near it. The motions
+    are six, or the driven one alone where nobody measured the others.
     """
-    every = np.arange(len(moved))
-    sets = np.vstack([_drawn(every[moved]), _drawn(every)])
+    every, inputs = np.arange(len(moved)), A.shape[-1]
+    sets = np.vstack([_drawn(every[moved], inputs), _drawn(every, inputs)])
     # Condition numbers of the rows of each set, rows and columns of one size
     even = A[0, 0] / np.maximum(np.linalg.norm(A[0, 0], axis=1, keepdims=True), TINY)
     even = even / np.maximum(np.linalg.norm(even, axis=0), TINY)
     values = np.linalg.svd(even[sets], compute_uv=False)
-    sets = sets[values[:, 0] / np.maximum(values[:, -1], TINY) < CONDITION]
+    sets = sets[(values[:, -1] > 0) & (values[:, 0] / np.maximum(values[:, -1], TINY) < CONDITION)]
     if len(sets):
         p, least = np.zeros_like(y), np.inf
         for part in np.array_split(sets, max(1, len(sets) // PORTION)):
@@ -169,18 +197,18 @@ def consensus(A: ComplexArray, y: ComplexArray, moved: npt.NDArray[np.bool_]) ->
     for _ in range(ROUNDS):
         near = distance(y, p) < NEAR
         weight = near / np.maximum(np.sqrt(np.mean(np.abs(p) ** 2, axis=(0, 1))), TINY)
-        if np.linalg.matrix_rank(weight[:, None] * A[0, 0]) < len(MOTIONS):
+        if np.linalg.matrix_rank(weight[:, None] * A[0, 0]) < inputs:
             break
         p = (A @ (np.linalg.pinv(weight[:, None] * A) @ (weight * y)[..., None]))[..., 0]
     return np.asarray(p)
 
 
-def _drawn(channels: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-    """(DRAWS, 6) sets of six of them; always the same, so that a diagnosis can be repeated."""
-    if len(channels) < len(MOTIONS):
-        return np.zeros((0, len(MOTIONS)), dtype=np.int64)
+def _drawn(channels: npt.NDArray[np.int64], count: int) -> npt.NDArray[np.int64]:
+    """(DRAWS, count) sets of so many of them; always the same, so that a diagnosis can be repeated."""
+    if len(channels) < count:
+        return np.zeros((0, count), dtype=np.int64)
     generator = np.random.default_rng(0)
-    return np.stack([generator.choice(channels, len(MOTIONS), replace=False) for _ in range(DRAWS)])
+    return np.stack([generator.choice(channels, count, replace=False) for _ in range(DRAWS)])
 
 
 OFF = 0.15
@@ -258,7 +286,7 @@ class _KnownFactors:
 
     def nearest(self, size: float) -> int | None:
         """Index of the factor that `size` is; None where it is none of them."""
-        off = np.abs(np.log(self.values / size)) if len(self.values) else np.array([np.inf])
+        off = np.abs(np.log(self.values) - np.log(size)) if len(self.values) else np.array([np.inf])
         nearest = int(np.argmin(off))
         return nearest if off[nearest] < SNAP else None
 
@@ -279,8 +307,11 @@ def mistakes(data: Study) -> tuple[Cause, ...]:
     if not data.made:
         return ()
     every = [LowFrequencyReadings.of(one.with_effects(data.model.effects)) for one in data.made]
-    channels = every[0].channels
-    units = [one for one in candidates(data.made[0].tested.campaign.table) if one.kind == "unit" and len(one.channels) == 1]
+    quantities = {name: quantity for one in every for name, quantity in zip(one.channels, one.quantities, strict=True)}
+    every, channels = [one.of_channels(quantities) for one in every], tuple(quantities)
+    tables = {channel.name: channel for one in data.made for channel in one.tested.campaign.table.channels}
+    table = replace(data.made[0].tested.campaign.table, channels=tuple(tables.values()))
+    units = [one for one in candidates(table) if one.kind == "unit" and len(one.channels) == 1]
     of = {name: [one for one in units if one.channels == (name,)] for name in channels}
     known = tuple(
         _KnownFactors(values=np.array([one.factor for one in of[n]]), units=tuple(one.units for one in of[n])) for n in channels
@@ -397,6 +428,8 @@ def _of_accelerometers(
     """
     moved = [c for c, quantity in enumerate(of.quantities) if quantity == "acceleration"]
     felt = [c for c in range(len(taken)) if c not in moved]
+    if not felt:
+        return taken
     sizes = np.log([abs(taken[c].factor) for c in felt])
     size = float(np.exp(np.median(sizes)))
     shared = np.ptp(sizes) <= SNAP and not any(taken[c].units[0] for c in felt) and all(taken[c].factor == 1 for c in moved)
@@ -615,6 +648,7 @@ def _of_channels(
         reading=scaled,
         expected=p,
         noise=np.minimum(noise / np.abs(factors)[:, None], min(scatter, OFF)),  # a unit makes all others of a shape faint
+        unsure=np.zeros(p.shape),
     )
     known = (_units_of(units["acceleration"]),) * c
     taken = _sources([readings], known)

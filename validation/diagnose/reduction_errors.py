@@ -108,7 +108,7 @@ def reduction_errors(study: Study) -> tuple[ReductionErrors, ...]:
     small = {name: of for name, of in tested.items() if of.reduced is not None and len(of.reduced.basis) <= LARGEST}
     if not small:
         return ()
-    base = Candidate(effects=(), fit=study.all_free(), problem=study.problem())
+    base = Candidate(effects=(), fit=study.all_free().required(), problem=study.problem())
     menu = [one for one in candidates(study) if one.named.family in FAMILIES_MOVING and "every" not in one.named.targets]
     by_id = {one.named.id: one.named for one in menu}
     limits = {by_id[one.id]: one.size for one in detectable(screen(study, base, menu))}

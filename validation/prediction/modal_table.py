@@ -26,6 +26,7 @@ import numpy as np
 from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
+from geometry.sensors import Tolerances
 from identification.modal_table import SOUND_SHAPE, ModalTable, paired
 from validation.effects.catalogue import FAMILIES, There
 from validation.effects.effect import CHANNEL_STAGE, STRUCTURE_STAGE
@@ -460,8 +461,13 @@ class TableShapes(_TablePart):
         return (*left, *prediction_effects.parameters(self.effects, self.structure)), given
 
 
-def of(structure: Nuisances, table: ModalTable) -> tuple[TableFrequencies | TableShapes, ...]:
+def of(
+    structure: Nuisances, table: ModalTable, tolerances: Tolerances = points.EXACT
+) -> tuple[TableFrequencies | TableShapes, ...]:
     """The predictions of `table` by a model of what was tested: frequencies with damping, and shapes where there are any.
+
+    Deviations of a shape are stated beside what its sensors see. Of a mode that moves them across, by far more than along, they
+    see what they are turned by, within `tolerances`: where that is more than the deviation, it is one, too.
 
     Raises
     ------
@@ -472,8 +478,9 @@ def of(structure: Nuisances, table: ModalTable) -> tuple[TableFrequencies | Tabl
             known = ", ".join(list(structure.nominal.places)[:20]) or "none"
             problem, remedy = f"{structure.configuration} has no such place", f"Its places are {known}; name it there"
             raise BadInput(source=table.source, field=point.place, problem=problem, remedy=remedy)
+    modes = real_modes(structure.nominal)
     try:
-        partners(real_modes(structure.nominal), table)
+        every = partners(modes, table)
     except ValueError as error:
         remedy = "Keep more modes of the model, or leave modes out of the table"
         raise BadInput(source=table.source, field="frequencies", problem=str(error), remedy=remedy) from None
@@ -501,6 +508,13 @@ def of(structure: Nuisances, table: ModalTable) -> tuple[TableFrequencies | Tabl
         return (frequencies,)
     is_real = not np.iscomplexobj(table.shapes)
     largest = np.abs(table.shapes).max(axis=1, keepdims=True)  # a factor says nothing, and modes count alike
+    moved = np.stack([structure.nominal.places[one.place] @ modes.shapes[:, list(every)] for one in table.sensors])
+    along = seen(structure.nominal, table) @ modes.shapes[:, list(every)]
+    square = np.maximum(np.sum(moved**2, axis=1) - along**2, 0.0).T * tolerances.angle**2
+    whole = np.sum(along.T**2 + square, axis=1, keepdims=True)  # of a mode that no sensor sees nothing is known
+    square *= np.sum(np.abs(table.shapes / largest) ** 2, axis=1, keepdims=True) / np.where(whole > 0, whole, 1.0)
+    noise = np.hypot(table.shapes_deviation / largest, SOUND_SHAPE)
+    noise = np.sqrt(noise**2 + np.where(square > noise**2, square, 0.0))
     shapes = TableShapes(
         measured=Measured(
             name=f"{table.title} shapes",
@@ -510,7 +524,7 @@ def of(structure: Nuisances, table: ModalTable) -> tuple[TableFrequencies | Tabl
             judged=np.zeros(len(table.sensors), dtype=bool),  # the error in per cent is that of the frequencies
             frequency=np.array([table.frequency.mean()]),
             values=(table.shapes / largest).astype(np.complex128)[:, None],
-            noise=np.hypot(table.shapes_deviation / largest, SOUND_SHAPE)[:, None],
+            noise=noise[:, None],
             read=(table.shapes_deviation / largest)[:, None],
             is_real=is_real,
         ),

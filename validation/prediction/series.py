@@ -10,7 +10,7 @@ Campaigns of one hardware share the parameters of chain and FMD by name; those o
 as well, and to the modes of a configuration. A structural effect acts wherever its part or its place exists.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import inf
@@ -250,11 +250,33 @@ def _measured(campaign: Campaign, found: Spectra, of: Chain, name: str) -> probl
 
 
 # A single-axis shaker: the base moves along the other five axes as well, a little, and nobody measured how. These motions are
-# inputs like any other, latent, and what is known of them stands beside the data: a pick-up on the base along each that reads
-# nothing, with their size as its noise. Eliminating the inputs then marginalises them with that Gaussian prior.
+# inputs like any other, latent, and what is known of them stands beside the data: a pick-up of F along each that reads nothing,
+# with their size as its noise. Its row is a constant, so that no model can make such a motion cheaper, and eliminating the
+# inputs marginalises them with that Gaussian prior.
+#
+# A table that turns as it is driven goes on turning at the next line: what all lines have in common is one unknown and not a
+# hundred. Each pick-up therefore reads u - c(f) u_d of the driven motion u_d. The complex share c lies on straight lines over
+# log f between knots an octave apart (what a table does besides changes slowly between its own resonances), and both parts of it
+# at each knot are tolerances of the stated size. At each line a motion of that size is left beside it.
 
 UNMEASURED = "unmeasured-"
 """How these pick-ups begin."""
+
+SHARE = "cross-motion"
+"""Family of the parameters c."""
+
+
+def shares(tested: "TestedCampaign", frequency: Array) -> Iterator[tuple[problem.Parameter, int, ComplexArray]]:
+    """Of a campaign that states `cross_motion` the parameters of c, the column of the pick-up of each, and (n,) dc / d offset."""
+    of, campaign = tested.measured, tested.campaign
+    low, high = np.log2(of.frequency[[0, -1]])
+    knots = np.linspace(low, high, 1 + max(1, int(np.ceil(high - low))))
+    for column, channel in enumerate(of.channels if campaign.cross_motion else ()):
+        for k, knot in enumerate(knots if channel.startswith(UNMEASURED) else ()):
+            hat = np.interp(np.log2(frequency), knots, np.eye(len(knots))[k])
+            name = f"{SHARE}:{of.name}:{channel.removeprefix(UNMEASURED)}:{2**knot:.3g}Hz"
+            for part, unit in (("re", 1.0), ("im", 1j)):
+                yield problem.Parameter(name=f"{name}:{part}", unit="1", tolerance=campaign.cross_motion), column, unit * hat
 
 
 def with_unmeasured(campaign: Campaign) -> Campaign:
@@ -275,7 +297,7 @@ def with_unmeasured(campaign: Campaign) -> Campaign:
     if not _base_along(campaign, along):
         problem = f"is stated, and no accelerometer on the base reads along {MOTIONS[along]}"
         raise BadInput(source=campaign.source, field="campaign.cross_motion", problem=problem, remedy="Add it to [[channel]]")
-    made, e = list[Channel](), np.eye(3)
+    made, e, size = list[Channel](), np.eye(3), campaign.cross_motion  # `_with_their_size` has it as a share of each line
     for k, axis in enumerate(MOTIONS):
         turned = e[k % 3]  # about it, or along it
         arm, way = next((e[j], np.cross(turned, e[j])) for j in range(3) if j != k % 3 and not np.cross(turned, e[j])[along])
@@ -285,7 +307,7 @@ def with_unmeasured(campaign: Campaign) -> Campaign:
         if k != along:
             name = UNMEASURED + axis
             made.append(
-                Channel(name=name, quantity="acceleration", group="table", places=(place,), senses_gravity=False, noise_rms=0)
+                Channel(name=name, quantity="acceleration", group="cover", places=(place,), senses_gravity=False, noise_rms=size)
             )
     table = replace(campaign.table, channels=(*campaign.table.channels, *made))
     names, recordings = tuple(one.name for one in table.channels), {}
@@ -300,8 +322,7 @@ def _with_their_size(of: problem.Measured, campaign: Campaign) -> problem.Measur
     quiet = np.array([name.startswith(UNMEASURED) for name in of.channels])
     if not campaign.cross_motion:
         return of
-    driven = _base_along(campaign, MOTIONS.index(str(campaign.runs[0].axis)))
-    level = smoothed_level(of.frequency, of.values)[:, :, np.isin(of.channels, driven)].max(axis=2, keepdims=True)
+    level = smoothed_level(of.frequency, of.values)[:, :, np.isin(of.channels, pilots(campaign))].max(axis=2, keepdims=True)
     article = np.isin(of.channels, [one.name for one in campaign.table.channels if one.group == "article"])
     return replace(
         of,
@@ -309,6 +330,12 @@ def _with_their_size(of: problem.Measured, campaign: Campaign) -> problem.Measur
         noise=np.where(quiet, campaign.cross_motion * level, of.noise),
         judged=of.judged if np.any(of.judged) else article,
     )
+
+
+def pilots(campaign: Campaign) -> list[str]:
+    """Of a single-axis shaker the accelerometers on the base along the driven axis: slanted or beside their place they read what
+    a base that goes across lets them read."""
+    return _base_along(campaign, MOTIONS.index(str(campaign.runs[0].axis))) if campaign.cross_motion else []
 
 
 def _base_along(campaign: Campaign, axis: int) -> list[str]:
@@ -421,6 +448,7 @@ class TestedCampaign:
                 *(() if carried.nuisances is None else carried.nuisances.parameters),
                 *dynamic_mass.parameters(carried.moving, model.fmd_tolerance),
                 *carried.mounted,
+                *(one for one, _, _ in shares(self, self.measured.frequency[:1])),
             ]
             exact = [f":{name}" for name in of.names if name.startswith(UNMEASURED)]  # no pick-up, and none of its tolerances
             for one in of.parameters:  # what is offset by its logarithm is 1 + its relative change there
@@ -614,6 +642,11 @@ class SeriesPrediction:
             for name, derivative in zip(names, of_chain, strict=True):
                 changes[name] = problem.Change(channels=derivative.channels, rows=derivative.rows)
         rows = A0 + A1 @ H
+        driven = np.eye(len(MOTIONS))[MOTIONS.index(self.measured.axes[0])] if self.tested.campaign.cross_motion else np.zeros(6)
+        for one, column, hat in shares(self.tested, frequency):
+            rows[:, column] -= at.get(one.name, 0.0) * hat[:, None] * driven
+            if problem.is_wanted(one.name, derivatives):
+                changes[one.name] = problem.Change(channels=(column,), rows=-hat[:, None, None] * driven)
         reading = ChannelResponse(
             frequency=frequency,
             channels=self._chain.names,
@@ -749,6 +782,9 @@ def repeatability(accelerances: npt.ArrayLike) -> float:
 def noise(frequency: npt.ArrayLike, values: npt.ArrayLike, around: float = AROUND) -> Array:
     """Standard deviation (r, n, c) of the complex noise of `values` (r, n, c) at `frequency` (n,) [Hz], E|noise|² = sd².
 
+    Lines at either end take that of the nearest line around which a whole window lies: a window cut short there would have half
+    of its lines or, were they repeated, a single one.
+
     Raises
     ------
     ValueError : fewer than `FEWEST` lines lie within `around` of some line.
@@ -760,5 +796,6 @@ def noise(frequency: npt.ArrayLike, values: npt.ArrayLike, around: float = AROUN
     if width < FEWEST or len(f) < width:
         raise ValueError(f"`frequency` must hold {FEWEST} lines within {around:g} Hz of each line, found a spacing for {width}")
     left = np.abs(y[:, 1:-1] - (y[:, :-2] + y[:, 2:]) / 2)
-    left = np.concatenate([left[:, :1], left, left[:, -1:]], axis=1)
-    return np.asarray(_OF_MEDIAN * median_filter(left, size=(1, width, 1), mode="nearest"))
+    half = min(width // 2, (left.shape[1] - 1) // 2)
+    whole = median_filter(left, size=(1, width, 1), mode="nearest")[:, half : left.shape[1] - half]
+    return np.asarray(_OF_MEDIAN * np.pad(whole, ((0, 0), (half + 1, half + 1), (0, 0)), mode="edge"))

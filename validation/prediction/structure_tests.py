@@ -99,7 +99,7 @@ def predictions(model: Model, tests: Sequence[Test]) -> tuple[StructurePredictio
             if isinstance(one, ResponseFunctions):
                 found += response_functions.of(known, one, model.tolerances)
             else:
-                found += modal_table.of(known, one)
+                found += modal_table.of(known, one, model.tolerances)
     names = [one.measured.name for one in found]
     for name in names:
         if names.count(name) > 1:

@@ -176,6 +176,8 @@ class Plan:
     gravity : [m/s²]
     dimensions : a user's own of built-in articles, as `geometry.articles.parts` names them
     on_article : points of the article, ``mast-top:x``, that have accelerometers beside the 22 channels
+    axis : of a single-axis shaker x, y or z: it is driven along nothing else, and one pilot on the table is all that is read
+        beside `on_article`; empty for the six axes
     """
 
     article: str
@@ -200,6 +202,7 @@ class Plan:
     gravity: float = 9.81
     dimensions: Mapping[str, float] = field(default_factory=dict)
     on_article: tuple[str, ...] = ()
+    axis: str = ""
 
     def __post_init__(self) -> None:
         for name in ("noise_rms", "mains"):
@@ -223,6 +226,11 @@ class Plan:
         if self.seed < 0:
             problem = f"must not be negative, found {self.seed}"
             raise BadInput(source=SOURCE, field="seed", problem=problem, remedy="Give a whole number from 0 on")
+
+    def is_read(self, channel: str) -> bool:
+        """Whether `channel` is recorded; of a single-axis shaker the first pilot along its axis and the article alone."""
+        upon = [point.replace(":", "-") for point in self.on_article]
+        return not self.axis or channel == f"table-{self.axis}1" or channel in upon
 
     @property
     def on_fmd(self) -> str:

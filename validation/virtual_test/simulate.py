@@ -34,7 +34,7 @@ from validation.excite.question import LARGEST_LEVEL, drive, require_rate
 from validation.output import json_text
 from validation.reference import reference
 from validation.virtual_test import plan as planning
-from validation.virtual_test.layout import CELLS, ChainTruth, Layout, mavis, stream, token
+from validation.virtual_test.layout import ACCELEROMETERS, CELLS, FORCES, ChainTruth, Layout, mavis, stream, token
 from validation.virtual_test.plan import MAINS as PLAN_MAINS
 from validation.virtual_test.planted import planted, reaching, require_planted, require_reaching
 from validation.virtual_test.shaker import Sensors, SetUp, accelerometers, middles_of_cells, nominal_fmd, require_stack, set_up
@@ -129,10 +129,12 @@ def runs(plan: planning.Plan) -> tuple[DrivenRun, ...]:
     swept = {"start": plan.band[0], "stop": plan.band[1], "rate": plan.octaves_per_minute, "delay": plan.quiet}
 
     def of_one(level: float, ending: str = "", phase: float = 0.0) -> list[DrivenRun]:
-        sweeps = [Sweep(axis=axis, level=level, phase=phase, **swept) for axis in MOTIONS]
+        sweeps = [Sweep(axis=axis, level=level, phase=phase, **swept) for axis in MOTIONS if plan.axis in ("", axis)]
         stated = [_stated("sine-sweep", plan, level=sweep.amplitude) for sweep in sweeps]
-        listed = zip(MOTIONS, sweeps, stated, strict=True)
-        return [DrivenRun(name=f"{axis}{ending}", axis=axis, pattern=one, excitation=said) for axis, one, said in listed]
+        return [
+            DrivenRun(name=f"{one.axis}{ending}", axis=one.axis, pattern=one, excitation=said)
+            for one, said in zip(sweeps, stated, strict=True)
+        ]
 
     def of_several(name: str, pattern: "Pattern", sweeps: Sequence[Any]) -> DrivenRun:
         driven: dict[str, Sweep] = {sweep.axis: sweep for sweep in sweeps}
@@ -293,6 +295,10 @@ HARMONICS = {1: 1.0, 3: 0.3, 5: 0.1}
 Progress = Callable[[float], None]
 """Called with the share done, 0 to 1; it may raise to end the work."""
 
+LARGEST_OF_CROSS = 3.0
+"""[factor] on the average cross motion of a table that a campaign of a single-axis shaker states: twice that, times the square
+root of 2 away from the middle frequency, is the largest that `fem.base_excitation.patterns.drawn` draws."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class VirtualTest:
@@ -319,12 +325,20 @@ def simulate(plan: planning.Plan, progress: Progress | None = None) -> VirtualTe
         recordings[run.name] = recording(plan, lab, run)
         if progress is not None:
             progress((k + 1) / len(driven))
+    table = lab.layout.table
+    if plan.axis:
+        kept = [k for k, name in enumerate(table.names) if plan.is_read(name)]
+        table = replace(table, channels=tuple(table.channels[k] for k in kept))
+        recordings = {
+            name: replace(one, names=table.names, values=np.asarray(one.values)[:, kept]) for name, one in recordings.items()
+        }
     campaign = Campaign(
         title=f"Virtual test of {plan.article}",
         article=plan.article,
         hardware=f"fmd-{token(plan.seed, 'fmd')}/sensors-{token(plan.seed, 'sensors')}",
         notes=f"virtual test, {len(driven)} runs",
-        table=lab.layout.table,
+        table=table,
+        cross_motion=LARGEST_OF_CROSS * plan.cross if plan.axis else 0.0,
         runs=tuple(Run(name=run.name, file=f"{run.name}.h5", axis=run.axis, excitation=run.excitation) for run in driven),
         recordings=recordings,
         mounting=Pose(position=lab.made.rig.seat) if plan.on_fmd else None,
@@ -413,6 +427,7 @@ def truth(plan: planning.Plan, chain: ChainTruth, made: SetUp, rig: Rig) -> Json
             "band_hz": list(plan.band),
             "octaves_per_minute": plan.octaves_per_minute,
             "cross": plan.cross,
+            **({"axis": plan.axis} if plan.axis else {}),
             "noise_rms": dict(plan.noise_rms),
             "mains": dict(plan.mains),
             "rate_hz": plan.rate,
@@ -475,6 +490,8 @@ PATTERNS = {
 
 LARGEST_FACTOR = 100.0
 
+CHANNELS = (*ACCELEROMETERS, *FORCES)
+
 OFF = "off"
 
 
@@ -535,6 +552,7 @@ def question(
     units: Sequence[str],
     settings: Sequence[str],
     responses: Sequence[str] = (),
+    axis: str = "",
 ) -> SimulateOptions:
     """The options of `massline simulate`, checked.
 
@@ -599,9 +617,22 @@ def question(
             rate=rate,
             dimensions=changes,
             on_article=tuple(responses),
+            axis=axis,
         )
         for article in articles
     )
+    if axis:
+        _word("--axis", axis, tuple(MOTIONS[:3]))
+        if pattern != SWEEP or not responses or not cross:
+            wrong = "--pattern" if pattern != SWEEP else "--cross" if responses else "--response"
+            problem = "a single-axis shaker sweeps, its base moves besides, and accelerometers on the article read it"
+            raise BadInput(source=wrong, problem=problem, remedy="Write --axis z --response mast-top:z, and leave the others out")
+        unread = [one for one in named for name in one.targets if name in CHANNELS and not plans[0].is_read(name)]
+        for one in unread:
+            problem = f"a single-axis shaker along {axis} does not read that channel"
+            raise BadInput(
+                source="--effect", field=one.id, problem=problem, remedy="Choose one on the article, or leave out --axis"
+            )
     for plan in plans:
         accelerometers(plan)
     require_reaching(named, plans)

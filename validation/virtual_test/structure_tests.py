@@ -43,6 +43,9 @@ NOISE = {HAMMER: 2e-4, SHAKER: 2e-4, FUNCTIONS: 0.005, MODES: 0.001}
 """Ordinary noise: of records a share of each channel's largest value, of functions a share of each value and of the median of its
 function, of tables a share of a frequency; of damping and shapes a hundred and ten times that."""
 
+DEAF = 0.01
+"""Share of what the loudest pick-up reads below which the noise of others is as its own there: they are of one kind and range."""
+
 MOST_MODES = 80
 """[count] of modes of a structure too large for all of them."""
 
@@ -58,6 +61,10 @@ RINGS_DOWN = 7.0
 
 LONGEST = 60.0
 """[s] of a block where nothing is said."""
+
+LOWEST, RIGID, AT_REST = 5, 1e-9, 1e-3
+"""[count] of modes that a test is for where nothing is said; [share of omega² of the twelfth] below which one is rigid; [share of
+the largest motion] below which a point does not move. By definition."""
 
 STRUCTURAL = (
     "modulus",
@@ -345,7 +352,8 @@ def simulate(plan: StructurePlan) -> StructureTest:
         A = read[:, :-1] / read[:, -1:]
         rng, share = plan.drawn("noise"), plan.noise * NOISE[FUNCTIONS]
         scatter = rng.standard_normal((2, *A.shape))
-        level = np.hypot(np.abs(A), np.median(np.abs(A), axis=0, keepdims=True))
+        usual = np.median(np.abs(A), axis=0, keepdims=True)
+        level = np.hypot(np.abs(A), np.maximum(usual, DEAF * usual.max(axis=1, keepdims=True)))
         A = A + share * level * (scatter[0] + 1j * scatter[1]) / np.sqrt(2)
         signals = {
             f"functions-{k + 1}.h5": Signals(
@@ -381,9 +389,9 @@ def simulate(plan: StructurePlan) -> StructureTest:
             force = np.fft.irfft(spectrum, count)
             force *= 10 / np.std(force)
             record = _answered(plan, names, gains, force, rate, lab, rows, [forces[k]], slowest)
-        record = record + plan.noise * NOISE[plan.kind] * np.abs(record).max(axis=0) * plan.drawn(f"noise {k}").standard_normal(
-            record.shape
-        )
+        largest = np.abs(record).max(axis=0)
+        largest[:-1] = np.maximum(largest[:-1], DEAF * largest[:-1].max())
+        record = record + plan.noise * NOISE[plan.kind] * largest * plan.drawn(f"noise {k}").standard_normal(record.shape)
         samples = {name: record[:, c] for c, name in enumerate(names)}
         signals[f"records-{k + 1}.h5"] = Signals(source="virtual test", sampling_rate=rate, samples=samples)
     records = {"kind": plan.kind, "block": size / rate}
@@ -559,13 +567,27 @@ def plan_of(
         seen = tuple(point(one, source=path, field="--response") for one in moving)
     if not seen:
         raise BadInput(source=path, field="places", problem="it names no place", remedy='Name points, --response "tip:z"')
-    driven = listed(drives, ("drive",), "--drive") or seen[:1]
+    driven = listed(drives, ("drive",), "--drive")
     for at in (*driven, *seen):
         if at.place not in users.model.places:
             known = ", ".join(list(users.model.places)[:20])
             raise BadInput(
                 source=path, field=at.place, problem="the structure has no such place", remedy=f"Its places are {known}"
             )
+    limits = band or tuple(own.get("band", ())) or None
+    if limits is None or not driven:
+        trial = StructurePlan(model=model, kind=MODES, article=article, drives=(), responses=seen, band=(1.0, 100.0))
+        squares, shapes, _, _ = tested(trial).modes
+        elastic = np.flatnonzero(squares > RIGID * squares[:12].max(initial=0.0))[:LOWEST]
+        if not len(elastic):
+            remedy = "Write --drive and --band, or hold the structure"
+            raise BadInput(source=path, field="fe_model", problem="it has no elastic mode to be tested", remedy=remedy)
+        lowest = np.sqrt(squares[elastic]) / (2 * np.pi)
+        limits = limits or (0.5 * float(lowest[0]), 1.3 * float(lowest[-1]))
+        if not driven:  # where all of them move, as far as one direction moves them all
+            moved = np.abs(np.array([_row(users.model, one, (), {}) for one in seen]) @ shapes[:, elastic])
+            share = moved / np.maximum(moved.max(axis=0), np.finfo(np.float64).tiny)
+            driven = (seen[int(np.argmax(np.mean(np.log(np.maximum(share, AT_REST)), axis=1).round(6)))],)
     among = {"drive point": {one.name for one in driven}, "accelerometer": {one.name for one in seen}, "force": {"force"}}
     for one in named:
         if one.family in SENSORS and one.targets:
@@ -573,12 +595,6 @@ def plan_of(
             if one.target not in legal:
                 remedy = f"{nearest(one.target, legal)}There are {', '.join(sorted(legal))}"
                 raise BadInput(source="--effect", field=one.id, problem="the test has no such channel", remedy=remedy)
-    limits = band or tuple(own.get("band", ())) or None
-    if limits is None:
-        trial = StructurePlan(model=model, kind=MODES, article=article, drives=(), responses=seen, band=(1.0, 100.0))
-        squares = tested(trial).modes[0]
-        lowest = np.sqrt(squares[squares > 1e-6 * np.median(np.abs(squares))]) / (2 * np.pi)
-        limits = (0.5 * float(lowest[0]), 1.3 * float(lowest[min(4, len(lowest) - 1)]))
     if not 0 < limits[0] < limits[1]:
         raise BadInput(source="--band", problem=f"must rise from above 0, found {limits}", remedy="Write --band 5 200")
     return StructurePlan(

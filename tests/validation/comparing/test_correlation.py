@@ -89,6 +89,7 @@ def test_a_model_that_is_wrong_where_every_mac_is_green_is_said() -> None:
     assert_allclose([one.percent for one in found.pairs], 100 * (np.sqrt(1.2) - 1), rtol=1e-9)
     assert any("the model is wrong" in one and "does not see frequencies" in one for one in found.remarks)
     assert not any("the model is wrong" in one for one in of_modes(modes(factor=1.001), table(modes())).remarks)
+    assert not any("the model is wrong" in one for one in of_modes(modes(factor=1.2), table(modes()), 0.05).remarks)
 
 
 def test_frac_is_one_but_for_a_factor() -> None:

@@ -4,11 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.sparse.linalg import splu
 
 from benchmarks.blind.score.structures import structure_outcome
 from benchmarks.blind.structures import sealing, shapes
 from benchmarks.blind.structures.drawing import Fault, draw
 from fem.structure import place_rows
+from validation.prediction.structure import by_itself
 from validation.virtual_test.layout import stream
 
 KINDS = ("nulls", "singles", "pairs", "left-out")
@@ -59,3 +61,21 @@ def test_a_place_is_right_within_half_the_distance_of_sensors() -> None:
     assert far.wrong
     assert not far.right
     assert far.away == pytest.approx(0.75)
+
+
+def test_a_loss_of_a_part_is_right_where_hardly_any_mode_moves_what_is_driven(tmp_path: Path) -> None:
+    """A column of a frame struck along itself: what it gives is the answer of statics, to which the part answers again."""
+    (case,) = draw(101, ("nulls",), 1)
+    plan = shapes.drawn(case.shape, stream(case.structure, "plan"))
+    whole = sealing.written(plan, sealing._sensors(plan, case), tmp_path, fine=False)
+    found = by_itself(whole, 80.0)
+    few, free, square = found.matrices, whole.free, (2 * np.pi * 22.0) ** 2
+    loss = 0.3j * whole.part_stiffness["floor-1"]
+    dynamic = (whole.stiffness + loss - square * whole.mass).tocsc()[free][:, free]
+    along, seen = whole.places["s1"].toarray()[2], np.vstack([whole.places[f"s{k}"].toarray() for k in range(1, 9)])
+    due = seen[:, free] @ splu(dynamic).solve(along[free].astype(complex))
+    reduced = few.stiffness + 0.3j * few.parts["floor-1"] - square * few.mass
+    rows = np.vstack([few.places[f"s{k}"] for k in range(1, 9)])
+    answer = rows @ np.linalg.solve(reduced, few.places["s1"][2])
+    away = np.abs(answer - due)[np.abs(due) > 1e-2 * np.abs(due).max()]
+    assert away.max() < 1e-3 * np.abs(due).max()

@@ -73,6 +73,13 @@ def test_a_fault_that_is_detectable_and_no_more_is_what_the_sound_laboratory_say
     assert 0 < smallest < 0.5 * abs(faulty.accepted[0].sizes[0].value)
 
 
+def test_a_tolerance_that_moves_farther_than_chance_would_is_told_where_it_has_no_name(made, sound):
+    found = diagnosed(made(f"{GAIN}=0.028"), only=("cell-stiffness",))
+    assert found.verdict == diagnosis.NOTHING, found.text
+    assert any(f"{GAIN} pays" in one and "measure it again" in one for one in found.remarks)
+    assert not any("pays" in one for one in sound.remarks)
+
+
 def test_a_mistake_alone_is_its_own_class(made):
     found = diagnosed(made("polarity:fmd-x12"), only=ASKED)
     assert (found.verdict, [one.id for one in found.accepted]) == (diagnosis.MISTAKE, ["polarity:fmd-x12"])

@@ -16,6 +16,7 @@ from geometry.sensors import Point
 from identification import free_body, test_file
 from identification.response_functions import ResponseFunctions
 from validation.cli.main import run
+from validation.reference.reference import read_result
 from validation.virtual_test import structure_tests
 
 # The moment about z is that of a body of 29 mm of gyration. By one place alone off the column, 0.1 m away and known to 0.5 mm,
@@ -107,10 +108,19 @@ def struck(bracket: Path, folder: Path, seed: int) -> tuple[ResponseFunctions, A
 def test_the_command_prints_both_ways_with_intervals(bracket: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     _, true = struck(bracket, tmp_path / "test", 1)
     assert run(["identify", str(tmp_path / "test" / "test.toml"), "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+    printed = capsys.readouterr().out
+    found = json.loads(printed)
     mass = found["figures"][0]
     assert mass["value"] == pytest.approx(true[0], abs=mass["half_width_95"])
     assert mass["mass_line"] != mass["value"]
+    assert found["warnings"] == []
+    (tmp_path / "found.json").write_text(printed, encoding="utf-8")
+    stated = read_result(str(tmp_path / "found.json"), article=found["article"]).statement
+    for value, figure in zip(stated.values, found["figures"], strict=True):
+        factor = 1e-3 if figure["unit"] == "mm" else 1.0
+        assert value is not None
+        assert value.value == pytest.approx(factor * figure["value"])
+        assert value.tolerance == pytest.approx(factor * figure["half_width_95"])
     assert run(["identify", str(tmp_path / "test" / "test.toml"), "--plot"]) == 2
     assert "no meaning for response functions" in capsys.readouterr().err
 

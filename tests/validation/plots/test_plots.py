@@ -210,6 +210,13 @@ def test_evidence_is_ranked_coloured_by_standing_and_told_with_its_size():
     assert "+174 nats" in told.text[0]
     assert "+8.0 % (+7.0 to +9.0)" in told.text[0]
     assert told.x[2] == 0.0  # a cause that the data speak against
+    axis = figure.layout.xaxis
+    apart = np.diff(axis.tickvals) / np.diff(axis.range)  # on paper no tick stands on its neighbour, none beyond the bars
+    widest = max(len(text) for text in axis.ticktext) * interactive.LETTER / interactive.NARROW
+    assert apart.min() > widest
+    assert axis.tickvals[-1] <= max(max(bar.x) for bar in bars.values())
+    behind = max(len(line) for text in told.text for line in text.split("<br>")) * interactive.LETTER / interactive.NARROW
+    assert (axis.range[1] - max(told.x)) / np.diff(axis.range) > behind - 0.05
 
 
 def test_the_ladder_follows_the_way_and_puts_branches_aside():

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
 from geometry.frames import Array
-from geometry.sensors import Point
+from geometry.sensors import Point, Tolerances
 from identification.modal_table import SOUND_SHAPE, ModalTable, mac, paired
 from validation.effects.catalogue import Named
 from validation.effects.stages import Matrices
@@ -230,3 +230,15 @@ def test_effects_that_reach_nothing_of_a_table_leave_it_as_it_is() -> None:
     elsewhere = [added("mounting-offset:x", 0.01), added("point-mass:attic", 0.01), added("accelerometer-gain:attic", 0.1)]
     for test in modal_table.of(chain(), table(chain())):
         assert test.with_effects([*elsewhere, known]).effects == (known,)
+
+
+def test_sensors_that_a_mode_moves_across_see_what_they_are_turned_by():
+    of, known = chain(), Tolerances(angle=0.01)
+    across = {name: rows[[1, 0, 2]] + 1e-4 * rows for name, rows in of.nominal.places.items()}
+    turned = replace(of, nominal=replace(of.nominal, places=across))
+    for structure, wide in ((of, False), (turned, True)):
+        exact, shapes = (
+            modal_table.of(structure, table(of), tolerances)[1].measured.noise for tolerances in (Tolerances().scaled(0.0), known)
+        )
+        assert (shapes > 0.5 * np.abs(modal_table.of(of, table(of))[1].measured.values.real)).all() == wide
+        assert (shapes == exact).all() != wide

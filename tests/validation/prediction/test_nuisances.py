@@ -95,6 +95,11 @@ def test_however_far_off_a_mesh_is_taken_to_be_the_stiffness_stays_positive(one)
     np.testing.assert_allclose(little, -0.1 * one.nominal.unresolved["mast"], rtol=1e-3, atol=1e-9)
 
 
+def test_a_mesh_of_shells_leaves_every_mode_unsure_by_itself_by_more_than_one_of_solids(one):
+    shell = replace(one, nominal=replace(one.nominal, shells=("mast",)))
+    np.testing.assert_allclose(shell.apart_by_mesh, 0.8 / 0.25 * one.apart_by_mesh)
+
+
 def test_parameters_are_called_and_known_as_agreed(one):
     by_name = {parameter.name: parameter for parameter in one.parameters}
     of, name = StructureTolerances(), one.configuration
@@ -240,5 +245,7 @@ def test_without_coupling_every_mode_loses_by_itself_and_the_derivatives_know_it
 def test_it_is_open_where_parts_lose_something_and_one_for_all_structures(of):
     (law,) = (one for one in of.parameters if one.name == effects.DAMPING_LAW)
     assert law.tolerance == of.tolerances.damping_law
+    assert (law.low, law.high) == (0.0, 1.0)  # beyond, and with less than no loss, a structure would be driven by itself
+    assert {one.low for one in of.parameters if one.family == "loss"} == {-1.0}
     bare = effects.nuisances("clumod-1", of.nominal, of.frequency, {})
     assert effects.DAMPING_LAW not in {one.name for one in bare.parameters}

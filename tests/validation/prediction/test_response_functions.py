@@ -136,6 +136,14 @@ def test_noise_is_found_from_the_scatter_of_lines_beside_a_resonance():
     assert_allclose(series.noise(f, 7 * values[:, :, None]), 7 * found, rtol=1e-12)
 
 
+def test_the_noise_of_lines_at_the_ends_is_told_by_as_many_lines_as_that_of_any_other():
+    rng, f, sd = np.random.default_rng(3), 0.2 * np.arange(1, 40), 0.03
+    values = sd * (rng.standard_normal((400, len(f))) + 1j * rng.standard_normal((400, len(f)))) / np.sqrt(2)
+    found = series.noise(f, values[:, :, None])[..., 0]
+    scatter = np.log(found).std(axis=0)
+    assert_allclose(scatter[[0, 1, -2, -1]], scatter[len(f) // 2], rtol=0.25)  # 1.7 times as much where an end was repeated
+
+
 def test_readings_that_differ_by_a_share_repeat_to_it_and_what_tells_no_scatter_is_refused():
     rng, share = np.random.default_rng(2), 0.02
     exact = chain()

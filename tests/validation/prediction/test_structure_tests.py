@@ -75,6 +75,14 @@ def test_a_plausible_fault_moves_one_mode_by_a_fifth_of_its_omega_squared_and_no
     assert_allclose(moved.max(), effects.UNSEEN, rtol=0.02)
 
 
+def test_a_plausible_loss_of_a_part_is_a_tenth_of_the_critical_damping_of_the_mode_that_it_damps_most(opened):
+    known = opened[2][0].structure
+    named = parse("structural-damping:low=0.1", effects_words(opened))
+    lost = FAMILIES[named.family].change(known.nominal, named.targets, {"": 1.0}).structural - known.nominal.structural
+    share = np.max(np.diag(lost)[: len(known.frequency)] / (2 * np.pi * known.frequency) ** 2)
+    assert_allclose(effects.plausible(known, named, named.sizes[0]), effects.UNSEEN / share, rtol=1e-6)
+
+
 def effects_words(opened):
     """What effects can be about here."""
     from validation.effects.catalogue import words_of
