@@ -78,7 +78,7 @@ def of_candidates(count: int) -> Callable[[], object]:
     """All candidates of the catalogue, so many times over, screened from one Jacobian."""
     found = (campaign(),)
     bench = Study(model=MODEL, campaigns=found, made=predictions(MODEL, found))
-    menu, at = candidates(bench), Candidate(effects=(), fit=bench.all_free(), problem=bench.problem())
+    menu, at = candidates(bench), Candidate(effects=(), fit=bench.all_free().required(), problem=bench.problem())
     return lambda: screen(bench, at, (menu * (count // len(menu) + 1))[:count])
 
 

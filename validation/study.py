@@ -376,12 +376,7 @@ class Study:
         return without(whole, named(whole, self.hold_out)) if self.hold_out else whole
 
     def all_free(self, progress: Callable[[float], None] | None = None) -> Fit:
-        """The fit of all parameters of the model as it is, made once.
-
-        Raises
-        ------
-        CheckFailed : it does not converge; an unconverged fit makes any effect look decisive.
-        """
+        """The fit of all parameters of the model as it is, once; unconverged it makes any effect look decisive."""
         if not self._fits:
             self._fits.append(fit(self.problem(), FITTED, progress=progress))
         return self._fits[0]

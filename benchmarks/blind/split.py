@@ -75,7 +75,7 @@ def tried(case: Case, folder: Path) -> Tried:
     whole = Study.open(folder / MODEL, [folder / name for name in case.articles], hold_out=case.hold_out)
     given = {one.name: getattr(whole, one.name) for one in fields(whole) if one.init}
     first, other = (Half(**given, odd=odd) for odd in (False, True))
-    base, menu = Candidate(effects=(), fit=first.all_free(), problem=first.problem()), candidates(first)
+    base, menu = Candidate(effects=(), fit=first.all_free().required(), problem=first.problem()), candidates(first)
     best = max((fit_with(first, base, one.added) for one in screen(first, base, menu)[:3]), key=lambda at: at.fit.log_evidence)
     (effect,) = best.effects
     without, held = (

@@ -50,7 +50,7 @@ OF_LARGEST = 1e-9
 """Of the largest number in the same array: a zero that is the difference of such numbers is as good as another."""
 
 OF_WHOLE = 1e-8
-"""Of a share or a percentage, named so: a millionth of a per cent is nothing, however small the share is."""
+"""Of a share, ratio or percentage, named so: a millionth of a per cent is nothing, however small the share is."""
 
 OF_FIGURE = 1e-5
 """Of a number in the summary of a figure's series: six digits of what the page has in four bytes."""
@@ -403,7 +403,7 @@ def data(
     """Of JSON; numbers that are `near` each other are the same, whatever share of them that is; `loose` has others by place."""
     where = path or "all"
     if is_number(stored) and is_number(found):
-        near = max(near, OF_WHOLE) if re.search(r"share|percent", path) else near
+        near = max(near, OF_WHOLE) if re.search(r"share|percent|ratio", path) else near
         near = max([near, *(other for place, other in (loose or {}).items() if re.match(place, path))])
         if abs(stored - found) > relative * max(abs(stored), abs(found)) + near:
             yield f"{where}: stored {stored!r}, found {found!r}"

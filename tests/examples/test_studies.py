@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from validation.cli import main
+from validation.virtual_test import structure_tests
 
 STUDIES = {
     "plate": ("hammer", ("a:z", "b:z"), ("a:z", "b:z", "c:z", "d:z"), (10, 200), "point-mass:c=0.05"),
@@ -44,3 +45,14 @@ def test_a_base_test_has_accelerometers_on_its_article(
     capsys.readouterr()
     assert main.run(["compare", str(study), "test"]) == 0
     assert "mast-top-x" in capsys.readouterr().out  # where the model fails most
+
+
+@pytest.mark.parametrize(("name", "lowest", "drive"), [("plate", 37.9, "a:z"), ("bridge", 7.98, "w1:z")])
+def test_a_test_of_which_nothing_is_said_reaches_the_first_mode_from_a_point_that_moves_in_the_lowest(
+    name: str, lowest: float, drive: str, root: Path
+) -> None:
+    asked = {"noise": 1.0, "tolerances": 1.0, "band": None, "drives": (), "responses": (), "block": 0.0}
+    study = str(root / "examples" / "studies" / f"{name}.toml")
+    plan = structure_tests.plan_of(study, kind="hammer", effects=(), seed=0, **asked)  # type: ignore[arg-type]
+    assert plan.band[0] == pytest.approx(lowest / 2, rel=0.01)
+    assert [one.name for one in plan.drives] == [drive.replace(":", "-")]

@@ -117,12 +117,15 @@ def modal(test: TableFrequencies | TableShapes, offsets: Offsets) -> ModalCorrel
     ------
     ValueError, numpy.linalg.LinAlgError : the model has no such modes.
     """
-    modes, *_ = test.found(offsets, derivatives=False)
-    return of_modes(modes, test.table)
+    modes, of, moved, _ = test.found(offsets, derivatives=True)
+    meshes = [moved[one.name].squares * one.tolerance for one in test.structure.parameters if one.family == "mesh"]
+    allowed = np.zeros(len(test.table.frequency))
+    allowed[list(test.modes)] = np.sqrt(np.sum(np.square(meshes), axis=0)) / (2 * modes.squares[list(of)])
+    return of_modes(modes, test.table, allowed)
 
 
-def of_modes(modes: RealModes, table: ModalTable) -> ModalCorrelation:
-    """`table` beside the `modes` of a model."""
+def of_modes(modes: RealModes, table: ModalTable, allowed: npt.ArrayLike = 0.0) -> ModalCorrelation:
+    """`table` beside the `modes` of a model, whose frequencies its mesh leaves `allowed` (m,) unsure, one sd as a share."""
     of, f = partners(modes, table), modes.frequency
     low, high = table.frequency.min() / BEYOND, table.frequency.max() * BEYOND
     looked = tuple(sorted({*of, *(int(k) for k in np.flatnonzero((f > low) & (f < high)))}))
@@ -156,13 +159,14 @@ def of_modes(modes: RealModes, table: ModalTable) -> ModalCorrelation:
         mac=matrix,
         cross_orthogonality=crossed,
         comac=by_sensor,
-        remarks=_remarks(pairs, [k + 1 for k in inside]),
+        remarks=_remarks(pairs, [k + 1 for k in inside], np.hypot(allowed, table.frequency_deviation / table.frequency)),
         measured_shapes=read,
         model_shapes=seen_of,
     )
 
 
-def _remarks(pairs: Sequence[ModePair], missing: Sequence[int]) -> tuple[str, ...]:
+def _remarks(pairs: Sequence[ModePair], missing: Sequence[int], due: Array) -> tuple[str, ...]:
+    """What is to be said of `pairs`, of which each frequency may be `due` (m,) off, one standard deviation as a share."""
     said = []
     order = sorted(pairs, key=lambda one: one.measured_hz)
     for k, a in enumerate(order):
@@ -174,12 +178,11 @@ def _remarks(pairs: Sequence[ModePair], missing: Sequence[int]) -> tuple[str, ..
         ]
     known = [one for one in pairs if one.mac is not None]
     green = known and all(one.mac is not None and one.mac >= GREEN for one in known)
-    off = [one for one in pairs if abs(one.sigmas) > FAR]
-    if green and off:
-        worst = max(off, key=lambda one: abs(one.sigmas))
+    sd, worst = max(((abs(one.percent) / (100 * of), one) for one, of in zip(pairs, due, strict=True)), key=lambda each: each[0])
+    if green and sd > FAR:
         said.append(
             f"every MAC is {GREEN:g} or more, and the model is wrong: {worst.measured} is {worst.percent:+.2g} % off, "
-            f"{abs(worst.sigmas):.0f} standard deviations; MAC does not see frequencies"
+            f"{sd:.0f} standard deviations; MAC does not see frequencies"
         )
     poor = [one.measured for one in known if one.mac is not None and one.mac < GREEN]
     if poor:

@@ -52,7 +52,8 @@ class Matrices:
     supports : those of `parts` that are springs to the ground
     joints : those of `parts` that are springs between two others
     sections : by name of a shell or beam, the shares of its stiffness that grow with the thickness and with its cube
-    unresolved : by part of a mesh of solids (k, k), by how much its stiffness is too high, as far as its strains tell
+    unresolved : by part of a mesh (k, k), by how much its stiffness is too high, as far as its strains tell
+    shells : parts of shells
     geometric : (k, k) stiffness that the weight gives or takes under standard gravity; (0, 0) where it is not known
     rigid : (6, k) rigid motion of the article about its origin that each coordinate carries along; by default that of the base
     """
@@ -71,6 +72,7 @@ class Matrices:
     joints: Mapping[str, JointSprings] = field(default_factory=lambda: MappingProxyType({}))
     sections: Mapping[str, tuple[Array, Array]] = field(default_factory=lambda: MappingProxyType({}))
     unresolved: Mapping[str, Array] = field(default_factory=lambda: NOTHING)
+    shells: tuple[str, ...] = ()
     geometric: Array = field(default_factory=lambda: np.zeros((0, 0)))
     rigid: Array = field(default_factory=lambda: np.zeros((0, 0)))
 

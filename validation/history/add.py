@@ -16,13 +16,13 @@ from geometry.inertia import PARAMETERS
 from identification.campaign import Campaign
 from identification.request import jacobian, quantities
 from identification.rigid_body import BASIS
-from identification.self_calibration.solve import inverse
+from identification.self_calibration.solve import CLOSE, inverse
 from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import MISTAKE, SizeSpec, Vocabulary
 from validation.estimation import evaluate, verdicts
 from validation.estimation import problem as estimation
-from validation.estimation.fit import fit, floor_of, start
+from validation.estimation.fit import child, floor_of, start
 from validation.estimation.likelihood import cost_of
 from validation.history import history
 from validation.history.history import Body, Conditions, Errors, HistoryPosition, Version, VersionSize
@@ -410,7 +410,7 @@ def body_of(study: Study, plain: estimation.Fit, progress: Callable[[float], Non
 
     In the place of the `plain` fit of the model this one never costs more.
     """
-    if not study.article:
+    if not study.article or all(one.cross_motion for one in study.campaigns):  # a single-axis shaker tells no inertia
         return None
     known = study.known()
     problem = known.thinned()
@@ -427,7 +427,9 @@ def body_of(study: Study, plain: estimation.Fit, progress: Callable[[float], Non
     if of is None:
         return None
     freed = replace(problem, predictions=tuple(predictions))
-    found = fit(freed, estimation.IDENTIFYING, start=at_offsets(kept_offsets(plain), known), progress=progress)
+    # Data that tell little of ten parameters are seen in print within a tenth of a standard deviation
+    found = child(freed, estimation.IDENTIFYING, at_offsets(kept_offsets(plain), known), {}, close=CLOSE / 10)
+    progress(1.0)
     names, C = of_fit(freed, found, estimation.IDENTIFYING)
     ten_found, slopes = inertia(of, {**freed.start, **found.by_name})
     J = np.stack([slopes.get(name, np.zeros(10)) for name in names], axis=1)
@@ -494,19 +496,20 @@ def judged(study: Study, parent: Version | None, progress: Progress | None = Non
     tell = progress or (lambda what, share: None)
     if parent is None:
         found = study.evaluation(lambda share: tell("fitting", share))
-        if not (found.plain_fit.converged and found.fitted.converged):
-            study.all_free()  # says of which parameters
-            raise CheckFailed("the fit of the model as it is did not converge; start from a nearer model")
+        for one in (found.plain_fit, found.fitted):
+            one.required()
     else:
         whole = study.whole()
-        # As much of the evaluation of `parent` as a child begins with: where its fits ended
+        # As much of the evaluation of `parent` as a child begins with: where its fits ended, and what they explained
+        figures = ("chi2", "degrees_of_freedom", "tolerance_z2", "tolerances")
+        explained = {name: getattr(parent.errors, name) for name in figures if parent.errors is not None}
         began = estimation.Evaluation(
             nominal=estimation.Share(percent=0.0),
             plain=estimation.Share(percent=0.0),
             held_out=None,
             held_out_nominal=None,
             plain_fit=at_offsets(parent.plain_offsets, whole),
-            fitted=at_offsets(parent.fitted_offsets, whole),
+            fitted=replace(at_offsets(parent.fitted_offsets, whole), **explained),
         )
         found = evaluate.evaluate(whole, hold_out=study.hold_out, parent=began, progress=lambda share: tell("fitting", share))
     sized = study.by(replace(study.model, effects=tuple(sized_by(one, found.fitted) for one in study.model.effects)))

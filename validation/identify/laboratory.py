@@ -64,7 +64,7 @@ class HeldOut:
         tested, known = one.tested, one.tested.model.knowing(learnt)
         carried = supported_dynamic_mass(known, tested.campaign, tested.carried.standing, one.measured.name)
         problem = Problem((replace(one, tested=replace(tested, model=known, carried=carried)),)).thinned()
-        found = fit(problem, FITTED)
+        found = fit(problem, FITTED).required()
         mine = [k for k, each in enumerate(found.parameters) if each.name in learnt.offsets and each.tolerance > 0]
         prior = np.array([found.parameters[k].tolerance for k in mine])
         due = float(np.sum(1 - np.clip(np.diag(found.covariance)[mine] / prior**2, 0.0, 1.0)))
@@ -108,12 +108,12 @@ def laboratory(model: Model, campaigns: Sequence[Campaign], progress: Progress |
     made = predictions(replace(model, effects=()), campaigns, progress=lambda share: tell("spectra", share))
     tell("fitting all campaigns", 0.0)
     whole = Problem(made).thinned()
-    found = fit(whole, FITTED)
+    found = fit(whole, FITTED).required()
     held: list[HeldOut] = []
     for k, one in enumerate(made if len(made) > 1 else ()):
         tell(f"holding out {one.measured.name}", k / len(made))
         others = Problem(tuple(each for each in made if each is not one)).thinned()
-        held.append(HeldOut.of(one, _learnt(model, others, fit(others, FITTED, start=found.by_name), 1.0)))
+        held.append(HeldOut.of(one, _learnt(model, others, fit(others, FITTED, start=found.by_name).required(), 1.0)))
     widened = sqrt(max(1.0, float(np.mean([one.price for one in held])))) if held else 1.0
     learnt = _learnt(model, whole, found, widened)
     return LaboratoryFindings(learnt=learnt, held_out=tuple(held), widened=widened, stands=goodness_of_fit(found, whole))

@@ -392,7 +392,7 @@ def _of_built_in(name: str, asked: ArticleOptions, only: str | None = None) -> _
         by: dict[str, Callable[[Article], Inertia]] = {
             "occ": cad.inertia,
             "trimesh": partial(by_mesh, chord=chord),
-            "pinocchio": routes.inertia,
+            "pinocchio": routes.by_pinocchio,
         }
         found = {only: by[only](article)} if only in by else {}
         return _Routes(inertias=found, errors=errors, note=article.note, chord=chord)

@@ -22,9 +22,9 @@ from identification.quality import NORMAL_95, impossible
 from identification.response_functions import ResponseFunctions
 from validation.identify import identify
 from validation.identify.check import require_measurement
-from validation.identify.identify import DrawnBandStudy, IdentificationFindings, IdentifyOptions, Reported
+from validation.identify.identify import DrawnBandStudy, IdentificationFindings, IdentifyOptions, Reported, by_kind
 from validation.model.setups import FMD, above_fmd, is_stack, stated, takes_fmd_off
-from validation.output import NONE, json_text, print_json, rounded, shown, to_json
+from validation.output import NONE, inertia_json, json_text, print_json, rounded, shown, to_json
 from validation.reference.reference import ArticleOptions, file_name, reference
 from validation.reference.statement import QUANTITIES, Statement
 from validation.report import document as doc
@@ -687,7 +687,10 @@ def answer_of_test(path: str, band: tuple[float, float] | None, *, as_json: bool
         keys = ("quantity", "unit", "value", "half_width_95", "mass_line")
         about = {"test": path, "article": data.article, "band_hz": list(found.band), "mass_line_band_hz": list(found.straight)}
         figures = [dict(zip(keys, row, strict=True)) for row in rows]
-        print_json({**about, "poles_hz": found.poles.tolist(), "misfit": found.misfit, "figures": figures, "gains": found.gains})
+        ends = joint[:, None] + NORMAL_95 * sd[:, None] * [-1, 1]
+        body = {"origin": "coordinates of the test", "inertia": inertia_json(found.inertia), "interval95": by_kind(ends)}
+        fit = {"poles_hz": found.poles, "misfit": found.misfit, "figures": figures, "gains": found.gains}
+        print_json(to_json({**about, **body, **fit, "warnings": data.warnings}))
         return
     heads = ("", "unit", "joint fit", "95 %", "mass line alone")
     columns = tuple(doc.Column(head, itemgetter(k), words=k < 2) for k, head in enumerate(heads))

@@ -39,8 +39,9 @@ Band = tuple[float, float]
 
 ARTICLE = "structure"
 
-SENSORS, MODES, LINES = 8, 6, 600
-"""[count] of sensors of a test, modes in its band, and lines: several within the width of every peak."""
+SENSORS, DRIVES, MODES, LINES = 8, 2, 6, 600
+"""[count] of sensors of a test, those of them that are driven, modes in its band, and lines: several within the width of every
+peak."""
 
 NODES = 4
 """[count] of nodes without a name at which a draw looks for one that the data tell."""
@@ -124,7 +125,7 @@ def limits_of(null: StructureCase) -> Mapping[str, float]:
 
 def _limits(folder: Path, null: StructureCase) -> dict[str, float]:
     study = Study.open(folder / MODEL, [folder / TEST])
-    base = Candidate(effects=(), fit=study.all_free(), problem=study.problem())
+    base = Candidate(effects=(), fit=study.all_free().required(), problem=study.problem())
     menu = [one for one in candidates(study) if one.named.family in KNOWN and "every" not in one.named.targets]
     found = {one.id: one.size for one in detectable(screen(study, base, menu))}
     generator = stream(null.laboratory, "nodes")
@@ -135,7 +136,7 @@ def _limits(folder: Path, null: StructureCase) -> dict[str, float]:
     lively = np.flatnonzero(size > 0.2 * size.max())
     nodes = points[generator.choice(lively, NODES, replace=False)]
     ready = study.ready_at([at_node("point-mass", node, "").partition(":")[2] for node in nodes])
-    base = Candidate(effects=(), fit=ready.all_free(), problem=ready.problem())
+    base = Candidate(effects=(), fit=ready.all_free().required(), problem=ready.problem())
     there = [one for one in candidates(ready, only=("point-mass", "cable")) if position(one.named.target) is not None]
     found |= {one.id: one.size for one in detectable(screen(ready, base, there))}
     return found
@@ -157,8 +158,12 @@ def _handed_over(
     sensors = [f"{name}:{'xyz'[int(generator.integers(3))]}" for name in places]
     rows = [tested.places[one[:-2]].toarray()["xyz".index(one[-1])] for one in sensors]
     gains = 1 + GAIN * generator.standard_normal(len(sensors))
-    made = _functions if case.test == FUNCTIONS else _table
-    made(lab, rows, sensors, gains, band, generator).fill(to)
+    if case.test == FUNCTIONS:
+        meshed = case.shape not in (shapes.FRAME, shapes.TRUSS)
+        made = _functions(lab, rows, sensors, gains, band, generator, first=DRIVES if meshed else 0)
+    else:
+        made = _table(lab, rows, sensors, gains, band, generator)
+    made.fill(to)
 
 
 def _band(fine: Structure) -> tuple[float, float]:
@@ -227,20 +232,29 @@ def with_faults(fine: Structure, laboratory: int, faults: Sequence[Fault]) -> tu
 
 
 def _functions(
-    lab: TestedStructure, rows: Sequence[Array], sensors: Sequence[str], gains: Array, band: Band, generator: np.random.Generator
+    lab: TestedStructure,
+    rows: Sequence[Array],
+    sensors: Sequence[str],
+    gains: Array,
+    band: Band,
+    generator: np.random.Generator,
+    *,
+    first: int,
 ) -> StructureTest:
-    """Accelerances of all sensors for a force at the first two."""
-    f = np.linspace(*band, LINES)
-    A = lab.accelerance(f, rows, rows[:2]) * gains[:, None]
+    """Accelerances of the sensors from the `first` on for a force at each of `DRIVES`: a force on a point of a solid, or along a
+    sheet, moves that point the more the finer the mesh."""
+    f, drives = np.linspace(*band, LINES), sensors[:DRIVES]
+    A = lab.accelerance(f, rows[first:], rows[:DRIVES]) * gains[first:, None]
+    sensors = sensors[first:]
     noise = generator.standard_normal((*A.shape, 2)) @ np.array([1, 1j]) / np.sqrt(2)
-    floor = 0.2 * np.sqrt(np.mean(np.abs(A) ** 2, axis=0, keepdims=True))
+    floor = 0.2 * np.sqrt(np.mean(np.abs(A) ** 2, axis=(0, 1), keepdims=True))  # a sensor is as noisy where next to nothing moves
     A = A + NOISE * noise * np.hypot(np.abs(A), floor)
     names = [one.replace(":", "-") for one in sensors]
     signals = {
         f"functions-{k + 1}.h5": Signals(source="a draw", frequency=f, samples=dict(zip(names, A[:, :, k].T, strict=True)))
         for k in range(A.shape[2])
     }
-    files = [{"path": name, "drive": drive} for name, drive in zip(signals, sensors[: len(signals)], strict=True)]
+    files = [{"path": name, "drive": drive} for name, drive in zip(signals, drives, strict=True)]
     table = {"format": 1, "kind": FUNCTIONS, "article": ARTICLE, "responses": list(sensors), "files": files, "share": NOISE}
     return StructureTest(table=table, signals=signals)
 

@@ -353,6 +353,9 @@ def worst(frequency: Array, values: Array, most: int = MOST) -> Thinned:
 TICKS = (-1000, -100, -10, -5, 0, 5, 10, 30, 100, 300, 1000, 3000, 10_000, 100_000, 1_000_000)
 """Of an axis of evidence [nats]."""
 
+LETTER, NARROW = 6.5, 430.0
+"""[px] of a letter of an axis, and of the axis of causes where it is narrowest, on paper. By definition."""
+
 
 def bars(one: spec.Bars, chart: spec.BarChart, **more: Any) -> Values:
     """The trace of `one`, its words at the ends of the bars."""
@@ -383,11 +386,15 @@ def evidence(chart: spec.BarChart, dark: bool) -> Figure:
     found = {row: told for one in panel.bars for row, told in zip(one.rows, zip(one.values, one.words, strict=True), strict=True)}
     reach = spec.signed_log(np.array([found[row][0] for row in panel.rows] or [0.0]))
     low, high = min(0.0, 1.15 * float(reach.min())), max(1.35 * spec.LINEAR_NATS, float(reach.max()))
-    ticks: Values = {
-        "tickvals": spec.signed_log(np.array(TICKS, dtype=float)),
-        "ticktext": [f"{one:,}".replace(",", " ") for one in TICKS],
-    }
-    figure.across(range=[low, low + 1.75 * (high - low)], zeroline=True, title={"text": panel.label}, **ticks)
+    behind = [escaped(found[row][1]).replace("   ", "<br>") for row in panel.rows]
+    longest = max((len(line) for one in behind for line in one.split("<br>")), default=0)
+    whole = (high - low) / (1 - min(longest * LETTER / NARROW, 0.65))
+    shown = list[tuple[float, int]]()  # as far as bars reach, none on its neighbour
+    for tick, at in zip(TICKS, spec.signed_log(np.array(TICKS, dtype=float)).tolist(), strict=True):
+        if low <= at <= high and (not shown or at - shown[-1][0] > len(f" {tick:,} ") * LETTER / NARROW * whole):
+            shown.append((at, tick))
+    ticks: Values = {"tickvals": [at for at, _ in shown], "ticktext": [f"{tick:,}".replace(",", " ") for _, tick in shown]}
+    figure.across(range=[low, low + whole], zeroline=True, title={"text": panel.label}, tickangle=0, **ticks)
     figure.up(categoryorder="array", categoryarray=rows, range=[len(rows) - 0.5, -0.5], showgrid=False, automargin=True)
     asked = {
         "type": "scatter",
@@ -403,7 +410,7 @@ def evidence(chart: spec.BarChart, dark: bool) -> Figure:
         "type": "scatter",
         "x": np.maximum(reach[: len(rows)], 0.0),
         "y": rows,
-        "text": [f"  {escaped(found[row][1])}" for row in panel.rows],
+        "text": [f"  {one.replace('<br>', '<br>  ')}" for one in behind],
         "mode": "text",
         "textposition": "middle right",
         "cliponaxis": False,
@@ -412,7 +419,7 @@ def evidence(chart: spec.BarChart, dark: bool) -> Figure:
     }
     figure.add(asked, words)
     margin = {"t": TITLE_ROOM + LEGEND_ROOM}
-    return dressed(figure, chart.title, 170 + 34 * len(rows), dark, legend=legend_above(), barmode="overlay", margin=margin)
+    return dressed(figure, chart.title, 160 + 42 * len(rows), dark, legend=legend_above(), barmode="overlay", margin=margin)
 
 
 def levels(sigma: Array) -> Array:
@@ -467,7 +474,7 @@ def heat_map(one: spec.HeatMap, dark: bool) -> Figure:
     figure.up(showgrid=False, tickmode="array", tickvals=rows, tickfont={"size": 11}, **axis)
     figure.across(title={"text": one.along}, showgrid=False, **({"dtick": 1} if of_modes else {}))
     look = {"margin": {"l": 118, "r": 10}, "uirevision": escaped(one.title)}
-    return dressed(figure, one.title, 130 + 15 * len(rows), dark, **look)
+    return dressed(figure, one.title, 130 + max(15 * len(rows), 210), dark, **look)  # of few rows, room for the scale beside them
 
 
 def modes(shown: Sequence[tuple[str, float]], height: float, size: int, **more: Any) -> Values:

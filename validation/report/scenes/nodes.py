@@ -23,7 +23,7 @@ WORDS = {
 
 MEANS = "evidence over that of the best node"
 
-NOTE = "Every node as if it were the only one that is looked at, to first order. Grey: it explains nothing."
+NOTE = "Each node as if it alone were looked at. Grey: explains nothing."
 
 THIN, SMALL = 0.004, 0.009
 """[share] of the structure's size: of the stick that stands for a beam, and of the mark of a node without elements."""
