@@ -158,11 +158,10 @@ SAYS = {"quantity": "measures", "group": "belongs to the group", "senses_gravity
 def difference(one: Campaign, other: Campaign) -> str:
     """The first thing in which the channel tables of two campaigns differ, in words; empty where there is none."""
     mine, its = _channels(one), _channels(other)
-    each_axis = bool(one.cross_motion and other.cross_motion)
+    each_axis = bool(one.cross_motion and other.cross_motion)  # of single-axis shakers, whose pilot stands where it is driven
     for known, told, of, to in ((mine, its, one, other), (its, mine, other, one)):
-        if each_axis:  # of single-axis shakers, whose pilot stands where it is driven
-            continue
-        if missing := next((name for name in known if name not in told), ""):
+        fixed = (name for name, channel in known.items() if not (each_axis and channel.quantity == "acceleration"))
+        if missing := next((name for name in fixed if name not in told), ""):
             return f"{missing} is a channel of {of.source} and not of {to.source}"
     mine = {name: channel for name, channel in mine.items() if name in its}
     for name, a in mine.items():
