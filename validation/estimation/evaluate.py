@@ -81,8 +81,8 @@ def squares(
         rows = predicted.rows if predicted.rows.ndim == 3 else predicted.rows[k]
         left = left_of_run(seen, rows, weight[k], k, judged)
         level = np.sum(np.abs(seen.values[k][:, judged]) ** 2, axis=1, keepdims=True)
-        # (m, j) mean square of what `variance` (m, c) leaves in every channel that is judged
-        variance = noise[k]
+        # (m, j) mean square of what `variance` (m, c) leaves in every channel that is judged; what nobody recorded has no noise
+        variance = np.where(np.any(seen.values[k], axis=0), noise[k], 0.0)
         of_noise = variance[:, judged] if left.gain is None else np.asarray(np.abs(left.gain) ** 2 @ variance[..., None])[..., 0]
         values = (np.abs(left.values) ** 2 - of_noise) / np.maximum(level, np.finfo(np.float64).tiny)
         names = tuple(name for name, one in zip(measured.channels, judged, strict=True) if one)

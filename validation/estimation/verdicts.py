@@ -237,7 +237,7 @@ def _held_out(of: Evaluation, explained: ExplainedError) -> StatedError:
         told = f"{percent(others.percent)}, nominal {percent(before.percent)}"
         beside = f"a configuration never seen, its modes and what acts there alone unfitted: {told}"
     if of.held_out is None:
-        none = "nothing is left for checking: one run of one campaign"
+        none = "nothing is left for checking: each set of data is one run"
         return StatedError(name="held-out error", figure="–", meaning=meaning, text=beside or none)
     high = of.held_out.percent > MORE * max(of.plain.percent, explained.measurement)
     said = "what was fitted does not hold there" if high else "the fit holds on data that it has not seen"

@@ -268,15 +268,17 @@ SHARE = "cross-motion"
 
 def shares(tested: "TestedCampaign", frequency: Array) -> Iterator[tuple[problem.Parameter, int, ComplexArray]]:
     """Of a campaign that states `cross_motion` the parameters of c, the column of the pick-up of each, and (n,) dc / d offset."""
-    of, campaign = tested.measured, tested.campaign
+    of, size = tested.measured, tested.campaign.cross_motion
+    within = problem.WITHIN * size  # a plain fit moves it as well: no record tells it
+    declared = problem.Parameter(name=SHARE, unit="1", kind=problem.DECLARED, tolerance=size, within=within)
     low, high = np.log2(of.frequency[[0, -1]])
     knots = np.linspace(low, high, 1 + max(1, int(np.ceil(high - low))))
-    for column, channel in enumerate(of.channels if campaign.cross_motion else ()):
+    for column, channel in enumerate(of.channels if size else ()):
         for k, knot in enumerate(knots if channel.startswith(UNMEASURED) else ()):
             hat = np.interp(np.log2(frequency), knots, np.eye(len(knots))[k])
             name = f"{SHARE}:{of.name}:{channel.removeprefix(UNMEASURED)}:{2**knot:.3g}Hz"
             for part, unit in (("re", 1.0), ("im", 1j)):
-                yield problem.Parameter(name=f"{name}:{part}", unit="1", tolerance=campaign.cross_motion), column, unit * hat
+                yield replace(declared, name=f"{name}:{part}"), column, unit * hat
 
 
 def with_unmeasured(campaign: Campaign) -> Campaign:

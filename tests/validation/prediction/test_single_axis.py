@@ -114,6 +114,11 @@ def test_motions_that_are_said_to_be_far_smaller_than_they_are_show(lab, answer)
     assert found["fitted_chi2_per_dof"] > 1.5 or "failed" in [one["verdict"] for one in found["errors"]]
 
 
+def test_what_nobody_recorded_is_no_noise_that_errors_are_relieved_of(simulated, model):
+    sound, soft = (Study.of(model, Data(campaigns=(simulated(*one),))).evaluation() for one in ((), ("modulus:mast=-0.4",)))
+    assert 1 < sound.plain.percent < sound.nominal.percent < 0.5 * soft.nominal.percent
+
+
 @pytest.mark.parametrize("mistake", ["polarity:mast-top-x", "unit:mast-top-z", "polarity:table-z1"])
 def test_plain_mistakes_are_found_before_any_fit(simulated, model, mistake):
     """In two campaigns of one laboratory, each with a pilot of its own; where a channel hardly moves, nothing is said of it."""
