@@ -15,7 +15,7 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.toml_file import nearest
-from identification.campaign import RIGID_GROUPS, Campaign
+from identification.campaign import RIGID_GROUPS
 from validation.diagnose import pendulum
 from validation.diagnose.classical import pendulum_candidates
 from validation.diagnose.diagnosis import Candidate, Detectable, Screened
@@ -66,7 +66,9 @@ def candidates(data: Study, *, only: Sequence[str] = (), leave_out: Sequence[str
     words, known = data.words, {one.named.id for one in data.model.effects}
     lines = any(has_lines(one) for one in (*data.made, *data.tests))
     of_base = {f"{family}:{name}" for one in data.campaigns for name in pilots(one) for family in OF_BASE}
-    of_base |= {f"board-delay:{group}" for one in data.campaigns if one.cross_motion for group in _without_pick_ups(one)}
+    for one in data.campaigns:
+        read = {of.group for of in one.table.channels}
+        of_base |= {f"board-delay:{group}" for group in RIGID_GROUPS if one.cross_motion and group not in read}
     acting: list[Added] = []
     for family in FAMILIES.values():
         if family.side not in SIDES or family.stage not in SHOWN:
@@ -97,11 +99,6 @@ def candidates(data: Study, *, only: Sequence[str] = (), leave_out: Sequence[str
             remedy = f"{nearest(wanted, names)}`massline effects` lists the catalogue"
             raise BadInput(source="--candidate", field=wanted, problem=problem, remedy=remedy)
     return tuple(one for one in found if looked_for(one.named, only, ()))
-
-
-def _without_pick_ups(campaign: Campaign) -> list[str]:
-    """Boards of the base from which nothing was recorded."""
-    return [group for group in RIGID_GROUPS if not len(campaign.table.select(group=group, quantity="acceleration"))]
 
 
 def looked_for(named: Named, only: Sequence[str], leave_out: Sequence[str]) -> bool:

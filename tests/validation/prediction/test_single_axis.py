@@ -19,7 +19,7 @@ from validation.diagnose.unexplained_places import channels, crosstalk
 from validation.estimation.fit import fit
 from validation.estimation.problem import FITTED, Problem
 from validation.history.add import body_of
-from validation.model.model import Model
+from validation.model.model import Model, difference
 from validation.prediction.series import SHARE, UNMEASURED, predictions, with_unmeasured
 from validation.study import Data, Options, Study
 
@@ -117,6 +117,14 @@ def test_motions_that_are_said_to_be_far_smaller_than_they_are_show(lab, answer)
 def test_what_nobody_recorded_is_no_noise_that_errors_are_relieved_of(simulated, model):
     sound, soft = (Study.of(model, Data(campaigns=(simulated(*one),))).evaluation() for one in ((), ("modulus:mast=-0.4",)))
     assert 1 < sound.plain.percent < sound.nominal.percent < 0.5 * soft.nominal.percent
+
+
+def test_a_force_that_one_of_two_axes_lacks_is_told_and_another_pilot_is_not(simulated):
+    along_x, along_z = simulated(axis="x"), simulated(axis="z")
+    assert not difference(along_x, along_z)
+    below = replace(along_x.table.channels[0], name="fmd-z1", quantity="force", group="fmd")
+    with_force = replace(along_x, table=replace(along_x.table, channels=(*along_x.table.channels, below)))
+    assert "fmd-z1 is a channel of" in difference(with_force, along_z)
 
 
 @pytest.mark.parametrize("mistake", ["polarity:mast-top-x", "unit:mast-top-z", "polarity:table-z1"])
