@@ -31,8 +31,7 @@ from fem.user_model import reading
 from geometry.frames import Array
 from identification.campaign import Campaign
 from validation.compare.compare import compared
-from validation.diagnose.candidates import candidates, screen
-from validation.diagnose.diagnosis import Candidate
+from validation.diagnose.candidates import baseline, candidates, screen
 from validation.model.model import Model
 from validation.prediction.series import predictions
 from validation.prediction.structure import by_itself
@@ -78,7 +77,7 @@ def of_candidates(count: int) -> Callable[[], object]:
     """All candidates of the catalogue, so many times over, screened from one Jacobian."""
     found = (campaign(),)
     bench = Study(model=MODEL, campaigns=found, made=predictions(MODEL, found))
-    menu, at = candidates(bench), Candidate(effects=(), fit=bench.all_free().required(), problem=bench.problem())
+    menu, at = candidates(bench), baseline(bench)
     return lambda: screen(bench, at, (menu * (count // len(menu) + 1))[:count])
 
 

@@ -21,8 +21,7 @@ from benchmarks.blind.drawing.case import NULL, SERIES, SINGLE, Case
 from benchmarks.blind.drawing.draw import draw
 from benchmarks.blind.names import MODEL
 from benchmarks.blind.sealing import sealed
-from validation.diagnose.candidates import candidates, screen
-from validation.diagnose.diagnosis import Candidate
+from validation.diagnose.candidates import baseline, candidates, screen
 from validation.diagnose.search import fit_with
 from validation.effects.effect import evidence_threshold
 from validation.estimation.fit import nearby
@@ -75,7 +74,7 @@ def tried(case: Case, folder: Path) -> Tried:
     whole = Study.open(folder / MODEL, [folder / name for name in case.articles], hold_out=case.hold_out)
     given = {one.name: getattr(whole, one.name) for one in fields(whole) if one.init}
     first, other = (Half(**given, odd=odd) for odd in (False, True))
-    base, menu = Candidate(effects=(), fit=first.all_free().required(), problem=first.problem()), candidates(first)
+    base, menu = baseline(first), candidates(first)
     best = max((fit_with(first, base, one.added) for one in screen(first, base, menu)[:3]), key=lambda at: at.fit.log_evidence)
     (effect,) = best.effects
     without, held = (

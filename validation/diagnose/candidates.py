@@ -15,7 +15,6 @@ from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.toml_file import nearest
-from identification.campaign import RIGID_GROUPS
 from validation.diagnose import pendulum
 from validation.diagnose.classical import pendulum_candidates
 from validation.diagnose.diagnosis import Candidate, Detectable, Screened
@@ -51,6 +50,16 @@ TINY = 1e-9
 TINY_AT = {"m": TINY, "f": 1000.0, "zeta": 0.02}
 
 
+def baseline(study: Study) -> Candidate:
+    """The model of `study` as it is, all its parameters fitted: what a candidate is added to.
+
+    Raises
+    ------
+    CheckFailed : the fit does not converge.
+    """
+    return Candidate(effects=(), fit=study.all_free().required(), problem=study.problem())
+
+
 def candidates(data: Study, *, only: Sequence[str] = (), leave_out: Sequence[str] = ()) -> tuple[Added, ...]:
     """What could be missing from the model of `data`.
 
@@ -65,10 +74,7 @@ def candidates(data: Study, *, only: Sequence[str] = (), leave_out: Sequence[str
     """
     words, known = data.words, {one.named.id for one in data.model.effects}
     lines = any(has_lines(one) for one in (*data.made, *data.tests))
-    of_base = {f"{family}:{name}" for one in data.campaigns for name in pilots(one) for family in OF_BASE}
-    for one in data.campaigns:
-        read = {of.group for of in one.table.channels}
-        of_base |= {f"board-delay:{group}" for group in RIGID_GROUPS if one.cross_motion and group not in read}
+    slanted = {name for one in data.campaigns for name in pilots(one)}
     acting: list[Added] = []
     for family in FAMILIES.values():
         if family.side not in SIDES or family.stage not in SHOWN:
@@ -80,7 +86,7 @@ def candidates(data: Study, *, only: Sequence[str] = (), leave_out: Sequence[str
             }
             values = TINY_AT if tuple(size.key for size in sizes) == RESONATOR else values
             named = Named(family=family.name, targets=targets, values=values)
-            if (is_resonator(named) and not lines) or ":".join(named.id.split(":")[:2]) in of_base:
+            if (is_resonator(named) and not lines) or (family.name in OF_BASE and named.target in slanted):
                 continue
             if named.id not in known and any(acts(named, place) for place in data.there):
                 acting.append(Added(named=named, fixed=bool(sizes) and all(size.whole for size in sizes)))

@@ -101,7 +101,7 @@ def diagnosed(
             again = {one.kind for one in fitted}
             nodes = (*fitted, *(one for one in nodes if one.kind not in again))
             right = right.ready_at([one.named.target for one in fitted])
-            base = diagnosis.Candidate(effects=(), fit=right.all_free().required(), problem=right.problem())
+            base = candidates.baseline(right)
         menu = menu if only else candidates.candidates(right, leave_out=leave_out)
         at, steps = stepwise_search(right, base, menu, tell)
         unknown = right.tests and not right.made and not goodness_of_fit(at.fit, at.problem).null

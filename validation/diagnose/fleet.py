@@ -14,8 +14,9 @@ from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from identification import campaign_file
 from validation.diagnose import candidates
+from validation.diagnose.candidates import baseline
 from validation.diagnose.diagnose import as_cause, diagnosed_once, ready
-from validation.diagnose.diagnosis import ANY, UNKNOWN, Candidate, Diagnosis, EffectEstimate, headline
+from validation.diagnose.diagnosis import ANY, UNKNOWN, Diagnosis, EffectEstimate, headline
 from validation.diagnose.search import fit_with, goodness_of_fit
 from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES, parse
@@ -206,7 +207,7 @@ class SizesAsked:
             lacks = tuple(Added(named=parse(text, ANY)) for text in self.accepted)
             mistakes = tuple(replace(one, fixed=True) for one in lacks if FAMILIES[one.named.family].side == MISTAKE)
             right = study.by(replace(study.model, effects=(*study.model.effects, *mistakes)))
-            at = Candidate(effects=(), fit=right.all_free().required(), problem=right.problem())
+            at = baseline(right)
             for one in lacks:
                 at = at if one in mistakes or FAMILIES[one.named.family].side == MISTAKE else fit_with(right, at, one)
             found = {}

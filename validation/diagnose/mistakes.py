@@ -29,7 +29,7 @@ from validation.effects.effect import INDISTINGUISHABLE_NATS
 from validation.model.model import Added
 from validation.prediction.modal_table import TableShapes
 from validation.prediction.response_functions import FORCE_CHANNEL, ResponseFunctionTest
-from validation.prediction.series import UNMEASURED, SeriesPrediction
+from validation.prediction.series import SeriesPrediction, is_read
 from validation.study import Study
 
 # What every channel of a campaign reads at its lowest lines, beside what all others and the model say it should read.
@@ -116,7 +116,7 @@ class LowFrequencyReadings:
         lines = np.unique(np.linspace(low[0], low[-1], LINES).round().astype(np.int64))
         rows = one.at({parameter.name: parameter.start for parameter in one.parameters}, lines, derivatives=False).rows
         rows = rows if rows.ndim == 4 else rows[None]
-        read = np.array([not name.startswith(UNMEASURED) for name in measured.channels])
+        read = np.array([is_read(name) for name in measured.channels])
         unsure, moves = np.zeros((len(measured.runs), len(lines), int(np.sum(read)))), slice(None)
         if not np.all(read):  # one motion is told, and of the others how large they may be
             driven = MOTIONS.index(measured.axes[0])

@@ -15,8 +15,7 @@ from fem.modes import floating_shift, lowest
 from fem.structure import Sparse, Structure, hold
 from geometry.dynamic_mass import MOTIONS
 from geometry.frames import Array
-from validation.diagnose.candidates import candidates, detectable, screen
-from validation.diagnose.diagnosis import Candidate
+from validation.diagnose.candidates import baseline, candidates, detectable, screen
 from validation.effects.catalogue import FAMILIES, Named
 from validation.effects.effect import OPENED
 from validation.effects.stages import ALONG
@@ -108,7 +107,7 @@ def reduction_errors(study: Study) -> tuple[ReductionErrors, ...]:
     small = {name: of for name, of in tested.items() if of.reduced is not None and len(of.reduced.basis) <= LARGEST}
     if not small:
         return ()
-    base = Candidate(effects=(), fit=study.all_free().required(), problem=study.problem())
+    base = baseline(study)
     menu = [one for one in candidates(study) if one.named.family in FAMILIES_MOVING and "every" not in one.named.targets]
     by_id = {one.named.id: one.named for one in menu}
     limits = {by_id[one.id]: one.size for one in detectable(screen(study, base, menu))}

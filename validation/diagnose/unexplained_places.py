@@ -16,7 +16,7 @@ from validation.diagnose import unexplained_fit as fit
 from validation.estimation.problem import Offsets, Prediction
 from validation.estimation.screening import Products
 from validation.prediction import dynamic_mass
-from validation.prediction.series import UNMEASURED, SeriesPrediction
+from validation.prediction.series import SeriesPrediction, is_read
 
 CHANNEL, GROUP, PAIR, LOCATION, JOINT, PART, CROSSTALK, SPAN, AXIS = KINDS = (
     *("channel", "group", "pair", "location", "joint", "part", "crosstalk", "span", "axis"),
@@ -237,19 +237,17 @@ def channels(of: fit.Swallowing, courses: tuple[fit.FrequencyLaw, ...]) -> Itera
     """All accelerometers, and those of a group, that read gravity where they tilt: along x by beta, along y by minus alpha.
     Channels by themselves and by groups, in shares of what they read."""
     names, table, u = of.of.prediction.measured.channels, _table(of.of.prediction), of.of.inputs
-    real = [not name.startswith(UNMEASURED) for name in names]
-    sensing = [one.quantity == "acceleration" and is_read for one, is_read in zip(table, real, strict=bool(table))]
-    groups = {
-        group: [one.group == group and is_read for one, is_read in zip(table, real, strict=True)]
-        for group in dict.fromkeys(one.group for one, is_read in zip(table, real, strict=bool(table)) if is_read)
-    }
+    real = list(map(is_read, names))
+    sensing = [one.quantity == "acceleration" and is_read(one.name) for one in table]
+    known = dict.fromkeys(one.group for one in table if is_read(one.name))
+    groups = {group: [one.group == group and is_read(one.name) for one in table] for group in known}
     if any(sensing) and u.shape[-1] == len(MOTIONS):
         along = np.array([one.places[0].direction for one in table])
         tilted = u[..., 4, None] * along[:, 0] - u[..., 3, None] * along[:, 1]
         sense = dict.fromkeys(one.group for one, senses in zip(table, sensing, strict=True) if senses)
         chosen = {"": sensing} | {group: groups[group] for group in sense}
         yield _mixed(of, [_group(one, names, chosen[one]) for one in chosen], list(chosen.values()), (fit.TILTING,), tilted)
-    places = [SuspectedPlace(kind=CHANNEL, channels=(name,)) for name, is_read in zip(names, real, strict=True) if is_read]
+    places = [SuspectedPlace(kind=CHANNEL, channels=(name,)) for name in filter(is_read, names)]
     places += [_group(one, names, groups[one]) for one in groups]
     yield _mixed(of, places, [*np.eye(len(names))[real], *groups.values()], courses, predicted(of))
 
@@ -308,7 +306,7 @@ def crosstalk(of: fit.Swallowing, offsets: Offsets) -> Iterator[tuple[tuple[Susp
     """Every channel that hears a motion, a load, or another channel."""
     at, prediction, names = of.of, of.of.prediction, of.of.prediction.measured.channels
     own = tuple(DIMENSIONS[one.quantity] for one in _table(prediction)) or ((0, 0),) * at.values.shape[-1]
-    read = [k for k, name in enumerate(names) if not name.startswith(UNMEASURED)]
+    read = [k for k, name in enumerate(names) if is_read(name)]
     others = tuple(SuspectedPlace(kind=CROSSTALK, channels=(names[k],)) for k in read)
     heard = tuple(own[k] for k in read)
     sources = [Readings(course=fit.CROSSTALK_CONSTANT, places=others, dimensions=heard, values=predicted(of)[..., read])]

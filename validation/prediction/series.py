@@ -266,19 +266,28 @@ SHARE = "cross-motion"
 """Family of the parameters c."""
 
 
+def is_read(channel: str) -> bool:
+    """Whether something was recorded of a channel: it is none of these pick-ups."""
+    return not channel.startswith(UNMEASURED)
+
+
 def shares(tested: "TestedCampaign", frequency: Array) -> Iterator[tuple[problem.Parameter, int, ComplexArray]]:
-    """Of a campaign that states `cross_motion` the parameters of c, the column of the pick-up of each, and (n,) dc / d offset."""
+    """Of a campaign that states `cross_motion` the parameters of c, and how much an offset of each changes which row: the channel
+    and (n, 6)."""
     of, size = tested.measured, tested.campaign.cross_motion
+    if not size:
+        return
+    driven = np.eye(len(MOTIONS))[MOTIONS.index(of.axes[0])]
     within = problem.WITHIN * size  # a plain fit moves it as well: no record tells it
     declared = problem.Parameter(name=SHARE, unit="1", kind=problem.DECLARED, tolerance=size, within=within)
     low, high = np.log2(of.frequency[[0, -1]])
     knots = np.linspace(low, high, 1 + max(1, int(np.ceil(high - low))))
-    for column, channel in enumerate(of.channels if size else ()):
-        for k, knot in enumerate(knots if channel.startswith(UNMEASURED) else ()):
-            hat = np.interp(np.log2(frequency), knots, np.eye(len(knots))[k])
+    for column, channel in enumerate(of.channels):
+        for k, knot in enumerate(() if is_read(channel) else knots):
+            hat = np.interp(np.log2(frequency), knots, np.eye(len(knots))[k])[:, None]
             name = f"{SHARE}:{of.name}:{channel.removeprefix(UNMEASURED)}:{2**knot:.3g}Hz"
             for part, unit in (("re", 1.0), ("im", 1j)):
-                yield replace(declared, name=f"{name}:{part}"), column, unit * hat
+                yield replace(declared, name=f"{name}:{part}"), column, -unit * hat * driven
 
 
 def with_unmeasured(campaign: Campaign) -> Campaign:
@@ -321,7 +330,7 @@ def with_unmeasured(campaign: Campaign) -> Campaign:
 
 def _with_their_size(of: problem.Measured, campaign: Campaign) -> problem.Measured:
     """Spectra in which the pick-ups of `with_unmeasured` read nothing, as well as the stated share of the driven motion."""
-    quiet = np.array([name.startswith(UNMEASURED) for name in of.channels])
+    quiet = np.array([not is_read(name) for name in of.channels])
     if not campaign.cross_motion:
         return of
     level = smoothed_level(of.frequency, of.values)[:, :, np.isin(of.channels, pilots(campaign))].max(axis=2, keepdims=True)
@@ -452,10 +461,10 @@ class TestedCampaign:
                 *carried.mounted,
                 *(one for one, _, _ in shares(self, self.measured.frequency[:1])),
             ]
-            exact = [f":{name}" for name in of.names if name.startswith(UNMEASURED)]  # no pick-up, and none of its tolerances
+            unread = {k for k, name in enumerate(of.names) if not is_read(name)}
             for one in of.parameters:  # what is offset by its logarithm is 1 + its relative change there
-                if any(name in one.name for name in exact):
-                    continue
+                if one.channels and unread.issuperset(one.channels):
+                    continue  # of no pick-up, nor of a board that has none
                 kind = KINDS.get(one.family, problem.SENSOR)
                 within = problem.WITHIN * one.tolerance if kind == problem.DECLARED else inf
                 own.append(replace(one, channels=(), kind=kind, within=within))
@@ -490,7 +499,7 @@ class SeriesPrediction:
     @property
     def there(self) -> There:
         """What effects can act on."""
-        read = tuple(name for name in self.measured.channels if not name.startswith(UNMEASURED))
+        read = tuple(filter(is_read, self.measured.channels))
         return replace(self.tested.carried.standing.there, channels=read)
 
     @property
@@ -644,11 +653,10 @@ class SeriesPrediction:
             for name, derivative in zip(names, of_chain, strict=True):
                 changes[name] = problem.Change(channels=derivative.channels, rows=derivative.rows)
         rows = A0 + A1 @ H
-        driven = np.eye(len(MOTIONS))[MOTIONS.index(self.measured.axes[0])] if self.tested.campaign.cross_motion else np.zeros(6)
-        for one, column, hat in shares(self.tested, frequency):
-            rows[:, column] -= at.get(one.name, 0.0) * hat[:, None] * driven
+        for one, column, change in shares(self.tested, frequency):
+            rows[:, column] += at.get(one.name, 0.0) * change
             if problem.is_wanted(one.name, derivatives):
-                changes[one.name] = problem.Change(channels=(column,), rows=-hat[:, None, None] * driven)
+                changes[one.name] = problem.Change(channels=(column,), rows=change[:, None])
         reading = ChannelResponse(
             frequency=frequency,
             channels=self._chain.names,

@@ -24,8 +24,7 @@ from geometry.atomic import write_text
 from geometry.dynamic_mass import MOTIONS
 from geometry.frames import Array
 from identification.files.files import Signals
-from validation.diagnose.candidates import candidates, detectable, screen
-from validation.diagnose.diagnosis import Candidate
+from validation.diagnose.candidates import baseline, candidates, detectable, screen
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import position
 from validation.prediction import structure as reduction
@@ -125,7 +124,7 @@ def limits_of(null: StructureCase) -> Mapping[str, float]:
 
 def _limits(folder: Path, null: StructureCase) -> dict[str, float]:
     study = Study.open(folder / MODEL, [folder / TEST])
-    base = Candidate(effects=(), fit=study.all_free().required(), problem=study.problem())
+    base = baseline(study)
     menu = [one for one in candidates(study) if one.named.family in KNOWN and "every" not in one.named.targets]
     found = {one.id: one.size for one in detectable(screen(study, base, menu))}
     generator = stream(null.laboratory, "nodes")
@@ -136,7 +135,7 @@ def _limits(folder: Path, null: StructureCase) -> dict[str, float]:
     lively = np.flatnonzero(size > 0.2 * size.max())
     nodes = points[generator.choice(lively, NODES, replace=False)]
     ready = study.ready_at([at_node("point-mass", node, "").partition(":")[2] for node in nodes])
-    base = Candidate(effects=(), fit=ready.all_free().required(), problem=ready.problem())
+    base = baseline(ready)
     there = [one for one in candidates(ready, only=("point-mass", "cable")) if position(one.named.target) is not None]
     found |= {one.id: one.size for one in detectable(screen(ready, base, there))}
     return found

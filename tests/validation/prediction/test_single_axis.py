@@ -157,6 +157,7 @@ def test_what_nobody_measured_is_no_channel_that_could_be_wrong_and_a_slanted_pi
     assert "accelerometer-misalignment:mast-top-x:y" in ids
     assert not [one for one in ids if one.startswith(("accelerometer-misalignment:table", "accelerometer-position:table"))]
     assert [one for one in ids if one.startswith("board-delay:")] == ["board-delay:table"]
+    assert "cover-plate-flexibility" not in ids
     problem = study.problem().thinned()
     (at,) = swallowing(Candidate(effects=(), fit=fit(problem, FITTED), problem=problem))
     named = [place for one in channels(at, OF_SHARES) for place in one.places]
