@@ -115,6 +115,8 @@ def write_nastran(folder: Path, arrays: dict[str, np.ndarray]) -> None:
 
     nastran.wtgrids(str(folder / "bracket.bdf"), arrays["nodes"], xyz=arrays["coordinates"])
     op4.write(str(folder / "bracket.op4"), {"kaa": arrays["stiffness"], "maa": arrays["mass"]})
+    shares = {f"{name[0]}{name.partition('/')[2]}": share for name, share in parts().items()}  # scolumn, sarm, mcolumn, marm
+    op4.write(str(folder / "bracket-parts.op4"), shares)
     index = pd.MultiIndex.from_arrays(arrays["dof"].T)
     punched = {name: pd.DataFrame(arrays[key], index=index, columns=index) for name, key in (("k", "stiffness"), ("m", "mass"))}
     nastran.wtdmig(str(folder / "bracket.pch"), punched)

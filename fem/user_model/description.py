@@ -33,6 +33,8 @@ _KEYS = (*_DATA_KEYS, *parts.KEYS)
 """Where they are looked for when it is not set."""
 
 MATRICES = ("stiffness", "mass", "viscous", "structural")
+PART_MATRICES = ("stiffness", "mass", "membrane", "bending")
+"""What a part may have of its own, as ``stiffness/NAME`` and so on."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -68,7 +70,7 @@ class Description:
     named : how it is held, and its parts, places, supports and joints
     file, grids : the data, and where a Nastran model has its grid points; None where not named
     interface : identifiers of the nodes that the base carries; empty where the data say it otherwise
-    matrices : the names in a Nastran file of what we call stiffness, mass, viscous and structural
+    matrices : the names in a Nastran file of what we call stiffness, mass, viscous and structural, stiffness/NAME of a part ...
     loss_factor : of the whole structure, None when not given
     sha256 : of the data file, empty when not given
     stated : what is known from elsewhere
@@ -123,8 +125,10 @@ def parse(table: Mapping[str, Any], source: str, path: Path) -> Description:
         problem = f"names node {twice} {value.count(twice)} times"
         raise BadInput(source=source, field=where, problem=problem, remedy="Name every interface node once")
     matrix_names = toml_file.require_table(model.get("matrices", {}), source=source, where=f"{TABLE}.matrices")
-    toml_file.require_known(matrix_names, MATRICES, source=source, where=f"{TABLE}.matrices")
     for key, name in matrix_names.items():
+        what, of_part, _ = key.partition("/")
+        known = PART_MATRICES if of_part else MATRICES
+        toml_file.require_known({what: name}, known, source=source, where=f"{TABLE}.matrices")
         if not isinstance(name, str) or not name.isidentifier():
             remedy = 'Write it like { stiffness = "kaa" }'
             raise toml_file.wrong(name, "the name of a matrix", source, f"{TABLE}.matrices.{key}", remedy)

@@ -45,12 +45,14 @@ def read(path: Path, description: Description) -> Contents:
     """
     punched = path.suffix.lower() in PUNCH_ENDINGS
     found = _guarded(path, lambda: _punched(path) if punched else _output4(path))
-    matrices = {}
-    for ours, known in NAMES.items():
-        given = description.matrices.get(ours)
-        choices = (given,) if given else known
+    # Where the parts of a matrix are named, it is their sum and may be missing itself
+    named, matrices = description.matrices, {}
+    dispensable = {*_OPTIONAL, *(key.partition("/")[0] for key in named if "/" in key)}
+    for ours in dict.fromkeys((*NAMES, *named)):
+        given = named.get(ours)
+        choices = (given,) if given else NAMES[ours]
         name = next((choice for choice in choices if choice in found), None)
-        if name is None and (given or ours not in _OPTIONAL):
+        if name is None and (given or ours not in dispensable):
             remedy = f"{nearest(choices[0], found)}There are {', '.join(found) or 'none'}; name it by fe_model.matrices.{ours}"
             raise BadInput(source=str(path), field=choices[0].upper(), problem=f"is missing, the {ours}", remedy=remedy)
         if name is None:

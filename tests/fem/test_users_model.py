@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +54,74 @@ def test_every_format_is_the_same_structure(bracket_files: Path, file: str, rtol
     found = model if isinstance(model, Modes) else fixed_base(model, 12)
     assert_allclose(found.frequency, fixed_base(reference, 12).frequency, rtol=rtol)
     assert_same(dynamic_mass(model), dynamic_mass(reference), rtol)
+
+
+NAMED = {f"{what}/{part}": f"{what[0]}{part}" for what in ("stiffness", "mass") for part in ("column", "arm")}
+"""Names in bracket-parts.op4 of the matrices of its parts."""
+
+
+@pytest.fixture
+def described_parts(bracket_files: Path, tmp_path: Path) -> Callable[..., Path]:
+    """``described_parts(matrices)``: a description of the bracket by the parts in an OUTPUT4 file, which names these matrices."""
+
+    def written(matrices: dict[str, str]) -> Path:
+        for name in ("bracket-parts.op4", "bracket.bdf"):
+            shutil.copy(bracket_files / name, tmp_path)
+        names = ", ".join(f'"{ours}" = "{theirs}"' for ours, theirs in matrices.items())
+        text = (bracket_files / "bracket-op4.toml").read_text(encoding="utf-8")
+        more = f'file = "bracket-parts.op4"\ngrids = "bracket.bdf"\nmatrices = {{ {names} }}'
+        path = tmp_path / "parts.toml"
+        path.write_text(text.replace('file = "bracket.op4"', more), encoding="utf-8")
+        return path
+
+    return written
+
+
+def test_parts_of_nastran_are_those_of_the_same_arrays(bracket_files: Path, described_parts: Callable[..., Path]) -> None:
+    whole, found = reading.read(bracket_files / "bracket.h5"), reading.read(described_parts(NAMED))
+    assert isinstance(found, Structure)
+    assert list(found.part_stiffness) == list(found.part_mass) == ["column", "arm"]
+    assert_same(dynamic_mass(found), dynamic_mass(whole))
+    softer = found.stiffness - 0.5 * found.part_stiffness["column"]
+    assert fixed_base(replace(found, stiffness=softer), 3).frequency[0] < 0.8 * fixed_base(found, 3).frequency[0]
+
+
+def test_punched_superelements_are_parts_on_the_rows_that_each_names(
+    bracket_files: Path, described_parts: Callable[..., Path]
+) -> None:
+    """Each part is punched with the rows alone that it has, files one behind the other; ten digits, hence the tolerance."""
+    import pandas as pd
+    from pyyeti import nastran
+
+    path, arrays = described_parts(NAMED), np.load(bracket_files / "bracket-parts.npz")
+    punched = []
+    for ours, theirs in NAMED.items():
+        own = np.flatnonzero(np.any(arrays[ours], axis=1))
+        index = pd.MultiIndex.from_arrays(arrays["dof"][own].T)
+        file = path.with_name(f"{theirs}.pch")
+        nastran.wtdmig(str(file), {theirs: pd.DataFrame(arrays[ours][np.ix_(own, own)], index=index, columns=index)})
+        punched.append(file.read_text(encoding="utf-8"))
+    path.with_name("together.pch").write_text("".join(punched), encoding="utf-8")
+    path.write_text(path.read_text(encoding="utf-8").replace("bracket-parts.op4", "together.pch"), encoding="utf-8")
+    found = reading.read(path)
+    assert isinstance(found, Structure)
+    assert found.part_stiffness["arm"].nnz < found.part_stiffness["column"].nnz
+    assert_same(dynamic_mass(found), dynamic_mass(reading.read(bracket_files / "bracket.h5")), 1e-7)
+
+
+@pytest.mark.parametrize(
+    ("matrices", "said"),
+    [
+        (NAMED | {"stiffness/arm": "karm"}, "`KARM`: is missing, the stiffness/arm"),
+        (NAMED | {"stifness/arm": "sarm"}, "did you mean stiffness?"),
+        ({"mass/arm": "marm"}, "`KAA`: is missing, the stiffness"),
+        (NAMED | {"stiffness/arm": "scolumn", "stiffness": "sarm"}, "is not what its 2 parts add up to"),
+    ],
+)
+def test_wrong_names_of_parts_are_refused(described_parts: Callable[..., Path], matrices: dict[str, str], said: str) -> None:
+    with pytest.raises(BadInput) as refusal:
+        reading.read(described_parts(matrices))
+    assert said.lower() in str(refusal.value).lower()
 
 
 @pytest.mark.parametrize("ending", [".h5", ".npz"])
