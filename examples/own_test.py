@@ -33,10 +33,13 @@ def functions(path: Path) -> None:
 
 def modes(model: str, part: str, sensors: list[str], path: Path) -> None:
     """Frequencies, known to 0.1 %, and shapes at the `sensors` of the `model` with a softer `part`."""
+    import tomllib
+
     from scipy.sparse.linalg import eigsh
 
     from fem.user_model import reading
 
+    article = tomllib.loads(Path(model).read_text(encoding="utf-8"))["model"]["article"]
     structure, rng = reading.read(model), np.random.default_rng(1)
     free = np.setdiff1d(np.arange(structure.mass.shape[0]), structure.held)
     K = (structure.stiffness - SOFTER * structure.part_stiffness[part]).tocsc()[free][:, free]
@@ -46,7 +49,7 @@ def modes(model: str, part: str, sensors: list[str], path: Path) -> None:
     rows = np.array([structure.places[place].toarray()["xyz".index(axis)][free] for place, axis in along])
     hertz = np.sqrt(squares[order]) / (2 * np.pi) * (1 + 0.001 * rng.standard_normal(5))
     seen = [[float(f"{x:.4g}") for x in rows @ shapes[:, k]] for k in order]
-    table = ["format = 1", 'kind = "modal-table"', 'article = "bracket"', f"sensors = {sensors}"]
+    table = ["format = 1", 'kind = "modal-table"', f'article = "{article}"', f"sensors = {sensors}"]
     table += [f"frequencies = {[f'{f:.2f} +/- {f / 1000:.2f} Hz' for f in hertz]}", f"shapes = {seen}", "shapes_deviation = 0.01"]
     path.write_text("\n".join(table) + "\n", encoding="utf-8")
 

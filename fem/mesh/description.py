@@ -115,6 +115,10 @@ class Link:
     nodes: str
 
 
+LOWEST = "lowest plane"
+"""What an assembly stands on that neither names an interface, nor is free or on springs."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MeshDescription:
     """The content of a description of kind mesh or assembly, in SI.
@@ -125,7 +129,7 @@ class MeshDescription:
     file : mesh or STEP file
     length : unit of the mesh's coordinates [m]
     support : one of `parts.SUPPORTS`
-    interface : groups, boxes, links or node numbers that the base carries or the ground holds
+    interface : groups, boxes, links or node numbers that the base carries or the ground holds; `LOWEST` of an assembly
     reference_point : (3,) [m]
     size : largest edge of an element of an assembly [m], None for what thickness asks for
     """
@@ -381,8 +385,11 @@ def read(path: Path) -> MeshDescription:
     if support == "free" and (interface or any(len(spring.at) == 1 for spring in springs.values())):
         key = "interface" if interface else "springs"
         raise table.wrong(key, "left out of a free structure", 'Leave it out, or write support = "ground"')
-    if support == "ground" and not interface and not any(len(spring.at) == 1 for spring in springs.values()):
-        raise table.wrong("interface", "", "Name the groups that the ground holds, or springs to it")
+    on_springs = support == "ground" and any(len(spring.at) == 1 for spring in springs.values())
+    if not (interface or on_springs or support == "free"):
+        if kind == "mesh":
+            raise table.wrong("interface", "", "Name the groups that the ground holds, or springs to it")
+        interface = [LOWEST]
     unit = table.table.get("units", "mm" if kind == "assembly" else None)
     if isinstance(unit, str) and "-" not in unit:
         length = toml_file.length_unit(unit, source, f"{text.TABLE}.units").metres

@@ -66,7 +66,7 @@ def _meshed(found: described.MeshDescription) -> files.MeshFile:
     mesh = tetrahedra.tetrahedra(solid, tetrahedra.Sizing(size=found.size))
     cells = files.Cells(kind="tet10", tags=np.arange(1, len(mesh.cells) + 1), nodes=mesh.cells)
     groups = {name: {"tet10": np.flatnonzero(mesh.part == k)} for k, name in enumerate(mesh.parts)}
-    lowest = {} if found.interface else {FOOT: assembly.base(mesh)}
+    lowest = {described.LOWEST: assembly.base(mesh)} if described.LOWEST in found.interface else {}
     return files.MeshFile(
         source=str(found.file),
         node_tags=np.arange(1, len(mesh.points) + 1),
@@ -75,10 +75,6 @@ def _meshed(found: described.MeshDescription) -> files.MeshFile:
         groups=groups,
         node_groups=lowest,
     )
-
-
-FOOT = "lowest plane"
-"""What the base carries of an assembly that names no interface."""
 
 
 def _without_material(found: described.MeshDescription, what: str, which: str) -> BadInput:
@@ -427,9 +423,9 @@ def _welded(points: Array, blocks: Sequence[Block], first: Integers, turning: np
 
 
 def _interface(found: described.MeshDescription, sets: Sets, tags: Integers) -> Integers:
-    names = found.interface or ((FOOT,) if FOOT in sets else ())
     nodes = [
-        _node(found, tags, name, "interface") if isinstance(name, int) else _set(found, sets, name, "interface") for name in names
+        _node(found, tags, name, "interface") if isinstance(name, int) else _set(found, sets, name, "interface")
+        for name in found.interface
     ]
     return np.unique(np.concatenate([np.zeros(0, dtype=np.intp), *nodes])).astype(np.intp)
 

@@ -57,3 +57,17 @@ def test_a_body_without_material_and_a_part_without_body_are_named(stack: Path) 
         made(stack, f'{HEAD}[fe_model.parts.plate]\nmaterial = "steel"\n')
     with pytest.raises(BadInput, match=r"stack.step holds no body 'bx'. Did you mean box\?"):
         made(stack, f'{HEAD}{PARTS}[fe_model.parts.bx]\nmaterial = "steel"\n')
+
+
+def test_on_the_ground_an_assembly_is_clamped_where_it_would_stand_but_not_if_it_is_on_springs(stack: Path) -> None:
+    driven = made(stack, HEAD + PARTS)
+    clamped = made(stack, f'{HEAD}support = "ground"\n{PARTS}')
+    assert_allclose(fixed_base(clamped, 2).frequency, fixed_base(driven, 2).frequency, rtol=1e-6)
+    corners = [(x, y) for x in (-100, 100) for y in (-100, 100)]
+    feet = "".join(
+        f'[fe_model.springs.foot-{k}]\nat = ["{x} mm", "{y} mm", "0 mm"]\nstiffness = {["1e5 N/m"] * 3 + ["0 N m/rad"] * 3}\n'
+        for k, (x, y) in enumerate(corners)
+    )
+    soft = made(stack, f'{HEAD}support = "ground"\n{PARTS}{feet}')
+    up = np.sqrt(4e5 / sum(share.sum() / 3 for share in soft.part_mass.values())) / (2 * np.pi)
+    assert np.min(np.abs(fixed_base(soft, 6).frequency / up - 1)) < 0.01
