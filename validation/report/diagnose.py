@@ -594,9 +594,9 @@ class DiagnosisPage:
         """Where on the mesh something of each kind would explain most."""
         lines = []
         for one in self.found.everywhere:
-            x, y, z = (1e3 * value for value in one.position)
+            at = ", ".join(f"{round(1e3 * value, 2) + 0.0:.4g}" for value in one.position)
             away = NONE if one.distance is None else f"{one.nearest}, {1e3 * one.distance:.3g} mm away"
-            lines.append((str(one.named), f"{one.evidence:+.1f}", f"{x:.4g}, {y:.4g}, {z:.4g}", away))
+            lines.append((str(one.named), f"{one.evidence:+.1f}", at, away))
         if not lines:
             return None
         header = ("everywhere on the mesh", "evidence [nats]", "x, y, z [mm]", "nearest place with a name")
