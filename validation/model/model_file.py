@@ -653,13 +653,20 @@ def _parted(text: str, place: int, source: str) -> tuple[str, str, str, str]:
 
 def _verified(text: str, edits: Iterable[str], meant: Sequence[Added], source: str) -> str:
     """The first of the `edits` of `text` that has the effects that were `meant` and says nothing else otherwise."""
-    was = toml_file.parse(text, source) | {"effect": ()}
+    was, refused = toml_file.parse(text, source) | {"effect": ()}, _laid_out_otherwise(source)
     for edited in edits:
         with suppress(BadInput):
             table = toml_file.parse(edited, source)
-            if table | {"effect": ()} == was and _facts(of_table(table, source).effects) == _facts(meant):
-                return edited
-    raise _laid_out_otherwise(source)
+            if table | {"effect": ()} != was:
+                continue
+            try:
+                found = of_table(table, source).effects
+            except BadInput as error:  # what is meant cannot stand in this model, wherever it is written
+                refused = error
+            else:
+                if _facts(found) == _facts(meant):
+                    return edited
+    raise refused
 
 
 def _facts(effects: Iterable[Added]) -> list[tuple[object, ...]]:

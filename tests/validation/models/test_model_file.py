@@ -312,6 +312,11 @@ def test_what_an_edit_could_damage_is_refused():
         model_file.without_effect(trap, "polarity:a")
 
 
+def test_a_place_that_an_article_has_not_is_said_and_no_layout_blamed():
+    with pytest.raises(BadInput, match=r"no place is called 'masttop'\. Did you mean mast-top\?"):
+        model_file.with_effect('format = 1\nmodel = { article = "fmd+clumod-1" }\n', added("point-mass:masttop=0.2"))
+
+
 def test_a_text_of_several_lines_and_tables_between_effects_stay():
     title, between = 'title = """\n[[effect]]\n"""', "[[effect]]\nid = 'polarity:a'\n\n[tolerances]  # ours\ngain = 0.01\n"
     text = SMALLEST.replace("[model]", f"[model]\n{title}") + between + "[[effect]]\nid = 'force-gain:fmd-z1'\nvalue = 0.1\n"
