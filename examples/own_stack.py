@@ -1,7 +1,7 @@
-"""Draw a stack like that of a satellite as a STEP assembly, in millimetres: an adapter ring, a deck on it, a mast and an instrument.
+"""Draw a stack like that of a satellite as a STEP assembly in millimetres: adapter ring, deck, mast and instrument.
 
-Run it as ``python examples/own_stack.py [FILE]``; ``docs/your-own-structure.md`` tests what it leaves (``out/structure/stack.step``
-when no file is given). Your own assembly comes from your CAD, a body a part.
+Run it as ``python examples/own_stack.py [FILE]``; ``docs/your-own-structure.md`` tests what it leaves
+(``out/structure/stack.step`` when no file is given). Your own assembly comes from your CAD, a body a part.
 """
 
 from __future__ import annotations
