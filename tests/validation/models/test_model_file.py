@@ -13,6 +13,7 @@ from geometry.errors import BadInput
 from geometry.inertia import Inertia
 from geometry.sensors import Tolerances
 from validation.effects.catalogue import FAMILIES, parse
+from validation.effects.effect import Vocabulary
 from validation.model import model_file
 from validation.model.model import Added, Model, Requirement, StructureTolerances
 
@@ -313,8 +314,9 @@ def test_what_an_edit_could_damage_is_refused():
 
 
 def test_a_place_that_an_article_has_not_is_said_and_no_layout_blamed():
+    elsewhere = Added(named=parse("point-mass:masttop=0.2", Vocabulary(places=("masttop",))))
     with pytest.raises(BadInput, match=r"no place is called 'masttop'\. Did you mean mast-top\?"):
-        model_file.with_effect('format = 1\nmodel = { article = "fmd+clumod-1" }\n', added("point-mass:masttop=0.2"))
+        model_file.with_effect('format = 1\nmodel = { article = "fmd+clumod-1" }\n', elsewhere)
 
 
 def test_a_text_of_several_lines_and_tables_between_effects_stay():
