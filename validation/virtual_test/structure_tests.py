@@ -1,7 +1,7 @@
 """A virtual test of any structure: struck, shaken, or its modes in a table, with effects that its model does not know.
 
 The structure is that of the model file with its effects added to the matrices themselves; nothing is reduced. With its modes
-Phi, all of them or the lowest and the static answer of the others at a shift,
+Phi, all of them or the lowest with answers to the forces beside them, and what these leave static at a shift,
 
     A(omega) = -omega² (Psi (lambda - omega²)⁻¹ Psi^T + R) ,      (Lambda + i S) psi = lambda psi ,      Psi = Phi psi ,
 
@@ -173,9 +173,9 @@ class TestedStructure:
     def answering(self, loads: Array) -> tuple[Array, Array, float, Any]:
         """As `modes`, of a structure too large for all of them with what answers to `loads` (n, q) beside them.
 
-        What is at a point where a force acts is of very many modes, and they lose as the others do: neither their first moment
-        alone nor answers without losses are right to the noise of a test. So the answers at the shift, those to their own
-        inertia and those to what losses pull are coordinates (A. Ruhe and D. Skoogh, Lecture Notes in Computer Science 1541, 1998).
+        Very many modes move a point where a force acts, and lose as the others do: neither one static answer of them all nor one
+        without losses is right to the noise of a test. So answers at the shift, to their own inertia and to what losses pull are
+        coordinates (A. Ruhe and D. Skoogh, Lecture Notes in Computer Science 1541, 1998).
         """
         squares, shapes, shift, solver = self.modes
         free = self.structure.free

@@ -67,7 +67,7 @@ def test_a_loss_of_a_part_is_right_where_hardly_any_mode_moves_what_is_driven(tm
     """A column of a frame struck along itself: what it gives is the answer of statics, to which the part answers again."""
     (case,) = draw(101, ("nulls",), 1)
     plan = shapes.drawn(case.shape, stream(case.structure, "plan"))
-    whole = sealing.written(plan, sealing._sensors(plan, case), tmp_path, fine=False)
+    whole = sealing.written(plan, sealing._sensors(plan, case.structure), tmp_path, fine=False)
     found = by_itself(whole, 80.0)
     few, free, square = found.matrices, whole.free, (2 * np.pi * 22.0) ** 2
     loss = 0.3j * whole.part_stiffness["floor-1"]
