@@ -301,8 +301,11 @@ class _TablePart(ABC):
             own = np.pad(row, ((0, 0), (0, len(modes.squares) - row.shape[1])))
             whole = modes.matrices
             M, K = whole.mass + (own.T * mass) @ own, whole.stiffness + (own.T * spring) @ own
-            there = real_modes(replace(whole, mass=M, stiffness=K))
-            every = partners(there, self.table)
+            key, last = (id(whole), id(self.table), K.tobytes(), M.tobytes()), self.structure.last
+            if last.get("attached") != key:  # frequencies and shapes ask one after the other
+                there = real_modes(replace(whole, mass=M, stiffness=K))
+                last |= {"attached": key, "of": whole, "modes": (there, partners(there, self.table))}
+            there, every = last["modes"]
             return self._modes_read(there, [every[k] for k in self.modes], known, effects)
 
         return read
