@@ -87,7 +87,7 @@ def solved(case: AnyCase, *, driven: Mapping[str, Any] = SWEEPS, processing: Pro
 
 def _without_drawn(case: AnyCase) -> Json:
     """Its truth without the sizes that were to be drawn."""
-    return structures.truth(case, (), 0.0) if isinstance(case, StructureCase) else truth_of(case, {})
+    return structures.truth(case, (), {}) if isinstance(case, StructureCase) else truth_of(case, {})
 
 
 def _diagnosed(folder: Path) -> Json:

@@ -64,13 +64,14 @@ def sealed(case: StructureCase, folder: Path) -> Json:
         if found is not None and found.id not in {one.id for one in faults}:
             faults.append(found)
     _handed_over(case, plan, places, fine, band, faults, folder)
-    apart = np.array(list(places.values())) / 1e3
+    return truth(case, faults, places)
+
+
+def truth(case: StructureCase, faults: Sequence[Fault], places: Mapping[str, shapes.Point]) -> Json:
+    """What `case` is; spacing [m] is the mean distance of a sensor from the one nearest to it, of `places` in millimetres."""
+    at = {name: [x / 1e3 for x in place] for name, place in places.items()}
+    apart = np.array(list(at.values())).reshape(-1, 3)
     near = [float(np.sort(np.linalg.norm(apart - one, axis=1))[1]) for one in apart]
-    return truth(case, faults, float(np.mean(near)))
-
-
-def truth(case: StructureCase, faults: Sequence[Fault], spacing: float) -> Json:
-    """What `case` is; `spacing` [m] is the mean distance of a sensor from the one nearest to it."""
     return {
         "name": case.name,
         "kind": case.kind,
@@ -81,7 +82,8 @@ def truth(case: StructureCase, faults: Sequence[Fault], spacing: float) -> Json:
         "leave_out": list(case.leave_out),
         "articles": [ARTICLE],
         "hold_out": [],
-        "spacing": spacing,
+        "spacing": float(np.mean(near)) if near else 0.0,
+        "places": at,
         "planted": [{"id": one.id, "sizes": {"": one.size}, "multiple": one.multiple, "told": one.multiple} for one in faults],
     }
 
