@@ -22,6 +22,10 @@ from geometry.atomic import write_text
 FILE = Path(__file__).with_name("ledger.json")
 
 
+TEST, STRUCTURES = DRAWS = ("test", "structures")
+"""Test draws: of Clumod's series, and of random structures."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Look:
     """Figures of a test draw that somebody saw: its seed, the hash of the code, the day, and how many cases there were."""
@@ -62,13 +66,21 @@ class Ledger:
         others = tuple(one for one in self.looks if (one.seed, one.code) != (look.seed, look.code))
         return replace(self, looks=(*others, look))
 
-    def retired(self) -> Ledger:
+    def retired(self, which: str = TEST) -> Ledger:
         """The ledger with the next test draw; the present one is for development from now on.
 
         The next seed follows from the present one, so that nobody can choose it; it is secret only while nobody works it out.
+        That of random structures stands before the newest for development, which is one of Clumod's series.
+
+        Parameters
+        ----------
+        which : of `DRAWS`
         """
-        following = int.from_bytes(blake2b(f"{self.test}".encode(), digest_size=4).digest(), "little") % 2**31
-        return replace(self, development=(*self.development, self.test), test=following)
+        present: int = getattr(self, which)
+        following = int.from_bytes(blake2b(f"{present}".encode(), digest_size=4).digest(), "little") % 2**31
+        if which == STRUCTURES:
+            return replace(self, development=(*self.development[:-1], present, *self.development[-1:]), structures=following)
+        return replace(self, development=(*self.development, present), test=following)
 
 
 def read(file: Path = FILE) -> Ledger:
@@ -110,10 +122,10 @@ def main(arguments: Sequence[str]) -> int:
     """Tell what the ledger says, after retiring the test draw where that is asked for."""
     from rich.console import Console
 
-    if list(arguments) == ["retire"]:
-        write(read().retired())
+    if list(arguments) in (["retire"], ["retire", STRUCTURES]):
+        write(read().retired(arguments[-1] if arguments[1:] else TEST))
     elif arguments:
-        Console(stderr=True).print("python -m benchmarks.blind.ledger [retire]")
+        Console(stderr=True).print("python -m benchmarks.blind.ledger [retire [structures]]")
         return 2
     Console().print(told(read()))
     return 0

@@ -256,3 +256,13 @@ def test_frequencies_and_shapes_ask_the_modes_of_a_mass_somewhere_once(monkeypat
     other = modal_table.of(chain(point=(2, 0.5)), table(nominal))
     for one, due in zip(found, other, strict=True):
         assert_allclose(one, due.at({}).rows, rtol=1e-9)
+
+
+def test_a_table_without_damping_asks_no_derivative_by_losses_for_they_change_nothing_that_it_has() -> None:
+    nominal = chain()
+    bare = replace(table(nominal), damping_ratio=None, damping_deviation=None)
+    for one in modal_table.of(nominal, bare):
+        names = frozenset(parameter.name for parameter in one.parameters)
+        whole, few = (set(one.at({}, derivatives=wanted).changes) for wanted in (True, names))
+        assert {name for name in whole if one.at({}).changes[name].rows.any()} <= few
+        assert any(name.startswith("loss:") for name in names - few)
