@@ -2,6 +2,7 @@
 
     python -m benchmarks.blind.ledger            what it says
     python -m benchmarks.blind.ledger retire     it was tuned on the test draw: that is for development now, the next is drawn
+    python -m benchmarks.blind.ledger retire structures     the same of random structures
 
 A look is one code's figures of the test draw, seen by somebody. The draw is blind as long as every look was at figures of the
 very code that is scored: whoever changes the code after a look may have learnt from it. The file ``ledger.json`` is committed.

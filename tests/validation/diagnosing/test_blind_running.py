@@ -132,6 +132,10 @@ def test_a_draw_is_blind_until_the_code_changes_after_a_look_and_retired_for_dev
     assert after.development == (1, 2, 9)
     assert after.test not in (1, 2, 9)
     assert BOOK.retired() == after
+    other = replace(BOOK, structures=7).retired(ledger.STRUCTURES)  # the newest for development stays the last
+    assert other.development == (1, 7, 2)
+    assert other.structures not in (1, 2, 7, 9)
+    assert other.test == BOOK.test
 
 
 def test_a_look_is_written_down_for_the_test_draw_alone(tmp_path):
