@@ -2,6 +2,7 @@
 
     python -m benchmarks.blind.ledger            what it says
     python -m benchmarks.blind.ledger retire     it was tuned on the test draw: that is for development now, the next is drawn
+    python -m benchmarks.blind.ledger retire structures     the same of random structures
 
 A look is one code's figures of the test draw, seen by somebody. The draw is blind as long as every look was at figures of the
 very code that is scored: whoever changes the code after a look may have learnt from it. The file ``ledger.json`` is committed.
@@ -20,6 +21,10 @@ from pathlib import Path
 from geometry.atomic import write_text
 
 FILE = Path(__file__).with_name("ledger.json")
+
+
+TEST, STRUCTURES = DRAWS = ("test", "structures")
+"""Test draws: of Clumod's series, and of random structures."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,13 +67,21 @@ class Ledger:
         others = tuple(one for one in self.looks if (one.seed, one.code) != (look.seed, look.code))
         return replace(self, looks=(*others, look))
 
-    def retired(self) -> Ledger:
+    def retired(self, which: str = TEST) -> Ledger:
         """The ledger with the next test draw; the present one is for development from now on.
 
         The next seed follows from the present one, so that nobody can choose it; it is secret only while nobody works it out.
+        That of random structures stands before the newest for development, which is one of Clumod's series.
+
+        Parameters
+        ----------
+        which : of `DRAWS`
         """
-        following = int.from_bytes(blake2b(f"{self.test}".encode(), digest_size=4).digest(), "little") % 2**31
-        return replace(self, development=(*self.development, self.test), test=following)
+        present: int = getattr(self, which)
+        following = int.from_bytes(blake2b(f"{present}".encode(), digest_size=4).digest(), "little") % 2**31
+        if which == STRUCTURES:
+            return replace(self, development=(*self.development[:-1], present, *self.development[-1:]), structures=following)
+        return replace(self, development=(*self.development, present), test=following)
 
 
 def read(file: Path = FILE) -> Ledger:
@@ -110,10 +123,10 @@ def main(arguments: Sequence[str]) -> int:
     """Tell what the ledger says, after retiring the test draw where that is asked for."""
     from rich.console import Console
 
-    if list(arguments) == ["retire"]:
-        write(read().retired())
+    if list(arguments) in (["retire"], ["retire", STRUCTURES]):
+        write(read().retired(arguments[-1] if arguments[1:] else TEST))
     elif arguments:
-        Console(stderr=True).print("python -m benchmarks.blind.ledger [retire]")
+        Console(stderr=True).print("python -m benchmarks.blind.ledger [retire [structures]]")
         return 2
     Console().print(told(read()))
     return 0

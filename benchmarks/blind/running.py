@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -28,8 +29,8 @@ from benchmarks.cross_check_proof import SWEEPS
 from geometry import parallel
 from identification.campaign import Processing
 
-PATIENCE = 900.0
-"""Seconds that a diagnosis may take before it counts as broken."""
+PATIENCE = 900
+"""Seconds of processor time that a diagnosis may take before it counts as broken: a busy machine makes no answer wrong."""
 
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS")
 
@@ -87,18 +88,23 @@ def solved(case: AnyCase, *, driven: Mapping[str, Any] = SWEEPS, processing: Pro
 
 def _without_drawn(case: AnyCase) -> Json:
     """Its truth without the sizes that were to be drawn."""
-    return structures.truth(case, (), 0.0) if isinstance(case, StructureCase) else truth_of(case, {})
+    return structures.truth(case, (), {}) if isinstance(case, StructureCase) else truth_of(case, {})
 
 
 def _diagnosed(folder: Path) -> Json:
     """What a process of its own says of `folder`."""
     command = [sys.executable, "-P", "-m", "benchmarks.blind.answering", str(folder)]
-    try:
-        done = subprocess.run(
-            command, cwd=folder, env=_environment(), capture_output=True, text=True, timeout=PATIENCE, check=False
-        )
-    except subprocess.TimeoutExpired:
-        return {"broken": f"no answer within {PATIENCE:g} seconds"}
+    done = subprocess.run(
+        command,
+        cwd=folder,
+        env=_environment(),
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (PATIENCE, PATIENCE + 1)),
+    )
+    if done.returncode == -signal.SIGXCPU:
+        return {"broken": f"no answer within {PATIENCE} seconds of processor time"}
     if done.returncode == -signal.SIGINT:
         raise Interrupted
     answer = folder / ANSWER

@@ -464,12 +464,15 @@ def _is_worth(node: FoundNode) -> bool:
 def _with_node(data: Study, place: str) -> Study:
     """`data` with the node that is a `place`, as the coordinates that are there move it."""
     tests: list[StructurePrediction] = []
+    made: dict[int, Nuisances] = {}  # one of each structure, whose modes all its tests share
     for one in data.tests:
         if isinstance(one, OnNodes) and (whole := one.structure.reduced) is not None:
-            points, moved = whole.nodes()
-            row = whole.basis[moved[np.argmin(np.linalg.norm(points - np.array(position(place)), axis=1))]]
-            of = one.structure.nominal
-            tests.append(one.by(replace(one.structure, nominal=replace(of, places={**of.places, place: row}))))
+            if id(one.structure) not in made:
+                points, moved = whole.nodes()
+                row = whole.basis[moved[np.argmin(np.linalg.norm(points - np.array(position(place)), axis=1))]]
+                of = one.structure.nominal
+                made[id(one.structure)] = replace(one.structure, nominal=replace(of, places={**of.places, place: row}))
+            tests.append(one.by(made[id(one.structure)]))
         else:
             tests.append(one)
     return replace(data, tests=tuple(tests))

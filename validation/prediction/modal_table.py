@@ -43,6 +43,9 @@ FREQUENCY, DAMPING = "frequency", "damping"
 WINDOW = "exponential-window"
 """A fault of the method, a parameter where an effect opens it."""
 
+LOSSES = ("loss", "damping", "coupling", "structural-damping", *prediction_effects.LAWS)
+"""Families of parameters that change what a mode loses, and neither its frequency nor its shape."""
+
 SLOWEST = 0.01
 """Share of the lowest frequency of a table below which a mode of the model is the motion of a free body."""
 
@@ -233,6 +236,8 @@ class _TablePart(ABC):
         acting = tuple(one for one in effects if FAMILIES[one.named.family].stage == STRUCTURE_STAGE)
         stand = tuple((one.named.id, *one.named.values.items(), one.fixed) for one in acting)
         wanted = derivatives if isinstance(derivatives, bool) else frozenset(derivatives)
+        if self.table.damping_deviation is None and not isinstance(wanted, bool):  # real modes do not know what they lose
+            wanted = frozenset(name for name in wanted if name.partition(":")[0] not in LOSSES)
         key, last = (id(self.table), tuple(offsets.items()), stand, wanted), self.structure.last
         if last.get("key") != key:
             matrices, tangents = dynamic_mass.structure(self.structure, offsets, acting, derivatives=wanted)
@@ -301,8 +306,11 @@ class _TablePart(ABC):
             own = np.pad(row, ((0, 0), (0, len(modes.squares) - row.shape[1])))
             whole = modes.matrices
             M, K = whole.mass + (own.T * mass) @ own, whole.stiffness + (own.T * spring) @ own
-            there = real_modes(replace(whole, mass=M, stiffness=K))
-            every = partners(there, self.table)
+            key, last = (id(whole), id(self.table), K.tobytes(), M.tobytes()), self.structure.last
+            if last.get("attached") != key:  # frequencies and shapes ask one after the other
+                there = real_modes(replace(whole, mass=M, stiffness=K))
+                last |= {"attached": key, "of": whole, "modes": (there, partners(there, self.table))}
+            there, every = last["modes"]
             return self._modes_read(there, [every[k] for k in self.modes], known, effects)
 
         return read

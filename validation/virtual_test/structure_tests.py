@@ -1,7 +1,7 @@
 """A virtual test of any structure: struck, shaken, or its modes in a table, with effects that its model does not know.
 
 The structure is that of the model file with its effects added to the matrices themselves; nothing is reduced. With its modes
-Phi, all of them or the lowest and the static answer of the others at a shift,
+Phi, all of them or the lowest with answers to the forces beside them, and what these leave static at a shift,
 
     A(omega) = -omega² (Psi (lambda - omega²)⁻¹ Psi^T + R) ,      (Lambda + i S) psi = lambda psi ,      Psi = Phi psi ,
 
@@ -54,6 +54,12 @@ WHOLE = 1200
 
 MASSLESS = 1e-12
 """Share of the mass of the slowest mode below which one has none."""
+
+ANSWERS = 3
+"""[count] of answers to each load beside such modes, each but the first to the inertia of the one before."""
+
+PULLED = 1.5
+"""Up to so far above the band the losses of modes are answered, too."""
 
 BLOWS, BLOCKS = 4, 30
 RINGS_DOWN = 7.0
@@ -164,10 +170,40 @@ class TestedStructure:
         whole[free] = vectors[:, order]
         return squares[order], whole, shift, solver
 
+    def answering(self, loads: Array) -> tuple[Array, Array, float, Any]:
+        """As `modes`, of a structure too large for all of them with what answers to `loads` (n, q) beside them.
+
+        Very many modes move a point where a force acts, and lose as the others do: neither one static answer of them all nor one
+        without losses is right to the noise of a test. So answers at the shift, to their own inertia and to what losses pull are
+        coordinates (A. Ruhe and D. Skoogh, Lecture Notes in Computer Science 1541, 1998).
+        """
+        squares, shapes, shift, solver = self.modes
+        free = self.structure.free
+        K, M = (one.tocsc()[free][:, free] for one in (self.structure.stiffness, self.structure.mass))
+        own, found = shapes[free], [solver.solve(loads[free])]
+        for _ in range(ANSWERS - 1):
+            found.append(solver.solve(M @ found[-1]))
+        lost = sum((eta * self.structure.part_stiffness[part] for part, eta in self.losses.items()), 0 * self.structure.stiffness)
+        swinging = own[:, squares <= (2 * np.pi * PULLED * self.highest) ** 2]
+        found.append(solver.solve(lost.tocsc()[free][:, free] @ np.hstack([swinging, found[0]])))
+        X = np.hstack([one / np.maximum(np.linalg.norm(one, axis=0), np.finfo(np.float64).tiny) for one in found])
+        X = X - own @ (own.T @ (M @ X))
+        square, directions = np.linalg.eigh(X.T @ (K @ X) - shift * X.T @ (M @ X))
+        kept = square > MASSLESS * square[-1]
+        V = np.hstack([own / np.sqrt(squares - shift), X @ (directions[:, kept] / np.sqrt(square[kept]))])
+        shares, turned = np.linalg.eigh(V.T @ (M @ V))
+        moving = shares > MASSLESS * shares[-1]
+        whole = np.zeros((len(shapes), int(moving.sum())))
+        whole[free] = V @ (turned[:, moving] / np.sqrt(shares[moving]))
+        return 1 / shares[moving] + shift, whole, shift, solver
+
     @cached_property
     def lossy(self) -> tuple[ComplexArray, ComplexArray]:
         """lambda (m,) and psi on the modes (m, m)."""
-        squares, shapes, _, _ = self.modes
+        return self.lossy_on(*self.modes[:2])
+
+    def lossy_on(self, squares: Array, shapes: Array) -> tuple[ComplexArray, ComplexArray]:
+        """The same on modes of these squares (m,) and shapes (n, m)."""
         shares = (eta * shapes.T @ (self.structure.part_stiffness[part] @ shapes) for part, eta in self.losses.items())
         S = sum(shares, np.zeros((len(squares), len(squares))))
         values, vectors = np.linalg.eig(np.diag(squares) + 1j * S)
@@ -175,8 +211,9 @@ class TestedStructure:
 
     def accelerance(self, frequency: Array, rows: Sequence[Sparse], forces: Sequence[Sparse]) -> ComplexArray:
         """(n, c, r) [m/s² per N] along `rows` for forces along `forces`, (n,) each."""
-        squares, shapes, shift, solver = self.modes
-        values, turned = self.lossy
+        whole = len(self.structure.free) <= WHOLE
+        squares, shapes, shift, solver = self.modes if whole else self.answering(np.array([*rows, *forces]).T)
+        values, turned = self.lossy if whole else self.lossy_on(squares, shapes)
         left, right = (np.array([row @ shapes for row in of]) @ turned for of in (rows, forces))
         omega = 2 * np.pi * np.maximum(frequency, 1e-6)[:, None]
         omega2 = omega[:, 0] ** 2

@@ -27,7 +27,7 @@ class StructureOutcome:
 
     Attributes
     ----------
-    of : as any outcome; a place by coordinates that is near enough bears the name of the one that was planted
+    of : as any outcome; a place, by coordinates or a sensor's, that is near enough bears the name of the one that was planted
     shape : kind of structure
     away : distance from the planted place without a name to the one that was found, over that of sensors; None without one
     """
@@ -58,7 +58,7 @@ def structure_outcome(truth: Json, answer: Json) -> StructureOutcome:
         said = [each["id"] for key in ("accepted", "ranking") for each in answer.get(key) or ()]
         for id in dict.fromkeys((*said, *(answer.get("equivalence_class") or ()))):
             other, *at = id.split(":")
-            place = position(at[0]) if at else None
+            place = (position(at[0]) or truth.get("places", {}).get(at[0])) if at else None
             if true is None or place is None or (other, at[1:]) != (family, targets[1:]):
                 continue
             away = float(np.linalg.norm(np.array(place) - np.array(true))) / spacing

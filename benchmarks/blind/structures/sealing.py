@@ -54,10 +54,7 @@ KNOWN = ("modulus", "mass", "thickness", "support-stiffness", "connection-compli
 
 def sealed(case: StructureCase, folder: Path) -> Json:
     """The truth of `case`, whose model and test are written into `folder`."""
-    plan = shapes.drawn(case.shape, stream(case.structure, "plan"))
-    places = _sensors(plan, case)
-    with TemporaryDirectory() as scratch:
-        fine = written(plan, places, Path(scratch), fine=True)
+    plan, places, fine, band = _drawn(case.shape, case.structure)
     faults: list[Fault] = []
     limits = limits_of(replace(case, name="", kind="", wanted=(), leave_out=(), null="")) if case.wanted else {}
     for k, wanted in enumerate(case.wanted):
@@ -66,14 +63,15 @@ def sealed(case: StructureCase, folder: Path) -> Json:
             found = fault(("modulus", wanted[1] + k, *wanted[2:]), limits)
         if found is not None and found.id not in {one.id for one in faults}:
             faults.append(found)
-    _handed_over(case, plan, places, fine, faults, folder)
-    apart = np.array(list(places.values())) / 1e3
+    _handed_over(case, plan, places, fine, band, faults, folder)
+    return truth(case, faults, places)
+
+
+def truth(case: StructureCase, faults: Sequence[Fault], places: Mapping[str, shapes.Point]) -> Json:
+    """What `case` is; spacing [m] is the mean distance of a sensor from the one nearest to it, of `places` in millimetres."""
+    at = {name: [x / 1e3 for x in place] for name, place in places.items()}
+    apart = np.array(list(at.values())).reshape(-1, 3)
     near = [float(np.sort(np.linalg.norm(apart - one, axis=1))[1]) for one in apart]
-    return truth(case, faults, float(np.mean(near)))
-
-
-def truth(case: StructureCase, faults: Sequence[Fault], spacing: float) -> Json:
-    """What `case` is; `spacing` [m] is the mean distance of a sensor from the one nearest to it."""
     return {
         "name": case.name,
         "kind": case.kind,
@@ -84,14 +82,25 @@ def truth(case: StructureCase, faults: Sequence[Fault], spacing: float) -> Json:
         "leave_out": list(case.leave_out),
         "articles": [ARTICLE],
         "hold_out": [],
-        "spacing": spacing,
+        "spacing": float(np.mean(near)) if near else 0.0,
+        "places": at,
         "planted": [{"id": one.id, "sizes": {"": one.size}, "multiple": one.multiple, "told": one.multiple} for one in faults],
     }
 
 
-def _sensors(plan: shapes.Plan, case: StructureCase) -> dict[str, shapes.Point]:
+@lru_cache(maxsize=1)
+def _drawn(kind: str, structure: int) -> tuple[shapes.Plan, dict[str, shapes.Point], Structure, Band]:
+    """The plan of a structure, its sensors, its finer mesh and the band of its tests: all cases of it have the same."""
+    plan = shapes.drawn(kind, stream(structure, "plan"))
+    places = _sensors(plan, structure)
+    with TemporaryDirectory() as scratch:
+        fine = written(plan, places, Path(scratch), fine=True)
+    return plan, places, fine, _band(fine)
+
+
+def _sensors(plan: shapes.Plan, structure: int) -> dict[str, shapes.Point]:
     """Places of the sensors on the coarse mesh, as far apart as they come; none where the ground holds."""
-    mesh, generator = plan.mesh(fine=False), stream(case.structure, "sensors")
+    mesh, generator = plan.mesh(fine=False), stream(structure, "sensors")
     held = set(mesh.held)
     free = np.array([point for point, number in mesh.nodes.items() if number not in held])
     chosen = [int(generator.integers(len(free)))]
@@ -113,12 +122,10 @@ def written(plan: shapes.Plan, places: Mapping[str, shapes.Point], folder: Path,
 @lru_cache(maxsize=2)
 def limits_of(null: StructureCase) -> Mapping[str, float]:
     """By id the smallest size that `null` would name, of faults with names and at some nodes that have none."""
-    plan = shapes.drawn(null.shape, stream(null.structure, "plan"))
-    places = _sensors(plan, null)
+    plan, places, fine, band = _drawn(null.shape, null.structure)
     with TemporaryDirectory() as scratch:
         folder = Path(scratch) / "null"
-        fine = written(plan, places, Path(scratch), fine=True)
-        _handed_over(null, plan, places, fine, (), folder)
+        _handed_over(null, plan, places, fine, band, (), folder)
         return _limits(folder, null)
 
 
@@ -142,7 +149,13 @@ def _limits(folder: Path, null: StructureCase) -> dict[str, float]:
 
 
 def _handed_over(
-    case: StructureCase, plan: shapes.Plan, places: Mapping[str, shapes.Point], fine: Structure, faults: Sequence[Fault], to: Path
+    case: StructureCase,
+    plan: shapes.Plan,
+    places: Mapping[str, shapes.Point],
+    fine: Structure,
+    band: Band,
+    faults: Sequence[Fault],
+    to: Path,
 ) -> None:
     """The model, the test and the settings, written into `to`."""
     to.mkdir(parents=True, exist_ok=True)
@@ -151,7 +164,6 @@ def _handed_over(
     write_text(to / MODEL, head + plan.description(MESH, places))
     write_text(to / SETTINGS, json.dumps({"data": [TEST], "hold_out": [], "leave_out": list(case.leave_out)}))
     tested, losses = with_faults(fine, case.laboratory, faults)
-    band = _band(fine)
     lab = TestedStructure(highest=band[1], structure=tested, losses=losses, ratio=0.0)
     generator = stream(case.laboratory, "test")
     sensors = [f"{name}:{'xyz'[int(generator.integers(3))]}" for name in places]

@@ -83,12 +83,12 @@ def test_a_series_that_cannot_be_simulated_and_a_diagnosis_that_dies_are_answers
     assert running._diagnosed(tmp_path) == {"broken": "ended with 1"}
 
 
-def test_a_diagnosis_that_takes_for_ever_is_broken(tmp_path, monkeypatch):
-    sleeper = tmp_path / "sleeper"
-    sleeper.write_text("#!/bin/sh\nexec sleep 60\n")
-    sleeper.chmod(0o755)
-    monkeypatch.setattr(running.sys, "executable", str(sleeper))
-    monkeypatch.setattr(running, "PATIENCE", 0.2)
+def test_a_diagnosis_that_computes_for_ever_is_broken(tmp_path, monkeypatch):
+    busy = tmp_path / "busy"
+    busy.write_text("#!/bin/sh\nwhile :; do :; done\n")
+    busy.chmod(0o755)
+    monkeypatch.setattr(running.sys, "executable", str(busy))
+    monkeypatch.setattr(running, "PATIENCE", 1)
     assert "no answer" in running._diagnosed(tmp_path)["broken"]
 
 
@@ -132,6 +132,10 @@ def test_a_draw_is_blind_until_the_code_changes_after_a_look_and_retired_for_dev
     assert after.development == (1, 2, 9)
     assert after.test not in (1, 2, 9)
     assert BOOK.retired() == after
+    other = replace(BOOK, structures=7).retired(ledger.STRUCTURES)  # the newest for development stays the last
+    assert other.development == (1, 7, 2)
+    assert other.structures not in (1, 2, 7, 9)
+    assert other.test == BOOK.test
 
 
 def test_a_look_is_written_down_for_the_test_draw_alone(tmp_path):

@@ -46,14 +46,15 @@ def test_the_finer_mesh_weighs_what_the_coarse_one_does_and_a_fault_changes_what
 def test_a_place_is_right_within_half_the_distance_of_sensors() -> None:
     truth = {
         "name": "x", "kind": "singles", "null": "n", "shape": "plate", "spacing": 0.2,
+        "places": {"s1": [0.12, 0.0, 0.0], "s2": [0.4, 0.0, 0.0]},
         "planted": [{"id": "point-mass:@0.1,0,0", "sizes": {"": 0.05}, "multiple": 5.0, "told": 5.0}],
     }  # fmt: skip
 
-    def said(x: float) -> dict[str, object]:
+    def said(place: object) -> dict[str, object]:
         size = {"key": "", "value": 0.052, "interval90": [0.045, 0.06], "unit": "kg"}
-        return {"verdict": "missing", "accepted": [{"id": f"point-mass:@{x},0,0", "values": [size], "evidence_nats": 50.0}]}
+        return {"verdict": "missing", "accepted": [{"id": f"point-mass:{place}", "values": [size], "evidence_nats": 50.0}]}
 
-    near, far = (structure_outcome(truth, said(x)) for x in (0.15, 0.25))
+    near, far, sensor, other = (structure_outcome(truth, said(place)) for place in ("@0.15,0,0", "@0.25,0,0", "s1", "s2"))
     assert near.right
     assert not near.wrong
     assert near.away == pytest.approx(0.25)
@@ -61,13 +62,16 @@ def test_a_place_is_right_within_half_the_distance_of_sensors() -> None:
     assert far.wrong
     assert not far.right
     assert far.away == pytest.approx(0.75)
+    assert sensor.right
+    assert sensor.away == pytest.approx(0.1)
+    assert other.wrong
 
 
 def test_a_loss_of_a_part_is_right_where_hardly_any_mode_moves_what_is_driven(tmp_path: Path) -> None:
     """A column of a frame struck along itself: what it gives is the answer of statics, to which the part answers again."""
     (case,) = draw(101, ("nulls",), 1)
     plan = shapes.drawn(case.shape, stream(case.structure, "plan"))
-    whole = sealing.written(plan, sealing._sensors(plan, case), tmp_path, fine=False)
+    whole = sealing.written(plan, sealing._sensors(plan, case.structure), tmp_path, fine=False)
     found = by_itself(whole, 80.0)
     few, free, square = found.matrices, whole.free, (2 * np.pi * 22.0) ** 2
     loss = 0.3j * whole.part_stiffness["floor-1"]

@@ -242,3 +242,27 @@ def test_sensors_that_a_mode_moves_across_see_what_they_are_turned_by():
         )
         assert (shapes > 0.5 * np.abs(modal_table.of(of, table(of))[1].measured.values.real)).all() == wide
         assert (shapes == exact).all() != wide
+
+
+def test_frequencies_and_shapes_ask_the_modes_of_a_mass_somewhere_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    nominal, asked = chain(), []
+    made = modal_table.of(nominal, table(nominal))
+    read = [one.finite({}, np.array([0])) for one in made]
+    solved = modal_table.real_modes
+    monkeypatch.setattr(modal_table, "real_modes", lambda matrices: asked.append(matrices) or solved(matrices))
+    row = nominal.nominal.places["mass-3"]
+    found = [one(row, np.full(3, 0.5), np.zeros(3)) for one in read]
+    assert len(asked) == 1
+    other = modal_table.of(chain(point=(2, 0.5)), table(nominal))
+    for one, due in zip(found, other, strict=True):
+        assert_allclose(one, due.at({}).rows, rtol=1e-9)
+
+
+def test_a_table_without_damping_asks_no_derivative_by_losses_for_they_change_nothing_that_it_has() -> None:
+    nominal = chain()
+    bare = replace(table(nominal), damping_ratio=None, damping_deviation=None)
+    for one in modal_table.of(nominal, bare):
+        names = frozenset(parameter.name for parameter in one.parameters)
+        whole, few = (set(one.at({}, derivatives=wanted).changes) for wanted in (True, names))
+        assert {name for name in whole if one.at({}).changes[name].rows.any()} <= few
+        assert any(name.startswith("loss:") for name in names - few)

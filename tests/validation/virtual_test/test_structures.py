@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.sparse.linalg import splu
 
 from fem.user_model import reading
 from validation.virtual_test import structure_tests
@@ -29,3 +30,24 @@ def test_a_table_of_a_large_structure_is_the_same_in_every_run(
             np.testing.assert_array_equal(one, other)
     shapes = tables[0][2]
     assert np.all(shapes[np.arange(len(shapes)), np.abs(shapes).argmax(axis=1)] > 0)
+
+
+def test_a_large_structure_answers_as_its_whole_matrices_do_with_their_losses(
+    portal: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """Of some modes and one static answer without losses a point gives a per cent too little where a force acts on it."""
+    monkeypatch.setattr(structure_tests, "WHOLE", 10)
+    monkeypatch.setattr(structure_tests, "MOST_MODES", 8)
+    structure = reading.load(portal(tmp_path, 8)).model
+    losses = {part: 0.02 * (k + 1) ** 2 for k, part in enumerate(structure.part_stiffness)}
+    rows = [row for name in ("a", "b") for row in structure.places[name].toarray()]
+    lab = structure_tests.TestedStructure(highest=300.0, structure=structure, losses=losses, ratio=0.0)
+    frequency = np.array([40.0, 150.0, 290.0])
+    worst, lost = 0.0, sum(eta * structure.part_stiffness[part] for part, eta in losses.items())
+    for f, found in zip(frequency, lab.accelerance(frequency, rows, rows), strict=True):
+        square = (2 * np.pi * f) ** 2
+        dynamic = (structure.stiffness + 1j * lost - square * structure.mass).tocsc()[structure.free][:, structure.free]
+        own = np.array(rows)[:, structure.free]
+        due = -square * own @ splu(dynamic).solve(own.T.astype(complex))
+        worst = max(worst, float((np.abs(found - due) / np.abs(due).max(axis=1, keepdims=True)).max()))
+    assert worst < 1e-3
