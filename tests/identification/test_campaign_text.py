@@ -289,7 +289,7 @@ def same(found: object, wanted: object) -> None:
         assert found == wanted
 
 
-@settings(max_examples=20, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow])
 @given(campaigns())
 def test_a_description_that_is_written_is_read_as_it_was(campaign: Campaign) -> None:
     found = parsed(text(campaign))
