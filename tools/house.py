@@ -12,7 +12,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -34,6 +34,16 @@ class Module:
     @cached_property
     def tree(self) -> ast.Module:
         return ast.parse(self.text)
+
+    @cached_property
+    def imported(self) -> tuple[ast.Import | ast.ImportFrom, ...]:
+        """Its imports, wherever they stand."""
+        return tuple(node for node in ast.walk(self.tree) if isinstance(node, ast.Import | ast.ImportFrom))
+
+    @cached_property
+    def classes(self) -> tuple[str, ...]:
+        """Names of its classes, wherever they stand."""
+        return tuple(node.name for node in ast.walk(self.tree) if isinstance(node, ast.ClassDef))
 
     @cached_property
     def functions(self) -> frozenset[str]:
@@ -60,23 +70,28 @@ class Module:
 
 def modules(root: Path = ROOT, rooms: Iterable[str] = ROOMS) -> dict[str, Module]:
     """The modules of `rooms` by name."""
-    found = {}
-    for path in sorted(path for room in rooms for path in (root / room).rglob("*.py")):
+    return {one.name: one for room in rooms for one in _of_room(root, room)}
+
+
+@cache
+def _of_room(root: Path, room: str) -> tuple[Module, ...]:
+    """Read once a process: to parse the whole house takes seconds, and several figures want it."""
+    found = []
+    for path in sorted((root / room).rglob("*.py")):
         parts = path.relative_to(root).with_suffix("").parts
         package = parts[-1] == "__init__"
         name = ".".join(parts[:-1] if package else parts)
-        found[name] = Module(name=name, package=package, text=path.read_text(encoding="utf-8"))
-    return found
+        found.append(Module(name=name, package=package, text=path.read_text(encoding="utf-8")))
+    return tuple(found)
 
 
 def imports(house: dict[str, Module]) -> dict[str, set[str]]:
     """By module what it imports of the house, wherever the import stands; of ``from package import module`` the module."""
     found: dict[str, set[str]] = {}
     for one in house.values():
-        nodes, names = list(ast.walk(one.tree)), set()
-        names |= {name.name for node in nodes if isinstance(node, ast.Import) for name in node.names}
+        names = {name.name for node in one.imported if isinstance(node, ast.Import) for name in node.names}
         for base, name in (
-            (one.base(node), name.name) for node in nodes if isinstance(node, ast.ImportFrom) for name in node.names
+            (one.base(node), name.name) for node in one.imported if isinstance(node, ast.ImportFrom) for name in node.names
         ):
             names.add(f"{base}.{name}" if f"{base}.{name}" in house else base)
         found[one.name] = (names & house.keys()) - {one.name}
@@ -107,12 +122,12 @@ class Callers:
 
     def _bindings(self, one: Module) -> Iterator[tuple[str, tuple[str, str]]]:
         """By name in the module: the module that is meant and the name in it, empty where it is the module itself."""
-        for node in ast.walk(one.tree):
+        for node in one.imported:
             if isinstance(node, ast.Import):
                 for each in node.names:
                     first = each.name.split(".")[0]
                     yield each.asname or first, (each.name if each.asname else first, "")
-            elif isinstance(node, ast.ImportFrom):
+            else:
                 base = one.base(node)
                 for each in node.names:
                     whole = f"{base}.{each.name}"
@@ -173,8 +188,8 @@ def _locals(function: Function | ast.Lambda) -> set[str]:
 
 def twice(house: dict[str, Module], package: str) -> list[str]:
     """Names that more than one class of `package` has."""
-    inside = [one.tree for name, one in house.items() if f"{name}.".startswith(f"{package}.")]
-    names = Counter(node.name for tree in inside for node in ast.walk(tree) if isinstance(node, ast.ClassDef))
+    inside = [one for name, one in house.items() if f"{name}.".startswith(f"{package}.")]
+    names = Counter(name for one in inside for name in one.classes)
     return sorted(name for name, number in names.items() if number > 1)
 
 

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import ast
-from pathlib import Path
+from functools import cache
 
 import pytest
 from scipy.stats import norm
 
-ROOT = Path(__file__).parents[2]
-PRODUCT = ("geometry", "fem", "identification", "validation")
+from tools import house
+
+
+@cache
+def numbers() -> list[tuple[str, float]]:
+    """Every number with a point that stands in the product, with its module."""
+    nodes = ((name, node) for name, one in house.modules().items() for node in ast.walk(one.tree))
+    return [(name, node.value) for name, node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, float)]
 
 
 def written(low: float, high: float) -> list[str]:
-    """Files of the product in which a number between `low` and `high` stands."""
-    found = []
-    for path in (one for room in PRODUCT for one in sorted((ROOT / room).rglob("*.py"))):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Constant) and isinstance(node.value, float) and low < node.value < high:
-                found.append(f"{path.relative_to(ROOT)}: {node.value}")
-    return found
+    """Modules of the product in which a number between `low` and `high` stands."""
+    return [f"{name}: {value}" for name, value in numbers() if low < value < high]
 
 
 @pytest.mark.parametrize("share", [0.90, 0.95])

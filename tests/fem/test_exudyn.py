@@ -177,7 +177,7 @@ def test_load_cells_are_springs_in_exudyn_too() -> None:
 
 
 @pytest.mark.parametrize("member", ["lower-1", "upper-short"])
-def test_a_joint_on_ports_acts_in_exudyn_as_in_our_frame(member: str) -> None:
+def test_a_joint_on_ports_acts_in_exudyn_as_in_our_frame(member: str, by_us: dict[str, Modes]) -> None:
     """A spring between the mast and a blade, solid or sandwich, that lifts a frequency of the band by half a per cent."""
     (z,) = (blade["z"] for blade in load("clumod")["blade"] if blade["name"] == member)
     ports, places = (Port(member="mast", at=1.2), Port(member=member, at=0.3)), np.array([[0.0, 0.0, 1.2], [0.0, 0.3, z]])
@@ -186,8 +186,7 @@ def test_a_joint_on_ports_acts_in_exudyn_as_in_our_frame(member: str) -> None:
     )
     joint = Joint(ports=ports, stiffness=relative.T @ np.diag([2e2, 2e2, 2e2, 2.0, 2.0, 2.0]) @ relative)
     ours = fixed_base(articles.structure("clumod-4", elements=24, joints=[joint]), 10).frequency
-    without = fixed_base(articles.structure("clumod-4", elements=24), 10).frequency
-    assert np.max(ours / without) > 1.005
+    assert np.max(ours / by_us["clumod-4"].frequency[:10]) > 1.005
     assert_allclose(linear.modes("clumod-4", 10, joints=[joint]).frequency, ours, rtol=5e-4)
 
 

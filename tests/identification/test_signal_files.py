@@ -73,7 +73,7 @@ def compared(found: Signals, wanted: Signals, form: Format) -> None:
 
 
 @every_format
-@settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
+@settings(max_examples=10, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
 @given(block=arrays(np.float64, st.tuples(st.integers(2, 30), st.just(3)), elements=values), rate=rates)
 def test_time_histories_come_back(tmp_path: Path, form: Format, block: np.ndarray, rate: float) -> None:
     path, made = tmp_path / f"run{form.ending}", signals(dict(zip(NAMES, block.T, strict=True)), sampling_rate=rate)
@@ -87,7 +87,7 @@ def test_time_histories_come_back(tmp_path: Path, form: Format, block: np.ndarra
 
 
 @every_format
-@settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
+@settings(max_examples=10, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
 @given(
     block=arrays(np.float64, st.tuples(st.integers(2, 30), st.just(6)), elements=values),
     start=st.integers(0, 400),

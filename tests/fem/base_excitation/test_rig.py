@@ -157,7 +157,7 @@ def test_a_strut_to_the_table_is_not_felt_by_what_moves_as_one(rigid_block: Flex
 
 
 @pytest.mark.parametrize("axis", range(6))
-@pytest.mark.parametrize("name", ["clumod-1", "clumod-4"])
+@pytest.mark.parametrize("name", ["clumod-1", pytest.param("clumod-4", marks=pytest.mark.proof)])
 def test_spectra_of_a_burst_give_the_dynamic_mass(clumod: Clumod, burst: Burst, name: str, axis: int) -> None:
     """0.01 % off resonance and 0.05 % at resonance are asked for; cut at 12 s, clumod-4 would leave 4e-6 in the spectra."""
     rig = Rig(article=clumod(name))
@@ -166,7 +166,7 @@ def test_spectra_of_a_burst_give_the_dynamic_mass(clumod: Clumod, burst: Burst, 
 
 
 @pytest.mark.parametrize("axis", [0, 2, 4])
-@pytest.mark.parametrize("name", ["clumod-1", "clumod-4"])
+@pytest.mark.parametrize("name", ["clumod-1", pytest.param("clumod-4", marks=pytest.mark.proof)])
 def test_cells_and_flange_change_nothing_about_that(clumod: Clumod, mounted: Mounted, burst: Burst, name: str, axis: int) -> None:
     rig = mounted(clumod(name))
     lines, table, load = spectra(base_excitation_response.respond(rig, burst(RATE, np.eye(6)[axis], RINGS[name])))

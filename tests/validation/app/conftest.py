@@ -16,6 +16,8 @@ from typing import Any
 
 import pytest
 
+from validation.cli import main
+
 SHOTS = Path("out/workbench")
 PATIENCE = 180_000
 """Milliseconds that a page may take to do what it was asked: a machine that does many things at once is slow, not wrong."""
@@ -139,7 +141,7 @@ def start_app(tmp_path_factory) -> Iterator[Callable[..., Workbench]]:
 
 
 @pytest.fixture(scope="session")
-def series(tmp_path_factory, massline) -> tuple[str, str]:
+def series(tmp_path_factory) -> tuple[str, str]:
     """A model, and the smallest test with something in it that the model does not know."""
     folder = tmp_path_factory.mktemp("series")
     quick = ("--tolerances", "0.3", "--noise", "0.1", "--octaves-per-minute", "120", "--rate", "256", "--band", "8", "16")
@@ -148,7 +150,7 @@ def series(tmp_path_factory, massline) -> tuple[str, str]:
         ("simulate", "fmd+cuboid", "--out", str(data), "--seed", "3", *quick, "--effect", "force-gain:fmd-z2=0.08"),
         ("model", "fmd+cuboid", "--out", str(model)),
     ):
-        assert massline(*line).returncode == 0
+        assert main.run(list(line)) == main.DONE
     return str(model), str(data)
 
 

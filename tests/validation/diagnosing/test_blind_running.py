@@ -259,7 +259,8 @@ def test_all_that_draws_and_asks_imports_is_covered(root, covered):
         "benchmarks.cross_check_proof"
     }
     asking = [one for one in found if one in beside or one.startswith("benchmarks.blind.drawing")]
-    reached = {to for one in asking for to in house.imports(found)[one] if to.split(".")[0] in ROOMS}
+    imports = house.imports(found)
+    reached = {to for one in asking for to in imports[one] if to.split(".")[0] in ROOMS}
     files = {(root / to.replace(".", "/")).relative_to(root) for to in reached}
     assert "validation/diagnose/diagnose" in {file.as_posix() for file in files}
     assert {f"{file}.py" for file in files if (root / f"{file}.py").exists()} <= covered

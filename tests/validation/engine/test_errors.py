@@ -111,8 +111,10 @@ def test_the_nominal_error_is_of_the_model_as_it_stands(lab):
     assert evaluate(Problem((lab.toy(truth, acting=(effect,), seed=None),))).nominal.percent > 1.0
 
 
-@pytest.mark.parametrize("known", [False, True], ids=["latent", "known"])
-@pytest.mark.parametrize("per_run", [False, True], ids=["shared", "per run"])
+@pytest.mark.parametrize(
+    ("known", "per_run"),
+    [(False, True), (True, False), *(pytest.param(both, both, marks=pytest.mark.proof) for both in (False, True))],
+)
 def test_over_many_laboratories_residuals_scatter_as_predicted(lab, known, per_run):
     """All parameters drawn from what is known beforehand, little enough for a linear answer; nothing fitted, no floor needed."""
     little = {"mass": 0.004, "inertia": 0.005, "damping": 0.05}

@@ -40,7 +40,7 @@ def test_without_noise_the_truth_is_found_exactly(lab, known):
         assert_allclose(found.by_name[name], value, atol=2e-6, err_msg=name)
 
 
-@pytest.mark.parametrize("known", [False, True], ids=["latent", "known"])
+@pytest.mark.parametrize("known", [pytest.param(False, id="latent"), pytest.param(True, id="known", marks=pytest.mark.proof)])
 def test_intervals_cover_the_truth(lab, known):
     """Of 90 % intervals of 18 parameters in 25 laboratories drawn from what is known beforehand, nine in ten hold the truth."""
     inside, surprise = [], []

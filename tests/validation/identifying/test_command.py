@@ -56,7 +56,7 @@ def block(own_campaign) -> Inertia:
 def test_a_rigid_block_is_found_within_its_intervals_and_everything_is_kept(series, block, run, tmp_path, monkeypatch):
     monkeypatch.setattr(
         report_identify, "full", lambda title, curves, path, note: path.touch()
-    )  # 72 panels; test_shown draws them
+    )  # 72 panels, which a test of `massline dynamic-mass` draws
     code, out, err = run("identify", str(series / "block"), *QUICK, "--json", "--out", str(tmp_path / "kept"))
     assert code == main.DONE, err
     printed = json.loads(out)

@@ -71,6 +71,7 @@ def test_a_turned_mount_turns_the_tensor_back(clumod, terms):
     assert_allclose(reported(there, pose).values, about_cog(clumod), rtol=1e-10, atol=1e-10)
 
 
+@pytest.mark.proof
 def test_the_intervals_hold_95_per_cent_of_draws(found):
     one = found.result
     rng = np.random.default_rng(3)

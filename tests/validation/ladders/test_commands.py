@@ -28,6 +28,8 @@ GAIN = "force-gain:fmd-z2"
 FAST = ("--octaves-per-minute", "120", "--band", "8", "16", "--rate", "256", "--model", "rigid", "--noise", "0.1")
 PLAN = ("--seed", "3", "--tolerances", "0.3", "--effect", f"{GAIN}=0.08", *FAST)
 RIGID = 'kind = "rigid"'
+HELD = ("--hold-out", "z")
+"""One run, where each in turn would be six fits."""
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +45,7 @@ def once(tmp_path_factory) -> Path:
         shutil.copy("model.toml", "before.toml")
         _interrupted(patch)
         Path("interrupted.json").write_text(json.dumps(_state()), encoding="utf-8")
-        assert main.run(["add", "model.toml", GAIN]) == main.DONE
+        assert main.run(["add", "model.toml", GAIN, *HELD]) == main.DONE
     return folder
 
 
@@ -57,7 +59,7 @@ def _interrupted(patch: pytest.MonkeyPatch) -> None:
 
     with patch.context() as inner:
         inner.setattr(add, "judged", only_before)
-        assert main.run(["add", "model.toml", GAIN, "cuboid"]) == main.INTERRUPTED
+        assert main.run(["add", "model.toml", GAIN, "cuboid", *HELD]) == main.INTERRUPTED
 
 
 def _state() -> dict[str, Any]:
@@ -177,7 +179,7 @@ def test_a_report_has_the_inertia_of_the_rung_and_without_a_ladder_finds_the_sam
 
     def quiet(what, share): ...
 
-    study = Study.open("model.toml", ["cuboid"])
+    study = Study.open("model.toml", ["cuboid"], hold_out=["z"])
     found = compared(study, quiet)
     at = history_position(made)
     assert at.rung is not None
@@ -188,7 +190,7 @@ def test_a_report_has_the_inertia_of_the_rung_and_without_a_ladder_finds_the_sam
     assert_allclose((fitted.values - here.values) / here.deviation, 0.0, atol=0.01)
     assert_allclose(fitted.half_width, here.half_width, rtol=0.01)
     # the rung stands on other lines than these, and does not speak for them
-    elsewhere = Study.open("model.toml", ["cuboid"], band=(9.0, 15.0))
+    elsewhere = Study.open("model.toml", ["cuboid"], hold_out=["z"], band=(9.0, 15.0))
     (other,), _ = identify.identified(elsewhere, found, at, quiet)
     assert other is not here
     bare = elsewhere.by(replace(elsewhere.model, effects=()))

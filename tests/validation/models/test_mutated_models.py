@@ -141,7 +141,7 @@ def rearranged(generator: np.random.Generator) -> str:
 def test_an_edit_of_a_rearranged_file_changes_one_effect_or_refuses():
     generator, edited = np.random.default_rng(2026), 0
     new = Added(named=parse("force-gain:fmd-z2=0.5"), deviation={"": 0.25})
-    for _ in range(200):
+    for _ in range(80):
         text = rearranged(generator)
         try:
             before = model_file.of_text(text, "lab.toml")
@@ -157,4 +157,4 @@ def test_an_edit_of_a_rearranged_file_changes_one_effect_or_refuses():
             with suppress(BadInput):
                 left = model_file.of_text(model_file.without_effect(text, one.named.id), "lab.toml").effects
                 assert [each.named.id for each in left] == [e.named.id for e in before.effects if e is not one]
-    assert edited > 50
+    assert edited > 20

@@ -2,7 +2,9 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cache
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -134,10 +136,14 @@ SLIGHT = 0.03
 """Share of the largest change below which that of a mode is not asked for by itself."""
 
 
+def more(*sizes: float) -> list[Any]:
+    """Sizes between others, which `make proof` tries as well."""
+    return [pytest.param(size, marks=pytest.mark.proof) for size in sizes]
+
+
 @pytest.fixture(scope="module", params=SUPPORTS)
 def made(request: pytest.FixtureRequest) -> tuple[Structure, Matrices]:
-    whole = frame(request.param)
-    return whole, reduced(whole)
+    return standing(request.param)
 
 
 def reduced(whole: Structure) -> Matrices:
@@ -147,6 +153,13 @@ def reduced(whole: Structure) -> Matrices:
     return prediction_structure.by_itself(whole, band).matrices
 
 
+@cache
+def standing(support: str) -> tuple[Structure, Matrices]:
+    """The frame as it is and its reduced matrices."""
+    whole = frame(support)
+    return whole, reduced(whole)
+
+
 def of(structure: Structure) -> tuple[Array, Array]:
     """Stiffness and mass of its free degrees of freedom."""
     at = np.ix_(structure.free, structure.free)
@@ -154,14 +167,20 @@ def of(structure: Structure) -> tuple[Array, Array]:
 
 
 def frequencies(stiffness: Array, mass: Array) -> Array:
-    """(COUNT,) [Hz] of the lowest elastic modes."""
-    found = np.sqrt(np.abs(eigh(stiffness, mass, eigvals_only=True))) / (2 * np.pi)
+    """(COUNT,) [Hz] of the lowest elastic modes, above those of a rigid body."""
+    found = np.sqrt(np.abs(eigh(stiffness, mass, eigvals_only=True, subset_by_index=(0, COUNT + 5)))) / (2 * np.pi)
     return found[found > 1.0][:COUNT]
+
+
+@cache
+def unmoved(whole: Structure) -> Array:
+    """(COUNT,) [Hz] of the structure as it is."""
+    return frequencies(*of(whole))
 
 
 def error(made: tuple[Structure, Matrices], whole: tuple[Array, Array], few: Matrices) -> float:
     """How wrong the change of the frequencies is that makes `few` of the reduced matrices, `whole` the full ones."""
-    before, after = frequencies(*of(made[0])), frequencies(*whole)
+    before, after = unmoved(made[0]), frequencies(*whole)
     change = (after - before) / before
     found = (frequencies(few.stiffness, few.mass) - frequencies(made[1].stiffness, made[1].mass)) / before
     assert np.abs(change).max() > 1e-4
@@ -189,21 +208,21 @@ def test_the_reduced_frame_has_the_frequencies_of_the_whole(made: tuple[Structur
     assert len(made[1].mass) < 0.5 * made[0].mass.shape[0]
 
 
-@pytest.mark.parametrize("change", [-0.5, 0.25, 1.0])
+@pytest.mark.parametrize("change", [-0.5, 1.0, *more(0.25)])
 @pytest.mark.parametrize("part", MEMBERS)
 def test_a_modulus_moves_the_frequencies_as_in_the_whole(made: tuple[Structure, Matrices], part: str, change: float) -> None:
     few = moved(made, {f"modulus:{part}": np.log1p(change)})
     assert error(made, with_shares(made, change * made[0].part_stiffness[part]), few) < BAR
 
 
-@pytest.mark.parametrize("change", [-0.3, 0.3, 1.0])
+@pytest.mark.parametrize("change", [-0.3, 1.0, *more(0.3)])
 @pytest.mark.parametrize("part", MEMBERS)
 def test_a_density_moves_the_frequencies_as_in_the_whole(made: tuple[Structure, Matrices], part: str, change: float) -> None:
     few = moved(made, {f"mass:{part}": change})
     assert error(made, with_shares(made, None, change * made[0].part_mass[part]), few) < BAR
 
 
-@pytest.mark.parametrize("change", [-0.2, 0.1, 0.5])
+@pytest.mark.parametrize("change", [-0.2, 0.5, *more(0.1)])
 @pytest.mark.parametrize("part", MEMBERS)
 def test_a_thickness_is_the_frame_assembled_with_it(made: tuple[Structure, Matrices], part: str, change: float) -> None:
     few = moved(made, {f"thickness:{part}": np.log1p(change)})
@@ -211,13 +230,12 @@ def test_a_thickness_is_the_frame_assembled_with_it(made: tuple[Structure, Matri
     assert error(made, of(frame(support, thickness={part: 1 + change})), few) < BAR
 
 
-@pytest.mark.parametrize("factor", [0.1, 0.28, 3.0, 30.0])
+@pytest.mark.parametrize("factor", [0.1, 30.0, *more(0.28, 3.0)])
 @pytest.mark.parametrize("support", ["foot-1", "foot-4"])
 def test_a_support_moves_the_frequencies_as_in_the_whole(support: str, factor: float) -> None:
-    whole = frame("ground")
-    both = whole, reduced(whole)
+    both = standing("ground")
     few = moved(both, {f"support-stiffness:{support}": np.log(factor)})
-    assert error(both, with_shares(both, (factor - 1) * whole.part_stiffness[support]), few) < BAR
+    assert error(both, with_shares(both, (factor - 1) * both[0].part_stiffness[support]), few) < BAR
 
 
 @pytest.mark.parametrize("direction", MOTIONS)
@@ -229,7 +247,7 @@ def test_a_joint_that_gives_is_the_frame_assembled_with_softer_springs(made: tup
     few = acted(made[1], f"connection-compliance:bolt:{direction}={size}")
     support = "ground" if made[0].grounded else "base" if made[0].held.size else "free"
     whole = of(frame(support, joint=softer))
-    change = np.abs(frequencies(*whole) / frequencies(*of(made[0])) - 1).max()
+    change = np.abs(frequencies(*whole) / unmoved(made[0]) - 1).max()
     if change > 1e-4:
         assert error(made, whole, few) < BAR
     np.testing.assert_allclose(made[1].joints["bolt"].stiffness, JOINT, rtol=1e-6)
@@ -245,7 +263,7 @@ def test_a_joint_that_a_modulus_has_softened_gives_on_top_of_it(made: tuple[Stru
     assert error(made, of(frame(support, joint=springs)), few) < BAR
 
 
-@pytest.mark.parametrize("size", [0.02, 0.2, 1.0])
+@pytest.mark.parametrize("size", [0.02, 1.0, *more(0.2)])
 @pytest.mark.parametrize("place", ["corner", "tip", "mid-rail"])
 def test_a_mass_at_a_place_moves_the_frequencies_as_in_the_whole(
     made: tuple[Structure, Matrices], place: str, size: float
@@ -340,8 +358,8 @@ def test_every_part_has_the_tolerances_that_it_states_and_supports_have_no_modul
 
 @pytest.mark.parametrize("name", ["support-stiffness:foot-1", "thickness:rail", "mass:rail", "modulus:rail", "loss:rail"])
 def test_derivatives_of_what_is_declared_are_differences(name: str) -> None:
-    whole = frame("ground")
-    known = effects.nuisances("frame", reduced(whole), np.array([20.0, 30.0]), whole.loss_factors)
+    whole, few = standing("ground")
+    known = effects.nuisances("frame", few, np.array([20.0, 30.0]), whole.loss_factors)
     at = {"support-stiffness:foot-1": 0.3, "thickness:rail": 0.1, "mass:rail": -0.2, "modulus:rail": 0.2, "loss:rail": 0.1}
     _, tangents = known.at(at)
     step = 1e-4
@@ -354,7 +372,7 @@ def test_derivatives_of_what_is_declared_are_differences(name: str) -> None:
 
 
 def test_an_effect_that_opens_a_tolerance_is_that_parameter() -> None:
-    known = effects.nuisances("frame", reduced(frame("ground")), np.array([20.0]), {})
+    known = effects.nuisances("frame", standing("ground")[1], np.array([20.0]), {})
     named = [Named(family=family, targets=(target,), values={"": value}) for family, target, value in OPENING]
     left, _ = effects.opened(known.parameters, [Added(named=one) for one in named])
     opened = {one.name: one for one in left if one.kind == "effect"}
@@ -369,7 +387,7 @@ OPENING = (("support-stiffness", "foot-1", 0.28), ("mass", "rail", 0.1), ("thick
 
 
 def test_targets_are_those_of_the_structure() -> None:
-    stands = [there("frame", reduced(frame(support))) for support in SUPPORTS]
+    stands = [there("frame", standing(support)[1]) for support in SUPPORTS]
     words = catalogue.words_of(stands, Vocabulary(places=None, parts=None))
     assert words.legal("support") == ("foot-1", "foot-2", "foot-3", "foot-4")
     assert words.legal("joint between parts") == ("bolt",)
@@ -394,7 +412,7 @@ def test_targets_are_those_of_the_structure() -> None:
 )
 def test_effects_act_where_their_target_is(text: str, on: set[str]) -> None:
     named = catalogue.parse(text, Vocabulary(places=None, parts=None))
-    assert {support for support in SUPPORTS if acts(named, there("frame", reduced(frame(support))))} == on
+    assert {support for support in SUPPORTS if acts(named, there("frame", standing(support)[1]))} == on
 
 
 # Weight in the stiffness of storeys
