@@ -20,7 +20,7 @@ import click
 import numpy as np
 
 from benchmarks.blind.score.rates import rate
-from benchmarks.laboratories.cases import SERIES, Case, draw
+from benchmarks.laboratories.cases import KINDS, SERIES, Case, draw
 from benchmarks.laboratories.shaking import SOUND, Bench, Faults, series, truth
 from geometry.errors import BadInput, CheckFailed
 from validation.diagnose.diagnose import diagnosed
@@ -67,13 +67,16 @@ def asked(case: Case, faults: Faults) -> tuple[Json, Mapping[str, float]]:
     return line | {"seconds": time.process_time() - begun}, smallest
 
 
-def answers(seed: int, first: int, count: int, out: Path) -> Iterator[Json]:
-    """Of the cases of a draw, kept in `out` as they are found: a null, and the same laboratory with what is planted."""
+def answers(seed: int, first: int, count: int, out: Path, kinds: Sequence[str] = KINDS) -> Iterator[Json]:
+    """Of the cases of a draw, kept in `out` as they are found: a null, and the same laboratory with what is planted.
+
+    Of faults only those of `kinds` are answered.
+    """
     kept = [json.loads(one) for one in out.read_text().splitlines()] if out.exists() else []
     done = {(one["number"], one["kind"]): one for one in kept}
     for case in islice(draw(seed), first, first + count):
         for kind in ("null", case.kind):
-            if (case.number, kind) in done:
+            if (case.number, kind) in done or kind not in ("null", *kinds):
                 continue
             faults: Faults | None = SOUND
             if kind != "null":
@@ -153,9 +156,10 @@ def scored(lines: Sequence[Json]) -> list[tuple[str, str]]:
 @click.option(
     "--out", type=click.Path(path_type=Path), default=Path("out/laboratories.jsonl"), show_default=True, help="Answers of a draw."
 )
+@click.option("--nulls", is_flag=True, help="Of a draw the nulls alone; faults go on from there.")
 @click.option("--score", is_flag=True, help="Count what is kept in --out.")
 def main(
-    count: int, first: int, sheet: str, stated: str, articles: tuple[str, ...], seed: int | None, out: Path, score: bool
+    count: int, first: int, sheet: str, stated: str, articles: tuple[str, ...], seed: int | None, out: Path, nulls: bool, score: bool
 ) -> None:
     """Draw laboratories, diagnose them, and count verdicts."""
     if score:
@@ -163,7 +167,7 @@ def main(
             click.echo(f"{what:45s} {share}")
         return
     if seed is not None:
-        for line in answers(seed, first, count, out):
+        for line in answers(seed, first, count, out, () if nulls else KINDS):
             click.echo(told(line))
         return
     model, verdicts = model_file.of_text(analyst(stated, articles[-1]), "drawn.toml"), []

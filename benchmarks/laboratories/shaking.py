@@ -286,7 +286,8 @@ class _Carried:
         w = omega[:, None]
         rising = np.sqrt(2 * np.pi * 10 / np.maximum(w, 2 * np.pi))
         answer = w**2 / (self.omega**2 - w**2 + 2j * self.zeta * self.omega * w + 1j * self.creep * rising)
-        elastic = self.participation.T @ (answer[:, :, None] * self.participation)
+        by_mode = self.participation[:, :, None] * self.participation[:, None, :]
+        elastic = (answer @ by_mode.reshape(-1, 36)).reshape(-1, 6, 6)
         X, H = self.X, self.rigid + elastic
         for place, mu, tied in hung(faults, omega, set(self.places)):
             # p = T a - A mu p with A = - phi w² / D phi^T; what is tied to the ground feels the true motion of its place
