@@ -10,7 +10,11 @@ from benchmarks.laboratories.drawing import SHEETS, DataSheet
 from validation.diagnose.diagnose import diagnosed
 from validation.diagnose.diagnosis import NOTHING
 from validation.effects.catalogue import parse
-from validation.estimation.problem import Problem
+from validation.effects.effect import evidence_threshold
+from validation.estimation.fit import FLOOR
+from validation.estimation.likelihood import cost_of
+from validation.estimation.problem import EFFECT, FITTED, IDENTIFIED, Problem
+from validation.estimation.screening import ScoreTest
 from validation.model import model_file
 from validation.model.model import Added
 from validation.prediction.series import predictions
@@ -99,6 +103,39 @@ def test_what_is_planted_is_what_the_catalogue_calls_so(effect, size):
 @pytest.mark.parametrize(("effect", "size"), AS_PLANTED)
 def test_all_that_is_planted_is_what_the_catalogue_calls_so(effect, size):
     test_what_is_planted_is_what_the_catalogue_calls_so(effect, size)
+
+
+def named_from(sheet: str, tolerances: dict[str, float]) -> float:
+    """The smallest loss of the layer that one campaign of four blades names, by the Fisher matrix of the drawing."""
+    from benchmarks.laboratories.__main__ import analyst
+
+    campaigns = shaking.series(3, ["fmd+clumod-4"], sheet, bench=replace(QUICK, pace=8.0))
+    text = analyst(sheet, "fmd+clumod-4", QUICK) + "".join(
+        f"structure.tolerances.{key} = {sd}\n" for key, sd in tolerances.items()
+    )
+    study = Study.of(
+        model_file.of_text(text.replace('structure = { kind = "beam" }', 'structure.kind = "beam"'), "m.toml"),
+        Data(campaigns=campaigns),
+    )
+    named = parse("layer-damping:upper-short=0.1")
+    problem = study.problem((Added(named=named),))
+    free = problem.free(FITTED)
+    cost = cost_of(problem, free, FLOOR)
+    prior = [0.0 if one.kind in (EFFECT, IDENTIFIED) else one.tolerance**-2 for one in free]
+    place = cost.names.index(named.id)
+    known = np.linalg.inv(cost.data(cost.at({})).matrix + np.diag(prior))[place, place]
+    return ScoreTest(name=named.id, estimate=0.0, information=1 / known).detectable(
+        named.sizes[0].plausible, evidence_threshold(named.family)
+    )
+
+
+def test_a_loss_of_a_layer_is_named_from_where_the_layer_is_known():
+    """Four blades tell how much each mode loses to a thousandth of this; what hides 0.1 is what else it may be."""
+    assert named_from("calibrated", {}) == pytest.approx(0.43, rel=0.05)
+    assert named_from("as-delivered", {}) == pytest.approx(0.64, rel=0.05)
+    assert named_from("calibrated", {"damping": 0.05, "mode_damping": 0.1}) < 0.1
+    assert named_from("calibrated", {"mode_damping": 0.1}) > 0.35
+    assert named_from("calibrated", {"damping": 0.05}) > 0.2
 
 
 def test_a_draw_is_the_same_every_time_and_plants_what_its_null_could_have_named():

@@ -34,7 +34,7 @@ def made(article: str, damping: Damping | None) -> Nuisances:
     found = prediction_structure.of_structure(structure, modes, damping=damping, article=built_in(article))
     found = replace(found, unresolved={"mast": 0.02 * found.parts["mast"]})
     losses = structure.loss_factors if damping is None else {}
-    return effects.nuisances(article, found, modes.frequency, losses, highest=20.0)
+    return effects.nuisances(article, found, modes.frequency, losses, highest=20.0, weighed=0.002)
 
 
 def away(one: Nuisances) -> dict[str, float]:
@@ -76,6 +76,16 @@ def test_nothing_moves_at_no_offset_and_a_tolerance_of_nothing_is_no_parameter(o
     )
     closed = effects.nuisances(one.configuration, one.nominal, one.frequency, one.losses, exact)
     assert closed.parameters == ()
+
+
+def test_a_body_of_denser_material_carries_all_masses_with_it(one):
+    """M (1 + d) beside K (1 + d) answers (1 + d) times as much: its modes keep their frequencies, what hangs on them is less."""
+    d = 0.03
+    stiffer = {name: np.log1p(d) for name in (f"modulus:{part}" for part in one.nominal.parts)}
+    same, denser = replace(one, nominal=replace(one.nominal, viscous=0 * one.nominal.viscous)), f"density:{one.configuration}"
+    before, after = (dynamic_mass.dynamic_mass(same.at(at)[0], LINES).matrix for at in ({}, {**stiffer, denser: d}))
+    assert_allclose(after, (1 + d) * before, rtol=1e-9, atol=1e-9 * np.abs(before).max())
+    assert denser not in {each.name for each in replace(one, weighed=0.0).parameters}
 
 
 def test_matrices_stay_symmetric_and_positive_at_ten_tolerances(one):
