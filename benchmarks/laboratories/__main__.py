@@ -21,7 +21,7 @@ import numpy as np
 
 from benchmarks.blind.score.rates import rate
 from benchmarks.laboratories.cases import KINDS, SERIES, Case, draw
-from benchmarks.laboratories.shaking import SOUND, Bench, Faults, series, truth
+from benchmarks.laboratories.shaking import SOUND, Bench, Faults, drawn, series, truth
 from geometry.errors import BadInput, CheckFailed
 from validation.diagnose.diagnose import diagnosed
 from validation.model import model_file
@@ -52,7 +52,10 @@ def asked(case: Case, faults: Faults) -> tuple[Json, Mapping[str, float]]:
     model = model_file.of_text(analyst(case.sheet, case.articles[-1], case.bench), "drawn.toml")
     line: Json = {"number": case.number, "kind": case.kind, "laboratory": case.laboratory, "sheet": case.sheet}
     line |= {"articles": list(case.articles), "bench": asdict(case.bench)}
-    line |= {"planted": truth(case.laboratory, case.sheet, faults), "multiples": dict(case.multiples)}
+    line |= {
+        "planted": truth(case.laboratory, case.sheet, faults, tuple(drawn(made[-1]).parts)),
+        "multiples": dict(case.multiples),
+    }
     begun, smallest = time.process_time(), {}
     try:
         found = diagnosed(Study.of(model, Data(campaigns=made)))
