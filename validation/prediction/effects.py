@@ -345,11 +345,12 @@ class Nuisances:
 
     @property
     def laws(self) -> tuple[str, ...]:
-        """Of `LAWS` what is open of the losses of its parts, see `with_damping_law`: one loss factor of all couples nothing."""
+        """Of `LAWS` what is open of the losses of its parts, see `with_damping_law`: one loss factor of all couples nothing, until an
+        effect changes that of a part; this is counted where a base drives."""
         known = (self.tolerances.damping_law, self.tolerances.loss_coupling)
-        factors = {self.losses[part] for part in self.lossy}
+        factors = len(self.lossy if self.nominal.base else {self.losses[part] for part in self.lossy})
         least = {DAMPING_LAW: 1, LOSS_COUPLING: 2}
-        return tuple(law for law, tolerance in zip(LAWS, known, strict=True) if len(factors) >= least[law] and tolerance > 0)
+        return tuple(law for law, tolerance in zip(LAWS, known, strict=True) if factors >= least[law] and tolerance > 0)
 
     @cached_property
     def by_parts(self) -> tuple[bool, ...]:
