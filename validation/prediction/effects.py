@@ -345,8 +345,8 @@ class Nuisances:
 
     @property
     def laws(self) -> tuple[str, ...]:
-        """Of `LAWS` what is open of the losses of its parts, see `with_damping_law`: one loss factor of all couples nothing, until an
-        effect changes that of a part; this is counted where a base drives."""
+        """Of `LAWS` what is open of the losses of its parts, see `with_damping_law`: one loss factor of all couples nothing, but
+        beside an effect on one part; that is counted where a base drives."""
         known = (self.tolerances.damping_law, self.tolerances.loss_coupling)
         factors = len(self.lossy if self.nominal.base else {self.losses[part] for part in self.lossy})
         least = {DAMPING_LAW: 1, LOSS_COUPLING: 2}
