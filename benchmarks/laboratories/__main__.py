@@ -20,8 +20,8 @@ import click
 import numpy as np
 
 from benchmarks.blind.score.rates import rate
-from benchmarks.laboratories.cases import SERIES, Case, draw
-from benchmarks.laboratories.shaking import SOUND, Bench, Faults, series, truth
+from benchmarks.laboratories.cases import KINDS, SERIES, Case, draw
+from benchmarks.laboratories.shaking import SOUND, Bench, Faults, drawn, series, truth
 from geometry.errors import BadInput, CheckFailed
 from validation.diagnose.diagnose import diagnosed
 from validation.model import model_file
@@ -52,12 +52,16 @@ def asked(case: Case, faults: Faults) -> tuple[Json, Mapping[str, float]]:
     model = model_file.of_text(analyst(case.sheet, case.articles[-1], case.bench), "drawn.toml")
     line: Json = {"number": case.number, "kind": case.kind, "laboratory": case.laboratory, "sheet": case.sheet}
     line |= {"articles": list(case.articles), "bench": asdict(case.bench)}
-    line |= {"planted": truth(case.laboratory, case.sheet, faults), "multiples": dict(case.multiples)}
+    line |= {
+        "planted": truth(case.laboratory, case.sheet, faults, tuple(drawn(made[-1]).parts)),
+        "multiples": dict(case.multiples),
+    }
     begun, smallest = time.process_time(), {}
     try:
         found = diagnosed(Study.of(model, Data(campaigns=made)))
         line |= {"verdict": found.verdict, "text": found.text, "class": list(found.equivalence_class)}
         line["named"] = {one.id: {size.key: [size.value, size.low, size.high] for size in one.sizes} for one in found.accepted}
+        line["same"] = {one.id: list(one.same) for one in found.accepted}
         line["ranking"] = [[one.id, one.evidence] for one in found.ranking[:4]]
         line["goodness"] = [[one.misfit, one.price] for one in found.steps]
         line["limit"] = found.settings.get("misfit_limit")
@@ -67,13 +71,16 @@ def asked(case: Case, faults: Faults) -> tuple[Json, Mapping[str, float]]:
     return line | {"seconds": time.process_time() - begun}, smallest
 
 
-def answers(seed: int, first: int, count: int, out: Path) -> Iterator[Json]:
-    """Of the cases of a draw, kept in `out` as they are found: a null, and the same laboratory with what is planted."""
+def answers(seed: int, first: int, count: int, out: Path, kinds: Sequence[str] = KINDS) -> Iterator[Json]:
+    """Of the cases of a draw, kept in `out` as they are found: a null, and the same laboratory with what is planted.
+
+    Of faults only those of `kinds` are answered.
+    """
     kept = [json.loads(one) for one in out.read_text().splitlines()] if out.exists() else []
     done = {(one["number"], one["kind"]): one for one in kept}
     for case in islice(draw(seed), first, first + count):
         for kind in ("null", case.kind):
-            if (case.number, kind) in done:
+            if (case.number, kind) in done or kind not in ("null", *kinds):
                 continue
             faults: Faults | None = SOUND
             if kind != "null":
@@ -100,29 +107,40 @@ def told(line: Json) -> str:
 
 
 def hit(line: Json) -> dict[str, bool]:
-    """Whether what was planted is first, all of it named, in the class, and whether something else is claimed."""
+    """Whether what was planted is first, or tied to the last digit with it, all of it named, in the class, and whether something
+    else is claimed."""
     planted, named, alike = set(line["planted"]), list(line["named"]), set(line["class"])
+    same = line.get("same", {})
     return {
         "first": bool(named) and named[0] in planted,
+        "first or one name with it": bool(named) and bool(planted & {named[0], *same.get(named[0], ())}),
         "all": planted <= set(named),
         "class": planted <= {*named, *alike},
         "wrong": bool(set(named) - planted) and not planted <= alike,
     }
 
 
+KIND_OF_SIZE = dict.fromkeys(("absorber", "slosh", "appendage"), "resonators") | {"joint-compliance": "joints"}
+"""Of which families intervals are counted by themselves."""
+
+
 def scored(lines: Sequence[Json]) -> list[tuple[str, str]]:
     """Rows of the table: what, and how many of how many with the exact interval of 95 %."""
     by = {kind: [one for one in lines if one["kind"] == kind] for kind in ("null", "single", "pair", "unknown")}
     nulls, singles = by["null"], by["single"]
-    rows = [
-        (f"nulls of {sheet} quiet", rate(one["verdict"] == "nothing" for one in nulls if one["sheet"] == sheet))
-        for sheet in ("calibrated", "as-delivered")
-    ]
+    rows = [("nulls quiet", rate(one["verdict"] == "nothing" for one in nulls))]
+    for sheet in ("calibrated", "as-delivered"):
+        of = [one for one in nulls if one["sheet"] == sheet]
+        rows.append((f"nulls of {sheet} quiet", rate(one["verdict"] == "nothing" for one in of)))
+        for articles in sorted({tuple(one["articles"]) for one in of}):
+            which = " beside ".join(one.removeprefix("fmd+") for one in articles)
+            rows.append((f"- of {which}", rate(one["verdict"] == "nothing" for one in of if tuple(one["articles"]) == articles)))
     rows.append(("refused, of all", rate(one["verdict"] == "refused" for one in lines)))
     for times in (2.0, 5.0):
         of = [one for one in singles if times in one["multiples"].values()]
         rows += [
-            (f"singles at {times:g} times: {what}", rate(hit(one)[what] for one in of)) for what in ("first", "class", "wrong")
+            (f"singles at {times:g} times: {what}", rate(hit(one)[what] for one in of))
+            for what in ("first", "first or one name with it", "class", "wrong")
         ]
         rows.append((f"singles at {times:g} times: said to be sound", rate(one["verdict"] == "nothing" for one in of)))
     rows += [
@@ -131,13 +149,15 @@ def scored(lines: Sequence[Json]) -> list[tuple[str, str]]:
     ]
     rows += [("unknown physics called unknown", rate(one["verdict"] == "unknown" for one in by["unknown"]))]
     rows += [("unknown physics given a name", rate(bool(one["named"]) for one in by["unknown"]))]
-    off, inside = [], []
+    off, inside = [], dict[str, list[bool]]()
     for one in (*singles, *by["pair"]):
         for id in set(one["planted"]) & set(one["named"]):
+            kind = KIND_OF_SIZE.get(id.partition(":")[0], "others")
             for true, (value, low, high) in zip(one["planted"][id], one["named"][id].values(), strict=False):
                 off.append(abs(value - true) / max(abs(true - float(id.startswith("fmd-compliance"))), 1e-12))
-                inside.append(low <= true <= high)
-    rows.append(("sizes in their 90 % interval", rate(inside)))
+                inside.setdefault(kind, []).append(low <= true <= high)
+    rows.append(("sizes in their 90 % interval", rate(each for of in inside.values() for each in of)))
+    rows += [(f"- of {kind}", rate(of)) for kind, of in sorted(inside.items())]
     return [(what, str(of)) for what, of in rows] + [
         ("sizes, median error", f"{100 * float(np.median(off)):.1f} %" if off else "none yet")
     ]
@@ -153,9 +173,18 @@ def scored(lines: Sequence[Json]) -> list[tuple[str, str]]:
 @click.option(
     "--out", type=click.Path(path_type=Path), default=Path("out/laboratories.jsonl"), show_default=True, help="Answers of a draw."
 )
+@click.option("--nulls", is_flag=True, help="Of a draw the nulls alone; faults go on from there.")
 @click.option("--score", is_flag=True, help="Count what is kept in --out.")
 def main(
-    count: int, first: int, sheet: str, stated: str, articles: tuple[str, ...], seed: int | None, out: Path, score: bool
+    count: int,
+    first: int,
+    sheet: str,
+    stated: str,
+    articles: tuple[str, ...],
+    seed: int | None,
+    out: Path,
+    nulls: bool,
+    score: bool,
 ) -> None:
     """Draw laboratories, diagnose them, and count verdicts."""
     if score:
@@ -163,7 +192,7 @@ def main(
             click.echo(f"{what:45s} {share}")
         return
     if seed is not None:
-        for line in answers(seed, first, count, out):
+        for line in answers(seed, first, count, out, () if nulls else KINDS):
             click.echo(told(line))
         return
     model, verdicts = model_file.of_text(analyst(stated, articles[-1]), "drawn.toml"), []

@@ -175,10 +175,11 @@ def mountings(
         )
 
 
-def truth(laboratory: int, sheet: str, faults: Faults) -> dict[str, list[float]]:
-    """The sizes of `faults` by id, what the hardware of `laboratory` has of the same kind among them."""
+def truth(laboratory: int, sheet: str, faults: Faults, parts: Sequence[str] = ()) -> dict[str, list[float]]:
+    """The sizes of `faults` by id, what hardware and `parts` of the article of `laboratory` have of the same kind among them."""
     directions = {one.name: np.array(one.places[0].direction) for one in mavis(Bench().cells, {}).table.channels}
     made, found = hardware(SHEETS[sheet], directions, np.random.default_rng([laboratory, 0])), {}
+    softer = SHEETS[sheet].modulus * np.random.default_rng([laboratory, 2]).uniform(-1, 1, len(parts))
     for id, sizes in faults.sizes.items():
         family, _, target = id.partition(":")
         name, kind, own = target.partition(":")[0], family.rpartition("-")[2], 0.0
@@ -192,6 +193,8 @@ def truth(laboratory: int, sheet: str, faults: Faults) -> dict[str, list[float]]
             own = made.plane["xy".index(target)]
         elif family == "cell-stiffness":
             own = (made.stiffness[int(target[0]) - 1, "xyz".index(target[1])] - 1) * (1 + sizes[0])
+        elif family == "modulus" and target in parts:
+            own = float(softer[sorted(parts).index(target)])
         found[id] = [float(sizes[0] + own), *sizes[1:]]
     return found
 
@@ -286,7 +289,8 @@ class _Carried:
         w = omega[:, None]
         rising = np.sqrt(2 * np.pi * 10 / np.maximum(w, 2 * np.pi))
         answer = w**2 / (self.omega**2 - w**2 + 2j * self.zeta * self.omega * w + 1j * self.creep * rising)
-        elastic = self.participation.T @ (answer[:, :, None] * self.participation)
+        by_mode = self.participation[:, :, None] * self.participation[:, None, :]
+        elastic = (answer @ by_mode.reshape(-1, 36)).reshape(-1, 6, 6)
         X, H = self.X, self.rigid + elastic
         for place, mu, tied in hung(faults, omega, set(self.places)):
             # p = T a - A mu p with A = - phi w² / D phi^T; what is tied to the ground feels the true motion of its place

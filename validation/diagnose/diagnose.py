@@ -31,6 +31,7 @@ from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS
 from validation.estimation.evaluate import evaluate, folds
 from validation.estimation.fit import FLOOR, PLAIN_FLOOR, nearby, unfitted
 from validation.estimation.problem import EFFECT, FITTED, IDENTIFIED, Evaluation, Offsets
+from validation.estimation.screening import in_the_fit
 from validation.estimation.verdicts import tolerances
 from validation.history.add import completed
 from validation.model.model import Added, Model, require_target, vocabulary
@@ -407,16 +408,22 @@ def _ranking(of: SearchStep) -> tuple[diagnosis.Cause, ...]:
 
 
 def as_cause(added: Added, of: diagnosis.Candidate, evidence: float, stands: GoodnessOfFit) -> diagnosis.Cause:
-    """An effect of the candidate `of`, its sizes with their 90 % intervals; that of a logarithm is lopsided."""
+    """An effect of the candidate `of`, its sizes with their 90 % intervals; that of a logarithm is lopsided.
+
+    A size is what the data alone say: how large a fault plausibly is weighs its evidence, and would pull a larger one down.
+    """
     spread = np.sqrt(np.maximum(np.diag(of.fit.covariance), 0.0))
     known = {one.name: (one, float(x), float(sd)) for one, x, sd in zip(of.fit.parameters, of.fit.offsets, spread, strict=True)}
-    sizes = []
+    alone, sizes = in_the_fit(of.fit), []
     for size in added.named.sizes:
         value = added.named.values[size.key]
         low = high = value
         which = known.get(name(added.named, size.key))
         if which is not None and which[0].kind == EFFECT and not added.fixed:
             one, x, sd = which
+            if one.name in alone and not one.logarithmic:  # a logarithm counts from where the fit ended
+                x, sd = alone[one.name].estimate, alone[one.name].deviation
+                value = min(max(one.value(x), size.low), size.high)
             ends = sorted((one.value(x - NORMAL_90 * sd), one.value(x + NORMAL_90 * sd)))
             low, high = (min(max(end, size.low), size.high) for end in ends)
         sizes.append(diagnosis.EffectEstimate(key=size.key, value=value, unit=size.unit, low=low, high=high))

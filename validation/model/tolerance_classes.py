@@ -54,7 +54,7 @@ class MountingTolerances:
     ----------
     place, height : [m] along x and y, and along z, new in every campaign
     turn, tilt : [rad] about z, and about x and y, new in every campaign
-    inertia : of the ten parameters of the article, as a share; the same wherever it stands
+    inertia : of the ten parameters of the article, and of all its mass with its modes, as a share; the same wherever it stands
     """
 
     place: float = 0.0
@@ -230,7 +230,8 @@ ROWS = (
         name="inertia",
         classes=(0.0, 0.002, 0.006),
         largest=1.0,
-        what="share of the ten parameters of an article, the same wherever it stands: density, bolts and holes not drawn",
+        what="share of the ten parameters of an article, the same wherever it stands, and of all its mass, its modes with it: "
+        "bolts and holes not drawn; density",
         source="density of aluminium and steel within an alloy 0.3 to 1 % (EN 573-3, EN 10088-1), weighed parts 0.1 %; bolts of "
         "0.5 % of an article",
     ),

@@ -238,6 +238,7 @@ class Nuisances:
     part_tolerances : by part, of "modulus", "density", "loss_factor", "thickness", where they are stated for it
     scaled : whether the matrices are in SI; else nothing can be said of a mass or a spring at a place, only of shares
     reduced : of which they are, of a structure by itself
+    weighed : share by which all that bends may be heavier than drawn, its modes with it
     last : what a prediction made of them last, for the next that asks the same
     """
 
@@ -249,6 +250,7 @@ class Nuisances:
     part_tolerances: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
     scaled: bool = True
     reduced: ReducedStructure | None = None
+    weighed: float = 0.0
     last: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
     def at_positions(self, positions: Sequence[str]) -> "Nuisances":
@@ -282,6 +284,8 @@ class Nuisances:
         if self.nominal.base:
             names = (f"participation:{self.configuration}:{r}:{axis}" for r in modes for axis in MOTIONS)
             made += [Parameter(name=name, unit="1", tolerance=of.participation, kind=STRUCTURAL) for name in names]
+            name = f"density:{self.configuration}"
+            made.append(Parameter(name=name, unit="1", tolerance=self.weighed if len(modes) else 0.0, kind=STRUCTURAL))
         between = {f"coupling:{self.configuration}:{r + 1}:{s + 1}": of.mode_coupling for r, s in self.neighbours}
         if not self.nominal.base:
             of_both = {(r, s): sqrt(2 * known[r] * known[s]) for r, s in self.neighbours}
@@ -341,11 +345,12 @@ class Nuisances:
 
     @property
     def laws(self) -> tuple[str, ...]:
-        """Of `LAWS` what is open of the losses of its parts, see `with_damping_law`: one loss factor of all couples nothing."""
+        """Of `LAWS` what is open of the losses of its parts, see `with_damping_law`: one loss factor of all couples nothing, but
+        beside an effect on one part; that is counted where a base drives."""
         known = (self.tolerances.damping_law, self.tolerances.loss_coupling)
-        factors = {self.losses[part] for part in self.lossy}
+        factors = len(self.lossy if self.nominal.base else {self.losses[part] for part in self.lossy})
         least = {DAMPING_LAW: 1, LOSS_COUPLING: 2}
-        return tuple(law for law, tolerance in zip(LAWS, known, strict=True) if len(factors) >= least[law] and tolerance > 0)
+        return tuple(law for law, tolerance in zip(LAWS, known, strict=True) if factors >= least[law] and tolerance > 0)
 
     @cached_property
     def by_parts(self) -> tuple[bool, ...]:
@@ -373,6 +378,7 @@ class Nuisances:
             E[b + r] = np.exp(offsets.get(f"frequency:{name}:{r + 1}", 0.0))
             D[b + r] = np.exp(offsets.get(f"damping:{name}:{r + 1}", 0.0) / 2)
         K, S, mass, parts = np.array(m.stiffness), np.array(m.structural), np.array(m.mass), dict(m.parts)
+        mass *= 1 + offsets.get(f"density:{name}", 0.0)
         for part, share in m.parts.items():
             stiffer, lossier = offsets.get(self.stiffness_of(part), 0.0), offsets.get(f"loss:{part}", 0.0)
             thicker, denser = offsets.get(f"thickness:{part}", 0.0), offsets.get(f"mass:{part}", 0.0)
@@ -454,6 +460,7 @@ def nuisances(
     part_tolerances: Mapping[str, Mapping[str, float]] = MappingProxyType({}),
     scaled: bool = True,
     reduced: ReducedStructure | None = None,
+    weighed: float = 0.0,
 ) -> Nuisances:
     """The nuisances of `matrices`.
 
@@ -463,7 +470,7 @@ def nuisances(
     losses : loss factor by part of the structure, sheets of one material alike; none where damping is given by mode
     highest : [Hz] modes above are taken as computed
     part_tolerances : as in `fem.structure.Structure`
-    scaled, reduced : as `Nuisances` has them
+    scaled, reduced, weighed : as `Nuisances` has them
     """
     return Nuisances(
         configuration=configuration,
@@ -474,6 +481,7 @@ def nuisances(
         part_tolerances=part_tolerances,
         scaled=scaled,
         reduced=reduced,
+        weighed=weighed,
     )
 
 
@@ -498,6 +506,7 @@ class _Now:
             "thickness": self._of_thickness,
             "mesh": self._of_mesh,
             "mass": self._of_mass,
+            "density": lambda of: of_arrays(len(self.of.nominal.mass), mass=self.of.nominal.mass),
             "loss": self._of_loss,
             "frequency": self._of_frequency,
             "damping": self._of_damping,

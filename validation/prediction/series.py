@@ -725,6 +725,7 @@ def supported_dynamic_mass(model: Model, campaign: Campaign, stands: MountedArti
             model.structure,
             highest=stands.highest,
             part_tolerances=stands.part_tolerances,
+            weighed=model.mounting.inertia,
         )
     return SupportedDynamicMass(
         standing=stands,

@@ -10,8 +10,9 @@ from fem.beam import articles
 from fem.damping import Damping
 from fem.modes import fixed_base
 from geometry.articles import built_in
+from validation.effects.catalogue import parse
 from validation.estimation.problem import DECLARED, STRUCTURAL
-from validation.model.model import StructureTolerances
+from validation.model.model import Added, StructureTolerances
 from validation.prediction import dynamic_mass, effects
 from validation.prediction import structure as prediction_structure
 from validation.prediction.effects import Nuisances
@@ -34,7 +35,7 @@ def made(article: str, damping: Damping | None) -> Nuisances:
     found = prediction_structure.of_structure(structure, modes, damping=damping, article=built_in(article))
     found = replace(found, unresolved={"mast": 0.02 * found.parts["mast"]})
     losses = structure.loss_factors if damping is None else {}
-    return effects.nuisances(article, found, modes.frequency, losses, highest=20.0)
+    return effects.nuisances(article, found, modes.frequency, losses, highest=20.0, weighed=0.002)
 
 
 def away(one: Nuisances) -> dict[str, float]:
@@ -76,6 +77,34 @@ def test_nothing_moves_at_no_offset_and_a_tolerance_of_nothing_is_no_parameter(o
     )
     closed = effects.nuisances(one.configuration, one.nominal, one.frequency, one.losses, exact)
     assert closed.parameters == ()
+
+
+def test_a_body_of_denser_material_carries_all_masses_with_it(one):
+    """M (1 + d) beside K (1 + d) answers (1 + d) times as much: its modes keep their frequencies, what hangs on them is less."""
+    d = 0.03
+    stiffer = {name: np.log1p(d) for name in (f"modulus:{part}" for part in one.nominal.parts)}
+    same, denser = replace(one, nominal=replace(one.nominal, viscous=0 * one.nominal.viscous)), f"density:{one.configuration}"
+    before, after = (dynamic_mass.dynamic_mass(same.at(at)[0], LINES).matrix for at in ({}, {**stiffer, denser: d}))
+    assert_allclose(after, (1 + d) * before, rtol=1e-9, atol=1e-9 * np.abs(before).max())
+    assert denser not in {each.name for each in replace(one, weighed=0.0).parameters}
+
+
+def test_a_part_that_loses_more_than_the_others_may_couple_no_modes_though_all_were_drawn_with_one_loss_factor():
+    """A base drives it: beside the effect the class may take away what it couples, as a test that damps by mode does."""
+    one = made("clumod-1", None)
+    of = replace(one, tolerances=replace(one.tolerances, loss_coupling=0.5))
+    assert len({of.losses[part] for part in of.lossy}) == 1
+    assert effects.LOSS_COUPLING in {each.name for each in of.parameters}
+    lossier = Added(named=parse("structural-damping:mast=0.03"))
+    (coupled, _), (alone, _) = (
+        dynamic_mass.structure(of, {effects.DAMPING_LAW: 0.0, effects.LOSS_COUPLING: share}, (lossier,), derivatives=False)
+        for share in (0.0, 1.0)
+    )
+    own = slice(of.nominal.base, of.nominal.base + 5)
+    beside = ~np.eye(5, dtype=bool)
+    assert np.abs(coupled.structural[own, own][beside]).max() > np.diag(coupled.structural)[own].min()
+    assert_allclose(alone.structural[own, own][beside], 0.0)
+    assert_allclose(np.diag(alone.structural), np.diag(coupled.structural))
 
 
 def test_matrices_stay_symmetric_and_positive_at_ten_tolerances(one):
