@@ -529,8 +529,7 @@ def stored() -> Callable[[str], list[Answer]]:
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if "kind" in metafunc.fixturenames:
-        longer = {name for name, kind in kinds().items() if kind.get("proof")}
-        metafunc.parametrize("kind", [pytest.param(one, marks=[pytest.mark.proof] * (one in longer)) for one in kinds()])
+        metafunc.parametrize("kind", kinds())
 
 
 @pytest.fixture
