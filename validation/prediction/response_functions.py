@@ -536,8 +536,7 @@ def of(
         if data.coherence is None
         else data.coherence[:, (data.frequency >= low) & (data.frequency <= high) & kept],
     )
-    some = np.linspace(0, len(test.measured.frequency) - 1, LOOKED_AT).round().astype(np.int64)
-    sizes = (np.abs(test.measured.values[:, some]), np.abs(test.at({}, some, derivatives=False).rows[..., 0]))
+    sizes = (np.abs(test.measured.values), np.abs(test.at({}, derivatives=False).rows[..., 0]))
     y, p = (np.log(np.maximum(one, np.finfo(np.float64).tiny)) for one in sizes)
     turns = np.corrcoef(*((one - one.mean(axis=1, keepdims=True)).ravel() for one in (y, p)))[0, 1]
     if turns < UPSIDE_DOWN and np.abs(p + y).mean() < np.abs(p - y).mean():
@@ -553,9 +552,6 @@ def of(
     power = sum(float(np.sum((turned * read[r, :, c]).imag)) for r, c in pairs)
     return (replace(test, scale=-factor if power < 0 else factor),)
 
-
-LOOKED_AT = 100
-"""[count] of lines at which functions are looked at for being upside down. Exercised by tests/validation/test_odd_studies.py."""
 
 UPSIDE_DOWN = -0.5
 """[1] Correlation of the logarithms of what is read and predicted, about their means over the lines, below which one is the

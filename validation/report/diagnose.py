@@ -212,7 +212,7 @@ class DetectableRow:
     side : of the catalogue: "structure", "force side" and so on
     family : its name
     unit : SI
-    text : least and greatest over its targets in a practical unit: "12 mm", "1.5 % to 2.2 %", or `UNSEEN`
+    text : least and greatest over its targets in a practical unit: "12 mm", "1.5 % to 2.2 %", "at no size"
     best, worst : targets of these, with what they belong to ("21 Hz"); empty where there is none
     count, unseen : targets, and those of them where no size that an effect can have would have been named
     """
@@ -225,9 +225,6 @@ class DetectableRow:
     worst: str
     count: int
     unseen: int = 0
-
-
-UNSEEN = "at no size"
 
 
 def rows(of: Sequence[results.Detectable]) -> tuple[DetectableRow, ...]:
@@ -251,7 +248,7 @@ def rows(of: Sequence[results.Detectable]) -> tuple[DetectableRow, ...]:
                 side=family.side,
                 family=name,
                 unit=unit,
-                text=UNSEEN if not seen else low if together else f"{low} to {high}",
+                text="at no size" if not seen else low if together else f"{low} to {high}",
                 best=target(least),
                 worst="" if together else target(greatest),
                 count=len(own),
