@@ -328,7 +328,7 @@ def _of_universal(path: Path, table: Mapping[str, Any], source: str) -> tuple[di
             raise BadInput(source=str(path), field="dataset 55", problem=problem, remedy="Export all modes at the same nodes")
     whole = np.array([one.shape for one in file.modes])
     there = [(k, axis) for k in range(len(nodes)) for axis in range(3) if np.any(whole[:, k, axis] != 0)]
-    places = toml_file.require_table(table.get("places", {}), source=source, where="places")
+    places = uff_tests.places_of(table, source)
     at = [uff_tests.NodeAxis(node=nodes[k], axis=uff_tests.AXES[axis]) for k, axis in there]
     points = tuple(uff_tests.point(one, file, places, "") for one in at)
     columns = {"frequency": np.array([one.frequency for one in file.modes])}

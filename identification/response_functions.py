@@ -638,7 +638,7 @@ def _of_universal(
         remedy = "Export response functions as dataset 58, or modes as a modal table"
         raise BadInput(source=str(path), problem="it holds no dataset 58", remedy=remedy)
     warnings += file.warnings
-    places = toml_file.require_table(table.get("places", {}), source=source, where="places")
+    places = uff_tests.places_of(table, source)
     direction, inverted = str(table.get("direction", "")), bool(table.get("inverted", False))
     if all(one.response == uff_tests.NOWHERE for one in functions) and "responses" in entry:
         (drive,), listed = points_of(entry, table, source)

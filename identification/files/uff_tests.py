@@ -205,6 +205,12 @@ def read(path: Path) -> ModalFile:
     )
 
 
+def places_of(table: Mapping[str, Any], source: str) -> dict[str, Any]:
+    """Names by number of the node, ``12 = "tip"``, or as a model has them, ``tip = 12``."""
+    stated = toml_file.require_table(table.get("places", {}), source=source, where="places")
+    return {str(b) if isinstance(b, int) else a: a if isinstance(b, int) else b for a, b in stated.items()}
+
+
 def point(at: NodeAxis, file: ModalFile, places: Mapping[str, Any], direction: str) -> Point:
     """A node as a point of the structure: by its name among `places`, which have it by number, else ``node 12``.
 

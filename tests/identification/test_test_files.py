@@ -129,9 +129,10 @@ def universal(path: Path, **changed: Any) -> None:
     file.write_sets(sets, mode="overwrite")
 
 
-def test_a_universal_file_brings_places_units_and_references_along(tmp_path: Path) -> None:
+@pytest.mark.parametrize("places", [{"2": "tip"}, {"tip": 2}])
+def test_a_universal_file_brings_places_units_and_references_along(tmp_path: Path, places: dict[str, str | int]) -> None:
     universal(tmp_path / "test.uff")
-    table = {"kind": "response-functions", "article": "plate", "file": "test.uff", "places": {"2": "tip"}}
+    table = {"kind": "response-functions", "article": "plate", "file": "test.uff", "places": places}
     found = read(tmp_path, table)
     of = functions()
     assert_allclose(found.values, np.array([[of[d, c] for c in PLACES] for d in PLACES]).transpose(0, 2, 1), rtol=1e-10)

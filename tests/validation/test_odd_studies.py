@@ -106,6 +106,13 @@ def test_a_mobility_where_it_is_driven_is_not_taken_for_magnitude_and_phase(stud
     assert says_that_it_is_sound(answer("compare", study(f'unit = "mm/s/N"\n{ONE}')))
 
 
+def test_force_over_response_is_told_by_its_resonances_and_read_when_said(study, answer, refused, tmp_path):
+    """It went through every fit for minutes."""
+    write(tmp_path / "one.csv", 1 / functions(0, 1))
+    assert "force over response" in refused("compare", study(ONE))
+    assert says_that_it_is_sound(answer("compare", study(f"inverted = true\n{ONE}")))
+
+
 def test_text_of_a_spreadsheet_in_utf_16_is_read(study, answer, tmp_path):
     write(tmp_path / "one.csv", functions(0, 1), code="utf-16")
     assert says_that_it_is_sound(answer("compare", study(ONE)))

@@ -26,7 +26,7 @@ from identification.self_calibration.solve import inverse, smoothed_level
 from identification.spectra.line_spectra import Spectra
 from validation.estimation import evaluate
 from validation.estimation.fit import FLOOR, PLAIN_FLOOR, at_bounds
-from validation.estimation.likelihood import cost_of, floor_of, left_of_run, observed, root
+from validation.estimation.likelihood import cost_of, left_of_run, level_of, observed, root
 from validation.estimation.problem import (
     STRUCTURAL,
     Change,
@@ -635,8 +635,8 @@ def mapped(
             whole.append((part.rows[..., 0], np.sqrt(np.square(part.noise) + square)))
         told((part.lines[-1] + 1) / len(measured.frequency))
     found = {key: np.concatenate([one[key] for one in said], axis=1) for key in said[0]}
-    # The level of a channel is that of the model-error floor; of a load all six of its run, predicted or measured, the greater
-    level, of_loads = floor_of(measured), slice(len(measured.channels), None)
+    # Of a load all six of its run, predicted or measured, the greater
+    level, of_loads = level_of(measured), slice(len(measured.channels), None)
     predicted = found["reading"][..., of_loads]
     if predicted.shape[-1]:
         loads = (predicted, predicted + found["deviation"][..., of_loads])

@@ -166,7 +166,8 @@ def distance(y: ComplexArray, p: ComplexArray) -> Array:
 def level(p: ComplexArray) -> Array:
     """(..., r, n, c) of what channels should read, never nothing."""
     usual = np.sqrt(np.mean(np.abs(p) ** 2, axis=(-3, -2), keepdims=True))
-    return np.asarray(np.maximum(np.hypot(np.abs(p), FAINT * usual), TINY))
+    least = np.maximum(ROUNDING * usual.max(axis=-1, keepdims=True), TINY)
+    return np.asarray(np.maximum(np.hypot(np.abs(p), FAINT * usual), least))
 
 
 def consensus(A: ComplexArray, y: ComplexArray, moved: npt.NDArray[np.bool_]) -> ComplexArray:
@@ -178,10 +179,11 @@ def consensus(A: ComplexArray, y: ComplexArray, moved: npt.NDArray[np.bool_]) ->
     every, inputs = np.arange(len(moved)), A.shape[-1]
     sets = np.vstack([_drawn(every[moved], inputs), _drawn(every, inputs)])
     # Condition numbers of the rows of each set, rows and columns of one size
-    even = A[0, 0] / np.maximum(np.linalg.norm(A[0, 0], axis=1, keepdims=True), TINY)
+    size = np.linalg.norm(A[0, 0], axis=1, keepdims=True)
+    even = A[0, 0] / np.maximum(size, ROUNDING * size.max())
     even = even / np.maximum(np.linalg.norm(even, axis=0), TINY)
     values = np.linalg.svd(even[sets], compute_uv=False)
-    sets = sets[(values[:, -1] > 0) & (values[:, 0] / np.maximum(values[:, -1], TINY) < CONDITION)]
+    sets = sets[(values[:, -1] > ROUNDING) & (values[:, 0] / np.maximum(values[:, -1], TINY) < CONDITION)]
     if len(sets):
         p, least = np.zeros_like(y), np.inf
         for part in np.array_split(sets, max(1, len(sets) // PORTION)):
@@ -237,6 +239,10 @@ SNAP = 0.2
 """[log] How far the factor that fits best may lie from that of a unit to be it. Held by
 tests/validation/diagnosing/test_mistakes.py."""
 
+
+ROUNDING = 1e-8
+"""[share] of the largest row below which a channel hears of no motion but by rounding. Held by
+tests/validation/prediction/test_single_axis.py."""
 
 TINY = float(np.finfo(np.float64).tiny)
 

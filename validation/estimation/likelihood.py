@@ -104,13 +104,21 @@ def observed(measured: Measured, lines: Lines) -> ObservedLines:
 
 
 @lru_cache(maxsize=8)
-def floor_of(measured: Measured) -> Array:
-    """(r, n, c) the level that a model-error floor is relative to; every fit and every map asks for it.
+def level_of(measured: Measured) -> Array:
+    """(r, n, c) what every channel reads; every fit and every map asks for it.
 
     Of a channel that is nearly silent in a run it is `SILENT` of what channels read that are judged, or not judged, as it is.
     """
     level = solve.smoothed_level(measured.frequency, measured.values)
-    return frozen(np.hypot(level, SILENT * solve.level_of_groups(measured.values, measured.judged)), level.shape, "floor")
+    return frozen(np.hypot(level, SILENT * solve.level_of_groups(measured.values, measured.judged)), level.shape, "level")
+
+
+def floor_of(measured: Measured) -> Array:
+    """(r, n, c) the level that a model-error floor is relative to: what a channel reads, and what it hears by its slant of the
+    motion along the one axis that is driven."""
+    level = level_of(measured)
+    driven = level[:, :, np.isin(measured.channels, measured.pilots)].max(axis=2, keepdims=True, initial=0.0)
+    return np.asarray(np.hypot(level, driven))
 
 
 def normals(seen: ObservedLines, predicted: Predicted, free: Sequence[str], floor: float) -> dict[str, Normal]:

@@ -350,8 +350,8 @@ def nearest_part(article: Article, points: Array) -> Integers:
     """Index (n,) of the counted part that each of `points` (n, 3) [m] lies in or next to, the smallest of several."""
     parts = article.counted_parts
     by_size = sorted(range(len(parts)), key=lambda k: sum(placed.primitive.volume for placed in parts[k].shape.solids))
-    # Rounded, so that the surfaces of two parts in contact are equally near and the smaller part comes first.
-    distances = np.array([np.round(distance(parts[k], points), 7) for k in by_size])
+    # To a millimetre, as places are stated: where two parts touch both are equally near, and the smaller comes first
+    distances = np.array([np.round(distance(parts[k], points), 3) for k in by_size])
     return np.asarray(np.take(by_size, np.argmin(distances, axis=0)), dtype=np.intp)
 
 

@@ -476,7 +476,7 @@ def of(
 
     Raises
     ------
-    BadInput : a place that the structure has not, a band without lines.
+    BadInput : a place that the structure has not, a band without lines, force over response.
     """
     for point in (*data.drives, *data.responses):
         if point.place not in structure.nominal.places:
@@ -536,6 +536,12 @@ def of(
         if data.coherence is None
         else data.coherence[:, (data.frequency >= low) & (data.frequency <= high) & kept],
     )
+    sizes = (np.abs(test.measured.values), np.abs(test.at({}, derivatives=False).rows[..., 0]))
+    y, p = (np.log(np.maximum(one, np.finfo(np.float64).tiny)) for one in sizes)
+    turns = np.corrcoef(*((one - one.mean(axis=1, keepdims=True)).ravel() for one in (y, p)))[0, 1]
+    if turns < UPSIDE_DOWN and np.abs(p + y).mean() < np.abs(p - y).mean():
+        problem = "its functions are force over response: small at resonances, and large where little should be read"
+        raise BadInput(source=data.source, field="inverted", problem=problem, remedy="Write inverted = true in the test")
     if data.scaled:
         return (test,)
     # The level of the model brought to that of the data, with the sign of power that goes in
@@ -545,6 +551,11 @@ def of(
     turned = {"acceleration": 1.0, "velocity": 1j, "displacement": -1.0}[test.quantity]
     power = sum(float(np.sum((turned * read[r, :, c]).imag)) for r, c in pairs)
     return (replace(test, scale=-factor if power < 0 else factor),)
+
+
+UPSIDE_DOWN = -0.5
+"""[1] Correlation of the logarithms of what is read and predicted, about their means over the lines, below which one is the
+inverse of the other. Held by tests/validation/test_odd_studies.py."""
 
 
 def _same(one: Point, other: Point) -> bool:

@@ -333,13 +333,15 @@ def _with_their_size(of: problem.Measured, campaign: Campaign) -> problem.Measur
     quiet = np.array([not is_read(name) for name in of.channels])
     if not campaign.cross_motion:
         return of
-    level = smoothed_level(of.frequency, of.values)[:, :, np.isin(of.channels, pilots(campaign))].max(axis=2, keepdims=True)
+    along = pilots(campaign)
+    level = smoothed_level(of.frequency, of.values)[:, :, np.isin(of.channels, along)].max(axis=2, keepdims=True)
     article = np.isin(of.channels, [one.name for one in campaign.table.channels if one.group == "article"])
     return replace(
         of,
         values=np.where(quiet, 0.0, of.values),
         noise=np.where(quiet, campaign.cross_motion * level, of.noise),
         judged=of.judged if np.any(of.judged) else article,
+        pilots=tuple(along),
     )
 
 
@@ -455,13 +457,17 @@ class TestedCampaign:
         needed = frozenset(one.named.id for one in effects if FAMILIES[one.named.family].stage == OPENED)
         if needed not in self._opened:
             carried, model, of = self.carried, self.model, laboratory(self.model, self.campaign, effects)
+            structural = () if carried.nuisances is None else carried.nuisances.parameters
+            unread = {k for k, name in enumerate(of.names) if not is_read(name)}
+            # What nobody recorded moves a mode by the participation that is computed: were that free as well, the motion of every
+            # line would fit the noise of the readings by it
+            unknown = {name.removeprefix(UNMEASURED) for name in of.names if not is_read(name)}
             own = [
-                *(() if carried.nuisances is None else carried.nuisances.parameters),
+                *(one for one in structural if one.family != "participation" or one.name.rpartition(":")[2] not in unknown),
                 *dynamic_mass.parameters(carried.moving, model.fmd_tolerance),
                 *carried.mounted,
                 *(one for one, _, _ in shares(self, self.measured.frequency[:1])),
             ]
-            unread = {k for k, name in enumerate(of.names) if not is_read(name)}
             for one in of.parameters:  # what is offset by its logarithm is 1 + its relative change there
                 if one.channels and unread.issuperset(one.channels):
                     continue  # of no pick-up, nor of a board that has none

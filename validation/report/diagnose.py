@@ -211,22 +211,20 @@ class DetectableRow:
     ----------
     side : of the catalogue: "structure", "force side" and so on
     family : its name
-    least, greatest : over its targets, SI
     unit : SI
-    text : both in a practical unit: "12 mm", "1.5 % to 2.2 %"
+    text : least and greatest over its targets in a practical unit: "12 mm", "1.5 % to 2.2 %", "at no size"
     best, worst : targets of these, with what they belong to ("21 Hz"); empty where there is none
-    count : targets
+    count, unseen : targets, and those of them where no size that an effect can have would have been named
     """
 
     side: str
     family: str
-    least: float
-    greatest: float
     unit: str
     text: str
     best: str
     worst: str
     count: int
+    unseen: int = 0
 
 
 def rows(of: Sequence[results.Detectable]) -> tuple[DetectableRow, ...]:
@@ -241,19 +239,20 @@ def rows(of: Sequence[results.Detectable]) -> tuple[DetectableRow, ...]:
         for unit in dict.fromkeys(one.unit for one in every):
             # Mirror images differ by rounding: of these the order of names decides
             own = sorted((one for one in every if one.unit == unit), key=lambda one: (float(f"{one.size:.6g}"), one.id))
-            least, greatest = own[0], own[-1]
+            specs = {one.id: family.sizes_at(tuple(one.id.split(":")[1:])) for one in own}
+            seen = [one for one in own if all(abs(one.size) <= of.high for of in specs[one.id] if of.unit == unit)]
+            least, greatest = (seen or own)[0], (seen or own)[-1]
             low, high = said(least.size, unit), said(greatest.size, unit)
-            together = greatest.size <= SPREAD * least.size or low == high
+            together = not seen or greatest.size <= SPREAD * least.size or low == high
             row = DetectableRow(
                 side=family.side,
                 family=name,
-                least=least.size,
-                greatest=greatest.size,
                 unit=unit,
-                text=low if together else f"{low} to {high}",
+                text="at no size" if not seen else low if together else f"{low} to {high}",
                 best=target(least),
                 worst="" if together else target(greatest),
                 count=len(own),
+                unseen=len(own) - len(seen),
             )
             found.append(row)
     return tuple(found)
@@ -266,6 +265,7 @@ def grid(of: Sequence[results.Detectable]) -> doc.Grid:
     for one in rows(of):
         lines += [(one.side, "", "")] if one.side != side else []
         several = f"{one.best} to {one.worst}, {one.count} in all" if one.worst else f"all {one.count} alike"
+        several += f", at no size at {one.unseen}" if 0 < one.unseen < one.count else ""
         lines.append((f"  {one.family}", one.text, one.best if one.count == 1 else several))
         side = one.side
     first, size, where = zip(*lines, strict=True)

@@ -289,6 +289,16 @@ def test_smallest_sizes_stand_in_the_order_of_the_catalogue_units_apart_as_a_lab
     assert [line[0] for line in grid(FOUND).lines if line[0] in headings] == ["structure", "force side", "acceleration side"]
 
 
+def test_a_size_that_no_effect_can_have_is_said_not_to_be_seen():
+    """A page said that a pick-up 2600 m beside its place, or one turned by 11000 degrees, would have been named."""
+    sizes = {"position:a:x": 0.019, "position:a:y": 2600.0, "position:b:x": 0.02, "misalignment:a:x": 192.0}
+    of = [Detectable(id=f"accelerometer-{name}", size=size, unit="rad" if "mis" in name else "m") for name, size in sizes.items()]
+    assert [line[1:] for line in grid(of).lines[1:]] == [
+        ("19 mm to 20 mm", "a:x to b:x, 3 in all, at no size at 1"),
+        ("at no size    ", "a:x"),
+    ]
+
+
 @pytest.mark.parametrize(
     ("value", "unit", "text"),
     [
