@@ -382,10 +382,11 @@ class Study:
         return self._fits[0]
 
     def evaluation(self, progress: Callable[[float], None] | None = None) -> Evaluation:
-        """The four errors of the model as it is and the fits behind them, made once; if it converged, `all_free` is its own."""
+        """The four errors of the model as it is and the fits behind them, of which `all_free` is one; made once, whoever asks."""
         if not self._evaluations:
-            found = evaluate(self.whole(), hold_out=self.hold_out, progress=progress)
-            self._fits[:], self._evaluations[:] = [found.fitted] if found.fitted.converged else [], [found]
+            tell = progress or (lambda share: None)
+            fit = self.all_free(lambda share: tell(0.5 * share))
+            self._evaluations.append(evaluate(self.whole(), hold_out=self.hold_out, known_fit=fit, progress=progress))
         return self._evaluations[0]
 
     @property

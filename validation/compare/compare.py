@@ -12,7 +12,6 @@ from geometry.inertia import LOADS
 from validation.compare.correlation import FunctionCorrelation, ModalCorrelation, correlations
 from validation.compare.maps import LENGTHS, Map, NamedMode, Rig, doubt, mapped, modes_of
 from validation.estimation import verdicts
-from validation.estimation.evaluate import residuals
 from validation.estimation.problem import Evaluation, Fit, Problem, Share
 from validation.estimation.verdicts import ExplainedError, StatedError, Tolerance
 from validation.output import derived, entry, plain_unit, to_json, two_digits, unwritten
@@ -97,13 +96,13 @@ def mapped_all(
     made: Sequence[StructurePrediction], problem: Problem, known: Problem, plain: Fit, progress: Callable[[float], None]
 ) -> tuple[Map, ...]:
     """The maps of all data sets at the plain fit; `known` is what was fitted."""
-    left, unknown, at = residuals(problem, plain), doubt(known, plain), {**problem.start, **plain.by_name}
+    unknown, at = doubt(known, plain), {**problem.start, **plain.by_name}
     found: list[Map] = []
-    for one, own in zip(made, left, strict=True):
+    for one in made:
         rig = None
         if isinstance(one, SeriesPrediction):
             rig = Rig(table=one.tested.campaign.table, gravity=one.tested.campaign.gravity)
-        found.append(mapped(one, at, unknown, own.inputs, rig, lambda share: progress((len(found) + share) / len(left))))
+        found.append(mapped(one, at, unknown, rig, lambda share: progress((len(found) + share) / len(made))))
     return tuple(found)
 
 

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
-from validation.estimation.evaluate import evaluate, every_block, folds, held, named, refitted, solved, without
+from validation.estimation.evaluate import NEAR, evaluate, every_block, folds, held, named, refitted, solved, without
 from validation.estimation.fit import PLAIN_FLOOR, fit
 from validation.estimation.problem import PLAIN, Problem
 
@@ -76,7 +76,7 @@ def test_a_quick_fold_is_where_the_whole_way_leads_and_not_where_it_began(lab):
     whole = fit(problem, PLAIN)
     at = solved(problem, whole, PLAIN_FLOOR)
     for fold in folds(problem):
-        far, quick = (refitted(at, fold, quick=one) for one in (False, True))
+        far, quick = (refitted(at, fold, near) for near in (0.0, NEAR))
         alone = fit(without(problem, fold), PLAIN)
         sd = dict(zip([p.name for p in alone.parameters], np.sqrt(np.diag(alone.covariance)), strict=True))
         apart = np.array([(quick[name] - far[name]) / sd[name] for name in sd])
