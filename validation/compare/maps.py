@@ -267,10 +267,12 @@ def chunks(prediction: Prediction, offsets: Offsets, unknown: Doubt) -> Iterator
 
 def _readings(change: Change | Conveyed, u: ComplexArray) -> ComplexArray:
     """(r, n, len(change.channels)) d readings / d offset for inputs u (r, n, k)."""
-    rows = change.rows
-    if rows.ndim == 4:
-        return np.asarray((rows @ u[..., None])[..., 0])
-    return np.asarray((rows @ u.transpose(1, 2, 0)).transpose(2, 0, 1))
+    by_line = u.transpose(1, 2, 0)
+    if isinstance(change, Conveyed):
+        return np.asarray((change.through @ (change.quantities @ by_line)).transpose(2, 0, 1))
+    if change.rows.ndim == 4:
+        return np.asarray((change.rows @ u[..., None])[..., 0])
+    return np.asarray((change.rows @ by_line).transpose(2, 0, 1))
 
 
 def _mixed(matrix: Array, moved: ComplexArray) -> ComplexArray:

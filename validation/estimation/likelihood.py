@@ -171,7 +171,10 @@ def _moved(predicted: Predicted, names: Sequence[str], run: int, u: ComplexArray
     V = np.zeros((len(names), *w.shape), dtype=np.complex128)
     for k, name in enumerate(names):
         change = predicted.changes[name]
-        V[k][:, change.channels] = (_of_run(change.rows, run) @ u[..., None])[..., 0]
+        if isinstance(change, Conveyed):
+            V[k][:, change.channels] = (change.through @ (change.quantities @ u[..., None]))[..., 0]
+        else:
+            V[k][:, change.channels] = (_of_run(change.rows, run) @ u[..., None])[..., 0]
     V *= w
     return V
 
