@@ -10,7 +10,7 @@ from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.frames import Array
 from geometry.inertia import LOADS
 from validation.compare.correlation import FunctionCorrelation, ModalCorrelation, correlations
-from validation.compare.maps import LENGTHS, Map, NamedMode, Rig, doubt, mapped, modes_of
+from validation.compare.maps import LENGTHS, Map, NamedMode, Rig, doubt, in_percent, mapped, modes_of
 from validation.estimation import verdicts
 from validation.estimation.problem import Evaluation, Fit, Problem, Share
 from validation.estimation.verdicts import ExplainedError, StatedError, Tolerance
@@ -556,7 +556,7 @@ def _spot(of: Map, run: int, sigma: Array, line: int, row: int, stretch: tuple[i
         frequency=float(of.frequency[line]) if of.has_lines else np.nan,
         band=band if of.has_lines else (np.nan, np.nan),
         sigma=float(sigma[line, row]),
-        percent=float(of.percent[run, line, row]),
+        percent=float(in_percent(of.deviation[run, line, row], of.level[run, line, row])),
         course=trend.follows(driving, band, float(of.frequency[line])),
         others=tuple(of.rows[k] for k in np.argsort(-peaks) if k != row and peaks[k] >= REGION * sigma[line, row]),
     )

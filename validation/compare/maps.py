@@ -576,7 +576,12 @@ class Map:
     @property
     def percent(self) -> Array:
         """(r, n, m) deviations in per cent: of what the channel reads there, of the dynamic mass for a load."""
-        return np.asarray(100 * np.abs(self.deviation) / np.maximum(self.level, np.finfo(np.float64).tiny ** 0.5))
+        return in_percent(self.deviation, self.level)
+
+
+def in_percent(deviation: ComplexArray, level: Array) -> Array:
+    """Deviations of any shape in per cent of their `level`."""
+    return np.asarray(100 * np.abs(deviation) / np.maximum(level, np.finfo(np.float64).tiny ** 0.5))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

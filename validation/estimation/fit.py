@@ -274,7 +274,8 @@ def descent(cost: Cost, offsets: Offsets, *, close: float = CLOSE, most: int) ->
         whole, data, _ = cost.total(start)
         return Solution(x=start, seen=start, normal=whole, data=data, converged=True, decrement=0.0, evaluations=1)
     try:
-        return minimise(cost.data, start, cost.knowledge, close=close, most=most, size=cost.size(start), bounds=cost.bounds)
+        size, bounds = cost.size(start), cost.bounds
+        return minimise(cost.data, start, cost.knowledge, close=close, most=most, size=size, bounds=bounds, cost=cost.misfit)
     except BREAKDOWNS as error:
         raise CheckFailed(f"the model breaks down where its fit begins: {error}") from error
 

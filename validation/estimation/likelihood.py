@@ -254,6 +254,14 @@ class Cost:
         """Normal equations of all data at `x` (p,)."""
         return solve.total(self.by_run(x).values(), len(self.free))
 
+    def misfit(self, x: Array) -> float:
+        """The cost of all data at `x` (p,) alone, which needs no derivatives."""
+        found, offsets = 0.0, self.offsets(x)
+        for prediction, lines, seen in self.observed:
+            left = residual(seen, prediction.at(offsets, lines, derivatives=False), self.floor)
+            found += sum(0.5 * float(np.sum(np.square(np.abs(one)))) for one in left)
+        return found
+
     def knowledge(self, x: Array) -> tuple[Array, Array]:
         """Whitened residuals (q,) at `x` (p,) of what is known beforehand and of facts, and their derivatives (q, p)."""
         sd = np.array([one.tolerance for one in self.free])
