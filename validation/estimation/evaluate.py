@@ -1,22 +1,20 @@
 """The four errors of a model, on the data that it was fitted to and on data that it has not seen."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import pairwise
 from types import MappingProxyType
 
 import numpy as np
 
-from geometry.dynamic_mass import ComplexArray
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
 from geometry.toml_file import nearest
-from identification.self_calibration.solve import Normal, excess, smoothed_level, total
+from identification.self_calibration.solve import Normal, excess, total
 from validation.estimation.fit import BREAKDOWNS, PLAIN_FLOOR, Progress, at_bounds, child, descent, fit, nearby
-from validation.estimation.fit import FLOOR as FIT_FLOOR
-from validation.estimation.likelihood import Cost, Left, cost_of, left_of_run, observed
+from validation.estimation.likelihood import Cost, cost_of, left_of_run, observed
 from validation.estimation.problem import FITTED, PLAIN, Evaluation, Fit, Lines, Offsets, Predicted, Prediction, Problem, Share
 
 # Errors in per cent of what the judged channels read, each predicted from all the others (`validation.estimation.likelihood`).
@@ -273,8 +271,8 @@ def _unknown(problem: Problem, name: str, several: Sequence[str]) -> BadInput:
 # Where it does not, the error of what is held out is told within some thousandths of itself.
 
 NEAR = 6.0
-"""[sd] as far as the data fit, to which the quadratic model is taken at its word: fits of some forty parameters move by nearly that
-where a run is left out with which nothing is wrong. Held by tests/validation/engine/test_hold_out.py."""
+"""[sd] as far as the data fit, to which the quadratic model is taken at its word. Exercised by
+tests/validation/engine/test_hold_out.py."""
 
 FEW = 8
 """[count] of evaluations that a fold may take beyond that. Exercised by tests/validation/engine/test_hold_out.py."""
@@ -476,95 +474,3 @@ def _held_out(problem: Problem, parts: Sequence[tuple[Fold, Offsets]], given: As
             else:
                 found += squares(prediction, offsets, block, fold=fold.name)
     return share(found) if found else None
-
-
-# Residuals line by line, beside the deviation that is to be expected of them.
-#
-# Where inputs are not known, every channel is held against what all the others say of it, as for the plain error, so that an
-# error stays in the channel that has it. What is left, e = G y (`validation.estimation.likelihood`), is expected to scatter by
-# noise, by the model-error floor, and by the tolerances that were not fitted:
-#
-#     sigma² = |G|² (noise² + floor²) + sum_k |G (dA/dk) u|² tolerance_k²
-#
-# the diagonal of J Sigma J^T. A fault shows beyond that; what any careful laboratory has does not.
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Residuals:
-    """Of one data set, at the lines that were asked for.
-
-    Attributes
-    ----------
-    data_set : its name
-    frequency : (n,) [Hz]
-    values : (r, n, c) complex, measured less predicted, SI
-    level : (r, n, c) smoothed level of the channels
-    inputs : (r, n, k) as known or estimated
-    """
-
-    data_set: str
-    frequency: Array
-    values: ComplexArray
-    level: Array
-    inputs: ComplexArray
-    _sigma: Callable[[], Array] = field(repr=False)
-
-    @cached_property
-    def sigma(self) -> Array:
-        """(r, n, c) standard deviation to be expected of `values`, E|value|² = sigma², by derivatives of all that is loose."""
-        return self._sigma()
-
-
-def residuals(problem: Problem, at: Fit | Offsets, *, floor: float = FIT_FLOOR, every_line: bool = True) -> tuple[Residuals, ...]:
-    """Of every data set at a fit, or at `offsets` with nothing fitted.
-
-    Parameters
-    ----------
-    floor : model-error floor relative to the level of a channel
-    every_line : of all lines; else of those that fits of `problem` use
-
-    Raises
-    ------
-    CheckFailed : without some channel the others do not tell latent inputs.
-    """
-    known = at.by_name if isinstance(at, Fit) else dict(at)
-    fitted = set(known) if isinstance(at, Fit) else set()
-    loose = {one.name: one.tolerance for one in problem.parameters if one.name not in fitted and 0 < one.tolerance < np.inf}
-    offsets, found = {**problem.start, **known}, []
-
-    def expected(prediction: Prediction, lines: Lines, left: Sequence[Left], variances: Array) -> Array:
-        """(r, m, c) of all runs, from the variances (r, m, c) of their values."""
-        predicted, every = prediction.at(offsets, lines), []
-        for run, (own, variance) in enumerate(zip(left, variances, strict=True)):
-            found = variance.copy() if own.gain is None else (np.abs(own.gain) ** 2 @ variance[..., None])[..., 0]
-            for name, change in predicted.changes.items():
-                if name in loose:
-                    rows = change.rows if change.rows.ndim == 3 else change.rows[run]
-                    moved = rows @ own.inputs[..., None]
-                    channels = list(change.channels)
-                    if own.gain is None:
-                        found[:, channels] += loose[name] ** 2 * np.abs(moved[..., 0]) ** 2
-                    else:
-                        found = found + loose[name] ** 2 * np.abs((own.gain[:, :, channels] @ moved)[..., 0]) ** 2
-            every.append(np.sqrt(found))
-        return np.stack(every)
-
-    for one in problem.predictions:
-        measured = one.measured
-        lines = np.arange(len(measured.frequency)) if every_line else problem.lines_of(one)
-        predicted, seen = one.at(offsets, lines, derivatives=False), observed(measured, lines)
-        weight = seen.weight(floor, predicted.noise)
-        rows = (predicted.rows if predicted.rows.ndim == 3 else predicted.rows[run] for run in range(len(measured.runs)))
-        left = [left_of_run(seen, A, weight[run], run) for run, A in enumerate(rows)]
-        variance = seen.parts / np.square(weight)
-        found.append(
-            Residuals(
-                data_set=measured.name,
-                frequency=measured.frequency[lines],
-                values=np.stack([run.values for run in left]),
-                level=smoothed_level(measured.frequency, measured.values)[:, lines],
-                inputs=np.stack([run.inputs for run in left]),
-                _sigma=partial(expected, one, lines, left, variance),
-            )
-        )
-    return tuple(found)

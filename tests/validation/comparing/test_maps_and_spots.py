@@ -11,8 +11,9 @@ from identification.dynamic_mass import from_runs
 from identification.spectra.line_spectra import Spectra
 from validation.compare.compare import text, worst
 from validation.compare.maps import chunks, combined, doubt, judged_error, left_over, mapped, with_noise
-from validation.estimation.evaluate import residuals, squares
-from validation.estimation.fit import fit
+from validation.estimation.evaluate import squares
+from validation.estimation.fit import FLOOR, fit
+from validation.estimation.likelihood import left_of_run, observed
 from validation.estimation.problem import PLAIN, Problem
 from validation.estimation.verdicts import STANDS_OUT
 
@@ -52,10 +53,15 @@ def test_a_resonance_elsewhere_is_a_moment_that_follows_its_mode_and_without_tol
     assert found[0].course == "follows the first mast mode"
     assert 11.5 < found[0].band[0] <= found[0].frequency <= found[0].band[1] < 12.7
     bare = by_hand.without_tolerances(by_hand.test({"force-gain:fmd-z2": 0.02}, seed=2))
-    (left,) = residuals(Problem((bare,)), {})
     of = mapped(bare, {}, by_hand.nothing_fitted(Problem((bare,))), by_hand.RIG)
-    assert_allclose(of.deviation[..., : of.channels], left.values, rtol=1e-7, atol=1e-9 * np.abs(left.values).max())
-    assert_allclose(of.expected[..., : of.channels], left.sigma, rtol=1e-7)
+    seen, rows = observed(bare.measured, np.arange(len(of.frequency))), bare.at({}).rows
+    weight = seen.weight(FLOOR)
+    for run, own in enumerate(weight):
+        left = left_of_run(seen, rows if rows.ndim == 3 else rows[run], own, run)
+        sigma = np.sqrt((np.abs(left.gain) ** 2 @ (seen.parts / np.square(own))[..., None])[..., 0])
+        deviation, expected = (each[run, :, : of.channels] for each in (of.deviation, of.expected))
+        assert_allclose(deviation, left.values, rtol=1e-7, atol=1e-9 * np.abs(left.values).max())
+        assert_allclose(expected, sigma, rtol=1e-7)
 
 
 def test_the_error_of_a_force_is_in_the_load_that_its_cell_carries(by_hand):
