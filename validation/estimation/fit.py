@@ -65,8 +65,8 @@ BEGUN = 3
 """[count] of the cheapest of these from which its first stage begins as well. Held by tests/validation/engine/test_fit.py."""
 
 STRIDE = 3
-"""[count] Every third line is taken by such a stage, where that leaves enough: its minimum need not be sharp; and by errors that
-must be told quickly. Held by tests/validation/engine/test_fit.py."""
+"""[count] Every third line is taken by such a stage, where that leaves enough: its minimum need not be sharp. Held by
+tests/validation/engine/test_fit.py."""
 
 RESTARTS = 6
 """[count] of times that a descent which did not end by itself begins again where it stopped. Exercised by
