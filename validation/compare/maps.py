@@ -159,7 +159,7 @@ class ReadingSpread:
 
         def answers(some: Sequence[str]) -> Array:
             """(p, len(some)) A."""
-            return unknown.answer[here][:, [names.index(name) for name in some]]
+            return np.asarray(unknown.answer[here][:, [names.index(name) for name in some]])
 
         by_fit, across = moved(fitted), moved(wide)
         at = np.array([found.changes[name].channels[0] for name in single], dtype=np.int64)
@@ -177,7 +177,10 @@ class ReadingSpread:
             at=at,
             across=across,
             by_modes=np.concatenate(
-                [moved(modes) + _mixed(answers(modes).T, by_fit), _mixed(np.linalg.qr(answers(elsewhere).T, mode="r"), by_fit)],
+                [
+                    moved(modes) + _mixed(answers(modes).T, by_fit),
+                    _mixed(np.asarray(np.linalg.qr(answers(elsewhere).T, mode="r")), by_fit),
+                ],
                 axis=2,
             ),
         )
@@ -343,11 +346,12 @@ def left_over(y: ComplexArray, A: ComplexArray, S: ComplexArray, known: ComplexA
     white = A / scale[..., None]
     P = np.linalg.inv(S / (scale[..., :, None] * scale[..., None, :]))
     e = (y if known is None else y - _times(A, known)) / scale
-    r, own = _times(P, e), np.diagonal(P, axis1=-2, axis2=-1).real
+    r, own = _times(P, e), np.asarray(np.diagonal(P, axis1=-2, axis2=-1).real, dtype=np.float64)
     if known is None:
-        B = P @ white
-        weighed = np.linalg.solve(white.conj().swapaxes(-1, -2) @ B, B.conj().swapaxes(-1, -2))
-        r, own = r - _times(B, _times(weighed, e)), own - np.sum(B * weighed.swapaxes(-1, -2), axis=-1).real
+        B = np.asarray(P @ white, dtype=np.complex128)
+        weighed = np.asarray(np.linalg.solve(white.conj().swapaxes(-1, -2) @ B, B.conj().swapaxes(-1, -2)), dtype=np.complex128)
+        r = np.asarray(r - _times(B, _times(weighed, e)))
+        own = np.asarray(own - np.sum((B * weighed.swapaxes(-1, -2)).real, axis=-1))
     own = np.maximum(own, 0.0)
     checked = own > CHECKED
     safe = np.where(checked, own, 1.0)

@@ -263,6 +263,7 @@ def answer_from_afar(
             hold_out=study.hold_out,
             blocks=0 if folds(whole) or coarse is None else BLOCKS,
             fitted=of.fit,
+            configurations=False,
             floor=PLAIN_FLOOR if floor is None else floor,
             progress=lambda share: progress(what, share),
         )
@@ -489,16 +490,17 @@ def with_mistakes(study: Study, found: diagnosis.Diagnosis, mistaken: Sequence[d
 
 
 def errors(study: Study, of: diagnosis.Candidate, progress: Callable[[float], None] | None = None) -> Evaluation:
-    """Of the candidate `of`, whose fit is known."""
+    """Of the candidate `of`, whose fit is known; no configuration is held out."""
     if not of.effects:
-        return study.evaluation(progress)
-    return evaluate(study.whole(of.effects), hold_out=study.hold_out, fitted=of.fit, progress=progress)
+        return study.evaluation(progress, configurations=False)
+    whole = study.whole(of.effects)
+    return evaluate(whole, hold_out=study.hold_out, fitted=of.fit, configurations=False, progress=progress)
 
 
 def errors_without_fit(study: Study, offsets: Offsets) -> Evaluation:
     """Of the model of `study` where no fit of all tolerances makes sense: they stand at `offsets`."""
     found = unfitted(study.problem(), FITTED, offsets)
-    return evaluate(study.whole(), hold_out=study.hold_out, fitted=found)
+    return evaluate(study.whole(), hold_out=study.hold_out, fitted=found, configurations=False)
 
 
 # What `massline diagnose` was asked, checked at the door.

@@ -137,7 +137,7 @@ class Loaded:
     def entries(self) -> tuple[Products, ComplexArray]:
         """Products of the 36 entries of the dynamic mass, and (m, 36, 36) those of what inputs leave of them with each other."""
         u, A1, at = self.u, self.by_load[:, self.channels], self.of.of
-        readings = np.asarray(np.einsum("mci,rmj->rmcij", A1, u, optimize=True)).reshape(*u.shape[:2], A1.shape[1], 36)
+        readings: ComplexArray = np.einsum("mci,rmj->rmcij", A1, u, optimize=True).reshape(*u.shape[:2], A1.shape[1], 36)
         kept = at.kept(readings * at.weight[:, :, self.channels, None], self.channels)
         flat = kept.transpose(1, 0, 2, 3).reshape(len(at.frequency), -1, 36)
         return fit.products(self.of, readings, self.channels), np.asarray(flat.conj().swapaxes(1, 2) @ flat)

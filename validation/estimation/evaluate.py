@@ -363,7 +363,8 @@ def evaluate(
     blocks: int = 0,
     parent: Evaluation | Fit | None = None,
     fitted: Fit | None = None,
-    known_fit: Fit | None = None,
+    baseline: Fit | Evaluation | None = None,
+    configurations: bool = True,
     floor: float = PLAIN_FLOOR,
     progress: Progress | None = None,
 ) -> Evaluation:
@@ -379,7 +380,9 @@ def evaluate(
     parent : evaluation of the model without its last effect, on the same data: no fit costs more than its own there. A `Fit` is
         that of all parameters
     fitted : the fit of all parameters, where it is known already; the plain one then begins there
-    known_fit : the same of a model without parent; there the plain one begins only if chance explains what is left
+    baseline : the same of a model without parent; there the plain one begins only if chance explains what is left. Or an
+        `Evaluation` without configurations, which has both
+    configurations : whether each configuration is held out in turn as well
     floor : model-error floor of the plain fit, coarser for a model of which it is known that more is missing
     progress : told the share of the work that is done, 0 to 1
 
@@ -393,8 +396,11 @@ def evaluate(
     thinned = problem.thinned()
     known = thinned if apart is None else without(thinned, apart)
     begun, before = (parent.fitted, parent.plain_fit) if isinstance(parent, Evaluation) else (parent, None)
+    known_fit = baseline.fitted if isinstance(baseline, Evaluation) else baseline
     every = fitted or known_fit or fit(known, FITTED, start=begun, progress=lambda share: tell(0.5 * share))
-    if fitted is None and not (every.converged and every.sound):
+    if isinstance(baseline, Evaluation):
+        plain = baseline.plain_fit
+    elif fitted is None and not (every.converged and every.sound):
         plain = fit(known, PLAIN, start=before, progress=lambda share: tell(0.5 + 0.25 * share))
     elif before is not None:
         plain = child(known, PLAIN, before, every.by_name)
@@ -406,6 +412,7 @@ def evaluate(
         parts = [(apart, offsets)]
     else:
         turns = every_block(problem, blocks) if blocks else folds(problem)
+        turns = tuple(one for one in turns if configurations or not one.configuration)
         whole_fit, parts = solved(thinned, plain, floor), []
         for done, fold in enumerate(turns):
             parts.append((fold, {**problem.start, **refitted(whole_fit, fold)}))

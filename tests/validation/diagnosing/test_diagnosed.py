@@ -64,7 +64,7 @@ def test_the_errors_of_the_model_as_it_is_are_those_of_a_comparison_digit_for_di
     for name in ("nominal", "plain", "held_out", "held_out_nominal"):
         assert vars(getattr(found, name)) == vars(getattr(beside, name)), name
     assert found.fitted.tolerance_z2 == beside.fitted.tolerance_z2
-    assert diagnosed(study, only=ASKED).before is study.evaluation()
+    assert diagnosed(study, only=ASKED).before is study.evaluation()  # of one configuration
 
 
 def test_what_is_missing_is_named_with_its_size_and_evidence_and_its_errors_fall_on_data_that_no_fit_has_seen(faulty):

@@ -191,3 +191,21 @@ def test_one_run_alone_has_nothing_to_hold_out(lab):
     found = evaluate(Problem((lab.toy({}, runs=1),)))
     assert found.held_out is None
     assert found.held_out_names == ()
+
+
+def test_configurations_may_be_held_out_later_and_no_fit_of_all_data_is_made_again(series):
+    whole, runs = evaluate(series), evaluate(series, configurations=False)
+    assert (runs.held_out_configurations, runs.held_out_configurations_nominal) == (None, None)
+    later = evaluate(series, baseline=runs)
+    assert (later.fitted, later.plain_fit) == (runs.fitted, runs.plain_fit)
+    for name in (
+        "nominal",
+        "plain",
+        "held_out",
+        "held_out_nominal",
+        "held_out_configurations",
+        "held_out_configurations_nominal",
+    ):
+        assert vars(getattr(later, name)) == vars(getattr(whole, name)), name
+    assert later.held_out_names == whole.held_out_names
+    assert (later.of_runs.held_out_names, later.of_runs.held_out_configurations) == (runs.held_out_names, None)
