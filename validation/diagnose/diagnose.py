@@ -264,6 +264,7 @@ def answer_from_afar(
             blocks=0 if folds(whole) or coarse is None else BLOCKS,
             fitted=of.fit,
             configurations=False,
+            near=inf,
             floor=PLAIN_FLOOR if floor is None else floor,
             progress=lambda share: progress(what, share),
         )

@@ -365,6 +365,7 @@ def evaluate(
     fitted: Fit | None = None,
     baseline: Fit | Evaluation | None = None,
     configurations: bool = True,
+    near: float = NEAR,
     floor: float = PLAIN_FLOOR,
     progress: Progress | None = None,
 ) -> Evaluation:
@@ -383,6 +384,7 @@ def evaluate(
     baseline : the same of a model without parent; there the plain one begins only if chance explains what is left. Or an
         `Evaluation` without configurations, which has both
     configurations : whether each configuration is held out in turn as well
+    near : [sd] to which a fold takes the quadratic model at its word
     floor : model-error floor of the plain fit, coarser for a model of which it is known that more is missing
     progress : told the share of the work that is done, 0 to 1
 
@@ -415,7 +417,7 @@ def evaluate(
         turns = tuple(one for one in turns if configurations or not one.configuration)
         whole_fit, parts = solved(thinned, plain, floor), []
         for done, fold in enumerate(turns):
-            parts.append((fold, {**problem.start, **refitted(whole_fit, fold)}))
+            parts.append((fold, {**problem.start, **refitted(whole_fit, fold, near)}))
             tell(0.8 + 0.2 * (done + 1) / len(turns))
     runs = [part for part in parts if not part[0].configuration]
     whole = [part for part in parts if part[0].configuration]
