@@ -381,12 +381,17 @@ class Study:
             self._fits.append(fit(self.problem(), FITTED, progress=progress))
         return self._fits[0]
 
-    def evaluation(self, progress: Callable[[float], None] | None = None) -> Evaluation:
-        """The four errors of the model as it is and the fits behind them, made once; if it converged, `all_free` is its own."""
-        if not self._evaluations:
-            found = evaluate(self.whole(), hold_out=self.hold_out, progress=progress)
-            self._fits[:], self._evaluations[:] = [found.fitted] if found.fitted.converged else [], [found]
-        return self._evaluations[0]
+    def evaluation(self, progress: Callable[[float], None] | None = None, *, configurations: bool = True) -> Evaluation:
+        """The four errors of the model as it is and the fits behind them, of which `all_free` is one; made once, whoever asks.
+
+        Those of `configurations` held out in turn are made when somebody asks for them.
+        """
+        tell, whole, kept = progress or (lambda share: None), self.whole(), self._evaluations
+        several = configurations and not self.hold_out and len({one.measured.configuration for one in whole.predictions}) > 1
+        if not kept or (several and kept[0].held_out_configurations is None):
+            known = kept[0] if kept else self.all_free(lambda share: tell(0.5 * share))
+            kept[:] = [evaluate(whole, hold_out=self.hold_out, baseline=known, configurations=several, progress=progress)]
+        return kept[0] if configurations else kept[0].of_runs
 
     @property
     def there(self) -> tuple[There, ...]:

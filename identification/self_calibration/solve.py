@@ -165,8 +165,8 @@ def minimise(
 
     `bounds` are the least and the greatest x (k,), between which `start` lies; none by default.
     Where the data, of `size` real numbers, do not fit, standard deviations are larger than they are stated, and so is `close`.
-    `cost` is that of `data` alone to the last digit, where it is made sooner than the equations: once a step was refused, every
-    other is asked for it first, and the equations of those that are refused are never made.
+    `cost` is that of `data` alone to the last digit, where it is made sooner than the equations: once a step was refused, others
+    are asked for it first until one is taken, and the equations of those that are refused are never made.
     `worth` is the total cost that the minimum must lie below: it is given up once steps gain next to nothing and that is too far.
     Once steps gain next to nothing, only the parameters `asked` for count: others may creep in a valley where they say the same.
     """
@@ -200,7 +200,7 @@ def minimise(
         ratio = -1.0 if there is None else (here.total.cost - there.total.cost) / here.expected(step)
         if there is not None and ratio > WORTH_IT:
             gained = here.total.cost - there.total.cost
-            here, damping, growth = there, damping * max(0.02, 1 - (2 * ratio - 1) ** 3), 4.0
+            here, damping, growth, refused = there, damping * max(0.02, 1 - (2 * ratio - 1) ** 3), 4.0, False
         else:
             damping, growth, refused = max(damping, LEAST) * growth, 2 * growth, True
     return _solution(here, here.x, False, evaluation)

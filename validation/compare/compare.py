@@ -10,9 +10,8 @@ from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.frames import Array
 from geometry.inertia import LOADS
 from validation.compare.correlation import FunctionCorrelation, ModalCorrelation, correlations
-from validation.compare.maps import LENGTHS, Map, NamedMode, Rig, doubt, mapped, modes_of
+from validation.compare.maps import LENGTHS, Map, NamedMode, Rig, doubt, in_percent, mapped, modes_of
 from validation.estimation import verdicts
-from validation.estimation.evaluate import residuals
 from validation.estimation.problem import Evaluation, Fit, Problem, Share
 from validation.estimation.verdicts import ExplainedError, StatedError, Tolerance
 from validation.output import derived, entry, plain_unit, to_json, two_digits, unwritten
@@ -97,13 +96,13 @@ def mapped_all(
     made: Sequence[StructurePrediction], problem: Problem, known: Problem, plain: Fit, progress: Callable[[float], None]
 ) -> tuple[Map, ...]:
     """The maps of all data sets at the plain fit; `known` is what was fitted."""
-    left, unknown, at = residuals(problem, plain), doubt(known, plain), {**problem.start, **plain.by_name}
+    unknown, at = doubt(known, plain), {**problem.start, **plain.by_name}
     found: list[Map] = []
-    for one, own in zip(made, left, strict=True):
+    for one in made:
         rig = None
         if isinstance(one, SeriesPrediction):
             rig = Rig(table=one.tested.campaign.table, gravity=one.tested.campaign.gravity)
-        found.append(mapped(one, at, unknown, own.inputs, rig, lambda share: progress((len(found) + share) / len(left))))
+        found.append(mapped(one, at, unknown, rig, lambda share: progress((len(found) + share) / len(made))))
     return tuple(found)
 
 
@@ -557,7 +556,7 @@ def _spot(of: Map, run: int, sigma: Array, line: int, row: int, stretch: tuple[i
         frequency=float(of.frequency[line]) if of.has_lines else np.nan,
         band=band if of.has_lines else (np.nan, np.nan),
         sigma=float(sigma[line, row]),
-        percent=float(of.percent[run, line, row]),
+        percent=float(in_percent(of.deviation[run, line, row], of.level[run, line, row])),
         course=trend.follows(driving, band, float(of.frequency[line])),
         others=tuple(of.rows[k] for k in np.argsort(-peaks) if k != row and peaks[k] >= REGION * sigma[line, row]),
     )

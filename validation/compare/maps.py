@@ -22,7 +22,7 @@ from identification.base_motion import resultants as identification_resultants
 from identification.dynamic_mass import Estimate, from_runs
 from identification.elastic.fit import levels
 from identification.response_functions import QUANTITIES
-from identification.self_calibration.solve import inverse, smoothed_level
+from identification.self_calibration.solve import eliminated, inverse, smoothed_level
 from identification.spectra.line_spectra import Spectra
 from validation.estimation import evaluate
 from validation.estimation.fit import FLOOR, PLAIN_FLOOR, at_bounds
@@ -118,12 +118,13 @@ class ReadingSpread:
 
     Attributes
     ----------
-    by_fit : (r, n, p, c) F by column, d readings / d fitted parameter
+    by_fit : (r, n, p, c) F by column, d readings / d fitted parameter, of those that act here
     known : (p, p) A A^T + B B^T, of all tolerances but those of modes
     met : (r, n, p, c) D A^T by column, of the same
     alone, at : (r, n, s) what those tolerances do that move one channel, and (s,) that channel
     across : (r, n, w, c) what the others do
-    by_modes : (r, n, m, c) D + F A by column, of what the model leaves open of modes
+    by_modes : (r, n, m, c) D + F A by column, of what the model leaves open of modes; of those that do not act here R F, R^T R =
+        A A^T
     """
 
     by_fit: ComplexArray
@@ -138,7 +139,10 @@ class ReadingSpread:
     def of(cls, unknown: Doubt, found: Predicted, inputs: ComplexArray) -> Self:
         """From derivatives of rows, and the `inputs` (r, n, k) that turn them into readings."""
         names = list(unknown.tolerances)
-        modes = [name for name in names if name in unknown.of_modes]
+        here = np.array([name in found.changes for name in unknown.fitted], dtype=bool)
+        fitted = [name for name in unknown.fitted if name in found.changes]
+        modes = [name for name in names if name in unknown.of_modes and name in found.changes]
+        elsewhere = [name for name in names if name in unknown.of_modes and name not in found.changes]
         others = [name for name in names if name not in unknown.of_modes]
         acting = [name for name in others if name in found.changes]
         single = [name for name in acting if len(found.changes[name].channels) == 1]
@@ -155,9 +159,9 @@ class ReadingSpread:
 
         def answers(some: Sequence[str]) -> Array:
             """(p, len(some)) A."""
-            return unknown.answer[:, [names.index(name) for name in some]]
+            return np.asarray(unknown.answer[here][:, [names.index(name) for name in some]])
 
-        by_fit, across = moved(unknown.fitted), moved(wide)
+        by_fit, across = moved(fitted), moved(wide)
         at = np.array([found.changes[name].channels[0] for name in single], dtype=np.int64)
         alone = np.zeros((*inputs.shape[:2], len(single)), dtype=np.complex128)
         for k, name in enumerate(single):
@@ -167,12 +171,18 @@ class ReadingSpread:
             met[..., channel] += alone[..., at == channel] @ A[:, at == channel].T
         return cls(
             by_fit=by_fit,
-            known=answers(others) @ answers(others).T + unknown.own @ unknown.own.T,
+            known=answers(others) @ answers(others).T + unknown.own[here] @ unknown.own[here].T,
             met=met,
             alone=alone,
             at=at,
             across=across,
-            by_modes=moved(modes) + _mixed(answers(modes).T, by_fit),
+            by_modes=np.concatenate(
+                [
+                    moved(modes) + _mixed(answers(modes).T, by_fit),
+                    _mixed(np.asarray(np.linalg.qr(answers(elsewhere).T, mode="r")), by_fit),
+                ],
+                axis=2,
+            ),
         )
 
     @cached_property
@@ -218,6 +228,7 @@ class Chunk:
     ----------
     lines : (n,) indices
     rows : (r, n, c, k) what the channels read for a unit of every input
+    inputs : (r, n, k) of the runs, which turn a tolerance into a reading
     noise : (r, n, c) standard deviation by noise and model-error floor
     weight : (r, n, c) by which the plain error tells inputs
     spread : what everything that is not known does to the readings
@@ -225,28 +236,32 @@ class Chunk:
 
     lines: Lines
     rows: ComplexArray
+    inputs: ComplexArray
     noise: Array
     weight: Array
     spread: ReadingSpread
 
 
-def chunks(prediction: Prediction, offsets: Offsets, inputs: ComplexArray, unknown: Doubt) -> Iterator[Chunk]:
-    """The lines of `prediction` at `offsets`, in order.
+def chunks(prediction: Prediction, offsets: Offsets, unknown: Doubt) -> Iterator[Chunk]:
+    """The lines of `prediction` at `offsets`, in order; `unknown` is what may be otherwise.
 
-    Parameters
-    ----------
-    inputs : (r, n, k) of the runs, which turn a tolerance into a reading
-    unknown : what may be otherwise
+    Raises
+    ------
+    numpy.linalg.LinAlgError : the channels do not tell the inputs at a line.
     """
     measured = prediction.measured
     count = len(measured.frequency)
     for first in range(0, count, TOGETHER):
         lines = np.arange(first, min(first + TOGETHER, count), dtype=np.int64)
-        found, u = prediction.at(offsets, lines), inputs[:, lines]
-        seen = observed(measured, lines)
+        found, seen = prediction.at(offsets, lines), observed(measured, lines)
+        rows, u = np.broadcast_to(found.rows, (len(measured.runs), *found.rows.shape[-3:])), seen.inputs
+        if u is None:
+            weight = seen.weight(FLOOR, found.noise)
+            u = np.stack([eliminated(*of_run)[2] for of_run in zip(rows, seen.values, weight, strict=True)])
         yield Chunk(
             lines=lines,
-            rows=np.broadcast_to(found.rows, (len(u), *found.rows.shape[-3:])),
+            rows=rows,
+            inputs=u,
             noise=np.sqrt(2) / seen.weight(FLOOR, found.noise),  # of which the weight is that of a real or an imaginary part
             weight=seen.weight(evaluate.FLOOR, found.noise),
             spread=ReadingSpread.of(unknown, found, u),
@@ -255,10 +270,12 @@ def chunks(prediction: Prediction, offsets: Offsets, inputs: ComplexArray, unkno
 
 def _readings(change: Change | Conveyed, u: ComplexArray) -> ComplexArray:
     """(r, n, len(change.channels)) d readings / d offset for inputs u (r, n, k)."""
-    rows = change.rows
-    if rows.ndim == 4:
-        return np.asarray((rows @ u[..., None])[..., 0])
-    return np.asarray((rows @ u.transpose(1, 2, 0)).transpose(2, 0, 1))
+    by_line = u.transpose(1, 2, 0)
+    if isinstance(change, Conveyed):
+        return np.asarray((change.through @ (change.quantities @ by_line)).transpose(2, 0, 1))
+    if change.rows.ndim == 4:
+        return np.asarray((change.rows @ u[..., None])[..., 0])
+    return np.asarray((change.rows @ by_line).transpose(2, 0, 1))
 
 
 def _mixed(matrix: Array, moved: ComplexArray) -> ComplexArray:
@@ -329,10 +346,13 @@ def left_over(y: ComplexArray, A: ComplexArray, S: ComplexArray, known: ComplexA
     white = A / scale[..., None]
     P = np.linalg.inv(S / (scale[..., :, None] * scale[..., None, :]))
     e = (y if known is None else y - _times(A, known)) / scale
+    r, own = _times(P, e), np.asarray(np.diagonal(P, axis1=-2, axis2=-1).real, dtype=np.float64)
     if known is None:
-        B = P @ white
-        P = P - B @ np.linalg.solve(white.conj().swapaxes(-1, -2) @ B, B.conj().swapaxes(-1, -2))
-    r, own = _times(P, e), np.maximum(np.diagonal(P, axis1=-2, axis2=-1).real, 0.0)
+        B = np.asarray(P @ white, dtype=np.complex128)
+        weighed = np.asarray(np.linalg.solve(white.conj().swapaxes(-1, -2) @ B, B.conj().swapaxes(-1, -2)), dtype=np.complex128)
+        r = np.asarray(r - _times(B, _times(weighed, e)))
+        own = np.asarray(own - np.sum((B * weighed.swapaxes(-1, -2)).real, axis=-1))
+    own = np.maximum(own, 0.0)
     checked = own > CHECKED
     safe = np.where(checked, own, 1.0)
     value = np.where(checked, r / safe, 0.0) * scale
@@ -481,12 +501,8 @@ def through(of: Operators, y: ComplexArray, frequency: Array) -> Estimate:
     return from_runs(load, motion, frequency)
 
 
-def pair_lines(of: Operators, measured: Measured, inputs: ComplexArray, part: Chunk) -> tuple[ComplexArray, ComplexArray, Array]:
+def pair_lines(of: Operators, measured: Measured, part: Chunk) -> tuple[ComplexArray, ComplexArray, Array]:
     """Measured and predicted dynamic mass on the lines of `part`, and the variance of their difference, each (n, 6, 6).
-
-    Parameters
-    ----------
-    inputs : (r, m, k) of the runs, on all lines
 
     Raises
     ------
@@ -495,7 +511,7 @@ def pair_lines(of: Operators, measured: Measured, inputs: ComplexArray, part: Ch
     at = part.lines
     own, frequency = Operators(motion=of.motion[at], load=of.load[at]), measured.frequency[at]
     seen = through(own, measured.values[:, at], frequency).dynamic_mass.matrix
-    estimate = through(own, (part.rows @ inputs[:, at, :, None])[..., 0], frequency)
+    estimate = through(own, (part.rows @ part.inputs[..., None])[..., 0], frequency)
     H = estimate.dynamic_mass.matrix
     # Tolerances act on all runs alike, noise on each alone
     W = own.load - H @ own.motion
@@ -564,7 +580,12 @@ class Map:
     @property
     def percent(self) -> Array:
         """(r, n, m) deviations in per cent: of what the channel reads there, of the dynamic mass for a load."""
-        return np.asarray(100 * np.abs(self.deviation) / np.maximum(self.level, np.finfo(np.float64).tiny ** 0.5))
+        return in_percent(self.deviation, self.level)
+
+
+def in_percent(deviation: ComplexArray, level: Array) -> Array:
+    """Deviations of any shape in per cent of their `level`."""
+    return np.asarray(100 * np.abs(deviation) / np.maximum(level, np.finfo(np.float64).tiny ** 0.5))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -609,7 +630,6 @@ def mapped(
     prediction: Prediction,
     offsets: Offsets,
     unknown: Doubt,
-    inputs: ComplexArray,
     rig: Rig | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Map:
@@ -619,17 +639,16 @@ def mapped(
     ----------
     offsets : of the plain fit
     unknown : what may be otherwise there
-    inputs : (r, n, k) of the runs, with which tolerances act
     rig : of a base-excitation test; without it there are neither loads nor pairs
     """
     measured = prediction.measured
     R = None if rig is None else rig.loads(measured)
     of, remarks = (None, ()) if rig is None else rig.operators(measured)
     said, both, whole, told = [], [], [], progress or (lambda share: None)
-    for part in chunks(prediction, offsets, inputs, unknown):
+    for part in chunks(prediction, offsets, unknown):
         said.append(_of_lines(measured, part, R))
         if of is not None:
-            both.append(pair_lines(of, measured, inputs, part))
+            both.append(pair_lines(of, measured, part))
         if isinstance(prediction, ResponseFunctionTest):
             square = np.diagonal(sum(part.spread.covariances), axis1=-2, axis2=-1).real
             whole.append((part.rows[..., 0], np.sqrt(np.square(part.noise) + square)))
@@ -666,7 +685,6 @@ def mapped(
         frequency=measured.frequency,
         rows=(*measured.channels, *(() if R is None else LOADS)),
         channels=len(measured.channels),
-        inputs=inputs,
         level=level,
         pairs=pairs,
         functions=functions,
@@ -700,6 +718,7 @@ def _of_lines(measured: Measured, part: Chunk, R: Array | None) -> dict[str, Arr
     level = np.maximum(np.sum(np.abs(seen.values[..., judged]) ** 2, axis=-1), np.finfo(np.float64).tiny)
     by_tolerances, by_modes = np.maximum(np.stack(squares, axis=1), 0.0)
     return {
+        "inputs": part.inputs,
         "deviation": np.concatenate([own.value, loads.value], axis=-1),
         "expected": np.concatenate([own.expected, loads.expected], axis=-1),
         "reading": np.concatenate([y - own.value, predicted], axis=-1),

@@ -264,7 +264,8 @@ def answer_from_afar(
             hold_out=study.hold_out,
             blocks=0 if folds(whole) or coarse is None else BLOCKS,
             fitted=of.fit,
-            quick=True,
+            configurations=False,
+            near=inf,
             floor=PLAIN_FLOOR if floor is None else floor,
             progress=lambda share: progress(what, share),
         )
@@ -493,18 +494,21 @@ def with_mistakes(study: Study, found: diagnosis.Diagnosis, mistaken: Sequence[d
     )
 
 
-# The four errors of a candidate, quickly: at every third line, every run held out in turn.
+# The four errors of a candidate, those of the model as it is by the evaluation that any other answer has.
 
 
 def errors(study: Study, of: diagnosis.Candidate, progress: Callable[[float], None] | None = None) -> Evaluation:
     """Of the candidate `of`, whose fit is known; no configuration is held out."""
-    return evaluate(study.whole(of.effects), hold_out=study.hold_out, fitted=of.fit, quick=True, progress=progress)
+    if not of.effects:
+        return study.evaluation(progress, configurations=False)
+    whole = study.whole(of.effects)
+    return evaluate(whole, hold_out=study.hold_out, fitted=of.fit, configurations=False, progress=progress)
 
 
 def errors_without_fit(study: Study, offsets: Offsets) -> Evaluation:
     """Of the model of `study` where no fit of all tolerances makes sense: they stand at `offsets`."""
     found = unfitted(study.problem(), FITTED, offsets)
-    return evaluate(study.whole(), hold_out=study.hold_out, fitted=found, quick=True)
+    return evaluate(study.whole(), hold_out=study.hold_out, fitted=found, configurations=False)
 
 
 # What `massline diagnose` was asked, checked at the door.

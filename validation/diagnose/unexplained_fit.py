@@ -3,6 +3,7 @@ what columns of places times courses would gain."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -77,7 +78,7 @@ class Whitened:
         """Of the data set."""
         return self.prediction.measured.name
 
-    @property
+    @cached_property
     def free(self) -> Array:
         """(r, m, c) real numbers that inputs leave of each channel, 0 to 2: |values|² where nothing is wrong."""
         if self.basis is None:

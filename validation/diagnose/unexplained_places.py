@@ -134,10 +134,26 @@ class Loaded:
         )
 
     @cached_property
-    def entries(self) -> ComplexArray:
-        """(r, m, c', 36) what the channels read for a unit of every entry of the dynamic mass."""
-        u, A1 = self.u, self.by_load[:, self.channels]
-        return np.asarray(np.einsum("mci,rmj->rmcij", A1, u, optimize=True)).reshape(*u.shape[:2], A1.shape[1], 36)
+    def entries(self) -> tuple[Products, ComplexArray]:
+        """Products of the 36 entries of the dynamic mass, and (m, 36, 36) those of what inputs leave of them with each other."""
+        u, A1, at = self.u, self.by_load[:, self.channels], self.of.of
+        readings: ComplexArray = np.einsum("mci,rmj->rmcij", A1, u, optimize=True).reshape(*u.shape[:2], A1.shape[1], 36)
+        kept = at.kept(readings * at.weight[:, :, self.channels, None], self.channels)
+        flat = kept.transpose(1, 0, 2, 3).reshape(len(at.frequency), -1, 36)
+        return fit.products(self.of, readings, self.channels), np.asarray(flat.conj().swapaxes(1, 2) @ flat)
+
+    def sums(self, mixed: Array) -> tuple[Products, ComplexArray]:
+        """The same of sums of entries, the columns of `mixed` (36, q): all of it follows from that of the entries."""
+        of, gram = self.entries
+        both = np.asarray(mixed.T @ gram @ mixed)
+        products = Products(
+            frequency=of.frequency,
+            names=tuple(map(str, range(mixed.shape[1]))),
+            residual=of.residual @ mixed,
+            others=np.asarray(mixed.T @ of.others.view(np.float64)).view(np.complex128),
+            square=np.diagonal(both, axis1=1, axis2=2).real,
+        )
+        return products, both
 
     def pairs(self, courses: tuple[fit.FrequencyLaw, ...]) -> PlaceFamily:
         """Entries of the dynamic mass one by one, and two of them alike or opposite."""
@@ -149,7 +165,8 @@ class Loaded:
                 for sign in (1, -1) if j > i else ():
                     places.append(SuspectedPlace(kind=PAIR, load=load, motion=motion, sign=sign))
                     columns.append(entry(i, j) + sign * entry(j, i))
-        return self.family(tuple(places), courses, self.entries @ np.stack(columns, axis=1))
+        products, _ = self.sums(np.stack(columns, axis=1))
+        return PlaceFamily(places=tuple(places), courses=courses, products=products, root=self.of.root, slope=self.of.slope)
 
     def axes(self) -> PlaceFamily:
         """Axes whose load, or whose motion, is told wrongly."""
@@ -194,11 +211,8 @@ class Loaded:
     def spanned(self) -> "Spanned":
         """The entries of a symmetric matrix."""
         mixed = np.stack([entry(i, j) + (entry(j, i) if j > i else 0) for i, j in PLACES], axis=1)
-        readings, at = self.entries @ mixed, self.of.of
-        kept = at.kept(readings * at.weight[:, :, self.channels, None], self.channels)
-        flat = kept.transpose(1, 0, 2, 3).reshape(len(at.frequency), -1, len(PLACES))
-        gram = np.asarray(flat.conj().swapaxes(1, 2) @ flat)
-        return Spanned(data_set=at.name, products=fit.products(self.of, readings, self.channels), gram=gram, root=self.of.root)
+        products, gram = self.sums(mixed)
+        return Spanned(data_set=self.of.of.name, products=products, gram=gram, root=self.of.root)
 
 
 def entry(i: int, j: int) -> Array:

@@ -65,8 +65,8 @@ BEGUN = 3
 """[count] of the cheapest of these from which its first stage begins as well. Held by tests/validation/engine/test_fit.py."""
 
 STRIDE = 3
-"""[count] Every third line is taken by such a stage, where that leaves enough: its minimum need not be sharp; and by errors that
-must be told quickly. Held by tests/validation/engine/test_fit.py."""
+"""[count] Every third line is taken by such a stage, where that leaves enough: its minimum need not be sharp. Held by
+tests/validation/engine/test_fit.py."""
 
 RESTARTS = 6
 """[count] of times that a descent which did not end by itself begins again where it stopped. Exercised by
@@ -274,7 +274,8 @@ def descent(cost: Cost, offsets: Offsets, *, close: float = CLOSE, most: int) ->
         whole, data, _ = cost.total(start)
         return Solution(x=start, seen=start, normal=whole, data=data, converged=True, decrement=0.0, evaluations=1)
     try:
-        return minimise(cost.data, start, cost.knowledge, close=close, most=most, size=cost.size(start), bounds=cost.bounds)
+        size, bounds = cost.size(start), cost.bounds
+        return minimise(cost.data, start, cost.knowledge, close=close, most=most, size=size, bounds=bounds, cost=cost.misfit)
     except BREAKDOWNS as error:
         raise CheckFailed(f"the model breaks down where its fit begins: {error}") from error
 

@@ -179,7 +179,10 @@ def _moved(predicted: Predicted, names: Sequence[str], run: int, u: ComplexArray
     V = np.zeros((len(names), *w.shape), dtype=np.complex128)
     for k, name in enumerate(names):
         change = predicted.changes[name]
-        V[k][:, change.channels] = (_of_run(change.rows, run) @ u[..., None])[..., 0]
+        if isinstance(change, Conveyed):
+            V[k][:, change.channels] = (change.through @ (change.quantities @ u[..., None]))[..., 0]
+        else:
+            V[k][:, change.channels] = (_of_run(change.rows, run) @ u[..., None])[..., 0]
     V *= w
     return V
 
@@ -258,6 +261,14 @@ class Cost:
     def data(self, x: Array) -> Normal:
         """Normal equations of all data at `x` (p,)."""
         return solve.total(self.by_run(x).values(), len(self.free))
+
+    def misfit(self, x: Array) -> float:
+        """The cost of all data at `x` (p,) alone, which needs no derivatives."""
+        found, offsets = 0.0, self.offsets(x)
+        for prediction, lines, seen in self.observed:
+            left = residual(seen, prediction.at(offsets, lines, derivatives=False), self.floor)
+            found += sum(0.5 * float(np.sum(np.square(np.abs(one)))) for one in left)
+        return found
 
     def knowledge(self, x: Array) -> tuple[Array, Array]:
         """Whitened residuals (q,) at `x` (p,) of what is known beforehand and of facts, and their derivatives (q, p)."""

@@ -465,3 +465,11 @@ class Evaluation:
     held_out_names: tuple[str, ...] = field(default=())
     held_out_configurations: Share | None = None
     held_out_configurations_nominal: Share | None = None
+
+    @property
+    def of_runs(self) -> Self:
+        """Without what was told of configurations."""
+        if (of := self.held_out_configurations) is None:
+            return self
+        names = tuple(name for name in self.held_out_names if name not in of.by_fold)
+        return replace(self, held_out_names=names, held_out_configurations=None, held_out_configurations_nominal=None)

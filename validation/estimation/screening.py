@@ -138,7 +138,8 @@ class Screen:
             as_it_is = np.ones((count, len(one.frequency)), dtype=np.complex128)
             s = as_it_is if shape is None or one is self.facts else shape[k]
             gradient += (s.conj() @ one.residual[:, at]).real
-            cross += (s.conj() @ one.others[:, at]).real
+            others = one.others[:, at]  # the real part of a product, as one real product
+            cross += np.concatenate([s.real, s.imag], axis=1) @ np.concatenate([others.real, others.imag])
             square += np.abs(s) ** 2 @ one.square[:, at]
         gradient -= cross @ self.step
         left = square - np.einsum("np,pq,nq->n", cross, self.covariance, cross, optimize=True)

@@ -11,7 +11,6 @@ from geometry.inertia import Inertia
 from identification.chain import Chain, chain
 from validation.compare.compare import Comparison, FactComparison, worst
 from validation.compare.maps import Doubt, Map, NamedMode, Rig, mapped
-from validation.estimation.evaluate import residuals
 from validation.estimation.problem import (
     DECLARED,
     IDENTIFIED,
@@ -142,8 +141,7 @@ class ByHandLaboratory:
     @staticmethod
     def mapped(test: ByHand) -> Map:
         """Its map, nothing fitted."""
-        (left,) = residuals(Problem((test,)), {})
-        return mapped(test, {}, ByHandLaboratory.nothing_fitted(Problem((test,))), left.inputs, ByHandLaboratory.RIG)
+        return mapped(test, {}, ByHandLaboratory.nothing_fitted(Problem((test,))), ByHandLaboratory.RIG)
 
 
 def evaluated(z: float = 1.0, fmd: float = 0.1) -> Evaluation:

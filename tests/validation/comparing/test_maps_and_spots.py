@@ -11,8 +11,9 @@ from identification.dynamic_mass import from_runs
 from identification.spectra.line_spectra import Spectra
 from validation.compare.compare import text, worst
 from validation.compare.maps import chunks, combined, doubt, judged_error, left_over, mapped, with_noise
-from validation.estimation.evaluate import residuals, squares
-from validation.estimation.fit import fit
+from validation.estimation.evaluate import squares
+from validation.estimation.fit import FLOOR, fit
+from validation.estimation.likelihood import left_of_run, observed
 from validation.estimation.problem import PLAIN, Problem
 from validation.estimation.verdicts import STANDS_OUT
 
@@ -52,10 +53,15 @@ def test_a_resonance_elsewhere_is_a_moment_that_follows_its_mode_and_without_tol
     assert found[0].course == "follows the first mast mode"
     assert 11.5 < found[0].band[0] <= found[0].frequency <= found[0].band[1] < 12.7
     bare = by_hand.without_tolerances(by_hand.test({"force-gain:fmd-z2": 0.02}, seed=2))
-    (left,) = residuals(Problem((bare,)), {})
-    of = mapped(bare, {}, by_hand.nothing_fitted(Problem((bare,))), left.inputs, by_hand.RIG)
-    assert_allclose(of.deviation[..., : of.channels], left.values, rtol=1e-7, atol=1e-9 * np.abs(left.values).max())
-    assert_allclose(of.expected[..., : of.channels], left.sigma, rtol=1e-7)
+    of = mapped(bare, {}, by_hand.nothing_fitted(Problem((bare,))), by_hand.RIG)
+    seen, rows = observed(bare.measured, np.arange(len(of.frequency))), bare.at({}).rows
+    weight = seen.weight(FLOOR)
+    for run, own in enumerate(weight):
+        left = left_of_run(seen, rows if rows.ndim == 3 else rows[run], own, run)
+        sigma = np.sqrt((np.abs(left.gain) ** 2 @ (seen.parts / np.square(own))[..., None])[..., 0])
+        deviation, expected = (each[run, :, : of.channels] for each in (of.deviation, of.expected))
+        assert_allclose(deviation, left.values, rtol=1e-7, atol=1e-9 * np.abs(left.values).max())
+        assert_allclose(expected, sigma, rtol=1e-7)
 
 
 def test_the_error_of_a_force_is_in_the_load_that_its_cell_carries(by_hand):
@@ -96,13 +102,12 @@ def test_a_single_tolerance_makes_the_plain_error_that_it_explains(by_hand, name
     test = by_hand.test({name: 0.1 * tolerance}, seed=None)
     test = replace(test, measured=replace(test.measured, noise=1e-6 * test.measured.noise))
     problem = Problem((test,))
-    (left,) = residuals(problem, {})
     alone = replace(by_hand.nothing_fitted(problem), tolerances={name: 0.1 * tolerance}, answer=np.zeros((0, 1)))
-    of = mapped(test, {}, alone, left.inputs, by_hand.RIG)
+    of = mapped(test, {}, alone, by_hand.RIG)
     found = np.sqrt(np.stack([one.values.sum(axis=1) for one in squares(test, {})]))
     assert_allclose(of.explained, found, rtol=5e-3, atol=1e-6 * found.max())
     assert_allclose(of.explained_with_modes, of.explained, rtol=1e-12)
-    of_a_mode = mapped(test, {}, replace(alone, of_modes=frozenset({name})), left.inputs, by_hand.RIG)
+    of_a_mode = mapped(test, {}, replace(alone, of_modes=frozenset({name})), by_hand.RIG)
     assert not of_a_mode.explained.any()
     assert_allclose(of_a_mode.explained_with_modes, of.explained, rtol=1e-12)
 
@@ -117,8 +122,7 @@ def test_over_laboratories_the_plain_error_is_what_tolerances_explain_however_lo
     for seed in range(20, 32):
         test = by_hand.test(by_hand.drawn(seed), seed=seed, louder=30.0)
         problem = Problem((test,))
-        (left,) = residuals(problem, {})
-        of = mapped(test, {}, by_hand.nothing_fitted(problem), left.inputs)
+        of = mapped(test, {}, by_hand.nothing_fitted(problem))
         plain = np.mean([one.values.sum(axis=1).mean() for one in squares(test, {})])
         ratios.append(plain / np.mean(of.explained**2))
     assert_allclose(np.mean(ratios), 1.0, atol=0.5)
@@ -131,10 +135,9 @@ def test_what_a_plain_fit_makes_of_a_tolerance_is_in_what_is_expected_of_its_res
     problem = Problem((test,))
     plain = fit(problem, PLAIN)
     assert abs(plain.by_name["mass"]) > 1e-3
-    (left,) = residuals(problem, plain)
     answered = doubt(problem, plain)
     apart = replace(answered, of_modes=frozenset({name}))  # a column of its own, with what the fit made of it
-    for part in chunks(test, plain.by_name, left.inputs, apart):
+    for part in chunks(test, plain.by_name, apart):
         S = with_noise(sum(part.spread.covariances), part.noise)
         judged = test.measured.judged
         error, _ = judged_error(test.measured.values[:, part.lines], part.rows, S, None, judged)
@@ -148,13 +151,13 @@ def test_the_covariance_is_that_of_all_columns_written_out_modes_among_them_or_n
     test = by_hand.fitting_mass(by_hand.test(by_hand.drawn(3), seed=3))
     problem = Problem((test,))
     plain = fit(problem, PLAIN)
-    (left,), answered = residuals(problem, plain), doubt(problem, plain)
-    (of, *_) = chunks(test, plain.by_name, left.inputs, replace(answered, of_modes=frozenset(answered.tolerances)))
+    answered = doubt(problem, plain)
+    (of, *_) = chunks(test, plain.by_name, replace(answered, of_modes=frozenset(answered.tolerances)))
     V = of.spread.by_modes
     of_fit = np.einsum("rnpc,pq->rnqc", of.spread.by_fit, answered.own)
     whole = np.einsum("rnkc,rnkd->rncd", V, V.conj()) + np.einsum("rnkc,rnkd->rncd", of_fit, of_fit.conj())
     for modes in ((), tuple(answered.tolerances)[::3]):
-        (part, *_) = chunks(test, plain.by_name, left.inputs, replace(answered, of_modes=frozenset(modes)))
+        (part, *_) = chunks(test, plain.by_name, replace(answered, of_modes=frozenset(modes)))
         assert_allclose(sum(part.spread.covariances), whole, rtol=1e-9, atol=1e-12 * np.abs(whole).max())
         W = np.random.default_rng(4).standard_normal((len(part.lines), 2, whole.shape[-1])) + 0j
         inverse = np.random.default_rng(5).standard_normal((len(part.lines), len(V), 3)) + 0j

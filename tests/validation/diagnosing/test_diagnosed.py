@@ -10,6 +10,7 @@ import pytest
 
 from identification.quality import NORMAL_90
 from validation.cli import main
+from validation.compare.compare import compared
 from validation.diagnose import diagnose, diagnosis
 from validation.diagnose.diagnose import diagnosed
 from validation.effects.catalogue import parse
@@ -59,6 +60,17 @@ def test_where_nothing_is_missing_nothing_is_named_and_the_smallest_sizes_are_to
     assert (sound.verdict, sound.accepted, sound.equivalence_class, sound.leftover) == (diagnosis.NOTHING, (), (), None)
     assert {one.id.partition(":")[0] for one in sound.detectable} == set(ASKED)
     assert sound.before is sound.after
+
+
+@pytest.mark.parametrize("effects", [(), (f"{GAIN}=0.15",)])
+def test_the_errors_of_the_model_as_it_is_are_those_of_a_comparison_digit_for_digit(made, effects):
+    """On the same lines and the same folds, whoever asks first."""
+    study = made(*effects)
+    found, beside = diagnosed(study.plain, only=ASKED).before, compared(study.plain).evaluation
+    for name in ("nominal", "plain", "held_out", "held_out_nominal"):
+        assert vars(getattr(found, name)) == vars(getattr(beside, name)), name
+    assert found.fitted.tolerance_z2 == beside.fitted.tolerance_z2
+    assert diagnosed(study, only=ASKED).before is study.evaluation()  # of one configuration
 
 
 def test_what_is_missing_is_named_with_its_size_and_evidence_and_its_errors_fall_on_data_that_no_fit_has_seen(faulty):

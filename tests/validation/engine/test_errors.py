@@ -1,4 +1,4 @@
-"""Errors in per cent and residuals line by line, and which lines count."""
+"""Errors in per cent, and which lines count."""
 
 from dataclasses import replace
 
@@ -7,10 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import CheckFailed
-from validation.estimation.evaluate import evaluate, residuals, share, squares
-from validation.estimation.fit import fit
-from validation.estimation.likelihood import floor_of
-from validation.estimation.problem import AT_MOST, FITTED, PLAIN, Predicted, Problem, chosen
+from validation.estimation.evaluate import evaluate, share, squares
+from validation.estimation.problem import AT_MOST, Predicted, Problem, chosen
 
 
 def error(toy, offsets=()):
@@ -109,66 +107,6 @@ def test_the_nominal_error_is_of_the_model_as_it_stands(lab):
     toy = lab.toy(truth, parameters=(*lab.LABORATORY, effect), seed=None)
     assert evaluate(Problem((toy,))).nominal.percent < 1e-6
     assert evaluate(Problem((lab.toy(truth, acting=(effect,), seed=None),))).nominal.percent > 1.0
-
-
-@pytest.mark.parametrize(
-    ("known", "per_run"),
-    [(False, True), (True, False), *(pytest.param(both, both, marks=pytest.mark.proof) for both in (False, True))],
-)
-def test_over_many_laboratories_residuals_scatter_as_predicted(lab, known, per_run):
-    """All parameters drawn from what is known beforehand, little enough for a linear answer; nothing fitted, no floor needed."""
-    little = {"mass": 0.004, "inertia": 0.005, "damping": 0.05}
-    parameters = [replace(p, tolerance=little.get(p.name, p.tolerance)) for p in lab.LABORATORY]
-    squares, expected = 0.0, 0.0
-    for seed in range(150):
-        rng = np.random.default_rng(seed)
-        truth = lab.drawn(seed) | {name: sd * rng.standard_normal() for name, sd in little.items()}
-        toy = lab.toy(truth, parameters=parameters, seed=7, lines=6, runs=2, known=known, per_run=per_run)
-        toy = replace(toy, parameters=toy.parameters[:-1])  # the frequency is not drawn
-        (found,) = residuals(Problem((toy,)), {}, floor=0.0)
-        squares, expected = squares + np.abs(found.values) ** 2, expected + found.sigma**2
-    ratio = np.sqrt(np.mean(squares, axis=(0, 1)) / np.mean(expected, axis=(0, 1)))
-    assert_allclose(ratio, 1.0, atol=0.2)  # a gain that all lines share: 150 draws tell its deviation to 6 %
-
-
-def test_without_tolerances_the_deviation_is_that_of_noise_and_floor(lab):
-    toy = replace(lab.toy({}, known=True), parameters=())
-    (found,) = residuals(Problem((toy,)), {}, floor=0.0)
-    assert_allclose(found.sigma, toy.measured.noise, rtol=1e-12)
-    (floored,) = residuals(Problem((toy,)), {}, floor=0.01)
-    assert_allclose(floored.sigma**2 - toy.measured.noise**2, (0.01 * floor_of(toy.measured)) ** 2, rtol=1e-9)
-
-
-def test_a_fault_stands_out_in_its_own_channel(lab):
-    toy = lab.toy({**lab.drawn(4), "gain:f3": 0.08})
-    problem = Problem((toy,))
-    (found,) = residuals(problem, fit(problem, PLAIN))
-    sigmas = np.sqrt(np.mean(np.abs(found.values) ** 2 / found.sigma**2, axis=(0, 1)))
-    worst = lab.CHANNELS[int(np.argmax(sigmas))]
-    assert worst == "f3"
-    assert sigmas.max() > 5
-    assert np.median(sigmas) < 2
-
-
-def test_what_was_fitted_no_longer_excuses_a_residual_and_lines_of_the_fits_may_be_asked_for_alone(lab):
-    toy = lab.toy(lab.drawn(4))
-    problem = Problem((toy,))
-    (plain,), (fitted,) = residuals(problem, fit(problem, PLAIN)), residuals(problem, fit(problem, FITTED))
-    assert np.all(fitted.sigma < plain.sigma)
-    problem = Problem((lab.toy({}, lines=300),)).thinned()
-    (few,), (all_lines,) = residuals(problem, {}, every_line=False), residuals(problem, {})
-    assert_allclose(few.values, all_lines.values[:, problem.lines["one"]], rtol=1e-12)
-    assert_allclose(few.sigma, all_lines.sigma[:, problem.lines["one"]], rtol=1e-12)
-
-
-def test_inputs_and_levels_are_told(lab):
-    toy = lab.toy({}, known=True)
-    (found,) = residuals(Problem((toy,)), {})
-    assert_allclose(found.inputs, toy.measured.inputs)
-    assert found.level.shape == found.values.shape == toy.measured.values.shape
-    latent = lab.toy({}, known=False)
-    (estimated,) = residuals(Problem((latent,)), {})
-    assert_allclose(estimated.inputs, toy.measured.inputs, atol=2e-3)  # the same draw; noise of pick-ups is 2e-4
 
 
 @pytest.mark.parametrize(

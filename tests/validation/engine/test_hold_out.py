@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.errors import BadInput
-from validation.estimation.evaluate import evaluate, every_block, folds, held, named, refitted, solved, without
+from validation.estimation.evaluate import NEAR, evaluate, every_block, folds, held, named, refitted, solved, without
 from validation.estimation.fit import PLAIN_FLOOR, fit
 from validation.estimation.problem import PLAIN, Problem
 
@@ -76,7 +76,7 @@ def test_a_quick_fold_is_where_the_whole_way_leads_and_not_where_it_began(lab):
     whole = fit(problem, PLAIN)
     at = solved(problem, whole, PLAIN_FLOOR)
     for fold in folds(problem):
-        far, quick = (refitted(at, fold, quick=one) for one in (False, True))
+        far, quick = (refitted(at, fold, near) for near in (0.0, NEAR))
         alone = fit(without(problem, fold), PLAIN)
         sd = dict(zip([p.name for p in alone.parameters], np.sqrt(np.diag(alone.covariance)), strict=True))
         apart = np.array([(quick[name] - far[name]) / sd[name] for name in sd])
@@ -191,3 +191,21 @@ def test_one_run_alone_has_nothing_to_hold_out(lab):
     found = evaluate(Problem((lab.toy({}, runs=1),)))
     assert found.held_out is None
     assert found.held_out_names == ()
+
+
+def test_configurations_may_be_held_out_later_and_no_fit_of_all_data_is_made_again(series):
+    whole, runs = evaluate(series), evaluate(series, configurations=False)
+    assert (runs.held_out_configurations, runs.held_out_configurations_nominal) == (None, None)
+    later = evaluate(series, baseline=runs)
+    assert (later.fitted, later.plain_fit) == (runs.fitted, runs.plain_fit)
+    for name in (
+        "nominal",
+        "plain",
+        "held_out",
+        "held_out_nominal",
+        "held_out_configurations",
+        "held_out_configurations_nominal",
+    ):
+        assert vars(getattr(later, name)) == vars(getattr(whole, name)), name
+    assert later.held_out_names == whole.held_out_names
+    assert (later.of_runs.held_out_names, later.of_runs.held_out_configurations) == (runs.held_out_names, None)
