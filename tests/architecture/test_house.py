@@ -37,7 +37,7 @@ measured, and a laboratory of hammers with its tolerances are 327 files and 97,6
 what a mesh leaves unsure and an identification at half the cost made 98,500 of it. Diagnoses by single-axis shakers, what meshes
 of shells, beams and eight-node bricks leave unsure, and several shakers at a time are the last 500, less 250 that only examples
 and tests used and that stand there now; rounded up a little. The last 100 are forces on virtual structures as exact as the whole
-matrices, floors of pick-ups across a drive, and an article that is denser than drawn. The other bars are the same for old and new.
+matrices, floors of pick-ups across a drive and articles denser than drawn. The other bars are the same for old and new.
 """
 
 
