@@ -422,7 +422,7 @@ def as_cause(added: Added, of: diagnosis.Candidate, evidence: float, stands: Goo
         which = known.get(name(added.named, size.key))
         if which is not None and which[0].kind == EFFECT and not added.fixed:
             one, x, sd = which
-            if one.name in alone and not one.logarithmic:  # a logarithm counts from where the fit ended
+            if one.name in alone and not size.logarithmic:  # a size known to a factor counts from where the fit ended
                 x, sd = alone[one.name].estimate, alone[one.name].deviation
                 value = min(max(one.value(x), size.low), size.high)
             ends = sorted((one.value(x - NORMAL_90 * sd), one.value(x + NORMAL_90 * sd)))

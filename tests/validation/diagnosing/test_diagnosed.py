@@ -110,6 +110,21 @@ def test_a_size_is_what_the_data_say_however_much_smaller_a_fault_plausibly_is()
     assert (size.value, size.low, size.high) == pytest.approx((told, told - NORMAL_90 * sd, told + NORMAL_90 * sd), rel=1e-6)
 
 
+def test_a_modulus_that_is_told_to_half_of_what_is_plausible_is_not_called_smaller_for_that():
+    """The logarithm of its factor, known to 8 % where 15 % is plausible: of the -35 % that the data say, -28 % would be left."""
+    told, sd, plausible = np.log(0.65), 0.08, 0.15
+    variance = 1 / (sd**-2 + plausible**-2)
+    modulus = Parameter(
+        name="modulus:mast", unit="1", kind=EFFECT, tolerance=plausible, nominal=1.0, logarithmic=True, above=-1.0
+    )
+    fit = SimpleNamespace(parameters=(modulus,), offsets=np.array([told * variance / sd**2]), covariance=np.array([[variance]]))
+    stands: Any = SimpleNamespace(misfit=0.9, prior_penalty=0.5, null=True)
+    candidate: Any = SimpleNamespace(fit=fit)
+    (size,) = diagnose.as_cause(Added(named=parse("modulus:mast=-0.28")), candidate, 20.0, stands).sizes
+    ends = [np.exp(told + side * NORMAL_90 * sd) - 1 for side in (-1, 1)]
+    assert (size.value, size.low, size.high) == pytest.approx((-0.35, *ends), rel=1e-6)
+
+
 def test_a_mistake_alone_is_its_own_class(made):
     found = diagnosed(made("polarity:fmd-x12"), only=ASKED)
     assert (found.verdict, [one.id for one in found.accepted]) == (diagnosis.MISTAKE, ["polarity:fmd-x12"])
