@@ -538,8 +538,8 @@ def of(
     )
     sizes = (np.abs(test.measured.values), np.abs(test.at({}, derivatives=False).rows[..., 0]))
     y, p = (np.log(np.maximum(one, np.finfo(np.float64).tiny)) for one in sizes)
-    turns = np.corrcoef(*((one - one.mean(axis=1, keepdims=True)).ravel() for one in (y, p)))[0, 1]
-    if turns < UPSIDE_DOWN and np.abs(p + y).mean() < np.abs(p - y).mean():
+    a, b = (one - one.mean(axis=1, keepdims=True) for one in (y, p))
+    if np.sum(a * b) < UPSIDE_DOWN * np.sqrt(np.sum(a * a) * np.sum(b * b)) and np.abs(p + y).mean() < np.abs(p - y).mean():
         problem = "its functions are force over response: small at resonances, and large where little should be read"
         raise BadInput(source=data.source, field="inverted", problem=problem, remedy="Write inverted = true in the test")
     if data.scaled:

@@ -26,7 +26,7 @@ def test_a_report_makes_spectra_once_and_fits_all_parameters_once(series, monkey
         counting(name)
     monkeypatch.setattr(page, "assembled", lambda *given, **more: more["diagnosis"])
     assert page.reported(page.ReportOptions(compared=series.asked), quiet=True) is not None
-    assert counted == {"predictions": 1, "evaluate": 1, "fit": 0}  # the diagnosis takes the fit of the comparison
+    assert counted == {"predictions": 1, "evaluate": 1, "fit": 1}  # one fit of all parameters, for diagnosis and comparison
 
 
 def test_a_second_report_identifies_and_draws_nothing_again(report, tmp_path, monkeypatch):
