@@ -267,7 +267,7 @@ def judge(inertia: Inertia, rounding: float = ROUNDING) -> Consistency:
         return Consistency(kind=Kind.UNPHYSICAL, text=text, margin=np.full(3, np.nan), rounding=zero)
     moments, _ = inertia.principal()
     margin = np.sort(moments.sum() - 2 * moments)
-    shown = ", ".join(f"{moment:.6g}" for moment in moments)
+    shown = ", ".join(f"{moment if abs(moment) > zero else 0.0:.6g}" for moment in moments)
     if margin[0] < -zero:
         sentence = (
             f"principal moments {shown} kg m² break the triangle inequality by {-margin[0]:.3g} kg m² "

@@ -1,5 +1,6 @@
 """`massline reference robot.urdf`: what is stated beside the mesh, every known slip found, frames and refusals."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -120,6 +121,28 @@ def test_a_planted_slip_is_named(slip: str, tmp_path: Path) -> None:
 def test_a_link_that_is_not_uniform_is_not_called_wrong(share: float, tmp_path: Path) -> None:
     write_mesh(tmp_path)
     assert findings(urdf(tmp_path, off(tetrahedron(), share))).links[0].wrong == ()
+
+
+def test_a_link_that_comes_nearer_by_chance_made_no_slip(tmp_path: Path) -> None:
+    """A trunk whose box only stands for it, its CoG a fifth of the radius of gyration off: no millimetres for that."""
+    sides = np.array([0.376, 0.094, 0.114])
+    box = Inertia.from_cog(5.2, np.zeros(3), np.diag(5.2 / 12 * ((sides**2).sum() - sides**2)))
+    trunk = Inertia.from_cog(5.2, np.array([0.0223, 0.002, -0.0005]), 1.07 * box.tensor_cog)
+    path = urdf(tmp_path, trunk)
+    drawn = f'<box size="{" ".join(map(str, sides))}"/>'
+    path.write_text(re.sub(r"<mesh [^>]*/>", drawn, path.read_text(encoding="utf-8")), encoding="utf-8")
+    (one,) = findings(path).links
+    assert one.cog_apart is not None
+    assert one.cog_apart > 20
+    assert one.wrong == ()
+
+
+def test_a_moment_of_nothing_is_written_as_nothing(tmp_path: Path) -> None:
+    write_mesh(tmp_path)
+    turned = Pose(rotation=rotation_about("x", 0.3) @ rotation_about("y", 0.5))
+    tensor = turned.rotation.T @ np.diag([0.0, 0.0, 3e-6]) @ turned.rotation
+    (one,) = findings(urdf(tmp_path, tetrahedron(), turned, tensor)).links
+    assert "principal moments 0, 0, 3e-06 kg m² break" in one.wrong[0]
 
 
 def test_a_mesh_mirrored_by_its_scale_is_the_mirror_image(tmp_path: Path) -> None:

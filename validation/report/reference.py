@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from textwrap import shorten
 from typing import TYPE_CHECKING, TypeVar
 
 from geometry import cache, inertia_files
@@ -116,7 +117,7 @@ def robot_document(found: RobotFindings) -> document.Document:
         return one.wrong if label == "WRONG" else one.doubts
 
     def ratios(one: LinkFindings) -> str:
-        return NONE if one.moments_ratio is None else " ".join(f"{ratio:.2f}" for ratio in one.moments_ratio)
+        return NONE if one.moments_ratio is None else " ".join(f"{ratio:#.3g}" for ratio in one.moments_ratio)
 
     columns = (
         Column("link", lambda one: one.name, words=True),
@@ -126,7 +127,7 @@ def robot_document(found: RobotFindings) -> document.Document:
         Column("kg/m³", lambda one: one.density, ".0f"),
         Column("CoG apart [mm]", lambda one: one.cog_apart, ".1f"),
         Column("moments / shape's", ratios, words=True),
-        Column("of its shape", lambda one: one.notes[0].partition(";")[0][:90] if one.notes else "", words=True),
+        Column("of its shape", lambda one: shorten("".join(one.notes[:1]).partition(";")[0], 90, placeholder=" …"), words=True),
     )
     opening = [
         f"{label}  {one.name}: {words}." for label in ("WRONG", "doubt") for one in found.links for words in said(one, label)
