@@ -22,6 +22,7 @@ from validation.diagnose.diagnosis import listed as diagnosis_listed
 from validation.effects import practical_units
 from validation.effects.catalogue import parse
 from validation.effects.effect import at_position
+from validation.output import nats
 from validation.report.charts import functions, maps
 from validation.report.charts.figure import Figure
 from validation.report.charts.history import falling_errors, identified_inertia, way_to
@@ -678,7 +679,7 @@ async def chosen(window: WindowState, effect: str | None) -> None:
         "text": told.text,
         "equation": told.equation,
         "found": told.found,
-        "evidence": "" if told.evidence is None else f"{told.evidence:+.1f}",
+        "evidence": "" if told.evidence is None else nats(told.evidence),
         "aliases": list(told.aliases),
         "mistaken": list(told.mistaken_for),
         "separating": list(told.separating),
@@ -930,7 +931,7 @@ def _cause(one: Cause, found: Diagnosis, share: float) -> dict[str, Any]:
         "standing": standing,
         "tone": tone,
         "size": "; ".join(sized(one, size) for size in one.sizes),
-        "nats": f"{one.evidence:+.1f}" if isfinite(one.evidence) else "more than can be counted",
+        "nats": nats(one.evidence) if isfinite(one.evidence) else "more than can be counted",
         "share": share,
         "interval": interval,
     }

@@ -597,7 +597,7 @@ class DiagnosisPage:
             at = ", ".join(f"{round(1e3 * value, 2) + 0.0:.4g}" for value in one.position)
             away = NONE if one.distance is None else f"{one.nearest}, {1e3 * one.distance:.3g} mm away"
             sizes = ", ".join(said(one.named.values[size.key], size.unit, 3) for size in one.named.sizes)
-            lines.append((one.named.id, sizes, f"{one.evidence:+.1f}", at, away))
+            lines.append((one.named.id, sizes, nats(one.evidence), at, away))
         if not lines:
             return None
         header = ("everywhere on the mesh", "size", "evidence [nats]", "x, y, z [mm]", "nearest place with a name")
