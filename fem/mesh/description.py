@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from fem.beam.elements import Section, moduli, rectangle, tube
+from fem.mesh import files
 from fem.user_model import description as text
 from fem.user_model import parts, units
 from geometry import toml_file, user_article
@@ -21,7 +22,7 @@ KINDS = ("mesh", "assembly")
 
 _KEYS = (
     *("name", "kind", "units", "file", "support", "interface", "reference_point", "places", "parts", "groups"),
-    *("springs", "joints", "masses", "links", "loss_factor", "size"),
+    *("springs", "joints", "masses", "links", "loss_factor", "size", "left_out"),
 )
 _PART = ("material", "thickness", "section", "loss_factor", "tolerance")
 _TIED = ("stiffness", "loss_factor")
@@ -109,10 +110,10 @@ class PointMass:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Link:
-    """The nodes of the group `nodes` ride on a point at (3,) [m]."""
+    """The nodes of the groups and numbers in `nodes` ride on a point at (3,) [m]."""
 
     at: tuple[float, float, float]
-    nodes: str
+    nodes: tuple[int | str, ...]
 
 
 LOWEST = "lowest plane"
@@ -132,6 +133,7 @@ class MeshDescription:
     interface : groups, boxes, links or node numbers that the base carries or the ground holds; `LOWEST` of an assembly
     reference_point : (3,) [m]
     size : largest edge of an element of an assembly [m], None for what thickness asks for
+    left_out : cards and keywords of the mesh file that are stated here, or are not meant
     """
 
     source: str
@@ -143,6 +145,7 @@ class MeshDescription:
     interface: tuple[int | str, ...]
     reference_point: Array
     size: float | None
+    left_out: tuple[str, ...]
     parts: Mapping[str, PartTable]
     places: Mapping[str, At]
     boxes: Mapping[str, Array]
@@ -151,6 +154,15 @@ class MeshDescription:
     masses: Mapping[str, PointMass]
     links: Mapping[str, Link]
     stated: text.Stated
+
+    def mesh(self) -> files.MeshFile:
+        """What the mesh file holds.
+
+        Raises
+        ------
+        BadInput : see `files.read`.
+        """
+        return files.read(self.file, {card.strip("*").upper() for card in self.left_out}.__contains__)
 
     def refused(self, field: str, problem: str, remedy: str) -> BadInput:
         """The refusal of a key below ``fe_model``."""
@@ -327,9 +339,10 @@ class _Table:
         at, nodes = self.at("at"), self.table.get("nodes")
         if not isinstance(at, tuple):
             raise self.wrong("at", "three coordinates", 'Write it like ["1 m", "0 m", "20 mm"]')
-        if not isinstance(nodes, str):
-            raise self.wrong("nodes", "the name of a group", "Name the nodes that ride on it")
-        return Link(at=at, nodes=nodes)
+        listed = nodes if isinstance(nodes, list) else [nodes]
+        if not listed or any(isinstance(node, bool) or not isinstance(node, int | str) for node in listed):
+            raise self.wrong("nodes", "the name of a group, or a list of groups and node numbers", "Name the nodes that ride on it")
+        return Link(at=at, nodes=tuple(listed))
 
     def stated(self) -> text.Stated:
         toml_file.require_table(self.table, source=self.source, where="stated")
@@ -398,6 +411,9 @@ def read(path: Path) -> MeshDescription:
     places = table.tables("parts", _PART)
     if not places:
         raise table.wrong("parts", "a table a group", 'Write [fe_model.parts.NAME] with material = "steel"')
+    left_out = table.table.get("left_out", [])
+    if not isinstance(left_out, list) or not all(isinstance(card, str) for card in left_out):
+        raise table.wrong("left_out", "a list of cards or keywords of the mesh file", 'Write it like ["CONM2", "RBE2"]')
     point = table.quantities("reference_point", 3 * ("length",)) if "reference_point" in table.table else np.zeros(3)
     named = toml_file.require_table(table.table.get("places", {}), source=source, where=f"{text.TABLE}.places")
     where = _Table(source=source, where=f"{text.TABLE}.places", table=named)
@@ -411,6 +427,7 @@ def read(path: Path) -> MeshDescription:
         interface=tuple(interface),
         reference_point=point,
         size=table.quantity("size", "length") if "size" in table.table else None,
+        left_out=tuple(left_out),
         parts={name: each.part(loss) for name, each in places.items()},
         places={name: where.at(name) for name in named},
         boxes={name: each.box() for name, each in table.tables("groups", ("box",)).items()},

@@ -82,8 +82,12 @@ class MeshFile:
         return np.unique(np.concatenate([self.node_groups.get(name, np.zeros(0, dtype=np.intp)), *found])).astype(np.intp)
 
 
-def read(path: Path) -> MeshFile:
-    """The mesh in `path`, by its ending.
+LeftOut = Callable[[str], bool]
+"""Of a card or keyword without its asterisk, whether it may be passed over: it is stated elsewhere, or means nothing."""
+
+
+def read(path: Path, left_out: LeftOut = lambda card: False) -> MeshFile:
+    """The mesh in `path`, by its ending; cards that weigh, hold or join are refused unless they are `left_out`.
 
     Raises
     ------
@@ -99,7 +103,7 @@ def read(path: Path) -> MeshFile:
         problem = f"it has {path.stat().st_size / 2**30:.3g} GiB, more than {LARGEST_FILE / 2**30:.3g}"
         raise BadInput(source=source, problem=problem, remedy="Write a coarser mesh")
     try:
-        found = reader(path)
+        found = reader(path, left_out) if path.suffix.lower() in DECKS else reader(path)
         mesh = found.numbered(source) if isinstance(found, _Raw) else found
     except BadInput:
         raise
@@ -196,14 +200,34 @@ _ABAQUS = {
     "line3": ("B32", "B32R", "T3D3", "B22"),
     POINT: ("MASS", "ROTARYI"),
 }
-_ABAQUS_CARRIES = ("MASS", "ROTARY INERTIA", "NONSTRUCTURAL MASS", "SPRING", "DASHPOT", "SYSTEM")
+_ABAQUS_CARRIES = (
+    *("MASS", "ROTARY INERTIA", "NONSTRUCTURAL MASS", "SPRING", "DASHPOT", "NODAL THICKNESS"),
+    *("TIE", "MPC", "EQUATION", "RIGID BODY", "KINEMATIC COUPLING", "DISTRIBUTING COUPLING", "COUPLING", "CONTACT PAIR", "FASTENER"),
+    *("SHELL TO SOLID COUPLING", "EMBEDDED ELEMENT", "CYCLIC SYMMETRY MODEL", "PRE-TENSION SECTION", "DISTRIBUTING"),
+)
+"""Keywords that weigh, hold or join, and are not read."""
+_LOOSE_OF = {"MASS": "MASS", "ROTARYI": "ROTARY INERTIA"}
+_ABAQUS_LOOSE = (*_LOOSE_OF, "SPRING1", "SPRING2", "SPRINGA", "DASHPOT1", "DASHPOT2", "DASHPOTA")
+"""Elements that no mesh needs, whose keyword without ELEMENT says the rest."""
+
+_STATE = (
+    "State it in the description, which `massline model` writes from a deck, and write left_out = [{0!r}] under [fe_model]; "
+    "or take it out of the mesh"
+)
 _ABAQUS_MAKES = ("INCLUDE", "INSTANCE", "NGEN", "NFILL", "NCOPY", "ELGEN", "ELCOPY")
 """Keywords with nodes and elements that do not stand in the file."""
 
 _ABAQUS_KINDS = {word: kind for kind, words in _ABAQUS.items() for word in words}
 
 
-def _abaqus(path: Path) -> _Raw:
+def keyword_of(line: str) -> tuple[str, dict[str, str]]:
+    """Keyword of a line of Abaqus that begins with one asterisk, and its options, all but their values in capitals."""
+    keyword, *words = (word.strip() for word in line.strip()[1:].split(","))
+    options = {key.strip().upper(): value.strip().strip('"') for key, _, value in (word.partition("=") for word in words)}
+    return " ".join(keyword.upper().split()), options
+
+
+def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
     nodes: Nodes = {}
     elements: Elements = {}
     groups: dict[str, list[int]] = {}
@@ -214,19 +238,21 @@ def _abaqus(path: Path) -> _Raw:
         if not text or text.startswith("**"):
             continue
         if text.startswith("*"):
-            keyword, *words = (word.strip() for word in text[1:].split(","))
-            keyword = keyword.upper()
-            options = {key.strip().upper(): value.strip().strip('"') for key, _, value in (word.partition("=") for word in words)}
+            keyword, options = keyword_of(text)
             pending = []
             if keyword in _ABAQUS_MAKES or (keyword in ("NODE", "ELEMENT") and "INPUT" in options):
                 problem = f"it has *{text[1:]}, which is not followed"
                 raise BadInput(source=str(path), problem=problem, remedy="Write a flat file with all nodes and elements in it")
             word, system = options.get("TYPE", "").upper(), options.get("SYSTEM", "R").upper()
-            loaded = keyword == "ELEMENT" and _ABAQUS_KINDS.get(word) == POINT  # whether or not it says how heavy
-            if keyword in _ABAQUS_CARRIES or loaded or (keyword == "NODE" and system != "R"):
-                problem = f"it has *{text[1:]}, which is not read, and what it moves, weighs or holds would be lost"
-                remedy = "Take it out of the mesh; masses, springs and joints stand in the description, nodes in global axes"
-                raise BadInput(source=str(path), field=f"*{keyword}", problem=problem, remedy=remedy)
+            carries = keyword in _ABAQUS_CARRIES
+            if keyword == "ELEMENT" and word.startswith(_ABAQUS_LOOSE):  # whether or not it says how heavy or how stiff
+                carries, keyword = True, word.rstrip("12A") if word.startswith(("SPRING", "DASHPOT")) else _LOOSE_OF[word]
+            if keyword == "SYSTEM" or (keyword == "NODE" and system != "R"):
+                problem = f"it has *{text[1:]}, and nodes in a system of their own are not read"
+                raise BadInput(source=str(path), field=f"*{keyword}", problem=problem, remedy="Write nodes in global axes")
+            if carries and not left_out(keyword):
+                problem = f"it has *{text[1:]}, which is not read, and what it weighs, holds or joins would be lost"
+                raise BadInput(source=str(path), field=f"*{keyword}", problem=problem, remedy=_STATE.format(keyword))
             if keyword == "ELEMENT":
                 if word not in _ABAQUS_KINDS:
                     known = ", ".join(sorted(words[0] for words in _ABAQUS.values()))
@@ -287,20 +313,20 @@ _NASTRAN = {
     "CROD": ("line2",),
 }
 _CARRIES = re.compile(
-    r"CONM[12]|CMASS\d|CELAS\d|CDAMP\d|CBUSH\w*|CVISC|CONROD|CTUBE|CGAP|CBEND|CBEAM3|CWELD|CFAST|CSEAM|CSHEAR|CPYRAM?|GENEL"
+    r"RBE[1-3]|RBAR1?|RROD|RJOINT|RSPLINE|RTRPLT1?|MPC|NSM1?|NSML1?|CONM[12]|CMASS\d|CELAS\d|CDAMP\d|CBUSH\w*|CVISC|CONROD|CTUBE|CGAP|CBEND|CBEAM3|CWELD|CFAST|CSEAM|CSHEAR|CPYRAM?|GENEL"
     r"|CQUAD|CQUADX\d?|CTRIAX\d?|CTRAX\d|CPLST[NS]\d|CRAC[23]D|CDUM\d|CHBDY[EGP]|CFLUID\d|CAXIF\d|CSLOT\d|CHACAB|CHACBR|CAABSF"
 )
-"""Cards of bulk data that are elements which are not read."""
+"""Cards of bulk data that weigh, hold or join, and are not read."""
 
 _MIDDLES_LAST = {"hex20": [*range(12), *range(16, 20), *range(12, 16)], "wedge15": [*range(9), *range(12, 15), *range(9, 12)]}
 """Nastran gives the middles of the upright edges before those of the top."""
 
 
-def _nastran(path: Path) -> _Raw:
+def _nastran(path: Path, left_out: LeftOut) -> _Raw:
     nodes: Nodes = {}
     elements: Elements = {}
     groups: dict[str, list[int]] = {}
-    for card, *fields in _cards(path):
+    for card, *fields in cards(path):
         if card == "GRID":
             system = (fields[1] or "0").strip()
             if system != "0":
@@ -308,7 +334,7 @@ def _nastran(path: Path) -> _Raw:
                 raise BadInput(
                     source=str(path), field="GRID", problem=problem, remedy="Write the grid points in the basic system"
                 )
-            x, y, z = (_real((fields + 5 * [""])[n]) for n in (2, 3, 4))
+            x, y, z = (real((fields + 5 * [""])[n]) for n in (2, 3, 4))
             if any(field not in ("", "-1") and not field.isdigit() for field in fields[5:8]):  # -1: a point of a fluid
                 problem = f"node {fields[0]} has {', '.join(fields[5:8])!r} where its system and freedoms are numbers"
                 raise BadInput(source=str(path), field="GRID", problem=problem, remedy="Write it again; it may be damaged")
@@ -327,10 +353,9 @@ def _nastran(path: Path) -> _Raw:
             order = _MIDDLES_LAST.get(kind, range(len(own)))
             _once(elements.setdefault(kind, {}), tag, [own[n] for n in order], str(path))
             groups.setdefault(group, []).append(tag)
-        elif _CARRIES.fullmatch(card):
-            problem = f"{card} {fields[0]} is no element that is read, and what it weighs or holds would be lost"
-            remedy = "Take such cards out of the mesh, and state masses, springs and joints in the description"
-            raise BadInput(source=str(path), field=card, problem=problem, remedy=remedy)
+        elif _CARRIES.fullmatch(card) and not left_out(card):
+            problem = f"{card} {fields[0]} is not read, and what it weighs, holds or joins would be lost"
+            raise BadInput(source=str(path), field=card, problem=problem, remedy=_STATE.format(card))
     # What a program without properties writes has one number for a volume, its skin and its edges
     dimension = {tag: DIMENSION[kind] for kind, own in elements.items() for tag in own}
     apart: dict[str, list[int]] = {}
@@ -344,7 +369,7 @@ def _nastran(path: Path) -> _Raw:
 _WORDS = ("points", "lines", "faces", "volumes")
 
 
-def _cards(path: Path) -> Iterator[list[str]]:
+def cards(path: Path) -> Iterator[list[str]]:
     """Cards from BEGIN BULK, if it is there, to ENDDATA as a name and fields: small, large and free, continued ones put together.
 
     Raises
@@ -394,7 +419,7 @@ def _cards(path: Path) -> Iterator[list[str]]:
         yield card
 
 
-def _real(text: str) -> float:
+def real(text: str) -> float:
     """``1.5-3`` is 1.5e-3 in Nastran; nothing is zero."""
     text = text.strip().upper().replace("D", "E")
     if not text:
@@ -583,7 +608,8 @@ def _unpacked(arrays: Mapping[str, np.ndarray], source: str) -> MeshFile:
     return MeshFile(source=source, node_tags=tags, points=points, cells=cells, groups=named)
 
 
-READERS: Mapping[str, Callable[[Path], "_Raw | MeshFile"]] = {
+DECKS = (".inp", ".bdf", ".nas", ".dat")
+READERS: Mapping[str, Callable[..., "_Raw | MeshFile"]] = {
     **dict.fromkeys((".msh", ".med"), _through_gmsh),
     **dict.fromkeys((".bdf", ".nas", ".dat"), _nastran),
     ".inp": _abaqus,

@@ -42,7 +42,7 @@ def load(path: Path) -> tuple[str, Structure]:
     CheckFailed : no valid mesh of an assembly.
     """
     found = described.read(path)
-    mesh = _meshed(found) if found.kind == "assembly" else files.read(found.file)
+    mesh = _meshed(found) if found.kind == "assembly" else found.mesh()
     return found.name, structure(found, mesh)
 
 
@@ -343,7 +343,7 @@ def _numbered(
     keep = np.ones(size, dtype=np.bool_)
     rows, columns, values = [], [], []
     for carrier, (name, link) in enumerate(found.links.items(), start=own):
-        riders = _set(found, sets, link.nodes, f"links.{name}.nodes")
+        riders = _chosen(found, sets, tags, link.nodes, f"links.{name}.nodes")
         for rider in riders.tolist():
             ridden = first[rider] + np.arange(count[rider])
             if not keep[ridden].all():
@@ -357,7 +357,7 @@ def _numbered(
         sets[name] = np.array([carrier], dtype=np.intp)
     carried = eye_array(size, format="csr")
     if found.support == "ground":
-        for node in _interface(found, sets, tags).tolist():
+        for node in _chosen(found, sets, tags, found.interface, "interface").tolist():
             ground = first[node] + np.arange(count[node])
             if not keep[ground].all():
                 raise found.refused("interface", f"node {tags[node]} rides on a link", "Hold the link instead")
@@ -422,11 +422,8 @@ def _welded(points: Array, blocks: Sequence[Block], first: Integers, turning: np
     return _Welded(rows=np.unique(r), entries=(r, np.concatenate(columns), np.concatenate(values)))
 
 
-def _interface(found: described.MeshDescription, sets: Sets, tags: Integers) -> Integers:
-    nodes = [
-        _node(found, tags, name, "interface") if isinstance(name, int) else _set(found, sets, name, "interface")
-        for name in found.interface
-    ]
+def _chosen(found: described.MeshDescription, sets: Sets, tags: Integers, named: Sequence[int | str], field: str) -> Integers:
+    nodes = [_node(found, tags, name, field) if isinstance(name, int) else _set(found, sets, name, field) for name in named]
     return np.unique(np.concatenate([np.zeros(0, dtype=np.intp), *nodes])).astype(np.intp)
 
 
@@ -601,7 +598,7 @@ class _Made:
     @property
     def interface(self) -> Integers:
         """Nodes that the base carries or the ground holds."""
-        return _interface(self.found, self.sets, self.elements.node_tags)
+        return _chosen(self.found, self.sets, self.elements.node_tags, self.found.interface, "interface")
 
     @property
     def held(self) -> Integers:

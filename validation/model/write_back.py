@@ -145,7 +145,7 @@ class Deck:
             if found.kind != "mesh":
                 problem = "is an assembly, which massline meshes anew each time: its nodes stand in no deck"
                 raise BadInput(source=str(path), field="fe_model.kind", problem=problem, remedy='Bring your mesh, kind = "mesh"')
-            length, mesh = str(table["units"]), files.read(found.file)
+            length, mesh = str(table["units"]), found.mesh()
             system = length if "-" in length else UNITS.get(length, f"{length}-N-s")
             return cls(
                 path=path,

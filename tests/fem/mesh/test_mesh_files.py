@@ -305,7 +305,10 @@ def test_a_sound_deck_is_read_whatever_stands_around_its_bulk_data(end: str, tmp
     ("card", "words"),
     [
         ("CONM2,9,1,,5.", "what it weighs"),
-        ("CBUSH,9,1,1,2", "or holds"),
+        ("CBUSH,9,1,1,2", "holds or joins"),
+        ("RBE2,8,1,123,2,3", "RBE2"),
+        ("RBE3,8,,1,123,1.,123,2,3", "RBE3"),
+        ("MPC,8,1,1,1.,2,1,-1.", "MPC"),
         ("CELAS2,9,1000.,1,1", "CELAS2"),
         ("CONROD,9,1,2,1,1.", "CONROD"),
         ("GRID    9       0       61.250000.00E+0010.000010.00000", "freedoms"),
@@ -314,8 +317,8 @@ def test_a_sound_deck_is_read_whatever_stands_around_its_bulk_data(end: str, tmp
 def test_a_deck_with_cards_that_would_be_lost_is_refused_by_card(card: str, words: str, tmp_path: Path) -> None:
     deck = ["SOL 103", "CEND", "BEGIN BULK", *(f"GRID,{k},,{k}.,{k * k}.,{k**3}." for k in range(1, 5)), "CTETRA,1,1,1,2,3,4"]
     path = tmp_path / "one.bdf"
-    path.write_text("\n".join([*deck, "CORD2R,7,,0.,0.,0.,0.,0.,1.", ",1.,0.,0.", "RBE2,8,1,123,2,3", "ENDDATA", ""]))
-    assert len(files.read(path).node_tags) == 4  # constraints are the user's to state
+    path.write_text("\n".join([*deck, "CORD2R,7,,0.,0.,0.,0.,0.,1.", ",1.,0.,0.", "SPC1,8,123,2,3", "ENDDATA", ""]))
+    assert len(files.read(path).node_tags) == 4  # where it is held is the user's to state
     path.write_text("\n".join([*deck, card, "ENDDATA", ""]))
     with pytest.raises(BadInput, match=words):
         files.read(path)
@@ -327,6 +330,10 @@ def test_a_deck_with_cards_that_would_be_lost_is_refused_by_card(card: str, word
         "*MASS, ELSET=m\n2.",
         "*SPRING, ELSET=s\n1\n100.",
         "*DASHPOT, ELSET=s\n1\n100.",
+        "*ELEMENT, TYPE=SPRINGA, ELSET=s\n9, 1, 2",
+        "*TIE, NAME=t\na, b",
+        "*Rigid body, nset=n, ref node=9",
+        "*EQUATION\n2\n1,1,1.,2,1,-1.",
         "*SYSTEM\n1,0,0,2,0,0",
         "*NODE, SYSTEM=C\n9,1.,90.,0.",
         "*NODE, INPUT=nodes.txt",
@@ -345,5 +352,5 @@ def test_keywords_of_abaqus_that_would_be_lost_are_refused(lines: str, tmp_path:
     path.write_text(deck)
     assert len(files.read(path).node_tags) == 4
     path.write_text(deck + lines + "\n")
-    with pytest.raises(BadInput, match=r"would be lost|is not followed"):
+    with pytest.raises(BadInput, match=r"would be lost|is not followed|are not read"):
         files.read(path)
