@@ -339,9 +339,9 @@ class _Table:
         at, nodes = self.at("at"), self.table.get("nodes")
         if not isinstance(at, tuple):
             raise self.wrong("at", "three coordinates", 'Write it like ["1 m", "0 m", "20 mm"]')
-        listed = nodes if isinstance(nodes, list) else [nodes]
+        listed: list[Any] = nodes if isinstance(nodes, list) else [nodes]
         if not listed or any(isinstance(node, bool) or not isinstance(node, int | str) for node in listed):
-            raise self.wrong("nodes", "the name of a group, or a list of groups and node numbers", "Name the nodes that ride on it")
+            raise self.wrong("nodes", "a group, or a list of groups and node numbers", "Name the nodes that ride on it")
         return Link(at=at, nodes=tuple(listed))
 
     def stated(self) -> text.Stated:

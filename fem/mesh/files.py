@@ -202,8 +202,16 @@ _ABAQUS = {
 }
 _ABAQUS_CARRIES = (
     *("MASS", "ROTARY INERTIA", "NONSTRUCTURAL MASS", "SPRING", "DASHPOT", "NODAL THICKNESS"),
-    *("TIE", "MPC", "EQUATION", "RIGID BODY", "KINEMATIC COUPLING", "DISTRIBUTING COUPLING", "COUPLING", "CONTACT PAIR", "FASTENER"),
-    *("SHELL TO SOLID COUPLING", "EMBEDDED ELEMENT", "CYCLIC SYMMETRY MODEL", "PRE-TENSION SECTION", "DISTRIBUTING"),
+    *("TIE", "MPC", "EQUATION", "RIGID BODY", "KINEMATIC COUPLING", "DISTRIBUTING COUPLING", "COUPLING"),
+    *(
+        "CONTACT PAIR",
+        "FASTENER",
+        "SHELL TO SOLID COUPLING",
+        "EMBEDDED ELEMENT",
+        "CYCLIC SYMMETRY MODEL",
+        "PRE-TENSION SECTION",
+        "DISTRIBUTING",
+    ),
 )
 """Keywords that weigh, hold or join, and are not read."""
 _LOOSE_OF = {"MASS": "MASS", "ROTARYI": "ROTARY INERTIA"}
@@ -262,7 +270,7 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
             continue
         fields = [field.strip() for field in text.split(",")]
         if keyword == "NODE":
-            x, y, z = (float([*fields, "", "", ""][n] or 0.0) for n in (1, 2, 3))
+            x, y, z = (real([*fields, "", "", ""][n]) for n in (1, 2, 3))
             _once(nodes, int(fields[0]), (x, y, z), str(path))
             if "NSET" in options:
                 node_groups.setdefault(options["NSET"], []).append(int(fields[0]))
@@ -616,6 +624,11 @@ READERS: Mapping[str, Callable[..., "_Raw | MeshFile"]] = {
     ".unv": _universal,
 }
 ENDINGS = tuple(READERS)
+
+
+def carries(card: str) -> bool:
+    """Whether a card, or a keyword without its asterisk, weighs, holds or joins, and is not read with the mesh."""
+    return card in _ABAQUS_CARRIES or _CARRIES.fullmatch(card) is not None
 
 
 def joined(names: Iterable[object], most: int = 5) -> str:

@@ -661,7 +661,8 @@ class _Made:
         node[where[where >= 0]] = np.nonzero(where >= 0)[0]
         ends = {name: np.unique(node[np.unique(spring.indices[spring.data != 0])]) for name, spring in springs.items()}
         together = [block.nodes for block in elements.blocks] + [one[None] for one in ends.values() if len(one)]
-        together += [np.append(self.sets[name], self.sets[link.nodes])[None] for name, link in found.links.items()]
+        for name, link in found.links.items():
+            together.append(np.append(self.sets[name], _chosen(found, self.sets, elements.node_tags, link.nodes, name))[None])
         pairs = np.vstack([np.column_stack([np.repeat(own[:, 0], own.shape[1]), own.ravel()]) for own in together])
         body = connected_components(coo_array((np.ones(len(pairs)), pairs.T), shape=(size, size)), directed=False)[1]
         tied = np.unique(body[np.concatenate([self.interface, *(ends[name] for name in supports)]).astype(np.intp)])

@@ -14,8 +14,8 @@ from tools.drawing import FLOORS, leads, upwards
 from tools.pages import quoted
 
 BARS = {
-    "product files": 327,
-    "product lines": 99_000,
+    "product files": 328,
+    "product lines": 99_700,
     "import circles": 0,
     "packages of validation": 17,
     "loose modules of validation": 3,
@@ -37,7 +37,8 @@ measured, and a laboratory of hammers with its tolerances are 327 files and 97,6
 what a mesh leaves unsure and an identification at half the cost made 98,500 of it. Diagnoses by single-axis shakers, what meshes
 of shells, beams and eight-node bricks leave unsure, and several shakers at a time are the last 500, less 250 that only examples
 and tests used and that stand there now; rounded up a little. The last 100 are forces on virtual structures as exact as the whole
-matrices, floors of pick-ups across a drive and articles denser than drawn. The other bars are the same for old and new.
+matrices, floors of pick-ups across a drive and articles denser than drawn. Decks of Nastran, Abaqus and CalculiX described with
+materials, sections, masses, links, springs and supports are 600 and a file more. The other bars are the same for old and new.
 """
 
 

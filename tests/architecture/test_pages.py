@@ -39,7 +39,8 @@ from validation.cli.main import COMMANDS, cli
 
 ROOT = Path(__file__).parents[2]
 PAGES = pages(ROOT)
-LANGUAGES = ("sh", "python", "toml", "output", "math")
+FILES = ("toml", "python", "nastran")
+LANGUAGES = ("sh", "output", "math", *FILES)
 README_LINES = 60
 """[lines] One screen and a half."""
 READERS = ("make", "apt-get", "git", "cd")
@@ -211,7 +212,7 @@ def unrun(page: Path) -> list[str]:
         wrong = {
             f"a block of {language or 'no language'} is run by nothing": language not in LANGUAGES,
             "name the file, as in ```toml out/model.toml": language == "toml" and not path,
-            "only files have a name": bool(path) and language not in ("toml", "python"),
+            "only files have a name": bool(path) and language not in FILES,
             "the output of what?": language == "output" and (above is None or above.language == "output"),
         }
         found += [f"line {block.line}: {words}" for words, is_so in wrong.items() if is_so]

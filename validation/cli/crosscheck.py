@@ -320,14 +320,26 @@ def league_command(names: tuple[str, ...], data: Path, studies: Path, as_json: b
     metavar="TEST.toml",
     help="A test of your own FE model: write the study of both. Repeatable.",
 )
+@click.option("--units", metavar="UNITS", help="Of a deck, such as mm-t-N-s; by default what its materials say.")
 @options.effects_from
 def model_command(
-    article: str, out: Path | None, force: bool, examine: bool, as_json: bool, program: str | None, tests: tuple[str, ...]
+    article: str,
+    out: Path | None,
+    force: bool,
+    examine: bool,
+    as_json: bool,
+    program: str | None,
+    tests: tuple[str, ...],
+    units: str | None,
 ) -> None:
     """Write a commented model file for ARTICLE: laboratory, structure, tolerances, and place for effects.
 
     ARTICLE is a built-in stack on the force measurement device, such as fmd+clumod-1; a file of your own - FE model, STEP or
     mesh - which is put on it; or a model file, which is checked and written anew. docs/model-file.md explains every key.
+
+    ARTICLE may be a deck of Nastran, Abaqus or CalculiX (.bdf, .inp): what is written is the description of its structure, with
+    materials, sections, masses, rigid links, springs and supports, to lie beside it. Exit code 1 where something of the deck is
+    not carried over; the file names it.
 
     With --test ARTICLE is an FE model of your own that was struck, shaken or measured by modes by itself; what is written is its
     study, a model file that names both, to lie beside the data.
@@ -356,7 +368,7 @@ def model_command(
         raise BadInput(source="--json", problem="a model file is TOML", remedy="Use it with --examine")
     from validation.report.history import model
 
-    model(article, out, force=force, tests=tests, program=program)
+    model(article, out, force=force, tests=tests, program=program, units=units)
 
 
 @click.command("report")

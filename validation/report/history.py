@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
+from fem.mesh import deck, files
 from geometry.atomic import write_text
-from geometry.errors import BadInput
+from geometry.errors import BadInput, CheckFailed
 from identification.quality import NORMAL_90
 from validation.history import history
 from validation.history.history import SHOWN, Body, HistoryPosition, Version, VersionSize, is_worth_adding, percent
@@ -350,17 +351,29 @@ def _show(at: HistoryPosition, *, as_json: bool) -> None:
 # The run of `massline model`.
 
 
-def model(article: str, out: Path | None, *, force: bool, tests: Sequence[str] = (), program: str | None = None) -> None:
+def model(
+    article: str,
+    out: Path | None,
+    *,
+    force: bool,
+    tests: Sequence[str] = (),
+    program: str | None = None,
+    units: str | None = None,
+) -> None:
     """Print the model file for `article`, or write it to `out`; with `tests` the study of an FE model beside them.
 
-    With a `program` it is the snippet for that program's deck instead (`validation.model.write_back`).
+    With a `program` it is the snippet for that program's deck instead (`validation.model.write_back`). Of a deck it is the
+    description of its structure, its `units` those of `fem.mesh.deck.described`.
 
     Raises
     ------
     BadInput : see `draft`; `out` is there already and not to be replaced, or cannot be written.
     OSError : a file cannot be read or written.
     """
-    known = None if program is None else write_back.PROGRAMS[program]
+    known, lost = None if program is None else write_back.PROGRAMS[program], tuple[str, ...]()
+    is_deck = program is None and Path(article).suffix.lower() in files.DECKS
+    if units is not None and not is_deck:
+        raise BadInput(source="--units", problem="only a deck states none itself", remedy="Leave it out")
     if out is not None:
         if known is None:
             require_ending(out, (".toml",), "a model file", "model.toml")
@@ -374,14 +387,26 @@ def model(article: str, out: Path | None, *, force: bool, tests: Sequence[str] =
         require_file(out, "--out")
     if program is not None:
         text = write_back.written(model_file.read(article), program)
+    elif is_deck:
+        if tests:
+            problem = "a deck is described first, and its tests come beside that"
+            raise BadInput(source="--test", problem=problem, remedy="Leave it out, then name what was written with --test")
+        text, lost = deck.described(Path(article), units)
     elif tests:
         text = model_file.study_text(article, tests, out or Path("study.toml"))
     else:
         text = model_file.text(model_file.draft(article, out))
-    if program is None:
+    if program is None and not is_deck:
         model_file.of_text(text, str(out or "model.toml"))
     if out is None:
         click.echo(text, nl=False)
-        return
-    write_text(out, text)
-    click.echo(f"massline: wrote {out}.", err=True)
+    else:
+        if is_deck and out.resolve().parent != Path(article).resolve().parent:
+            problem = "a description lies beside the deck, whose nodes and elements it needs"
+            raise BadInput(source=str(out), field="--out", problem=problem, remedy=f"Write it to {Path(article).parent}")
+        write_text(out, text)
+        click.echo(f"massline: wrote {out}.", err=True)
+    if lost:
+        raise CheckFailed(
+            f"{article}: not carried over: " + "; ".join(lost[:5]) + (f"; and {len(lost) - 5} more" if lost[5:] else "")
+        )

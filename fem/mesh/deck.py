@@ -1,0 +1,586 @@
+"""A deck of Nastran, Abaqus or CalculiX as the description of its mesh: what it says beside nodes and elements, in SI.
+
+Carried over are materials, properties of solids, shells and beams, masses at nodes, rigid links, springs and where it is held.
+Whatever else weighs, holds or joins is listed as lost, and never passed over.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from fem.mesh import files
+from fem.mesh.files import MeshFile, cards, keyword_of, real
+from fem.user_model.units import KNOWN, UnitSystem, unit_system
+from geometry import toml_file
+from geometry.errors import BadInput
+from geometry.frames import Array
+
+ELASTIC, DENSE, SOUND = (1e6, 1.3e12), (5.0, 22_600.0), (30.0, 14_000.0)
+"""Young's modulus [Pa], density [kg/m³] and speed of sound [m/s] between which materials lie, from soft rubber and foam to
+diamond and osmium: units in which a deck's materials are outside are not its own. Held by tests/fem/mesh/test_deck.py."""
+
+HEAVY = 300.0
+"""[kg/m³] that the heaviest material of a structure exceeds, as light wood does: nothing is of foam alone. Held there, too."""
+
+ALIKE = 1e-6
+"""Sine of the angle of two directions, and relative difference of two sections, that are the same to a deck's digits."""
+
+TRANSLATIONS, ALL = frozenset("123"), frozenset("123456")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Isotropic:
+    """A material as the deck has it: modulus, Poisson's ratio and density in its own units."""
+
+    modulus: float
+    poisson_ratio: float
+    density: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Property:
+    """What elements of a group are made of, in the deck's own units.
+
+    Attributes
+    ----------
+    material : its name or number
+    thickness : of shells, else 0
+    section : keys of a beam's section with their values, none of others
+    z_axis : direction of the section's height; none where the deck has several or none
+    added : mass of no stiffness per area of shells or length of beams
+    """
+
+    material: str
+    thickness: float = 0.0
+    section: Mapping[str, float] = field(default_factory=dict)
+    z_axis: tuple[float, ...] = ()
+    added: float = 0.0
+
+    @property
+    def across(self) -> float:
+        """Thickness, or area of the section; 0 of solids."""
+        s = self.section
+        if "width" in s:
+            return s["width"] * s["height"]
+        if "outer_diameter" in s:
+            return float(np.pi / 4 * (s["outer_diameter"] ** 2 - s["inner_diameter"] ** 2))
+        return s.get("area", self.thickness)
+
+
+@dataclass(kw_only=True)
+class Deck:
+    """What is found in a deck, by its own names and numbers and in its own units.
+
+    Attributes
+    ----------
+    mesh : its nodes, elements and groups
+    materials, properties : by name or number, properties by group of elements
+    masses : (node, mass, six moments) by name
+    links : (independent node, groups and numbers of nodes that ride on it) by name
+    springs : ((node,) or (node, other), six stiffnesses) by name
+    held : letters of "123456" that each node is held in
+    carried : cards that are carried over
+    lost : sentences on what is not
+    weight : what masses and densities are multiplied with (PARAM, WTMASS)
+    """
+
+    mesh: MeshFile
+    materials: dict[str, Isotropic] = field(default_factory=dict)
+    properties: dict[str, Property] = field(default_factory=dict)
+    masses: dict[str, tuple[int, float, Array]] = field(default_factory=dict)
+    links: dict[str, tuple[int, list[int | str]]] = field(default_factory=dict)
+    springs: dict[str, tuple[tuple[int, ...], Array]] = field(default_factory=dict)
+    held: dict[int, set[str]] = field(default_factory=dict)
+    carried: dict[str, None] = field(default_factory=dict)
+    lost: list[str] = field(default_factory=list)
+    weight: float = 1.0
+
+    def lose(self, what: str, why: str) -> None:
+        """Note that `what` is not carried over."""
+        self.lost.append(f"{what}: {why}")
+
+
+def described(path: Path, units: str | None = None) -> tuple[str, tuple[str, ...]]:
+    """The deck in `path` as the TOML text of a description that lies beside it, and what of it is not carried over.
+
+    `units` names its system, ``mm-t-N-s``; else it is the one of `KNOWN` in which its materials are some.
+
+    Raises
+    ------
+    BadInput : it cannot be read, it has no elements, or its units are not known or cannot be told from its materials.
+    """
+    mesh = files.read(path, lambda card: True)
+    try:
+        deck = _abaqus(path, mesh) if path.suffix.lower() == ".inp" else _nastran(path, mesh)
+    except (ValueError, IndexError, KeyError, OverflowError) as error:
+        problem = f"a record of it cannot be read: {type(error).__name__}, {error}"
+        raise BadInput(source=str(path), problem=problem, remedy="Check the deck; it may be cut short or damaged") from None
+    system = _system(deck, str(path)) if units is None else unit_system(units, str(path), "--units")
+    return _text(path, deck, system), tuple(deck.lost)
+
+
+def _system(deck: Deck, source: str) -> UnitSystem:
+    if not any(one.density for one in deck.materials.values()):
+        what = "no material states a density" if deck.materials else "it has no material that is known here"
+        raise BadInput(source=source, problem=what, remedy="Masses are asked for: write a deck with densities")
+    known = [unit_system(name, source) for name in KNOWN]
+    fitting = [one for one in known if _believed(deck, one)]
+    if len(fitting) == 1:
+        return fitting[0]
+    which = " and ".join(one.name for one in fitting) or f"none of {', '.join(KNOWN)}"
+    problem = f"its units cannot be told: {which} make known materials of what it states"
+    raise BadInput(source=source, problem=problem, remedy="Name them, as in --units mm-t-N-s")
+
+
+def _believed(deck: Deck, system: UnitSystem) -> bool:
+    """Whether the materials of the deck are some when it is in `system`."""
+    heaviest = 0.0
+    for one in deck.materials.values():
+        E = one.modulus * system.mass / (system.length * system.time**2)
+        rho = one.density * deck.weight * system.mass / system.length**3
+        if not ELASTIC[0] <= E <= ELASTIC[1]:
+            return False
+        if rho and not (DENSE[0] <= rho <= DENSE[1] and SOUND[0] <= np.sqrt(E / rho) <= SOUND[1]):
+            return False
+        heaviest = max(heaviest, rho)
+    return heaviest >= HEAVY
+
+
+# Nastran: bulk data. Cards of one property have its number; fields behind the card's name are numbered from 0.
+
+
+def _nastran(path: Path, mesh: MeshFile) -> Deck:
+    deck, fixed = Deck(mesh=mesh), dict[str, list[list[str]]]()
+    point = dict(zip(mesh.node_tags.tolist(), mesh.points, strict=True))
+    upright: dict[str, list[Array]] = {}
+    bushes, laws = list[list[str]](), dict[str, list[str]]()
+    shells, together = dict[str, list[str]](), dict[str, list[str]]()
+    for card, *own in cards(path):
+        f = [*own, *(40 * [""])]
+        name = f"{card} {f[0]}"
+        if card == "MAT1":
+            E, G, nu = (real(f[k]) for k in (1, 2, 3))
+            nu = nu if f[3] or not G else E / (2 * G) - 1
+            deck.materials[f[0]] = Isotropic(modulus=E or 2 * G * (1 + nu), poisson_ratio=nu, density=real(f[4]))
+        elif card == "PARAM" and f[0].upper() == "WTMASS":
+            deck.weight = real(f[1])
+        elif card == "PSOLID":
+            deck.properties[f[0]] = Property(material=f[1])
+        elif card == "PSHELL":
+            shells[f[0]] = f
+        elif card in ("PBAR", "PBEAM", "PBARL", "PBEAML"):
+            _beam_property(deck, card, f)
+        elif card in ("PCOMP", "PCOMPG", "PROD", "PTUBE", "PBCOMP", "PLSOLID", "MAT2", "MAT8", "MAT9", "MAT10", "PBMSECT"):
+            deck.lose(name, "no material or property that is known here; state the part by hand")
+        elif card in ("CBAR", "CBEAM"):
+            other = point.get(int(f[4])) if f[4].isdigit() and not f[5] else None
+            to = np.array([real(f[k]) for k in (4, 5, 6)]) if other is None else other - point[int(f[2])]
+            upright.setdefault(f[1] or f[0], []).append(to / max(float(np.linalg.norm(to)), 1e-300))
+            if any(real(f[k]) for k in range(8, 16)):
+                deck.lose(name, "pinned or offset ends")
+        elif card in ("CQUAD4", "CTRIA3", "CQUAD8", "CTRIA6", "CQUADR", "CTRIAR"):
+            corners = 4 if "QUAD" in card else 3
+            offset = f[2 + corners + 1] if corners == 4 else f[6]
+            if card in ("CQUAD4", "CTRIA3", "CQUADR", "CTRIAR") and real(offset):
+                deck.lose(name, "its plane is off its nodes (ZOFFS)")
+        elif card == "CONM2":
+            xx, yx, yy, zx, zy, zz = (real(f[k]) for k in range(8, 14))
+            if f[2] not in ("", "0") or any(real(f[k]) for k in (4, 5, 6)):
+                deck.lose(name, "beside its node, or in axes of its own")
+            else:
+                deck.masses[name] = int(f[1]), real(f[3]), np.array([xx, yy, zz, -yx, -zx, -zy])
+                deck.carried[card] = None
+        elif card == "RBE2":
+            riders = _listed(f[3:], name, deck)
+            _ride(deck, name, int(f[1]), f[2], riders)
+        elif card in ("CELAS2", "CELAS1"):
+            laws.setdefault("CELAS", []).append(card)
+            bushes.append([card, *f])
+        elif card == "CBUSH":
+            bushes.append([card, *f])
+        elif card in ("PELAS", "PBUSH"):
+            laws[f"{card} {f[0]}"] = f
+        elif card == "SPC1":
+            fixed.setdefault(f[0], []).append([f[1], *map(str, _listed(f[2:], name, deck))])
+        elif card == "SPC":
+            fixed.setdefault(f[0], []).extend([f[k + 1], f[k]] for k in (1, 4) if f[k])
+            if any(real(f[k]) for k in (3, 6)):
+                deck.lose(name, "held away from where it stands")
+        elif card == "SPCADD":
+            together[f[0]] = [text for text in f[1:] if text]
+        elif card == "GRID" and f[6].strip("0"):
+            deck.held.setdefault(int(f[0]), set()).update(f[6])
+        elif files.carries(card):
+            deck.lose(name, "a card that is not known here")
+    for number, f in shells.items():
+        bending, ratio = f[3], real(f[4]) or 1.0
+        if bending != f[1] or abs(ratio - 1) > ALIKE:
+            deck.lose(f"PSHELL {number}", "it bends otherwise than its thickness says, or not at all")
+        deck.properties[number] = Property(material=f[1], thickness=real(f[2]), added=real(f[7]))
+    for number, one in deck.properties.items():
+        if one.section:
+            z_axis = _one_direction(upright.get(number, []))
+            if not z_axis and not _round(one.section):
+                deck.lose(f"property {number}", "its beams are turned in more than one way; state a part for each")
+            section = one.section if z_axis or _round(one.section) else {}
+            deck.properties[number] = replace(one, section=section, z_axis=z_axis)
+    for card, *f in bushes:
+        _spring(deck, card, f, laws, point)
+    _hold(deck, path, fixed | {sid: [row for one in several for row in fixed.get(one, [])] for sid, several in together.items()})
+    return deck
+
+
+def _listed(fields: Sequence[str], name: str, deck: Deck) -> list[int]:
+    """Numbers, THRU among them, up to the first field that is none."""
+    found: list[int] = []
+    through = False
+    for text in fields:
+        if text.upper() == "THRU":
+            through = True
+        elif text.isdigit():
+            found += range(found[-1] + 1, int(text) + 1) if through else [int(text)]
+            through = False
+        elif text and real(text):
+            deck.lose(name, f"{text} behind its nodes")
+    return found
+
+
+def _beam_property(deck: Deck, card: str, f: Sequence[str]) -> None:
+    name, section = f"{card} {f[0]}", dict[str, float]()
+    added = 0.0
+    if card in ("PBAR", "PBEAM"):
+        A, I1, I2 = (real(f[k]) for k in (2, 3, 4))
+        J, added = (real(f[5]), real(f[6])) if card == "PBAR" else (real(f[6]), real(f[7]))
+        section = {"area": A, "Iy": I1, "Iz": I2, "J": J}
+        if card == "PBEAM" and (real(f[5]) or any(f[k] and abs(real(f[k]) / A - 1) > ALIKE for k in (18, 26) if real(f[k]))):
+            deck.lose(name, "a product of inertia, or a taper")
+    else:
+        d = [real(text) for text in f[8:12]]
+        kind = f[3].upper()
+        if kind == "BAR":
+            section = {"width": d[0], "height": d[1]}
+        elif kind == "ROD":
+            section = {"outer_diameter": 2 * d[0], "inner_diameter": 0.0}
+        elif kind in ("TUBE", "TUBE2"):
+            section = {"outer_diameter": 2 * d[0], "inner_diameter": 2 * (d[1] if kind == "TUBE" else d[0] - d[1])}
+        else:
+            deck.lose(name, f"a section of kind {kind}")
+        added = real(f[8 + len(section)]) if section else 0.0
+    deck.properties[f[0]] = Property(material=f[1], section=section, added=added)
+
+
+def _round(section: Mapping[str, float]) -> bool:
+    """Whether a section bends alike whichever way it is turned."""
+    y, z = (section.get(one, section.get(other, 0.0)) for one, other in (("width", "Iy"), ("height", "Iz")))
+    return abs(y - z) <= ALIKE * max(y, z)
+
+
+def _one_direction(directions: Iterable[Array]) -> tuple[float, ...]:
+    """The direction that all have, whichever way it points; none where they differ."""
+    every = list(directions)
+    alike = every and all(float(np.linalg.norm(np.cross(every[0], one))) <= ALIKE for one in every) and np.any(every[0])
+    return tuple(every[0].tolist()) if alike else ()
+
+
+def _spring(deck: Deck, card: str, f: Sequence[str], laws: Mapping[str, Sequence[str]], point: Mapping[int, Array]) -> None:
+    name = f"{card} {f[0]}"
+    if card == "CBUSH":
+        law, ends = laws.get(f"PBUSH {f[1] or f[0]}"), [int(text) for text in f[2:4] if text.isdigit() and int(text)]
+        apart = len(ends) == 2 and bool(np.any(point[ends[0]] != point[ends[1]]))
+        if law is None or law[1].upper() != "K" or (f[7] != "0" and (f[7] or apart or any(f[4:7]))):
+            deck.lose(name, "no PBUSH with K, or in axes of its own")
+            return
+        six = np.array([real(text) for text in law[2:8]])
+    else:
+        first = 1 if card == "CELAS2" else None
+        stiffness = real(f[1]) if first else real(laws[f"PELAS {f[1] or f[0]}"][1]) if f"PELAS {f[1] or f[0]}" in laws else 0.0
+        pairs = [(int(f[k]), f[k + 1]) for k in (2, 4) if f[k].isdigit() and int(f[k])]
+        ends, along = [node for node, _ in pairs], {component for _, component in pairs}
+        if not stiffness or len(along) != 1 or not along <= set("123456"):
+            deck.lose(name, "it joins two different motions, or its stiffness is not here")
+            return
+        six = np.zeros(6)
+        six[int(along.pop()) - 1] = stiffness
+    deck.springs[name] = tuple(ends), six
+    deck.carried[card] = None
+
+
+def _ride(deck: Deck, name: str, carrier: int, components: str, riders: Sequence[int | str]) -> None:
+    """A rigid link; nodes of solids alone need not be held in rotation."""
+    turning = _turning(deck.mesh)
+    turns = any(node in turning for node in _numbers(deck.mesh, riders))
+    if not (ALL if turns else TRANSLATIONS) <= set(components):
+        deck.lose(name, f"it carries its nodes in {components} alone")
+        return
+    deck.links[name] = carrier, list(riders)
+    deck.carried[name.split()[0] if name.startswith("RBE2") else "RIGID BODY"] = None
+
+
+def _turning(mesh: MeshFile) -> set[int]:
+    """Numbers of the nodes of shells and beams."""
+    flat = [cells.nodes.ravel() for kind, cells in mesh.cells.items() if files.DIMENSION[kind] in (1, 2)]
+    return set(mesh.node_tags[np.unique(np.concatenate(flat))].tolist()) if flat else set()
+
+
+def _called(mesh: MeshFile, name: str) -> str:
+    """The group that a deck means, to whom capitals are no different from small letters."""
+    return next((own for own in mesh.names if own.upper() == name.upper()), name)
+
+
+def _numbers(mesh: MeshFile, named: Iterable[int | str]) -> list[int]:
+    """Numbers of the nodes of groups, and numbers as they are."""
+    return [
+        node
+        for one in named
+        for node in ([one] if isinstance(one, int) else mesh.node_tags[mesh.nodes_of(_called(mesh, one))].tolist())
+    ]
+
+
+def _hold(deck: Deck, path: Path, fixed: Mapping[str, Sequence[Sequence[str]]]) -> None:
+    """The set of constraints that the case control calls; the only one where it calls none."""
+    called = [
+        line.split("=")[1].strip()
+        for line in path.read_text(encoding="utf-8", errors="replace").upper().partition("BEGIN BULK")[0].splitlines()
+        if line.strip().startswith("SPC") and "=" in line
+    ]
+    chosen = [one for one in dict.fromkeys(called) if one in fixed] or list(fixed)
+    if len(chosen) > 1:
+        deck.lose(f"SPC sets {', '.join(chosen)}", "more than one, and none that is called alone")
+        return
+    for components, *nodes in (row for one in chosen for row in fixed[one]):
+        for node in nodes:
+            deck.held.setdefault(int(node), set()).update(components)
+
+
+# Abaqus and CalculiX: keywords with rows of data, of the model and of its first step.
+
+_HELD_AS = {"ENCASTRE": "123456", "PINNED": "123", "XSYMM": "156", "YSYMM": "246", "ZSYMM": "345"}
+
+
+def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]:
+    """Keyword, options and rows of fields, to the end of the first step; nodes and elements come without their rows."""
+    keyword, options, rows, steps = "", dict[str, str](), list[list[str]](), 0
+    with path.open(encoding="utf-8", errors="replace") as file:
+        for line in file:
+            text = line.strip()
+            if not text or text.startswith("**"):
+                continue
+            if not text.startswith("*"):
+                heavy = keyword in ("NODE", "NSET", "ELSET") or (keyword == "ELEMENT" and not _loose(options))
+                rows += [] if heavy else [[one.strip() for one in text.split(",")]]
+                continue
+            if keyword:
+                yield keyword, options, rows
+            (keyword, options), rows = keyword_of(text), []
+            steps += keyword == "STEP"
+            if steps > 1:
+                return
+    yield keyword, options, rows
+
+
+def _loose(options: Mapping[str, str]) -> bool:
+    return options.get("TYPE", "").upper() in ("MASS", "SPRING1", "SPRING2", "SPRINGA", "ROTARYI")
+
+
+def _abaqus(path: Path, mesh: MeshFile) -> Deck:
+    deck, material = Deck(mesh=mesh), ""
+    elastic, dense = dict[str, list[str]](), dict[str, float]()
+    point = dict(zip(mesh.node_tags.tolist(), mesh.points, strict=True))
+    loose: dict[str, list[tuple[str, list[int]]]] = {}
+    for keyword, options, rows in _blocks(path):
+        o, first = {key: value.upper() for key, value in options.items()}, (rows or [[""]])[0]
+        group = _called(mesh, options.get("ELSET", ""))
+        name = f"*{keyword} {options.get('ELSET', options.get('NAME', options.get('NSET', '')))}".strip()
+        if keyword == "MATERIAL":
+            material = o["NAME"]
+        elif keyword == "ELASTIC":
+            if o.get("TYPE", "ISO") not in ("ISO", "ISOTROPIC"):
+                deck.lose(f"*MATERIAL {material}", "it is not isotropic; state the part by hand")
+            elastic[material] = first
+            if len(rows) > 1:
+                deck.lose(f"*ELASTIC of {material}", "it changes with temperature; the first row is taken")
+        elif keyword == "DENSITY":
+            dense[material] = real(first[0])
+        elif keyword == "SOLID SECTION":
+            deck.properties[group] = Property(material=o["MATERIAL"])
+        elif keyword == "SHELL SECTION":
+            if real(o.get("OFFSET", "0") if o.get("OFFSET", "0") not in ("SPOS", "SNEG") else "0.5") or "COMPOSITE" in o:
+                deck.lose(name, "layers, or a plane that is off its nodes")
+            deck.properties[group] = Property(material=o.get("MATERIAL", ""), thickness=real(first[0]))
+        elif keyword == "BEAM SECTION":
+            _beam_section(deck, name, group, o, rows)
+        elif keyword == "ELEMENT" and _loose(options):
+            loose.setdefault(o.get("ELSET", ""), []).extend((o["TYPE"], [int(text) for text in row if text]) for row in rows)
+        elif keyword == "MASS":
+            for _, (tag, node) in loose.get(o["ELSET"], []):
+                deck.masses[f"{options['ELSET']} {tag}"] = node, real(first[0]), np.zeros(6)
+            deck.carried[keyword] = None
+        elif keyword == "SPRING":
+            _abaqus_spring(deck, name, loose.get(o["ELSET"], []), rows, point)
+        elif keyword == "RIGID BODY":
+            riders = _called(mesh, options.get("NSET", options.get("ELSET", options.get("TIE NSET", ""))))
+            if (carrier := o.get("REF NODE", o.get("REFNODE", ""))).isdigit():
+                _ride(deck, f"{keyword} {riders}", int(carrier), "123456", [riders])
+            else:
+                deck.lose(name, "it has no number of a reference node")
+        elif keyword == "BOUNDARY":
+            _abaqus_boundary(deck, rows)
+        elif files.carries(keyword):
+            deck.lose(name, "a keyword that is not known here")
+    for name, row in elastic.items():
+        nu = real(row[1]) if row[1:] and row[1] else 0.0
+        deck.materials[name] = Isotropic(modulus=real(row[0]), poisson_ratio=nu, density=dense.get(name, 0.0))
+    return deck
+
+
+def _beam_section(deck: Deck, name: str, group: str, o: Mapping[str, str], rows: Sequence[Sequence[str]]) -> None:
+    """Along its first direction, which the second row says, a rectangle has the first of its two sizes."""
+    sizes = [real(text) for text in rows[0] if text]
+    z_axis = tuple(real(text) for text in rows[1][:3]) if rows[1:] else (0.0, 0.0, -1.0)
+    section: dict[str, float] = {}
+    if o.get("SECTION", "")[:4] == "RECT":
+        section = {"width": sizes[-1], "height": sizes[0]}
+    elif o.get("SECTION") == "CIRC" and (len(sizes) == 1 or sizes[0] == sizes[1]):  # a radius, or CalculiX's two diameters
+        section = {"outer_diameter": sizes[0] * (2 if len(sizes) == 1 else 1), "inner_diameter": 0.0}
+    elif o.get("SECTION") == "PIPE":
+        section = {"outer_diameter": 2 * sizes[0], "inner_diameter": 2 * (sizes[0] - sizes[1])}
+    else:
+        deck.lose(name, f"a section of kind {o.get('SECTION', 'none')}")
+    deck.properties[group] = Property(material=o["MATERIAL"], section=section, z_axis=z_axis)
+
+
+def _abaqus_spring(
+    deck: Deck, name: str, elements: Sequence[tuple[str, list[int]]], rows: Sequence[Sequence[str]], point: Mapping[int, Array]
+) -> None:
+    """Grounded in one freedom, between two nodes in the same one, or along an axis from one to the other."""
+    for kind, (tag, *ends) in elements:
+        if kind == "SPRINGA":
+            line = point[ends[1]] - point[ends[0]]
+            axis = np.flatnonzero(np.abs(line) > ALIKE * np.linalg.norm(line))
+            along, law = [int(axis[0]) + 1] if len(axis) == 1 else [], rows
+        else:
+            along, law = sorted({int(text) for text in rows[0] if text}), rows[1:]
+        if len(along) != 1 or len(law) != 1:
+            deck.lose(f"{name} {tag}", "not along an axis, not linear, or between two different motions")
+            continue
+        six = np.zeros(6)
+        six[along[0] - 1] = real(law[0][0])
+        deck.springs[f"{name.lstrip('*')} {tag}"] = tuple(ends), six
+        deck.carried["SPRING"] = None
+
+
+def _abaqus_boundary(deck: Deck, rows: Sequence[Sequence[str]]) -> None:
+    for who, *what in rows:
+        word = what[0].upper() if what else ""
+        first = word if word.isdigit() else ""
+        last = what[1] if len(what) > 1 and what[1] else first
+        letters = _HELD_AS.get(word, "".join(map(str, range(int(first or 1), int(last or 0) + 1))))
+        if len(what) > 2 and what[2] and real(what[2]):
+            deck.lose(f"*BOUNDARY {who}", "held away from where it stands")
+        for node in _numbers(deck.mesh, [int(who) if who.isdigit() else who]):
+            deck.held.setdefault(node, set()).update(letters)
+
+
+# The text: SI with units, names and numbers of the deck.
+
+
+def _interface(deck: Deck) -> list[int | str]:
+    """Nodes that are held altogether, by the groups that they are, else by their numbers."""
+    turning = _turning(deck.mesh)
+    in_use = set(_numbers(deck.mesh, deck.mesh.names)) | {
+        int(tag) for cells in deck.mesh.cells.values() for tag in deck.mesh.node_tags[np.unique(cells.nodes)]
+    }
+    held = {node for node, letters in deck.held.items() if (ALL if node in turning else TRANSLATIONS) <= letters}
+    partly = sorted(node for node in deck.held if node in in_use and node not in held)
+    if partly:
+        count = f"{len(partly)} nodes are" if len(partly) > 1 else "1 node is"
+        deck.lose(
+            "supports",
+            f"{count} held in some directions alone, such as node {partly[0]} in "
+            f"{''.join(sorted(deck.held[partly[0]]))}; a spring that is stiff in those may stand for it",
+        )
+    names: list[int | str] = []
+    left = held & in_use
+    for name in sorted(deck.mesh.node_groups, key=lambda name: -len(deck.mesh.node_groups[name])):
+        own = set(deck.mesh.node_tags[deck.mesh.node_groups[name]].tolist())
+        if own and own <= held and own & left:
+            names.append(name)
+            left -= own
+    return [*names, *sorted(left)]
+
+
+def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
+    interface = _interface(deck)
+    grounded = any(len(ends) == 1 for ends, _ in deck.springs.values())
+    pressure, density = system.mass / (system.length * system.time**2), deck.weight * system.mass / system.length**3
+    mass, stiffness = deck.weight * system.mass, system.mass / system.time**2
+    scale = {"area": 2, "Iy": 4, "Iz": 4, "J": 4}
+    unit = {1: "m", 2: "m^2", 4: "m^4"}
+    tables: list[tuple[str, dict[str, str]]] = []
+    for name, one in deck.properties.items():
+        if name not in deck.mesh.groups:
+            continue
+        table: dict[str, str] = {}
+        if (of := deck.materials.get(one.material)) is None:
+            deck.lose(f"part {name}", f"no material {one.material} that is known here; state it by hand")
+        else:
+            more = one.added / one.across if one.added and one.across else 0.0
+            table["material"] = (
+                f'{{ density = "{(of.density + more) * density:.9g} kg/m^3", youngs_modulus = "{of.modulus * pressure:.9g} Pa", '
+                f"poisson_ratio = {of.poisson_ratio:.9g} }}{'  # with a mass beside its own' if more else ''}"
+            )
+        if one.thickness:
+            table["thickness"] = f'"{one.thickness * system.length:.9g} m"'
+        if one.section:
+            keys = [
+                f'{key} = "{value * system.length ** scale.get(key, 1):.9g} {unit[scale.get(key, 1)]}"'
+                for key, value in one.section.items()
+            ]
+            keys += [f"z_axis = [{', '.join(f'{value:.9g}' for value in one.z_axis)}]"] if one.z_axis else []
+            table["section"] = f"{{ {', '.join(keys)} }}"
+        tables.append((f"parts.{toml_file.string(name)}", table))
+    carriers = {node: name for name, (node, _) in deck.links.items()}
+    in_use = set(deck.mesh.node_tags[np.unique(np.concatenate([c.nodes.ravel() for c in deck.mesh.cells.values()]))].tolist())
+    points = dict(zip(deck.mesh.node_tags.tolist(), deck.mesh.points, strict=True))
+
+    def at(node: int) -> str:
+        return toml_file.string(carriers[node]) if node in carriers else str(node)
+
+    for name, (node, riders) in deck.links.items():
+        where = ", ".join(f'"{value * system.length:.12g} m"' for value in points[node].tolist())
+        every = [*([node] if node in in_use and node not in _numbers(deck.mesh, riders) else []), *riders]
+        nodes = ", ".join(str(one) if isinstance(one, int) else toml_file.string(one) for one in every)
+        tables.append((f"links.{toml_file.string(name)}", {"at": f"[{where}]", "nodes": f"[{nodes}]"}))
+    for name, (node, value, moments) in deck.masses.items():
+        table = {"at": at(node), "mass": f'"{value * mass:.9g} kg"'}
+        if np.any(moments):
+            six = ", ".join(f'"{one * mass * system.length**2:.9g} kg m^2"' for one in moments.tolist())
+            table["moments"] = f"[{six}]"
+        tables.append((f"masses.{toml_file.string(name)}", table))
+    for name, (ends, own) in deck.springs.items():
+        factors = [stiffness] * 3 + [stiffness * system.length**2] * 3
+        words = ("N/m",) * 3 + ("N m/rad",) * 3
+        six = ", ".join(f'"{k * factor:.9g} {word}"' for k, factor, word in zip(own.tolist(), factors, words, strict=True))
+        place = {"at": at(ends[0])} if len(ends) == 1 else {"between": f"[{at(ends[0])}, {at(ends[1])}]"}
+        tables.append((f"springs.{toml_file.string(name)}", {**place, "stiffness": f"[{six}]"}))
+    support = "ground" if interface or grounded else "free"
+    names = ", ".join(str(one) if isinstance(one, int) else toml_file.string(one) for one in interface)
+    lines = [
+        f"# The structure of {path.name}, read by `massline model`. Units of its coordinates: {system.name}; all else is in SI.",
+        *(f"# NOT CARRIED OVER: {one}" for one in deck.lost),
+        "format = 1",
+        "",
+        "[fe_model]",
+        f"name = {toml_file.string(path.stem)}",
+        'kind = "mesh"',
+        f"units = {toml_file.string(system.name)}",
+        f"file = {toml_file.string(path.name)}",
+        f"support = {toml_file.string(support)}" + "  # `base` for a test on a shaker that carries it",
+        *([f"interface = [{names}]"] if interface else []),
+        *([f"left_out = [{', '.join(map(toml_file.string, deck.carried))}]  # stated below"] if deck.carried else []),
+    ]
+    for where, table in tables:
+        lines += ["", f"[fe_model.{where}]", *(f"{key} = {value}" for key, value in table.items())]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,232 @@
+"""A deck of Nastran or Abaqus as a description: the same structure by both, CalculiX's frequencies, units, and what is lost."""
+
+import os
+import re
+import shutil
+import subprocess
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+
+from fem.mesh import deck, description, model
+from fem.user_model.units import KNOWN, unit_system
+from geometry.errors import BadInput
+from geometry.frames import Array
+from validation.cli import main
+
+LONG, SIDE = 6, 20.0
+"""Elements of the cantilever along x, and the edge [mm] of each."""
+
+CORNERS = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2)]
+EDGES = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+AROUND = np.array([*CORNERS, *((np.add(CORNERS[a], CORNERS[b]) // 2).tolist() for a, b in EDGES)])
+"""A hexahedron of twenty nodes in half edges, in the order of Abaqus."""
+
+HUB, TIP = 9000, 9001
+"""Number of the node that the free end rides on, which carries a mass, and of a node at the corner that a spring holds."""
+
+
+def cantilever() -> tuple[dict[int, tuple[float, ...]], list[list[int]]]:
+    """Nodes [mm] by number, and the nodes of each element."""
+    lattice = [p for p in product(range(2 * LONG + 1), range(3), range(3)) if sum(k % 2 for k in p) <= 1]
+    number = {p: n for n, p in enumerate(lattice, start=1)}
+    nodes = {n: tuple(SIDE / 2 * k for k in p) for p, n in number.items()}
+    cells = [[number[tuple(p)] for p in np.add(AROUND, (2 * k, 0, 0)).tolist()] for k in range(LONG)]
+    return {**nodes, HUB: (SIDE * LONG + 30.0, SIDE / 2, SIDE / 2)}, cells
+
+
+NODES, CELLS = cantilever()
+FOOT = [n for n, p in NODES.items() if p[0] == 0]
+END = [n for n, p in NODES.items() if p[0] == SIDE * LONG]
+MIDDLE = next(n for n, p in NODES.items() if p == (SIDE * 3, 0.0, 0.0))
+
+
+def listed(numbers: list[int]) -> str:
+    return "".join(f"{n},\n" for n in numbers)
+
+
+def abaqus(step: str = "") -> str:
+    """In capitals and small letters as Abaqus minds neither; CalculiX writes exponents with a d."""
+    lines = ["*NODE, NSET=ALL", *(f"{n}, {x}, {y}, {z}" for n, (x, y, z) in NODES.items())]
+    for name, some in (("ROOT", range(2)), ("ARM", range(2, LONG))):
+        lines += [f"*ELEMENT, TYPE=C3D20, ELSET={name}"]
+        lines += [f"{k + 1}, {', '.join(map(str, CELLS[k][:10]))},\n{', '.join(map(str, CELLS[k][10:]))}" for k in some]
+    lines += [f"*ELEMENT, TYPE=MASS, ELSET=HEAVY\n101, {HUB}\n*ELEMENT, TYPE=SPRING1, ELSET=STAY\n102, {MIDDLE}"]
+    lines += [f"*NSET, NSET=Foot\n{listed(FOOT)}*NSET, NSET=END\n{listed(END)}*MASS, ELSET=HEAVY\n1.5d-4"]
+    lines += ["*SPRING, ELSET=STAY\n3\n200.", f"*RIGID BODY, NSET=END, REF NODE={HUB}", "*BOUNDARY\nFOOT, 1\nfoot, 2, 3"]
+    lines += ["*MATERIAL, NAME=Steel\n*ELASTIC\n210000., 0.3\n*DENSITY\n7.85e-9"]
+    lines += ["*MATERIAL, NAME=ALU\n*ELASTIC\n7.d4, 0.33\n*DENSITY\n2.7e-9"]
+    lines += ["*SOLID SECTION, ELSET=root, MATERIAL=STEEL\n*SOLID SECTION, ELSET=ARM, MATERIAL=alu"]
+    return "\n".join(lines) + "\n" + step
+
+
+def card(*fields: object) -> str:
+    """In free fields, continued after every eighth."""
+    words = [str(field) for field in fields]
+    first, rest = words[:9], [words[k : k + 8] for k in range(9, len(words), 8)]
+    return "\n".join([",".join(first), *("," + ",".join(more) for more in rest)])
+
+
+def nastran(*more: str, spc: str = "123") -> str:
+    lines = [
+        "SOL 103",
+        "CEND",
+        "SPC = 7",
+        "BEGIN BULK",
+        "PARAM,WTMASS,1.-3",
+        "MAT1,1,210000.,,.3,7.85-6",
+        "MAT1,2,7.+4,,.33,2.7-6",
+    ]
+    lines += [card("GRID", n, "", *p) for n, p in NODES.items()] + ["PSOLID,1,1", "PSOLID,2,2"]
+    lines += [card("CHEXA", k + 1, 1 if k < 2 else 2, *own[:12], *own[16:], *own[12:16]) for k, own in enumerate(CELLS)]
+    lines += [card("SPC1", 7, spc, *FOOT), card("SPC1", 8, "123456", MIDDLE), card("RBE2", 99, HUB, "123456", *END)]
+    lines += [card("CONM2", 101, HUB, "", 0.15), card("CELAS2", 102, 200.0, MIDDLE, 3), *more, "ENDDATA", ""]
+    return "\n".join(lines)
+
+
+def frequencies(text: str, folder: Path, ending: str) -> Array:
+    """(6,) [Hz] of the description that `massline model` makes of a deck."""
+    path = folder / f"beam.{ending}"
+    path.write_text(text, encoding="utf-8")
+    written, lost = deck.described(path)
+    assert lost == ()
+    (folder / f"{ending}.toml").write_text(written, encoding="utf-8")
+    structure = model.load(folder / f"{ending}.toml")[1]
+    values = eigh(structure.stiffness.toarray(), structure.mass.toarray(), eigvals_only=True, subset_by_index=(0, 5))
+    return np.sqrt(values) / (2 * np.pi)
+
+
+def test_nastran_and_abaqus_tell_the_same_structure(tmp_path: Path) -> None:
+    one, other = frequencies(abaqus(), tmp_path, "inp"), frequencies(nastran(), tmp_path, "bdf")
+    np.testing.assert_allclose(one, other, rtol=1e-6)
+    found = description.read(tmp_path / "bdf.toml")
+    assert (found.support, found.left_out, list(found.parts)) == ("ground", ("RBE2", "CONM2", "CELAS2"), ["1", "2"])
+    assert description.read(tmp_path / "inp.toml").interface == ("Foot",)
+    assert found.masses["CONM2 101"].inertia.mass == pytest.approx(0.15)
+
+
+@pytest.mark.calculix
+def test_calculix_has_the_frequencies_of_its_deck(tmp_path: Path) -> None:
+    """Mass, rigid end and spring among them; without the rigid end they are others by a tenth and more."""
+    if shutil.which("ccx") is None:
+        pytest.skip("CalculiX is not installed: apt-get install calculix-ccx")
+    text = abaqus("*STEP\n*FREQUENCY\n6\n*END STEP\n")
+    own = frequencies(text, tmp_path, "inp")
+    quiet = {**os.environ, "OMP_NUM_THREADS": "1"}
+    done = subprocess.run(["ccx", "beam"], cwd=tmp_path, env=quiet, capture_output=True, text=True, timeout=300, check=False)
+    assert "*ERROR" not in done.stdout, done.stdout
+    rows = [line.split() for line in (tmp_path / "beam.dat").read_text().splitlines() if re.match(r" +\d+ +0\.\d+E", line)]
+    there = np.array([float(row[3]) for row in rows if len(row) == 5][:6])
+    np.testing.assert_allclose(own, there, rtol=1e-4)
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_units_are_told_by_the_materials(name: str, tmp_path: Path) -> None:
+    units = unit_system(name, "here")
+    E, rho = 210e9 * units.length * units.time**2 / units.mass, 7850 * units.length**3 / units.mass
+    nodes = [f"GRID,{n},,{x},{y},{z}" for n, (x, y, z) in enumerate([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], start=1)]
+    path = tmp_path / "one.bdf"
+    path.write_text("\n".join(["BEGIN BULK", *nodes, "CTETRA,1,1,1,2,3,4", "PSOLID,1,1", f"MAT1,1,{E:.6g},,.3,{rho:.6g}", ""]))
+    text, _ = deck.described(path)
+    assert f'units = "{name}"' in text
+    assert float(re.findall(r'density = "([\d.]+) ', text)[0]) == pytest.approx(7850, rel=1e-5)
+    assert 'support = "free"' in text
+
+
+PLATE = [
+    "BEGIN BULK",
+    *(card("GRID", n, "", *p) for n, p in enumerate([(0, 0, 0), (100, 0, 0), (100, 50, 0), (0, 50, 0), (0, 0, 80)], start=1)),
+    *("MAT1,1,210000.,,.3,7.85-9", "PSHELL,1,1,2.,1,,1,,1.57-8", "CQUAD4,1,1,1,2,3,4", "SPC1,1,123456,1,2"),
+]
+
+
+def test_shells_and_beams_have_their_sections(tmp_path: Path) -> None:
+    beams = [
+        card("PBARL", 2, 1, "", "BAR", *4 * [""], 10.0, 20.0),
+        "CBAR,2,2,1,5,1.,0.,0.",
+        "PBAR,3,1,100.,900.,400.,800.",
+        "CBAR,3,3,4,5,1.,0.,0.",
+    ]
+    path = tmp_path / "one.bdf"
+    path.write_text("\n".join([*PLATE, *beams, "ENDDATA", ""]))
+    text, lost = deck.described(path)
+    assert lost == ()
+    (tmp_path / "one.toml").write_text(text)
+    found = description.read(tmp_path / "one.toml")
+    assert found.parts["1"].thickness == pytest.approx(2e-3)
+    assert found.parts["1"].material.density == pytest.approx(2 * 7850)  # the mass per area doubles it
+    assert found.parts["2"].section is not None
+    assert found.parts["2"].section.sizes == (0.01, 0.02)
+    np.testing.assert_allclose(np.abs(found.parts["2"].z_axis), [1, 0, 0])
+    assert found.parts["3"].section is not None
+    np.testing.assert_allclose(found.parts["3"].section.sizes, [1e-4, 9e-10, 4e-10, 8e-10])
+    assert model.load(tmp_path / "one.toml")[1].rigid_mass[0, 0] > 0
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ("RBE3,9,,5,123,1.,123,1,2", "RBE3 9: a card that is not known here"),
+        ("RBE2,9,5,1,3,4", "RBE2 9: it carries its nodes in 1 alone"),
+        ("SPC1,1,3,4", "1 node is held in some directions alone, such as node 4 in 3"),
+        ("CONM2,9,1,,5.,1.", "CONM2 9: beside its node"),
+        ("PCOMP,5", "PCOMP 5"),
+        ("CELAS2,9,5.,1,1,3,2", "CELAS2 9: it joins two different motions"),
+        ("PBARL,2,1,,I,,,,,1.,1.\nCBAR,2,2,1,5,1.,0.,0.", "PBARL 2: a section of kind I"),
+        ("PBAR,2,1,100.,900.,400.,800.\nCBAR,2,2,1,5,1.,0.,0.\nCBAR,3,2,4,5,0.,1.,0.", "turned in more than one way"),
+        ("CTRIA3,7,8,1,2,5,,1.5\nPSHELL,8,1,2.", "CTRIA3 7: its plane is off its nodes"),
+    ],
+)
+def test_what_is_not_carried_over_is_said_and_ends_with_one(
+    more: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "one.bdf"
+    path.write_text("\n".join([*PLATE, more, "ENDDATA", ""]))
+    assert main.run(["model", str(path), "--out", str(tmp_path / "one.toml")]) == 1
+    assert words in " ".join(capsys.readouterr().err.split())
+    assert words in (tmp_path / "one.toml").read_text()
+
+
+@pytest.mark.parametrize(
+    ("text", "arguments", "words"),
+    [
+        ("BEGIN BULK\nGRID,1\n", (), "it holds no elements"),
+        ("\n".join(PLATE).replace("7.85-9", ""), (), "no material states a density"),
+        ("\n".join(PLATE).replace("7.85-9", "7.85+2"), (), "its units cannot be told: none of m-kg-N-s"),
+        ("\n".join(PLATE), ("--units", "mm-kg-N-s"), "the force of mm-kg-N-s"),
+        ("\n".join(PLATE), ("--test", "test.toml"), "a deck is described first"),
+        ("\n".join(PLATE), ("--out", "../one.toml"), "a description lies beside the deck"),
+        ("\n".join(PLATE).replace("2.,1,,1", "two,1,,1"), (), "a record of it cannot be read"),
+    ],
+)
+def test_what_cannot_be_described_is_refused(
+    text: str,
+    arguments: tuple[str, ...],
+    words: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (tmp_path / "in").mkdir()
+    monkeypatch.chdir(tmp_path / "in")
+    Path("one.bdf").write_text(text + "\nENDDATA\n")
+    assert main.run(["model", "one.bdf", *arguments]) == 2
+    assert words in " ".join(capsys.readouterr().err.split())
+    assert not (tmp_path / "one.toml").exists()
+
+
+def test_units_are_of_a_deck_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main.run(["model", "fmd+cuboid", "--units", "mm-t-N-s"]) == 2
+    assert "only a deck states none" in " ".join(capsys.readouterr().err.split())
+
+
+def test_what_a_description_leaves_out_is_named_right(tmp_path: Path) -> None:
+    path = tmp_path / "one.bdf"
+    path.write_text("\n".join([*PLATE, "ENDDATA", ""]))
+    text = deck.described(path)[0].replace("interface", "left_out = 3\ninterface")
+    (tmp_path / "one.toml").write_text(text)
+    with pytest.raises(BadInput, match="a list of cards or keywords"):
+        description.read(tmp_path / "one.toml")
