@@ -101,6 +101,115 @@ class Deck:
         """Note that `what` is not carried over."""
         self.lost.append(f"{what}: {why}")
 
+    def drop_lost_nodes(self) -> None:
+        """What stands at a node that the deck does not have is lost."""
+        there = set(self.mesh.node_tags.tolist())
+        nodes = {name: [node] for name, (node, *_) in (*self.masses.items(), *self.links.items())}
+        nodes |= {name: list(ends) for name, (ends, _) in self.springs.items()}
+        for name, own in nodes.items():
+            if not own or not set(own) <= there:
+                for table in (self.masses, self.links, self.springs):
+                    table.pop(name, None)
+                self.lose(name, "it stands at a node that is not there")
+
+    def ride(self, name: str, carrier: int, components: str, riders: Sequence[int | str]) -> None:
+        """A rigid link; nodes of solids alone need not be held in rotation."""
+        turning = _turning(self.mesh)
+        turns = any(node in turning for node in _numbers(self.mesh, riders))
+        if not (ALL if turns else TRANSLATIONS) <= set(components):
+            self.lose(name, f"it carries its nodes in {components} alone")
+            return
+        self.links[name] = carrier, list(riders)
+        self.carried[name.split()[0] if name.startswith("RBE2") else "RIGID BODY"] = None
+
+    def hold(self, path: Path, fixed: Mapping[str, Sequence[Sequence[str]]]) -> None:
+        """The set of constraints that the case control calls; the only one where it calls none."""
+        called = [
+            line.split("=")[1].strip()
+            for line in path.read_text(encoding="utf-8", errors="replace").upper().partition("BEGIN BULK")[0].splitlines()
+            if line.strip().startswith("SPC") and "=" in line
+        ]
+        chosen = [one for one in dict.fromkeys(called) if one in fixed] or list(fixed)
+        if len(chosen) > 1:
+            self.lose(f"SPC sets {', '.join(chosen)}", "more than one, and none that is called alone")
+            return
+        for components, *nodes in (row for one in chosen for row in fixed[one]):
+            for node in nodes:
+                self.held.setdefault(int(node), set()).update(components)
+
+    def beam_property(self, card: str, f: Sequence[str]) -> None:
+        name, section = f"{card} {f[0]}", dict[str, float]()
+        added = 0.0
+        if card in ("PBAR", "PBEAM"):
+            A, I1, I2 = (real(f[k]) for k in (2, 3, 4))
+            J, added = (real(f[5]), real(f[6])) if card == "PBAR" else (real(f[6]), real(f[7]))
+            section = {"area": A, "Iy": I1, "Iz": I2, "J": J}
+            if card == "PBEAM" and (real(f[5]) or any(f[k] and abs(real(f[k]) / A - 1) > ALIKE for k in (18, 26) if real(f[k]))):
+                self.lose(name, "a product of inertia, or a taper")
+        else:
+            d = [real(text) for text in f[8:12]]
+            kind = f[3].upper()
+            if kind == "BAR":
+                section = {"width": d[0], "height": d[1]}
+            elif kind == "ROD":
+                section = {"outer_diameter": 2 * d[0], "inner_diameter": 0.0}
+            elif kind in ("TUBE", "TUBE2"):
+                section = {"outer_diameter": 2 * d[0], "inner_diameter": 2 * (d[1] if kind == "TUBE" else d[0] - d[1])}
+            else:
+                self.lose(name, f"a section of kind {kind}")
+            added = real(f[8 + len(section)]) if section else 0.0
+        self.properties[f[0]] = Property(material=f[1], section=section, added=added)
+
+    def beam_section(self, name: str, group: str, o: Mapping[str, str], rows: Sequence[Sequence[str]]) -> None:
+        """Along its first direction, which the second row says, a rectangle has the first of its two sizes."""
+        sizes = [real(text) for text in rows[0] if text]
+        z_axis = tuple(real(text) for text in rows[1][:3]) if rows[1:] else (0.0, 0.0, -1.0)
+        section: dict[str, float] = {}
+        if o.get("SECTION", "")[:4] == "RECT":
+            section = {"width": sizes[-1], "height": sizes[0]}
+        elif o.get("SECTION") == "CIRC" and (len(sizes) == 1 or sizes[0] == sizes[1]):  # a radius, or CalculiX's two diameters
+            section = {"outer_diameter": sizes[0] * (2 if len(sizes) == 1 else 1), "inner_diameter": 0.0}
+        elif o.get("SECTION") == "PIPE":
+            section = {"outer_diameter": 2 * sizes[0], "inner_diameter": 2 * (sizes[0] - sizes[1])}
+        else:
+            self.lose(name, f"a section of kind {o.get('SECTION', 'none')}")
+        self.properties[group] = Property(material=o["MATERIAL"], section=section, z_axis=z_axis)
+
+    def boundary(self, rows: Sequence[Sequence[str]]) -> None:
+        for who, *what in rows:
+            word = what[0].upper() if what else ""
+            first = word if word.isdigit() else ""
+            last = what[1] if len(what) > 1 and what[1] else first
+            letters = _HELD_AS.get(word, "".join(map(str, range(int(first or 1), min(int(last or 0), 6) + 1))))
+            if len(what) > 2 and what[2] and real(what[2]):
+                self.lose(f"*BOUNDARY {who}", "held away from where it stands")
+            for node in _numbers(self.mesh, [int(who) if who.isdigit() else who]):
+                self.held.setdefault(node, set()).update(letters)
+
+    def interface(self) -> list[int | str]:
+        """Nodes that are held altogether, by the groups that they are, else by their numbers."""
+        turning = _turning(self.mesh)
+        in_use = set(_numbers(self.mesh, self.mesh.names)) | {
+            int(tag) for cells in self.mesh.cells.values() for tag in self.mesh.node_tags[np.unique(cells.nodes)]
+        }
+        held = {node for node, letters in self.held.items() if (ALL if node in turning else TRANSLATIONS) <= letters}
+        partly = sorted(node for node in self.held if node in in_use and node not in held)
+        if partly:
+            count = f"{len(partly)} nodes are" if len(partly) > 1 else "1 node is"
+            self.lose(
+                "supports",
+                f"{count} held in some directions alone, such as node {partly[0]} in "
+                f"{''.join(sorted(self.held[partly[0]]))}; a spring that is stiff in those may stand for it",
+            )
+        names: list[int | str] = []
+        left = held & in_use
+        for name in sorted(self.mesh.node_groups, key=lambda name: -len(self.mesh.node_groups[name])):
+            own = set(self.mesh.node_tags[self.mesh.node_groups[name]].tolist())
+            if own and own <= held and own & left:
+                names.append(name)
+                left -= own
+        return [*names, *sorted(left)]
+
 
 def described(path: Path, units: str | None = None) -> tuple[str, tuple[str, ...]]:
     """The deck in `path` as the TOML text of a description that lies beside it, and what of it is not carried over.
@@ -117,6 +226,7 @@ def described(path: Path, units: str | None = None) -> tuple[str, tuple[str, ...
     except (ValueError, IndexError, KeyError, OverflowError) as error:
         problem = f"a record of it cannot be read: {type(error).__name__}, {error}"
         raise BadInput(source=str(path), problem=problem, remedy="Check the deck; it may be cut short or damaged") from None
+    deck.drop_lost_nodes()
     system = _system(deck, str(path)) if units is None else unit_system(units, str(path), "--units")
     return _text(path, deck, system), tuple(deck.lost)
 
@@ -171,7 +281,7 @@ def _nastran(path: Path, mesh: MeshFile) -> Deck:
         elif card == "PSHELL":
             shells[f[0]] = f
         elif card in ("PBAR", "PBEAM", "PBARL", "PBEAML"):
-            _beam_property(deck, card, f)
+            deck.beam_property(card, f)
         elif card in ("PCOMP", "PCOMPG", "PROD", "PTUBE", "PBCOMP", "PLSOLID", "MAT2", "MAT8", "MAT9", "MAT10", "PBMSECT"):
             deck.lose(name, "no material or property that is known here; state the part by hand")
         elif card in ("CBAR", "CBEAM"):
@@ -194,7 +304,7 @@ def _nastran(path: Path, mesh: MeshFile) -> Deck:
                 deck.carried[card] = None
         elif card == "RBE2":
             riders = _listed(f[3:], name, deck)
-            _ride(deck, name, int(f[1]), f[2], riders)
+            deck.ride(name, int(f[1]), f[2], riders)
         elif card in ("CELAS2", "CELAS1"):
             laws.setdefault("CELAS", []).append(card)
             bushes.append([card, *f])
@@ -228,7 +338,7 @@ def _nastran(path: Path, mesh: MeshFile) -> Deck:
             deck.properties[number] = replace(one, section=section, z_axis=z_axis)
     for card, *f in bushes:
         _spring(deck, card, f, laws, point)
-    _hold(deck, path, fixed | {sid: [row for one in several for row in fixed.get(one, [])] for sid, several in together.items()})
+    deck.hold(path, fixed | {sid: [row for one in several for row in fixed.get(one, [])] for sid, several in together.items()})
     return deck
 
 
@@ -240,35 +350,12 @@ def _listed(fields: Sequence[str], name: str, deck: Deck) -> list[int]:
         if text.upper() == "THRU":
             through = True
         elif text.isdigit():
-            found += range(found[-1] + 1, int(text) + 1) if through else [int(text)]
+            tags = deck.mesh.node_tags  # a range names those that are there
+            found += tags[(tags > found[-1]) & (tags <= int(text))].tolist() if through and found else [int(text)]
             through = False
         elif text and real(text):
             deck.lose(name, f"{text} behind its nodes")
     return found
-
-
-def _beam_property(deck: Deck, card: str, f: Sequence[str]) -> None:
-    name, section = f"{card} {f[0]}", dict[str, float]()
-    added = 0.0
-    if card in ("PBAR", "PBEAM"):
-        A, I1, I2 = (real(f[k]) for k in (2, 3, 4))
-        J, added = (real(f[5]), real(f[6])) if card == "PBAR" else (real(f[6]), real(f[7]))
-        section = {"area": A, "Iy": I1, "Iz": I2, "J": J}
-        if card == "PBEAM" and (real(f[5]) or any(f[k] and abs(real(f[k]) / A - 1) > ALIKE for k in (18, 26) if real(f[k]))):
-            deck.lose(name, "a product of inertia, or a taper")
-    else:
-        d = [real(text) for text in f[8:12]]
-        kind = f[3].upper()
-        if kind == "BAR":
-            section = {"width": d[0], "height": d[1]}
-        elif kind == "ROD":
-            section = {"outer_diameter": 2 * d[0], "inner_diameter": 0.0}
-        elif kind in ("TUBE", "TUBE2"):
-            section = {"outer_diameter": 2 * d[0], "inner_diameter": 2 * (d[1] if kind == "TUBE" else d[0] - d[1])}
-        else:
-            deck.lose(name, f"a section of kind {kind}")
-        added = real(f[8 + len(section)]) if section else 0.0
-    deck.properties[f[0]] = Property(material=f[1], section=section, added=added)
 
 
 def _round(section: Mapping[str, float]) -> bool:
@@ -307,17 +394,6 @@ def _spring(deck: Deck, card: str, f: Sequence[str], laws: Mapping[str, Sequence
     deck.carried[card] = None
 
 
-def _ride(deck: Deck, name: str, carrier: int, components: str, riders: Sequence[int | str]) -> None:
-    """A rigid link; nodes of solids alone need not be held in rotation."""
-    turning = _turning(deck.mesh)
-    turns = any(node in turning for node in _numbers(deck.mesh, riders))
-    if not (ALL if turns else TRANSLATIONS) <= set(components):
-        deck.lose(name, f"it carries its nodes in {components} alone")
-        return
-    deck.links[name] = carrier, list(riders)
-    deck.carried[name.split()[0] if name.startswith("RBE2") else "RIGID BODY"] = None
-
-
 def _turning(mesh: MeshFile) -> set[int]:
     """Numbers of the nodes of shells and beams."""
     flat = [cells.nodes.ravel() for kind, cells in mesh.cells.items() if files.DIMENSION[kind] in (1, 2)]
@@ -336,22 +412,6 @@ def _numbers(mesh: MeshFile, named: Iterable[int | str]) -> list[int]:
         for one in named
         for node in ([one] if isinstance(one, int) else mesh.node_tags[mesh.nodes_of(_called(mesh, one))].tolist())
     ]
-
-
-def _hold(deck: Deck, path: Path, fixed: Mapping[str, Sequence[Sequence[str]]]) -> None:
-    """The set of constraints that the case control calls; the only one where it calls none."""
-    called = [
-        line.split("=")[1].strip()
-        for line in path.read_text(encoding="utf-8", errors="replace").upper().partition("BEGIN BULK")[0].splitlines()
-        if line.strip().startswith("SPC") and "=" in line
-    ]
-    chosen = [one for one in dict.fromkeys(called) if one in fixed] or list(fixed)
-    if len(chosen) > 1:
-        deck.lose(f"SPC sets {', '.join(chosen)}", "more than one, and none that is called alone")
-        return
-    for components, *nodes in (row for one in chosen for row in fixed[one]):
-        for node in nodes:
-            deck.held.setdefault(int(node), set()).update(components)
 
 
 # Abaqus and CalculiX: keywords with rows of data, of the model and of its first step.
@@ -410,7 +470,7 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
                 deck.lose(name, "layers, or a plane that is off its nodes")
             deck.properties[group] = Property(material=o.get("MATERIAL", ""), thickness=real(first[0]))
         elif keyword == "BEAM SECTION":
-            _beam_section(deck, name, group, o, rows)
+            deck.beam_section(name, group, o, rows)
         elif keyword == "ELEMENT" and _loose(options):
             loose.setdefault(o.get("ELSET", ""), []).extend((o["TYPE"], [int(text) for text in row if text]) for row in rows)
         elif keyword == "MASS":
@@ -422,33 +482,17 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
         elif keyword == "RIGID BODY":
             riders = _called(mesh, options.get("NSET", options.get("ELSET", options.get("TIE NSET", ""))))
             if (carrier := o.get("REF NODE", o.get("REFNODE", ""))).isdigit():
-                _ride(deck, f"{keyword} {riders}", int(carrier), "123456", [riders])
+                deck.ride(f"{keyword} {riders}", int(carrier), "123456", [riders])
             else:
                 deck.lose(name, "it has no number of a reference node")
         elif keyword == "BOUNDARY":
-            _abaqus_boundary(deck, rows)
+            deck.boundary(rows)
         elif files.carries(keyword):
             deck.lose(name, "a keyword that is not known here")
     for name, row in elastic.items():
         nu = real(row[1]) if row[1:] and row[1] else 0.0
         deck.materials[name] = Isotropic(modulus=real(row[0]), poisson_ratio=nu, density=dense.get(name, 0.0))
     return deck
-
-
-def _beam_section(deck: Deck, name: str, group: str, o: Mapping[str, str], rows: Sequence[Sequence[str]]) -> None:
-    """Along its first direction, which the second row says, a rectangle has the first of its two sizes."""
-    sizes = [real(text) for text in rows[0] if text]
-    z_axis = tuple(real(text) for text in rows[1][:3]) if rows[1:] else (0.0, 0.0, -1.0)
-    section: dict[str, float] = {}
-    if o.get("SECTION", "")[:4] == "RECT":
-        section = {"width": sizes[-1], "height": sizes[0]}
-    elif o.get("SECTION") == "CIRC" and (len(sizes) == 1 or sizes[0] == sizes[1]):  # a radius, or CalculiX's two diameters
-        section = {"outer_diameter": sizes[0] * (2 if len(sizes) == 1 else 1), "inner_diameter": 0.0}
-    elif o.get("SECTION") == "PIPE":
-        section = {"outer_diameter": 2 * sizes[0], "inner_diameter": 2 * (sizes[0] - sizes[1])}
-    else:
-        deck.lose(name, f"a section of kind {o.get('SECTION', 'none')}")
-    deck.properties[group] = Property(material=o["MATERIAL"], section=section, z_axis=z_axis)
 
 
 def _abaqus_spring(
@@ -471,48 +515,11 @@ def _abaqus_spring(
         deck.carried["SPRING"] = None
 
 
-def _abaqus_boundary(deck: Deck, rows: Sequence[Sequence[str]]) -> None:
-    for who, *what in rows:
-        word = what[0].upper() if what else ""
-        first = word if word.isdigit() else ""
-        last = what[1] if len(what) > 1 and what[1] else first
-        letters = _HELD_AS.get(word, "".join(map(str, range(int(first or 1), int(last or 0) + 1))))
-        if len(what) > 2 and what[2] and real(what[2]):
-            deck.lose(f"*BOUNDARY {who}", "held away from where it stands")
-        for node in _numbers(deck.mesh, [int(who) if who.isdigit() else who]):
-            deck.held.setdefault(node, set()).update(letters)
-
-
 # The text: SI with units, names and numbers of the deck.
 
 
-def _interface(deck: Deck) -> list[int | str]:
-    """Nodes that are held altogether, by the groups that they are, else by their numbers."""
-    turning = _turning(deck.mesh)
-    in_use = set(_numbers(deck.mesh, deck.mesh.names)) | {
-        int(tag) for cells in deck.mesh.cells.values() for tag in deck.mesh.node_tags[np.unique(cells.nodes)]
-    }
-    held = {node for node, letters in deck.held.items() if (ALL if node in turning else TRANSLATIONS) <= letters}
-    partly = sorted(node for node in deck.held if node in in_use and node not in held)
-    if partly:
-        count = f"{len(partly)} nodes are" if len(partly) > 1 else "1 node is"
-        deck.lose(
-            "supports",
-            f"{count} held in some directions alone, such as node {partly[0]} in "
-            f"{''.join(sorted(deck.held[partly[0]]))}; a spring that is stiff in those may stand for it",
-        )
-    names: list[int | str] = []
-    left = held & in_use
-    for name in sorted(deck.mesh.node_groups, key=lambda name: -len(deck.mesh.node_groups[name])):
-        own = set(deck.mesh.node_tags[deck.mesh.node_groups[name]].tolist())
-        if own and own <= held and own & left:
-            names.append(name)
-            left -= own
-    return [*names, *sorted(left)]
-
-
 def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
-    interface = _interface(deck)
+    interface = deck.interface()
     grounded = any(len(ends) == 1 for ends, _ in deck.springs.values())
     pressure, density = system.mass / (system.length * system.time**2), deck.weight * system.mass / system.length**3
     mass, stiffness = deck.weight * system.mass, system.mass / system.time**2

@@ -173,6 +173,7 @@ def test_shells_and_beams_have_their_sections(tmp_path: Path) -> None:
         ("RBE2,9,5,1,3,4", "RBE2 9: it carries its nodes in 1 alone"),
         ("SPC1,1,3,4", "1 node is held in some directions alone, such as node 4 in 3"),
         ("CONM2,9,1,,5.,1.", "CONM2 9: beside its node"),
+        ("CONM2,9,77,,5.", "CONM2 9: it stands at a node that is not there"),
         ("PCOMP,5", "PCOMP 5"),
         ("CELAS2,9,5.,1,1,3,2", "CELAS2 9: it joins two different motions"),
         ("PBARL,2,1,,I,,,,,1.,1.\nCBAR,2,2,1,5,1.,0.,0.", "PBARL 2: a section of kind I"),
