@@ -122,7 +122,7 @@ def shown(page: Path) -> Shown:
             steps += [{"words": list(claim(line)[:-1]), "ends": expected_exit(line)} for line in asked]
         elif language == "python" and not path:
             steps.append({"python": block.text, "of": f"{page.name}:{block.line}", "ends": 0})
-        elif path and not (ROOT / path).is_file():
+        elif path and (path.removeprefix("+").startswith("out/") or not (ROOT / path).is_file()):  # out/ is of whoever ran there
             steps.append({"file": path.removeprefix("+"), "text": block.text, "append": path.startswith("+"), "ends": 0})
         elif language == "output":
             says.append((block, above, first))
