@@ -33,6 +33,17 @@ LARGEST_INTEGER = 1e300
 """A whole number beyond is no number that can be calculated with."""
 
 
+DECKS = (".inp", ".bdf", ".nas", ".dat")
+"""Endings of decks of finite-element programs."""
+
+
+def require_no_deck(path: Path) -> None:
+    """Refuse a deck, with how it becomes a description."""
+    if path.suffix.lower() in DECKS and path.is_file():
+        remedy = f"Describe its structure first: massline model {path} --out {path.with_suffix('.toml')}"
+        raise BadInput(source=str(path), problem="it is a deck of a finite-element program", remedy=remedy)
+
+
 def read(name: str | Path, *, remedy: str = "Check the path") -> dict[str, Any]:
     """The table in the file `name`, JSON where its name ends so, else TOML; `remedy` is said when there is no such file.
 
@@ -53,6 +64,7 @@ def read(name: str | Path, *, remedy: str = "Check the path") -> dict[str, Any]:
         raise BadInput(source=name, problem="it is a device, where a file is needed", remedy=remedy)
     if not path.exists():
         raise BadInput(source=name, problem="there is no such file", remedy=remedy)
+    require_no_deck(path)
     try:
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:

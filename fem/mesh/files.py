@@ -20,6 +20,7 @@ from fem.mesh import solids
 from fem.solid.assembly import require_gmsh, session
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers
+from geometry.toml_file import DECKS
 
 BEAMS, SHELLS, POINT = ("line2", "line3"), ("tri3", "tri6", "quad4", "quad8"), "point"
 DIMENSION = {POINT: 0, **dict.fromkeys(BEAMS, 1), **dict.fromkeys(SHELLS, 2), **dict.fromkeys(solids.KINDS, 3)}
@@ -616,10 +617,9 @@ def _unpacked(arrays: Mapping[str, np.ndarray], source: str) -> MeshFile:
     return MeshFile(source=source, node_tags=tags, points=points, cells=cells, groups=named)
 
 
-DECKS = (".inp", ".bdf", ".nas", ".dat")
 READERS: Mapping[str, Callable[..., "_Raw | MeshFile"]] = {
     **dict.fromkeys((".msh", ".med"), _through_gmsh),
-    **dict.fromkeys((".bdf", ".nas", ".dat"), _nastran),
+    **dict.fromkeys(DECKS, _nastran),
     ".inp": _abaqus,
     ".unv": _universal,
 }

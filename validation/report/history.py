@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from fem.mesh import deck, files
+from fem.mesh import deck
 from geometry.atomic import write_text
 from geometry.errors import BadInput, CheckFailed
+from geometry.toml_file import DECKS
 from identification.quality import NORMAL_90
 from validation.history import history
 from validation.history.history import SHOWN, Body, HistoryPosition, Version, VersionSize, is_worth_adding, percent
@@ -371,7 +372,7 @@ def model(
     OSError : a file cannot be read or written.
     """
     known, lost = None if program is None else write_back.PROGRAMS[program], tuple[str, ...]()
-    is_deck = program is None and Path(article).suffix.lower() in files.DECKS
+    is_deck = program is None and Path(article).suffix.lower() in DECKS
     if units is not None and not is_deck:
         raise BadInput(source="--units", problem="only a deck states none itself", remedy="Leave it out")
     if out is not None:

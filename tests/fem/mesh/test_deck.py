@@ -231,3 +231,13 @@ def test_what_a_description_leaves_out_is_named_right(tmp_path: Path) -> None:
     (tmp_path / "one.toml").write_text(text)
     with pytest.raises(BadInput, match="a list of cards or keywords"):
         description.read(tmp_path / "one.toml")
+
+
+@pytest.mark.parametrize("command", ["reference", "modes", "compare", "diagnose", "model --examine"])
+def test_every_command_says_how_a_deck_becomes_a_description(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "one.bdf"
+    path.write_text("\n".join(PLATE))
+    assert main.run([*command.split(), str(path)]) == 2
+    assert "Describe its structure first: massline model" in " ".join(capsys.readouterr().err.split())
