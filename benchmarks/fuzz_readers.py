@@ -23,6 +23,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from fem.mesh import deck
 from fem.structure import Structure
 from fem.user_model import reading
 from geometry import toml_file
@@ -35,6 +36,7 @@ from identification.files import csv, files, hdf5, mat, uff
 from identification.files.files import Signals
 from identification.modal_table import ModalTable
 from identification.response_functions import ResponseFunctions
+from tools.pages import blocks
 from validation.model.model_file import inline
 
 PATIENCE = 20
@@ -311,6 +313,10 @@ def structures(folder: Path) -> dict[str, tuple[Path, Path]]:
         )
         made[ending] = folder / f"blocks.{ending}", described
     made["description of a mesh"] = folder / "inp-blocks.toml", folder / "inp-blocks.toml"
+    shelf = folder / "shelf.bdf"
+    made["deck"] = shelf, shelf
+    (block,) = (one for one in blocks(Path("docs/own-model.md")) if one.language.startswith("nastran"))
+    shelf.write_text(block.text, encoding="utf-8")
     return made
 
 
@@ -330,13 +336,19 @@ def _judged_structure(damaged: Path, described: Path, whole: tuple[float, ...], 
         return failed
     if not np.all(np.isfinite(found)):
         return "FAILED: numbers that are none"
-    if np.allclose(found, whole, rtol=1e-9, atol=0):
+    if len(found) == len(whole) and np.allclose(found, whole, rtol=1e-9, atol=0):
         return "read"
     return "digits" if mutant.replaced else "other numbers"
 
 
 def _numbers(described: Path) -> tuple[float, ...]:
-    """Size, sums and traces of what is read, by which two structures are told apart."""
+    """Size, sums and traces of what is read, by which two structures are told apart; of a deck, what its description says."""
+    if described.suffix in toml_file.DECKS:
+        written, lost = deck.described(described)
+        if lost:
+            raise BadInput(source=str(described), problem=lost[0], remedy="")
+        described = described.with_suffix(".toml")
+        described.write_text(written, encoding="utf-8")
     found = reading.load(described).model
     if not isinstance(found, Structure):
         return (*found.frequency.tolist(),)

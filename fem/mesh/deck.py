@@ -4,6 +4,7 @@ Carried over are materials, properties of solids, shells and beams, masses at no
 Whatever else weighs, holds or joins is listed as lost, and never passed over.
 """
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -260,6 +261,13 @@ def _believed(deck: Deck, system: UnitSystem) -> bool:
 
 # Nastran: bulk data. Cards of one property have its number; fields behind the card's name are numbered from 0.
 
+_IDLE = re.compile(
+    r"PARAM|EIG\w*|LOAD\w*|FORCE\d?|MOMENT\d?|GRAV|RFORCE|PLOAD\w*|TEMP\w*|[DRT]LOAD\d?|DAREA|DPHASE|DELAY|FREQ\d?|TSTEP\w*|TABLE\w*"
+    r"|TABDMP\d|TABRND\w*|SUPORT\d?|[ABCQ]SET\d?|OMIT\d?|SPOINT|CORD[12][CRS]|BAROR|BEAMOR|MATT\d|SET\d|NLPARM|ECHOO\w+|PLOTEL\d?|USET\d?"
+    r"|DESVAR|DRESP\d|DV\w+|DCONSTR|DOPTPRM|MKAERO\d|RANDPS|DTI|DMI|SEQGP|CSUPER|ACCEL\d?|DEFORM|SPCD|GRDSET"
+)
+"""Cards that neither weigh nor hold nor join in a linear structure, or are read with the mesh."""
+
 
 def _nastran(path: Path, mesh: MeshFile) -> Deck:
     deck, fixed = Deck(mesh=mesh), dict[str, list[list[str]]]()
@@ -322,7 +330,7 @@ def _nastran(path: Path, mesh: MeshFile) -> Deck:
             together[f[0]] = [text for text in f[1:] if text]
         elif card == "GRID" and f[6].strip("0"):
             deck.held.setdefault(int(f[0]), set()).update(f[6])
-        elif files.carries(card):
+        elif not (card in files.NASTRAN or (card == "GRID") or _IDLE.fullmatch(card)):
             deck.lose(name, "a card that is not known here")
     for number, f in shells.items():
         bending, ratio = f[3], real(f[4]) or 1.0
@@ -338,6 +346,8 @@ def _nastran(path: Path, mesh: MeshFile) -> Deck:
             deck.properties[number] = replace(one, section=section, z_axis=z_axis)
     for card, *f in bushes:
         _spring(deck, card, f, laws, point)
+    if not re.search(r"^\s*ENDDATA", path.read_text(encoding="utf-8", errors="replace"), re.IGNORECASE | re.MULTILINE):
+        deck.lose("the end", "there is no ENDDATA, and the deck may be cut short")
     deck.hold(path, fixed | {sid: [row for one in several for row in fixed.get(one, [])] for sid, several in together.items()})
     return deck
 
@@ -445,7 +455,7 @@ def _loose(options: Mapping[str, str]) -> bool:
 
 
 def _abaqus(path: Path, mesh: MeshFile) -> Deck:
-    deck, material = Deck(mesh=mesh), ""
+    deck, material, open_step = Deck(mesh=mesh), "", False
     elastic, dense = dict[str, list[str]](), dict[str, float]()
     point = dict(zip(mesh.node_tags.tolist(), mesh.points, strict=True))
     loose: dict[str, list[tuple[str, list[int]]]] = {}
@@ -487,8 +497,12 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
                 deck.lose(name, "it has no number of a reference node")
         elif keyword == "BOUNDARY":
             deck.boundary(rows)
+        elif keyword in ("STEP", "END STEP"):
+            open_step = keyword == "STEP"
         elif files.carries(keyword):
             deck.lose(name, "a keyword that is not known here")
+    if open_step:
+        deck.lose("the end", "a *STEP has no *END STEP, and the deck may be cut short")
     for name, row in elastic.items():
         nu = real(row[1]) if row[1:] and row[1] else 0.0
         deck.materials[name] = Isotropic(modulus=real(row[0]), poisson_ratio=nu, density=dense.get(name, 0.0))

@@ -307,7 +307,7 @@ def _once(table: dict[int, Any], tag: int, value: Any, source: str) -> None:
 
 # Nastran bulk data: grid points and elements, a group for each property (its number, or the name that a comment gives it).
 
-_NASTRAN = {
+NASTRAN = {
     "CTETRA": ("tet4", "tet10"),
     "CHEXA": ("hex8", "hex20"),
     "CPENTA": ("wedge6", "wedge15"),
@@ -348,9 +348,9 @@ def _nastran(path: Path, left_out: LeftOut) -> _Raw:
                 problem = f"node {fields[0]} has {', '.join(fields[5:8])!r} where its system and freedoms are numbers"
                 raise BadInput(source=str(path), field="GRID", problem=problem, remedy="Write it again; it may be damaged")
             _once(nodes, int(fields[0]), (x, y, z), str(path))
-        elif card in _NASTRAN:
+        elif card in NASTRAN:
             tag, group = int(fields[0]), fields[1] or fields[0]
-            kinds = _NASTRAN[card]
+            kinds = NASTRAN[card]
             most = max(int(kind.lstrip("abcdefghijklmnopqrstuvwxyz")) for kind in kinds)
             own = [int(field) for field in fields[2 : 2 + most] if field]
             kind = next(
@@ -421,7 +421,7 @@ def cards(path: Path) -> Iterator[list[str]]:
             yield card
         card = [fields[0].rstrip("*").upper(), *fields[1:]]
     cut = card if text and not ended else []  # the last line is no comment and may lack its end
-    halved = any(word.startswith(cut[0]) and word != cut[0] for word in ("GRID", *_NASTRAN)) if cut else False
+    halved = any(word.startswith(cut[0]) and word != cut[0] for word in ("GRID", *NASTRAN)) if cut else False
     if mark or halved or (cut[:1] == ["GRID"] and not any(cut[5:6])):
         raise refused("it ends within a card")
     if card:

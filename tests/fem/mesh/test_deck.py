@@ -129,7 +129,9 @@ def test_units_are_told_by_the_materials(name: str, tmp_path: Path) -> None:
     E, rho = 210e9 * units.length * units.time**2 / units.mass, 7850 * units.length**3 / units.mass
     nodes = [f"GRID,{n},,{x},{y},{z}" for n, (x, y, z) in enumerate([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], start=1)]
     path = tmp_path / "one.bdf"
-    path.write_text("\n".join(["BEGIN BULK", *nodes, "CTETRA,1,1,1,2,3,4", "PSOLID,1,1", f"MAT1,1,{E:.6g},,.3,{rho:.6g}", ""]))
+    path.write_text(
+        "\n".join(["BEGIN BULK", *nodes, "CTETRA,1,1,1,2,3,4", "PSOLID,1,1", f"MAT1,1,{E:.6g},,.3,{rho:.6g}", "ENDDATA", ""])
+    )
     text, _ = deck.described(path)
     assert f'units = "{name}"' in text
     assert float(re.findall(r'density = "([\d.]+) ', text)[0]) == pytest.approx(7850, rel=1e-5)
@@ -174,6 +176,8 @@ def test_shells_and_beams_have_their_sections(tmp_path: Path) -> None:
         ("SPC1,1,3,4", "1 node is held in some directions alone, such as node 4 in 3"),
         ("CONM2,9,1,,5.,1.", "CONM2 9: beside its node"),
         ("CONM2,9,77,,5.", "CONM2 9: it stands at a node that is not there"),
+        ("CONN2,9,1,,5.", "CONN2 9: a card that is not known here"),
+        ("INCLUDE 'wing.bdf'", "a card that is not known here"),
         ("PCOMP,5", "PCOMP 5"),
         ("CELAS2,9,5.,1,1,3,2", "CELAS2 9: it joins two different motions"),
         ("PBARL,2,1,,I,,,,,1.,1.\nCBAR,2,2,1,5,1.,0.,0.", "PBARL 2: a section of kind I"),
@@ -241,3 +245,12 @@ def test_every_command_says_how_a_deck_becomes_a_description(
     path.write_text("\n".join(PLATE))
     assert main.run([*command.split(), str(path)]) == 2
     assert "Describe its structure first: massline model" in " ".join(capsys.readouterr().err.split())
+
+
+@pytest.mark.parametrize("end", ["ENDDATA\n", ""])
+def test_a_deck_that_may_be_cut_short_is_said_to_be(end: str, tmp_path: Path) -> None:
+    (tmp_path / "one.bdf").write_text("\n".join([*PLATE, end]))
+    (tmp_path / "one.inp").write_text(abaqus("*STEP\n*STATIC\n" + end.replace("ENDDATA", "*END STEP")))
+    for ending in ("bdf", "inp"):
+        lost = deck.described(tmp_path / f"one.{ending}")[1]
+        assert ("may be cut short" in "".join(lost)) == (not end)
