@@ -81,7 +81,9 @@ def squares(
         level = np.sum(np.abs(seen.values[k][:, judged]) ** 2, axis=1, keepdims=True)
         # (m, j) mean square of what `variance` (m, c) leaves in every channel that is judged; what nobody recorded has no noise
         variance = np.where(np.any(seen.values[k], axis=0), noise[k], 0.0)
-        of_noise = variance[:, judged] if left.gain is None else np.asarray(np.abs(left.gain) ** 2 @ variance[..., None])[..., 0]
+        of_noise = variance[:, judged]
+        if left.gain is not None:
+            of_noise = ((left.gain.real**2 + left.gain.imag**2) @ variance[..., None])[..., 0]
         values = (np.abs(left.values) ** 2 - of_noise) / np.maximum(level, np.finfo(np.float64).tiny)
         names = tuple(name for name, one in zip(measured.channels, judged, strict=True) if one)
         found.append(Squares(data_set=measured.name, run=run, channels=names, values=values, fold=fold))
