@@ -15,7 +15,6 @@ import pickle
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeVar
@@ -149,6 +148,8 @@ def content(paths: Iterable[Path | str]) -> str:
 @functools.cache
 def versions() -> dict[str, str]:
     """Of the `LIBRARIES`, "none" of one that is not there."""
+    from importlib.metadata import PackageNotFoundError, version
+
     found = dict.fromkeys(LIBRARIES, "none")
     for library in LIBRARIES:
         with suppress(PackageNotFoundError):

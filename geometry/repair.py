@@ -157,7 +157,7 @@ def _caps(mesh: TriangleMesh, largest: float) -> list[TriangleMesh]:
     return caps
 
 
-def estimated(mesh: TriangleMesh, random: np.random.Generator | None = None) -> EstimatedBody:
+def estimated(mesh: TriangleMesh, random: "np.random.Generator | None" = None) -> EstimatedBody:
     """What `mesh` encloses at unit density, closed or not; `random` draws the samples, by default the same ones every time.
 
     Raises

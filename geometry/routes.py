@@ -23,7 +23,7 @@ import numpy as np
 from geometry.article import Article, Box, Cylinder, Placed
 from geometry.errors import BadInput
 from geometry.frames import Array, Pose, frozen
-from geometry.inertia import PARAMETERS, UNITS, Inertia, Kind, judge, parallel_axis, require_physical
+from geometry.inertia import PARAMETERS, UNITS, Inertia, Kind, judge, parallel_axis, require_physical, six_from_tensor
 from geometry.mesh import DEFAULT_CHORD, TriangleMesh
 
 # Do inertias that were found by different routes agree, and what were they allowed to differ by?
@@ -195,7 +195,7 @@ PinocchioInertia = Any
 def inertia(article: Article) -> Inertia:
     """Inertia of the article's counted parts from their drawings, about the article's origin, in its frame, without Pinocchio:
     boxes and cylinders in closed form, of which importing it would cost more than all else."""
-    total = Inertia(parameters=np.zeros(10))
+    total = np.zeros(10)
     for part in article.counted_parts:
         for one, sign in (*((one, 1) for one in part.shape.solids), *((one, -1) for one in part.shape.voids)):
             of = one.primitive
@@ -204,8 +204,10 @@ def inertia(article: Article) -> Inertia:
             else:
                 squares = np.array([of.diameter**2 / 16, of.diameter**2 / 16, of.height**2 / 12])
             mass, tensor = sign * part.material.density * of.volume, np.sum(squares) * np.eye(3) - np.diag(squares)
-            total += Inertia.from_cog(mass, np.zeros(3), mass * tensor).placed(one.pose).placed(part.pose)
-    return total
+            turned, place = part.pose.rotation @ one.pose.rotation, part.pose.rotation @ one.pose.position + part.pose.position
+            about_origin = mass * turned @ tensor @ turned.T + parallel_axis(mass, place)
+            total += np.concatenate([[mass], mass * place, six_from_tensor(about_origin)])
+    return Inertia(parameters=total)
 
 
 def by_pinocchio(article: Article) -> Inertia:

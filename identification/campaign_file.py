@@ -556,8 +556,9 @@ def require_finite(values: npt.NDArray[Any], name: str, source: str) -> None:
     ------
     BadInput : how many there are, and where the first stands.
     """
-    bad = ~((np.abs(values.real) < LARGEST_SAMPLE) & (np.abs(values.imag) < LARGEST_SAMPLE))
-    if np.any(bad):
+    parts = (values.real, values.imag) if np.iscomplexobj(values) else (values,)
+    if not all(part.min() > -LARGEST_SAMPLE and part.max() < LARGEST_SAMPLE for part in parts if part.size):  # NaN is neither
+        bad = ~np.logical_and.reduce([np.abs(part) < LARGEST_SAMPLE for part in parts])
         what = "NaN" if np.any(np.isnan(values)) else f"infinite or beyond {LARGEST_SAMPLE:g}, which no sensor reads"
         problem = (
             f"holds {int(bad.sum())} samples that are {what}, the first is number {int(np.argmax(bad)) + 1} of {len(values)}"
@@ -584,13 +585,11 @@ def clipped(values: Array) -> int:
     Rounding to the steps of a converter leaves short flat tops, too, but the signal arrives there slowly. What was cut off
     arrives at full speed: continued, it would have passed the top by more than `OVERSHOOT` steps.
     """
-    return max(_cut_off(values), _cut_off(-values))
+    ends = ((1.0, values == values.max()), (-1.0, values == values.min()))
+    return max((_cut_off(sign * values, at_top) for sign, at_top in ends if np.count_nonzero(at_top) >= FLAT), default=0)
 
 
-def _cut_off(values: Array) -> int:
-    at_top = values == values.max()
-    if at_top.sum() < FLAT:
-        return 0
+def _cut_off(values: Array, at_top: npt.NDArray[np.bool_]) -> int:
     edges = np.flatnonzero(np.diff(np.concatenate([[False], at_top, [False]]).astype(np.int8)))
     starts, ends = edges[::2], edges[1::2]
     long = (ends - starts >= FLAT) & (starts >= 2)

@@ -205,34 +205,36 @@ def straightened(samples: Array) -> Array:
 def _by_poles(uncoupled: Poles, outputs: Array, step: float) -> Callable[[Array], tuple[Array, Array]]:
     """What answers the next block of samples, from where the last one ended: outputs (k, o), state (2 n,) at the end."""
     growth, now, ahead = held(uncoupled.pole * step)
-    first, last = step * now, step * ahead
-    parted = np.vstack([uncoupled.drive.real, uncoupled.drive.imag])
-    seen = outputs @ np.hstack([uncoupled.shape.real, -uncoupled.shape.imag])  # real products: those of BLAS, half as many
     modes, powers = len(growth), growth[None, :] ** np.arange(1, TOGETHER + 1)[:, None]
-    before, state = np.full(modes, np.nan, dtype=np.complex128), np.zeros(modes, dtype=np.complex128)
+    # A complex number lies in memory as its two parts, side by side: all products are real ones, those of BLAS and half as many
+    pushing = np.ascontiguousarray(np.vstack([step * share * uncoupled.drive.T for share in (ahead, now)])).view(np.float64)
+    seen = np.ascontiguousarray((outputs @ uncoupled.shape).conj()).view(np.float64)
+    before, state = np.full(uncoupled.drive.shape[1], np.nan), np.zeros(modes, dtype=np.complex128)
 
     def solve(samples: Array) -> tuple[Array, Array]:
         nonlocal before, state
         if len(samples) > TOGETHER**2:
             pieces = [solve(samples[k : k + TOGETHER**2]) for k in range(0, len(samples), TOGETHER**2)]
             return np.hstack([found.T for found, _ in pieces]).T, pieces[-1][1]
-        count, rows, parts = len(samples), -(-len(samples) // TOGETHER), parted @ samples.T
-        forces = np.zeros((rows * TOGETHER + 1, modes), dtype=np.complex128)
-        forces[0], forces[1 : count + 1] = before, (parts[:modes] + 1j * parts[modes:]).T
-        pushed = forces[1:] * last
-        pushed += forces[:-1] * first
-        pushed[0] = np.where(np.isnan(before), 0.0, pushed[0])  # at rest at the first sample, whatever the input
-        # Rows of `TOGETHER` samples, each from rest, all at once; then what every row begins with, and what becomes of it
-        w = np.ascontiguousarray(pushed.reshape(rows, TOGETHER, modes).transpose(1, 0, 2))
+        # Input now and one sample before in rows of `TOGETHER` samples, which are answered from rest all at once
+        count, rows, p = len(samples), -(-len(samples) // TOGETHER), samples.shape[1]
+        inputs = np.zeros((rows * TOGETHER, 2 * p))
+        inputs[:count, :p], inputs[1:count, p:] = samples, samples[:-1]
+        inputs[0] = 0.0 if np.any(np.isnan(before)) else np.concatenate([samples[0], before])  # at rest at the first sample
+        by_place = inputs.reshape(rows, TOGETHER, 2 * p).transpose(1, 0, 2).reshape(TOGETHER * rows, 2 * p)
+        w = (by_place @ pushing).view(np.complex128).reshape(TOGETHER, rows, modes)
         for k in range(1, TOGETHER):
             w[k] += growth * w[k - 1]
+        # What every row begins with, and what becomes of it
         start = np.empty((rows, modes), dtype=np.complex128)
         for k in range(rows):
             start[k], state = state, w[-1, k] + powers[-1] * state
-        w += powers[:, None, :] * start
-        flat = w.transpose(2, 1, 0).reshape(modes, rows * TOGETHER)[:, :count]
-        before, state = forces[count], flat[:, -1].copy()
-        return (seen @ np.concatenate([flat.real, flat.imag])).T, np.asarray((uncoupled.shape @ state).real)
+        for k in range(TOGETHER):
+            w[k] += powers[k] * start
+        before, state = samples[-1].copy(), w[(count - 1) % TOGETHER, (count - 1) // TOGETHER].copy()
+        found = seen @ w.reshape(TOGETHER * rows, modes).view(np.float64).T
+        in_order = found.reshape(len(seen), TOGETHER, rows).transpose(0, 2, 1).reshape(len(seen), rows * TOGETHER)
+        return in_order[:, :count].T, np.asarray((uncoupled.shape @ state).real)
 
     return solve
 

@@ -1,7 +1,7 @@
 """The built-in articles by name, the stacks of them (``fmd+disc+cuboid``, ``fmd+clumod-4`` ...), and their named places."""
 
 from collections.abc import Callable, Mapping
-from functools import partial
+from functools import cache, partial
 from itertools import pairwise
 from types import MappingProxyType
 from typing import Literal
@@ -41,7 +41,12 @@ def built_in(name: str, changes: Mapping[str, float] = MappingProxyType({})) -> 
     BadInput : a part that does not exist, one on which nothing can be mounted in the middle of the stack, a dimension that
         does not exist, is not of this stack or makes no body.
     """
-    parts = name.split("+")
+    return _built(name, tuple(changes.items()))
+
+
+@cache
+def _built(name: str, given: tuple[tuple[str, float], ...]) -> Article:
+    parts, changes = name.split("+"), dict(given)
     _require_known(parts, name)
     used = {_BUILDERS[part][0] for part in parts}
     for file in sorted(changed_files(changes) - used):
@@ -60,8 +65,8 @@ def built_in(name: str, changes: Mapping[str, float] = MappingProxyType({})) -> 
         except ValueError as error:
             if isinstance(error, BadInput) or not changes:
                 raise
-            given = ", ".join(f"{key}={value:g}" for key, value in changes.items())
-            problem = f"no body has the dimensions {given}: {error}"
+            listed = ", ".join(f"{key}={value:g}" for key, value in given)
+            problem = f"no body has the dimensions {listed}: {error}"
             raise BadInput(source=f"article {part}", problem=problem, remedy="Check the sizes and their unit") from error
     for lower, upper in pairwise(articles):
         if lower.seat is None:

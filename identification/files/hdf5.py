@@ -135,7 +135,7 @@ def values(entry: Any, name: str, source: str) -> Samples:
     numbers = np.asarray(entry[()])
     if numbers.dtype.names:
         numbers = files.as_complex(*(numbers[part] for part in numbers.dtype.names))
-    return numbers.astype(np.complex128 if numbers.dtype.kind == "c" else np.float64)
+    return numbers.astype(np.complex128 if numbers.dtype.kind == "c" else np.float64, copy=False)
 
 
 def number(group: Any, name: str, source: str) -> float:
@@ -165,16 +165,17 @@ def _require_written(entry: Any, name: str, source: str) -> None:
     def refused(problem: str) -> BadInput:
         return BadInput(source=source, field=name, problem=problem, remedy=DAMAGED)
 
-    if entry.chunks is None:
+    steps = entry.chunks  # asked of the file each time
+    if steps is None:
         if entry.id.get_storage_size() != entry.size * entry.dtype.itemsize:
             raise refused(f"declares {entry.size} samples, but they were never written")
         return
-    counts = [-(-side // step) for side, step in zip(entry.shape, entry.chunks, strict=True)]
+    counts = [-(-side // step) for side, step in zip(entry.shape, steps, strict=True)]
     expected, found = int(np.prod(counts, dtype=object)), entry.id.get_num_chunks()
     if found != expected or expected > MOST_CHUNKS:
         raise refused(f"declares {entry.size} samples in {expected} pieces, found {found}")
-    corners = (tuple(at * step for at, step in zip(place, entry.chunks, strict=True)) for place in np.ndindex(*counts))
-    plain = int(np.prod(entry.chunks)) * entry.dtype.itemsize
+    corners = (tuple(at * step for at, step in zip(place, steps, strict=True)) for place in np.ndindex(*counts))
+    plain = int(np.prod(steps)) * entry.dtype.itemsize
     properties = entry.id.get_create_plist()
     filters = [properties.get_filter(k) for k in range(properties.get_nfilters())]
     for code, _, parameters, _ in filters:

@@ -166,7 +166,7 @@ def without_straight_line(samples: Array) -> Array:
     """`samples` (n, c) less the straight line that fits each channel best."""
     t = np.arange(len(samples)) - (len(samples) - 1) / 2
     slope = (t @ samples) / max(float(t @ t), np.finfo(np.float64).tiny)
-    line = t[:, None] * slope
+    line = np.multiply(t[:, None], slope, out=np.empty_like(samples, dtype=np.float64))  # as `samples` lie in memory
     line += samples.mean(axis=0)
     return np.asarray(np.subtract(samples, line, out=line))
 

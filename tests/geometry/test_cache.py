@@ -154,7 +154,7 @@ def test_a_key_changes_with_everything_that_goes_in(monkeypatch: pytest.MonkeyPa
     plain = cache.key("mesh", {"size": 0.1})
     assert plain == cache.key("mesh", {"size": 0.1})
     others = [cache.key("mesh", {"size": 0.10000000000000002}), cache.key("modes", {"size": 0.1})]
-    monkeypatch.setattr(cache, "version", lambda library: "another")
+    monkeypatch.setattr("importlib.metadata.version", lambda library: "another")
     cache.versions.cache_clear()
     others.append(cache.key("mesh", {"size": 0.1}))
     cache.versions.cache_clear()

@@ -13,7 +13,7 @@ from validation.output import fixed, to_json
 from validation.reference import published
 from validation.reference.reference import ReferenceTable, route_statement
 from validation.reference.statement import QUANTITIES
-from validation.report import document as report_document
+from validation.report import document, reference
 
 BODY = Inertia.from_cog(32.95, [0, 0, 0.2706], np.diag([6.42, 6.00, 0.77]))
 
@@ -31,7 +31,7 @@ def table(article: str = "clumod-1") -> ReferenceTable:
 
 @pytest.mark.parametrize("article", ["clumod-1", "clumod-4"])
 def test_no_printed_digit_is_lost_and_decimal_points_line_up(article):
-    shown = report_document.values(table(article))
+    shown = reference.values(table(article))
     for k, column in enumerate(zip(*shown.lines, strict=True)):
         points = {len(cell) - len(cell[cell.index(".") :]) for cell in column if "." in cell}
         assert k == 0 or len(points) == 1, column
@@ -53,9 +53,7 @@ def test_figures_keep_their_decimals_and_what_rounds_to_zero_has_no_sign(value, 
 @pytest.mark.parametrize("scale", [1e-13, 1e18])
 def test_what_is_very_large_or_small_has_an_exponent_and_its_points_still_line_up(scale):
     body = Inertia.from_cog(32.95 * scale, [0, 0, 0.2706], scale * np.diag([6.42, 6.00, 0.77]))
-    lines = report_document.values(
-        ReferenceTable(article="huge", columns={"occ": route_statement("occ", body)}, footnotes=())
-    ).lines
+    lines = reference.values(ReferenceTable(article="huge", columns={"occ": route_statement("occ", body)}, footnotes=())).lines
     assert float(lines[0][1]) == pytest.approx(32.95 * scale, rel=1e-5)
     assert max(len(cell.strip()) for _, cell in lines) <= len("3.29500e+19")
     assert len({cell.index(".") for _, cell in lines if "." in cell}) == 1
@@ -64,33 +62,33 @@ def test_what_is_very_large_or_small_has_an_exponent_and_its_points_still_line_u
 
 @pytest.mark.parametrize("width", [50, 80, 100, 160])
 def test_a_table_wider_than_the_terminal_goes_on_below_itself_and_loses_nothing(width):
-    page = report_document.text_render(table(), width)
+    page = reference.text_render(table(), width)
     assert max(map(len, page.splitlines())) <= width
-    for shown in (report_document.values(table()), report_document.deviations(table())):
+    for shown in (reference.values(table()), reference.deviations(table())):
         assert [cell for line in shown.lines for cell in line[1:-1] if cell.strip() not in page] == []
-        for part in report_document.parts(shown, width):
+        for part in document.parts(shown, width):
             assert [line[0] for line in part.lines] == [line[0] for line in shown.lines]
-        again = [cell for part in report_document.parts(shown, width) for cell in part.header[1:]]
+        again = [cell for part in document.parts(shown, width) for cell in part.header[1:]]
         assert again == list(shown.header[1:])
     assert "…" not in page
 
 
 def test_a_single_column_has_no_deviations_and_no_note_on_them():
     alone = ReferenceTable(article="x", columns={"trimesh": route_statement("trimesh", BODY)})
-    assert len(report_document.grids(alone)) == 1
-    assert report_document.notes(alone) == ()
+    assert len(reference.grids(alone)) == 1
+    assert reference.remarks(alone) == ()
 
 
 def test_markdown_shows_a_users_names_as_they_are():
     assert (
-        report_document.markdown_escaped("a|b <c> _d_ *e* my_file_2.step Mass [kg]")
+        document.markdown_escaped("a|b <c> _d_ *e* my_file_2.step Mass [kg]")
         == r"a\|b \<c> \_d\_ \*e\* my_file_2.step Mass \[kg\]"
     )
-    assert "\n### clumod-1\n" in f"\n{report_document.markdown_render(table())}"
+    assert "\n### clumod-1\n" in f"\n{reference.markdown_render(table())}"
 
 
 def test_csv_has_one_line_for_each_stated_value():
-    lines = list(csv.DictReader(io.StringIO(report_document.render([table(), table("clumod-4")]))))
+    lines = list(csv.DictReader(io.StringIO(reference.render([table(), table("clumod-4")]))))
     assert len(lines) == (10 + 7 + 7) * 2
     assert {line["unit"] for line in lines} == {"kg", "mm", "kg m^2"}
     theta_yy = next(x for x in lines if (x["article"], x["column"], x["quantity"]) == ("clumod-1", "identified", "moi_yy"))
@@ -99,7 +97,7 @@ def test_csv_has_one_line_for_each_stated_value():
 
 
 def test_latex_is_balanced_and_holds_only_what_every_engine_reads():
-    document = report_document.document([report_document.latex_render(table()), report_document.latex_render(table("clumod-4"))])
+    document = reference.latex_document([reference.latex_render(table()), reference.latex_render(table("clumod-4"))])
     for name in ("document", "table", "tabular", "itemize"):
         assert document.count(rf"\begin{{{name}}}") == document.count(rf"\end{{{name}}}") > 0
     assert document.isascii()
@@ -111,7 +109,7 @@ def test_latex_is_balanced_and_holds_only_what_every_engine_reads():
 
 
 def test_latex_parts_a_figure_at_its_decimal_point_so_that_points_stand_below_each_other():
-    page = report_document.latex_render(table())
+    page = reference.latex_render(table())
     assert r"CoG z [mm] & 270 & .600 & 270 & .60 & 283 & .61 $\pm$ 2.00 \\" in page
     assert r"CoG y [mm] & 0 & .00 mm & 0 & .0 & $-$5 & .45 mm & $-$2 & .7 & identified outside" in page
 
@@ -127,7 +125,7 @@ def test_latex_parts_a_figure_at_its_decimal_point_so_that_points_stand_below_ea
     ],
 )
 def test_latex_spells_out_what_it_would_read_or_set_otherwise(plain, spelled):
-    assert report_document.escaped(plain) == spelled
+    assert reference.escaped(plain) == spelled
 
 
 def test_json_keeps_the_contract_and_says_null_for_what_nobody_states():
@@ -148,4 +146,4 @@ def test_the_page_shows_the_table_that_the_data_gives(root, number, article):
     shown = re.search(rf"<!-- table {number} -->\n(.*?)<!-- end -->", page, re.DOTALL)
     said = published.published(article)
     given = ReferenceTable(article=article, columns=said.statements, footnotes=said.footnotes)
-    assert shown.group(1).strip() == report_document.markdown_render(given).strip()
+    assert shown.group(1).strip() == reference.markdown_render(given).strip()

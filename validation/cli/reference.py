@@ -221,7 +221,7 @@ def validate_command(
     from validation.output import print_json, shown, to_json
     from validation.reference import reference
     from validation.reference.statement import read_frame
-    from validation.report.document import text_render
+    from validation.report.reference import text_render
 
     options.require_articles([article])
     pose = None if frame is None else read_frame(frame)

@@ -359,7 +359,8 @@ class FrequencyTrend:
         if not np.any(np.abs(y) > 0):
             return ""
         functions, driver = (OF_MOTION, self.motion) if self.of_load else (OF_READING, self.reading)
-        shares = {name: _explained(y, [factor * weight * driver * f**power]) for name, (factor, power) in functions.items()}
+        basis = np.array([factor * weight * driver * f**power for factor, power in functions.values()])
+        shares = dict(zip(functions, _explained(y, basis[:, None]).tolist(), strict=True))
         best = max(shares, key=lambda name: shares[name])
         if shares[best] >= EXPLAINED:
             return best
@@ -370,29 +371,29 @@ class FrequencyTrend:
                 continue
             near, zeta = np.abs(f - mode.frequency) <= min(AROUND * mode.frequency, LONGEST), mode.damping_ratio
             own = _resonance(f[near] / mode.frequency, zeta)
-            others = [own**2]  # its derivative
-            for times in (0.25, 0.5, 1.0, 2.0):
-                for width in np.linspace(-WIDTHS, WIDTHS, 4 * WIDTHS + 1):
-                    others.append(_resonance(f[near] / (peak * (1 + width * times * zeta)), times * zeta))
-            bases = ([factor * motion[near] * of for factor in (1, 1j) for of in (own, other)] for other in others)
-            found[mode.name] = max(_explained(y[near], basis) for basis in bases)
+            times, width = np.meshgrid((0.25, 0.5, 1.0, 2.0), np.linspace(-WIDTHS, WIDTHS, 4 * WIDTHS + 1))
+            elsewhere = _resonance(f[near] / (peak * (1 + width * times * zeta))[..., None], (times * zeta)[..., None])
+            others = np.concatenate([own[None] ** 2, elsewhere.reshape(-1, len(own))])  # its derivative first
+            pairs = motion[near] * np.stack([np.broadcast_to(own, others.shape), others], axis=1)
+            found[mode.name] = float(_explained(y[near], np.concatenate([pairs, 1j * pairs], axis=1)).max())
         best = max(found, key=lambda name: found[name], default="")
         return f"follows the {best}" if best and found[best] >= EXPLAINED else ""
 
 
-def _resonance(ratio: Array, zeta: float) -> ComplexArray:
+def _resonance(ratio: Array, zeta: float | Array) -> ComplexArray:
     return np.asarray(1 / (1 - ratio**2 + 2j * zeta * ratio))
 
 
-def _explained(y: ComplexArray, basis: Sequence[ComplexArray]) -> float:
-    """Share of the square of y (n,) that real multiples of the `basis` explain; 0 of fewer lines than would show anything."""
-    columns, flat = (np.concatenate([of.real, of.imag]) for of in (np.stack(basis, axis=1), y))
+def _explained(y: ComplexArray, bases: ComplexArray) -> Array:
+    """(b,) share of the square of y (n,) that real multiples of each of the `bases` (b, k, n) explain; 0 of fewer lines than show
+    anything."""
+    columns, flat = (np.concatenate([of.real, of.imag], axis=-1) for of in (bases, y))
     if len(flat) < 4 * columns.shape[1] or not np.any(flat):
-        return 0.0
-    columns = columns / np.maximum(np.linalg.norm(columns, axis=0), np.finfo(np.float64).tiny)
-    found, *_ = np.linalg.lstsq(columns, flat, rcond=None)
-    left = flat - columns @ found
-    return float(1 - (left @ left) / (flat @ flat))
+        return np.zeros(len(columns))
+    columns = columns / np.maximum(np.linalg.norm(columns, axis=2, keepdims=True), np.finfo(np.float64).tiny)
+    _, sizes, directions = np.linalg.svd(columns, full_matrices=False)  # of all bases at once
+    known = sizes > np.finfo(np.float64).eps * len(flat) * sizes[:, :1]
+    return np.asarray(np.sum(np.square(np.where(known, directions @ flat, 0.0)), axis=1) / (flat @ flat))
 
 
 # The worst spots: connected regions of the maps, merged over neighbouring lines and over all rows that say the same.

@@ -391,7 +391,7 @@ def left_of_run(
         return Left(values=(y - (rows @ u[..., None])[..., 0])[:, some], inputs=u, gain=None)
     Q, R = np.linalg.qr(weight[..., None] * rows)
     # (m, c) 1 / (1 - h)
-    left = 1 - np.sum(np.abs(Q) ** 2, axis=-1)
+    left = 1 - np.sum(Q.real**2 + Q.imag**2, axis=-1)
     told = left >= ALONE
     if not np.all(told.any(axis=1)):
         line = int(np.argmin(told.any(axis=1)))
@@ -400,8 +400,9 @@ def left_of_run(
             "them; measure with more channels, or leave that line out"
         )
     to_others = np.divide(1.0, left, out=np.zeros_like(left), where=told)[:, some]  # of one alone nothing is said
-    whitened = to_others[..., None] * (np.eye(y.shape[1])[some] - Q[:, some] @ Q.conj().transpose(0, 2, 1))
-    gain = np.asarray(whitened * weight[:, None, :] / weight[:, some, None], dtype=np.complex128)
+    gain = np.asarray(np.eye(y.shape[1])[some] - Q[:, some] @ Q.conj().transpose(0, 2, 1), dtype=np.complex128)
+    gain *= (to_others / weight[:, some])[..., None]
+    gain *= weight[:, None, :]
     try:
         u = np.linalg.solve(R, Q.conj().transpose(0, 2, 1) @ (weight * y)[..., None])[..., 0]
     except np.linalg.LinAlgError as error:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from geometry import toml_file
 from geometry.errors import BadInput
@@ -11,14 +11,15 @@ from geometry.frames import Array
 from geometry.inertia import Observability
 from geometry.sensors import Channel
 from identification import campaign as campaigns
-from identification import test_file
 from identification.campaign import levels
 from identification.campaign_file import Progress, examine
 from identification.consistency import of_spectra
-from identification.modal_table import ModalTable
-from identification.response_functions import ResponseFunctions
 from identification.spectra.of_campaign import spectra
 from validation.output import derived, entry, unwritten
+
+if TYPE_CHECKING:
+    from identification.modal_table import ModalTable
+    from identification.response_functions import ResponseFunctions
 
 LOUD = 1.5
 """How far above its stated noise floor a channel may read while nothing moves; beyond, it is said aloud."""
@@ -184,7 +185,7 @@ def of_campaign(folder: str | Path, campaign: campaigns.Campaign, problems: tupl
     )
 
 
-def require_measurement(path: Path) -> tuple[ResponseFunctions | ModalTable, ...] | None:
+def require_measurement(path: Path) -> "tuple[ResponseFunctions | ModalTable, ...] | None":
     """The tests that the TOML file `path` describes, or that stand in a model file; None for the description of a campaign.
 
     Raises
@@ -194,6 +195,8 @@ def require_measurement(path: Path) -> tuple[ResponseFunctions | ModalTable, ...
     table = toml_file.read(path)
     if "campaign" in table or "channel" in table:
         return None
+    from identification import test_file
+
     if "kind" in table:
         return (test_file.read(path, table),)
     if tests := table.get("test"):

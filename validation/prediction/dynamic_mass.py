@@ -155,22 +155,16 @@ def along(matrices: Matrices, place: str, direction: npt.ArrayLike) -> Array:
 
 def transfer_tangents(answered: CondensedTransfer, changes: Mapping[str, Tangent]) -> dict[str, ComplexArray]:
     """By parameter d matrix / d offset, (n, r, d)."""
-    made = {}
+    made, omega = {}, answered.omega[:, None, None]
+    factors = [answered.sign * one for one in (np.ones_like(omega), -1 / omega**2, -1j / omega, -1j / omega**2)]
     for name, change in changes.items():
         # Each field by itself: those that do not change cost nothing, nor do coordinates that do not
-        left, right = (side if len(change.at) == len(side) else side[change.at] for side in (answered.left, answered.right))
-        omega = answered.omega[:, None, None]
-        found = np.zeros_like(answered.matrix)
-        fields = (
-            (change.mass, 1.0),
-            (change.stiffness, -1 / omega**2),
-            (change.viscous, -1j / omega),
-            (change.structural, -1j / omega**2),
-        )
-        for matrix, factor in fields:
-            if matrix.any():
-                found += factor * _product(left, matrix, right, change.crossing)
-        made[name] = answered.sign * found
+        row = len(change.at) and change.at[-1] + 1 - change.at[0] == len(change.at)
+        at = slice(change.at[0], change.at[-1] + 1) if row else change.at  # of neighbours nothing is copied
+        left, right = answered.left[at], answered.right[at]
+        fields = zip((change.mass, change.stiffness, change.viscous, change.structural), factors, strict=True)
+        found = [factor * _product(left, matrix, right, change.crossing) for matrix, factor in fields if matrix.any()]
+        made[name] = sum(found[1:], found[0]) if found else np.zeros_like(answered.matrix)
     return made
 
 
@@ -530,19 +524,20 @@ class SupportedDynamicMass:
     def _mounted(
         self, solved: "SolvedStructure", effects: Sequence[Added], drive: BaseDrive, *, derivatives: Wanted
     ) -> tuple[MountedDynamicMass, Tangents]:
-        changes = transfer_tangents(solved.answered, solved.tangents)
         R = _turned(self.standing.pose)
+        left, right = (side @ R.T for side in (solved.answered.left, solved.answered.right))
+        turned = replace(solved.answered, matrix=R @ solved.answered.matrix @ R.T, left=left, right=right)
         mounted = MountedDynamicMass(
-            frequency=solved.answered.frequency,
-            matrix=R @ solved.answered.matrix @ R.T,
+            frequency=turned.frequency,
+            matrix=turned.matrix,
             seat=self.standing.pose.position,
             cog=self.standing.pose.rotation @ solved.matrices.cog,
             amplitude=drive.amplitude,
             sweep_rate=drive.sweep_rate,
             block=drive.block,
         )
-        turned = {name: R @ change @ R.T for name, change in changes.items()}
-        return prediction_effects.body(mounted, turned, effects, derivatives=bool(derivatives))
+        changes = transfer_tangents(turned, solved.tangents)
+        return prediction_effects.body(mounted, changes, effects, derivatives=bool(derivatives))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

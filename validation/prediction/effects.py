@@ -79,13 +79,8 @@ FIELDS = ("mass", "stiffness", "viscous", "structural")
 NOT_BY_PARTS: Mapping[str, Array] = MappingProxyType({})
 
 
-def of_arrays(size: int, parts: Mapping[str, Array] = NOT_BY_PARTS, crossing: int | None = None, **changes: Array) -> Tangent:
-    """The tangent of full (size, size) `changes` by the names of `FIELDS`; what is not named does not change.
-
-    Parameters
-    ----------
-    crossing : the coordinate whose row and column alone change, if there is one
-    """
+def of_arrays(size: int, parts: Mapping[str, Array] = NOT_BY_PARTS, **changes: Array) -> Tangent:
+    """The tangent of full (size, size) `changes` by the names of `FIELDS`; what is not named does not change."""
     moving = np.zeros(size, dtype=bool)
     for change in changes.values():
         for axis in (0, 1):
@@ -93,10 +88,23 @@ def of_arrays(size: int, parts: Mapping[str, Array] = NOT_BY_PARTS, crossing: in
                 moving |= change.any(axis=axis)
     at = np.flatnonzero(moving)
     nothing, whole = np.zeros((len(at), len(at))), len(at) == size
-    where = None if crossing is None or not moving[crossing] else int(np.searchsorted(at, crossing))
     own = {name: change if whole else change[np.ix_(at, at)] for name, change in changes.items()}
     mass, stiffness, viscous, structural = (own.get(name, nothing) for name in FIELDS)
-    return Tangent(at=at, mass=mass, stiffness=stiffness, viscous=viscous, structural=structural, parts=parts, crossing=where)
+    return Tangent(at=at, mass=mass, stiffness=stiffness, viscous=viscous, structural=structural, parts=parts)
+
+
+def crossed(r: int, **changed: Array) -> Tangent:
+    """The tangent d (E matrix E) / d ln e_r of symmetric matrices by the names of `FIELDS`, of which `changed` are the rows `r`
+    (k,): row and column `r`, twice where they meet."""
+    at = np.flatnonzero(np.logical_or.reduce([row != 0 for row in changed.values()]))
+    if (where := int(np.searchsorted(at, r))) == len(at) or at[where] != r:
+        at = np.insert(at, where, r)
+    made = {name: np.zeros((len(at), len(at))) for name in FIELDS}
+    for name, row in changed.items():
+        made[name][where] += row[at]
+        made[name][:, where] += row[at]
+    mass, stiffness, viscous, structural = (made[name] for name in FIELDS)
+    return Tangent(at=at, mass=mass, stiffness=stiffness, viscous=viscous, structural=structural, crossing=where)
 
 
 def between(before: Matrices, after: Matrices, step: float) -> Tangent:
@@ -111,7 +119,7 @@ def plus(one: Tangent, other: Tangent, size: int) -> Tangent:
     """The sum of both, on matrices of `size`."""
     some = [name for name in FIELDS if getattr(one, name).any() or getattr(other, name).any()]
     whole = {name: full(one, name, size) + full(other, name, size) for name in some}
-    return of_arrays(size, {**one.parts, **other.parts}, None, **whole)
+    return of_arrays(size, {**one.parts, **other.parts}, **whole)
 
 
 def full(tangent: Tangent, name: str, size: int) -> Array:
@@ -411,12 +419,12 @@ class Nuisances:
         C = GD[:, None] * m.viscous * GD
         coupled = np.zeros_like(m.mass)
         for r, a in np.ndindex(len(self.frequency), b):
-            change = offsets.get(f"participation:{name}:{r + 1}:{MOTIONS[a]}", 0.0) * self.largest(r, a)
-            mass[a, b + r] += change
-            mass[b + r, a] += change
+            if more := offsets.get(f"participation:{name}:{r + 1}:{MOTIONS[a]}", 0.0) * self.largest(r, a):
+                mass[a, b + r] += more
+                mass[b + r, a] += more
         for r, s in self.neighbours:
-            change = offsets.get(f"coupling:{name}:{r + 1}:{s + 1}", 0.0) * self.geometric(r, s)
-            coupled[b + r, b + s] = coupled[b + s, b + r] = change
+            if change := offsets.get(f"coupling:{name}:{r + 1}:{s + 1}", 0.0):
+                coupled[b + r, b + s] = coupled[b + s, b + r] = change * self.geometric[r, s]
         made = replace(
             m,
             mass=mass,
@@ -442,11 +450,13 @@ class Nuisances:
         at = self.nominal.base + np.array([r, s])
         return float(np.sqrt(max(np.prod(np.diag(self.nominal.stiffness)[at]), 0.0)))
 
-    def geometric(self, r: int, s: int) -> float:
-        """Geometric mean of the damping [rad/s] of two modes, structural damping counted as it acts at resonance."""
-        at, omega = self.nominal.base + np.array([r, s]), 2 * np.pi * self.frequency[[r, s]]
-        own = np.diag(self.nominal.viscous)[at] + np.diag(self.nominal.structural)[at] / omega
-        return float(np.sqrt(max(np.prod(own), 0.0)))
+    @cached_property
+    def geometric(self) -> Array:
+        """(m, m) geometric means of the damping [rad/s] of two modes, structural damping counted as it acts at resonance."""
+        at, omega = self.nominal.base + np.arange(len(self.frequency)), 2 * np.pi * self.frequency
+        structural = np.diag(self.nominal.structural)[at]
+        own = np.diag(self.nominal.viscous)[at] + np.divide(structural, omega, out=np.zeros_like(omega), where=omega > 0)
+        return np.asarray(np.sqrt(np.maximum(own[:, None] * own, 0.0)))
 
 
 def nuisances(
@@ -549,7 +559,7 @@ class _Now:
             changes["viscous"] = self.uncoupled * (grows[:, None] + grows)
         if mass is not None:
             changes["mass"] = mass
-        return of_arrays(len(K), {part: K}, None, **changes)
+        return of_arrays(len(K), {part: K}, **changes)
 
     def _of_loss(self, part: str) -> Tangent:
         DE = self.D * self.E
@@ -557,14 +567,11 @@ class _Now:
 
     def _of_frequency(self, configuration: str, mode: str) -> Tangent:
         r, m = self.of.nominal.base + int(mode) - 1, self.matrices
-        viscous = {"viscous": _crossed(self.uncoupled, r) / 2} if self.uncoupled.any() else {}
-        stiffness, structural = _crossed(m.stiffness, r), _crossed(m.structural, r)
-        return of_arrays(len(m.mass), NOT_BY_PARTS, r, stiffness=stiffness, structural=structural, **viscous)
+        return crossed(r, stiffness=m.stiffness[r], structural=m.structural[r], viscous=self.uncoupled[r] / 2)
 
     def _of_damping(self, configuration: str, mode: str) -> Tangent:
-        r, m = self.of.nominal.base + int(mode) - 1, self.matrices
-        viscous = {"viscous": _crossed(self.uncoupled, r) / 2} if self.uncoupled.any() else {}
-        return of_arrays(len(m.mass), NOT_BY_PARTS, r, structural=_crossed(m.structural, r) / 2, **viscous)
+        r = self.of.nominal.base + int(mode) - 1
+        return crossed(r, structural=self.matrices.structural[r] / 2, viscous=self.uncoupled[r] / 2)
 
     def _of_participation(self, configuration: str, mode: str, axis: str) -> Tangent:
         r, a = int(mode) - 1, MOTIONS.index(axis)
@@ -572,19 +579,11 @@ class _Now:
 
     def _of_coupling(self, configuration: str, one: str, other: str) -> Tangent:
         r, s, b = int(one) - 1, int(other) - 1, self.of.nominal.base
-        return _pair("viscous", b + r, b + s, self.of.geometric(r, s))
+        return _pair("viscous", b + r, b + s, float(self.of.geometric[r, s]))
 
     def _of_mixing(self, configuration: str, one: str, other: str) -> Tangent:
         r, s, b = int(one) - 1, int(other) - 1, self.of.nominal.base
         return _pair("stiffness", b + r, b + s, self.of.between(r, s) * self.E[r] * self.E[s])
-
-
-def _crossed(matrix: Array, r: int) -> Array:
-    """d (E matrix E) / d ln e_r: row and column `r`, twice where they meet."""
-    changed = np.zeros_like(matrix)
-    changed[r] += matrix[r]
-    changed[:, r] += matrix[:, r]
-    return changed
 
 
 def _pair(field: str, i: int, j: int, value: float) -> Tangent:

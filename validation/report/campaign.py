@@ -14,19 +14,17 @@ from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.sensors import SI
 from geometry.toml_file import nearest
-from identification import campaign_file, measured_functions
+from identification import campaign_file
 from identification.campaign import Campaign
 from identification.files import files
-from identification.modal_table import ModalTable
-from identification.plain import setup as of_spectra
-from identification.request import Settings
-from identification.response_functions import ResponseFunctions
 from identification.spectra.of_campaign import spectra
 from validation.identify.check import Summary
 from validation.output import NONE, print_json, require_folder, share_done, shown, to_json
 from validation.report.document import Column, Document, Grid, Table
 
 if TYPE_CHECKING:
+    from identification.modal_table import ModalTable
+    from identification.response_functions import ResponseFunctions
     from validation.correct import AppliedCorrection
 
 AXES = ("x", "y", "z", "α", "β", "γ")
@@ -243,17 +241,24 @@ def write_dynamic_mass(path: Path, campaign: Campaign) -> None:
     ------
     BadInput : runs that do not tell six motions apart.
     """
-    found = of_spectra(spectra(campaign), Settings(gravity=campaign.gravity, modes=0))
+    from identification import measured_functions
+    from identification.plain import setup
+    from identification.request import Settings
+
+    found = setup(spectra(campaign), Settings(gravity=campaign.gravity, modes=0))
     measured_functions.write(path, measured_functions.of_dynamic_mass(found.estimate.dynamic_mass, campaign.source, found.noise))
 
 
-def show_tests(name: str, tests: Sequence[ResponseFunctions | ModalTable], *, as_json: bool, out: Path | None) -> None:
+def show_tests(name: str, tests: "Sequence[ResponseFunctions | ModalTable]", *, as_json: bool, out: Path | None) -> None:
     """Print what the `tests` of the file `name` hold; write the response functions of the one that has them to `out`.
 
     Raises
     ------
     BadInput : `out` is asked for, and not exactly one of them has response functions.
     """
+    from identification import measured_functions
+    from identification.response_functions import ResponseFunctions
+
     with_functions = [one for one in tests if isinstance(one, ResponseFunctions)]
     if out is not None:
         if len(with_functions) != 1:

@@ -3,28 +3,18 @@
 A cell shows the digits that mean something. Copied, a table gives all digits, tab-separated, which a spreadsheet takes.
 """
 
-import csv
-import io
 import json
-import math
 import re
-import unicodedata
 from base64 import b64encode
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from gzip import compress
 from html import escape, unescape
-from importlib.metadata import version
-from itertools import product
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from geometry import cache
-from geometry.routes import ROUTES
-from geometry.user_article import ESTIMATE
-from validation.output import NONE, PIPED_WIDTH, SIGNIFICANT, fixed, page_width, plain_unit, rounded
-from validation.reference.reference import IDENTIFIED, MEASURED, PUBLISHED, ReferenceTable, farthest, row, verdict
-from validation.reference.statement import COG, MASS, QUANTITIES, TENSOR, Quantity, Row, Stated
+from validation.output import NONE, PIPED_WIDTH, page_width, rounded
 
 if TYPE_CHECKING:
     from validation.report.charts.figure import Figure
@@ -102,117 +92,6 @@ class Grid:
         """For a page."""
         columns = [Column(head=head, words=k in self.left) for k, head in enumerate(self.header)]
         return table(self.caption, columns, [[cell.strip() for cell in line] for line in self.lines], note=note)
-
-
-def values(table: ReferenceTable) -> Grid:
-    """What every column says, with its tolerance where it has one that is more than rounding."""
-    names = tuple(table.columns)
-    body = [tuple(_value(table, column, k) for k in range(len(QUANTITIES))) for column in names]
-    lines = tuple(zip(*((_labels(), *(aligned(column) for column in body))), strict=True))
-    return Grid(header=("", *(table.columns[column].name for column in names)), lines=lines)
-
-
-def grids(table: ReferenceTable) -> tuple[Grid, ...]:
-    """The values and, where anything can be compared, their deviations."""
-    return (values(table), deviations(table)) if _compared(table) else (values(table),)
-
-
-def _compared(table: ReferenceTable) -> bool:
-    """Whether any column has another to be held against."""
-    return any(row(table, column, k) for column in table.columns for k in range(len(QUANTITIES)))
-
-
-def deviations(table: ReferenceTable) -> Grid:
-    """How far the columns lie from the reference, in per cent (CoG also in mm) and in combined tolerances, and the verdict.
-
-    The routes share one column, which shows the one that lies farthest off.
-    """
-    all_k = range(len(QUANTITIES))
-    routes = {"routes": [c for c in table.columns if c in ROUTES]}
-    groups = routes | {said.name: [c] for c, said in table.columns.items() if c not in ROUTES}
-    most = {name: [farthest(table, columns, k) for k in all_k] for name, columns in groups.items()}
-    compared = {name: rows for name, rows in most.items() if any(rows)}
-    body = [
-        cells
-        for rows in compared.values()
-        for cells in zip(*(_deviation(table, one, k) for k, one in enumerate(rows)), strict=True)
-    ]
-    verdicts = tuple(verdict(table, k) for k in all_k)
-    header = [text for name in compared for text in (name, "tol.")]
-    lines = tuple(zip(*((_labels(), *(aligned(cells) for cells in body), verdicts)), strict=True))
-    return Grid(header=("deviation", *header, "verdict"), lines=lines, words=True)
-
-
-def notes(table: ReferenceTable) -> tuple[str, ...]:
-    """What must be known to read the table."""
-    against = {PUBLISHED: "the published value", MEASURED: "the measured value"}
-    kinds = dict.fromkeys(against.get(c, f"route {c}") for c in table.reference_columns if c is not None)
-    deviation = (
-        f"Deviations are from {' or, where none is printed, '.join(kinds)}; of the routes, the farthest is shown. "
-        "tol.: in combined tolerances, beyond 1 is outside."
-    )
-    tolerances = tuple(
-        f"Tolerance of {said.name}: {said.tolerance_note}."
-        for column, said in table.columns.items()
-        if column in (PUBLISHED, MEASURED, IDENTIFIED, ESTIMATE) and said.tolerance_note
-    )
-    return (
-        *((table.note,) if table.note else ()),
-        *((f"Routes: {table.agreement}.",) if table.agreement else ()),
-        *((deviation,) if _compared(table) else ()),
-        *tolerances,
-        *table.footnotes,
-    )
-
-
-def _labels() -> tuple[str, ...]:
-    return tuple(f"{q.label} [{q.unit}]" for q in QUANTITIES)
-
-
-def _value(table: ReferenceTable, column: str, k: int) -> str:
-    stated = table.stated(column, k)
-    if stated is None:
-        return NONE
-    per_si = QUANTITIES[k].per_si
-    if column == ESTIMATE:
-        return plus_minus(stated.value * per_si, (stated.tolerance or 0.0) * per_si)
-    printed = stated.decimals is not None
-    decimals = stated.decimals if stated.decimals is not None else _decimals(table, k)
-    text, size = fixed(stated.value * per_si, decimals), (stated.tolerance or 0.0) * per_si
-    # Half a unit of the last printed digit is said by the digits already
-    rounding = stated.tolerance is None or math.isclose(size, 0.5 * 10.0**-decimals, rel_tol=1e-6)
-    if not printed or rounding:
-        return text
-    # Two significant digits at the least, rounded up never away
-    return f"{text} ± {fixed(size, max(decimals, 1 - math.floor(math.log10(size)) if size else 0))}"
-
-
-def _decimals(table: ReferenceTable, k: int) -> int:
-    """Decimals of a value that nobody printed."""
-    kind = next(span for span in (slice(MASS, 1), COG, TENSOR) if span.start <= k < span.stop)
-    largest = max(
-        (abs(stated.value) * q.per_si for c in table.columns for stated, q in _kind(table, c, kind) if stated is not None),
-        default=0,
-    )
-    significant = SIGNIFICANT - 1 - math.floor(math.log10(largest)) if largest else SIGNIFICANT - 1
-    published = [stated.decimals for stated, _ in _kind(table, PUBLISHED, kind) if stated and stated.decimals is not None]
-    return max(significant, *(d + 1 for d in published), 0)
-
-
-def _kind(table: ReferenceTable, column: str, kind: slice) -> list[tuple[Stated | None, Quantity]]:
-    return [(table.stated(column, k), QUANTITIES[k]) for k in range(kind.start, kind.stop)]
-
-
-def _deviation(table: ReferenceTable, one: Row | None, k: int) -> tuple[str, str]:
-    if one is None or one.deviation is None:
-        return NONE, NONE
-    percent, many = one.deviation_percent, one.deviation_in_tolerances
-    is_length = COG.start <= k < COG.stop
-    own = f"{fixed(one.deviation, 2 if is_length else _decimals(table, k))} {one.unit}"
-    relative = None if percent is None else f"{fixed(percent, 2)} %"
-    size = relative if relative and not is_length else f"{own} ({relative})" if relative else own
-    # A deviation in tolerances; beyond a thousand the figure says nothing more
-    return size, NONE if many is None else fixed(many, 1) if abs(many) < 1000 else f"{'-' if many < 0 else ''}>999"
 
 
 def aligned(cells: tuple[str, ...]) -> tuple[str, ...]:
@@ -500,6 +379,8 @@ class Figures:
 
     def packed(self) -> Safe:
         """The library and all figures, each packed once."""
+        from importlib.metadata import version
+
         from validation.report.charts import interactive
 
         templates = f'{{"light":{interactive.template_json(False)},"dark":{interactive.template_json(True)}}}'
@@ -525,135 +406,7 @@ def _packed(text: str, effort: int = 6) -> str:
     return b64encode(compress(text.encode("utf-8"), effort, mtime=0)).decode("ascii")
 
 
-# Reference tables as CSV: one line for each quantity and column, full precision, units in a column of their own.
-#
-# Units are written in ASCII (kg m^2): a spreadsheet that is not told that a file is UTF-8 shows another sign for the raised 2.
-
-
-HEADER = (
-    "article",
-    "quantity",
-    "unit",
-    "column",
-    "value",
-    "tolerance",
-    "reference_column",
-    "reference",
-    "deviation",
-    "deviation_percent",
-    "deviation_in_tolerances",
-    "within",
-)
-
-
-def render(tables: Sequence[ReferenceTable]) -> str:
-    """All `tables` as one CSV text with a header; what is not stated is empty."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(HEADER)
-    for table, (k, quantity) in product(tables, enumerate(QUANTITIES)):
-        for column in table.columns:
-            stated = table.stated(column, k)
-            if stated is None:
-                continue
-            form = ".12g" if stated.decimals is None else f".{stated.decimals}f"
-            tolerance = "" if stated.tolerance is None else f"{stated.tolerance * quantity.per_si:.6g}"
-            held: tuple[object, ...] = ("",) * 6
-            if one := row(table, column, k):
-                sizes = (one.reference, one.deviation, one.deviation_percent, one.deviation_in_tolerances)
-                shown = ("" if size is None else f"{size:.9g}" for size in sizes)
-                held = (table.reference_columns[k], *shown, "yes" if one.within else "no")
-            named = (table.article, quantity.key, plain_unit(quantity.unit), column)
-            writer.writerow((*named, format(stated.value * quantity.per_si, form), tolerance, *held))
-    return text.getvalue()
-
-
-# A reference table in LaTeX: plain `tabular` with `\hline`, no package needed.
-#
-# A column of figures is two of LaTeX's that meet at the decimal point, so that the points stand below each other in any font.
-
-
-_SPECIAL = {
-    "\\": r"\textbackslash{}",
-    **{c: rf"\{c}" for c in "&%$#_{}"},
-    "~": r"\textasciitilde{}",
-    "^": r"\textasciicircum{}",
-    "Θ": r"$\Theta$",
-    "²": r"$^2$",
-    "³": r"$^3$",
-    "±": r"$\pm$",
-    "–": "--",
-    "×": r"$\times$",
-    "∫": r"$\int$",
-    "·": r"$\cdot$",
-    "°": r"$^\circ$",
-    "µ": r"$\mu$",
-    **{c: f"${c}$" for c in "<>|"},  # the first fonts of TeX have other signs in their places
-    "−": "$-$",
-    "…": r"\dots{}",
-    "≤": r"$\le$",
-    "≥": r"$\ge$",
-    "→": r"$\to$",
-    **dict.fromkeys("’‘", "'"),
-}
-
-_WESTERN = frozenset(map(chr, range(0xC0, 0x100))) - frozenset("ÐðÞþ÷")
-"""Letters with accents that TeX's first fonts can set."""
-
-
-def latex_render(table: ReferenceTable) -> str:
-    """`table` as a LaTeX `table` environment, to be put into any document class."""
-    shown = "\n\\par\\medskip\n".join(_grid(grid) for grid in grids(table))
-    listed = "\n".join(rf"\item {escaped(note)}" for note in notes(table))
-    return (
-        "\\begin{table}[htb]\n\\centering\\footnotesize\\renewcommand{\\arraystretch}{1.15}\n"
-        f"\\caption{{Inertia parameters of {escaped(table.article)}}}\n\\smallskip\n"
-        f"{shown}\n\\begin{{itemize}}\n{listed}\n\\end{{itemize}}\n\\end{{table}}\n"
-    )
-
-
-def document(tables: list[str]) -> str:
-    """A document that holds the rendered `tables` and compiles as it is."""
-    head = "\\documentclass{article}\n\\usepackage[utf8]{inputenc}\n\\usepackage[landscape,margin=15mm]{geometry}\n"
-    return head + "\\begin{document}\n" + "\n".join(tables) + "\\end{document}\n"
-
-
-def escaped(text: str) -> str:
-    """`text` with every character that LaTeX reads as a command, or may not know, spelled out; signs as mathematics."""
-
-    def known(character: str) -> str:
-        """Where every LaTeX has it, else its nearest letter or, of other scripts, its number."""
-        if character.isascii() or character in _WESTERN:
-            return character
-        plain = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
-        return plain or f"U+{ord(character):04X}"
-
-    spelled = "".join(_SPECIAL.get(character) or known(character) for character in text)
-    indexed = re.sub(r"\$\\Theta\$([xyz]{2})\b", r"$\\Theta_{\1}$", spelled)
-    return re.sub(r"(?<![\w.])-(?=\.?\d|\$>)", "$-$", indexed)
-
-
-def _grid(grid: Grid) -> str:
-    """Words as they are; a figure as two cells, before and from its decimal point."""
-    form = "".join("l" if k in grid.left else "r@{}l" for k in range(len(grid.header)))
-    header = " & ".join(
-        escaped(cell) if k in grid.left else rf"\multicolumn{{2}}{{c}}{{{escaped(cell)}}}" for k, cell in enumerate(grid.header)
-    )
-    body = ""
-    for line in grid.lines:
-        cells = [(cell.strip(),) if k in grid.left else at_point(cell.strip()) for k, cell in enumerate(line)]
-        body += " & ".join(escaped(part) for cell in cells for part in cell) + " \\\\\n"
-    return f"\\begin{{tabular}}{{{form}}}\n\\hline\n{header} \\\\\n\\hline\n{body}\\hline\n\\end{{tabular}}"
-
-
-# A reference table in Markdown (pipe tables), padded so that its source reads as a table too.
-
-
-def markdown_render(table: ReferenceTable) -> str:
-    """`table` as a section of a Markdown page."""
-    shown = "\n\n".join(pipes(grid) for grid in grids(table))
-    listed = "\n".join(f"- {markdown_escaped(note)}" for note in notes(table))
-    return f"### {markdown_escaped(table.article)}\n\n{shown}\n\n{listed}\n"
+# Tables in Markdown (pipe tables), padded so that their source reads as tables too.
 
 
 def markdown_escaped(text: str) -> str:
@@ -675,7 +428,7 @@ def pipes(grid: Grid) -> str:
     return "\n".join(lines)
 
 
-# A reference table for a terminal, by rich.
+# Tables for a terminal, by rich.
 
 
 WIDTH = PIPED_WIDTH
@@ -689,14 +442,6 @@ VERDICT = 24
 
 GAP = 3
 """Columns between two columns of a table."""
-
-
-def text_render(table: ReferenceTable, width: int | None = None) -> str:
-    """`table` as plain text of `width` columns; None is `page_width`.
-
-    No figure is cut or broken: words wrap, and a table that is still too wide is continued below itself.
-    """
-    return page(table.article, grids(table), notes(table), width)
 
 
 def page(

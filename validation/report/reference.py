@@ -1,7 +1,13 @@
 """Articles and their known values: picture, reference table, and what weighings and pendulums say beside what is published."""
 
+import csv
+import io
+import math
+import re
+import unicodedata
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from textwrap import shorten
@@ -12,12 +18,22 @@ from geometry.articles import built_in, changes_of
 from geometry.errors import BadInput, CheckFailed, lacking
 from geometry.inertia import Inertia
 from geometry.routes import ROUTES
+from geometry.user_article import ESTIMATE
 from validation.classical import files
 from validation.classical.files import Item, Reduction
 from validation.model.setups import above_fmd, is_file, is_stack
-from validation.output import NONE, print_json, print_pages, rounded, to_json
-from validation.reference import reference
-from validation.reference.reference import STATED, ArticleOptions, ReferenceTable
+from validation.output import NONE, SIGNIFICANT, fixed, plain_unit, print_json, print_pages, rounded, to_json
+from validation.reference import reference, statement
+from validation.reference.reference import (
+    IDENTIFIED,
+    MEASURED,
+    PUBLISHED,
+    STATED,
+    ArticleOptions,
+    ReferenceTable,
+    farthest,
+    verdict,
+)
 from validation.reference.robot import LinkFindings, RobotFindings
 from validation.reference.statement import MIN_WORDS, QUANTITIES, Stated, Statement, headline, rows_table
 from validation.report import document
@@ -150,12 +166,12 @@ def robot_document(found: RobotFindings) -> document.Document:
 def tables_text(tables: Sequence[ReferenceTable], form: str, *, to_file: bool = False) -> str:
     """`tables` as text, markdown, csv or latex; a file does not depend on the terminal that it was written from."""
     if form == "csv":
-        return document.render(tables)
+        return render(tables)
     if form == "latex":
-        return document.document([document.latex_render(table) for table in tables])
+        return latex_document([latex_render(table) for table in tables])
     if form == "markdown":
-        return "\n".join(document.markdown_render(table) for table in tables)
-    return "\n".join(document.text_render(table, document.WIDTH if to_file else None) for table in tables)
+        return "\n".join(markdown_render(table) for table in tables)
+    return "\n".join(text_render(table, document.WIDTH if to_file else None) for table in tables)
 
 
 # How `weigh`, `cog` and `pendulum` answer: a table with its budgets, or the JSON object of the output contract.
@@ -324,14 +340,14 @@ def html(report: Report, figures: Figures) -> Safe:
     parts = []
     for one in report.articles:
         of = one.table
-        tables = () if of is None else (_values(of), _deviations(of), notes(document.notes(of)))
+        tables = () if of is None else (_values(of), _deviations(of), notes(remarks(of)))
         parts.append(tag("div", tag("h3", one.name), picture(one.picture), *tables, notes(one.missing), class_="part"))
     return section("articles", "Articles and their reference", *parts) if parts else Safe("")
 
 
 def _values(of: ReferenceTable) -> Safe:
     """What every column says, each with its tolerance in a column of its own where it states one."""
-    printed = document.values(of)
+    printed = values(of)
     columns = [Column(head="quantity", words=True), Column(head="unit", words=True)]
     rows: list[list[Cell]] = [[quantity.label, quantity.unit] for quantity in QUANTITIES]
     for place, name in enumerate(of.columns, start=1):
@@ -391,3 +407,256 @@ def _deviations(of: ReferenceTable) -> Safe:
         rows.append([quantity.label, quantity.unit if own_unit else "%", *cells, reference.verdict(of, k)])
     head = f"{of.article}: deviation from the reference and verdict"
     return document.table(head, [*columns, Column(head="verdict", words=True)], rows)
+
+
+# A reference table in words: what every column says, and how far it lies off.
+
+
+def values(table: ReferenceTable) -> document.Grid:
+    """What every column says, with its tolerance where it has one that is more than rounding."""
+    names = tuple(table.columns)
+    body = [tuple(_value(table, column, k) for k in range(len(QUANTITIES))) for column in names]
+    lines = tuple(zip(*((_labels(), *(document.aligned(column) for column in body))), strict=True))
+    return document.Grid(header=("", *(table.columns[column].name for column in names)), lines=lines)
+
+
+def grids(table: ReferenceTable) -> tuple[document.Grid, ...]:
+    """The values and, where anything can be compared, their deviations."""
+    return (values(table), deviations(table)) if _compared(table) else (values(table),)
+
+
+def _compared(table: ReferenceTable) -> bool:
+    """Whether any column has another to be held against."""
+    return any(reference.row(table, column, k) for column in table.columns for k in range(len(QUANTITIES)))
+
+
+def deviations(table: ReferenceTable) -> document.Grid:
+    """How far the columns lie from the reference, in per cent (CoG also in mm) and in combined tolerances, and the verdict.
+
+    The routes share one column, which shows the one that lies farthest off.
+    """
+    all_k = range(len(QUANTITIES))
+    routes = {"routes": [c for c in table.columns if c in ROUTES]}
+    groups = routes | {said.name: [c] for c, said in table.columns.items() if c not in ROUTES}
+    most = {name: [farthest(table, columns, k) for k in all_k] for name, columns in groups.items()}
+    compared = {name: rows for name, rows in most.items() if any(rows)}
+    body = [
+        cells
+        for rows in compared.values()
+        for cells in zip(*(_deviation(table, one, k) for k, one in enumerate(rows)), strict=True)
+    ]
+    verdicts = tuple(verdict(table, k) for k in all_k)
+    header = [text for name in compared for text in (name, "tol.")]
+    lines = tuple(zip(*((_labels(), *(document.aligned(cells) for cells in body), verdicts)), strict=True))
+    return document.Grid(header=("deviation", *header, "verdict"), lines=lines, words=True)
+
+
+def remarks(table: ReferenceTable) -> tuple[str, ...]:
+    """What must be known to read the table."""
+    against = {PUBLISHED: "the published value", MEASURED: "the measured value"}
+    kinds = dict.fromkeys(against.get(c, f"route {c}") for c in table.reference_columns if c is not None)
+    deviation = (
+        f"Deviations are from {' or, where none is printed, '.join(kinds)}; of the routes, the farthest is shown. "
+        "tol.: in combined tolerances, beyond 1 is outside."
+    )
+    tolerances = tuple(
+        f"Tolerance of {said.name}: {said.tolerance_note}."
+        for column, said in table.columns.items()
+        if column in (PUBLISHED, MEASURED, IDENTIFIED, ESTIMATE) and said.tolerance_note
+    )
+    return (
+        *((table.note,) if table.note else ()),
+        *((f"Routes: {table.agreement}.",) if table.agreement else ()),
+        *((deviation,) if _compared(table) else ()),
+        *tolerances,
+        *table.footnotes,
+    )
+
+
+def _labels() -> tuple[str, ...]:
+    return tuple(f"{q.label} [{q.unit}]" for q in QUANTITIES)
+
+
+def _value(table: ReferenceTable, column: str, k: int) -> str:
+    stated = table.stated(column, k)
+    if stated is None:
+        return NONE
+    per_si = QUANTITIES[k].per_si
+    if column == ESTIMATE:
+        return document.plus_minus(stated.value * per_si, (stated.tolerance or 0.0) * per_si)
+    printed = stated.decimals is not None
+    decimals = stated.decimals if stated.decimals is not None else _decimals(table, k)
+    text, size = fixed(stated.value * per_si, decimals), (stated.tolerance or 0.0) * per_si
+    # Half a unit of the last printed digit is said by the digits already
+    rounding = stated.tolerance is None or math.isclose(size, 0.5 * 10.0**-decimals, rel_tol=1e-6)
+    if not printed or rounding:
+        return text
+    # Two significant digits at the least, rounded up never away
+    return f"{text} ± {fixed(size, max(decimals, 1 - math.floor(math.log10(size)) if size else 0))}"
+
+
+def _decimals(table: ReferenceTable, k: int) -> int:
+    """Decimals of a value that nobody printed."""
+    kind = next(span for span in (slice(statement.MASS, 1), statement.COG, statement.TENSOR) if span.start <= k < span.stop)
+    largest = max(
+        (abs(stated.value) * q.per_si for c in table.columns for stated, q in _kind(table, c, kind) if stated is not None),
+        default=0,
+    )
+    significant = SIGNIFICANT - 1 - math.floor(math.log10(largest)) if largest else SIGNIFICANT - 1
+    published = [stated.decimals for stated, _ in _kind(table, PUBLISHED, kind) if stated and stated.decimals is not None]
+    return max(significant, *(d + 1 for d in published), 0)
+
+
+def _kind(table: ReferenceTable, column: str, kind: slice) -> list[tuple[Stated | None, statement.Quantity]]:
+    return [(table.stated(column, k), QUANTITIES[k]) for k in range(kind.start, kind.stop)]
+
+
+def _deviation(table: ReferenceTable, one: statement.Row | None, k: int) -> tuple[str, str]:
+    if one is None or one.deviation is None:
+        return NONE, NONE
+    percent, many = one.deviation_percent, one.deviation_in_tolerances
+    is_length = statement.COG.start <= k < statement.COG.stop
+    own = f"{fixed(one.deviation, 2 if is_length else _decimals(table, k))} {one.unit}"
+    relative = None if percent is None else f"{fixed(percent, 2)} %"
+    size = relative if relative and not is_length else f"{own} ({relative})" if relative else own
+    # A deviation in tolerances; beyond a thousand the figure says nothing more
+    return size, NONE if many is None else fixed(many, 1) if abs(many) < 1000 else f"{'-' if many < 0 else ''}>999"
+
+
+# Reference tables as CSV: one line for each quantity and column, full precision, units in a column of their own.
+#
+# Units are written in ASCII (kg m^2): a spreadsheet that is not told that a file is UTF-8 shows another sign for the raised 2.
+
+
+HEADER = (
+    "article",
+    "quantity",
+    "unit",
+    "column",
+    "value",
+    "tolerance",
+    "reference_column",
+    "reference",
+    "deviation",
+    "deviation_percent",
+    "deviation_in_tolerances",
+    "within",
+)
+
+
+def render(tables: Sequence[ReferenceTable]) -> str:
+    """All `tables` as one CSV text with a header; what is not stated is empty."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(HEADER)
+    for table, (k, quantity) in product(tables, enumerate(QUANTITIES)):
+        for column in table.columns:
+            stated = table.stated(column, k)
+            if stated is None:
+                continue
+            form = ".12g" if stated.decimals is None else f".{stated.decimals}f"
+            tolerance = "" if stated.tolerance is None else f"{stated.tolerance * quantity.per_si:.6g}"
+            held: tuple[object, ...] = ("",) * 6
+            if one := reference.row(table, column, k):
+                sizes = (one.reference, one.deviation, one.deviation_percent, one.deviation_in_tolerances)
+                shown = ("" if size is None else f"{size:.9g}" for size in sizes)
+                held = (table.reference_columns[k], *shown, "yes" if one.within else "no")
+            named = (table.article, quantity.key, plain_unit(quantity.unit), column)
+            writer.writerow((*named, format(stated.value * quantity.per_si, form), tolerance, *held))
+    return text.getvalue()
+
+
+# A reference table in LaTeX: plain `tabular` with `\hline`, no package needed.
+#
+# A column of figures is two of LaTeX's that meet at the decimal point, so that the points stand below each other in any font.
+
+
+_SPECIAL = {
+    "\\": r"\textbackslash{}",
+    **{c: rf"\{c}" for c in "&%$#_{}"},
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "Θ": r"$\Theta$",
+    "²": r"$^2$",
+    "³": r"$^3$",
+    "±": r"$\pm$",
+    "–": "--",
+    "×": r"$\times$",
+    "∫": r"$\int$",
+    "·": r"$\cdot$",
+    "°": r"$^\circ$",
+    "µ": r"$\mu$",
+    **{c: f"${c}$" for c in "<>|"},  # the first fonts of TeX have other signs in their places
+    "−": "$-$",
+    "…": r"\dots{}",
+    "≤": r"$\le$",
+    "≥": r"$\ge$",
+    "→": r"$\to$",
+    **dict.fromkeys("’‘", "'"),
+}
+
+_WESTERN = frozenset(map(chr, range(0xC0, 0x100))) - frozenset("ÐðÞþ÷")
+"""Letters with accents that TeX's first fonts can set."""
+
+
+def latex_render(table: ReferenceTable) -> str:
+    """`table` as a LaTeX `table` environment, to be put into any document class."""
+    shown = "\n\\par\\medskip\n".join(_grid(grid) for grid in grids(table))
+    listed = "\n".join(rf"\item {escaped(note)}" for note in remarks(table))
+    return (
+        "\\begin{table}[htb]\n\\centering\\footnotesize\\renewcommand{\\arraystretch}{1.15}\n"
+        f"\\caption{{Inertia parameters of {escaped(table.article)}}}\n\\smallskip\n"
+        f"{shown}\n\\begin{{itemize}}\n{listed}\n\\end{{itemize}}\n\\end{{table}}\n"
+    )
+
+
+def latex_document(tables: list[str]) -> str:
+    """A document that holds the rendered `tables` and compiles as it is."""
+    head = "\\documentclass{article}\n\\usepackage[utf8]{inputenc}\n\\usepackage[landscape,margin=15mm]{geometry}\n"
+    return head + "\\begin{document}\n" + "\n".join(tables) + "\\end{document}\n"
+
+
+def escaped(text: str) -> str:
+    """`text` with every character that LaTeX reads as a command, or may not know, spelled out; signs as mathematics."""
+
+    def known(character: str) -> str:
+        """Where every LaTeX has it, else its nearest letter or, of other scripts, its number."""
+        if character.isascii() or character in _WESTERN:
+            return character
+        plain = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
+        return plain or f"U+{ord(character):04X}"
+
+    spelled = "".join(_SPECIAL.get(character) or known(character) for character in text)
+    indexed = re.sub(r"\$\\Theta\$([xyz]{2})\b", r"$\\Theta_{\1}$", spelled)
+    return re.sub(r"(?<![\w.])-(?=\.?\d|\$>)", "$-$", indexed)
+
+
+def _grid(grid: document.Grid) -> str:
+    """Words as they are; a figure as two cells, before and from its decimal point."""
+    form = "".join("l" if k in grid.left else "r@{}l" for k in range(len(grid.header)))
+    header = " & ".join(
+        escaped(cell) if k in grid.left else rf"\multicolumn{{2}}{{c}}{{{escaped(cell)}}}" for k, cell in enumerate(grid.header)
+    )
+    body = ""
+    for line in grid.lines:
+        cells = [(cell.strip(),) if k in grid.left else document.at_point(cell.strip()) for k, cell in enumerate(line)]
+        body += " & ".join(escaped(part) for cell in cells for part in cell) + " \\\\\n"
+    return f"\\begin{{tabular}}{{{form}}}\n\\hline\n{header} \\\\\n\\hline\n{body}\\hline\n\\end{{tabular}}"
+
+
+# A reference table in Markdown.
+
+
+def markdown_render(table: ReferenceTable) -> str:
+    """`table` as a section of a Markdown page."""
+    shown = "\n\n".join(document.pipes(grid) for grid in grids(table))
+    listed = "\n".join(f"- {document.markdown_escaped(note)}" for note in remarks(table))
+    return f"### {document.markdown_escaped(table.article)}\n\n{shown}\n\n{listed}\n"
+
+
+def text_render(table: ReferenceTable, width: int | None = None) -> str:
+    """`table` as plain text of `width` columns; None is `page_width`.
+
+    No figure is cut or broken: words wrap, and a table that is still too wide is continued below itself.
+    """
+    return document.page(table.article, grids(table), remarks(table), width)

@@ -19,7 +19,7 @@ from geometry.routes import inertia
 from validation.effects.stages import Matrices
 from validation.prediction import dynamic_mass
 from validation.prediction import structure as prediction_structure
-from validation.prediction.effects import FIELDS, Tangent, full, of_arrays, plus
+from validation.prediction.effects import FIELDS, Tangent, crossed, full, of_arrays, plus
 
 LINES = np.linspace(4.0, 32.0, 57)
 ARTICLES = ("clumod-1", "clumod-4", "disc+cuboid")
@@ -271,7 +271,8 @@ def test_a_row_and_column_that_cross_are_the_matrix_that_they_are():
     cross[r] = generator.standard_normal(SIZE)
     cross[:, r] = cross[r]
     answered = dynamic_mass.accelerance(m, FEW_LINES, m.places["tip"][:2], m.places["tip"][2])
-    changes = {"whole": of_arrays(SIZE, stiffness=cross), "crossing": of_arrays(SIZE, crossing=r, stiffness=cross)}
+    row = cross[r] / np.where(np.arange(SIZE) == r, 2, 1)
+    changes = {"whole": of_arrays(SIZE, stiffness=cross), "crossing": crossed(r, stiffness=row)}
     found = dynamic_mass.transfer_tangents(answered, changes)
     np.testing.assert_allclose(found["crossing"], found["whole"], rtol=1e-10, atol=1e-12 * np.abs(found["whole"]).max())
 
