@@ -38,7 +38,7 @@ from validation.prediction.structure import HIGHEST, ReducedStructure, sheet
 #
 # What is not known of the stiffness that one mode feels couples it with its neighbours as well: of a small symmetric error
 # without a preferred direction the entries beside the diagonal have 1 / sqrt(2) of the deviation of those on it (M. L. Mehta,
-# Random Matrices, 2004, section 2.3), and two modes that lie close turn into each other by it. On a base participations do
+# Random Matrices, 2004, section 2.3), and two modes turn into each other by it, the more the closer they lie. On a base participations do
 # that, too; a structure by itself has, of neighbours r and s, K_rs' = K_rs + v sqrt(K_rr K_ss), v known to sqrt(2) times the
 # tolerance of a frequency.
 #
@@ -216,6 +216,10 @@ LEFT = 0.9
 """[share of the stiffness of any motion] that a mesh may be too stiff by in a fit, however far off the model is. Held by
 tests/validation/prediction/test_nuisances.py."""
 
+TURNED = 1e-3
+"""[share of one mode's shape in another's] that a mesh may leave unsure unsaid: where a mode hardly moves its neighbours are read,
+fifty times as much at their resonance. Held by tests/validation/prediction/test_nuisances.py."""
+
 SOFTEST = 1e-9
 """[share of the stiffest coordinate's stiffness] below which one moves without strain. By definition."""
 
@@ -287,9 +291,8 @@ class Nuisances:
             name = f"density:{self.configuration}"
             made.append(Parameter(name=name, unit="1", tolerance=self.weighed if len(modes) else 0.0, kind=STRUCTURAL))
         between = {f"coupling:{self.configuration}:{r + 1}:{s + 1}": of.mode_coupling for r, s in self.neighbours}
-        if not self.nominal.base:
-            of_both = {(r, s): sqrt(2 * known[r] * known[s]) for r, s in self.neighbours}
-            between |= {f"mixing:{self.configuration}:{r + 1}:{s + 1}": tolerance for (r, s), tolerance in of_both.items()}
+        for r, s in self.mixed:
+            between[f"mixing:{self.configuration}:{r + 1}:{s + 1}"] = sqrt(2 * known[r] * known[s])
         made += [Parameter(name=name, unit="1", tolerance=one, kind=STRUCTURAL) for name, one in between.items()]
         return tuple(one for one in made if one.tolerance > 0)
 
@@ -365,6 +368,17 @@ class Nuisances:
         pairs = ((r, s) for r in range(len(f)) for s in range(r + 1, len(f)))
         return tuple((r, s) for r, s in pairs if abs(f[s] - f[r]) <= NEIGHBOURS * max(f[r], f[s]))
 
+    @cached_property
+    def mixed(self) -> tuple[tuple[int, int], ...]:
+        """Pairs of modes of a structure by itself, from 0, that may turn into each other: neighbours, and what the mesh turns."""
+        if self.nominal.base:
+            return ()
+        f, unsure = self.frequency, self.apart_by_mesh if self.tolerances.frequency else 0.0 * self.frequency
+        apart = np.abs(f**2 - f[:, None] ** 2)
+        turned = np.sqrt(2 * unsure * unsure[:, None]) * f * f[:, None] > TURNED * apart
+        pairs = zip(*(at.tolist() for at in np.nonzero(np.triu(turned, 1))), strict=True)
+        return tuple(dict.fromkeys((*self.neighbours, *pairs)))
+
     def at(self, offsets: Offsets, *, derivatives: Wanted = True) -> tuple[Matrices, dict[str, Tangent]]:
         """The matrices at `offsets`, before effects and laws of damping, and their `derivatives` by parameters but those laws."""
         now = self._now(offsets)
@@ -400,7 +414,7 @@ class Nuisances:
             if (thicker or denser) and part in m.part_mass:
                 mass += (np.exp(thicker) * (1 + denser) - 1) * m.part_mass[part]
         stiffness = E[:, None] * K * E
-        for r, s in () if b else self.neighbours:
+        for r, s in self.mixed:
             mixed = offsets.get(f"mixing:{name}:{r + 1}:{s + 1}", 0.0) * self.between(r, s) * E[r] * E[s]
             stiffness[r, s] += mixed
             stiffness[s, r] += mixed
