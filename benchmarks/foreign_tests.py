@@ -33,6 +33,8 @@ Box = tuple[float, float, float, float, float, float]
 STEEL, ALUMINIUM = (210e9, 0.3, 7850.0), (70e9, 0.33, 2700.0)
 GAIN, ANGLE, NOISE, LEVEL, DAMPING = 0.005, 0.5, 0.005, 0.0005, 0.3
 """Scatter of pick-ups [1], [deg]; noise of a line as a share of it and of the level of its run; of the logarithm of a loss."""
+FOOT = 0.007
+"""[m] Radius of pick-ups and of the tip of a hammer."""
 MODULUS, DENSITY, SUPPORT = 0.015, 0.003, 0.05
 """Scatter of what parts are made of, and of springs."""
 
@@ -52,6 +54,16 @@ class Fine:
 
     def nearest(self, at: tuple[float, float, float]) -> int:
         return int(np.argmin(np.linalg.norm(self.points - np.array(at), axis=1)))
+
+    def patch(self, at: tuple[float, float, float]) -> Array:
+        """What a pick-up or the tip of a hammer rests on: of solids all nodes within `FOOT` that lie evenly about the nearest."""
+        centre = self.nearest(at)
+        if self.per_node == 6:
+            return np.array([centre])
+        away = self.points - self.points[centre]
+        near = np.flatnonzero(np.linalg.norm(away, axis=1) < FOOT)
+        even = [k for k in near if np.min(np.linalg.norm(away[near] + away[k], axis=1)) < 1e-6]
+        return np.array(even)
 
 
 @dataclass(frozen=True)
@@ -76,7 +88,9 @@ def grid(boxes: Mapping[str, Box], size: float) -> tuple[Array, dict[str, Array]
     axes = []
     for k in range(3):
         ends = np.unique([box[k + 3 * side] for box in boxes.values() for side in (0, 1)])
-        axes.append(np.concatenate([np.linspace(a, b, max(round((b - a) / size), 2) + 1)[:-1] for a, b in pairwise(ends)] + [ends[-1:]]))
+        axes.append(
+            np.concatenate([np.linspace(a, b, max(round((b - a) / size), 2) + 1)[:-1] for a, b in pairwise(ends)] + [ends[-1:]])
+        )
     corners = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2)]
     edges = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
     places = corners + [tuple((np.array(corners[a]) + corners[b]) // 2) for a, b in edges]
@@ -164,16 +178,32 @@ def beam(one: Array, other: Array, up: Array, b: float, h: float, material: tupl
     for dofs, sign, inertia in (((1, 5, 7, 11), 1, h * b**3 / 12), ((2, 4, 8, 10), -1, b * h**3 / 12)):
         p = 12 * E * inertia / (G * A * 5 / 6 * L**2)
         s = np.array([1, sign, 1, sign])
-        k = E * inertia / (L**3 * (1 + p)) * np.array(
-            [
-                [12, 6 * L, -12, 6 * L],
-                [6 * L, (4 + p) * L**2, -6 * L, (2 - p) * L**2],
-                [-12, -6 * L, 12, -6 * L],
-                [6 * L, (2 - p) * L**2, -6 * L, (4 + p) * L**2],
-            ]
+        k = (
+            E
+            * inertia
+            / (L**3 * (1 + p))
+            * np.array(
+                [
+                    [12, 6 * L, -12, 6 * L],
+                    [6 * L, (4 + p) * L**2, -6 * L, (2 - p) * L**2],
+                    [-12, -6 * L, 12, -6 * L],
+                    [6 * L, (2 - p) * L**2, -6 * L, (4 + p) * L**2],
+                ]
+            )
         )
-        m = rho * A * L / 420 * np.array(
-            [[156, 22 * L, 54, -13 * L], [22 * L, 4 * L**2, 13 * L, -3 * L**2], [54, 13 * L, 156, -22 * L], [-13 * L, -3 * L**2, -22 * L, 4 * L**2]]
+        m = (
+            rho
+            * A
+            * L
+            / 420
+            * np.array(
+                [
+                    [156, 22 * L, 54, -13 * L],
+                    [22 * L, 4 * L**2, 13 * L, -3 * L**2],
+                    [54, 13 * L, 156, -22 * L],
+                    [-13 * L, -3 * L**2, -22 * L, 4 * L**2],
+                ]
+            )
         )
         K[np.ix_(dofs, dofs)] += s[:, None] * k * s
         M[np.ix_(dofs, dofs)] += s[:, None] * m * s
@@ -198,14 +228,20 @@ def beams(nodes: Mapping[str, tuple[float, float, float]], members: Mapping[str,
             along = list(range(len(points), len(points) + count + 1))
             points += [ends[0] + (ends[1] - ends[0]) * k / count for k in range(count + 1)]
             for k, other in pairwise(along):
-                pieces.append((part, k, other, *beam(points[k], points[other], np.array(up), width / 1e3, height / 1e3, material)))
+                pieces.append(
+                    (part, k, other, *beam(points[k], points[other], np.array(up), width / 1e3, height / 1e3, material))
+                )
             for node, end in ((a, along[0]), (b, along[-1])):
                 found.ties[f"{part}@{node}:{a}-{b}"] = (names.index(node), end)
     found.points = np.array(points)
     size = 6 * len(points)
     for part in members:
         for k, into in ((3, found.stiffness), (4, found.mass)):
-            at = [(np.concatenate([6 * one[1] + np.arange(6), 6 * one[2] + np.arange(6)]), one[k]) for one in pieces if one[0] == part]
+            at = [
+                (np.concatenate([6 * one[1] + np.arange(6), 6 * one[2] + np.arange(6)]), one[k])
+                for one in pieces
+                if one[0] == part
+            ]
             i = np.concatenate([np.repeat(dofs, 12) for dofs, _ in at])
             j = np.concatenate([np.tile(dofs, 12) for dofs, _ in at])
             into[part] = coo_array((np.concatenate([m.ravel() for _, m in at]), (i, j)), shape=(size, size)).tocsc()
@@ -235,13 +271,14 @@ def tested(bench: Bench, fault: tuple[str, str, float] | None, seed: int) -> Tes
         M = M + float(np.exp(DENSITY * draw.standard_normal())) * fine.mass[part]
     n, d = K.shape[0], fine.per_node
     more, tie = np.zeros(n), 1e3 * abs(K).max()
-    at = {name: fine.nearest(p) for name, p in bench.places.items()}
+    at = {name: fine.patch(p) for name, p in bench.places.items()}
     for name, (node, k) in fine.springs.items():
         factor = np.exp(SUPPORT * draw.standard_normal()) * (size if (kind, target) == ("support", name) else 1.0)
         more[d * node : d * node + len(k)] += factor * k
     heavy = dict(fine.masses)
     if kind == "point-mass":
-        heavy[at[target]] = heavy.get(at[target], 0.0) + size
+        node = fine.nearest(bench.places[target])
+        heavy[node] = heavy.get(node, 0.0) + size
     weights = np.zeros(n)
     for node, kg in heavy.items():
         weights[d * node : d * node + 3] += kg
@@ -250,7 +287,9 @@ def tested(bench: Bench, fault: tuple[str, str, float] | None, seed: int) -> Tes
         if kind == "joint" and name.startswith(target.rpartition(":")[0] + ":"):
             k[3 + "xyz".index(target[-1])] = 1 / size
         i, j = 6 * a + np.arange(6), 6 * b + np.arange(6)
-        K = K + coo_array((np.concatenate([k, k, -k, -k]), (np.concatenate([i, j, i, j]), np.concatenate([i, j, j, i]))), shape=K.shape)
+        K = K + coo_array(
+            (np.concatenate([k, k, -k, -k]), (np.concatenate([i, j, i, j]), np.concatenate([i, j, j, i]))), shape=K.shape
+        )
     diagonal = coo_array((more, (np.arange(n), np.arange(n))), shape=K.shape)
     K, M = (K + diagonal).tocsc(), (M + coo_array((weights, (np.arange(n), np.arange(n))), shape=M.shape)).tocsc()
     free = np.setdiff1d(np.flatnonzero(abs(K).sum(axis=0) > 0), fine.held)
@@ -259,10 +298,9 @@ def tested(bench: Bench, fault: tuple[str, str, float] | None, seed: int) -> Tes
     shift = -float(K.diagonal().sum() / M.diagonal().sum()) * 1e-7
     values, vectors = eigsh(K, count, M, sigma=shift, v0=np.ones(len(free)))
     loads = np.zeros((len(free), 3 * len(at)))
-    for k, node in enumerate(at.values()):
+    for k, nodes in enumerate(at.values()):
         for axis in range(3):
-            where = np.flatnonzero(free == d * node + axis)
-            loads[where, 3 * k + axis] = 1.0
+            loads[np.isin(free, d * nodes + axis), 3 * k + axis] = 1 / len(nodes)
     left = splu((K - shift * M).tocsc()).solve(loads)
     left -= vectors @ (vectors.T @ (M @ left))
     left -= vectors @ (vectors.T @ (M @ left))
@@ -316,7 +354,7 @@ def functions(folder: Path, bench: Bench, fault: tuple[str, str, float] | None, 
     felt, draw = noticed(bench, made, seed), np.random.default_rng([seed, 4])
     receptance = 1 / ((2 * np.pi * made.frequency) ** 2 * (1 + 1j * made.losses) - (2 * np.pi * f[:, None]) ** 2)
     sign = -((2 * np.pi * f[:, None]) ** 2)
-    sets, text = [], ['[[test]]', 'kind = "response-functions"', 'article = "own"']
+    sets, text = [], ["[[test]]", 'kind = "response-functions"', 'article = "own"']
     files, places = [], {name: k + 1 for k, name in enumerate(bench.places)}
     cell = np.exp(GAIN * draw.standard_normal())
     for drive in bench.drives:
@@ -333,10 +371,25 @@ def functions(folder: Path, bench: Bench, fault: tuple[str, str, float] | None, 
             (place, axis), (at, along) = one.split(":"), drive.split(":")
             sets.append(
                 pyuff.prepare_58(
-                    binary=0, id1="own", func_type=4, rsp_ent_name="NONE", rsp_node=places[place], rsp_dir="xyz".index(axis) + 1,
-                    ref_ent_name="NONE", ref_node=places[at], ref_dir="xyz".index(along) + 1, abscissa_spec_data_type=18,
-                    ordinate_spec_data_type=12, orddenom_spec_data_type=13, data=read[:, k], x=f,
-                    abscissa_spacing=1, abscissa_min=f[0], abscissa_inc=f[1] - f[0], num_pts=len(f), ord_data_type=5,
+                    binary=0,
+                    id1="own",
+                    func_type=4,
+                    rsp_ent_name="NONE",
+                    rsp_node=places[place],
+                    rsp_dir="xyz".index(axis) + 1,
+                    ref_ent_name="NONE",
+                    ref_node=places[at],
+                    ref_dir="xyz".index(along) + 1,
+                    abscissa_spec_data_type=18,
+                    ordinate_spec_data_type=12,
+                    orddenom_spec_data_type=13,
+                    data=read[:, k],
+                    x=f,
+                    abscissa_spacing=1,
+                    abscissa_min=f[0],
+                    abscissa_inc=f[1] - f[0],
+                    num_pts=len(f),
+                    ord_data_type=5,
                 )
             )
     if csv:
@@ -366,10 +419,22 @@ def table(folder: Path, bench: Bench, fault: tuple[str, str, float] | None, seed
             along[nodes.index(place), "xyz".index(axis)] = shapes[k, c]
         sets.append(
             pyuff.prepare_55(
-                model_type=1, id1="own", analysis_type=2, data_ch=2, spec_data_type=8, data_type=2, n_data_per_node=3,
-                r1=along[:, 0], r2=along[:, 1], r3=along[:, 2], load_case=0, mode_n=k + 1,
-                freq=made.frequency[r] * (1 + 0.001 * draw.standard_normal()), modal_m=1.0,
-                modal_damp_vis=made.losses[r] / 2 * (1 + 0.1 * draw.standard_normal()), modal_damp_his=0.0,
+                model_type=1,
+                id1="own",
+                analysis_type=2,
+                data_ch=2,
+                spec_data_type=8,
+                data_type=2,
+                n_data_per_node=3,
+                r1=along[:, 0],
+                r2=along[:, 1],
+                r3=along[:, 2],
+                load_case=0,
+                mode_n=k + 1,
+                freq=made.frequency[r] * (1 + 0.001 * draw.standard_normal()),
+                modal_m=1.0,
+                modal_damp_vis=made.losses[r] / 2 * (1 + 0.1 * draw.standard_normal()),
+                modal_damp_his=0.0,
                 node_nums=np.arange(1, len(nodes) + 1),
             )
         )
@@ -398,7 +463,9 @@ def of(metal: str) -> str:
     return f"material = {material}\nloss_factor = 0.02"
 
 
-def bricks(boxes: Mapping[str, Box], metals: Mapping[str, str], *, fine: float, coarse: float, clamped: bool) -> dict[str, Callable]:
+def bricks(
+    boxes: Mapping[str, Box], metals: Mapping[str, str], *, fine: float, coarse: float, clamped: bool
+) -> dict[str, Callable]:
     """Truth and model of boxes that are solids in both."""
 
     @cache
@@ -429,8 +496,8 @@ BRACKET = {
 
 
 def plate() -> Bench:
-    corners = {"a": (0, 0, 0), "b": (300, 0, 0), "c": (300, 200, 0), "d": (0, 200, 0), "e": (150, 0, 0), "f": (150, 200, 0)}
-    places = {**corners, "g": (150, 100, 0), "h": (0, 100, 0)}
+    corners = {"a": (12, 12, 0), "b": (288, 12, 0), "c": (288, 188, 0), "d": (12, 188, 0), "e": (150, 12, 0), "f": (150, 188, 0)}
+    places = {**corners, "g": (150, 100, 0), "h": (12, 100, 0)}
     return Bench(
         **bricks(PLATE, dict.fromkeys(PLATE, "aluminium"), fine=12.5, coarse=22.0, clamped=False),
         places=places,
@@ -448,7 +515,14 @@ def plate() -> Bench:
 
 
 def bracket() -> Bench:
-    places = {"tip": (0, 0, 132), "side": (0, 80, 132), "mid": (0, 40, 132), "low": (0, 0, 72), "back": (0, 80, 72), "knee": (50, 40, 72)}
+    places = {
+        "tip": (0, 8, 124),
+        "side": (0, 72, 124),
+        "mid": (0, 40, 124),
+        "low": (0, 8, 72),
+        "back": (0, 72, 72),
+        "knee": (50, 40, 64),
+    }
     return Bench(
         **bricks(BRACKET, {"foot": "aluminium", "upright": "aluminium", "gusset": "steel"}, fine=8.0, coarse=14.0, clamped=True),
         places=places,
@@ -490,7 +564,12 @@ def table_top() -> Bench:
         nodes: dict[tuple[float, float, float], int] = {}
         deck, count = list[str](), 0
         for part, at, n, m in (
-            ("top", lambda u, v: (u, v, 4.0), np.linspace(0, 600, 21), np.array([0, 20, 40, 63, 90, 120, 150, 200, 250, 280, 310, 337, 360, 380, 400.0])),
+            (
+                "top",
+                lambda u, v: (u, v, 4.0),
+                np.linspace(0, 600, 21),
+                np.array([0, 20, 40, 63, 90, 120, 150, 200, 250, 280, 310, 337, 360, 380, 400.0]),
+            ),
             ("apron-1", lambda u, v: (u, 63.0, v), np.linspace(0, 600, 21), np.array([-40, -20, 4.0])),
             ("apron-2", lambda u, v: (u, 337.0, v), np.linspace(0, 600, 21), np.array([-40, -20, 4.0])),
         ):
@@ -506,7 +585,9 @@ def table_top() -> Bench:
         for name, (x, y) in LEGS.items():
             k = [*3 * [f'"{LEG:g} N/m"'], *3 * ['"0 N m/rad"']]
             springs += [f"[fe_model.springs.{name}]", f'at = ["{x} mm", "{y} mm", "4 mm"]', f"stiffness = [{', '.join(k)}]"]
-        whole = described({name: f"{of('steel')}\n{said}" for name, said in parts.items()}, places, 'file = "own.inp"', 'support = "ground"')
+        whole = described(
+            {name: f"{of('steel')}\n{said}" for name, said in parts.items()}, places, 'file = "own.inp"', 'support = "ground"'
+        )
         return whole + "\n".join([*springs, ""])
 
     return Bench(
@@ -531,7 +612,11 @@ def cantilever() -> Bench:
     nodes = {f"{side}{k}": (300.0 * k, y, 0.0) for k in range(5) for side, y in (("l", 0.0), ("r", 240.0))}
     bars: dict[str, tuple[str, str]] = {}
     for k in range(4):
-        bars |= {f"left-{k + 1}": (f"l{k}", f"l{k + 1}"), f"right-{k + 1}": (f"r{k}", f"r{k + 1}"), f"rung-{k + 1}": (f"l{k + 1}", f"r{k + 1}")}
+        bars |= {
+            f"left-{k + 1}": (f"l{k}", f"l{k + 1}"),
+            f"right-{k + 1}": (f"r{k}", f"r{k + 1}"),
+            f"rung-{k + 1}": (f"l{k + 1}", f"r{k + 1}"),
+        }
     up, more = (0.0, 0.0, 1.0), {"r4": 0.4}
 
     @cache
@@ -576,7 +661,9 @@ def storeys() -> Bench:
     for number, (low, high) in enumerate(("gm", "mt")):
         for side, own in (("left", (1, 4)), ("right", (2, 3))):
             members[f"{side}-{number + 1}"] = [(f"{low}{k}", f"{high}{k}", (1.0, 0.0, 0.0), 18.0, 18.0, STEEL) for k in own]
-        members[f"floor-{number + 1}"] = [(f"{high}{k}", f"{high}{k % 4 + 1}", (0.0, 0.0, 1.0), 30.0, 20.0, STEEL) for k in range(1, 5)]
+        members[f"floor-{number + 1}"] = [
+            (f"{high}{k}", f"{high}{k % 4 + 1}", (0.0, 0.0, 1.0), 30.0, 20.0, STEEL) for k in range(1, 5)
+        ]
     springs = np.array([2e6, 2e6, 5e6, 2e4, 2e4, 2e4])
 
     @cache
@@ -651,10 +738,15 @@ def written(folder: Path, case: tuple[str, str, str, int]) -> None:
     bench, kind = BENCHES[structure](), name.split(f"{structure}-")[1].split("-")[0]
     folder.mkdir(parents=True)
     fine = bench.fine()
-    at = {place: tuple(float(f"{x:.6g}") for x in 1e3 * fine.points[fine.nearest(tuple(np.array(p) / 1e3))]) for place, p in bench.places.items()}
+    at = {
+        place: tuple(float(f"{x:.6g}") for x in 1e3 * fine.points[fine.nearest(tuple(np.array(p) / 1e3))])
+        for place, p in bench.places.items()
+    }
     bench = Bench(**{**vars(bench), "places": {name: tuple(np.array(p) / 1e3) for name, p in at.items()}})
     planted = bench.faults[fault] if fault else None
-    test = functions(folder, bench, planted, seed, csv=seed % 2 == 1) if kind == "functions" else table(folder, bench, planted, seed)
+    test = (
+        functions(folder, bench, planted, seed, csv=seed % 2 == 1) if kind == "functions" else table(folder, bench, planted, seed)
+    )
     model = bench.described(folder, at)
     head = 'format = 1\nmodel = { title = "own", article = "own" }\n[tolerances]\nclass = "calibrated"\n'
     (folder / "own.toml").write_text(f"{head}{model}{test}")
@@ -708,7 +800,11 @@ def main() -> int:
         if not asked.table and (asked.again or not answer.exists()):
             before = os.times()
             run = subprocess.run(
-                [str(Path(sys.executable).with_name("massline")), "diagnose", "own.toml", "--json"], cwd=folder, capture_output=True, text=True, check=False
+                [str(Path(sys.executable).with_name("massline")), "diagnose", "own.toml", "--json"],
+                cwd=folder,
+                capture_output=True,
+                text=True,
+                check=False,
             )
             spent = os.times().children_user + os.times().children_system - before.children_user - before.children_system
             text = run.stdout if run.stdout.startswith("{") else json.dumps({"refused": run.stderr[-1000:]})
