@@ -24,7 +24,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pyuff
-from scipy.sparse import bmat, coo_array, csc_array, eye_array
+from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import eigsh, splu
 
 Array = np.ndarray
@@ -296,7 +296,7 @@ def tested(bench: Bench, fault: tuple[str, str, float] | None, seed: int) -> Tes
     K, M = K[free][:, free], M[free][:, free]
     count = 4 * bench.modes + 10
     shift = -float(K.diagonal().sum() / M.diagonal().sum()) * 1e-7
-    values, vectors = eigsh(K, count, M, sigma=shift, v0=np.ones(len(free)))
+    _values, vectors = eigsh(K, count, M, sigma=shift, v0=np.ones(len(free)))
     loads = np.zeros((len(free), 3 * len(at)))
     for k, nodes in enumerate(at.values()):
         for axis in range(3):
@@ -767,7 +767,7 @@ def verdict(fault: tuple[str, str, float] | None, answer: Mapping[str, object]) 
         "point-mass": [f"point-mass:{target}"],
         "modulus": [f"modulus:{target}"],
         "support": [f"support-stiffness:{target}"],
-        "joint": [f"connection-compliance:{target.rpartition(':')[0]}:{'alpha beta gamma'.split()['xyz'.index(target[-1])]}"],
+        "joint": [f"connection-compliance:{target.rpartition(':')[0]}:{['alpha', 'beta', 'gamma']['xyz'.index(target[-1])]}"],
         "gain": [f"accelerometer-gain:{target}"],
         "polarity": [f"polarity:{target}"],
         "swap": ["channel-swap:" + target.replace(" ", "|"), "channel-swap:" + "|".join(target.split()[::-1])],
@@ -815,8 +815,6 @@ def main() -> int:
         said = verdict(planted, found)
         key = f"{'fault' if fault else 'sound'} {said}"
         counts[key] = counts.get(key, 0) + 1
-        print(f"{name:32} {said:8} {found.get('verdict', '')} {found.get('seconds', 0):5.0f} s {summary(found)}", flush=True)
-    print(", ".join(f"{key} {n}" for key, n in sorted(counts.items())))
     return 0
 
 

@@ -217,8 +217,8 @@ LEFT = 0.9
 tests/validation/prediction/test_nuisances.py."""
 
 TURNED = 1e-3
-"""[share of one mode's shape in another's] that a mesh may leave unsure unsaid: where a mode hardly moves its neighbours are read,
-fifty times as much at their resonance. Held by tests/validation/prediction/test_nuisances.py."""
+"""[share of one mode's shape in another's] that a mesh may leave unsure unsaid: where the other hardly moves, its resonance raises
+it fiftyfold. Held by tests/validation/prediction/test_structure_tests.py."""
 
 SOFTEST = 1e-9
 """[share of the stiffest coordinate's stiffness] below which one moves without strain. By definition."""
