@@ -21,13 +21,16 @@ from functools import cache
 from itertools import pairwise, product
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pyuff
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import eigsh, splu
 
-Array = np.ndarray
+Array = npt.NDArray[Any]
+Places = Mapping[str, tuple[float, float, float]]
 Box = tuple[float, float, float, float, float, float]
 
 STEEL, ALUMINIUM = (210e9, 0.3, 7850.0), (70e9, 0.33, 2700.0)
@@ -71,8 +74,8 @@ class Bench:
     """A structure: its truth, what its owner writes, where it is read and struck (place and axis), and how far."""
 
     fine: Callable[[], Fine]
-    described: Callable[[Path, Mapping[str, str]], str]
-    places: Mapping[str, tuple[float, float, float]]
+    described: Callable[[Path, Places], str]
+    places: Places
     responses: tuple[str, ...]
     drives: tuple[str, ...]
     modes: int
@@ -171,9 +174,9 @@ def beam(one: Array, other: Array, up: Array, b: float, h: float, material: tupl
     long, short = max(b, h), min(b, h)
     J = long * short**3 * (1 / 3 - 0.21 * short / long * (1 - (short / long) ** 4 / 12))
     K, M = np.zeros((12, 12)), np.zeros((12, 12))
-    for dofs, k, m in (((0, 6), E * A / L, rho * A * L), ((3, 9), G * J / L, rho * L * (b * h**3 + h * b**3) / 12)):
-        K[np.ix_(dofs, dofs)] += k * np.array([[1, -1], [-1, 1]])
-        M[np.ix_(dofs, dofs)] += m / 6 * np.array([[2, 1], [1, 2]])
+    for pair, stiff, heavy in (((0, 6), E * A / L, rho * A * L), ((3, 9), G * J / L, rho * L * (b * h**3 + h * b**3) / 12)):
+        K[np.ix_(pair, pair)] += stiff * np.array([[1, -1], [-1, 1]])
+        M[np.ix_(pair, pair)] += heavy / 6 * np.array([[2, 1], [1, 2]])
     # Bending in x-y about z, then in x-z about y, whose rotations have the other sign
     for dofs, sign, inertia in (((1, 5, 7, 11), 1, h * b**3 / 12), ((2, 4, 8, 10), -1, b * h**3 / 12)):
         p = 12 * E * inertia / (G * A * 5 / 6 * L**2)
@@ -222,8 +225,8 @@ def beams(nodes: Mapping[str, tuple[float, float, float]], members: Mapping[str,
     to its nodes by what joints may loosen."""
     points, found = [np.array(p) / 1e3 for p in nodes.values()], Fine(points=np.zeros((0, 3)), per_node=6)
     names, pieces = list(nodes), list[tuple[str, int, int, Array, Array]]()
-    for part, own in members.items():
-        for a, b, up, width, height, material in own:
+    for part, bars in members.items():
+        for a, b, up, width, height, material in bars:
             ends = [points[names.index(a)], points[names.index(b)]]
             along = list(range(len(points), len(points) + count + 1))
             points += [ends[0] + (ends[1] - ends[0]) * k / count for k in range(count + 1)]
@@ -236,15 +239,12 @@ def beams(nodes: Mapping[str, tuple[float, float, float]], members: Mapping[str,
     found.points = np.array(points)
     size = 6 * len(points)
     for part in members:
-        for k, into in ((3, found.stiffness), (4, found.mass)):
-            at = [
-                (np.concatenate([6 * one[1] + np.arange(6), 6 * one[2] + np.arange(6)]), one[k])
-                for one in pieces
-                if one[0] == part
-            ]
-            i = np.concatenate([np.repeat(dofs, 12) for dofs, _ in at])
-            j = np.concatenate([np.tile(dofs, 12) for dofs, _ in at])
-            into[part] = coo_array((np.concatenate([m.ravel() for _, m in at]), (i, j)), shape=(size, size)).tocsc()
+        own = [
+            (np.concatenate([6 * a + np.arange(6), 6 * b + np.arange(6)]), K, M) for name, a, b, K, M in pieces if name == part
+        ]
+        i, j = np.concatenate([np.repeat(d, 12) for d, _, _ in own]), np.concatenate([np.tile(d, 12) for d, _, _ in own])
+        for into, each in ((found.stiffness, [K for _, K, _ in own]), (found.mass, [M for _, _, M in own])):
+            into[part] = coo_array((np.concatenate([m.ravel() for m in each]), (i, j)), shape=(size, size)).tocsc()
     return found
 
 
@@ -298,9 +298,9 @@ def tested(bench: Bench, fault: tuple[str, str, float] | None, seed: int) -> Tes
     shift = -float(K.diagonal().sum() / M.diagonal().sum()) * 1e-7
     _values, vectors = eigsh(K, count, M, sigma=shift, v0=np.ones(len(free)))
     loads = np.zeros((len(free), 3 * len(at)))
-    for k, nodes in enumerate(at.values()):
+    for k, feet in enumerate(at.values()):
         for axis in range(3):
-            loads[np.isin(free, d * nodes + axis), 3 * k + axis] = 1 / len(nodes)
+            loads[np.isin(free, d * feet + axis), 3 * k + axis] = 1 / len(feet)
     left = splu((K - shift * M).tocsc()).solve(loads)
     left -= vectors @ (vectors.T @ (M @ left))
     left -= vectors @ (vectors.T @ (M @ left))
@@ -400,7 +400,7 @@ def functions(folder: Path, bench: Bench, fault: tuple[str, str, float] | None, 
     return "\n".join(text) + "\n"
 
 
-def units() -> dict[str, object]:
+def units() -> Any:
     return pyuff.prepare_164(units_code=1, units_description="SI", temp_mode=1, length=1.0, force=1.0, temp=1.0, temp_offset=0.0)
 
 
@@ -448,7 +448,7 @@ def table(folder: Path, bench: Bench, fault: tuple[str, str, float] | None, seed
 # The structures.
 
 
-def described(parts: Mapping[str, str], places: Mapping[str, tuple[float, float, float]], *more: str) -> str:
+def described(parts: Mapping[str, str], places: Places, *more: str) -> str:
     named = ", ".join(f'{name} = ["{x} mm", "{y} mm", "{z} mm"]' for name, (x, y, z) in places.items())
     lines = ["[fe_model]", 'kind = "mesh"', 'units = "mm"', *more, f"places = {{ {named} }}"]
     return "\n".join([*lines, *(line for name, said in parts.items() for line in (f"[fe_model.parts.{name}]", said))]) + "\n"
@@ -463,9 +463,7 @@ def of(metal: str) -> str:
     return f"material = {material}\nloss_factor = 0.02"
 
 
-def bricks(
-    boxes: Mapping[str, Box], metals: Mapping[str, str], *, fine: float, coarse: float, clamped: bool
-) -> dict[str, Callable]:
+def bricks(boxes: Mapping[str, Box], metals: Mapping[str, str], *, fine: float, coarse: float, clamped: bool) -> dict[str, Any]:
     """Truth and model of boxes that are solids in both."""
 
     @cache
@@ -475,7 +473,7 @@ def bricks(
         made.held = np.concatenate([3 * at + k for k in range(3)])
         return made
 
-    def model(folder: Path, places: Mapping[str, tuple[float, float, float]]) -> str:
+    def model(folder: Path, places: Places) -> str:
         tetrahedra(folder / "own.msh", boxes, coarse)
         held = ('support = "ground"', 'interface = ["underside"]') if clamped else ('support = "free"',)
         return described({name: of(metal) for name, metal in metals.items()}, places, 'file = "own.msh"', *held)
@@ -560,7 +558,7 @@ def table_top() -> Bench:
         made.springs = {name: (made.nearest((x / 1e3, y / 1e3, 0.004)), np.full(3, LEG)) for name, (x, y) in LEGS.items()}
         return made
 
-    def model(folder: Path, places: Mapping[str, tuple[float, float, float]]) -> str:
+    def model(folder: Path, places: Places) -> str:
         nodes: dict[tuple[float, float, float], int] = {}
         deck, count = list[str](), 0
         for part, at, n, m in (
@@ -627,7 +625,7 @@ def cantilever() -> Bench:
         made.held = np.concatenate([6 * names.index(name) + np.arange(6) for name in ("l0", "r0")])
         return made
 
-    def model(folder: Path, places: Mapping[str, tuple[float, float, float]]) -> str:
+    def model(folder: Path, places: Places) -> str:
         E, nu, rho = ALUMINIUM
         where = ", ".join(f'{name} = ["{x} mm", "{y} mm", "{z} mm"]' for name, (x, y, z) in nodes.items())
         members = ", ".join(f'{name} = ["{a}", "{b}"]' for name, (a, b) in bars.items())
@@ -658,7 +656,7 @@ def storeys() -> Bench:
     feet = [(0.0, 0.0), (600.0, 0.0), (600.0, 400.0), (0.0, 400.0)]
     nodes = {f"{level}{k + 1}": (x, y, 450.0 * number) for number, level in enumerate("gmt") for k, (x, y) in enumerate(feet)}
     members: dict[str, list[Member]] = {}
-    for number, (low, high) in enumerate(("gm", "mt")):
+    for number, (low, high) in enumerate((("g", "m"), ("m", "t"))):
         for side, own in (("left", (1, 4)), ("right", (2, 3))):
             members[f"{side}-{number + 1}"] = [(f"{low}{k}", f"{high}{k}", (1.0, 0.0, 0.0), 18.0, 18.0, STEEL) for k in own]
         members[f"floor-{number + 1}"] = [
@@ -672,12 +670,12 @@ def storeys() -> Bench:
         made.springs = {f"foot-{k + 1}": (k, springs) for k in range(4)}
         return made
 
-    def model(folder: Path, places: Mapping[str, tuple[float, float, float]]) -> str:
+    def model(folder: Path, places: Places) -> str:
         numbers, deck, count = {at: k + 1 for k, at in enumerate(nodes.values())}, list[str](), 0
         for part, own in members.items():
             deck.append(f"*ELEMENT, TYPE=B31, ELSET={part}")
-            for a, b, *_ in own:
-                one, other = (np.array(nodes[end]) for end in (a, b))
+            for start, end, *_ in own:
+                one, other = np.array(nodes[start]), np.array(nodes[end])
                 for s, t in pairwise(np.linspace(0, 1, 5)):
                     count += 1
                     ends = [numbers.setdefault(tuple(one + (other - one) * each), len(numbers) + 1) for each in (s, t)]
@@ -685,7 +683,8 @@ def storeys() -> Bench:
         head = ["*NODE", *(f"{number}, {x}, {y}, {z}" for (x, y, z), number in numbers.items())]
         (folder / "own.inp").write_text("\n".join([*head, *deck, ""]))
         parts = {}
-        for part, ((_, _, up, b, h, _), *_) in members.items():
+        for part, bars in members.items():
+            _, _, up, b, h, _ = bars[0]
             parts[part] = f'{of("steel")}\nsection = {{ width = "{b} mm", height = "{h} mm" }}\nz_axis = {list(up)}'
         more = []
         for k in range(4):
@@ -738,10 +737,10 @@ def written(folder: Path, case: tuple[str, str, str, int]) -> None:
     bench, kind = BENCHES[structure](), name.split(f"{structure}-")[1].split("-")[0]
     folder.mkdir(parents=True)
     fine = bench.fine()
-    at = {
-        place: tuple(float(f"{x:.6g}") for x in 1e3 * fine.points[fine.nearest(tuple(np.array(p) / 1e3))])
-        for place, p in bench.places.items()
-    }
+    at: dict[str, tuple[float, float, float]] = {}
+    for place, p in bench.places.items():
+        x, y, z = (float(f"{x:.6g}") for x in 1e3 * fine.points[fine.nearest(tuple(np.array(p) / 1e3))])
+        at[place] = (x, y, z)
     bench = Bench(**{**vars(bench), "places": {name: tuple(np.array(p) / 1e3) for name, p in at.items()}})
     planted = bench.faults[fault] if fault else None
     test = (
@@ -815,6 +814,9 @@ def main() -> int:
         said = verdict(planted, found)
         key = f"{'fault' if fault else 'sound'} {said}"
         counts[key] = counts.get(key, 0) + 1
+        sys.stdout.write(f"{name:32} {said:8} {found.get('verdict', '')} {found.get('seconds', 0):5.0f} s {summary(found)}\n")
+        sys.stdout.flush()
+    sys.stdout.write(", ".join(f"{key} {n}" for key, n in sorted(counts.items())) + "\n")
     return 0
 
 

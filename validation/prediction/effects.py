@@ -36,10 +36,10 @@ from validation.prediction.structure import HIGHEST, ReducedStructure, sheet
 # the frequency of its mode, G_rr = (K'_rr / K_rr)^(1/4), so that a stated ratio stays what it is. Nothing is re-diagonalised: the
 # matrices are smooth in every parameter, stay symmetric, K and C positive, and a cluster of frequencies needs no tracking.
 #
-# What is not known of the stiffness that one mode feels couples it with its neighbours as well: of a small symmetric error
-# without a preferred direction the entries beside the diagonal have 1 / sqrt(2) of the deviation of those on it (M. L. Mehta,
-# Random Matrices, 2004, section 2.3), and two modes turn into each other by it, the more the closer they lie. On a base participations do
-# that, too; a structure by itself has, of neighbours r and s, K_rs' = K_rs + v sqrt(K_rr K_ss), v known to sqrt(2) times the
+# What is not known of the stiffness that one mode feels couples it with others as well: of a small symmetric error without a
+# preferred direction the entries beside the diagonal have 1 / sqrt(2) of the deviation of those on it (M. L. Mehta, Random
+# Matrices, 2004, section 2.3), and two modes turn into each other by it, the more the closer they lie. On a base participations
+# do that, too; a structure by itself has, of modes r and s, K_rs' = K_rs + v sqrt(K_rr K_ss), v known to sqrt(2) times the
 # tolerance of a frequency.
 #
 # Where parts have loss factors, these are what is not known of damping: one number moves all modes in which the part bends, in
@@ -217,8 +217,8 @@ LEFT = 0.9
 tests/validation/prediction/test_nuisances.py."""
 
 TURNED = 1e-3
-"""[share of one mode's shape in another's] that a mesh may leave unsure unsaid: where the other hardly moves, its resonance raises
-it fiftyfold. Held by tests/validation/prediction/test_structure_tests.py."""
+"""[share of one mode's shape in another's] that a mesh may leave unsure unsaid: where the other hardly moves, its resonance
+raises it fiftyfold. Held by tests/validation/prediction/test_structure_tests.py."""
 
 SOFTEST = 1e-9
 """[share of the stiffest coordinate's stiffness] below which one moves without strain. By definition."""

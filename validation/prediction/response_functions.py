@@ -503,7 +503,7 @@ def of(
             low_by = digamma(data.averages - 1) - np.log(data.averages)
             lines = uniform_filter1d(2 * np.log(noise), 2 * around + 1, axis=1, mode="nearest")
             noise = np.exp((lines - low_by) / 2)
-    read = measured(
+    functions = measured(
         data.title,
         data.article,
         f,
@@ -517,12 +517,12 @@ def of(
     both = [k for k, c in enumerate(at) if c >= 0]
     if data.share is None and len(both) > 1:
         # As far as readings of one number differ beside their noise: linear, it answers at i to a force at j as at j to one at i
-        alike, own = (one[both][:, :, [at[k] for k in both]] for one in (read.values, read.noise))
+        alike, own = (one[both][:, :, [at[k] for k in both]] for one in (functions.values, functions.noise))
         scatter = np.median(own / np.maximum(np.abs(alike), np.finfo(np.float64).tiny))
         share = np.sqrt(max(series.repeatability(alike) ** 2 - scatter**2, 0.0))
-        read = replace(read, noise=np.hypot(read.noise, share * np.abs(read.values)))
+        functions = replace(functions, noise=np.hypot(functions.noise, share * np.abs(functions.values)))
     test = ResponseFunctionTest(
-        measured=read,
+        measured=functions,
         structure=structure,
         responses=data.responses,
         drives=data.drives,

@@ -205,8 +205,8 @@ def block(folder: Path, cells: tuple[int, int, int], kind: str, mesh: float) -> 
 
 
 def test_modes_of_a_coarse_mesh_are_unsure_above_the_band_and_turn_into_each_other_far_beyond_their_neighbours(tmp_path):
-    """Of a sound ribbed plate two modes 1:3 apart turned by 0.2 %, at a node of one of them a tenth of what was read, and what lay
-    above 1.5 times the band was taken for right: a misalignment of 11 standard deviations, and a mass, had a name."""
+    """Of a sound ribbed plate two modes 1:3 apart turned by 0.2 %, at a node of one of them a tenth of what was read, and what
+    lay above 1.5 times the band was taken for right: a misalignment of 11 standard deviations, and a mass, had a name."""
     table = '[[test]]\nkind = "modal-table"\nfrequencies = ["650 Hz", "1850 Hz", "2250 Hz"]\n'
     for mesh, named in ((StructureTolerances().mesh, True), (0.0, False)):
         path = block(tmp_path, (8, 2, 2), "C3D10", mesh)
