@@ -298,9 +298,9 @@ def tested(bench: Bench, fault: tuple[str, str, float] | None, seed: int) -> Tes
     shift = -float(K.diagonal().sum() / M.diagonal().sum()) * 1e-7
     _values, vectors = eigsh(K, count, M, sigma=shift, v0=np.ones(len(free)))
     loads = np.zeros((len(free), 3 * len(at)))
-    for k, feet in enumerate(at.values()):
+    for column, feet in enumerate(at.values()):
         for axis in range(3):
-            loads[np.isin(free, d * feet + axis), 3 * k + axis] = 1 / len(feet)
+            loads[np.isin(free, d * feet + axis), 3 * column + axis] = 1 / len(feet)
     left = splu((K - shift * M).tocsc()).solve(loads)
     left -= vectors @ (vectors.T @ (M @ left))
     left -= vectors @ (vectors.T @ (M @ left))
