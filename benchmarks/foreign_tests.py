@@ -752,6 +752,9 @@ def written(folder: Path, case: tuple[str, str, str, int]) -> None:
     (folder / "truth.json").write_text(json.dumps({"planted": planted}))
 
 
+TURNS = {"x": "alpha", "y": "beta", "z": "gamma"}
+
+
 def verdict(fault: tuple[str, str, float] | None, answer: Mapping[str, object]) -> str:
     """`quiet`, `named`, `class`, `beside` (more is named with it), `missed`, `wrong`, `unknown` or `refused`."""
     if "refused" in answer:
@@ -766,7 +769,7 @@ def verdict(fault: tuple[str, str, float] | None, answer: Mapping[str, object]) 
         "point-mass": [f"point-mass:{target}"],
         "modulus": [f"modulus:{target}"],
         "support": [f"support-stiffness:{target}"],
-        "joint": [f"connection-compliance:{target.rpartition(':')[0]}:{['alpha', 'beta', 'gamma']['xyz'.index(target[-1])]}"],
+        "joint": [f"connection-compliance:{target.rpartition(':')[0]}:{TURNS.get(target[-1])}"],
         "gain": [f"accelerometer-gain:{target}"],
         "polarity": [f"polarity:{target}"],
         "swap": ["channel-swap:" + target.replace(" ", "|"), "channel-swap:" + "|".join(target.split()[::-1])],
