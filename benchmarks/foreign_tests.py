@@ -765,16 +765,16 @@ def verdict(fault: tuple[str, str, float] | None, answer: Mapping[str, object]) 
     if not accepted:
         return "missed" if said == "nothing" else "unknown"
     kind, target, _ = fault
+    channel = [one.replace(":", "-") for one in target.split()]
     right = {
         "point-mass": [f"point-mass:{target}"],
         "modulus": [f"modulus:{target}"],
         "support": [f"support-stiffness:{target}"],
         "joint": [f"connection-compliance:{target.rpartition(':')[0]}:{TURNS.get(target[-1])}"],
-        "gain": [f"accelerometer-gain:{target}"],
-        "polarity": [f"polarity:{target}"],
-        "swap": ["channel-swap:" + target.replace(" ", "|"), "channel-swap:" + "|".join(target.split()[::-1])],
+        "gain": [f"accelerometer-gain:{channel[0]}"],
+        "polarity": [f"polarity:{channel[0]}"],
+        "swap": [":".join(["channel-swap", *channel]), ":".join(["channel-swap", *channel[::-1]])],
     }[kind]
-    right = [*right, *(one.replace("|", ":") for one in right)]
     if accepted[0] in right and len(accepted) == 1:
         return "named"
     if any(one in right for one in accepted):
@@ -827,7 +827,7 @@ def summary(found: Mapping[str, object]) -> str:
     """What was named with its size, or why nothing was answered."""
     if "refused" in found:
         return str(found["refused"]).strip().replace("\n", " ")[-150:]
-    named = [f"{one['id']} {one['value']:.3g}" for one in found["accepted"]]  # type: ignore[attr-defined]
+    named = [f"{one['id']} {one['value'] or 0:.3g}" for one in found["accepted"]]  # type: ignore[attr-defined]
     return "; ".join(named)
 
 
