@@ -290,8 +290,8 @@ class Nuisances:
             made += [Parameter(name=name, unit="1", tolerance=of.participation, kind=STRUCTURAL) for name in names]
             name = f"density:{self.configuration}"
             made.append(Parameter(name=name, unit="1", tolerance=self.weighed if len(modes) else 0.0, kind=STRUCTURAL))
-        between = {f"coupling:{self.configuration}:{r + 1}:{s + 1}": of.mode_coupling for r, s in self.neighbours}
-        for r, s in self.mixed:
+        between = {f"coupling:{self.configuration}:{r + 1}:{s + 1}": of.mode_coupling for r, s in self.pairs}
+        for r, s in () if self.nominal.base else self.pairs:
             between[f"mixing:{self.configuration}:{r + 1}:{s + 1}"] = sqrt(2 * known[r] * known[s])
         made += [Parameter(name=name, unit="1", tolerance=one, kind=STRUCTURAL) for name, one in between.items()]
         return tuple(one for one in made if one.tolerance > 0)
@@ -362,22 +362,17 @@ class Nuisances:
         return tuple(bool(self.lossy) and not own[r] for r in range(len(self.frequency)))
 
     @cached_property
-    def neighbours(self) -> tuple[tuple[int, int], ...]:
-        """Pairs of modes, from 0, whose damping may be coupled."""
-        f = self.frequency
-        pairs = ((r, s) for r in range(len(f)) for s in range(r + 1, len(f)))
-        return tuple((r, s) for r, s in pairs if abs(f[s] - f[r]) <= NEIGHBOURS * max(f[r], f[s]))
-
-    @cached_property
-    def mixed(self) -> tuple[tuple[int, int], ...]:
-        """Pairs of modes of a structure by itself, from 0, that may turn into each other: neighbours, and what the mesh turns."""
-        if self.nominal.base:
-            return ()
-        f, unsure = self.frequency, self.apart_by_mesh if self.tolerances.frequency else 0.0 * self.frequency
-        apart = np.abs(f**2 - f[:, None] ** 2)
-        turned = np.sqrt(2 * unsure * unsure[:, None]) * f * f[:, None] > TURNED * apart
-        pairs = zip(*(at.tolist() for at in np.nonzero(np.triu(turned, 1))), strict=True)
-        return tuple(dict.fromkeys((*self.neighbours, *pairs)))
+    def pairs(self) -> tuple[tuple[int, int], ...]:
+        """Pairs of modes, from 0, that may lose together, and without a base turn into each other: neighbours, and what a mesh
+        turns, which takes its losses with it."""
+        f, unsure = (
+            self.frequency,
+            self.apart_by_mesh if self.tolerances.frequency and not self.nominal.base else 0 * self.frequency,
+        )
+        close = np.abs(f - f[:, None]) <= NEIGHBOURS * np.maximum(f, f[:, None])
+        turned = np.sqrt(2 * unsure * unsure[:, None]) * f * f[:, None] > TURNED * np.abs(f**2 - f[:, None] ** 2)
+        r, s = np.nonzero(np.triu(close | turned, 1))
+        return tuple(zip(r.tolist(), s.tolist(), strict=True))
 
     def at(self, offsets: Offsets, *, derivatives: Wanted = True) -> tuple[Matrices, dict[str, Tangent]]:
         """The matrices at `offsets`, before effects and laws of damping, and their `derivatives` by parameters but those laws."""
@@ -414,7 +409,7 @@ class Nuisances:
             if (thicker or denser) and part in m.part_mass:
                 mass += (np.exp(thicker) * (1 + denser) - 1) * m.part_mass[part]
         stiffness = E[:, None] * K * E
-        for r, s in self.mixed:
+        for r, s in () if b else self.pairs:
             mixed = offsets.get(f"mixing:{name}:{r + 1}:{s + 1}", 0.0) * self.between(r, s) * E[r] * E[s]
             stiffness[r, s] += mixed
             stiffness[s, r] += mixed
@@ -428,7 +423,7 @@ class Nuisances:
             change = offsets.get(f"participation:{name}:{r + 1}:{MOTIONS[a]}", 0.0) * self.largest(r, a)
             mass[a, b + r] += change
             mass[b + r, a] += change
-        for r, s in self.neighbours:
+        for r, s in self.pairs:
             change = offsets.get(f"coupling:{name}:{r + 1}:{s + 1}", 0.0) * self.geometric(r, s)
             coupled[b + r, b + s] = coupled[b + s, b + r] = change
         made = replace(
