@@ -142,11 +142,11 @@ def read_tests(paths: Sequence[str], model: Model) -> tuple[Test, ...]:
     BadInput : a test that cannot be used.
     OSError : a file cannot be read.
     """
-    own = [test_file.read(model.source, {"article": model.article, **one}) for one in model.tests]
+    own = [test_file.read(model.source, {"article": model.article, **one}, gain=model.sensor_gain) for one in model.tests]
     untitled = [k for k, one in enumerate(model.tests) if "title" not in one]
     for k in untitled if len(untitled) > 1 else ():
         own[k] = replace(own[k], title=f"{own[k].title}-{k + 1}")
-    return (*own, *map(test_file.read, filter(is_test, paths)))
+    return (*own, *(test_file.read(path, gain=model.sensor_gain) for path in paths if is_test(path)))
 
 
 def is_test(path: str) -> bool:

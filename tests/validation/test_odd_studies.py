@@ -161,3 +161,23 @@ def test_a_study_of_modes_that_are_typed_is_written(study, run, tmp_path, three_
     code, _, err = run("model", "frame.toml", "--test", "table.toml", "--out", "study.toml")
     assert code == 0, err
     assert run("compare", "study.toml")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("stated", "where"),
+    [('[tolerances]\nclass = "calibrated"\n', ""), ("", "gain = 0.005\nforce_gain = 0.005\n")],
+)
+def test_a_pick_up_that_reads_eight_per_cent_too_much_is_named_by_whoever_has_his_calibrated(
+    study, answer, tmp_path, stated, where
+):
+    """The gain was taken for known to 2 % whatever the class, and where the drives are read it was the scatter of the readings:
+    "nothing is missing"."""
+    for name, drive in (("one", 0), ("three", 2)):
+        write(tmp_path / f"{name}.csv", functions(drive, drive + 1) * [1.0, 1.0, 1.08])
+    files = 'files = [{ path = "one.csv", drive = "floor-1:x" }, { path = "three.csv", drive = "floor-3:x" }]\n'
+    path = study(f"{where}{files}{FLOORS}")
+    text = (tmp_path / path).read_text(encoding="utf-8")
+    (tmp_path / path).write_text(text.replace("[fe_model]", f"{stated}[fe_model]", 1), encoding="utf-8")
+    (found,) = answer("diagnose", path)["accepted"]
+    assert found["id"] == "accelerometer-gain:floor-3-x"
+    assert found["value"] == pytest.approx(0.08, abs=0.01)

@@ -16,6 +16,7 @@ from geometry.sensors import Channel, Tolerances
 from geometry.toml_file import nearest
 from identification.campaign import Campaign
 from identification.campaign_file import NAME
+from identification.response_functions import GAIN
 from validation.effects.catalogue import FAMILIES, Named, of_parts, on_article
 from validation.effects.effect import ABREAST, ACCELEROMETER, AT, AXES, CHANNEL, FORCE, PART, PLACE, Vocabulary
 from validation.model.learnt import ANEW, Learnt
@@ -83,6 +84,7 @@ class Model:
     cell_stiffness : (3,) [N/m] of one load cell along x, y, z; None where it is not known
     tolerance_class : of `validation.model.tolerance_classes.NAMES`, whose tolerances hold where the file states none
     tolerances : of the measurement chain
+    sensor_gain : standard deviation of gains in tests that state none: of the class that the file states, else the usual one
     opened : by family of its parameters that are closed otherwise, their standard deviation in SI
     mounting : of where and as what articles stand
     learnt : what the laboratory has learnt of its hardware; None where it states nothing
@@ -110,6 +112,7 @@ class Model:
     cell_stiffness: Array | None = None
     tolerance_class: str = METROLOGY
     tolerances: Tolerances = field(default_factory=Tolerances)
+    sensor_gain: float = GAIN
     opened: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     mounting: MountingTolerances = field(default_factory=MountingTolerances)
     learnt: Learnt | None = None

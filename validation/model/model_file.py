@@ -28,6 +28,7 @@ from geometry.sensors import Tolerances
 from geometry.toml_file import nearest, string
 from geometry.user_article import DESCRIPTION
 from identification.chain import assumed_stiffness
+from identification.response_functions import GAIN
 from validation.classical.files import Fields
 from validation.effects.catalogue import FAMILIES, Named, parse
 from validation.effects.effect import Vocabulary, built_in_places
@@ -348,6 +349,7 @@ def of_table(table: dict[str, Any], source: str) -> Model:
         cell_stiffness=np.array(three(laboratory, "cell_stiffness_N_m", low=1.0, high=1e15)) if stiff else None,
         tolerance_class=known.name,
         tolerances=replace(known.chain, fmd_inertia=fmd_tolerance),
+        sensor_gain=known.chain.gain if CLASS in stated.table else GAIN,
         opened=known.opened,
         mounting=known.mounting,
         learnt=learnt,
@@ -714,7 +716,8 @@ def text(model: Model) -> str:
         path = os.path.relpath(model.learnt.source, Path(model.source).parent)
         laboratory.append(("learnt", string(path), "what it has learnt of its hardware: `massline laboratory` writes it"))
     stated = ToleranceClass(name=model.tolerance_class, chain=model.tolerances, opened=model.opened, mounting=model.mounting)
-    tolerances = [] if stated.name == METROLOGY else [(CLASS, string(stated.name), "whose figures hold where none is stated")]
+    unsaid = stated.name == METROLOGY and model.sensor_gain == GAIN
+    tolerances = [] if unsaid else [(CLASS, string(stated.name), "whose figures hold where none is stated")]
     for row in OF_LABORATORY:
         size = stated.of(row)
         if row.of == "chain" or size != ToleranceClass().of(row) or stated.name != METROLOGY:

@@ -36,10 +36,10 @@ from validation.prediction.structure import HIGHEST, ReducedStructure, sheet
 # the frequency of its mode, G_rr = (K'_rr / K_rr)^(1/4), so that a stated ratio stays what it is. Nothing is re-diagonalised: the
 # matrices are smooth in every parameter, stay symmetric, K and C positive, and a cluster of frequencies needs no tracking.
 #
-# What is not known of the stiffness that one mode feels couples it with its neighbours as well: of a small symmetric error
-# without a preferred direction the entries beside the diagonal have 1 / sqrt(2) of the deviation of those on it (M. L. Mehta,
-# Random Matrices, 2004, section 2.3), and two modes that lie close turn into each other by it. On a base participations do
-# that, too; a structure by itself has, of neighbours r and s, K_rs' = K_rs + v sqrt(K_rr K_ss), v known to sqrt(2) times the
+# What is not known of the stiffness that one mode feels couples it with others as well: of a small symmetric error without a
+# preferred direction the entries beside the diagonal have 1 / sqrt(2) of the deviation of those on it (M. L. Mehta, Random
+# Matrices, 2004, section 2.3), and two modes turn into each other by it, the more the closer they lie. On a base participations
+# do that, too; a structure by itself has, of modes r and s, K_rs' = K_rs + v sqrt(K_rr K_ss), v known to sqrt(2) times the
 # tolerance of a frequency.
 #
 # Where parts have loss factors, these are what is not known of damping: one number moves all modes in which the part bends, in
@@ -224,6 +224,10 @@ LEFT = 0.9
 """[share of the stiffness of any motion] that a mesh may be too stiff by in a fit, however far off the model is. Held by
 tests/validation/prediction/test_nuisances.py."""
 
+TURNED = 1e-3
+"""[share of one mode's shape in another's] that a mesh may leave unsure unsaid: where the other hardly moves, its resonance
+raises it fiftyfold. Held by tests/validation/prediction/test_structure_tests.py."""
+
 SOFTEST = 1e-9
 """[share of the stiffest coordinate's stiffness] below which one moves without strain. By definition."""
 
@@ -294,10 +298,9 @@ class Nuisances:
             made += [Parameter(name=name, unit="1", tolerance=of.participation, kind=STRUCTURAL) for name in names]
             name = f"density:{self.configuration}"
             made.append(Parameter(name=name, unit="1", tolerance=self.weighed if len(modes) else 0.0, kind=STRUCTURAL))
-        between = {f"coupling:{self.configuration}:{r + 1}:{s + 1}": of.mode_coupling for r, s in self.neighbours}
-        if not self.nominal.base:
-            of_both = {(r, s): sqrt(2 * known[r] * known[s]) for r, s in self.neighbours}
-            between |= {f"mixing:{self.configuration}:{r + 1}:{s + 1}": tolerance for (r, s), tolerance in of_both.items()}
+        between = {f"coupling:{self.configuration}:{r + 1}:{s + 1}": of.mode_coupling for r, s in self.pairs}
+        for r, s in () if self.nominal.base else self.pairs:
+            between[f"mixing:{self.configuration}:{r + 1}:{s + 1}"] = sqrt(2 * known[r] * known[s])
         made += [Parameter(name=name, unit="1", tolerance=one, kind=STRUCTURAL) for name, one in between.items()]
         return tuple(one for one in made if one.tolerance > 0)
 
@@ -367,11 +370,17 @@ class Nuisances:
         return tuple(bool(self.lossy) and not own[r] for r in range(len(self.frequency)))
 
     @cached_property
-    def neighbours(self) -> tuple[tuple[int, int], ...]:
-        """Pairs of modes, from 0, whose damping may be coupled."""
-        f = self.frequency
-        pairs = ((r, s) for r in range(len(f)) for s in range(r + 1, len(f)))
-        return tuple((r, s) for r, s in pairs if abs(f[s] - f[r]) <= NEIGHBOURS * max(f[r], f[s]))
+    def pairs(self) -> tuple[tuple[int, int], ...]:
+        """Pairs of modes, from 0, that may lose together, and without a base turn into each other: neighbours, and what a mesh
+        turns, which takes its losses with it."""
+        f, unsure = (
+            self.frequency,
+            self.apart_by_mesh if self.tolerances.frequency and not self.nominal.base else 0 * self.frequency,
+        )
+        close = np.abs(f - f[:, None]) <= NEIGHBOURS * np.maximum(f, f[:, None])
+        turned = np.sqrt(2 * unsure * unsure[:, None]) * f * f[:, None] > TURNED * np.abs(f**2 - f[:, None] ** 2)
+        r, s = np.nonzero(np.triu(close | turned, 1))
+        return tuple(zip(r.tolist(), s.tolist(), strict=True))
 
     def at(self, offsets: Offsets, *, derivatives: Wanted = True) -> tuple[Matrices, dict[str, Tangent]]:
         """The matrices at `offsets`, before effects and laws of damping, and their `derivatives` by parameters but those laws."""
@@ -408,7 +417,7 @@ class Nuisances:
             if (thicker or denser) and part in m.part_mass:
                 mass += (np.exp(thicker) * (1 + denser) - 1) * m.part_mass[part]
         stiffness = E[:, None] * K * E
-        for r, s in () if b else self.neighbours:
+        for r, s in () if b else self.pairs:
             mixed = offsets.get(f"mixing:{name}:{r + 1}:{s + 1}", 0.0) * self.between(r, s) * E[r] * E[s]
             stiffness[r, s] += mixed
             stiffness[s, r] += mixed
@@ -422,7 +431,7 @@ class Nuisances:
             if more := offsets.get(f"participation:{name}:{r + 1}:{MOTIONS[a]}", 0.0) * self.largest(r, a):
                 mass[a, b + r] += more
                 mass[b + r, a] += more
-        for r, s in self.neighbours:
+        for r, s in self.pairs:
             if change := offsets.get(f"coupling:{name}:{r + 1}:{s + 1}", 0.0):
                 coupled[b + r, b + s] = coupled[b + s, b + r] = change * self.geometric[r, s]
         made = replace(

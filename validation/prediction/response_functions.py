@@ -503,26 +503,26 @@ def of(
             low_by = digamma(data.averages - 1) - np.log(data.averages)
             lines = uniform_filter1d(2 * np.log(noise), 2 * around + 1, axis=1, mode="nearest")
             noise = np.exp((lines - low_by) / 2)
-    share = data.share
-    if share is None:  # as far as readings of one number differ: linear, it answers at i to a force at j as at j to one at i
-        there = (data.frequency >= low) & (data.frequency <= high)
-        at = [next((c for c, point in enumerate(data.responses) if _same(drive, point)), -1) for drive in data.drives]
-        both = [k for k, c in enumerate(at) if c >= 0]
-        alike = data.values[both][:, there][:, :, [at[k] for k in both]]
-        share = series.repeatability(alike) if len(both) > 1 else 0.0
-        inside = (structure.frequency >= low) & (structure.frequency <= high)
-        share = float(np.hypot(share, structure.apart_by_mesh[inside].max(initial=0.0)))
+    functions = measured(
+        data.title,
+        data.article,
+        f,
+        {drive.name: one for drive, one in zip(data.drives, values, strict=True)},
+        [one.name for one in data.responses],
+        band=data.band,
+        share=data.share or 0.0,
+        noise=noise,
+    )
+    at = [next((c for c, point in enumerate(data.responses) if _same(drive, point)), -1) for drive in data.drives]
+    both = [k for k, c in enumerate(at) if c >= 0]
+    if data.share is None and len(both) > 1:
+        # As far as readings of one number differ beside their noise: linear, it answers at i to a force at j as at j to one at i
+        alike, own = (one[both][:, :, [at[k] for k in both]] for one in (functions.values, functions.noise))
+        scatter = np.median(own / np.maximum(np.abs(alike), np.finfo(np.float64).tiny))
+        share = np.sqrt(max(series.repeatability(alike) ** 2 - scatter**2, 0.0))
+        functions = replace(functions, noise=np.hypot(functions.noise, share * np.abs(functions.values)))
     test = ResponseFunctionTest(
-        measured=measured(
-            data.title,
-            data.article,
-            f,
-            {drive.name: one for drive, one in zip(data.drives, values, strict=True)},
-            [one.name for one in data.responses],
-            band=data.band,
-            share=share,
-            noise=noise,
-        ),
+        measured=functions,
         structure=structure,
         responses=data.responses,
         drives=data.drives,

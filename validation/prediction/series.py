@@ -777,11 +777,15 @@ AROUND = 1.0
 FEWEST = 7
 """Lines that such a stretch must hold."""
 
+LEAST = float(np.finfo(np.float64).tiny)
+
 _OF_MEDIAN = 1 / np.sqrt(1.5 * np.log(2))
 
 
 def repeatability(accelerances: npt.ArrayLike) -> float:
     """Standard deviation of a reading as a share of it, from `accelerances` (r, n, r), run j driven where channel j reads.
+
+    What one reading is times the other at all lines is a gain and no scatter.
 
     Raises
     ------
@@ -792,7 +796,8 @@ def repeatability(accelerances: npt.ArrayLike) -> float:
     if A.ndim != 3 or A.shape[2] != r or r < 2:
         raise ValueError(f"`accelerances` must be (r, n, r) with two runs or more, found {A.shape}")
     pairs = [(A[j, :, i], A[i, :, j]) for i in range(r) for j in range(i)]
-    apart = [np.abs(one - other) / np.hypot(np.abs(one), np.abs(other)) for one, other in pairs]
+    pairs = [(one, other * np.vdot(other, one).real / max(np.vdot(other, other).real, LEAST)) for one, other in pairs]
+    apart = [np.abs(one - other) / np.maximum(np.hypot(np.abs(one), np.abs(other)), LEAST) for one, other in pairs]
     return float(np.median(np.concatenate(apart)) / np.sqrt(np.log(2)))
 
 

@@ -534,7 +534,7 @@ def joint_springs(structure: Structure, name: str) -> tuple[Array, Array] | None
 # A structure that no base carries: it stands on the ground, or floats.
 
 ABOVE = 2.0
-"""Modes are kept up to so far above the band; static answers stand for the others."""
+"""Modes are kept up to so far above the band, each as unsure as those in it; static answers stand for the others."""
 
 FIRST_ASKED = 16
 """Modes that are asked for at first."""

@@ -154,7 +154,7 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
         made.frequency,
         made.losses,
         model.structure,
-        highest=reduction.REACH * band,
+        highest=reduction.ABOVE * band,
         part_tolerances=structure.part_tolerances,
         scaled=users.units.known,
         reduced=made,

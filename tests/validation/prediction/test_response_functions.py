@@ -149,6 +149,7 @@ def test_readings_that_differ_by_a_share_repeat_to_it_and_what_tells_no_scatter_
     exact = chain()
     error = (rng.standard_normal(exact.shape) + 1j * rng.standard_normal(exact.shape)) / np.sqrt(2)
     assert series.repeatability(exact * (1 + share * error)) == pytest.approx(share, rel=0.05)
+    assert series.repeatability(exact * [1.0, 1.08, 0.97] * (1 + share * error)) == pytest.approx(share, rel=0.05)  # gains
     with pytest.raises(ValueError, match="7 lines within"):
         series.noise(np.arange(5.0), np.ones((1, 5, 1)))
     with pytest.raises(ValueError, match="two runs or more"):
@@ -206,6 +207,15 @@ def test_noise_is_that_of_the_coherence_where_it_is_known() -> None:
     coherence, values = np.full((3, len(F), 3), 0.8), chain()
     (test,) = response_functions.of(model(values).structure, functions(values, coherence=coherence, averages=20, share=0.0))
     assert_allclose(test.measured.noise, np.abs(values) * np.sqrt(0.2 / 16), rtol=1e-12)
+
+
+def test_what_readings_of_one_number_differ_by_holds_their_noise_already() -> None:
+    """Noise of two per cent by coherence, and as much by reciprocity, was taken for three."""
+    rng, exact, share = np.random.default_rng(5), chain(), 0.02
+    noisy = exact * (1 + share * (rng.standard_normal(exact.shape) + 1j * rng.standard_normal(exact.shape)) / np.sqrt(2))
+    coherence = np.full(exact.shape, 1 / (1 + 20 * share**2))
+    (test,) = response_functions.of(model(exact).structure, functions(noisy, coherence=coherence, averages=20))
+    assert_allclose(test.measured.noise, share * np.abs(noisy), rtol=0.25)
 
 
 def test_places_that_the_structure_has_not_are_refused() -> None:
