@@ -196,22 +196,23 @@ Exercised by tests/validation/diagnosing/test_search.py."""
 
 
 def can_restart(added: Added) -> bool:
-    """Whether an effect can be fitted from the priors: it has one fitted size and is not of a pendulum."""
+    """Whether an effect can be fitted from the priors: it has one fitted size, or those of a resonator, and is not of a pendulum."""
     swings = FAMILIES[added.named.family].stage == PERIOD_STAGE
-    return not (added.fixed or swings or is_resonator(added.named)) and len(added.named.fitted_sizes) == 1
+    return not (added.fixed or swings) and (len(added.named.fitted_sizes) == 1 or is_resonator(added.named))
 
 
 def restarted_from_priors(data: Study, at: Candidate, added: Added | None = None) -> Candidate:
     """`at`, with the effect `added` as well where one is given, all tolerances restarted from their priors; it never costs more.
 
-    A tolerance that absorbed an effect may stay in a local minimum when that is found, as of a mode with the wrong sign.
+    A tolerance that absorbed an effect may stay in a local minimum when that is found, as of a mode with the wrong sign. Of a
+    resonator the mass is looked for, and frequency and damping begin where they stand.
     """
     if added is None:
         home = _declared(at.problem, at.fit)
         return recentred(data, replace(at, fit=child(at.problem, FITTED, at.fit, home, from_afar=True)))
     effects = (*at.effects, added)
     problem = data.problem(effects)
-    (which,) = (name(added.named, size.key) for size in added.named.fitted_sizes)
+    which, *_ = (name(added.named, size.key) for size in added.named.fitted_sizes)
     home = _declared(problem, at.fit)
     # The size that comes nearest to the data, everything else at `home`
     coarse = problem.sparser(ROUGH_FIT_STRIDE)
@@ -239,7 +240,8 @@ def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: 
     What drove tolerances so far that no fit ends is seen from where they are declared, over a floor of `SIZE_SCAN_FLOOR` on few
     lines: each effect begins there at a part of what is plausible, and what is declared of the structure goes with it.
     """
-    asked = [one for one in menu if FAMILIES[one.named.family].side == STRUCTURE and can_restart(one)]
+    sized = [one for one in menu if can_restart(one) and not is_resonator(one.named)]
+    asked = [one for one in sized if FAMILIES[one.named.family].side == STRUCTURE]
     without = child(at.problem.sparser(ROUGH_FIT_STRIDE), PLAIN, at.fit, _declared(at.problem, at.fit), floor=SIZE_SCAN_FLOOR)
     found: list[tuple[float, Added, Fit]] = []
     for done, added in enumerate(asked):
@@ -621,8 +623,9 @@ def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress)
         fitted = []
         for one in rivals:
             rival = candidate_fit(at, fit_with(data, at, one))
-            if rival.evidence < KEPT_SHARE * tried[0].evidence and can_restart(one):
-                rival = max(rival, candidate_fit(at, restarted_from_priors(data, at, one)), key=lambda each: each.evidence)
+            if rival.evidence < KEPT_SHARE * tried[0].evidence:
+                there = _fit_in_place(data, tried[0].candidate, at, one)
+                rival = max(rival, candidate_fit(at, there), key=lambda each: each.evidence)
             fitted.append(rival)
         may = [one for one in fitted if in_band(data, one) and (is_accepted(one) or one.evidence <= tried[0].evidence)]
         tried = ranked([*tried, *may])
@@ -691,15 +694,19 @@ def _restarted_where_stuck(
     progress: Progress,
 ) -> list[CandidateFit]:
     """The fits, the best first; restarted from the priors where all fell short of a promise and something must be missing."""
-    ranked, promised = sorted(tried, key=lambda each: -each.evidence), {one.id: one.evidence for one in found}
+    ranked, promised = sorted(tried, key=lambda each: -each.evidence), {one.id: one for one in found}
     if here.null or not ranked or ranked[0].goodness.null:
         return ranked
     short = [
-        one for one in ranked if promised[one.id] > max(ranked[0].evidence, one.evidence / KEPT_SHARE) and can_restart(one.added)
+        one
+        for one in ranked
+        if promised[one.id].evidence > max(ranked[0].evidence, one.evidence / KEPT_SHARE) and can_restart(one.added)
     ]
-    for one in sorted(short, key=lambda each: -promised[each.id])[:RESTARTS]:
+    for one in sorted(short, key=lambda each: -promised[each.id].evidence)[:RESTARTS]:
         progress(f"trying {one.id} afresh", 0.8)
-        other = candidate_fit(at, restarted_from_priors(data, at, one.added))
+        # The fit may have driven a resonator far from where it promised anything
+        again = promised[one.id].added if is_resonator(one.added.named) else one.added
+        other = candidate_fit(at, restarted_from_priors(data, at, again))
         ranked[ranked.index(one)] = max(one, other, key=lambda each: each.evidence)
     return sorted(ranked, key=lambda each: -each.evidence)
 

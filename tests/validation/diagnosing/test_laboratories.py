@@ -188,6 +188,22 @@ def test_a_sound_laboratory_is_sound_by_its_own_class(sheet):
 
 
 @pytest.mark.proof
+def test_an_absorber_beside_the_own_mode_of_the_tip_that_carries_it_is_named():
+    """4.5 g tuned to 12.0 Hz on a mode at 11.6 Hz drive the plain fit twenty tolerances off; case 1 of draw 964142667."""
+    from itertools import islice
+
+    from benchmarks.laboratories.__main__ import asked
+    from benchmarks.laboratories.cases import draw
+
+    (case,) = islice(draw(964142667), 1, 2)
+    ((id, _),) = case.multiples.items()
+    line, _ = asked(case, shaking.Faults(sizes={id: (0.0045, *case.resonance)}))
+    assert (line["verdict"], list(line["named"])) == ("missing", [id])
+    for planted, (_, low, high) in zip((0.0045, *case.resonance), line["named"][id].values(), strict=True):
+        assert low < planted < high
+
+
+@pytest.mark.proof
 def test_the_example_series_is_sound(data, root):
     paths = [data / "example_series" / name for name in (CUBOID, "fmd+clumod-1")]
     found = diagnosed(Study.open(root / "examples" / "example_series.toml", paths))

@@ -184,6 +184,19 @@ def test_what_kept_less_than_half_of_the_best_promise_is_tried_afresh_and_taken_
     assert (asked, [one.evidence for one in worse]) == ([fits[0].id], [40.0])
 
 
+def test_a_resonator_is_tried_afresh_where_it_promised_most_and_not_where_a_fit_left_it(monkeypatch):
+    promised, left = (Added(named=parse(f"absorber:mast-top=m:{m},f:{f},zeta:0.02")) for m, f in ((0.005, 11.6), (1e-4, 12.2)))
+    of = replace(ended("absorber:mast-top=m:1,f:9,zeta:0.1", 39.0), candidate=SimpleNamespace(effects=(left,)))
+    found = [replace(screened("absorber:mast-top=m:1,f:9,zeta:0.1")[0], added=promised, evidence=327.0)]
+    begun: list[Added] = []
+    monkeypatch.setattr(search, "restarted_from_priors", lambda bench, at, added: begun.append(added))
+    monkeypatch.setattr(search, "candidate_fit", lambda at, there: replace(of, evidence=494.0))
+    nobody: Any = None
+    (best,) = search._restarted_where_stuck(BAND, nobody, stands(False), [of], found, lambda what, share: None)
+    assert begun == [promised]
+    assert best.evidence == 494.0
+
+
 def test_only_the_most_promising_are_tried_afresh(monkeypatch):
     fits = [ended(one, 1.0) for one in MASSES]
     _, asked = unstuck(monkeypatch, fits, (100.0, 400.0, 300.0, 200.0), 0.0)
@@ -222,7 +235,7 @@ def test_where_nothing_need_be_missing_what_asks_for_more_does_not_hide_what_ask
 
 
 @pytest.mark.parametrize(("straight", "again", "kept"), [(60.0, 90.0, 60.0), (10.0, 90.0, 90.0), (10.0, 5.0, 10.0)])
-def test_a_rival_that_keeps_less_than_half_of_what_the_best_does_is_fitted_afresh(monkeypatch, straight, again, kept):
+def test_a_rival_that_keeps_less_than_half_of_the_best_is_fitted_from_where_that_ended(monkeypatch, straight, again, kept):
     best, rival = ended(MASSES[0], 100.0), Added(named=parse(MASSES[1]))
     promised = screened(MASSES[0])
     monkeypatch.setattr(search, "goodness_of_fit", lambda fit, problem: SimpleNamespace(null=True, misfit=1.0))
@@ -231,7 +244,7 @@ def test_a_rival_that_keeps_less_than_half_of_what_the_best_does_is_fitted_afres
     monkeypatch.setattr(search, "is_significant", lambda of: True)
     monkeypatch.setattr(search, "_rivals", lambda tried, menu, found, *, again: [rival])
     monkeypatch.setattr(search, "fit_with", lambda bench, at, added: straight)
-    monkeypatch.setattr(search, "restarted_from_priors", lambda bench, at, added: again)
+    monkeypatch.setattr(search, "_fit_in_place", lambda bench, best, at, added: again)
     monkeypatch.setattr(search, "candidate_fit", lambda at, evidence: ended(MASSES[1], evidence))
     nobody: Any = SimpleNamespace(fit=None, problem=None)
     step = search._step(nobody, nobody, [rival], lambda what, share: None)
@@ -535,11 +548,12 @@ def test_sizes_grow_by_half_octaves_about_what_is_plausible_within_bounds():
     [
         ("point-mass:mast-top=0.1", False, True),
         ("gravity=0", True, False),
-        ("slosh:mast-top=m:0.1,f:5,zeta:0.01", False, False),
+        ("slosh:mast-top=m:0.1,f:5,zeta:0.01", False, True),
+        ("slosh:mast-top=m:0.1,f:5,zeta:0.01", True, False),
         ("pendulum-damping=0.1", False, False),
     ],
 )
-def test_effects_of_one_size_that_is_fitted_have_such_a_way(text, fixed, there):
+def test_effects_of_one_size_that_is_fitted_and_resonators_have_such_a_way(text, fixed, there):
     assert search.can_restart(Added(named=parse(text), fixed=fixed)) is there
 
 
