@@ -55,8 +55,8 @@ def test_what_promises_little_and_of_one_family_more_than_some_are_not_fitted():
     assert search._most_promising([]) == []
     gains = [f"force-gain:fmd-{one}=0.1" for one in ("z1", "z2", "z3", "z4", "x12")]
     chosen = search._most_promising(screened(*gains, "force-delay:fmd-z1=0.001"))
-    assert Counter(one.added.named.family for one in chosen) == {"force-gain": search.FITS_OF_A_FAMILY, "force-delay": 1}
-    assert ids(chosen)[: search.FITS_OF_A_FAMILY] == ids(screened(*gains))[: search.FITS_OF_A_FAMILY]
+    assert Counter(one.added.named.family for one in chosen) == {"force-gain": search.FEW, "force-delay": 1}
+    assert ids(chosen)[: search.FEW] == ids(screened(*gains))[: search.FEW]
 
 
 def test_the_structure_is_asked_though_many_channels_promise_more():
@@ -65,7 +65,7 @@ def test_the_structure_is_asked_though_many_channels_promise_more():
     assert not any(FAMILIES[parse(one).family].side == STRUCTURE for one in LOUD)
     chosen = search._most_promising(screened(*LOUD, *structure))
     assert len(LOUD) == search.FITS_OF_A_STEP
-    assert ids(chosen) == ids(screened(*LOUD, *structure))[: search.FITS_OF_A_STEP + search.FITS_OF_THE_STRUCTURE]
+    assert ids(chosen) == ids(screened(*LOUD, *structure))[: search.FITS_OF_A_STEP + search.OTHERS]
     leading = screened(*structure[:2], *LOUD, structure[2])
     assert len(search._most_promising(leading)) == search.FITS_OF_A_STEP  # no more where it leads anyway
 
@@ -201,7 +201,7 @@ def test_only_the_most_promising_are_tried_afresh(monkeypatch):
     fits = [ended(one, 1.0) for one in MASSES]
     _, asked = unstuck(monkeypatch, fits, (100.0, 400.0, 300.0, 200.0), 0.0)
     assert asked == [fits[1].id, fits[2].id, fits[3].id]
-    assert len(asked) == search.RESTARTS
+    assert len(asked) == search.FEW
 
 
 @pytest.mark.parametrize(("here", "best"), [(True, False), (False, True)])
@@ -391,12 +391,12 @@ def test_what_has_nothing_to_be_held_against_stays(monkeypatch):
 
 
 def test_only_what_brought_a_good_part_and_is_not_there_is_a_rival(monkeypatch):
-    others = [(f"point-mass:{one}", 100.0) for one in ("flange", "hub-1", "hub-2", "hub-3", "hub-4", "mast-top")]
-    one = found((TOP, 110.0), (BLADE, 105.0), *others[:5], ("rigid-inertia:m", 110 * search.RIVAL_SHARE - 1), at=ALONE)
+    others = [(f"point-mass:{one}", 100.0) for one in ("flange", "hub-1", "hub-2", "hub-3", "disc", "top", "top-1")]
+    one = found((TOP, 110.0), (BLADE, 105.0), *others, ("rigid-inertia:m", 110 * search.GOOD_PART - 1), at=ALONE)
     worth = {tuple(sorted((BLADE, id))): 90.0 for id, _ in others} | {(BLADE,): 50.0, (TOP,): 50.0, (BLADE, TOP): 150.0}
     known = found((BLADE, 100.0), at=hypothesis(TOP, evidence=50.0))
     _, _, fitted = asked(monkeypatch, hypothesis(TOP, BLADE, evidence=150.0), (one, known), worth)
-    assert fitted == [id for id, _ in others[: search.RIVALS]]
+    assert fitted == [id for id, _ in others[: search.FITS_OF_A_STEP]]
     few = replace(one, tried=(one.tried[0], one.tried[-1]))
     assert asked(monkeypatch, hypothesis(TOP, BLADE, evidence=150.0), (few, known), worth)[2] == []
 

@@ -8,8 +8,8 @@ from validation.effects.stages import Matrices
 
 
 def change(stage: Matrices, targets: tuple[str, ...], values: Values) -> Matrices:
-    """``S += eta K_part``, beside the loss factor that the part has."""
-    return replace(stage, structural=stage.structural + values[""] * stage.parts[targets[0]])
+    """``S += eta K_part``, beside the loss factor that the part has, of which every mode loses its own share."""
+    return replace(stage, structural=stage.structural + values[""] * stage.lost(targets[0]))
 
 
 FAMILY = Family(
@@ -17,7 +17,7 @@ FAMILY = Family(
     side=STRUCTURE,
     what="loss factor added to a part",
     targets=("part",),
-    sizes=(SizeSpec(unit="1", low=0.0, high=1.0, plausible=0.01),),
+    sizes=(SizeSpec(unit="1", low=0.0, high=1.0, plausible=0.05),),
     example="structural-damping:mast=0.01",
     stage=STRUCTURE_STAGE,
     change=change,
