@@ -25,8 +25,8 @@ FAMILY = Family(
     mistaken_for=("layer-damping", "friction", "sweep-bias"),
     confirmed_by="level and width of several resonances of the same part, where the damping of a mode moves "
     "one; the part alone, hung on threads, ringing down",
-    reference="A. D. Nashif, D. I. G. Jones and J. P. Henderson, Vibration Damping, 1985, chapter 2; R. R. Craig and A. J. "
-    "Kurdila, Fundamentals of Structural Dynamics, 2006",
+    reference="A. D. Nashif, D. I. G. Jones and J. P. Henderson, Vibration Damping, 1985, chapter 2; of built-up "
+    "structures E. E. Ungar, J. Sound and Vibration 26 (1973), 141",
     sentence="{target} takes more energy out of the motion than the model says: every resonance in which it bends is "
     "lower and wider.",
     plant=at("parts", "damping"),
