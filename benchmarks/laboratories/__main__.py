@@ -11,7 +11,7 @@ import json
 import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -71,14 +71,18 @@ def asked(case: Case, faults: Faults) -> tuple[Json, Mapping[str, float]]:
     return line | {"seconds": time.process_time() - begun}, smallest
 
 
-def answers(seed: int, first: int, count: int, out: Path, kinds: Sequence[str] = KINDS) -> Iterator[Json]:
+def answers(
+    seed: int, first: int, count: int, out: Path, kinds: Sequence[str] = KINDS, times: float | None = None
+) -> Iterator[Json]:
     """Of the cases of a draw, kept in `out` as they are found: a null, and the same laboratory with what is planted.
 
-    Of faults only those of `kinds` are answered.
+    Of faults only those of `kinds` are answered, at so many `times` what the null promises where that is given.
     """
     kept = [json.loads(one) for one in out.read_text().splitlines()] if out.exists() else []
     done = {(one["number"], one["kind"]): one for one in kept}
     for case in islice(draw(seed), first, first + count):
+        if times is not None and case.kind in ("single", "pair"):
+            case = replace(case, multiples=dict.fromkeys(case.multiples, times))
         for kind in ("null", case.kind):
             if (case.number, kind) in done or kind not in ("null", *kinds):
                 continue
@@ -110,9 +114,11 @@ def hit(line: Json) -> dict[str, bool]:
     """Whether what was planted is first, or tied to the last digit with it, all of it named, in the class, and whether something
     else is claimed."""
     planted, named, alike = set(line["planted"]), list(line["named"]), set(line["class"])
-    same = line.get("same", {})
+    same, ranking = line.get("same", {}), line.get("ranking", [])
+    near = {id for id, nats in ranking if nats > ranking[0][1] - 1.0}
     return {
         "first": bool(named) and named[0] in planted,
+        "first or not more than 1 nat behind": bool(named) and bool(planted & {named[0], *same.get(named[0], ()), *near}),
         "first or one name with it": bool(named) and bool(planted & {named[0], *same.get(named[0], ())}),
         "all": planted <= set(named),
         "class": planted <= {*named, *alike},
@@ -136,11 +142,11 @@ def scored(lines: Sequence[Json]) -> list[tuple[str, str]]:
             which = " beside ".join(one.removeprefix("fmd+") for one in articles)
             rows.append((f"- of {which}", rate(one["verdict"] == "nothing" for one in of if tuple(one["articles"]) == articles)))
     rows.append(("refused, of all", rate(one["verdict"] == "refused" for one in lines)))
-    for times in (2.0, 5.0):
+    for times in sorted({times for one in singles for times in one["multiples"].values()}):
         of = [one for one in singles if times in one["multiples"].values()]
         rows += [
             (f"singles at {times:g} times: {what}", rate(hit(one)[what] for one in of))
-            for what in ("first", "first or one name with it", "class", "wrong")
+            for what in ("first", "first or one name with it", "first or not more than 1 nat behind", "class", "wrong")
         ]
         rows.append((f"singles at {times:g} times: said to be sound", rate(one["verdict"] == "nothing" for one in of)))
     rows += [
@@ -174,6 +180,7 @@ def scored(lines: Sequence[Json]) -> list[tuple[str, str]]:
     "--out", type=click.Path(path_type=Path), default=Path("out/laboratories.jsonl"), show_default=True, help="Answers of a draw."
 )
 @click.option("--nulls", is_flag=True, help="Of a draw the nulls alone; faults go on from there.")
+@click.option("--times", type=float, default=None, help="What the null promises, in place of 2 and 5 times that.")
 @click.option("--score", is_flag=True, help="Count what is kept in --out.")
 def main(
     count: int,
@@ -184,6 +191,7 @@ def main(
     seed: int | None,
     out: Path,
     nulls: bool,
+    times: float | None,
     score: bool,
 ) -> None:
     """Draw laboratories, diagnose them, and count verdicts."""
@@ -192,7 +200,7 @@ def main(
             click.echo(f"{what:45s} {share}")
         return
     if seed is not None:
-        for line in answers(seed, first, count, out, () if nulls else KINDS):
+        for line in answers(seed, first, count, out, () if nulls else KINDS, times):
             click.echo(told(line))
         return
     model, verdicts = model_file.of_text(analyst(stated, articles[-1]), "drawn.toml"), []

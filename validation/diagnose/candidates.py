@@ -23,7 +23,7 @@ from validation.effects.catalogue import FAMILIES, Named, acts
 from validation.estimation.fit import FLOOR
 from validation.estimation.likelihood import cost_of
 from validation.estimation.problem import EFFECT, FITTED, Fact, Parameter, Prediction, Problem
-from validation.estimation.screening import ScoreTest, in_the_fit, screened
+from validation.estimation.screening import POWER, MadeUp, ScoreTest, in_the_fit, screened
 from validation.history.add import names_of
 from validation.model.model import Added
 from validation.prediction import effects
@@ -137,12 +137,7 @@ def is_resonator(named: Named) -> bool:
 # is what only the first effect b can explain of what it does, whatever the sizes c of the other.
 
 
-ALIAS_SHARE = 1e-3
-"""[share] of the square of what an effect does that its alias must leave to it at most. Set by the development draws of `make
-blind`."""
-
-
-def aliases(best: Candidate, added: Added, candidates: Sequence[Added], *, limit: float = ALIAS_SHARE) -> dict[str, float]:
+def aliases(best: Candidate, added: Added, candidates: Sequence[Added], *, limit: float) -> dict[str, float]:
     """Ids of those of `candidates` that could stand for `added` of the candidate `best` where its fit ended, with their share.
 
     Those that act nowhere on the data are left out, and so are those that `best` has, and those with a larger share than `limit`.
@@ -247,7 +242,7 @@ def screened_resonators(data: Study, at: Candidate, menu: Sequence[Added]) -> li
         f, zeta = places[best]
         mass = max(TINY * told[best].estimate, TINY)  # the offset is that of ln m, at the mass TINY
         named = replace(added.named, values={"m": mass, "f": f, "zeta": zeta})
-        usual = int(np.argsort([one.information for one in told])[len(told) // 2])
+        usual = int(np.argsort([one.information for one in told])[len(told) // 5])
         found.append(
             Screened(
                 added=replace(added, named=named),
@@ -275,12 +270,16 @@ def shape(frequency: Array, own: float, zeta: float) -> ComplexArray:
 # The smallest size at which these data would name each effect: what "nothing is missing" is worth.
 
 
-USUAL = "half of all frequencies"
+USUAL = "four of five frequencies"
 """At which a resonator of that mass would be named; tuned to a resonance of the article, one of a hundredth of it would be."""
 
 
+LOSSES = ("structural-damping", "layer-damping")
+"""Families of what may be many times as large as what modes lose, of which all that is known multiplies."""
+
+
 def detectable(screened: Sequence[Screened]) -> tuple[Detectable, ...]:
-    """Of every candidate that the data tell at all; switches have no size."""
+    """Of every candidate that the data tell at a size that its family allows; switches have none."""
     found = []
     for one in screened:
         size, wanted = (
@@ -291,15 +290,15 @@ def detectable(screened: Sequence[Screened]) -> tuple[Detectable, ...]:
             continue
         if one.usual is not None:
             # The mass whose expected evidence is what is wanted, by what the data tell of next to none
-            away, at = TINY * sqrt(2 * (wanted + OCCAM)) * one.usual.deviation, USUAL
+            away, at = TINY * (sqrt(2 * (wanted + OCCAM)) + POWER) * one.usual.deviation, USUAL
         else:
-            away, at = one.told.detectable(one.plausible, wanted), ""
+            away, at = (one.made_up or one.told).detectable(one.plausible, wanted), ""
             if one.parameter is not None and isfinite(away):
                 try:
                     away = one.parameter.value(away) - one.parameter.value(0.0)
                 except OverflowError:  # more than a number holds
                     away = inf
-        if isfinite(away):
+        if size.null + away <= size.high:
             found.append(Detectable(id=one.id, size=away, unit=size.unit, at=at))
     return tuple(found)
 
@@ -330,10 +329,12 @@ def screen(data: Study, at: Candidate, menu: Sequence[Added]) -> tuple[Screened,
         firsts = {one.named.id: (*one.named.fitted_sizes, one.named.sizes[0])[0] for one in new if one.named.sizes}
         names = {one.named.id: effects.name(one.named, firsts[one.named.id].key) for one in new if one.named.sizes}
         problem = data.problem((*at.effects, *(replace(one, fixed=False) for one in new)))
-        tests = screened(problem, at.fit, [name for name in names.values() if name in problem.by_name], by_line=False).told()
+        columns = screened(problem, at.fit, [name for name in names.values() if name in problem.by_name], by_line=False)
+        tests = columns.told()
         for one in new:
             if (which := names.get(one.named.id, "")) in tests:
-                found.append(_sized(one, firsts[one.named.id], problem.by_name[which], tests[which]))
+                made_up = MadeUp.of(columns, tests[which]) if one.named.family in LOSSES else None
+                found.append(replace(_sized(one, firsts[one.named.id], problem.by_name[which], tests[which]), made_up=made_up))
     found += screened_resonators(data, at, resonators) if resonators else []
     # Of effects on a period no straight line tells, and no smallest size by one
     for added, swings in pendulum.told(data, at, of_periods) if of_periods else ():

@@ -23,13 +23,13 @@ from validation.diagnose.landmark_search import FromAfar, line_fit
 from validation.diagnose.mistakes import mistakes
 from validation.diagnose.next_test import advised
 from validation.diagnose.nonlinear import differing_levels, nonlinear
-from validation.diagnose.search import SIZE_SCAN_FLOOR, GoodnessOfFit, SearchStep, goodness_of_fit, stepwise_search
+from validation.diagnose.search import GoodnessOfFit, SearchStep, goodness_of_fit, stepwise_search
 from validation.diagnose.unexplained import Explanation, described, unexplained
 from validation.effects import effect
 from validation.effects.catalogue import FAMILIES, code_of_families, parse
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS
 from validation.estimation.evaluate import evaluate, folds
-from validation.estimation.fit import FLOOR, PLAIN_FLOOR, nearby, unfitted
+from validation.estimation.fit import COARSE, FLOOR, PLAIN_FLOOR, nearby, unfitted
 from validation.estimation.problem import EFFECT, FITTED, IDENTIFIED, Evaluation, Offsets
 from validation.estimation.screening import in_the_fit
 from validation.estimation.verdicts import tolerances
@@ -253,7 +253,7 @@ def answer_from_afar(
     begin = problem.start if coarse is None else coarse.by_name
     fine = nearby(problem, FITTED, begin)
     stands = goodness_of_fit(fine, problem)
-    floor = SIZE_SCAN_FLOOR if coarse is not None and not stands.null else None
+    floor = COARSE[0] if coarse is not None and not stands.null else None
     fit = fine if floor is None or coarse is None else coarse
     candidate = diagnosis.Candidate(effects=found.best.effects, fit=fit, problem=problem)
 

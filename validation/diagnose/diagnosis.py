@@ -15,7 +15,7 @@ from validation.effects.catalogue import FAMILIES, Named, parse
 from validation.effects.effect import MISTAKE as OF_MISTAKES
 from validation.effects.effect import Vocabulary
 from validation.estimation.problem import DECLARED, SENSOR, Evaluation, Fit, Parameter, Problem
-from validation.estimation.screening import ScoreTest
+from validation.estimation.screening import MadeUp, ScoreTest
 from validation.estimation.verdicts import expected_z2, largest_z, misfit
 from validation.model.model import Added
 from validation.output import derived, entry, unwritten, with_unit
@@ -134,7 +134,7 @@ class Detectable:
     id : of the effect
     size : of its first number, SI, positive, from where there is no effect: 0.5 of a factor of 1.5
     unit : of it
-    at : what it belongs to, such as "half of all frequencies" of a resonator; empty where it is one size
+    at : what it belongs to, such as "four of five frequencies" of a resonator; empty where it is one size
     """
 
     id: str
@@ -603,6 +603,7 @@ class Screened:
     plausible : standard deviation of a plausible fault, in the offset of the parameter
     parameter : that the straight line is along, which says what its offset means; None of resonators and of periods
     usual : of a resonator what the data say of its mass at a frequency and damping at which they say neither much nor little
+    made_up : the same of a loss, for which what is known of losses makes up by factors
     """
 
     added: Added
@@ -611,6 +612,7 @@ class Screened:
     plausible: float
     parameter: Parameter | None = None
     usual: ScoreTest | None = None
+    made_up: MadeUp | None = None
 
     @property
     def id(self) -> str:

@@ -14,10 +14,9 @@ from geometry.frames import Array
 from identification.quality import NORMAL_90
 from validation.diagnose.candidates import has_lines, is_resonator
 from validation.diagnose.diagnosis import EffectEstimate
-from validation.diagnose.search import SIZE_SCAN_FLOOR
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import EVIDENCE_THRESHOLD, INDISTINGUISHABLE_NATS, STRUCTURE, evidence_threshold
-from validation.estimation.fit import BREAKDOWNS, nearby
+from validation.estimation.fit import BREAKDOWNS, COARSE, nearby
 from validation.estimation.problem import FITTED, Fit, Parameter
 from validation.model.model import Added
 from validation.prediction.effects import name
@@ -516,5 +515,5 @@ def line_fit(data: Study, effects: Sequence[Added]) -> Fit | None:
     if not all(has_lines(one) for one in problem.predictions):
         return None
     with suppress(CheckFailed):
-        return nearby(problem, FITTED, problem.start, floor=SIZE_SCAN_FLOOR)
+        return nearby(problem, FITTED, problem.start, floor=COARSE[0])
     return None

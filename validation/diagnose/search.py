@@ -21,26 +21,15 @@ from validation.diagnose.candidates import aliases, band, has_lines, is_resonato
 from validation.diagnose.diagnosis import SIGNIFICANT, Candidate, Screened
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, STRUCTURE, evidence_threshold
-from validation.estimation.fit import BREAKDOWNS, FLOOR, child, nearby
+from validation.estimation.fit import BREAKDOWNS, COARSE, FLOOR, STRIDE, child, nearby
 from validation.estimation.likelihood import cost_of, observed
 from validation.estimation.problem import EFFECT, FITTED, PLAIN, Fit, Parameter, Problem
-from validation.estimation.verdicts import expected_z2, largest_z, misfit
+from validation.estimation.verdicts import MISFIT, expected_z2, largest_z, misfit
 from validation.history.add import sized_by
 from validation.model.model import Added
 from validation.output import nats, odds
 from validation.prediction.effects import name
 from validation.study import Study
-
-ROUGH_FIT_STRIDE = 3
-"""[count] A rough fit takes every third line of the others. Set by the development draws of `make blind`."""
-
-ROUGH_FIT_PART = 0.25
-"""[share] of the size of an effect at which a rough fit begins, too. Set by the development draws of `make blind`."""
-
-UNSEEN_STEP = 0.05
-"""[nats] that a finished fit may cost more than where its trial stopped: the last step is taken unseen. Set by the development
-draws of `make blind`."""
-
 
 # When a fit counts as that of a model that misses nothing: limits that were set from tests in which nothing is wrong. The figures
 # behind them are those of `python -m benchmarks.blind --draw development`; docs/diagnosis-proven-blind.md tells them.
@@ -190,32 +179,27 @@ def _offsets_in(problem: Problem, fit: Fit) -> dict[str, float]:
 SIZE_OCTAVES = np.arange(-6.0, 4.0, 0.5)
 """[octave] of the prior sd: sizes at which an effect is looked at. Held by tests/validation/diagnosing/test_search.py."""
 
-SIZE_SCAN_FLOOR = 0.2
-"""[share] Model-error floor of these looks: so coarse that resonances which a tolerance still has to move do not decide.
-Exercised by tests/validation/diagnosing/test_search.py."""
-
 
 def can_restart(added: Added) -> bool:
-    """Whether an effect can be fitted from the priors: it has one fitted size and is not of a pendulum."""
+    """Whether an effect can be fitted from the priors: of one fitted size, or a resonator, and not of a pendulum."""
     swings = FAMILIES[added.named.family].stage == PERIOD_STAGE
-    return not (added.fixed or swings or is_resonator(added.named)) and len(added.named.fitted_sizes) == 1
+    return not (added.fixed or swings) and (len(added.named.fitted_sizes) == 1 or is_resonator(added.named))
 
 
 def restarted_from_priors(data: Study, at: Candidate, added: Added | None = None) -> Candidate:
     """`at`, with the effect `added` as well where one is given, all tolerances restarted from their priors; it never costs more.
 
-    A tolerance that absorbed an effect may stay in a local minimum when that is found, as of a mode with the wrong sign.
+    A tolerance that absorbed an effect may stay in a local minimum when that is found. Of a resonator the mass is looked for.
     """
     if added is None:
         home = _declared(at.problem, at.fit)
         return recentred(data, replace(at, fit=child(at.problem, FITTED, at.fit, home, from_afar=True)))
     effects = (*at.effects, added)
     problem = data.problem(effects)
-    (which,) = (name(added.named, size.key) for size in added.named.fitted_sizes)
+    which, *_ = (name(added.named, size.key) for size in added.named.fitted_sizes)
     home = _declared(problem, at.fit)
-    # The size that comes nearest to the data, everything else at `home`
-    coarse = problem.sparser(ROUGH_FIT_STRIDE)
-    cost = cost_of(coarse, [coarse.by_name[which]], SIZE_SCAN_FLOOR, home)
+    coarse = problem.sparser(STRIDE)
+    cost = cost_of(coarse, [coarse.by_name[which]], COARSE[0], home)
     nearest, least = 0.0, inf
     for size in map(float, sizes(coarse.by_name[which])):
         try:
@@ -229,31 +213,32 @@ def restarted_from_priors(data: Study, at: Candidate, added: Added | None = None
 
 
 FROM_AFAR = 0.25
-"""[prior sd] at which an effect begins beside a model that does not converge, either way. Held by
+"""[share] of what is plausible, or of what a straight line says, at which an effect begins that is sought from afar. Held by
 tests/validation/diagnosing/test_search.py."""
 
 
 def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: "Progress") -> "SearchStep":
     """The step from `at`, which did not converge, to the effect of the structure that comes nearest to the data and converges.
 
-    What drove tolerances so far that no fit ends is seen from where they are declared, over a floor of `SIZE_SCAN_FLOOR` on few
+    What drove tolerances so far that no fit ends is seen from where they are declared, over a floor of `COARSE` on few
     lines: each effect begins there at a part of what is plausible, and what is declared of the structure goes with it.
     """
-    asked = [one for one in menu if FAMILIES[one.named.family].side == STRUCTURE and can_restart(one)]
-    without = child(at.problem.sparser(ROUGH_FIT_STRIDE), PLAIN, at.fit, _declared(at.problem, at.fit), floor=SIZE_SCAN_FLOOR)
+    sized = [one for one in menu if can_restart(one) and not is_resonator(one.named)]
+    asked = [one for one in sized if FAMILIES[one.named.family].side == STRUCTURE]
+    without = child(at.problem.sparser(STRIDE), PLAIN, at.fit, _declared(at.problem, at.fit), floor=COARSE[0])
     found: list[tuple[float, Added, Fit]] = []
     for done, added in enumerate(asked):
         progress("looking from afar for what keeps the model from converging", done / len(asked))
-        problem = data.problem((*at.effects, added)).sparser(ROUGH_FIT_STRIDE)
+        problem = data.problem((*at.effects, added)).sparser(STRIDE)
         (which,) = (name(added.named, size.key) for size in added.named.fitted_sizes)
         size = problem.by_name[which]
         for begin in (FROM_AFAR * size.tolerance, -FROM_AFAR * size.tolerance):
             if size.low < begin < size.high:
-                fit = child(problem, PLAIN, without, {which: begin}, floor=SIZE_SCAN_FLOOR)
+                fit = child(problem, PLAIN, without, {which: begin}, floor=COARSE[0])
                 found.append((fit.cost, added, fit))
     nearest = {one[1].named.id: one for one in sorted(found, key=lambda one: -one[0])}  # the cheapest of each
     tried, least = list[CandidateFit](), inf
-    for cost, added, fit in sorted(nearest.values(), key=lambda one: one[0])[:ROUGH_FITS_FINISHED]:
+    for cost, added, fit in sorted(nearest.values(), key=lambda one: one[0])[:FEW]:
         if any(one.goodness.null for one in tried) and cost > least + INDISTINGUISHABLE_NATS:
             break
         least = cost
@@ -283,8 +268,8 @@ def sizes(of: Parameter) -> Array:
 
 
 SAME_NATS = 0.05
-"""[nats] within which the evidence of two names is one: fits end a tenth of a standard deviation from their minimum, which is
-0.005. Held by tests/validation/diagnosing/test_search.py."""
+"""[nats] within which two fits are one: they end a tenth of a standard deviation from their minimum, which is 0.005. Held by
+tests/validation/diagnosing/test_search.py."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -408,13 +393,6 @@ def is_accepted(one: CandidateFit) -> bool:
     return one.evidence >= evidence_threshold(one.family) and is_significant(one.candidate)
 
 
-RIVALS = 5
-"""[count] of names at most that an earlier effect is held against. Held by tests/validation/diagnosing/test_search.py."""
-
-RIVAL_SHARE = 0.25
-"""[share] of the evidence of the best that such a name must have brought. Held by tests/validation/diagnosing/test_search.py."""
-
-
 def backward_elimination(
     data: Study, at: Candidate, rounds: Sequence[SearchStep], progress: "Progress"
 ) -> tuple[Candidate, tuple[SearchStep, ...]]:
@@ -450,12 +428,10 @@ def backward_elimination(
             last = replace(at, effects=(*left, added))
             there = CandidateFit(id=which, candidate=last, evidence=evidence, goodness=goodness_of_fit(at.fit, at.problem))
             # Others whose evidence was a good part of the best
-            near = [
-                one for one in found.tried if one.id not in _ids(at) and one.evidence >= RIVAL_SHARE * found.tried[0].evidence
-            ]
-            progress(f"asking {which} and {len(near[:RIVALS])} others once more", 0.95)
+            near = [one for one in found.tried if one.id not in _ids(at) and one.evidence >= GOOD_PART * found.tried[0].evidence]
+            progress(f"asking {which} and {len(near[:FITS_OF_A_STEP])} others once more", 0.95)
             tried = [there]
-            for one in near[:RIVALS]:
+            for one in near[:FITS_OF_A_STEP]:
                 rival = candidate_fit(rest, _fit_in_place(data, at, rest, _at_sizes(one.added, added)))
                 if in_band(data, rival) and (is_accepted(rival) or rival.evidence <= evidence):
                     tried.append(rival)
@@ -484,19 +460,20 @@ def _ids(of: Candidate) -> tuple[str, ...]:
 MOST_EFFECTS = 3
 """[count] of effects that are looked for. Set by the development draws of `make blind`."""
 
-MOST_STEPS = 6
-"""[count] of steps forward in which they are; backward elimination may take some away again. Set by the development draws of
-`make blind`."""
-
 FITS_OF_A_STEP = 6
 """[count] of candidates that are fitted in a step at most. Held by tests/validation/diagnosing/test_search.py."""
 
-FITS_OF_A_FAMILY = 3
-"""[count] of these of one family at most. Held by tests/validation/diagnosing/test_search.py."""
+FEW = 3
+"""[count] of these of one kind at most: of a family, rough ones that are finished, from the priors, of rivals that no straight
+line promised. Held by tests/validation/diagnosing/test_search.py."""
 
-FITS_OF_THE_STRUCTURE = 2
-"""[count] of these of the structure at least, where any promises something. Held by
-tests/validation/diagnosing/test_search.py."""
+OTHERS = 2
+"""[count] of these that go to another kind: to the structure, where channels promise more; to springs and masses, where a fit
+drives a resonator out of the band. Held by tests/validation/diagnosing/test_search.py."""
+
+GOOD_PART = 0.25
+"""[share] of what the best brought that a rival of it must have brought, of what it does that may be its own beside an alias, and
+of the excess cost that it must explain for others to be sought. Held by tests/validation/diagnosing/test_search.py."""
 
 WORTH_A_FIT = 4.0
 """[nats] that a straight line must promise for a fit. Held by tests/validation/diagnosing/test_search.py."""
@@ -512,38 +489,9 @@ development draws of `make blind`."""
 SCREENING_ERROR = 0.15
 """[share] of a promise by which a straight line may err. Set by the development draws of `make blind`."""
 
-NONLINEAR_MISFIT = 1.5
-"""[chi²/dof] from which a straight line says little of the sizes, and fits come from afar. Set by the development draws of `make
-blind`."""
-
-ROUGH_FITS_FINISHED = 3
-"""[count] of these rough fits that are finished. Set by the development draws of `make blind`."""
-
-REFITS = 1
-"""[count] of times that a fit is taken up again where one with a useless effect ended lower. Set by the development draws of
-`make blind`."""
-
-REPLACEMENTS = 2
-"""[count] of fits in place of resonators that a fit has driven out of the band, where they are springs or masses. Held by
-tests/validation/diagnosing/test_search.py."""
-
 KEPT_SHARE = 0.5
 """[share] of a promise that a fit must keep lest it restart from the priors, where no fit comes up to that promise. Held by
 tests/validation/diagnosing/test_search.py."""
-
-RESTARTS = 3
-"""[count] of fits of a step that restart from the priors. Held by tests/validation/diagnosing/test_search.py."""
-
-LEAST_EXPLAINED = 0.25
-"""[share] of the excess cost that an effect must explain for others to be looked for beside it. Set by the development draws of
-`make blind`."""
-
-ALIAS_FITS = 3
-"""[count] of rivals that are fitted though no straight line promised them. Held by tests/validation/diagnosing/test_search.py."""
-
-ALIAS_OWN_SHARE = 0.3
-"""[share] of what the best does that may be its own for another to be such a rival. Set by the development draws of `make
-blind`."""
 
 
 SETTINGS: Mapping[str, object] = MappingProxyType(
@@ -554,15 +502,12 @@ SETTINGS: Mapping[str, object] = MappingProxyType(
         "short_nats": NULL_MARGIN,
         "tried_at_most": FITS_OF_A_STEP,
         "effects_at_most": MOST_EFFECTS,
-        "bent_chi2_per_dof": NONLINEAR_MISFIT,
-        "least_share_of_excess": LEAST_EXPLAINED,
+        "tried_of_a_kind_at_most": FEW,
+        "tried_otherwise": OTHERS,
+        "bent_chi2_per_dof": MISFIT,
+        "good_part": GOOD_PART,
         "kept_share_of_promise": KEPT_SHARE,
-        "afresh_at_most": RESTARTS,
         "afresh_octaves": [float(SIZE_OCTAVES[0]), float(SIZE_OCTAVES[-1])],
-        "afresh_floor": SIZE_SCAN_FLOOR,
-        "asked_again_at_most": RIVALS,
-        "asked_again_share": RIVAL_SHARE,
-        "instead_of_resonators_at_most": REPLACEMENTS,
     }
 )
 """What is fitted, and when a search ends, by the keys of a diagnosis in JSON."""
@@ -574,9 +519,9 @@ def stepwise_search(
     data: Study, base: Candidate, menu: Sequence[Added], progress: Progress
 ) -> tuple[Candidate, tuple[SearchStep, ...]]:
     """The candidate that explains the data of `data` with the fewest effects of `menu`, and how it was found."""
-    at, again = base, REFITS
+    at, again = base, True
     rounds: list[SearchStep] = []
-    while len(at.effects) < MOST_EFFECTS and sum(not one.reconsidered for one in rounds) < MOST_STEPS:
+    while len(at.effects) < MOST_EFFECTS and sum(not one.reconsidered for one in rounds) < 2 * MOST_EFFECTS:
         one = (step_from_afar if at is base and not base.fit.converged else _step)(data, at, menu, progress)
         if (
             again
@@ -586,7 +531,7 @@ def stepwise_search(
             and not is_significant(one.tried[0].candidate)
         ):  # none of it, but a better way down
             lower = nearby(at.problem, FITTED, one.tried[0].candidate.fit.by_name)
-            at, again = at if lower.cost >= at.fit.cost else recentred(data, replace(at, fit=lower)), again - 1
+            at, again = at if lower.cost >= at.fit.cost else recentred(data, replace(at, fit=lower)), False
             continue
         rounds.append(one)
         if not one.added:
@@ -598,18 +543,18 @@ def stepwise_search(
         explained, null = one.at.fit.cost - found.fit.cost, goodness_of_fit(found.fit, found.problem).null
         at, asked = backward_elimination(data, found, rounds, progress)
         rounds += asked
-        if not null and explained < LEAST_EXPLAINED * one.goodness.excess(one.at.fit):
+        if not null and explained < GOOD_PART * one.goodness.excess(one.at.fit):
             break  # nothing known is most of what is wrong: the rest would be named one by one, and none of it is there
     if at.effects:  # its fit may be a trial
         whole = nearby(at.problem, FITTED, at.fit.by_name)
-        at = recentred(data, replace(at, fit=whole)) if whole.cost <= at.fit.cost + UNSEEN_STEP else at
+        at = recentred(data, replace(at, fit=whole)) if whole.cost <= at.fit.cost + SAME_NATS else at
     return at, tuple(rounds)
 
 
 def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress) -> SearchStep:
     progress(f"screening {len(menu)} effects", 0.0)
     here, found = goodness_of_fit(at.fit, at.problem), screen(data, at, menu)
-    fits = _rough_fits if here.misfit > NONLINEAR_MISFIT else _local_fits
+    fits = _rough_fits if here.misfit > MISFIT else _local_fits
     tried, gone = _fits_in_band(data, found, lambda some: fits(data, at, here, some, progress))
     tried = _restarted_where_stuck(data, at, here, tried, found, progress)
     good = bool(tried) and is_accepted(tried[0])
@@ -621,8 +566,9 @@ def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress)
         fitted = []
         for one in rivals:
             rival = candidate_fit(at, fit_with(data, at, one))
-            if rival.evidence < KEPT_SHARE * tried[0].evidence and can_restart(one):
-                rival = max(rival, candidate_fit(at, restarted_from_priors(data, at, one)), key=lambda each: each.evidence)
+            if rival.evidence < KEPT_SHARE * tried[0].evidence:
+                there = _fit_in_place(data, tried[0].candidate, at, one)
+                rival = max(rival, candidate_fit(at, there), key=lambda each: each.evidence)
             fitted.append(rival)
         may = [one for one in fitted if in_band(data, one) and (is_accepted(one) or one.evidence <= tried[0].evidence)]
         tried = ranked([*tried, *may])
@@ -657,15 +603,15 @@ def _rough_fits(
     """
     rough, promising = [], _most_promising(found)
     for done, one in enumerate(promising):
-        progress(f"trying {one.id} from afar", done / (len(promising) + ROUGH_FITS_FINISHED))
-        problem = data.problem((*at.effects, one.added)).sparser(ROUGH_FIT_STRIDE)
+        progress(f"trying {one.id} from afar", done / (len(promising) + FEW))
+        problem = data.problem((*at.effects, one.added)).sparser(STRIDE)
         starts = [_start(data, one.added)]
         if starts[0] and not is_resonator(one.added.named):
-            starts.append({name: ROUGH_FIT_PART * x for name, x in starts[0].items()})
+            starts.append({name: FROM_AFAR * x for name, x in starts[0].items()})
         fits = [child(problem, FITTED, at.fit, begin, from_afar=True) for begin in starts]
         rough.append((one.added, min(fits, key=lambda fit: fit.cost)))
     rough.sort(key=lambda each: -each[1].log_evidence)
-    return [candidate_fit(at, fit_with(data, at, added, begin=begin)) for added, begin in rough[:ROUGH_FITS_FINISHED]]
+    return [candidate_fit(at, fit_with(data, at, added, begin=begin)) for added, begin in rough[:FEW]]
 
 
 def _fits_in_band(
@@ -679,7 +625,7 @@ def _fits_in_band(
     known = {one.id for one in tried}
     others = [one for one in found if one.id not in known and not is_resonator(one.added.named)]
     gone = tuple(one.id for one in tried if one not in inside)
-    return [*inside, *fits(_most_promising(others)[:REPLACEMENTS])], gone
+    return [*inside, *fits(_most_promising(others)[:OTHERS])], gone
 
 
 def _restarted_where_stuck(
@@ -691,15 +637,15 @@ def _restarted_where_stuck(
     progress: Progress,
 ) -> list[CandidateFit]:
     """The fits, the best first; restarted from the priors where all fell short of a promise and something must be missing."""
-    ranked, promised = sorted(tried, key=lambda each: -each.evidence), {one.id: one.evidence for one in found}
+    ranked, promised = sorted(tried, key=lambda each: -each.evidence), {one.id: one for one in found}
     if here.null or not ranked or ranked[0].goodness.null:
         return ranked
-    short = [
-        one for one in ranked if promised[one.id] > max(ranked[0].evidence, one.evidence / KEPT_SHARE) and can_restart(one.added)
-    ]
-    for one in sorted(short, key=lambda each: -promised[each.id])[:RESTARTS]:
+    able = [one for one in ranked if can_restart(one.added)]
+    short = [one for one in able if promised[one.id].evidence > max(ranked[0].evidence, one.evidence / KEPT_SHARE)]
+    for one in sorted(short, key=lambda each: -promised[each.id].evidence)[:FEW]:
         progress(f"trying {one.id} afresh", 0.8)
-        other = candidate_fit(at, restarted_from_priors(data, at, one.added))
+        begin = promised[one.id].added if is_resonator(one.added.named) else one.added  # which its fit drove from there
+        other = candidate_fit(at, restarted_from_priors(data, at, begin))
         ranked[ranked.index(one)] = max(one, other, key=lambda each: each.evidence)
     return sorted(ranked, key=lambda each: -each.evidence)
 
@@ -710,14 +656,12 @@ def _most_promising(found: Sequence[Screened]) -> list[Screened]:
     chosen: list[Screened] = []
     for one in found:
         family = one.added.named.family
-        if one.evidence >= WORTH_A_FIT and count[family] < FITS_OF_A_FAMILY:
+        if one.evidence >= WORTH_A_FIT and count[family] < FEW:
             count[family] += 1
             chosen.append(one)
     best, rest = chosen[:FITS_OF_A_STEP], chosen[FITS_OF_A_STEP:]
     structural = sum(FAMILIES[one.added.named.family].side == STRUCTURE for one in best)
-    more = [one for one in rest if FAMILIES[one.added.named.family].side == STRUCTURE][
-        : max(FITS_OF_THE_STRUCTURE - structural, 0)
-    ]
+    more = [one for one in rest if FAMILIES[one.added.named.family].side == STRUCTURE][: max(OTHERS - structural, 0)]
     return [*best, *more]
 
 
@@ -733,17 +677,17 @@ def _rivals(
         twins = [one for one in others if is_resonator(one.named) and one.named.targets == best.added.named.targets]
         elsewhere = [one.added for one in found if one.id not in known and one.added.named.family == best.family]
         fitted = [one.added for one in tried[1:] if again and one.family == best.family]
-        return [_at_sizes(one, best.added) for one in (*twins, *elsewhere[:ALIAS_FITS], *fitted)]
+        return [_at_sizes(one, best.added) for one in (*twins, *elsewhere[:FEW], *fitted)]
     if best.added.fixed:
         return []
     near = aliases(
         best.candidate,
         best.added,
         [one for one in others if not is_resonator(one.named)],
-        limit=min(INDISTINGUISHABLE_NATS / best.evidence, ALIAS_OWN_SHARE),
+        limit=min(INDISTINGUISHABLE_NATS / best.evidence, GOOD_PART),
     )
     by_id = {one.id: one.added for one in found}
-    return [by_id[id] for id in near if id in by_id][:ALIAS_FITS]
+    return [by_id[id] for id in near if id in by_id][:FEW]
 
 
 def _at_sizes(one: Added, other: Added) -> Added:

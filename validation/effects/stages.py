@@ -56,6 +56,7 @@ class Matrices:
     shells : parts of shells
     geometric : (k, k) stiffness that the weight gives or takes under standard gravity; (0, 0) where it is not known
     rigid : (6, k) rigid motion of the article about its origin that each coordinate carries along; by default that of the base
+    lossier : root of the factor by which the mode of each of the first coordinates loses more than its parts say
     """
 
     base: int
@@ -75,6 +76,7 @@ class Matrices:
     shells: tuple[str, ...] = ()
     geometric: Array = field(default_factory=lambda: np.zeros((0, 0)))
     rigid: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    lossier: Array = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         k = len(self.mass)
@@ -85,6 +87,12 @@ class Matrices:
         if not rigid.size:
             rigid = np.eye(6, k) if self.base else np.zeros((6, k))
         object.__setattr__(self, "rigid", frozen(rigid, (6, k), "rigid"))
+
+    def lost(self, part: str) -> Array:
+        """(k, k) share of a part as its losses count: what a mode loses beside them, it loses of all that the part loses."""
+        scale = np.ones(len(self.mass))
+        scale[: len(self.lossier)] = self.lossier
+        return scale[:, None] * self.parts[part] * scale
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

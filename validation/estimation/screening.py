@@ -20,7 +20,7 @@ products of the other with the residual and with J are kept by line.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log, sqrt
 
 import numpy as np
@@ -31,6 +31,16 @@ from identification.self_calibration.solve import inverse, total
 from validation.estimation.fit import FLOOR
 from validation.estimation.likelihood import ObservedLines, cost_of, normals, whitened
 from validation.estimation.problem import EFFECT, Fit, Offsets, Parameter, Predicted, Problem
+
+POWER = 0.84
+"""[sd] of a size that noise takes away in one test of five: four name what the smallest size promises. By definition."""
+
+AGAIN = 20
+"""[count] of times that a size and what makes up for it are worked out by each other. Exercised by
+tests/validation/engine/test_screening.py."""
+
+LEAST = -0.9
+"""[share] of its loss by which a mode may lose less: there is none below. By definition."""
 
 KNOWN = 1e-12
 """[share] of its own square that must be left of a column beside the others for the data to tell it at all. Exercised by
@@ -66,12 +76,12 @@ class ScoreTest:
         return self._against_nothing(plausible) - self._against_nothing(self.tolerance)
 
     def detectable(self, plausible: float, evidence: float) -> float:
-        """The offset whose expected evidence comes to `evidence` [nats]; infinite where no size does."""
+        """The offset that four tests of five find, whose evidence must come to `evidence` [nats]; infinite where no size does."""
         if self.information <= 0 or plausible <= self.tolerance or np.isinf(plausible):
             return np.inf
         narrow, wide = self.tolerance**2 + 1 / self.information, plausible**2 + 1 / self.information
         apart = (plausible - self.tolerance) * (plausible + self.tolerance)  # wide - narrow, however much larger both are
-        return sqrt(2 * (evidence + 0.5 * log(wide / narrow)) * narrow * wide / apart)
+        return (sqrt(2 * (evidence + 0.5 * log(wide / narrow)) * wide / apart) + POWER) * sqrt(narrow)
 
     def _against_nothing(self, spread: float) -> float:
         q, c = self.information, self.estimate
@@ -122,6 +132,11 @@ class Screen:
         names = dict.fromkeys(name for one in (*self.products, self.facts) for name in one.names)
         return {name: self.shaped(name) for name in names}
 
+    def taken(self, name: str) -> Array:
+        """(p,) What the parameters of the fit take over of a unit of the column `name`."""
+        both = [(one, one.names.index(name)) for one in (*self.products, self.facts) if name in one.names]
+        return np.asarray(self.covariance @ np.sum([one.others[:, k].real.sum(axis=0) for one, k in both], axis=0))
+
     def shaped(self, name: str, shape: Mapping[int, ComplexArray] | None = None) -> ScoreTest:
         """What they say of the column `name` times a function of frequency, by data set its values (m,); 1 by default."""
         (told,) = self.shapes(name, None if shape is None else {k: one[None] for k, one in shape.items()})
@@ -149,6 +164,64 @@ class Screen:
         share = left / np.maximum(square, np.finfo(np.float64).tiny)
         each = zip(estimate, information, share, strict=True)
         return [ScoreTest(name=name, estimate=float(c), information=float(q), share=float(s)) for c, q, s in each]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MadeUp:
+    """What the data say of a loss of any size, where others that make up for it multiply and a straight line adds.
+
+    In logarithms of what modes lose a size s asks ln(1 + W s), and parts that lose 1 + l times as much give ln(1 + V l):
+
+        cost(s) = min over l of 1/2 l^T l / t^2 + 1/2 v^T Q v ,      v = ln(1 + W s) - ln(1 + V l) ,
+
+    half of s^2 times its information. W and V are what modes take over of a unit of s and of l with the parts held still, and
+    Q = 1/sigma^2 - C / sigma^4, C their covariance then and sigma what is known of them: all of it follows from the fit.
+
+    Attributes
+    ----------
+    told : of a small one
+    size, parts, matrix, known : (m,) W; (m, k) V; (m, m) Q; (k,) 1 / t^2
+    """
+
+    told: ScoreTest
+    size: Array
+    parts: Array
+    matrix: Array
+    known: Array
+
+    @classmethod
+    def of(cls, screen: Screen, told: ScoreTest) -> "MadeUp":
+        """Of the column that was `told`."""
+        p, d = ([k for k, one in enumerate(screen.free) if one.family == name] for name in ("loss", "damping"))
+        taken, C = screen.taken(told.name), screen.covariance
+        through = np.asarray(np.linalg.solve(C[np.ix_(p, p)], C[np.ix_(p, d)]).T, dtype=np.float64)  # (m, k)
+        sigma = np.diag([screen.free[k].tolerance ** -2.0 for k in d])
+        return cls(
+            told=told,
+            size=taken[d] - through @ taken[p],
+            parts=-through,
+            matrix=sigma - sigma @ (C[np.ix_(d, d)] - through @ C[np.ix_(p, d)]) @ sigma,
+            known=np.array([screen.free[k].tolerance ** -2.0 for k in p]),
+        )
+
+    def at(self, offset: float) -> ScoreTest:
+        """What the data say of a size of `offset`."""
+        asked, lost = np.log1p(np.maximum(self.size * offset, LEAST)), np.zeros(len(self.known))
+        for _ in range(AGAIN):
+            grown = 1 + np.maximum(self.parts @ lost, LEAST)
+            left, slope = asked - np.log(grown), self.parts / grown[:, None]
+            normal = np.diag(self.known) + slope.T @ self.matrix @ slope
+            lost = lost + np.linalg.solve(normal, slope.T @ self.matrix @ left - self.known * lost)
+        left = asked - np.log(1 + np.maximum(self.parts @ lost, LEAST))
+        return replace(self.told, information=float(self.known @ lost**2 + left @ self.matrix @ left) / offset**2)
+
+    def detectable(self, plausible: float, evidence: float) -> float:
+        """As `ScoreTest.detectable`, of the size that it tells."""
+        found = self.told.detectable(plausible, evidence)
+        for _ in range(AGAIN):
+            if np.isfinite(found):
+                found = self.at(found).detectable(plausible, evidence)
+        return found
 
 
 def in_the_fit(fit: Fit) -> dict[str, ScoreTest]:

@@ -62,6 +62,7 @@ class Tangent:
     mass, stiffness, viscous, structural : (s, s)
     parts : by name (k, k), where the share of a part changes
     crossing : position in `at` of the coordinate whose row and column alone change; None where more may
+    lossier : the coordinate whose losses grow, and of parts with them what effects add; None of all others
     """
 
     at: Integers
@@ -71,6 +72,7 @@ class Tangent:
     structural: Array
     parts: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
     crossing: int | None = None
+    lossier: int | None = None
 
 
 FIELDS = ("mass", "stiffness", "viscous", "structural")
@@ -292,7 +294,7 @@ class Nuisances:
         known = self.frequency_tolerance
         made += [_declared(f"frequency:{self.configuration}:{r}", known[r - 1]) for r in modes]
         left = [of.mode_damping if own else of.damping for own in self.by_parts]
-        made += [_declared(f"damping:{self.configuration}:{r}", left[r - 1]) for r in modes]
+        made += [_factor(f"damping:{self.configuration}:{r}", left[r - 1]) for r in modes]
         if self.nominal.base:
             names = (f"participation:{self.configuration}:{r}:{axis}" for r in modes for axis in MOTIONS)
             made += [Parameter(name=name, unit="1", tolerance=of.participation, kind=STRUCTURAL) for name in names]
@@ -441,6 +443,7 @@ class Nuisances:
             structural=(D * E)[:, None] * S * (D * E),
             viscous=C + coupled,
             parts=parts,
+            lossier=D,
         )
         losses = {part: eta * (1 + offsets.get(f"loss:{part}", 0.0)) for part, eta in self.losses.items()}
         return _Now(of=self, matrices=made, E=E, D=D, uncoupled=C, losses=losses, offsets=offsets)
@@ -580,7 +583,8 @@ class _Now:
 
     def _of_damping(self, configuration: str, mode: str) -> Tangent:
         r = self.of.nominal.base + int(mode) - 1
-        return crossed(r, structural=self.matrices.structural[r] / 2, viscous=self.uncoupled[r] / 2)
+        changed = crossed(r, structural=self.matrices.structural[r] / 2, viscous=self.uncoupled[r] / 2)
+        return replace(changed, lossier=r)
 
     def _of_participation(self, configuration: str, mode: str, axis: str) -> Tangent:
         r, a = int(mode) - 1, MOTIONS.index(axis)
@@ -731,6 +735,11 @@ def structure(
                 parts = {**stage.parts, **{part: stage.parts[part] + change for part, change in tangent.parts.items()}}
                 read = between(after, _changed(added.named, replace(stage, parts=parts)), 1.0)
                 found[key] = plus(replace(tangent, parts={}), read, len(after.mass))
+            elif tangent.lossier is not None and after.structural is not stage.structural:
+                root = np.exp(COARSE / 2 * (np.arange(len(stage.lossier)) == tangent.lossier))
+                below, above = (_changed(added.named, replace(stage, lossier=stage.lossier * side)) for side in (1 / root, root))
+                read = between(below, above, 2 * COARSE)
+                found[key] = replace(plus(tangent, read, len(after.mass)), lossier=tangent.lossier)
         for size in _free(added) if derivatives else ():
             named = added.named
             value, scale, slope = _scale(named, size)

@@ -12,7 +12,7 @@ from validation.diagnose.diagnosis import Screened
 from validation.effects.catalogue import parse
 from validation.effects.effect import evidence_threshold
 from validation.estimation.problem import EFFECT, Parameter
-from validation.estimation.screening import ScoreTest
+from validation.estimation.screening import POWER, ScoreTest
 from validation.model.model import Added
 
 
@@ -73,12 +73,13 @@ def smallest_mass(deviation: float, evidence: float) -> float:
 
 def test_the_smallest_mass_brings_the_evidence_that_is_asked_for_and_grows_with_its_root_and_the_deviation():
     once = smallest_mass(3.0, 8.0)
-    assert_allclose(smallest_mass(3.0, 4 * (8.0 + OCCAM) - OCCAM), 2 * once, rtol=1e-12)
+    by_noise = 3 * TINY * POWER  # in one test of five
+    assert_allclose(smallest_mass(3.0, 4 * (8.0 + OCCAM) - OCCAM) - by_noise, 2 * (once - by_noise), rtol=1e-12)
     assert_allclose(smallest_mass(15.0, 8.0), 5 * once, rtol=1e-12)
     assert smallest_mass(np.inf, 8.0) == np.inf  # the data tell nothing of it
-    offset = smallest_mass(3.0, 8.0) / TINY  # a straight line from the mass TINY, whose offset is that of ln m
+    offset = smallest_mass(3.0, 8.0) / TINY - 3 * POWER  # a straight line from the mass TINY, whose offset is that of ln m
     assert_allclose(0.5 * offset**2 / 3.0**2 - OCCAM, 8.0, rtol=1e-12)
-    assert_allclose(smallest_mass(3.0, 8.0), 3 * TINY * np.sqrt(2 * (8 + 4)), rtol=1e-12)  # [kg]
+    assert_allclose(smallest_mass(3.0, 8.0), 3 * TINY * (np.sqrt(2 * (8 + 4)) + POWER), rtol=1e-12)  # [kg]
 
 
 @pytest.mark.parametrize(("f", "there"), [(3.4, False), (3.6, True), (12.0, True), (36.0, True), (38.0, False)])
@@ -111,6 +112,13 @@ def test_a_size_that_adds_is_its_offset():
 def test_a_factor_counts_from_one(text, more):
     (found,) = detectable([screened(text, **more)])
     assert found.size == pytest.approx(expm1(SURE.detectable(1.0, evidence_threshold(text.partition(":")[0]))))
+
+
+def test_what_would_be_named_beyond_what_there_is_of_it_is_left_out():
+    """A loss factor of more than 1 is none."""
+    asked = screened("structural-damping:mast=0.1", ScoreTest(name="x", estimate=0.0, information=20.0))
+    assert 1.0 < asked.told.detectable(1.0, evidence_threshold("structural-damping")) < 5.0
+    assert detectable([asked]) == ()
 
 
 def test_what_is_hardly_told_is_left_out():

@@ -5,10 +5,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.optimize import least_squares
+from scipy.stats import norm
 
 from validation.estimation.fit import FLOOR, child, fit, nearby, unfitted
 from validation.estimation.problem import EFFECT, FITTED, IDENTIFIED, PLAIN, Parameter, Problem
-from validation.estimation.screening import ScoreTest, in_the_fit, screened
+from validation.estimation.screening import POWER, MadeUp, Products, ScoreTest, Screen, in_the_fit, screened
 
 OFFSET = 0.02
 """Small beside the bending of the toy, large beside its noise."""
@@ -75,9 +77,56 @@ def test_a_tolerance_that_leaves_its_bounds_gains_what_a_fit_gains_and_the_small
     assert_allclose(told.estimate, there.by_name["gain:f2"], rtol=1e-3)
     told = ScoreTest(name="x", estimate=0.0, information=1e4, tolerance=0.003)
     size = told.detectable(0.1, 10.0)
-    assert_allclose(ScoreTest(name="x", estimate=size, information=1e4, tolerance=0.003).evidence(0.1), 10.0, rtol=1e-9)
+    unlucky = size - POWER * np.hypot(0.01, 0.003)  # one test of five finds less
+    assert norm.cdf(-POWER) == pytest.approx(0.2, abs=1e-3)
+    assert_allclose(ScoreTest(name="x", estimate=unlucky, information=1e4, tolerance=0.003).evidence(0.1), 10.0, rtol=1e-9)
     assert np.isinf(ScoreTest(name="x", estimate=0.0, information=0.0).detectable(0.1, 10.0))
     assert np.isinf(told.detectable(0.003, 10.0))
+
+
+PARTS = np.array([[0.7, 0.2], [0.4, 0.5], [0.1, 0.9]])
+"""Shares of the loss of three modes in two parts."""
+
+MODES, PART_SD = 0.3, 0.35
+"""[1] What is known of the modes' dampings, and of the parts' loss factors, which are 0.006."""
+
+
+def of_modes() -> MadeUp:
+    """Of a loss of the first part, as the covariance of a fit says it that knows each mode's loss to 1 %."""
+    J = np.vstack([np.hstack([PARTS, np.eye(3)]) / 0.01, np.diag([1 / PART_SD] * 2 + [1 / MODES] * 3)])
+    e = np.concatenate([PARTS[:, 0] / 0.006 / 0.01, np.zeros(5)])
+    C = np.linalg.inv(J.T @ J)
+    q = e @ e - e @ J @ C @ J.T @ e
+    names = [("loss:one", PART_SD), ("loss:two", PART_SD), *((f"damping:a:{r}", MODES) for r in (1, 2, 3))]
+    products = Products(
+        frequency=np.zeros(1),
+        names=("x",),
+        residual=np.zeros((1, 1), dtype=complex),
+        others=(e @ J)[None, None].astype(complex),
+        square=np.array([[e @ e]]),
+    )
+    none = replace(products, names=())
+    free = tuple(Parameter(name=name, unit="1", tolerance=sd) for name, sd in names)
+    screen = Screen(free=free, covariance=C, step=np.zeros(5), products=(products,), facts=none)
+    return MadeUp.of(screen, ScoreTest(name="x", estimate=0.0, information=q))
+
+
+@pytest.mark.parametrize("size", [1e-5, 0.006, 0.03, 0.2])
+def test_what_multiplies_makes_up_for_a_loss_as_cheaply_as_it_can(size):
+    def left(x):
+        modes = np.log1p(PARTS[:, 0] * size / 0.006) - np.log1p(PARTS @ x[:2]) - x[2:]
+        return np.concatenate([x / ([PART_SD] * 2 + [MODES] * 3), modes / 0.01])
+
+    least = least_squares(left, np.zeros(5), bounds=(-0.9, np.inf)).cost
+    assert_allclose(0.5 * of_modes().at(size).information * size**2, least, rtol=0.01)
+
+
+def test_the_smallest_loss_is_larger_than_a_straight_line_says():
+    of = of_modes()
+    size = of.detectable(0.05, 20.0)
+    assert size > 1.5 * of.told.detectable(0.05, 20.0)
+    told = of.at(size)
+    assert told.detectable(0.05, 20.0) == pytest.approx(size, rel=1e-3)
 
 
 def test_a_column_times_a_function_of_frequency_needs_no_derivative_and_summed_lines_say_the_same_sooner(small):

@@ -107,6 +107,23 @@ def test_a_part_that_loses_more_than_the_others_may_couple_no_modes_though_all_w
     assert_allclose(np.diag(alone.structural), np.diag(coupled.structural))
 
 
+def test_a_mode_that_loses_more_than_its_parts_say_loses_more_of_what_an_effect_adds_to_them_too():
+    of, r = made("clumod-1", None), "damping:clumod-1:2"
+    lossier = tuple(Added(named=parse(f"structural-damping:{part}=0.03")) for part in ("mast", "lower-1"))
+    at = {**away(of), "loss:mast": -1.0, "loss:lower-1": -1.0}
+    of = replace(of, losses={part: eta for part, eta in of.losses.items() if part in ("mast", "lower-1")})
+    found, tangents = dynamic_mass.structure(of, at, lossier, derivatives=True)
+    more, _ = dynamic_mass.structure(of, {**at, r: at[r] + np.log(2.0)}, lossier, derivatives=False)
+    own = of.nominal.base + 1
+    assert_allclose(more.structural[own, own], 2 * found.structural[own, own], rtol=1e-9)
+    step = 1e-4
+    above, below = (dynamic_mass.structure(of, {**at, r: at[r] + x}, lossier, derivatives=False)[0] for x in (step, -step))
+    for name in ("structural", "viscous"):
+        told = effects.full(tangents[r], name, len(found.mass))
+        change = (getattr(above, name) - getattr(below, name)) / (2 * step)
+        assert_allclose(told, change, atol=1e-6 * np.abs(change).max())
+
+
 def test_matrices_stay_symmetric_and_positive_at_ten_tolerances(one):
     m, _ = one.at(
         {name: 10 * offset for name, offset in away(one).items() if not name.startswith(("coupling", "participation", "loss"))}

@@ -11,8 +11,8 @@ LAYER = "-silicone"
 
 
 def change(stage: Matrices, targets: tuple[str, ...], values: Values) -> Matrices:
-    """``S += eta K_layer``, beside the loss factor that the layer has."""
-    return replace(stage, structural=stage.structural + values[""] * stage.parts[f"{targets[0]}{LAYER}"])
+    """``S += eta K_layer``, beside the loss factor that the layer has, of which every mode loses its own share."""
+    return replace(stage, structural=stage.structural + values[""] * stage.lost(f"{targets[0]}{LAYER}"))
 
 
 FAMILY = Family(
