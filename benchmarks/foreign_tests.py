@@ -543,6 +543,7 @@ TOP = {
     "apron-2": (0, 334, -40, 600, 340, 0),
 }
 LEGS = {"leg-1": (60, 40), "leg-2": (540, 40), "leg-3": (540, 360), "leg-4": (60, 360)}
+LOST = "loss_factor = 0.02"
 LEG = 2.5e5
 """[N/m] along every axis."""
 
@@ -580,9 +581,10 @@ def table_top() -> Bench:
         (folder / "own.inp").write_text("\n".join([*head, *deck, ""]))
         parts = {"top": 'thickness = "8 mm"', "apron-1": 'thickness = "6 mm"', "apron-2": 'thickness = "6 mm"'}
         springs = []
-        for name, (x, y) in LEGS.items():
+        for name, (node, _) in truth().springs.items():
+            x, y = (float(f"{1e3 * each:.6g}") for each in truth().points[node][:2])
             k = [*3 * [f'"{LEG:g} N/m"'], *3 * ['"0 N m/rad"']]
-            springs += [f"[fe_model.springs.{name}]", f'at = ["{x} mm", "{y} mm", "4 mm"]', f"stiffness = [{', '.join(k)}]"]
+            springs += [f"[fe_model.springs.{name}]", f'at = ["{x} mm", "{y} mm", "4 mm"]', f"stiffness = [{', '.join(k)}]", LOST]
         whole = described(
             {name: f"{of('steel')}\n{said}" for name, said in parts.items()}, places, 'file = "own.inp"', 'support = "ground"'
         )
@@ -690,7 +692,7 @@ def storeys() -> Bench:
         for k in range(4):
             x, y, z = nodes[f"g{k + 1}"]
             said = ", ".join([*(f'"{s:g} N/m"' for s in springs[:3]), *(f'"{s:g} N m/rad"' for s in springs[3:])])
-            more += [f"[fe_model.springs.foot-{k + 1}]", f'at = ["{x} mm", "{y} mm", "{z} mm"]', f"stiffness = [{said}]"]
+            more += [f"[fe_model.springs.foot-{k + 1}]", f'at = ["{x} mm", "{y} mm", "{z} mm"]', f"stiffness = [{said}]", LOST]
         return described(parts, places, 'file = "own.inp"', 'support = "ground"') + "\n".join([*more, ""])
 
     return Bench(
