@@ -203,14 +203,14 @@ class MadeUp:
 
     def at(self, offset: float) -> ScoreTest:
         """What the data say of a size of `offset`."""
-        asked, lost = np.log1p(np.maximum(self.size * offset, KNOWN - 1)), np.zeros(len(self.known))
+        asked, lost, Q = np.log1p(np.maximum(self.size * offset, 0.0)), np.zeros(len(self.known)), self.matrix
         for _ in range(AGAIN):
-            grown = 1 + np.maximum(self.parts @ lost, KNOWN - 1)
+            grown = 1 + self.parts @ lost
             left, slope = asked - np.log(grown), self.parts / grown[:, None]
-            normal = np.diag(self.known) + slope.T @ self.matrix @ slope
-            lost = lost + np.linalg.solve(normal, slope.T @ self.matrix @ left - self.known * lost)
-        left = asked - np.log(1 + np.maximum(self.parts @ lost, KNOWN - 1))
-        return replace(self.told, information=float(self.known @ lost**2 + left @ self.matrix @ left) / offset**2)
+            step = np.linalg.solve(np.diag(self.known) + slope.T @ Q @ slope, slope.T @ Q @ left - self.known * lost)
+            lost = lost + step / max(1.0, 2 * float(np.max(-slope @ step)))  # no mode loses less than half of that before
+        left = asked - np.log1p(self.parts @ lost)
+        return replace(self.told, information=float(self.known @ lost**2 + left @ Q @ left) / offset**2)
 
     def detectable(self, plausible: float, evidence: float) -> float:
         """As `ScoreTest.detectable`, of the size that it tells."""
