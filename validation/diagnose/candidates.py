@@ -221,12 +221,12 @@ SAME_DIRECTION = 0.02
 development draws of `make blind`."""
 
 
-def screened_resonators(data: Study, at: Candidate, menu: Sequence[Added]) -> list[Screened]:
-    """Each resonator of `menu` at its best frequency and damping."""
+def screened_resonators(data: Study, at: Candidate, menu: Sequence[Added], floor: float = FLOOR) -> list[Screened]:
+    """Each resonator of `menu` at its best frequency and damping; `floor` as in a fit."""
     whole = data.problem((*at.effects, *menu))
     problem = replace(whole, predictions=tuple(one for one in whole.predictions if has_lines(one)))
     names = {f"{one.named.id}[m]": one for one in menu}
-    of = screened(problem, at.fit, [name for name in names if name in problem.by_name])
+    of = screened(problem, at.fit, [name for name in names if name in problem.by_name], floor=floor)
     low, high = band(one.frequency for one in of.products)
     frequency = np.geomspace(low, high, max(int(PER_OCTAVE * np.log2(high / low)), 2))
     places = [(float(f), zeta) for zeta in DAMPING for f in frequency]
@@ -282,14 +282,10 @@ def detectable(screened: Sequence[Screened]) -> tuple[Detectable, ...]:
     """Of every candidate that the data tell at a size that its family allows; switches have none."""
     found = []
     for one in screened:
-        size, wanted = (
-            one.added.named.sizes[0] if one.added.named.sizes else None,
-            effect.evidence_threshold(one.added.named.family),
-        )
+        size, wanted = (*one.added.named.sizes, None)[0], effect.evidence_threshold(one.added.named.family)
         if size is None or all(each.whole for each in one.added.named.sizes):
             continue
         if one.usual is not None:
-            # The mass whose expected evidence is what is wanted, by what the data tell of next to none
             away, at = TINY * (sqrt(2 * (wanted + OCCAM)) + POWER) * one.usual.deviation, USUAL
         else:
             away, at = (one.made_up or one.told).detectable(one.plausible, wanted), ""
@@ -325,7 +321,6 @@ def screen(data: Study, at: Candidate, menu: Sequence[Added]) -> tuple[Screened,
         (size,) = one.named.sizes
         found.append(_sized(one, size, next(each for each in at.fit.parameters if each.name == told.name), told))
     if new:
-        # Of several sizes the first that is fitted
         firsts = {one.named.id: (*one.named.fitted_sizes, one.named.sizes[0])[0] for one in new if one.named.sizes}
         names = {one.named.id: effects.name(one.named, firsts[one.named.id].key) for one in new if one.named.sizes}
         problem = data.problem((*at.effects, *(replace(one, fixed=False) for one in new)))

@@ -436,8 +436,7 @@ def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> 
             asked.add(here.id)
             ready = _with_node(data, here.target)
             start, effect = Candidate(effects=(), fit=base.fit, problem=ready.problem()), Added(named=here)
-            restart = can_restart(effect) and kind != RESONATOR
-            there = (restarted_from_priors if restart else fit_with)(ready, start, effect)
+            there = restarted_from_priors(ready, start, effect) if can_restart(effect) else fit_with(ready, start, effect)
             if there.fit.log_evidence <= most:
                 break
             most, fitted = there.fit.log_evidence, there.effects[-1].named

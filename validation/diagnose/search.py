@@ -17,11 +17,11 @@ import numpy as np
 
 from geometry.errors import CheckFailed
 from geometry.frames import Array
-from validation.diagnose.candidates import aliases, band, has_lines, is_resonator, screen
+from validation.diagnose.candidates import TINY_AT, aliases, band, has_lines, is_resonator, screen, screened_resonators
 from validation.diagnose.diagnosis import SIGNIFICANT, Candidate, Screened
 from validation.effects.catalogue import FAMILIES
 from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, STRUCTURE, evidence_threshold
-from validation.estimation.fit import BREAKDOWNS, COARSE, FLOOR, STRIDE, child, nearby
+from validation.estimation.fit import BREAKDOWNS, COARSE, FLOOR, SINGLE_PLACES, STRIDE, child, nearby, start
 from validation.estimation.likelihood import cost_of, observed
 from validation.estimation.problem import EFFECT, FITTED, PLAIN, Fit, Parameter, Problem
 from validation.estimation.verdicts import MISFIT, expected_z2, largest_z, misfit
@@ -31,8 +31,7 @@ from validation.output import nats, odds
 from validation.prediction.effects import name
 from validation.study import Study
 
-# When a fit counts as that of a model that misses nothing: limits that were set from tests in which nothing is wrong. The figures
-# behind them are those of `python -m benchmarks.blind --draw development`; docs/diagnosis-proven-blind.md tells them.
+# When a fit counts as that of a model that misses nothing: limits set from sound tests, as docs/diagnosis-proven-blind.md tells.
 
 
 SCATTER = 3.0
@@ -171,44 +170,45 @@ def _offsets_in(problem: Problem, fit: Fit) -> dict[str, float]:
     return found
 
 
-# Restart from the priors. A blade's tip that is 100 g too heavy moves its frequencies by forty of their tolerances, and the
-# tolerances absorb that: from there each step to the mass needs a frequency that returns to its prior at the same time. So sizes
-# from a small part of the prior sd to several times that are tried with every tolerance at its prior, and the fit starts at the
-# best of them.
+# Restart from the priors. A blade's tip that is 100 g too heavy moves frequencies by forty tolerances, which absorb that:
+# from there each step to the mass needs a frequency that returns. So sizes are tried with every tolerance at its prior.
 
 SIZE_OCTAVES = np.arange(-6.0, 4.0, 0.5)
 """[octave] of the prior sd: sizes at which an effect is looked at. Held by tests/validation/diagnosing/test_search.py."""
 
 
 def can_restart(added: Added) -> bool:
-    """Whether an effect can be fitted from the priors: of one fitted size, or a resonator, and not of a pendulum."""
+    """Whether an effect can be fitted from the priors: it has one fitted size and is not of a pendulum."""
     swings = FAMILIES[added.named.family].stage == PERIOD_STAGE
-    return not (added.fixed or swings) and (len(added.named.fitted_sizes) == 1 or is_resonator(added.named))
+    return not (added.fixed or swings) and len(added.named.fitted_sizes) == 1
 
 
 def restarted_from_priors(data: Study, at: Candidate, added: Added | None = None) -> Candidate:
     """`at`, with the effect `added` as well where one is given, all tolerances restarted from their priors; it never costs more.
 
-    A tolerance that absorbed an effect may stay in a local minimum when that is found. Of a resonator the mass is looked for.
+    A tolerance that absorbed an effect may stay in a local minimum when that is found.
     """
     if added is None:
         home = _declared(at.problem, at.fit)
         return recentred(data, replace(at, fit=child(at.problem, FITTED, at.fit, home, from_afar=True)))
     effects = (*at.effects, added)
     problem = data.problem(effects)
-    which, *_ = (name(added.named, size.key) for size in added.named.fitted_sizes)
-    home = _declared(problem, at.fit)
-    coarse = problem.sparser(STRIDE)
-    cost = cost_of(coarse, [coarse.by_name[which]], COARSE[0], home)
-    nearest, least = 0.0, inf
-    for size in map(float, sizes(coarse.by_name[which])):
-        try:
-            there = cost.total(np.array([size]))[0].cost
-        except BREAKDOWNS:
-            there = inf
-        if there < least or not nearest:
-            nearest, least = size, there
-    begin = home | {which: nearest}
+    which, *others = (name(added.named, size.key) for size in added.named.fitted_sizes)
+    home, coarse = _declared(problem, at.fit), problem.sparser(STRIDE)
+    if others:  # of a resonator: its frequency anywhere in the band
+        low, high = np.log(band(one.measured.frequency for one in (*data.made, *data.tests) if has_lines(one)))
+        places = {others[0]: np.linspace(low, high, SINGLE_PLACES) - np.log(added.named.values["f"])}
+        begin = home | start(coarse, others[:1], base=home, places=places, amplitude=which, floor=COARSE[0])
+    else:
+        cost = cost_of(coarse, [coarse.by_name[which]], COARSE[0], home)
+
+        def looked(size: float) -> float:
+            try:
+                return cost.total(np.array([size]))[0].cost
+            except BREAKDOWNS:
+                return inf
+
+        begin = home | {which: min(map(float, sizes(coarse.by_name[which])), key=looked)}
     return recentred(data, Candidate(effects=effects, fit=child(problem, FITTED, at.fit, begin, from_afar=True), problem=problem))
 
 
@@ -223,8 +223,7 @@ def step_from_afar(data: Study, at: Candidate, menu: Sequence[Added], progress: 
     What drove tolerances so far that no fit ends is seen from where they are declared, over a floor of `COARSE` on few
     lines: each effect begins there at a part of what is plausible, and what is declared of the structure goes with it.
     """
-    sized = [one for one in menu if can_restart(one) and not is_resonator(one.named)]
-    asked = [one for one in sized if FAMILIES[one.named.family].side == STRUCTURE]
+    asked = [one for one in menu if FAMILIES[one.named.family].side == STRUCTURE and can_restart(one)]
     without = child(at.problem.sparser(STRIDE), PLAIN, at.fit, _declared(at.problem, at.fit), floor=COARSE[0])
     found: list[tuple[float, Added, Fit]] = []
     for done, added in enumerate(asked):
@@ -427,7 +426,6 @@ def backward_elimination(
                 continue
             last = replace(at, effects=(*left, added))
             there = CandidateFit(id=which, candidate=last, evidence=evidence, goodness=goodness_of_fit(at.fit, at.problem))
-            # Others whose evidence was a good part of the best
             near = [one for one in found.tried if one.id not in _ids(at) and one.evidence >= GOOD_PART * found.tried[0].evidence]
             progress(f"asking {which} and {len(near[:FITS_OF_A_STEP])} others once more", 0.95)
             tried = [there]
@@ -468,8 +466,7 @@ FEW = 3
 line promised. Held by tests/validation/diagnosing/test_search.py."""
 
 OTHERS = 2
-"""[count] of these that go to another kind: to the structure, where channels promise more; to springs and masses, where a fit
-drives a resonator out of the band. Held by tests/validation/diagnosing/test_search.py."""
+"""[count] of these that are kept for another kind of effect. Held by tests/validation/diagnosing/test_search.py."""
 
 GOOD_PART = 0.25
 """[share] of what the best brought that a rival of it must have brought, of what it does that may be its own beside an alias, and
@@ -567,8 +564,8 @@ def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress)
         for one in rivals:
             rival = candidate_fit(at, fit_with(data, at, one))
             if rival.evidence < KEPT_SHARE * tried[0].evidence:
-                there = _fit_in_place(data, tried[0].candidate, at, one)
-                rival = max(rival, candidate_fit(at, there), key=lambda each: each.evidence)
+                there = candidate_fit(at, _fit_in_place(data, tried[0].candidate, at, one))
+                rival = max(rival, there, key=lambda each: each.evidence)
             fitted.append(rival)
         may = [one for one in fitted if in_band(data, one) and (is_accepted(one) or one.evidence <= tried[0].evidence)]
         tried = ranked([*tried, *may])
@@ -637,17 +634,28 @@ def _restarted_where_stuck(
     progress: Progress,
 ) -> list[CandidateFit]:
     """The fits, the best first; restarted from the priors where all fell short of a promise and something must be missing."""
-    ranked, promised = sorted(tried, key=lambda each: -each.evidence), {one.id: one for one in found}
+    ranked, promised = sorted(tried, key=lambda each: -each.evidence), {one.id: one.evidence for one in found}
     if here.null or not ranked or ranked[0].goodness.null:
         return ranked
     able = [one for one in ranked if can_restart(one.added)]
-    short = [one for one in able if promised[one.id].evidence > max(ranked[0].evidence, one.evidence / KEPT_SHARE)]
-    for one in sorted(short, key=lambda each: -promised[each.id].evidence)[:FEW]:
-        progress(f"trying {one.id} afresh", 0.8)
-        begin = promised[one.id].added if is_resonator(one.added.named) else one.added  # which its fit drove from there
-        other = candidate_fit(at, restarted_from_priors(data, at, begin))
-        ranked[ranked.index(one)] = max(one, other, key=lambda each: each.evidence)
-    return sorted(ranked, key=lambda each: -each.evidence)
+    short = [one for one in able if promised[one.id] > max(ranked[0].evidence, one.evidence / KEPT_SHARE)]
+    begins = [one.added for one in sorted(short, key=lambda each: -promised[each.id])[:FEW]]
+    if here.largest >= ABSURD:  # from there a straight line promises nothing of a resonator beside what tolerances have moved
+        begins += _resonators_at_home(data, at, found)[:FEW]
+    for added in begins:
+        progress(f"trying {added.named.id} afresh", 0.8)
+        ranked.append(candidate_fit(at, restarted_from_priors(data, at, added)))
+    best = {one.id: one for one in sorted(ranked, key=lambda each: each.evidence) if in_band(data, one)}
+    return sorted(best.values(), key=lambda each: -each.evidence)
+
+
+def _resonators_at_home(data: Study, at: Candidate, found: Sequence[Screened]) -> list[Added]:
+    """Those of `found` as a straight line says of them over a coarse floor where tolerances are declared, the best first."""
+    home = _declared(at.problem, at.fit)
+    offsets = np.array([home[one.name] for one in at.fit.parameters])
+    there = replace(at, fit=replace(at.fit, offsets=offsets, covariance=np.zeros_like(at.fit.covariance)))
+    menu = [replace(one.added, named=replace(one.added.named, values=TINY_AT)) for one in found if is_resonator(one.added.named)]
+    return [one.added for one in sorted(screened_resonators(data, there, menu, COARSE[0]), key=lambda each: -each.evidence)]
 
 
 def _most_promising(found: Sequence[Screened]) -> list[Screened]:

@@ -39,9 +39,6 @@ AGAIN = 20
 """[count] of times that a size and what makes up for it are worked out by each other. Exercised by
 tests/validation/engine/test_screening.py."""
 
-LEAST = -0.9
-"""[share] of its loss by which a mode may lose less: there is none below. By definition."""
-
 KNOWN = 1e-12
 """[share] of its own square that must be left of a column beside the others for the data to tell it at all. Exercised by
 tests/validation/engine/test_screening.py."""
@@ -174,8 +171,8 @@ class MadeUp:
 
         cost(s) = min over l of 1/2 l^T l / t^2 + 1/2 v^T Q v ,      v = ln(1 + W s) - ln(1 + V l) ,
 
-    half of s^2 times its information. W and V are what modes take over of a unit of s and of l with the parts held still, and
-    Q = 1/sigma^2 - C / sigma^4, C their covariance then and sigma what is known of them: all of it follows from the fit.
+    half of s^2 times its information. With the parts held still modes take over W of a unit of s and V of one of l, C is their
+    covariance, and Q = 1/sigma^2 - C / sigma^4, sigma what is known of them.
 
     Attributes
     ----------
@@ -206,21 +203,22 @@ class MadeUp:
 
     def at(self, offset: float) -> ScoreTest:
         """What the data say of a size of `offset`."""
-        asked, lost = np.log1p(np.maximum(self.size * offset, LEAST)), np.zeros(len(self.known))
+        asked, lost, Q = np.log1p(np.maximum(self.size * offset, 0.0)), np.zeros(len(self.known)), self.matrix
         for _ in range(AGAIN):
-            grown = 1 + np.maximum(self.parts @ lost, LEAST)
+            grown = 1 + self.parts @ lost
             left, slope = asked - np.log(grown), self.parts / grown[:, None]
-            normal = np.diag(self.known) + slope.T @ self.matrix @ slope
-            lost = lost + np.linalg.solve(normal, slope.T @ self.matrix @ left - self.known * lost)
-        left = asked - np.log(1 + np.maximum(self.parts @ lost, LEAST))
-        return replace(self.told, information=float(self.known @ lost**2 + left @ self.matrix @ left) / offset**2)
+            step = np.linalg.solve(np.diag(self.known) + slope.T @ Q @ slope, slope.T @ Q @ left - self.known * lost)
+            lost = lost + step / max(1.0, 2 * float(np.max(-slope @ step)))  # no mode loses less than half of that before
+        left = asked - np.log1p(self.parts @ lost)
+        return replace(self.told, information=float(self.known @ lost**2 + left @ Q @ left) / offset**2)
 
     def detectable(self, plausible: float, evidence: float) -> float:
         """As `ScoreTest.detectable`, of the size that it tells."""
         found = self.told.detectable(plausible, evidence)
         for _ in range(AGAIN):
-            if np.isfinite(found):
-                found = self.at(found).detectable(plausible, evidence)
+            if found > 1 / KNOWN:
+                return np.inf
+            found = self.at(found).detectable(plausible, evidence)
         return found
 
 

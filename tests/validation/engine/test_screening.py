@@ -127,6 +127,8 @@ def test_the_smallest_loss_is_larger_than_a_straight_line_says():
     assert size > 1.5 * of.told.detectable(0.05, 20.0)
     told = of.at(size)
     assert told.detectable(0.05, 20.0) == pytest.approx(size, rel=1e-3)
+    assert np.isfinite(of.at(1e6).information)
+    assert np.isinf(replace(of, matrix=1e-3 * of.matrix, known=1e-3 * of.known).detectable(0.05, 20.0))
 
 
 def test_a_column_times_a_function_of_frequency_needs_no_derivative_and_summed_lines_say_the_same_sooner(small):
