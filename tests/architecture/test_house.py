@@ -36,7 +36,8 @@ What was found, written for the decks of three other programs, the error of a re
 measured, and a laboratory of hammers with its tolerances are 327 files and 97,600; universal files of other makers,
 what a mesh leaves unsure and an identification at half the cost made 98,500 of it. Diagnoses by single-axis shakers, what meshes
 of shells, beams and eight-node bricks leave unsure, and several shakers at a time are the last 500, less 250 that only examples
-and tests used and that stand there now; rounded up a little. The last 100 are forces on virtual structures as exact as the whole matrices, floors of pick-ups across a drive and articles
+and tests used and that stand there now; rounded up a little. The last 100 are forces on virtual structures as exact as the
+whole matrices, floors of pick-ups across a drive and articles
 denser than drawn. Decks of Nastran, Abaqus and CalculiX described with materials, sections, masses, links, springs and
 supports are 650 and a file more; what a mesh turns into what, and losses named, the last. The other bars are the same for old
 and new.
