@@ -279,7 +279,7 @@ LOSSES = ("structural-damping", "layer-damping")
 
 
 def detectable(screened: Sequence[Screened]) -> tuple[Detectable, ...]:
-    """Of every candidate that the data tell at a size that its family allows; switches have none."""
+    """Of every candidate that the data tell at all; switches have no size."""
     found = []
     for one in screened:
         size, wanted = (*one.added.named.sizes, None)[0], effect.evidence_threshold(one.added.named.family)
@@ -294,7 +294,7 @@ def detectable(screened: Sequence[Screened]) -> tuple[Detectable, ...]:
                     away = one.parameter.value(away) - one.parameter.value(0.0)
                 except OverflowError:  # more than a number holds
                     away = inf
-        if size.null + away <= size.high:
+        if isfinite(away):
             found.append(Detectable(id=one.id, size=away, unit=size.unit, at=at))
     return tuple(found)
 

@@ -114,13 +114,6 @@ def test_a_factor_counts_from_one(text, more):
     assert found.size == pytest.approx(expm1(SURE.detectable(1.0, evidence_threshold(text.partition(":")[0]))))
 
 
-def test_what_would_be_named_beyond_what_there_is_of_it_is_left_out():
-    """A loss factor of more than 1 is none."""
-    asked = screened("structural-damping:mast=0.1", ScoreTest(name="x", estimate=0.0, information=20.0))
-    assert 1.0 < asked.told.detectable(1.0, evidence_threshold("structural-damping")) < 5.0
-    assert detectable([asked]) == ()
-
-
 def test_what_is_hardly_told_is_left_out():
     vague = ScoreTest(name="x", estimate=0.0, information=1e-8)
     assert vague.detectable(inf, 8.0) > 1000
