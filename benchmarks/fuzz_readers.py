@@ -315,7 +315,7 @@ def structures(folder: Path) -> dict[str, tuple[Path, Path]]:
     made["description of a mesh"] = folder / "inp-blocks.toml", folder / "inp-blocks.toml"
     shelf = folder / "shelf.bdf"
     made["deck"] = shelf, shelf
-    (block,) = (one for one in blocks(Path("docs/own-model.md")) if one.language.startswith("nastran"))
+    (block,) = (one for one in blocks(Path("docs/own-model.md")) if one.language.endswith(".bdf"))
     shelf.write_text(block.text, encoding="utf-8")
     return made
 

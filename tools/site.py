@@ -81,7 +81,7 @@ def _blocks(text: str) -> str:
     """Fences as MyST has them: an equation is a directive, a file has its name above it."""
     text = re.sub(r"^```math$", "```{math}", text, flags=re.MULTILINE)
     text = re.sub(r"^```output$", "```text", text, flags=re.MULTILINE)
-    return re.sub(r"^```(toml|python) \+?(\S+)$", r"```{code-block} \1\n:caption: \2\n", text, flags=re.MULTILINE)
+    return re.sub(r"^```(toml|python|text) \+?(\S+)$", r"```{code-block} \1\n:caption: \2\n", text, flags=re.MULTILINE)
 
 
 def _links(text: str, page: Path, names: dict[Path, str], modules: list[str]) -> str:

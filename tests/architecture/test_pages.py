@@ -39,7 +39,7 @@ from validation.cli.main import COMMANDS, cli
 
 ROOT = Path(__file__).parents[2]
 PAGES = pages(ROOT)
-FILES = ("toml", "python", "nastran")
+FILES = ("toml", "python", "text")
 LANGUAGES = ("sh", "output", "math", *FILES)
 README_LINES = 60
 """[lines] One screen and a half."""
@@ -211,7 +211,7 @@ def unrun(page: Path) -> list[str]:
         language, _, path = block.language.partition(" ")
         wrong = {
             f"a block of {language or 'no language'} is run by nothing": language not in LANGUAGES,
-            "name the file, as in ```toml out/model.toml": language == "toml" and not path,
+            "name the file, as in ```toml out/model.toml": language in ("toml", "text") and not path,
             "only files have a name": bool(path) and language not in FILES,
             "the output of what?": language == "output" and (above is None or above.language == "output"),
         }
