@@ -3,8 +3,12 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from math import exp, inf, isfinite, log
+from sys import float_info
 
 from geometry.errors import BadInput
+
+LARGEST = log(float_info.max)
+"""Logarithm of a factor beyond which no number holds it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,8 +56,8 @@ class Parameter:
         return max(self.low, -within), min(self.high, within)
 
     def value(self, offset: float) -> float:
-        """Value in `unit` at `offset`."""
-        return self.nominal * exp(offset) + self.above if self.logarithmic else self.nominal + offset
+        """Value in `unit` at `offset`; infinite where a factor is beyond what numbers hold, as where data tell none."""
+        return self.slope(offset) + self.above if self.logarithmic else self.nominal + offset
 
     def offset(self, value: float) -> float:
         """Offset at which the parameter has `value`.
@@ -72,7 +76,7 @@ class Parameter:
 
     def slope(self, offset: float) -> float:
         """d value / d offset: how a standard deviation of the offset reads in `unit`."""
-        return self.nominal * exp(offset) if self.logarithmic else 1.0
+        return self.nominal * (exp(offset) if offset < LARGEST else inf) if self.logarithmic else 1.0
 
 
 def opened(candidates: Iterable[Parameter], overrides: Mapping[str, float]) -> tuple[Parameter, ...]:

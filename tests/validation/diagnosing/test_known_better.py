@@ -1,5 +1,6 @@
 """What is known better now: tolerances that data narrow and that do not stand at their nominal; never what is identified."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -57,3 +58,9 @@ def test_a_logarithm_is_told_as_what_it_means_and_correct_knows_its_families():
     stiff, loud = sorted(KnownBetter.of(fitted((cell, 0.1, 0.01), (gain, 0.008, 0.001))), key=lambda one: one.id)
     assert (stiff.correctable, loud.correctable) == (False, True)
     np.testing.assert_allclose(stiff.value, np.expm1(0.1))
+
+
+def test_a_factor_that_data_do_not_tell_is_without_bound_and_no_error() -> None:
+    """The end of an interval: twice a thousand standard deviations of a logarithm is more than any number holds."""
+    one = Parameter(name="modulus:wall", unit="1", tolerance=0.1, nominal=1.0, logarithmic=True, above=-1.0)
+    assert (one.value(2000.0), one.slope(2000.0), one.value(-2000.0)) == (math.inf, math.inf, -1.0)
