@@ -375,10 +375,8 @@ class Nuisances:
     def pairs(self) -> tuple[tuple[int, int], ...]:
         """Pairs of modes, from 0, that may lose together, and without a base turn into each other: neighbours, and what a mesh
         turns, which takes its losses with it."""
-        f, unsure = (
-            self.frequency,
-            self.apart_by_mesh if self.tolerances.frequency and not self.nominal.base else 0 * self.frequency,
-        )
+        f = self.frequency
+        unsure = self.apart_by_mesh if self.tolerances.frequency and not self.nominal.base else 0 * f
         close = np.abs(f - f[:, None]) <= NEIGHBOURS * np.maximum(f, f[:, None])
         turned = np.sqrt(2 * unsure * unsure[:, None]) * f * f[:, None] > TURNED * np.abs(f**2 - f[:, None] ** 2)
         r, s = np.nonzero(np.triu(close | turned, 1))
