@@ -98,6 +98,16 @@ class Deck:
     lost: list[str] = field(default_factory=list)
     weight: float = 1.0
 
+    @property
+    def carriers(self) -> dict[int, str]:
+        """Rigid links by the nodes that carry them."""
+        return {node: name for name, (node, _) in self.links.items()}
+
+    def numbers(self, *dimensions: int) -> set[int]:
+        """Of the nodes of elements of such `dimensions`."""
+        own = [cells.nodes.ravel() for kind, cells in self.mesh.cells.items() if files.DIMENSION[kind] in dimensions]
+        return set(self.mesh.node_tags[np.unique(np.concatenate(own))].tolist()) if own else set()
+
     def lose(self, what: str, why: str) -> None:
         """Note that `what` is not carried over."""
         self.lost.append(f"{what}: {why}")
@@ -113,21 +123,21 @@ class Deck:
                     table.pop(name, None)
                 self.lose(name, "it stands at a node that is not there")
 
-    def ride(self, name: str, carrier: int, components: str, riders: Sequence[int | str]) -> None:
+    def ride(self, card: str, name: str, carrier: int, components: str, riders: Sequence[int | str]) -> None:
         """A rigid link; nodes of solids alone need not be held in rotation."""
-        turning = _turning(self.mesh)
+        turning = self.numbers(1, 2)
         turns = any(node in turning for node in _numbers(self.mesh, riders))
         if not (ALL if turns else TRANSLATIONS) <= set(components):
             self.lose(name, f"it carries its nodes in {components} alone")
             return
         self.links[name] = carrier, list(riders)
-        self.carried[name.split()[0] if name.startswith("RBE2") else "RIGID BODY"] = None
+        self.carried[card] = None
 
-    def hold(self, path: Path, fixed: Mapping[str, Sequence[Sequence[str]]]) -> None:
+    def hold(self, text: str, fixed: Mapping[str, Sequence[Sequence[str]]]) -> None:
         """The set of constraints that the case control calls; the only one where it calls none."""
         called = [
             line.split("=")[1].strip()
-            for line in path.read_text(encoding="utf-8", errors="replace").upper().partition("BEGIN BULK")[0].splitlines()
+            for line in text.upper().partition("BEGIN BULK")[0].splitlines()
             if line.strip().startswith("SPC") and "=" in line
         ]
         chosen = [one for one in dict.fromkeys(called) if one in fixed] or list(fixed)
@@ -188,11 +198,9 @@ class Deck:
                 self.held.setdefault(node, set()).update(letters)
 
     def interface(self) -> list[int | str]:
-        """Nodes that are held altogether, by the groups that they are, else by their numbers."""
-        turning = _turning(self.mesh)
-        in_use = set(_numbers(self.mesh, self.mesh.names)) | {
-            int(tag) for cells in self.mesh.cells.values() for tag in self.mesh.node_tags[np.unique(cells.nodes)]
-        }
+        """Nodes that are held altogether, by the links that they carry and the groups that they are, else by their numbers."""
+        turning = self.numbers(1, 2) | set(self.carriers)
+        in_use = self.numbers(1, 2, 3) | set(self.carriers)
         held = {node for node, letters in self.held.items() if (ALL if node in turning else TRANSLATIONS) <= letters}
         partly = sorted(node for node in self.held if node in in_use and node not in held)
         if partly:
@@ -202,8 +210,8 @@ class Deck:
                 f"{count} held in some directions alone, such as node {partly[0]} in "
                 f"{''.join(sorted(self.held[partly[0]]))}; a spring that is stiff in those may stand for it",
             )
-        names: list[int | str] = []
-        left = held & in_use
+        names: list[int | str] = [name for node, name in self.carriers.items() if node in held]
+        left = held & in_use - set(self.carriers)
         for name in sorted(self.mesh.node_groups, key=lambda name: -len(self.mesh.node_groups[name])):
             own = set(self.mesh.node_tags[self.mesh.node_groups[name]].tolist())
             if own and own <= held and own & left:
@@ -271,9 +279,10 @@ _IDLE = re.compile(
 
 def _nastran(path: Path, mesh: MeshFile) -> Deck:
     deck, fixed = Deck(mesh=mesh), dict[str, list[list[str]]]()
+    whole = path.read_text(encoding="utf-8", errors="replace")
     point = dict(zip(mesh.node_tags.tolist(), mesh.points, strict=True))
     upright: dict[str, list[Array]] = {}
-    bushes, laws = list[list[str]](), dict[str, list[str]]()
+    springs, laws = list[list[str]](), dict[str, list[str]]()
     shells, together = dict[str, list[str]](), dict[str, list[str]]()
     for card, *own in cards(path):
         f = [*own, *(40 * [""])]
@@ -298,10 +307,8 @@ def _nastran(path: Path, mesh: MeshFile) -> Deck:
             upright.setdefault(f[1] or f[0], []).append(to / max(float(np.linalg.norm(to)), 1e-300))
             if any(real(f[k]) for k in range(8, 16)):
                 deck.lose(name, "pinned or offset ends")
-        elif card in ("CQUAD4", "CTRIA3", "CQUAD8", "CTRIA6", "CQUADR", "CTRIAR"):
-            corners = 4 if "QUAD" in card else 3
-            offset = f[2 + corners + 1] if corners == 4 else f[6]
-            if card in ("CQUAD4", "CTRIA3", "CQUADR", "CTRIAR") and real(offset):
+        elif card in ("CQUAD4", "CTRIA3", "CQUADR", "CTRIAR"):
+            if real(f[7 if "QUAD" in card else 6]):
                 deck.lose(name, "its plane is off its nodes (ZOFFS)")
         elif card == "CONM2":
             xx, yx, yy, zx, zy, zz = (real(f[k]) for k in range(8, 14))
@@ -311,13 +318,9 @@ def _nastran(path: Path, mesh: MeshFile) -> Deck:
                 deck.masses[name] = int(f[1]), real(f[3]), np.array([xx, yy, zz, -yx, -zx, -zy])
                 deck.carried[card] = None
         elif card == "RBE2":
-            riders = _listed(f[3:], name, deck)
-            deck.ride(name, int(f[1]), f[2], riders)
-        elif card in ("CELAS2", "CELAS1"):
-            laws.setdefault("CELAS", []).append(card)
-            bushes.append([card, *f])
-        elif card == "CBUSH":
-            bushes.append([card, *f])
+            deck.ride(card, name, int(f[1]), f[2], _listed(f[3:], name, deck))
+        elif card in ("CELAS1", "CELAS2", "CBUSH"):
+            springs.append([card, *f])
         elif card in ("PELAS", "PBUSH"):
             laws[f"{card} {f[0]}"] = f
         elif card == "SPC1":
@@ -330,7 +333,7 @@ def _nastran(path: Path, mesh: MeshFile) -> Deck:
             together[f[0]] = [text for text in f[1:] if text]
         elif card == "GRID" and f[6].strip("0"):
             deck.held.setdefault(int(f[0]), set()).update(f[6])
-        elif not (card in files.NASTRAN or (card == "GRID") or _IDLE.fullmatch(card)):
+        elif not (card in files.NASTRAN or card == "GRID" or _IDLE.fullmatch(card)):
             deck.lose(name, "a card that is not known here")
     for number, f in shells.items():
         bending, ratio = f[3], real(f[4]) or 1.0
@@ -344,11 +347,11 @@ def _nastran(path: Path, mesh: MeshFile) -> Deck:
                 deck.lose(f"property {number}", "its beams are turned in more than one way; state a part for each")
             section = one.section if z_axis or _round(one.section) else {}
             deck.properties[number] = replace(one, section=section, z_axis=z_axis)
-    for card, *f in bushes:
+    for card, *f in springs:
         _spring(deck, card, f, laws, point)
-    if not re.search(r"^\s*ENDDATA", path.read_text(encoding="utf-8", errors="replace"), re.IGNORECASE | re.MULTILINE):
+    if not re.search(r"^\s*ENDDATA", whole, re.IGNORECASE | re.MULTILINE):
         deck.lose("the end", "there is no ENDDATA, and the deck may be cut short")
-    deck.hold(path, fixed | {sid: [row for one in several for row in fixed.get(one, [])] for sid, several in together.items()})
+    deck.hold(whole, fixed | {sid: [row for one in several for row in fixed.get(one, [])] for sid, several in together.items()})
     return deck
 
 
@@ -391,8 +394,7 @@ def _spring(deck: Deck, card: str, f: Sequence[str], laws: Mapping[str, Sequence
             return
         six = np.array([real(text) for text in law[2:8]])
     else:
-        first = 1 if card == "CELAS2" else None
-        stiffness = real(f[1]) if first else real(laws[f"PELAS {f[1] or f[0]}"][1]) if f"PELAS {f[1] or f[0]}" in laws else 0.0
+        stiffness = real(f[1] if card == "CELAS2" else laws.get(f"PELAS {f[1] or f[0]}", ("", ""))[1])
         pairs = [(int(f[k]), f[k + 1]) for k in (2, 4) if f[k].isdigit() and int(f[k])]
         ends, along = [node for node, _ in pairs], {component for _, component in pairs}
         if not stiffness or len(along) != 1 or not along <= set("123456"):
@@ -402,12 +404,6 @@ def _spring(deck: Deck, card: str, f: Sequence[str], laws: Mapping[str, Sequence
         six[int(along.pop()) - 1] = stiffness
     deck.springs[name] = tuple(ends), six
     deck.carried[card] = None
-
-
-def _turning(mesh: MeshFile) -> set[int]:
-    """Numbers of the nodes of shells and beams."""
-    flat = [cells.nodes.ravel() for kind, cells in mesh.cells.items() if files.DIMENSION[kind] in (1, 2)]
-    return set(mesh.node_tags[np.unique(np.concatenate(flat))].tolist()) if flat else set()
 
 
 def _called(mesh: MeshFile, name: str) -> str:
@@ -438,7 +434,9 @@ def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]
             if not text or text.startswith("**"):
                 continue
             if not text.startswith("*"):
-                heavy = keyword in ("NODE", "NSET", "ELSET") or (keyword == "ELEMENT" and not _loose(options))
+                heavy = keyword in ("NODE", "NSET", "ELSET") or (
+                    keyword == "ELEMENT" and options.get("TYPE", "").upper() not in files.LOOSE
+                )
                 rows += [] if heavy else [[one.strip() for one in text.split(",")]]
                 continue
             if keyword:
@@ -448,10 +446,6 @@ def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]
             if steps > 1:
                 return
     yield keyword, options, rows
-
-
-def _loose(options: Mapping[str, str]) -> bool:
-    return options.get("TYPE", "").upper() in ("MASS", "SPRING1", "SPRING2", "SPRINGA", "ROTARYI")
 
 
 def _abaqus(path: Path, mesh: MeshFile) -> Deck:
@@ -481,18 +475,18 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
             deck.properties[group] = Property(material=o.get("MATERIAL", ""), thickness=real(first[0]))
         elif keyword == "BEAM SECTION":
             deck.beam_section(name, group, o, rows)
-        elif keyword == "ELEMENT" and _loose(options):
+        elif keyword == "ELEMENT" and o.get("TYPE") in files.LOOSE:
             loose.setdefault(o.get("ELSET", ""), []).extend((o["TYPE"], [int(text) for text in row if text]) for row in rows)
         elif keyword == "MASS":
             for _, (tag, node) in loose.get(o["ELSET"], []):
-                deck.masses[f"{options['ELSET']} {tag}"] = node, real(first[0]), np.zeros(6)
+                deck.masses[f"{keyword} {options['ELSET']} {tag}"] = node, real(first[0]), np.zeros(6)
             deck.carried[keyword] = None
         elif keyword == "SPRING":
             _abaqus_spring(deck, name, loose.get(o["ELSET"], []), rows, point)
         elif keyword == "RIGID BODY":
             riders = _called(mesh, options.get("NSET", options.get("ELSET", options.get("TIE NSET", ""))))
             if (carrier := o.get("REF NODE", o.get("REFNODE", ""))).isdigit():
-                deck.ride(f"{keyword} {riders}", int(carrier), "123456", [riders])
+                deck.ride(keyword, f"{keyword} {riders}", int(carrier), "123456", [riders])
             else:
                 deck.lose(name, "it has no number of a reference node")
         elif keyword == "BOUNDARY":
@@ -562,18 +556,19 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
             keys += [f"z_axis = [{', '.join(f'{value:.9g}' for value in one.z_axis)}]"] if one.z_axis else []
             table["section"] = f"{{ {', '.join(keys)} }}"
         tables.append((f"parts.{toml_file.string(name)}", table))
-    carriers = {node: name for name, (node, _) in deck.links.items()}
-    in_use = set(deck.mesh.node_tags[np.unique(np.concatenate([c.nodes.ravel() for c in deck.mesh.cells.values()]))].tolist())
+    carriers, in_use = deck.carriers, deck.numbers(1, 2, 3)
     points = dict(zip(deck.mesh.node_tags.tolist(), deck.mesh.points, strict=True))
 
     def at(node: int) -> str:
         return toml_file.string(carriers[node]) if node in carriers else str(node)
 
+    def named(several: Iterable[int | str]) -> str:
+        return f"[{', '.join(str(one) if isinstance(one, int) else toml_file.string(one) for one in several)}]"
+
     for name, (node, riders) in deck.links.items():
         where = ", ".join(f'"{value * system.length:.12g} m"' for value in points[node].tolist())
         every = [*([node] if node in in_use and node not in _numbers(deck.mesh, riders) else []), *riders]
-        nodes = ", ".join(str(one) if isinstance(one, int) else toml_file.string(one) for one in every)
-        tables.append((f"links.{toml_file.string(name)}", {"at": f"[{where}]", "nodes": f"[{nodes}]"}))
+        tables.append((f"links.{toml_file.string(name)}", {"at": f"[{where}]", "nodes": named(every)}))
     for name, (node, value, moments) in deck.masses.items():
         table = {"at": at(node), "mass": f'"{value * mass:.9g} kg"'}
         if np.any(moments):
@@ -587,7 +582,7 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
         place = {"at": at(ends[0])} if len(ends) == 1 else {"between": f"[{at(ends[0])}, {at(ends[1])}]"}
         tables.append((f"springs.{toml_file.string(name)}", {**place, "stiffness": f"[{six}]"}))
     support = "ground" if interface or grounded else "free"
-    names = ", ".join(str(one) if isinstance(one, int) else toml_file.string(one) for one in interface)
+    stated = [card for card in deck.carried if not any(one.lstrip("*").startswith(f"{card} ") for one in deck.lost)]
     lines = [
         f"# The structure of {path.name}, read by `massline model`. Units of its coordinates: {system.name}; all else is in SI.",
         *(f"# NOT CARRIED OVER: {one}" for one in deck.lost),
@@ -599,8 +594,8 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
         f"units = {toml_file.string(system.name)}",
         f"file = {toml_file.string(path.name)}",
         f"support = {toml_file.string(support)}" + "  # `base` for a test on a shaker that carries it",
-        *([f"interface = [{names}]"] if interface else []),
-        *([f"left_out = [{', '.join(map(toml_file.string, deck.carried))}]  # stated below"] if deck.carried else []),
+        *([f"interface = {named(interface)}"] if interface else []),
+        *([f"left_out = {named(stated)}  # stated below"] if stated else []),
     ]
     for where, table in tables:
         lines += ["", f"[fe_model.{where}]", *(f"{key} = {value}" for key, value in table.items())]

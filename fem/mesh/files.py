@@ -199,25 +199,21 @@ _ABAQUS = {
     "hex20": ("C3D20", "C3D20R", "C3D20RI", "C3D20H", "C3D20RH"),
     "line2": ("B31", "B31R", "B33", "T3D2", "B21", "B23", "B31OS"),
     "line3": ("B32", "B32R", "T3D3", "B22"),
-    POINT: ("MASS", "ROTARYI"),
 }
 _ABAQUS_CARRIES = (
     *("MASS", "ROTARY INERTIA", "NONSTRUCTURAL MASS", "SPRING", "DASHPOT", "NODAL THICKNESS"),
     *("TIE", "MPC", "EQUATION", "RIGID BODY", "KINEMATIC COUPLING", "DISTRIBUTING COUPLING", "COUPLING"),
-    *(
-        "CONTACT PAIR",
-        "FASTENER",
-        "SHELL TO SOLID COUPLING",
-        "EMBEDDED ELEMENT",
-        "CYCLIC SYMMETRY MODEL",
-        "PRE-TENSION SECTION",
-        "DISTRIBUTING",
-    ),
+    *("CONTACT PAIR", "FASTENER", "SHELL TO SOLID COUPLING", "EMBEDDED ELEMENT", "CYCLIC SYMMETRY MODEL"),
+    *("PRE-TENSION SECTION", "DISTRIBUTING"),
 )
 """Keywords that weigh, hold or join, and are not read."""
-_LOOSE_OF = {"MASS": "MASS", "ROTARYI": "ROTARY INERTIA"}
-_ABAQUS_LOOSE = (*_LOOSE_OF, "SPRING1", "SPRING2", "SPRINGA", "DASHPOT1", "DASHPOT2", "DASHPOTA")
-"""Elements that no mesh needs, whose keyword without ELEMENT says the rest."""
+LOOSE = {
+    "MASS": "MASS",
+    "ROTARYI": "ROTARY INERTIA",
+    **dict.fromkeys(("SPRING1", "SPRING2", "SPRINGA"), "SPRING"),
+    **dict.fromkeys(("DASHPOT1", "DASHPOT2", "DASHPOTA"), "DASHPOT"),
+}
+"""Elements that no mesh needs, with the keyword that says how heavy or how stiff they are."""
 
 _STATE = (
     "State it in the description, which `massline model` writes from a deck, and write left_out = [{0!r}] under [fe_model]; "
@@ -253,13 +249,11 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
                 problem = f"it has *{text[1:]}, which is not followed"
                 raise BadInput(source=str(path), problem=problem, remedy="Write a flat file with all nodes and elements in it")
             word, system = options.get("TYPE", "").upper(), options.get("SYSTEM", "R").upper()
-            carries = keyword in _ABAQUS_CARRIES
-            if keyword == "ELEMENT" and word.startswith(_ABAQUS_LOOSE):  # whether or not it says how heavy or how stiff
-                carries, keyword = True, word.rstrip("12A") if word.startswith(("SPRING", "DASHPOT")) else _LOOSE_OF[word]
+            keyword = LOOSE.get(word, keyword) if keyword == "ELEMENT" else keyword  # whether or not it says how heavy
             if keyword == "SYSTEM" or (keyword == "NODE" and system != "R"):
                 problem = f"it has *{text[1:]}, and nodes in a system of their own are not read"
                 raise BadInput(source=str(path), field=f"*{keyword}", problem=problem, remedy="Write nodes in global axes")
-            if carries and not left_out(keyword):
+            if keyword in _ABAQUS_CARRIES and not left_out(keyword):
                 problem = f"it has *{text[1:]}, which is not read, and what it weighs, holds or joins would be lost"
                 raise BadInput(source=str(path), field=f"*{keyword}", problem=problem, remedy=_STATE.format(keyword))
             if keyword == "ELEMENT":
@@ -322,7 +316,8 @@ NASTRAN = {
     "CROD": ("line2",),
 }
 _CARRIES = re.compile(
-    r"RBE[1-3]|RBAR1?|RROD|RJOINT|RSPLINE|RTRPLT1?|MPC|NSM1?|NSML1?|CONM[12]|CMASS\d|CELAS\d|CDAMP\d|CBUSH\w*|CVISC|CONROD|CTUBE|CGAP|CBEND|CBEAM3|CWELD|CFAST|CSEAM|CSHEAR|CPYRAM?|GENEL"
+    r"RBE[1-3]|RBAR1?|RROD|RJOINT|RSPLINE|RTRPLT1?|MPC|NSM1?|NSML1?"
+    r"|CONM[12]|CMASS\d|CELAS\d|CDAMP\d|CBUSH\w*|CVISC|CONROD|CTUBE|CGAP|CBEND|CBEAM3|CWELD|CFAST|CSEAM|CSHEAR|CPYRAM?|GENEL"
     r"|CQUAD|CQUADX\d?|CTRIAX\d?|CTRAX\d|CPLST[NS]\d|CRAC[23]D|CDUM\d|CHBDY[EGP]|CFLUID\d|CAXIF\d|CSLOT\d|CHACAB|CHACBR|CAABSF"
 )
 """Cards of bulk data that weigh, hold or join, and are not read."""

@@ -254,3 +254,30 @@ def test_a_deck_that_may_be_cut_short_is_said_to_be(end: str, tmp_path: Path) ->
     for ending in ("bdf", "inp"):
         lost = deck.described(tmp_path / f"one.{ending}")[1]
         assert ("may be cut short" in "".join(lost)) == (not end)
+
+
+@pytest.mark.parametrize("moved", ["123456", "123"])
+def test_a_link_is_held_where_the_node_that_carries_it_is(moved: str, tmp_path: Path) -> None:
+    """Clamped by its hub; held in translations alone the hub may turn, and that is said."""
+    hub = [card("GRID", 7, "", -30.0, 25.0, 10.0), card("RBE2", 8, 7, "123456", 1, 2), card("SPC1", 1, moved, 7)]
+    lines = [line for line in PLATE if not line.startswith("SPC1")]
+    (tmp_path / "one.bdf").write_text("\n".join([*lines, *hub, "ENDDATA", ""]))
+    text, lost = deck.described(tmp_path / "one.bdf")
+    (tmp_path / "one.toml").write_text(text)
+    if moved == "123":
+        assert "1 node is held in some directions alone, such as node 7 in 123" in lost[0]
+        return
+    assert (lost, description.read(tmp_path / "one.toml").interface) == ((), ("RBE2 8",))
+    held = model.load(tmp_path / "one.toml")[1]
+    (tmp_path / "one.bdf").write_text("\n".join([*PLATE, "ENDDATA", ""]))
+    (tmp_path / "one.toml").write_text(deck.described(tmp_path / "one.bdf")[0])
+    np.testing.assert_allclose(held.stiffness.toarray(), model.load(tmp_path / "one.toml")[1].stiffness.toarray())
+
+
+def test_a_kind_of_card_is_left_out_of_the_mesh_only_if_all_of_them_are_stated(tmp_path: Path) -> None:
+    (tmp_path / "one.bdf").write_text("\n".join([*PLATE, "CONM2,8,3,,5.-4", "CONM2,9,3,,5.-4,1.", "ENDDATA", ""]))
+    text, lost = deck.described(tmp_path / "one.bdf")
+    (tmp_path / "one.toml").write_text(text)
+    assert lost == ("CONM2 9: beside its node, or in axes of its own",)
+    with pytest.raises(BadInput, match="CONM2 8 is not read"):
+        model.load(tmp_path / "one.toml")
