@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.mesh import files
+from fem.mesh import coordinates, files
 from fem.mesh.files import MeshFile, cards, keyword_of, real
 from fem.user_model.units import KNOWN, UnitSystem, unit_system
 from geometry import toml_file
@@ -70,6 +70,15 @@ class Property:
         return s.get("area", self.thickness)
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Rider:
+    """A mass at a node, in the deck's own units: its centre of gravity (3,) from there, and its inertia (3, 3) about that."""
+
+    mass: float
+    cog: Array = field(default_factory=lambda: np.zeros(3))
+    moments: Array = field(default_factory=lambda: np.zeros((3, 3)))
+
+
 @dataclass(kw_only=True)
 class Deck:
     """What is found in a deck, by its own names and numbers and in its own units.
@@ -78,8 +87,9 @@ class Deck:
     ----------
     mesh : its nodes, elements and groups
     materials, properties : by name or number, properties by group of elements
-    masses : (node, mass, six moments) by name
+    masses : node and what it carries, by name
     links : (independent node, groups and numbers of nodes that ride on it) by name
+    means : (node that follows, numbers of the nodes whose mean motion it has) by name
     springs : ((node,) or (node, other), six stiffnesses) by name
     held : letters of "123456" that each node is held in
     carried : cards that are carried over
@@ -90,8 +100,9 @@ class Deck:
     mesh: MeshFile
     materials: dict[str, Isotropic] = field(default_factory=dict)
     properties: dict[str, Property] = field(default_factory=dict)
-    masses: dict[str, tuple[int, float, Array]] = field(default_factory=dict)
+    masses: dict[str, tuple[int, Rider]] = field(default_factory=dict)
     links: dict[str, tuple[int, list[int | str]]] = field(default_factory=dict)
+    means: dict[str, tuple[int, list[int]]] = field(default_factory=dict)
     springs: dict[str, tuple[tuple[int, ...], Array]] = field(default_factory=dict)
     held: dict[int, set[str]] = field(default_factory=dict)
     carried: dict[str, None] = field(default_factory=dict)
@@ -116,12 +127,18 @@ class Deck:
         """What stands at a node that the deck does not have is lost."""
         there = set(self.mesh.node_tags.tolist())
         nodes = {name: [node] for name, (node, *_) in (*self.masses.items(), *self.links.items())}
+        nodes |= {name: [node, *others] for name, (node, others) in self.means.items()}
         nodes |= {name: list(ends) for name, (ends, _) in self.springs.items()}
         for name, own in nodes.items():
             if not own or not set(own) <= there:
-                for table in (self.masses, self.links, self.springs):
+                for table in (self.masses, self.links, self.means, self.springs):
                     table.pop(name, None)
                 self.lose(name, "it stands at a node that is not there")
+        structural = self.numbers(1, 2, 3)
+        for name, (node, _) in list(self.means.items()):
+            if node in structural or node in self.carriers:
+                del self.means[name]
+                self.lose(name, f"node {node} follows others, and is part of the structure itself")
 
     def ride(self, card: str, name: str, carrier: int, components: str, riders: Sequence[int | str]) -> None:
         """A rigid link; nodes of solids alone need not be held in rotation."""
@@ -132,6 +149,27 @@ class Deck:
             return
         self.links[name] = carrier, list(riders)
         self.carried[card] = None
+
+    def spread(self, name: str, fields: Sequence[str]) -> None:
+        """A node that follows the mean motion of others: all with one weight, and their displacements alone."""
+        f = [*fields, *6 * [""]]
+        words = [text.upper() for text in f[4:] if text]
+        words = words[: words.index("ALPHA")] if "ALPHA" in words else words
+        weights, nodes = dict[tuple[float, str], None](), list[str]()
+        while words:
+            word = words.pop(0)
+            if word.isdigit() or word == "THRU":
+                nodes.append(word)
+            elif word != "UM" and words:
+                weights[real(word), words.pop(0)] = None
+            else:
+                weights[0.0, word] = None
+                words = []
+        if [freedoms for _, freedoms in weights] != ["123"] or not set(f[3]) >= TRANSLATIONS:
+            self.lose(name, "weights that differ, or freedoms other than 123")
+            return
+        self.means[name] = int(f[2]), _listed(nodes, name, self)
+        self.carried["RBE3"] = None
 
     def hold(self, text: str, fixed: Mapping[str, Sequence[Sequence[str]]]) -> None:
         """The set of constraints that the case control calls; the only one where it calls none."""
@@ -279,7 +317,8 @@ _IDLE = re.compile(
 
 def _nastran(path: Path, mesh: MeshFile) -> Deck:
     deck, fixed = Deck(mesh=mesh), dict[str, list[list[str]]]()
-    whole = path.read_text(encoding="utf-8", errors="replace")
+    whole = "\n".join(line.text for line in files.deck_lines(path))
+    where = files.coordinates(path)
     point = dict(zip(mesh.node_tags.tolist(), mesh.points, strict=True))
     upright: dict[str, list[Array]] = {}
     springs, laws = list[list[str]](), dict[str, list[str]]()
@@ -304,6 +343,8 @@ def _nastran(path: Path, mesh: MeshFile) -> Deck:
         elif card in ("CBAR", "CBEAM"):
             other = point.get(int(f[4])) if f[4].isdigit() and not f[5] else None
             to = np.array([real(f[k]) for k in (4, 5, 6)]) if other is None else other - point[int(f[2])]
+            own = where.freedoms(int(f[2])) if other is None and f[7].upper() != "BGG" else None
+            to = to if own is None else to @ own
             upright.setdefault(f[1] or f[0], []).append(to / max(float(np.linalg.norm(to)), 1e-300))
             if any(real(f[k]) for k in range(8, 16)):
                 deck.lose(name, "pinned or offset ends")
@@ -311,16 +352,27 @@ def _nastran(path: Path, mesh: MeshFile) -> Deck:
             if real(f[7 if "QUAD" in card else 6]):
                 deck.lose(name, "its plane is off its nodes (ZOFFS)")
         elif card == "CONM2":
+            node, number = int(f[1]), f[2] or coordinates.BASIC
             xx, yx, yy, zx, zy, zz = (real(f[k]) for k in range(8, 14))
-            if f[2] not in ("", "0") or any(real(f[k]) for k in (4, 5, 6)):
-                deck.lose(name, "beside its node, or in axes of its own")
-            else:
-                deck.masses[name] = int(f[1]), real(f[3]), np.array([xx, yy, zz, -yx, -zx, -zy])
-                deck.carried[card] = None
+            inertia, aside = np.array([[xx, -yx, -zx], [-yx, yy, -zy], [-zx, -zy, zz]]), np.array([real(text) for text in f[4:7]])
+            if number == "-1":  # where its centre of gravity is, in basic coordinates
+                aside = aside - point.get(node, aside)
+            elif node in point:
+                axes = where.system(number).directions(point[node])
+                inertia, aside = axes.T @ inertia @ axes, aside @ axes
+            deck.masses[name] = node, Rider(mass=real(f[3]), cog=aside, moments=inertia)
+            deck.carried[card] = None
         elif card == "RBE2":
             deck.ride(card, name, int(f[1]), f[2], _listed(f[3:], name, deck))
+        elif card == "RBE3":
+            deck.spread(name, own)
         elif card in ("CELAS1", "CELAS2", "CBUSH"):
-            springs.append([card, *f])
+            stated = card == "CBUSH" and bool(f[7])  # in a system of its own; else along the freedoms of its nodes
+            ends = [int(text) for text in (f[2:4] if card == "CBUSH" else f[2:6:2]) if text.isdigit()]
+            if not stated and any(where.freedoms(end) is not None for end in ends if end in point):
+                deck.lose(name, "along the freedoms of a node that has axes of its own (CD)")
+            else:
+                springs.append([card, *f])
         elif card in ("PELAS", "PBUSH"):
             laws[f"{card} {f[0]}"] = f
         elif card == "SPC1":
@@ -428,23 +480,22 @@ _HELD_AS = {"ENCASTRE": "123456", "PINNED": "123", "XSYMM": "156", "YSYMM": "246
 def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]:
     """Keyword, options and rows of fields, to the end of the first step; nodes and elements come without their rows."""
     keyword, options, rows, steps = "", dict[str, str](), list[list[str]](), 0
-    with path.open(encoding="utf-8", errors="replace") as file:
-        for line in file:
-            text = line.strip()
-            if not text or text.startswith("**"):
-                continue
-            if not text.startswith("*"):
-                heavy = keyword in ("NODE", "NSET", "ELSET") or (
-                    keyword == "ELEMENT" and options.get("TYPE", "").upper() not in files.LOOSE
-                )
-                rows += [] if heavy else [[one.strip() for one in text.split(",")]]
-                continue
-            if keyword:
-                yield keyword, options, rows
-            (keyword, options), rows = keyword_of(text), []
-            steps += keyword == "STEP"
-            if steps > 1:
-                return
+    for line in files.deck_lines(path):
+        text = line.text.strip()
+        if not text or text.startswith("**"):
+            continue
+        if not text.startswith("*"):
+            heavy = keyword in ("NODE", "NSET", "ELSET") or (
+                keyword == "ELEMENT" and options.get("TYPE", "").upper() not in files.LOOSE
+            )
+            rows += [] if heavy else [[one.strip() for one in text.split(",")]]
+            continue
+        if keyword:
+            yield keyword, options, rows
+        (keyword, options), rows = keyword_of(text), []
+        steps += keyword == "STEP"
+        if steps > 1:
+            return
     yield keyword, options, rows
 
 
@@ -479,7 +530,7 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
             loose.setdefault(o.get("ELSET", ""), []).extend((o["TYPE"], [int(text) for text in row if text]) for row in rows)
         elif keyword == "MASS":
             for _, (tag, node) in loose.get(o["ELSET"], []):
-                deck.masses[f"{keyword} {options['ELSET']} {tag}"] = node, real(first[0]), np.zeros(6)
+                deck.masses[f"{keyword} {options['ELSET']} {tag}"] = node, Rider(mass=real(first[0]))
             deck.carried[keyword] = None
         elif keyword == "SPRING":
             _abaqus_spring(deck, name, loose.get(o["ELSET"], []), rows, point)
@@ -556,7 +607,8 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
             keys += [f"z_axis = [{', '.join(f'{value:.9g}' for value in one.z_axis)}]"] if one.z_axis else []
             table["section"] = f"{{ {', '.join(keys)} }}"
         tables.append((f"parts.{toml_file.string(name)}", table))
-    carriers, in_use = deck.carriers, deck.numbers(1, 2, 3)
+    carriers = {**{node: name for name, (node, _) in deck.means.items()}, **deck.carriers}
+    in_use = deck.numbers(1, 2, 3)
     points = dict(zip(deck.mesh.node_tags.tolist(), deck.mesh.points, strict=True))
 
     def at(node: int) -> str:
@@ -569,10 +621,17 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
         where = ", ".join(f'"{value * system.length:.12g} m"' for value in points[node].tolist())
         every = [*([node] if node in in_use and node not in _numbers(deck.mesh, riders) else []), *riders]
         tables.append((f"links.{toml_file.string(name)}", {"at": f"[{where}]", "nodes": named(every)}))
-    for name, (node, value, moments) in deck.masses.items():
-        table = {"at": at(node), "mass": f'"{value * mass:.9g} kg"'}
-        if np.any(moments):
-            six = ", ".join(f'"{one * mass * system.length**2:.9g} kg m^2"' for one in moments.tolist())
+    for name, (node, followed) in deck.means.items():
+        where = ", ".join(f'"{value * system.length:.12g} m"' for value in points[node].tolist())
+        tables.append((f"links.{toml_file.string(name)}", {"at": f"[{where}]", "mean_of": named(followed)}))
+    for name, (node, rider) in deck.masses.items():
+        table = {"at": at(node), "mass": f'"{rider.mass * mass:.9g} kg"'}
+        if np.any(rider.cog):
+            three = ", ".join(f'"{one * system.length:.9g} m"' for one in rider.cog.tolist())
+            table["cog"] = f"[{three}]"
+        if np.any(rider.moments):
+            (xx, xy, xz), (_, yy, yz), (*_, zz) = (rider.moments * mass * system.length**2).tolist()
+            six = ", ".join(f'"{one:.9g} kg m^2"' for one in (xx, yy, zz, xy, xz, yz))
             table["moments"] = f"[{six}]"
         tables.append((f"masses.{toml_file.string(name)}", table))
     for name, (ends, own) in deck.springs.items():

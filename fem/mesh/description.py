@@ -110,10 +110,11 @@ class PointMass:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Link:
-    """The nodes of the groups and numbers in `nodes` ride on a point at (3,) [m]."""
+    """The nodes of the groups and numbers in `nodes` ride on a point at (3,) [m]; or it `follows` their mean motion."""
 
     at: tuple[float, float, float]
     nodes: tuple[int | str, ...]
+    follows: bool = False
 
 
 LOWEST = "lowest plane"
@@ -327,22 +328,26 @@ class _Table:
 
     def mass(self) -> PointMass:
         mass, moments = self.quantity("mass", "mass"), np.zeros(6)
+        cog = self.quantities("cog", 3 * ("length",)) if "cog" in self.table else np.zeros(3)
         if "moments" in self.table:
             moments = self.quantities("moments", 6 * ("moment of inertia",))
         inertia = Inertia(parameters=np.array([mass, 0.0, 0.0, 0.0, *moments]))
         verdict = judge(inertia, 1e-6)
         if np.any(moments) and not verdict.physical:
             raise self.wrong("moments", f"those of a body ({verdict.text})", "Write Ixx, Iyy, Izz, Ixy, Ixz, Iyz; Ixy = -∫xy dm")
-        return PointMass(at=self.at("at"), inertia=inertia)
+        return PointMass(at=self.at("at"), inertia=inertia.moved(cog))
 
     def link(self) -> Link:
-        at, nodes = self.at("at"), self.table.get("nodes")
+        at, key = self.at("at"), "mean_of" if "mean_of" in self.table else "nodes"
+        nodes = self.table.get(key)
         if not isinstance(at, tuple):
             raise self.wrong("at", "three coordinates", 'Write it like ["1 m", "0 m", "20 mm"]')
+        if {"mean_of", "nodes"} <= set(self.table):
+            raise self.wrong("mean_of", "without `nodes`", "Nodes ride on a link, or it follows their mean motion")
         listed: list[Any] = nodes if isinstance(nodes, list) else [nodes]
         if not listed or any(isinstance(node, bool) or not isinstance(node, int | str) for node in listed):
-            raise self.wrong("nodes", "a group, or a list of groups and node numbers", "Name the nodes that ride on it")
-        return Link(at=at, nodes=tuple(listed))
+            raise self.wrong(key, "a group, or a list of groups and node numbers", "Name the nodes that ride on it")
+        return Link(at=at, nodes=tuple(listed), follows=key == "mean_of")
 
     def stated(self) -> text.Stated:
         toml_file.require_table(self.table, source=self.source, where="stated")
@@ -433,7 +438,7 @@ def read(path: Path) -> MeshDescription:
         boxes={name: each.box() for name, each in table.tables("groups", ("box",)).items()},
         springs=springs,
         joints={name: each.joint() for name, each in table.tables("joints", ("between", "at", *_TIED)).items()},
-        masses={name: each.mass() for name, each in table.tables("masses", ("at", "mass", "moments")).items()},
-        links={name: each.link() for name, each in table.tables("links", ("at", "nodes")).items()},
+        masses={name: each.mass() for name, each in table.tables("masses", ("at", "mass", "cog", "moments")).items()},
+        links={name: each.link() for name, each in table.tables("links", ("at", "nodes", "mean_of")).items()},
         stated=_Table(source=source, where="stated", table=whole.get("stated", {})).stated(),
     )

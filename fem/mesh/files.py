@@ -12,11 +12,12 @@ import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from fem.mesh import solids
+from fem.mesh.coordinates import BASIC, CARD, Coordinates
 from fem.solid.assembly import require_gmsh, session
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers
@@ -184,6 +185,72 @@ def _lines(path: Path) -> Iterator[str]:
         yield from (line.rstrip("\r\n") for line in file)
 
 
+class Line(NamedTuple):
+    """A line of a deck, and the file and number that it has there."""
+
+    text: str
+    file: Path
+    number: int
+
+
+_BEGIN = re.compile(r"\s*BEGIN\s+(BULK|SUPER)\b(.*)", re.IGNORECASE)
+_INCLUDE = re.compile(r"\s*INCLUDE\s+(.*)", re.IGNORECASE)
+
+
+def deck_lines(path: Path, within: tuple[Path, ...] = ()) -> Iterator[Line]:
+    """Lines of a deck, those of files that it includes in their place.
+
+    What a Nastran deck includes before BEGIN BULK are orders to the program, and are left alone.
+
+    Raises
+    ------
+    BadInput : an included file that is not there, or that includes itself.
+    """
+    lines = iter([Line(text, path, number) for number, text in enumerate(_lines(path), start=1)])
+    if (within or (path,))[0].suffix.lower() == ".inp":
+        for line in lines:
+            text = line.text.strip()
+            if not text.startswith("*") or text.startswith("**"):
+                yield line
+                continue
+            while text.endswith(",") and (more := next(lines, None)) is not None:
+                text += more.text.strip()
+            keyword, options = keyword_of(text)
+            if keyword != "INCLUDE":
+                yield line._replace(text=text)
+            if keyword == "INCLUDE" or (keyword in ("NODE", "ELEMENT", "NSET", "ELSET") and "INPUT" in options):
+                yield from _included(options.get("INPUT", ""), line, (*within, path))
+        return
+    begun = within or not any(_BEGIN.match(text) for text in _lines(path))
+    for line in lines:
+        begun = begun or _BEGIN.match(line.text) is not None
+        if not begun or (found := _INCLUDE.match(line.text)) is None:
+            yield line
+            continue
+        name, mark = found[1].strip(), found[1].strip()[:1]
+        if mark in ("'", '"'):  # a name between quotes may go on over several lines
+            while name.count(mark) < 2 and (more := next(lines, None)) is not None:
+                name += more.text.strip()
+            name = name[1:].partition(mark)[0]
+        yield from _included(name.partition("$")[0].strip(), line, (*within, path))
+
+
+def _included(name: str, line: Line, within: tuple[Path, ...]) -> Iterator[Line]:
+    """Lines of the file `name`: beside the one that includes it, or beside the deck; there, too, whatever folder it names."""
+    name = name.replace("\\", "/")
+    field, remedy = f"line {line.number}", "Copy it beside the deck, or take the line out"
+    beside = dict.fromkeys(file.parent / part for part in (name, Path(name).name) for file in (line.file, *within))
+    file = next((one for one in beside if one.is_file()), None)
+    if file is None:
+        raise BadInput(source=str(line.file), field=field, problem=f"it includes {name!r}, which is not there", remedy=remedy)
+    if file.resolve() in [one.resolve() for one in within]:
+        raise BadInput(source=str(line.file), field=field, problem=f"it includes {name!r}, and so itself", remedy=remedy)
+    if file.stat().st_size > LARGEST_FILE:
+        problem = f"it includes {name!r}, which has {file.stat().st_size / 2**30:.3g} GiB"
+        raise BadInput(source=str(line.file), field=field, problem=problem, remedy="Write a coarser mesh")
+    yield from deck_lines(file, within)
+
+
 # Abaqus and CalculiX: *NODE, *ELEMENT, *NSET and *ELSET, in free format.
 
 _ABAQUS = {
@@ -219,7 +286,7 @@ _STATE = (
     "State it in the description, which `massline model` writes from a deck, and write left_out = [{0!r}] under [fe_model]; "
     "or take it out of the mesh"
 )
-_ABAQUS_MAKES = ("INCLUDE", "INSTANCE", "NGEN", "NFILL", "NCOPY", "ELGEN", "ELCOPY")
+_ABAQUS_MAKES = ("INSTANCE", "NGEN", "NFILL", "NCOPY", "ELGEN", "ELCOPY")
 """Keywords with nodes and elements that do not stand in the file."""
 
 _ABAQUS_KINDS = {word: kind for kind, words in _ABAQUS.items() for word in words}
@@ -238,14 +305,14 @@ def _abaqus(path: Path, left_out: LeftOut) -> _Raw:
     groups: dict[str, list[int]] = {}
     node_groups: dict[str, list[int]] = {}
     keyword, options, kind, pending = "", dict[str, str](), "", list[int]()
-    for line in _lines(path):
-        text = line.strip()
+    for line in deck_lines(path):
+        text = line.text.strip()
         if not text or text.startswith("**"):
             continue
         if text.startswith("*"):
             keyword, options = keyword_of(text)
             pending = []
-            if keyword in _ABAQUS_MAKES or (keyword in ("NODE", "ELEMENT") and "INPUT" in options):
+            if keyword in _ABAQUS_MAKES:
                 problem = f"it has *{text[1:]}, which is not followed"
                 raise BadInput(source=str(path), problem=problem, remedy="Write a flat file with all nodes and elements in it")
             word, system = options.get("TYPE", "").upper(), options.get("SYSTEM", "R").upper()
@@ -330,18 +397,10 @@ def _nastran(path: Path, left_out: LeftOut) -> _Raw:
     nodes: Nodes = {}
     elements: Elements = {}
     groups: dict[str, list[int]] = {}
+    where = coordinates(path)
     for card, *fields in cards(path):
         if card == "GRID":
-            system = (fields[1] or "0").strip()
-            if system != "0":
-                problem = f"node {fields[0]} stands in the coordinate system {system}"
-                raise BadInput(
-                    source=str(path), field="GRID", problem=problem, remedy="Write the grid points in the basic system"
-                )
-            x, y, z = (real((fields + 5 * [""])[n]) for n in (2, 3, 4))
-            if any(field not in ("", "-1") and not field.isdigit() for field in fields[5:8]):  # -1: a point of a fluid
-                problem = f"node {fields[0]} has {', '.join(fields[5:8])!r} where its system and freedoms are numbers"
-                raise BadInput(source=str(path), field="GRID", problem=problem, remedy="Write it again; it may be damaged")
+            x, y, z = where.place(int(fields[0])).tolist()
             _once(nodes, int(fields[0]), (x, y, z), str(path))
         elif card in NASTRAN:
             tag, group = int(fields[0]), fields[1] or fields[0]
@@ -373,6 +432,30 @@ def _nastran(path: Path, left_out: LeftOut) -> _Raw:
 _WORDS = ("points", "lines", "faces", "volumes")
 
 
+def coordinates(path: Path) -> Coordinates:
+    """Coordinate systems of a deck of Nastran, and its grid points as they are written.
+
+    Raises
+    ------
+    BadInput : a grid point whose systems or freedoms are no numbers.
+    """
+    found = Coordinates(source=str(path))
+    usual = ["", *7 * [""]]
+    for card, *fields in cards(path):
+        if card == "GRDSET":
+            usual = [*fields, *8 * [""]][:8]
+    for card, *fields in cards(path):
+        if CARD.fullmatch(card):
+            found.add(card, fields, real)
+        elif card == "GRID":
+            f = [one or other for one, other in zip([*fields, *8 * [""]], usual, strict=False)]
+            if any(field not in ("", "-1") and not field.isdigit() for field in (f[1], *f[5:8])):  # -1: a point of a fluid
+                problem = f"node {f[0]} has {', '.join((f[1], *f[5:8]))!r} where its systems and freedoms are numbers"
+                raise BadInput(source=str(path), field="GRID", problem=problem, remedy="Write it again; it may be damaged")
+            found.grids[int(f[0])] = f[1] or BASIC, np.array([real(text) for text in f[2:5]]), f[5] or BASIC
+    return found
+
+
 def cards(path: Path) -> Iterator[list[str]]:
     """Cards from BEGIN BULK, if it is there, to ENDDATA as a name and fields: small, large and free, continued ones put together.
 
@@ -382,16 +465,23 @@ def cards(path: Path) -> Iterator[list[str]]:
     """
 
     def refused(problem: str) -> BadInput:
-        return BadInput(source=str(path), problem=problem, remedy="Write it again; it may be cut short or damaged")
+        return BadInput(source=str(line.file), problem=problem, remedy="Write it again; it may be cut short or damaged")
 
     card: list[str] = []
-    lines = tuple(_lines(path))
-    begin = next((n for n, line in enumerate(lines, start=1) if re.match(r"\s*BEGIN\s+BULK", line, re.IGNORECASE)), 0)
+    lines = tuple(deck_lines(path))
+    begun = not any(_BEGIN.match(line.text) for line in lines)
     text = mark = ""  # mark: of the line that continues the last one, where its tenth field says one
     ended = path.read_bytes()[-1:] == b"\n"
-    for number, line in enumerate(lines, start=1):
-        text = line.split("$")[0].rstrip()
-        if not text or number <= begin:
+    line = Line("", path, 0)
+    for line in lines:
+        text = line.text.split("$")[0].rstrip()
+        if begin := _BEGIN.match(text):
+            if begun or begin[1].upper() == "SUPER" or re.search(r"SUPER|AUXM", begin[2], re.IGNORECASE):
+                problem = f"line {line.number} begins a further model ({text.strip()}), and superelements are not read"
+                raise BadInput(source=str(line.file), problem=problem, remedy="Write one model with all grid points and elements")
+            begun = True
+            continue
+        if not text or not begun:
             continue
         first = text.split(",")[0][:8].strip()
         if "," in text:
@@ -403,7 +493,7 @@ def cards(path: Path) -> Iterator[list[str]]:
             fields = [first, *(text[n : n + 8].strip() for n in range(8, 72, 8))]
         follows = fields[0][:1] in ("", "+") or (fields[0].startswith("*") and bool(card))
         if mark and not (follows and fields[0][1:] in ("", mark)):
-            raise refused(f"line {number} is {first!r}, where the one before is continued by +{mark}")
+            raise refused(f"line {line.number} is {first!r}, where the one before is continued by +{mark}")
         behind = "" if "," in text else text[72:80].strip()
         mark = behind[1:] if behind[:1] in ("+", "*") and behind else ""
         if first.upper() == "ENDDATA":

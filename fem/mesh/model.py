@@ -326,9 +326,9 @@ def _numbered(
 ) -> Elements:
     from scipy.sparse import coo_array, eye_array
 
-    own = len(points)
-    points = np.vstack([points, *(np.array([link.at]) for link in found.links.values())])
-    tags = np.append(tags, np.zeros(len(found.links), dtype=np.intp))
+    own, links = len(points), {name: link for name, link in found.links.items() if not link.follows}
+    points = np.vstack([points, *(np.array([link.at]) for link in links.values())])
+    tags = np.append(tags, np.zeros(len(links), dtype=np.intp))
     turning = np.zeros(len(points), dtype=bool)
     turning[own:] = True
     for block in blocks:
@@ -342,7 +342,7 @@ def _numbered(
         raise found.refused("file", problem, "Write a coarser mesh")
     keep = np.ones(size, dtype=np.bool_)
     rows, columns, values = [], [], []
-    for carrier, (name, link) in enumerate(found.links.items(), start=own):
+    for carrier, (name, link) in enumerate(links.items(), start=own):
         riders = _chosen(found, sets, tags, link.nodes, f"links.{name}.nodes")
         for rider in riders.tolist():
             ridden = first[rider] + np.arange(count[rider])
@@ -618,6 +618,9 @@ class _Made:
             return self.elements.node(int(_node(self.found, self.elements.node_tags, at, field)[0]))
         if at in self.found.places and self.found.places[at] != at:
             return self.motion(self.found.places[at], field)
+        if (link := self.found.links.get(at)) and link.follows:
+            followed = _chosen(self.found, self.sets, self.elements.node_tags, link.nodes, f"links.{at}.mean_of")
+            return self.elements.mean(followed, np.array(link.at), turning=False)
         nodes = _set(self.found, self.sets, at, field)
         if len(nodes) == 1:
             return self.elements.node(int(nodes[0]))
@@ -662,6 +665,8 @@ class _Made:
         ends = {name: np.unique(node[np.unique(spring.indices[spring.data != 0])]) for name, spring in springs.items()}
         together = [block.nodes for block in elements.blocks] + [one[None] for one in ends.values() if len(one)]
         for name, link in found.links.items():
+            if link.follows:
+                continue
             together.append(np.append(self.sets[name], _chosen(found, self.sets, elements.node_tags, link.nodes, name))[None])
         pairs = np.vstack([np.column_stack([np.repeat(own[:, 0], own.shape[1]), own.ravel()]) for own in together])
         body = connected_components(coo_array((np.ones(len(pairs)), pairs.T), shape=(size, size)), directed=False)[1]

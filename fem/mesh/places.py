@@ -177,10 +177,10 @@ class Elements:
         whole[:3, :3], whole[3:, 3:] = np.eye(3), turned[3:]
         return self._sparse(whole, dofs)
 
-    def mean(self, nodes: Integers, point: Array) -> Sparse:
+    def mean(self, nodes: Integers, point: Array, turning: bool = True) -> Sparse:
         """The rigid motion of `nodes`, seen at `point` (3,) [m], nearest to what they do; (6, n).
 
-        Rotations of nodes count as displacements at an arm as long as the group is wide.
+        Rotations of nodes count as displacements at an arm as long as the group is wide; if not `turning`, they do not count.
 
         Raises
         ------
@@ -194,7 +194,7 @@ class Elements:
             T = np.zeros((6, 6))
             T[:3] = rigid_transformation(self.points[index] - point)
             T[3:, 3:] = np.eye(3)
-            count = 6 if self.turning[index] else 3
+            count = 6 if turning and self.turning[index] else 3
             blocks.append(T[:count])
             dofs.append(self.first[index] + np.arange(count))
             weights.append(np.array([1.0, 1.0, 1.0, wide, wide, wide])[:count])
