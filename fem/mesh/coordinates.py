@@ -134,7 +134,7 @@ class Coordinates:
             lost = [node for node in points if node not in self.grids]
             if lost:
                 raise self._refused(number, f"stands on grid point {lost[0]}, which is not there", "Correct it")
-            a, b, c = (self.place(int(node), (*within, number)) for node in points)  # type: ignore[arg-type]
+            a, b, c = (self.place(int(node), (*within, number)) for node in points)
         z, to = b - a, c - a
         y = np.cross(z, to)
         if not np.linalg.norm(y) > FLAT * np.linalg.norm(z) * np.linalg.norm(to):

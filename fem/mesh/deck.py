@@ -204,9 +204,13 @@ class Deck:
                 section = {"outer_diameter": 2 * d[0], "inner_diameter": 0.0}
             elif kind in ("TUBE", "TUBE2"):
                 section = {"outer_diameter": 2 * d[0], "inner_diameter": 2 * (d[1] if kind == "TUBE" else d[0] - d[1])}
+            elif kind == "BOX":
+                section = box_section(d[0], d[1], d[3], d[2])
+            elif kind == "I" and abs(real(f[10]) - d[1]) + abs(real(f[13]) - real(f[12])) <= ALIKE * d[0]:
+                section = i_section(d[0], d[1], d[3], real(f[12]))
             else:
                 self.lose(name, f"a section of kind {kind}")
-            added = real(f[8 + len(section)]) if section else 0.0
+            added = real(f[8 + _SIZES.get(kind, 0)]) if section else 0.0
         self.properties[f[0]] = Property(material=f[1], section=section, added=added)
 
     def beam_section(self, name: str, group: str, o: Mapping[str, str], rows: Sequence[Sequence[str]]) -> None:
@@ -220,6 +224,8 @@ class Deck:
             section = {"outer_diameter": sizes[0] * (2 if len(sizes) == 1 else 1), "inner_diameter": 0.0}
         elif o.get("SECTION") == "PIPE":
             section = {"outer_diameter": 2 * sizes[0], "inner_diameter": 2 * (sizes[0] - sizes[1])}
+        elif o.get("SECTION") == "BOX" and len(sizes) == 6 and sizes[2] == sizes[4] and sizes[3] == sizes[5]:
+            section = box_section(sizes[1], sizes[0], sizes[3], sizes[2])
         else:
             self.lose(name, f"a section of kind {o.get('SECTION', 'none')}")
         self.properties[group] = Property(material=o["MATERIAL"], section=section, z_axis=z_axis)
@@ -256,6 +262,33 @@ class Deck:
                 names.append(name)
                 left -= own
         return [*names, *sorted(left)]
+
+
+_SIZES = {"BAR": 2, "ROD": 1, "TUBE": 2, "TUBE2": 2, "BOX": 4, "I": 6}
+"""How many sizes a section of each kind has, behind which stands a mass per length."""
+
+
+def box_section(width: float, height: float, side: float, top: float) -> dict[str, float]:
+    """Area and second moments of a hollow rectangle, whose sides are `side` thick, top and bottom `top`; torsion after Bredt."""
+    inner_width, inner_height = width - 2 * side, height - 2 * top
+    middle = (width - side) * (height - top)
+    return {
+        "area": width * height - inner_width * inner_height,
+        "Iy": (width * height**3 - inner_width * inner_height**3) / 12,
+        "Iz": (height * width**3 - inner_height * inner_width**3) / 12,
+        "J": 2 * middle**2 / ((width - side) / top + (height - top) / side),
+    }
+
+
+def i_section(height: float, width: float, web: float, flange: float) -> dict[str, float]:
+    """Area and second moments of an I with two equal flanges; torsion after Saint-Venant, of thin strips."""
+    between = height - 2 * flange
+    return {
+        "area": 2 * width * flange + between * web,
+        "Iy": (width * height**3 - (width - web) * between**3) / 12,
+        "Iz": (2 * flange * width**3 + between * web**3) / 12,
+        "J": (2 * width * flange**3 + (height - flange) * web**3) / 3,
+    }
 
 
 def described(path: Path, units: str | None = None) -> tuple[str, tuple[str, ...]]:
@@ -309,7 +342,7 @@ def _believed(deck: Deck, system: UnitSystem) -> bool:
 
 _IDLE = re.compile(
     r"PARAM|EIG\w*|LOAD\w*|FORCE\d?|MOMENT\d?|GRAV|RFORCE|PLOAD\w*|TEMP\w*|[DRT]LOAD\d?|DAREA|DPHASE|DELAY|FREQ\d?|TSTEP\w*|TABLE\w*"
-    r"|TABDMP\d|TABRND\w*|SUPORT\d?|[ABCQ]SET\d?|OMIT\d?|SPOINT|CORD[12][CRS]|BAROR|BEAMOR|MATT\d|SET\d|NLPARM|ECHOO\w+|PLOTEL\d?|USET\d?"
+    r"|TABDMP\d|TABRND\w*|SUPORT\d?|[ABCQ]SET\d?|OMIT\d?|SPOINT|CORD[12][CRS]|BAROR|BEAMOR|MATT\d|SET\d|SE[ABCQU]?SET\d?|SEELT|NLPARM|ECHOO\w+|PLOTEL\d?|USET\d?"
     r"|DESVAR|DRESP\d|DV\w+|DCONSTR|DOPTPRM|MKAERO\d|RANDPS|DTI|DMI|SEQGP|CSUPER|ACCEL\d?|DEFORM|SPCD|GRDSET"
 )
 """Cards that neither weigh nor hold nor join in a linear structure, or are read with the mesh."""
@@ -343,8 +376,8 @@ def _nastran(path: Path, mesh: MeshFile) -> Deck:
         elif card in ("CBAR", "CBEAM"):
             other = point.get(int(f[4])) if f[4].isdigit() and not f[5] else None
             to = np.array([real(f[k]) for k in (4, 5, 6)]) if other is None else other - point[int(f[2])]
-            own = where.freedoms(int(f[2])) if other is None and f[7].upper() != "BGG" else None
-            to = to if own is None else to @ own
+            axes = where.freedoms(int(f[2])) if other is None and f[7].upper() != "BGG" else None
+            to = to if axes is None else to @ axes
             upright.setdefault(f[1] or f[0], []).append(to / max(float(np.linalg.norm(to)), 1e-300))
             if any(real(f[k]) for k in range(8, 16)):
                 deck.lose(name, "pinned or offset ends")
@@ -358,8 +391,8 @@ def _nastran(path: Path, mesh: MeshFile) -> Deck:
             if number == "-1":  # where its centre of gravity is, in basic coordinates
                 aside = aside - point.get(node, aside)
             elif node in point:
-                axes = where.system(number).directions(point[node])
-                inertia, aside = axes.T @ inertia @ axes, aside @ axes
+                turned = where.system(number).directions(point[node])
+                inertia, aside = turned.T @ inertia @ turned, aside @ turned
             deck.masses[name] = node, Rider(mass=real(f[3]), cog=aside, moments=inertia)
             deck.carried[card] = None
         elif card == "RBE2":

@@ -459,10 +459,47 @@ def coordinates(path: Path) -> Coordinates:
 def cards(path: Path) -> Iterator[list[str]]:
     """Cards from BEGIN BULK, if it is there, to ENDDATA as a name and fields: small, large and free, continued ones put together.
 
+    Fields are those of the card before where they read ``=``, two more than there as ``*2``, and ``==`` stands for all others as
+    well; so may the name of a card. ``=6`` does so six times again.
+
     Raises
     ------
-    BadInput : a line that is marked as continued, and is not by the next; a file that ends within a card.
+    BadInput : a line that is marked as continued, and is not by the next; a file that ends within a card; what repeats nothing.
     """
+    last, pattern = list[str](), list[str]()
+    for card in _cards(path):
+        if not card[0].startswith("="):
+            last, pattern = _repeated(last, card) if last[:1] == card[:1] and "==" in card else card, []
+            yield last
+            continue
+        times = card[0].strip("=()")
+        pattern = card if not times else pattern
+        if not last or not pattern or not (times.isdigit() or not times) or int(times or 1) > MOST_REPEATED:
+            problem = f"{','.join(card)!r} repeats no card"
+            raise BadInput(source=str(path), field="=", problem=problem, remedy="Write every card")
+        for _ in range(int(times or 1)):
+            last = _repeated(last, pattern)
+            yield last
+
+
+MOST_REPEATED = 1_000_000
+"""Times that a card may be repeated: more than a mesh has nodes."""
+
+
+def _repeated(last: list[str], pattern: list[str]) -> list[str]:
+    found = last[:1]
+    for before, text in zip([*last, *8 * [""]][1:], pattern[1:], strict=False):
+        if text == "==":
+            break
+        more = text[1:].strip("()") if text.startswith("*") else ""
+        if more:
+            found.append(str(int(before) + int(more)) if before.isdigit() else repr(real(before) + real(more)))
+        else:
+            found.append(before if text == "=" else text)
+    return found + (last[len(found) :] if "==" in pattern else [])
+
+
+def _cards(path: Path) -> Iterator[list[str]]:
 
     def refused(problem: str) -> BadInput:
         return BadInput(source=str(line.file), problem=problem, remedy="Write it again; it may be cut short or damaged")

@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import subprocess
+from collections.abc import Callable
 from itertools import product
 from pathlib import Path
 
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from fem.mesh import deck, description, model
+from fem.mesh import deck, description, files, model
 from fem.user_model.units import KNOWN, unit_system
 from geometry.errors import BadInput
 from geometry.frames import Array
@@ -171,6 +172,21 @@ def test_a_node_follows_the_mean_of_others_as_in_nastran(tmp_path: Path) -> None
     np.testing.assert_allclose(ours[:, dofs], theirs, rtol=1e-6, atol=1e-9 * np.abs(theirs).max())
 
 
+def test_cards_that_repeat_the_one_before(tmp_path: Path) -> None:
+    """Twelve beams in a row by six cards, as the same written out."""
+    (tmp_path / "one.bdf").write_text(
+        "MAT1,1,2.,,.3\nMAT1,2,==\nGRID,1,,0.,0.,5.\n=,*1,=,*10.,==\n=(11)\nCBAR,21,7,1,2,0.,1.,0.\n=,*2,=,*(1),*1,==\n=2\nENDDATA\n"
+    )
+    _, other, *found = files.cards(tmp_path / "one.bdf")
+    assert other[:5] == ["MAT1", "2", "2.", "", ".3"]
+    assert [(card[1], float(card[3]), card[5]) for card in found[:13]] == [(str(n + 1), 10.0 * n, "5.") for n in range(13)]
+    assert [card[1:5] for card in found[13:]] == [[str(21 + 2 * n), "7", str(n + 1), str(n + 2)] for n in range(4)]
+    for wrong in ("=,*1,==\n", "GRID,1,,0.,0.,5.\n=3\n", "GRID,1,,0.,0.,5.\n=,*1,==\n=99999999\n"):
+        (tmp_path / "one.bdf").write_text(wrong)
+        with pytest.raises(BadInput, match="repeats no card"):
+            list(files.cards(tmp_path / "one.bdf"))
+
+
 @pytest.mark.parametrize(
     ("text", "ending", "said"),
     [
@@ -263,6 +279,41 @@ def test_shells_and_beams_have_their_sections(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("deck_text", "ending", "walls"),
+    [
+        ("PBARL,2,1,,BOX,,,,,\n,60.,100.,8.,5.,7.85-6", "bdf", lambda y, z: (abs(y) > 25) | (abs(z) > 42)),
+        ("PBARL,2,1,,I,,,,,\n,100.,60.,60.,5.,8.,8.,7.85-6", "bdf", lambda y, z: (abs(y) < 2.5) | (abs(z) > 42)),
+        (
+            "*BEAM SECTION, SECTION=BOX, ELSET=b, MATERIAL=m\n100., 60., 8., 5., 8., 5.\n0., 0., 1.",
+            "inp",
+            lambda y, z: (abs(y) > 25) | (abs(z) > 42),
+        ),
+    ],
+)
+def test_hollow_and_open_sections(deck_text: str, ending: str, walls: Callable[[Array, Array], Array], tmp_path: Path) -> None:
+    """60 wide and 100 high: area and second moments by a sum over squares of a quarter of a millimetre; torsion in its bounds."""
+    bdf = "BEGIN BULK\nGRID,1,,0.,0.,0.\nGRID,2,,900.,0.,0.\nMAT1,1,210000.,,.3,7.85-9\nCBAR,1,2,1,2,0.,0.,1.\nENDDATA\n"
+    inp = (
+        "*NODE\n1,0,0,0\n2,900,0,0\n*ELEMENT,TYPE=B31,ELSET=b\n1,1,2\n*MATERIAL,NAME=m\n*ELASTIC\n210000.,.3\n*DENSITY\n7.85e-9\n"
+    )
+    path = tmp_path / f"one.{ending}"
+    path.write_text(f"{inp}{deck_text}\n" if ending == "inp" else bdf.replace("ENDDATA", f"{deck_text}\nENDDATA"))
+    text, lost = deck.described(path, "mm-t-N-s")
+    (tmp_path / "one.toml").write_text(text)
+    (part,) = description.read(tmp_path / "one.toml").parts.values()
+    assert lost == ()
+    assert part.section is not None
+    y, z = np.meshgrid(np.arange(-29.875, 30, 0.25), np.arange(-49.875, 50, 0.25))
+    there = walls(y, z)
+    wanted = [float(np.sum(there * one)) / 16 for one in (np.ones_like(y), z**2, y**2)]
+    np.testing.assert_allclose(np.array(part.section.sizes[:3]) * [1e6, 1e12, 1e12], wanted, rtol=1e-4)
+    torsion, polar = part.section.sizes[3] * 1e12, wanted[1] + wanted[2]
+    assert (0.5 if "BOX" in deck_text else 0.005) * polar < torsion < (1.0 if "BOX" in deck_text else 0.05) * polar
+    assert part.material.density == pytest.approx(7850 + (7.85e-6 * 1e12 / wanted[0] if ending == "bdf" else 0))
+    np.testing.assert_allclose(np.abs(part.z_axis), [0, 0, 1])
+
+
+@pytest.mark.parametrize(
     ("more", "words"),
     [
         ("RBE3,9,,5,123,1.,123,1,2,\n,,2.,123,3", "RBE3 9: weights that differ"),
@@ -274,7 +325,7 @@ def test_shells_and_beams_have_their_sections(tmp_path: Path) -> None:
         ("CONN2,9,1,,5.", "CONN2 9: a card that is not known here"),
         ("PCOMP,5", "PCOMP 5"),
         ("CELAS2,9,5.,1,1,3,2", "CELAS2 9: it joins two different motions"),
-        ("PBARL,2,1,,I,,,,,1.,1.\nCBAR,2,2,1,5,1.,0.,0.", "PBARL 2: a section of kind I"),
+        ("PBARL,2,1,,T,,,,,1.,1.\nCBAR,2,2,1,5,1.,0.,0.", "PBARL 2: a section of kind T"),
         ("PBAR,2,1,100.,900.,400.,800.\nCBAR,2,2,1,5,1.,0.,0.\nCBAR,3,2,4,5,0.,1.,0.", "turned in more than one way"),
         ("CTRIA3,7,8,1,2,5,,1.5\nPSHELL,8,1,2.", "CTRIA3 7: its plane is off its nodes"),
     ],
