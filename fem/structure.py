@@ -33,6 +33,10 @@ class Carrier(Protocol):
         """What each degree of freedom moves `points` (p, 3) [m] along x, y, z; (3, n) sparse each."""
         ...
 
+    def numbered(self, number: int) -> Sparse | None:
+        """What each degree of freedom moves the node of that number in its file, (3, n); None where it has no such node."""
+        ...
+
     def unresolved(self, shapes: Array, squares: Array) -> dict[str, Array]:
         """By part (k, k) how much too stiff its elements are to `shapes` (n, k), modes of omega² `squares` (k,) or of 0."""
         ...

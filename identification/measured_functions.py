@@ -5,7 +5,9 @@ part, where noise or coherence is known. In universal files they are functions o
 and reference, so that a modal program takes them as they are.
 """
 
+import re
 from collections.abc import Mapping
+from itertools import count
 from pathlib import Path
 from typing import TypeVar
 
@@ -52,7 +54,10 @@ def of_responses(test: ResponseFunctions) -> Signals:
     """
     samples: dict[str, Samples] = {}
     places: dict[str, tuple[int, int, int, int]] = {}
-    numbers = {place: k for k, place in enumerate(dict.fromkeys(one.place for one in (*test.responses, *test.drives)), start=1)}
+    every = dict.fromkeys(one.place for one in (*test.responses, *test.drives))
+    numbers = {place: int(place[5:]) for place in every if re.fullmatch("node [1-9][0-9]{0,8}", place)}
+    free = (k for k in count(1) if k not in numbers.values())
+    numbers |= {place: next(free) for place in every if place not in numbers}
     for r, drive in enumerate(test.drives):
         for c, response in enumerate(test.responses):
             name = f"{response.name}_per_{drive.name}"

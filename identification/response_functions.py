@@ -653,6 +653,8 @@ def _of_universal(
         warnings.append(f"{path} holds several coherences of the same nodes, and they are passed over")
     if "unit" not in table and "quantity" not in table and not all(one.quantity for one in functions):
         warnings.append(f"{path} does not say what was read per newton; acceleration is taken")
+    if not (at or places or file.nodes):
+        warnings.append(f"{path} has no coordinates, and its nodes are those of the model by number, unless `places` names them")
     unit = _unit(table, source)[1] if "unit" in table else None
     found = []
     for k, one in enumerate(functions):

@@ -5,7 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from geometry import toml_file
+from geometry.errors import BadInput
 from identification import modal_table, response_functions
+from identification.files import uff, uff_tests
 from identification.modal_table import ModalTable
 from identification.response_functions import GAIN, ResponseFunctions
 
@@ -34,3 +36,34 @@ def read(path: str | Path, table: Mapping[str, Any] | None = None, *, gain: floa
     if kind == RESPONSE_FUNCTIONS:
         return response_functions.of_table({"gain": gain, "force_gain": gain, **table}, source, folder)
     return modal_table.of_table({"gain": gain, **table}, source, folder)
+
+
+def tables(path: str | Path, article: str) -> tuple[Mapping[str, Any], ...]:
+    """By which tables the tests in the file `path` are read: its own, or those of a universal file, which stands for itself.
+
+    Parameters
+    ----------
+    article : of what a universal file is, which does not say so
+
+    Raises
+    ------
+    BadInput : neither; no test in it; no universal file that can be read.
+    OSError : it cannot be read.
+    """
+    path = Path(path)
+    if path.suffix.lower() in (".toml", ".json"):
+        return (toml_file.read(path),)
+    if not uff.is_universal(path):
+        remedy = 'Describe the test: kind = "response-functions" or "modal-table", article, file and places; docs/model-file.md'
+        raise BadInput(source=str(path), problem="it is neither a test's description nor a universal file", remedy=remedy)
+    found = uff_tests.read(path)
+    kinds = [kind for kind, there in ((RESPONSE_FUNCTIONS, found.functions), (MODAL_TABLE, found.modes)) if there]
+    if not kinds:
+        problem = "it holds neither response functions (dataset 58) nor modes (55, 2414)"
+        raise BadInput(source=str(path), problem=problem, remedy="Export one of them; nodes and elements alone are no test")
+    return tuple({"kind": kind, "article": article, "file": path.name} for kind in kinds)
+
+
+def all_in(path: str | Path, article: str, *, gain: float = GAIN) -> tuple[ResponseFunctions | ModalTable, ...]:
+    """The tests in the file `path`, each as `read` reads it; of `article` where they are a universal file's."""
+    return tuple(read(path, None if "format" in table else table, gain=gain) for table in tables(path, article))

@@ -18,6 +18,7 @@ from geometry.errors import BadInput
 from geometry.toml_file import nearest
 from identification import campaign_file, test_file
 from identification.campaign import METHODS, Campaign
+from identification.files import uff
 from validation.classical import files
 from validation.effects.catalogue import There, words_of
 from validation.effects.effect import AXES, Vocabulary
@@ -146,11 +147,14 @@ def read_tests(paths: Sequence[str], model: Model) -> tuple[Test, ...]:
     untitled = [k for k, one in enumerate(model.tests) if "title" not in one]
     for k in untitled if len(untitled) > 1 else ():
         own[k] = replace(own[k], title=f"{own[k].title}-{k + 1}")
-    return (*own, *(test_file.read(path, gain=model.sensor_gain) for path in paths if is_test(path)))
+    named = [test_file.all_in(path, model.article, gain=model.sensor_gain) for path in paths if is_test(path)]
+    return (*own, *(one for each in named for one in each))
 
 
 def is_test(path: str) -> bool:
-    """Whether the file at `path` describes response functions or a modal table."""
+    """Whether the file at `path` describes response functions or a modal table, or is a universal file of them."""
+    if uff.is_universal(Path(path)):
+        return Path(path).is_file()
     if not path.endswith(".toml") or not Path(path).is_file():
         return False
     with suppress(BadInput):

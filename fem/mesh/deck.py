@@ -33,11 +33,12 @@ TRANSLATIONS, ALL = frozenset("123"), frozenset("123456")
 
 @dataclass(frozen=True, kw_only=True)
 class Isotropic:
-    """A material as the deck has it: modulus, Poisson's ratio and density in its own units."""
+    """A material as the deck has it: modulus, Poisson's ratio and density in its own units, and its loss factor."""
 
     modulus: float
     poisson_ratio: float
     density: float
+    loss_factor: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,6 +96,7 @@ class Deck:
     carried : cards that are carried over
     lost : sentences on what is not
     weight : what masses and densities are multiplied with (PARAM, WTMASS)
+    loss_factor : of the whole structure beside those of its materials (PARAM, G)
     """
 
     mesh: MeshFile
@@ -108,6 +110,7 @@ class Deck:
     carried: dict[str, None] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)
     weight: float = 1.0
+    loss_factor: float = 0.0
 
     @property
     def carriers(self) -> dict[int, str]:
@@ -362,9 +365,12 @@ def _nastran(path: Path, mesh: MeshFile) -> Deck:
         if card == "MAT1":
             E, G, nu = (real(f[k]) for k in (1, 2, 3))
             nu = nu if f[3] or not G else E / (2 * G) - 1
-            deck.materials[f[0]] = Isotropic(modulus=E or 2 * G * (1 + nu), poisson_ratio=nu, density=real(f[4]))
+            modulus = E or 2 * G * (1 + nu)
+            deck.materials[f[0]] = Isotropic(modulus=modulus, poisson_ratio=nu, density=real(f[4]), loss_factor=real(f[7]))
         elif card == "PARAM" and f[0].upper() == "WTMASS":
             deck.weight = real(f[1])
+        elif card == "PARAM" and f[0].upper() == "G":
+            deck.loss_factor = real(f[1])
         elif card == "PSOLID":
             deck.properties[f[0]] = Property(material=f[1])
         elif card == "PSHELL":
@@ -534,7 +540,7 @@ def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]
 
 def _abaqus(path: Path, mesh: MeshFile) -> Deck:
     deck, material, open_step = Deck(mesh=mesh), "", False
-    elastic, dense = dict[str, list[str]](), dict[str, float]()
+    elastic, dense, losses = dict[str, list[str]](), dict[str, float](), dict[str, float]()
     point = dict(zip(mesh.node_tags.tolist(), mesh.points, strict=True))
     loose: dict[str, list[tuple[str, list[int]]]] = {}
     for keyword, options, rows in _blocks(path):
@@ -551,6 +557,8 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
                 deck.lose(f"*ELASTIC of {material}", "it changes with temperature; the first row is taken")
         elif keyword == "DENSITY":
             dense[material] = real(first[0])
+        elif keyword == "DAMPING" and "STRUCTURAL" in o:
+            losses[material] = real(o["STRUCTURAL"])
         elif keyword == "SOLID SECTION":
             deck.properties[group] = Property(material=o["MATERIAL"])
         elif keyword == "SHELL SECTION":
@@ -583,7 +591,8 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
         deck.lose("the end", "a *STEP has no *END STEP, and the deck may be cut short")
     for name, row in elastic.items():
         nu = real(row[1]) if row[1:] and row[1] else 0.0
-        deck.materials[name] = Isotropic(modulus=real(row[0]), poisson_ratio=nu, density=dense.get(name, 0.0))
+        rho, lost = dense.get(name, 0.0), losses.get(name, 0.0)
+        deck.materials[name] = Isotropic(modulus=real(row[0]), poisson_ratio=nu, density=rho, loss_factor=lost)
     return deck
 
 
@@ -630,6 +639,8 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
                 f'{{ density = "{(of.density + more) * density:.9g} kg/m^3", youngs_modulus = "{of.modulus * pressure:.9g} Pa", '
                 f"poisson_ratio = {of.poisson_ratio:.9g} }}{'  # with a mass beside its own' if more else ''}"
             )
+        if of is not None and (lost := of.loss_factor + deck.loss_factor):
+            table["loss_factor"] = f"{lost:.9g}"
         if one.thickness:
             table["thickness"] = f'"{one.thickness * system.length:.9g} m"'
         if one.section:

@@ -129,6 +129,11 @@ class Elements:
         named = names or tuple(f"({', '.join(f'{1e3 * value:.4g}' for value in point)}) mm" for point in found)
         return [self.motion(point, name)[:3] for point, name in zip(found, named, strict=True)]
 
+    def numbered(self, number: int) -> Sparse | None:
+        """What each degree of freedom moves the node of that number in its file, (3, n); None where it has no such node."""
+        index = np.flatnonzero((self.node_tags == number) & (self.node_tags > 0))
+        return self.node(int(index[0]))[:3] if len(index) else None
+
     def rigid(self, reference_point: Array) -> Array:
         """What each degree of freedom (n,) of the structure does in the six motions of `reference_point`; (n, 6)."""
         whole = np.zeros((len(self.own), 6))

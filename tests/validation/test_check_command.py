@@ -12,8 +12,10 @@ from numpy.testing import assert_allclose
 
 from geometry.dynamic_mass import LEVELS, MOTIONS
 from geometry.frames import Pose
-from identification import campaign_file
+from geometry.sensors import Point
+from identification import campaign_file, measured_functions
 from identification.campaign import Campaign
+from identification.response_functions import ResponseFunctions
 from validation.cli import main
 from validation.report.scenes import setups
 
@@ -196,3 +198,45 @@ def test_figures_of_a_campaign_that_another_program_wrote(answer, data):
         for one in said["channels"]:
             key = "noise_m_s2" if one["quantity"] == "acceleration" else "noise_n"
             assert_allclose(one[f"{key}_found"], one[f"{key}_stated"], rtol=0.3)
+
+
+def test_a_universal_file_says_what_it_holds_and_how_a_model_reads_it(run, tmp_path):
+    lines = np.arange(4.0, 33.0, 0.5)
+    test = ResponseFunctions(
+        source="hammer.toml",
+        title="hammer",
+        article="frame",
+        frequency=lines,
+        values=np.exp(1j * np.outer(lines, np.arange(1, 9)))[None],
+        drives=(Point(place="3", direction=(0, 0, -1)),),
+        responses=tuple(Point(place=str(number), direction=(1, 0, 0)) for number in range(8)),
+        band=(4.0, 32.0),
+    )
+    measured_functions.write(tmp_path / "hammer.unv", measured_functions.of_responses(test))
+    code, out, err = run("check", "hammer.unv")
+    assert (code, err) == (main.DONE, "")
+    assert "8 responses, 1 drives, acceleration" in out
+    assert "along -z; read at" in out
+    assert "and 2 more" in out
+    _, _, table = out.partition("A model reads it by\n\n")
+    assert run("check", "hammer.unv", "--json")[0] == main.DONE
+    (tmp_path / "frame.toml").write_text(f'format = 1\nmodel = {{ title = "f", article = "hammer" }}\n\n{table}')
+    assert "8 responses, 1 drives" in run("check", "frame.toml")[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("H.csv", "f,a\n1,2\n", "it is neither a test's description nor a universal file. Describe the test"),
+        (
+            "mesh.unv",
+            "    -1\n    15\n         1         0         0         0  0.0  0.0  0.0\n    -1\n",
+            "neither response functions (dataset 58) nor modes",
+        ),
+    ],
+)
+def test_a_file_that_is_no_test_by_itself_says_what_to_do(run, tmp_path, name, text, said):
+    (tmp_path / name).write_text(text)
+    code, _, err = run("check", name)
+    assert code == main.BAD_INPUT
+    assert said in " ".join(err.split())

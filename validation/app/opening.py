@@ -243,7 +243,7 @@ def faults(
                 continue
             found += [*map(of_error, seen.problems), *(Fault(file=path, problem=text, grave=False) for text in seen.warnings)]
         else:
-            _tried(found, partial(test_file.read if is_test(path) else _reduce, path))
+            _tried(found, partial(test_file.all_in, path, "") if is_test(path) else partial(_reduce, path))
     if not any(one.grave for one in found) and isinstance(known, Model) and (data or known.tests):
         # What contradicts what, of files that are sound by themselves
         _tried(found, lambda: read_data(data, known))

@@ -317,8 +317,8 @@ def league_command(names: tuple[str, ...], data: Path, studies: Path, as_json: b
     "--test",
     "tests",
     multiple=True,
-    metavar="TEST.toml",
-    help="A test of your own FE model: write the study of both. Repeatable.",
+    metavar="TEST",
+    help="A test of your own FE model, its TOML or a universal file: write the study of both. Repeatable.",
 )
 @click.option("--units", metavar="UNITS", help="Of a deck, such as mm-t-N-s; by default what its materials say.")
 @options.effects_from

@@ -110,23 +110,34 @@ def identify_command(ctx: click.Context, /, plot: bool, out: Path | None, as_jso
 def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool, out: Path | None) -> None:
     """What the folder CAMPAIGN holds: channels, runs, levels, noise, which motions and forces can be told. And all that is wrong.
 
-    CAMPAIGN may be the TOML file of a test of any structure, too, or of a model with its [[test]].
+    CAMPAIGN may be the TOML file of a test of any structure, too, or of a model with its [[test]], or a universal file of
+    response functions or modes: what is in it, and the table by which a model reads it.
 
     Exit code 0 when nothing is wrong, 1 when the data can be used but there are warnings to read, 2 when they cannot be used as
     they are.
     """
+    from identification import test_file
     from validation.cli.main import BAD_INPUT, FAILED_CHECK
     from validation.identify.check import require_measurement, summary
+    from validation.model import model_file
     from validation.output import print_json, require_ending, shown, to_json
     from validation.report import campaign as answer
     from validation.report.document import page
 
     if out is not None:
         require_ending(out, answer.FUNCTIONS, "what was measured", "out/H.unv")
-    if campaign.lower().endswith(".toml") and (tests := require_measurement(Path(campaign))) is not None:
+    tests, read_by = None, ""
+    if campaign.lower().endswith(".toml"):
+        tests = require_measurement(Path(campaign))
+    elif Path(campaign).is_file():
+        tests = test_file.all_in(campaign, Path(campaign).stem)
+        read_by = "\n\n".join(model_file.test_table(one) for one in test_file.tables(campaign, Path(campaign).stem))
+    if tests is not None:
         if view:
             raise BadInput(source="--view", problem="a test has no drawing of sensors", remedy="Leave it out")
         answer.show_tests(campaign, tests, as_json=as_json, out=out)
+        if read_by and not as_json:
+            click.echo(f"\nA model reads it by\n\n{read_by}")
         return
     with shown(f"reading {campaign}", quiet=as_json):
         found = summary(campaign)

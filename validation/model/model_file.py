@@ -487,9 +487,9 @@ def study_text(path: str, tests: Sequence[str], out: Path) -> str:
 
     tables, articles = list[dict[str, Any]](), dict[str, str]()
     for name in tests:
-        found = test_file.read(name)
-        articles.setdefault(found.article, name)
-        table = toml_file.read(name)
+        own = re.sub(r"[^A-Za-z0-9_-]+", "-", Path(path).stem)
+        for one in test_file.all_in(name, own):
+            articles.setdefault(one.article, name)
 
         def moved(value: Any, name: str = name) -> Any:
             if isinstance(value, str):
@@ -500,18 +500,22 @@ def study_text(path: str, tests: Sequence[str], out: Path) -> str:
                 else {key: moved(one) if key in ("file", "path") else one for key, one in value.items()}
             )
 
-        of_files = {key for key in ("shapes", "frequencies") if isinstance(table.get(key), dict)} | {"file", "files"}
-        changed: dict[str, Any] = {key: moved(table[key]) for key in of_files & table.keys()}
-        tables.append({key: changed.get(key, value) for key, value in table.items() if key not in ("format", "article")})
+        for table in test_file.tables(name, own):
+            of_files = {key for key in ("shapes", "frequencies") if isinstance(table.get(key), dict)} | {"file", "files"}
+            changed: dict[str, Any] = {key: moved(table[key]) for key in of_files & table.keys()}
+            tables.append({key: changed.get(key, value) for key, value in table.items() if key not in ("format", "article")})
     if len(articles) > 1:
         problem = f"they are of {' and of '.join(articles)}"
         raise BadInput(source="--test", problem=problem, remedy="Write a study for each")
     article = next(iter(articles), re.sub(r"[^A-Za-z0-9_-]+", "-", Path(path).stem))
     lines = ["format = 1", f"model = {{ title = {string(structure.name)}, article = {string(article)} }}"]
     lines.append(f"structure = {{ own = {{ {string(article)} = {string(seen(path, 'ARTICLE'))} }} }}")
-    for table in tables:
-        lines += ["", "[[test]]", *(f"{key} = {inline(value)}" for key, value in table.items())]
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, *("\n" + test_table(table) for table in tables)]) + "\n"
+
+
+def test_table(table: Mapping[str, Any]) -> str:
+    """A test as it stands in a model file."""
+    return "\n".join(["[[test]]", *(f"{key} = {inline(value)}" for key, value in table.items())])
 
 
 def inline(value: Any) -> str:

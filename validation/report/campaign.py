@@ -12,7 +12,8 @@ from geometry.atomic import write_folder
 from geometry.dynamic_mass import MOTIONS
 from geometry.errors import BadInput
 from geometry.frames import Array
-from geometry.sensors import SI
+from geometry.sensors import AXES as DIRECTIONS
+from geometry.sensors import SI, Point
 from geometry.toml_file import nearest
 from identification import campaign_file
 from identification.campaign import Campaign
@@ -249,6 +250,27 @@ def write_dynamic_mass(path: Path, campaign: Campaign) -> None:
     measured_functions.write(path, measured_functions.of_dynamic_mass(found.estimate.dynamic_mass, campaign.source, found.noise))
 
 
+MOST_PLACES = 6
+"""Places of a test that one line names. Held by tests/validation/test_check_command.py."""
+
+
+def _where(test: "ResponseFunctions | ModalTable") -> str:
+    """Where a test was driven and read, in words."""
+    from identification.response_functions import ResponseFunctions
+
+    def named(points: Sequence[Point]) -> str:
+        words = []
+        for one in points[:MOST_PLACES]:
+            along = next((key for key, axis in DIRECTIONS.items() if np.allclose(axis, one.direction)), "")
+            words.append(f"{one.place} along {along or np.asarray(one.direction).round(3).tolist()}")
+        more = len(points) - len(words)
+        return ", ".join(words) + (f" and {more} more" if more else "")
+
+    if isinstance(test, ResponseFunctions):
+        return f"driven at {named(test.drives)}; read at {named(test.responses)}"
+    return f"shapes read at {named(test.sensors)}" if test.sensors else ""
+
+
 def show_tests(name: str, tests: "Sequence[ResponseFunctions | ModalTable]", *, as_json: bool, out: Path | None) -> None:
     """Print what the `tests` of the file `name` hold; write the response functions of the one that has them to `out`.
 
@@ -281,6 +303,7 @@ def show_tests(name: str, tests: "Sequence[ResponseFunctions | ModalTable]", *, 
             row |= {"coherence": None if one.coherence is None else float(np.median(one.coherence))}
         rows.append(row)
     warnings = [f"{word}." for one in tests for word in one.warnings]
+    where = [f"{one.article}: {_where(one)}." for one in tests if _where(one)]
     if as_json:
         print_json({"source": name, "tests": to_json(rows), "warnings": warnings})
     else:
@@ -292,6 +315,6 @@ def show_tests(name: str, tests: "Sequence[ResponseFunctions | ModalTable]", *, 
             Column("to [Hz]", lambda row: row["to_hz"]),
             Column("coherence, median", lambda row: row["coherence"], ".3f"),
         )
-        click.echo(Document(title=name, blocks=[Table(columns=columns, rows=rows)], notes=warnings).text(), nl=False)
+        click.echo(Document(title=name, blocks=[Table(columns=columns, rows=rows)], notes=[*where, *warnings]).text(), nl=False)
     if out is not None:
         click.echo(f"massline: wrote {out}.", err=True)

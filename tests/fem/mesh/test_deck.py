@@ -208,6 +208,16 @@ def test_pieces_and_axes_that_are_not_there_are_named(text: str, ending: str, sa
     assert said in str(caught.value)
 
 
+def test_losses_of_materials_and_of_the_whole(tmp_path: Path) -> None:
+    for text, ending, wanted in (
+        (nastran("PARAM,G,0.01").replace("MAT1,1,210000.,,.3,7.85-6", "MAT1,1,210000.,,.3,7.85-6,,,.02"), "bdf", [0.03, 0.01]),
+        (abaqus().replace("*DENSITY\n2.7e-9", "*DENSITY\n2.7e-9\n*DAMPING, STRUCTURAL=0.04"), "inp", [None, 0.04]),
+    ):
+        (tmp_path / f"one.{ending}").write_text(text)
+        (tmp_path / "one.toml").write_text(deck.described(tmp_path / f"one.{ending}")[0])
+        assert [part.loss_factor for part in description.read(tmp_path / "one.toml").parts.values()] == wanted
+
+
 def test_an_abaqus_deck_in_pieces_is_the_same_structure(tmp_path: Path) -> None:
     whole = abaqus()
     nodes, rest = whole[: whole.index("*ELEMENT")], whole[whole.index("*ELEMENT") :]
