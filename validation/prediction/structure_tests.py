@@ -144,8 +144,8 @@ def tested(model: Model, article: str, tests: Sequence[Test]) -> effects.Nuisanc
         elif point.position is not None:
             rows[point.place] = place_rows(structure, point.position)[0]
         elif word == "node" and number.isdecimal() and structure.elements is not None:
-            if (there := structure.elements.numbered(int(number))) is not None:
-                rows[point.place] = there
+            there = structure.elements.numbered(int(number))
+            rows |= {} if there is None else {point.place: there}
     known = {name: row for name, row in structure.places.items() if name.replace("-", " ", 1) not in rows}  # dof-20 and dof 20
     structure = reduction.with_positions(replace(structure, places={**known, **rows}), model.positions)
     band = max(one.band[1] if isinstance(one, ResponseFunctions) else float(np.max(one.frequency)) for one in tests)
