@@ -272,7 +272,14 @@ _SIZES = {"BAR": 2, "ROD": 1, "TUBE": 2, "TUBE2": 2, "BOX": 4, "I": 6}
 
 
 def box_section(width: float, height: float, side: float, top: float) -> dict[str, float]:
-    """Area and second moments of a hollow rectangle, whose sides are `side` thick, top and bottom `top`; torsion after Bredt."""
+    """Area and second moments of a hollow rectangle, whose sides are `side` thick, top and bottom `top`; torsion after Bredt.
+
+    Raises
+    ------
+    ValueError : walls that leave no hollow.
+    """
+    if not (0 < 2 * side < width and 0 < 2 * top < height):
+        raise ValueError(f"walls of {side:g} and {top:g} leave no hollow in {width:g} by {height:g}")
     inner_width, inner_height = width - 2 * side, height - 2 * top
     middle = (width - side) * (height - top)
     return {
@@ -284,7 +291,14 @@ def box_section(width: float, height: float, side: float, top: float) -> dict[st
 
 
 def i_section(height: float, width: float, web: float, flange: float) -> dict[str, float]:
-    """Area and second moments of an I with two equal flanges; torsion after Saint-Venant, of thin strips."""
+    """Area and second moments of an I with two equal flanges; torsion after Saint-Venant, of thin strips.
+
+    Raises
+    ------
+    ValueError : flanges that leave no web.
+    """
+    if not (0 < web < width and 0 < 2 * flange < height):
+        raise ValueError(f"flanges of {flange:g} and a web of {web:g} make no I of {height:g} by {width:g}")
     between = height - 2 * flange
     return {
         "area": 2 * width * flange + between * web,
