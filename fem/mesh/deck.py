@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from fem.mesh import coordinates, files
-from fem.mesh.files import MeshFile, cards, keyword_of, real
+from fem.mesh.abaqus_parts import keyword_of
+from fem.mesh.files import MeshFile, cards, real
 from fem.user_model.units import KNOWN, UnitSystem, unit_system
 from geometry import toml_file
 from geometry.errors import BadInput
@@ -591,10 +592,12 @@ def _abaqus(path: Path, mesh: MeshFile) -> Deck:
             _abaqus_spring(deck, name, loose.get(o["ELSET"], []), rows, point)
         elif keyword == "RIGID BODY":
             riders = _called(mesh, options.get("NSET", options.get("ELSET", options.get("TIE NSET", ""))))
-            if (carrier := o.get("REF NODE", o.get("REFNODE", ""))).isdigit():
-                deck.ride(keyword, f"{keyword} {riders}", int(carrier), "123456", [riders])
+            carrier = o.get("REF NODE", o.get("REFNODE", ""))
+            there = _numbers(mesh, [int(carrier) if carrier.isdigit() else carrier]) if carrier else []
+            if len(there) == 1:
+                deck.ride(keyword, f"{keyword} {riders}", there[0], "123456", [riders])
             else:
-                deck.lose(name, "it has no number of a reference node")
+                deck.lose(name, "it has no reference node")
         elif keyword == "BOUNDARY":
             deck.boundary(rows)
         elif keyword in ("STEP", "END STEP"):

@@ -12,11 +12,12 @@ import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from fem.mesh import solids
+from fem.mesh import abaqus_parts, solids
+from fem.mesh.abaqus_parts import Line, keyword_of
 from fem.mesh.coordinates import BASIC, CARD, Coordinates
 from fem.solid.assembly import require_gmsh, session
 from geometry.errors import BadInput
@@ -185,27 +186,23 @@ def _lines(path: Path) -> Iterator[str]:
         yield from (line.rstrip("\r\n") for line in file)
 
 
-class Line(NamedTuple):
-    """A line of a deck, and the file and number that it has there."""
-
-    text: str
-    file: Path
-    number: int
-
-
 _BEGIN = re.compile(r"\s*BEGIN\s+(BULK|SUPER)\b(.*)", re.IGNORECASE)
 _INCLUDE = re.compile(r"\s*INCLUDE\s+(.*)", re.IGNORECASE)
 
 
-def deck_lines(path: Path, within: tuple[Path, ...] = ()) -> Iterator[Line]:
-    """Lines of a deck, those of files that it includes in their place.
+def deck_lines(path: Path) -> Iterator[Line]:
+    """Lines of a deck, those of files that it includes in their place, and of Abaqus without parts and instances.
 
     What a Nastran deck includes before BEGIN BULK are orders to the program, and are left alone.
 
     Raises
     ------
-    BadInput : an included file that is not there, or that includes itself.
+    BadInput : an included file that is not there, or that includes itself; see `abaqus_parts.flat`.
     """
+    return abaqus_parts.flat(_whole(path)) if path.suffix.lower() == ".inp" else _whole(path)
+
+
+def _whole(path: Path, within: tuple[Path, ...] = ()) -> Iterator[Line]:
     lines = iter([Line(text, path, number) for number, text in enumerate(_lines(path), start=1)])
     if (within or (path,))[0].suffix.lower() == ".inp":
         for line in lines:
@@ -248,7 +245,7 @@ def _included(name: str, line: Line, within: tuple[Path, ...]) -> Iterator[Line]
     if file.stat().st_size > LARGEST_FILE:
         problem = f"it includes {name!r}, which has {file.stat().st_size / 2**30:.3g} GiB"
         raise BadInput(source=str(line.file), field=field, problem=problem, remedy="Write a coarser mesh")
-    yield from deck_lines(file, within)
+    yield from _whole(file, within)
 
 
 # Abaqus and CalculiX: *NODE, *ELEMENT, *NSET and *ELSET, in free format.
@@ -286,17 +283,10 @@ _STATE = (
     "State it in the description, which `massline model` writes from a deck, and write left_out = [{0!r}] under [fe_model]; "
     "or take it out of the mesh"
 )
-_ABAQUS_MAKES = ("INSTANCE", "NGEN", "NFILL", "NCOPY", "ELGEN", "ELCOPY")
+_ABAQUS_MAKES = ("NGEN", "NFILL", "NCOPY", "ELGEN", "ELCOPY")
 """Keywords with nodes and elements that do not stand in the file."""
 
 _ABAQUS_KINDS = {word: kind for kind, words in _ABAQUS.items() for word in words}
-
-
-def keyword_of(line: str) -> tuple[str, dict[str, str]]:
-    """Keyword of a line of Abaqus that begins with one asterisk, and its options, all but their values in capitals."""
-    keyword, *words = (word.strip() for word in line.strip()[1:].split(","))
-    options = {key.strip().upper(): value.strip().strip('"') for key, _, value in (word.partition("=") for word in words)}
-    return " ".join(keyword.upper().split()), options
 
 
 def _abaqus(path: Path, left_out: LeftOut) -> _Raw:

@@ -218,6 +218,52 @@ def test_losses_of_materials_and_of_the_whole(tmp_path: Path) -> None:
         assert [part.loss_factor for part in description.read(tmp_path / "one.toml").parts.values()] == wanted
 
 
+def cae(place: str) -> str:
+    """The cantilever as Abaqus/CAE writes it: a part, its instance, the reference point and sets in the assembly."""
+    whole = abaqus()
+    head, _, rest = whole.partition("*ELEMENT, TYPE=MASS")
+    sections = rest[rest.index("*SOLID SECTION") :]
+    materials = rest[rest.index("*MATERIAL") : rest.index("*SOLID SECTION")]
+    nodes = "\n".join(line for line in head.splitlines() if not line.startswith(f"{HUB},"))
+    x, y, z = NODES[HUB]
+    sets = f"*NSET, NSET=Foot, INSTANCE=Beam-1\n{listed(FOOT)}*NSET, NSET=END, INSTANCE=Beam-1\n{listed(END)}"
+    mass = "*ELEMENT, TYPE=MASS, ELSET=HEAVY\n1, 1\n*MASS, ELSET=HEAVY\n1.5d-4\n"
+    stay = f"*ELEMENT, TYPE=SPRING1, ELSET=STAY\n2, Beam-1.{MIDDLE}\n*SPRING, ELSET=STAY\n3\n200.\n"
+    return (
+        f"*Heading\n** made\n*PART, NAME=Beam\n{nodes}\n{sections}\n*END PART\n*ASSEMBLY, NAME=Assembly\n"
+        f"*INSTANCE, NAME=Beam-1, PART=Beam\n{place}*END INSTANCE\n*NODE\n1, {x}, {y}, {z}\n"
+        f"*NSET, NSET=ref\n1,\n{sets}{mass}{stay}"
+        f"*RIGID BODY, REF NODE=ref, TIE NSET=END\n*END ASSEMBLY\n{materials}*BOUNDARY\nFoot, 1\nFoot, 2, 3\n"
+    )
+
+
+def test_a_deck_of_abaqus_cae_is_the_same_structure(tmp_path: Path) -> None:
+    one, other = frequencies(abaqus(), tmp_path, "inp"), frequencies(cae(""), tmp_path, "inp")
+    np.testing.assert_allclose(one, other, rtol=1e-12)
+
+
+def test_instances_stand_where_the_assembly_has_them(tmp_path: Path) -> None:
+    """Twice the same bar, shifted, and shifted and turned by a quarter about a line along z; sets by their instances."""
+    part = "*PART, NAME=bar\n*NODE\n1,0,0,0\n2,10,0,0\n*ELEMENT, TYPE=B31, ELSET=all\n1, 1, 2\n*NSET, NSET=tip\n2\n"
+    part += "*BEAM SECTION, SECTION=RECT, ELSET=all, MATERIAL=m\n2., 2.\n*END PART\n*ASSEMBLY, NAME=a\n"
+    one = "*INSTANCE, NAME=left, PART=bar\n5., 0., 0.\n*END INSTANCE\n"
+    two = "*INSTANCE, NAME=right, PART=bar\n0., 1., 0.\n0., 1., 0., 0., 1., 1., 90.\n*END INSTANCE\n"
+    rest = "*NSET, NSET=both\nleft.1, right.tip\n*END ASSEMBLY\n*MATERIAL, NAME=m\n*ELASTIC\n210000.,.3\n*DENSITY\n7.85e-9\n"
+    (tmp_path / "two.inp").write_text(f"{part}{one}{two}{rest}*BOUNDARY\nright.tip, ENCASTRE\nleft.1, 1, 3\n")
+    mesh = files.read(tmp_path / "two.inp")
+    assert mesh.node_tags.tolist() == [1, 2, 11, 12]
+    np.testing.assert_allclose(mesh.points, [[5, 0, 0], [15, 0, 0], [0, 1, 0], [0, 11, 0]], atol=1e-12)
+    assert set(mesh.groups) == {"left.all", "right.all"}
+    assert mesh.node_tags[mesh.nodes_of("both")].tolist() == [1, 12]
+    text, lost = deck.described(tmp_path / "two.inp")
+    assert '[fe_model.parts."right.all"]' in text
+    assert "supports: 1 node is held in some directions alone, such as node 1 in 123" in lost[0]
+    assert 'interface = ["right.tip"]' in text
+    (tmp_path / "two.inp").write_text(f"{part}{one.replace('PART=bar', 'PART=rod')}{rest}")
+    with pytest.raises(BadInput, match="of the part 'rod', which is not here"):
+        files.read(tmp_path / "two.inp")
+
+
 def test_an_abaqus_deck_in_pieces_is_the_same_structure(tmp_path: Path) -> None:
     whole = abaqus()
     nodes, rest = whole[: whole.index("*ELEMENT")], whole[whole.index("*ELEMENT") :]
