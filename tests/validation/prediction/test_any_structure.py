@@ -11,7 +11,9 @@ import pytest
 from scipy.linalg import eigh
 from scipy.sparse import csr_array
 
+from benchmarks import bench_scale
 from fem import gravity
+from fem.factorisers import factorise
 from fem.modes import fixed_base
 from fem.structure import Structure
 from geometry.dynamic_mass import MOTIONS
@@ -485,3 +487,33 @@ def test_a_weight_that_two_columns_share_must_be_stated() -> None:
     both = replace(tower, stiffness=tower.stiffness + brace, part_stiffness={**tower.part_stiffness, "brace": brace})
     with pytest.raises(BadInput, match="carried by other parts"):
         gravity.carried(both, "storey-2")
+
+
+def test_a_part_more_costs_what_one_costs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a plate cut into more parts no eigenproblem of the reduction is larger, and as many answers are asked a part."""
+    monkeypatch.setattr(bench_scale, "AROUND", 32)
+
+    def spent(count: int) -> tuple[int, float]:
+        """Largest of the eigenproblems that parts are changed in, and columns solved for each part."""
+        sizes, columns = [0], [0]
+
+        def noted(a: Array, b: Array) -> Any:
+            sizes.append(len(a))
+            return eigh(a, b)
+
+        class Noting:
+            def __init__(self, matrix: Any, *, definite: bool) -> None:
+                self.factor = factorise(matrix, definite=definite)
+
+            def solve(self, loads: Array) -> Any:
+                columns.append(loads.shape[1])
+                return self.factor.solve(loads)
+
+        monkeypatch.setattr(prediction_structure, "eigh", noted)
+        monkeypatch.setattr(prediction_structure, "factorise", Noting)
+        prediction_structure.by_itself(bench_scale.structure(bench_scale.strips(count)), bench_scale.BAND)
+        return max(sizes), sum(columns) / count
+
+    few, many = spent(4), spent(16)
+    assert 0 < many[0] <= 1.1 * few[0]
+    assert many[1] <= 1.1 * few[1]
