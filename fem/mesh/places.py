@@ -230,8 +230,8 @@ class Elements:
             raise ValueError(f"`part` must have elements, found {part!r}")
         return best
 
-    def unresolved(self, shapes: Array, squares: Array) -> dict[str, Array]:
-        """By part (k, k): how much too stiff its elements are to `shapes` (n, k), by jumps of strains.
+    def unresolved(self, shapes: Array, squares: Array, parts: tuple[str, ...] = ()) -> dict[str, Array]:
+        """By part, all or `parts`, (k, k): how much too stiff its elements are to `shapes` (n, k), by jumps of strains.
 
         [unit of shapes]² N/m; of part and mode it is the share of omega² that the mesh leaves unsure. `squares` (k,) are omega²
         of shapes that are modes, else 0: beams are exact between their ends but for what their own mass bends.
@@ -240,7 +240,7 @@ class Elements:
 
         whole = self.carried @ shapes
         found: dict[str, Array] = {}
-        for part in self.parts:
+        for part in parts or self.parts:
             nodes = np.unique(np.concatenate([block.nodes.ravel() for block in self.blocks if block.part == part]))
             own = (self.first[nodes][:, None] + SIX)[self.turning[nodes][:, None] | (SIX < 3)]
             moved, k = whole, shapes.shape[1]

@@ -22,7 +22,7 @@ from fem.damping import Damping, damping_per_mode, default_damping
 from fem.factorisers import factorise
 from fem.modes import Modes, fixed_base, floating_shift, lowest
 from fem.reduction import static_shapes
-from fem.structure import LOOSE, HeldBase, Sparse, Structure, hold, place_rows, position_of, restricted
+from fem.structure import LOOSE, Carrier, HeldBase, Sparse, Structure, hold, place_rows, position_of, restricted
 from fem.user_model.reading import UsersModel, is_model, load
 from geometry import routes
 from geometry.article import Article
@@ -34,7 +34,7 @@ from identification.campaign import Campaign
 from validation.effects.catalogue import There, there
 from validation.effects.effect import at_position, position
 from validation.effects.families.layer_damping import LAYER
-from validation.effects.stages import JointSprings, Matrices
+from validation.effects.stages import JointSprings, Kept, Matrices, Shares, each
 from validation.flexible.model import nearest_part
 from validation.flexible.modes import displacement
 from validation.model.model import RIGID, Model
@@ -134,13 +134,13 @@ def of_structure(
         viscous=on_base(own.viscous),
         structural=on_base(own.structural),
         places={name: np.hstack([there, own.places[name]]) for name, there in rides.items()},
-        parts={name: on_base(share) for name, share in own.parts.items()},
+        parts=each(own.parts, on_base),
         cog=np.asarray(cog, dtype=np.float64),
-        part_mass={name: _on_its_own(share, whole) for name, share in structure.part_mass.items()},
+        part_mass=each(_held(structure.part_mass, len(mass)), lambda share: _on_its_own(share, whole)),
         supports=own.supports,
         joints={name: replace(one, loads=np.pad(one.loads, ((0, 0), (BASE, 0)))) for name, one in own.joints.items()},
-        sections={name: (on_base(one), on_base(cubed)) for name, (one, cubed) in own.sections.items()},
-        unresolved={name: on_base(share) for name, share in own.unresolved.items()},
+        sections=each(own.sections, lambda both: (on_base(both[0]), on_base(both[1]))),
+        unresolved=each(own.unresolved, on_base),
         shells=own.shells,
         geometric=_congruent(sum(structure.geometric.values()), whole) if structure.geometric else np.zeros((0, 0)),
     )
@@ -268,8 +268,8 @@ def _on_shapes(
         viscous=viscous,
         structural=structural,
         places={name: row @ shapes for name, row in rows.items()},
-        parts={name: on_shapes(K) for name, K in _parts(structure).items()},
-        part_mass={name: on_shapes(M) for name, M in structure.part_mass.items()},
+        parts=each(_held(_parts(structure), shapes.shape[1]), on_shapes),
+        part_mass=each(_held(structure.part_mass, shapes.shape[1]), on_shapes),
         supports=structure.supports,
         joints={
             name: JointSprings(
@@ -280,11 +280,30 @@ def _on_shapes(
             for name, one in springs.items()
             if one is not None
         },
-        sections={name: (on_shapes(one), on_shapes(cubed)) for name, (one, cubed) in structure.sections.items()},
-        unresolved={} if structure.elements is None else _by_sheet(structure.elements.unresolved(free.expand(shapes), squares)),
+        sections=each(_held(structure.sections, shapes.shape[1]), lambda both: (on_shapes(both[0]), on_shapes(both[1]))),
+        unresolved={} if structure.elements is None else _unresolved(structure.elements, free.expand(shapes), squares),
         shells=() if structure.elements is None else tuple(_by_sheet(dict.fromkeys(structure.elements.shells, 0))),
         geometric=on_shapes(sum(structure.geometric.values())) if structure.geometric else np.zeros((0, 0)),
     )
+
+
+WHOLE = 1e9
+"""[B] that shares of parts on all coordinates may take, an eighth of what a structure of 300,000 degrees of freedom may; larger
+ones are made of what the mesh has of a part whenever they are asked for. Held by
+tests/validation/prediction/test_any_structure.py."""
+
+
+def _held(shares: Mapping[str, Kept], count: int) -> Mapping[str, Kept]:
+    """`shares`, of which on `count` coordinates each is made once, or when it is asked for."""
+    return shares if 8 * count**2 * len(shares) <= WHOLE else Shares(shares, shares.__getitem__)
+
+
+def _unresolved(elements: Carrier, whole: Array, squares: Array) -> Mapping[str, Array]:
+    """By part (k, k) how much too stiff the mesh is to shapes `whole` (n, k); see `fem.mesh.places.Elements.unresolved`."""
+    sheets = _held(_by_sheet({name: (name,) for name in elements.parts}), whole.shape[1])
+    if isinstance(sheets, Shares):
+        return each(sheets, lambda names: np.sum(list(elements.unresolved(whole, squares, names).values()), axis=0))
+    return _by_sheet(elements.unresolved(whole, squares))
 
 
 def _parts(structure: Structure) -> dict[str, Sparse]:

@@ -21,7 +21,7 @@ from geometry.frames import Array, rigid_transformation_6
 from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES, Named, acts, there
 from validation.effects.effect import Vocabulary
-from validation.effects.stages import Matrices
+from validation.effects.stages import Matrices, Shares, with_resonators
 from validation.model.model import Added
 from validation.prediction import effects
 from validation.prediction import structure as prediction_structure
@@ -517,3 +517,21 @@ def test_a_part_more_costs_what_one_costs(monkeypatch: pytest.MonkeyPatch) -> No
     few, many = spent(4), spent(16)
     assert 0 < many[0] <= 1.1 * few[0]
     assert many[1] <= 1.1 * few[1]
+
+
+def test_shares_that_would_fill_the_memory_are_made_when_they_are_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bench_scale, "AROUND", 32)
+    whole = bench_scale.structure(bench_scale.strips(8))
+    held = prediction_structure.by_itself(whole, bench_scale.BAND).matrices
+    monkeypatch.setattr(prediction_structure, "WHOLE", 0.0)
+    asked = prediction_structure.by_itself(whole, bench_scale.BAND).matrices
+    grown = [with_resonators(of, "corner", (2,), {"m": 0.1, "f": 50.0, "zeta": 0.01}) for of in (held, asked)]
+    for name in ("parts", "part_mass", "sections", "unresolved"):
+        for both in ((held, asked), grown):
+            kept, made = (getattr(one, name) for one in both)
+            assert isinstance(made, Shares)
+            assert list(made) == list(kept)
+            for part in kept:
+                np.testing.assert_allclose(made[part], kept[part], rtol=1e-9, atol=1e-9 * np.abs(kept[part]).max())
+    with pytest.raises(KeyError):
+        asked.parts["nothing"]
