@@ -225,6 +225,8 @@ def screened_resonators(data: Study, at: Candidate, menu: Sequence[Added], floor
     """Each resonator of `menu` at its best frequency and damping; `floor` as in a fit."""
     whole = data.problem((*at.effects, *menu))
     problem = replace(whole, predictions=tuple(one for one in whole.predictions if has_lines(one)))
+    if not problem.predictions:  # a table of modes has none
+        return []
     names = {f"{one.named.id}[m]": one for one in menu}
     of = screened(problem, at.fit, [name for name in names if name in problem.by_name], floor=floor)
     low, high = band(one.frequency for one in of.products)

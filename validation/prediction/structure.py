@@ -19,7 +19,7 @@ from scipy.sparse import csr_array
 from fem import damping as fem_damping
 from fem.base_excitation import rig
 from fem.damping import Damping, damping_per_mode, default_damping
-from fem.factorisers import factorise
+from fem.factorisers import Factor, factorise
 from fem.modes import Modes, fixed_base, floating_shift, lowest
 from fem.reduction import static_shapes
 from fem.structure import LOOSE, Carrier, HeldBase, Sparse, Structure, hold, place_rows, position_of, restricted
@@ -406,7 +406,14 @@ REACH = 1.5
 
 
 def bent_far(
-    structure: Structure, free: HeldBase, shapes: Array, frequency: Array, rows: Rows, band: float, shift: float = 0.0
+    structure: Structure,
+    free: HeldBase,
+    shapes: Array,
+    frequency: Array,
+    rows: Rows,
+    band: float,
+    shift: float = 0.0,
+    factor: Factor | None = None,
 ) -> Array:
     """`shapes` (f, n) with static answers beside them that make effects of any size right up to `band` [Hz].
 
@@ -414,9 +421,10 @@ def bent_far(
     ----------
     shapes : the modes of `frequency` (m,) first; all independent
     shift : [rad²/s²] s of A = K + s M
+    factor : of A, if there is one already
     """
     A = free.stiffness + shift * free.mass if shift else free.stiffness
-    factor = factorise(A.tocsc(), definite=True)
+    factor = factor or factorise(A.tocsc(), definite=True)
     chosen = frequency <= REACH * band
     swinging, omega = shapes[:, : len(frequency)][:, chosen], 2 * np.pi * frequency[chosen]
     top, first = 2 * np.pi * band, shapes.shape[1]
@@ -645,7 +653,9 @@ def by_itself(structure: Structure, band: float, *, damping: Damping | None = No
     used = damping or default_damping(structure)
     rows = _displacement(structure, free, NOWHERE, None)
     soft = 0.1 * float(values[0]) if rigid.size else 0.0
-    basis = bent_far(structure, free, np.hstack([vectors, rigid]), frequency, rows, band, soft)
+    factor = None if rigid.size else pairs.factor
+    del pairs, left  # of what floats the factors are others, and the first need not stay
+    basis = bent_far(structure, free, np.hstack([vectors, rigid]), frequency, rows, band, soft, factor)
     made = _on_shapes(structure, free, basis, rows, frequency, used)
     moves = np.zeros((6, basis.shape[1]))
     cog = np.zeros(3)

@@ -1,6 +1,8 @@
 """Candidates in closed form: aliases, resonators of every frequency, the smallest size that would be named."""
 
+from dataclasses import dataclass
 from math import expm1, inf
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -142,3 +144,13 @@ def test_many_candidates_are_screened_some_at_a_time_and_what_is_promised_is_the
     assert len(some) == len(together)
     for one in together:
         assert_allclose(some[one.added.named.id].evidence, one.evidence, rtol=1e-6, atol=1e-6)
+
+
+def test_no_resonator_is_looked_up_where_data_have_no_lines():
+    @dataclass(frozen=True)
+    class Table:
+        predictions: tuple[Any, ...] = ()
+
+    table: Any = SimpleNamespace(problem=lambda effects: Table())
+    stands: Any = SimpleNamespace(effects=(), fit=None)
+    assert candidates.screened_resonators(table, stands, [Added(named=parse("slosh:mast-top=m:0.1,f:9,zeta:0.01"))]) == []

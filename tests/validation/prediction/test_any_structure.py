@@ -535,3 +535,12 @@ def test_shares_that_would_fill_the_memory_are_made_when_they_are_asked_for(monk
                 np.testing.assert_allclose(made[part], kept[part], rtol=1e-9, atol=1e-9 * np.abs(kept[part]).max())
     with pytest.raises(KeyError):
         asked.parts["nothing"]
+
+
+def test_what_stands_on_the_ground_is_answered_with_the_factors_that_gave_its_modes(monkeypatch: pytest.MonkeyPatch) -> None:
+    def never(matrix: Any, *, definite: bool) -> Any:
+        raise AssertionError("factorised once more")
+
+    monkeypatch.setattr(prediction_structure, "factorise", never)
+    whole = frame("ground")
+    assert reduced(whole).mass.shape == standing("ground")[1].mass.shape
