@@ -25,6 +25,11 @@ class Carrier(Protocol):
     """A mesh that knows what moves a point of it."""
 
     @property
+    def parts(self) -> Mapping[str, Any]:
+        """Parts that have elements, and what they are made of."""
+        ...
+
+    @property
     def shells(self) -> tuple[str, ...]:
         """Parts that are shells."""
         ...
@@ -37,8 +42,8 @@ class Carrier(Protocol):
         """What each degree of freedom moves the node of that number in its file, (3, n); None where it has no such node."""
         ...
 
-    def unresolved(self, shapes: Array, squares: Array) -> dict[str, Array]:
-        """By part (k, k) how much too stiff its elements are to `shapes` (n, k), modes of omega² `squares` (k,) or of 0."""
+    def unresolved(self, shapes: Array, squares: Array, parts: tuple[str, ...] = ()) -> dict[str, Array]:
+        """By part, all or `parts`, (k, k) how much too stiff it is to `shapes` (n, k), modes of omega² `squares` (k,) or of 0."""
         ...
 
 

@@ -235,36 +235,43 @@ class Elements:
             raise ValueError(f"`part` must have elements, found {part!r}")
         return best
 
-    def unresolved(self, shapes: Array, squares: Array) -> dict[str, Array]:
-        """By part (k, k): how much too stiff its elements are to `shapes` (n, k), by jumps of strains.
+    def unresolved(self, shapes: Array, squares: Array, parts: tuple[str, ...] = ()) -> dict[str, Array]:
+        """By part, all or `parts`, (k, k): how much too stiff its elements are to `shapes` (n, k), by jumps of strains.
 
         [unit of shapes]² N/m; of part and mode it is the share of omega² that the mesh leaves unsure. `squares` (k,) are omega²
         of shapes that are modes, else 0: beams are exact between their ends but for what their own mass bends.
         """
         from scipy.sparse import csr_array
 
-        k, whole = shapes.shape[1], self.carried @ shapes
+        whole = self.carried @ shapes
         found: dict[str, Array] = {}
-        for part in self.parts:
-            for pieces in (self._solid_pieces(part, whole), self._shell_pieces(part, whole)):
+        for part in parts or self.parts:
+            nodes = np.unique(np.concatenate([block.nodes.ravel() for block in self.blocks if block.part == part]))
+            own = (self.first[nodes][:, None] + SIX)[self.turning[nodes][:, None] | (SIX < 3)]
+            moved, k = whole, shapes.shape[1]
+            if few := len(own) < k:  # of a small part each degree of freedom by itself
+                moved, k = np.zeros((len(whole), len(own))), len(own)
+                moved[own, np.arange(k)] = 1.0
+            for pieces in (self._solid_pieces(part, moved), self._shell_pieces(part, moved)):
                 if not pieces:
                     continue
-                corners, at = np.unique(np.concatenate([own.ravel() for own, _ in pieces]), return_inverse=True)
+                corners, at = np.unique(np.concatenate([each.ravel() for each, _ in pieces]), return_inverse=True)
                 total, weight, passed = np.zeros(()), np.zeros(len(corners)), 0
-                for own, made in pieces:
-                    where = at[passed : (passed := passed + own.size)]
+                for each, made in pieces:
+                    where = at[passed : (passed := passed + each.size)]
                     overlaps, strains = made()
-                    extents = np.repeat(overlaps.sum(axis=(1, 2)), own.shape[1])
-                    gather = csr_array((extents, (where, np.arange(own.size))), shape=(len(corners), own.size))
-                    total = total + gather @ strains.reshape(own.size, -1)
+                    extents = np.repeat(overlaps.sum(axis=(1, 2)), each.shape[1])
+                    gather = csr_array((extents, (where, np.arange(each.size))), shape=(len(corners), each.size))
+                    total = total + gather @ strains.reshape(each.size, -1)
                     weight += gather.sum(axis=1)
                 mean, energy, passed = total / weight[:, None], np.zeros((k, k)), 0
-                for own, made in pieces:
-                    where = at[passed : (passed := passed + own.size)]
+                for each, made in pieces:
+                    where = at[passed : (passed := passed + each.size)]
                     overlaps, strains = made()
                     jumps = mean[where].reshape(strains.shape) - strains
                     spread = np.einsum("cab,cbtm->catm", overlaps, jumps, optimize=True)
                     energy += jumps.reshape(-1, k).T @ spread.reshape(-1, k)
+                energy = whole[own].T @ energy @ whole[own] if few else energy
                 found[part] = found.get(part, 0.0) + (energy + energy.T) / 2
             if any(block.part == part and block.kind == LINE for block in self.blocks):
                 found[part] = found.get(part, 0.0) + self._bowed(part, whole * squares)

@@ -225,6 +225,8 @@ def screened_resonators(data: Study, at: Candidate, menu: Sequence[Added], floor
     """Each resonator of `menu` at its best frequency and damping; `floor` as in a fit."""
     whole = data.problem((*at.effects, *menu))
     problem = replace(whole, predictions=tuple(one for one in whole.predictions if has_lines(one)))
+    if not problem.predictions:  # a table of modes has none
+        return []
     names = {f"{one.named.id}[m]": one for one in menu}
     of = screened(problem, at.fit, [name for name in names if name in problem.by_name], floor=floor)
     low, high = band(one.frequency for one in of.products)
@@ -306,8 +308,16 @@ SWITCHED = 1.0
 """[1] Offset of a switch from on to off. By definition."""
 
 
+TOGETHER = 512
+"""[count] of candidates that are screened at a time: products of columns cost the square of their number, and each resonator is a
+coordinate of the matrices more, which cost the cube. Held by tests/validation/diagnosing/test_candidates.py."""
+
+
 def screen(data: Study, at: Candidate, menu: Sequence[Added]) -> tuple[Screened, ...]:
     """The candidates of `menu` on top of the candidate `at`, the most promising first."""
+    if len(menu) > TOGETHER:
+        groups = (menu[k : k + TOGETHER] for k in range(0, len(menu), TOGETHER))
+        return tuple(sorted((one for group in groups for one in screen(data, at, group)), key=lambda one: -one.evidence))
     known = {one.named.id for one in at.effects}
     left = [one for one in menu if one.named.id not in known]
     tolerances = in_the_fit(at.fit)

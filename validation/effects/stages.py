@@ -3,9 +3,10 @@
 Effects act in the order of the model file, stage by stage. Every noun is frozen; an equation returns a changed copy.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
+from typing import TypeVar
 
 import numpy as np
 
@@ -15,6 +16,35 @@ from geometry.frames import Array, frozen
 from validation.effects.effect import Values
 
 NOTHING: Mapping[str, Array] = MappingProxyType({})
+
+
+Kept = TypeVar("Kept")
+Changed = TypeVar("Changed")
+
+
+class Shares(Mapping[str, Kept]):
+    """Shares by part that are made whenever they are asked for: those of hundreds of parts would fill the memory."""
+
+    def __init__(self, names: Iterable[str], made: Callable[[str], Kept]) -> None:
+        self._names, self._made = dict.fromkeys(names), made
+
+    def __getitem__(self, name: str) -> Kept:
+        if name not in self._names:
+            raise KeyError(name)
+        return self._made(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+
+def each(shares: Mapping[str, Kept], change: Callable[[Kept], Changed]) -> Mapping[str, Changed]:
+    """`change` of every one of `shares`, made when it is asked for if they are."""
+    if isinstance(shares, Shares):
+        return Shares(shares, lambda name: change(shares[name]))
+    return {name: change(share) for name, share in shares.items()}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -279,6 +309,10 @@ def with_resonators(stage: Matrices, place: str, axes: tuple[int, ...], values: 
     )
     mass += m * rides.T @ rides
     own = np.arange(len(mass) - more, len(mass))
+
+    def square(share: Array) -> Array:
+        return _grown(share, more, more)
+
     stiffness[own, own] = omega**2 * m
     viscous[own, own] = 2 * values["zeta"] * omega * m
     return replace(
@@ -289,11 +323,11 @@ def with_resonators(stage: Matrices, place: str, axes: tuple[int, ...], values: 
         structural=structural,
         places={name: _grown(rows, 0, more) for name, rows in stage.places.items()},
         gradients={name: np.pad(rows, ((0, 0), (0, 0), (0, more))) for name, rows in stage.gradients.items()},
-        parts={name: _grown(share, more, more) for name, share in stage.parts.items()},
-        part_mass={name: _grown(share, more, more) for name, share in stage.part_mass.items()},
+        parts=each(stage.parts, square),
+        part_mass=each(stage.part_mass, square),
         joints={name: replace(one, loads=_grown(one.loads, 0, more)) for name, one in stage.joints.items()},
-        sections={name: (_grown(one, more, more), _grown(cubed, more, more)) for name, (one, cubed) in stage.sections.items()},
-        unresolved={name: _grown(share, more, more) for name, share in stage.unresolved.items()},
+        sections=each(stage.sections, lambda both: (square(both[0]), square(both[1]))),
+        unresolved=each(stage.unresolved, square),
         geometric=_grown(stage.geometric, more, more) if stage.geometric.size else stage.geometric,
         rigid=_grown(stage.rigid, 0, more),
     )

@@ -19,10 +19,10 @@ from scipy.sparse import csr_array
 from fem import damping as fem_damping
 from fem.base_excitation import rig
 from fem.damping import Damping, damping_per_mode, default_damping
-from fem.factorisers import factorise
+from fem.factorisers import Factor, factorise
 from fem.modes import Modes, fixed_base, floating_shift, lowest
 from fem.reduction import static_shapes
-from fem.structure import LOOSE, HeldBase, Sparse, Structure, hold, place_rows, position_of, restricted
+from fem.structure import LOOSE, Carrier, HeldBase, Sparse, Structure, hold, place_rows, position_of, restricted
 from fem.user_model.reading import UsersModel, is_model, load
 from geometry import routes
 from geometry.article import Article
@@ -34,7 +34,7 @@ from identification.campaign import Campaign
 from validation.effects.catalogue import There, there
 from validation.effects.effect import at_position, position
 from validation.effects.families.layer_damping import LAYER
-from validation.effects.stages import JointSprings, Matrices
+from validation.effects.stages import JointSprings, Kept, Matrices, Shares, each
 from validation.flexible.model import nearest_part
 from validation.flexible.modes import displacement
 from validation.model.model import RIGID, Model
@@ -134,13 +134,13 @@ def of_structure(
         viscous=on_base(own.viscous),
         structural=on_base(own.structural),
         places={name: np.hstack([there, own.places[name]]) for name, there in rides.items()},
-        parts={name: on_base(share) for name, share in own.parts.items()},
+        parts=each(own.parts, on_base),
         cog=np.asarray(cog, dtype=np.float64),
-        part_mass={name: _congruent(share, whole) for name, share in structure.part_mass.items()},
+        part_mass=each(_held(structure.part_mass, len(mass)), lambda share: _on_its_own(share, whole)),
         supports=own.supports,
         joints={name: replace(one, loads=np.pad(one.loads, ((0, 0), (BASE, 0)))) for name, one in own.joints.items()},
-        sections={name: (on_base(one), on_base(cubed)) for name, (one, cubed) in own.sections.items()},
-        unresolved={name: on_base(share) for name, share in own.unresolved.items()},
+        sections=each(own.sections, lambda both: (on_base(both[0]), on_base(both[1]))),
+        unresolved=each(own.unresolved, on_base),
         shells=own.shells,
         geometric=_congruent(sum(structure.geometric.values()), whole) if structure.geometric else np.zeros((0, 0)),
     )
@@ -256,7 +256,7 @@ def _on_shapes(
         _require_same(structural[:n, :n], modes.structural)
 
     def on_shapes(share: Sparse) -> Array:
-        return _congruent(restricted(share, free.free), shapes)
+        return _on_its_own(restricted(share, free.free), shapes)
 
     squares = np.pad((2 * np.pi * frequency) ** 2, (0, shapes.shape[1] - n))
     springs = {name: joint_springs(structure, name) for name in structure.joints}
@@ -268,8 +268,8 @@ def _on_shapes(
         viscous=viscous,
         structural=structural,
         places={name: row @ shapes for name, row in rows.items()},
-        parts={name: on_shapes(K) for name, K in _parts(structure).items()},
-        part_mass={name: on_shapes(M) for name, M in structure.part_mass.items()},
+        parts=each(_held(_parts(structure), shapes.shape[1]), on_shapes),
+        part_mass=each(_held(structure.part_mass, shapes.shape[1]), on_shapes),
         supports=structure.supports,
         joints={
             name: JointSprings(
@@ -280,11 +280,30 @@ def _on_shapes(
             for name, one in springs.items()
             if one is not None
         },
-        sections={name: (on_shapes(one), on_shapes(cubed)) for name, (one, cubed) in structure.sections.items()},
-        unresolved={} if structure.elements is None else _by_sheet(structure.elements.unresolved(free.expand(shapes), squares)),
+        sections=each(_held(structure.sections, shapes.shape[1]), lambda both: (on_shapes(both[0]), on_shapes(both[1]))),
+        unresolved={} if structure.elements is None else _unresolved(structure.elements, free.expand(shapes), squares),
         shells=() if structure.elements is None else tuple(_by_sheet(dict.fromkeys(structure.elements.shells, 0))),
         geometric=on_shapes(sum(structure.geometric.values())) if structure.geometric else np.zeros((0, 0)),
     )
+
+
+WHOLE = 1e9
+"""[B] that shares of parts on all coordinates may take, an eighth of what a structure of 300,000 degrees of freedom may; larger
+ones are made of what the mesh has of a part whenever they are asked for. Held by
+tests/validation/prediction/test_any_structure.py."""
+
+
+def _held(shares: Mapping[str, Kept], count: int) -> Mapping[str, Kept]:
+    """`shares`, of which on `count` coordinates each is made once, or when it is asked for."""
+    return shares if 8 * count**2 * len(shares) <= WHOLE else Shares(shares, shares.__getitem__)
+
+
+def _unresolved(elements: Carrier, whole: Array, squares: Array) -> Mapping[str, Array]:
+    """By part (k, k) how much too stiff the mesh is to shapes `whole` (n, k); see `fem.mesh.places.Elements.unresolved`."""
+    sheets = _held(_by_sheet({name: (name,) for name in elements.parts}), whole.shape[1])
+    if isinstance(sheets, Shares):
+        return each(sheets, lambda names: np.sum(list(elements.unresolved(whole, squares, names).values()), axis=0))
+    return _by_sheet(elements.unresolved(whole, squares))
 
 
 def _parts(structure: Structure) -> dict[str, Sparse]:
@@ -341,6 +360,8 @@ def _symmetric(matrix: Array) -> Array:
 # (2001), 517); in between Rayleigh's quotient is wrong by the square of what is left out. What springs few degrees of freedom,
 # as supports and joints do, is pulled along each of its own springs, too. Every pull is measured by the change of a mode that
 # it makes, so that one number says what may be left out. All is orthonormal in A = K, or in K + s M where the structure floats.
+# Parts are answered one by one, beside the modes and what places ask for, and only what the modes of its changes have of its
+# answers is put together: what a part costs does not grow with the number of the others.
 
 LEFT_OUT = 1e-3
 """Share of the change that a pull makes, by energy, that may lie outside the basis."""
@@ -363,7 +384,7 @@ SLIGHT = 0.03
 """Share of the largest change of a squared frequency below which that of a mode is not measured by itself. Held by
 tests/validation/prediction/test_any_structure.py."""
 
-SURE = 1.25
+SURE = 1.5
 """[factor] by which what is left over is taken for more than it is, for K^-1 is not that of the changed structure. Held by
 tests/validation/prediction/test_any_structure.py."""
 
@@ -385,7 +406,14 @@ REACH = 1.5
 
 
 def bent_far(
-    structure: Structure, free: HeldBase, shapes: Array, frequency: Array, rows: Rows, band: float, shift: float = 0.0
+    structure: Structure,
+    free: HeldBase,
+    shapes: Array,
+    frequency: Array,
+    rows: Rows,
+    band: float,
+    shift: float = 0.0,
+    factor: Factor | None = None,
 ) -> Array:
     """`shapes` (f, n) with static answers beside them that make effects of any size right up to `band` [Hz].
 
@@ -393,61 +421,27 @@ def bent_far(
     ----------
     shapes : the modes of `frequency` (m,) first; all independent
     shift : [rad²/s²] s of A = K + s M
+    factor : of A, if there is one already
     """
     A = free.stiffness + shift * free.mass if shift else free.stiffness
-    factor = factorise(A.tocsc(), definite=True)
+    factor = factor or factorise(A.tocsc(), definite=True)
     chosen = frequency <= REACH * band
     swinging, omega = shapes[:, : len(frequency)][:, chosen], 2 * np.pi * frequency[chosen]
     top, first = 2 * np.pi * band, shapes.shape[1]
     root = np.linalg.cholesky(shapes.T @ (A @ shapes))
-    basis = np.asarray(np.linalg.solve(root, shapes.T).T, dtype=np.float64)  # orthonormal in A, as all that is added
+    common = np.asarray(np.linalg.solve(root, shapes.T).T, dtype=np.float64)  # orthonormal in A, as all that is added
 
-    def add(pull: Array) -> None:
-        """Put what is new in the static answer to `pull` (f, c) into the basis."""
-        nonlocal basis
-        static = np.asarray(factor.solve(pull), dtype=np.float64)
+    def new(basis: Array, static: Array) -> Array:
+        """What counts of `static` (f, c) outside `basis`: columns orthogonal in A, as long as they count."""
         left = static - basis @ (basis.T @ (A @ static))
         left -= basis @ (basis.T @ (A @ left))
         square, directions = np.linalg.eigh(left.T @ (A @ left))
         room = len(basis) - basis.shape[1]  # a small structure has no more than its degrees of freedom
-        kept = (square > LEFT_OUT) & (np.arange(len(square)) >= len(square) - room)
-        basis = np.hstack([basis, left @ directions[:, kept] / np.sqrt(square[kept])])
+        return np.asarray(left @ directions[:, (square > LEFT_OUT) & (np.arange(len(square)) >= len(square) - room)])
 
-    for row in rows.values():
-        moved = np.sum((row @ swinging) ** 2, axis=1)
-        mass = 1 / np.maximum(moved, SMALL * moved.max() + LEAST)
-        add(row.T * top * np.sqrt(HEAVIEST * mass))
-    ties = (*structure.supports, *structure.joints)
-    springs = {name: _springs(restricted(structure.part_stiffness[name], free.free)) for name in ties}
-    few = {name: one for name, one in springs.items() if one is not None}
-    answers = basis[:, first:]  # of places, to which a change of a part answers again: most of what is read where little moves
-    for name, K in _parts(structure).items() if answers.size else ():
-        own = restricted(K, free.free)
-        strain, directions = np.linalg.eigh(answers.T @ (own @ answers))
-        if name not in few and strain[-1] > LEFT_OUT:
-            add(SOFTER * own @ (answers @ directions[:, strain > LEFT_OUT]))
-    for one in few.values():
-        add(one)
-    shares = [(K, 0) for name, K in _parts(structure).items() if name not in (*few, *structure.sections)]
-    shares += [(K, 0) for both in structure.sections.values() for K in both]
-    shares += [(M, 2) for M in structure.part_mass.values()]
-    shares += [(K, 0) for K in structure.geometric.values()]
-    for share, power in shares:
-        own = restricted(share, free.free)
-        pull = (own @ swinging) * omega**power
-        work = np.abs(np.sum(swinging * pull, axis=0))
-        add(pull / np.sqrt(np.maximum(work, FAINT * omega**2)))
-    none = csr_array(free.stiffness.shape)
-    changes: list[tuple[Sparse, Sparse]] = []
-    for name, share in _parts(structure).items():
-        own = restricted(share, free.free)
-        changes += [(size * own, none) for size in (FAR_SUPPORT if name in structure.supports else FAR)]
-    for name, both in structure.sections.items():
-        one, cubed = (restricted(share, free.free) for share in both)
-        heavy = restricted(structure.part_mass[name], free.free) if name in structure.part_mass else none
-        changes += [(size * one + ((1 + size) ** 3 - 1) * cubed, size * heavy) for size in FAR_THICKNESS]
-    changes += [(none, size * restricted(share, free.free)) for share in structure.part_mass.values() for size in FAR]
-    K, M = (basis.T @ (whole @ basis) for whole in (free.stiffness, free.mass))
+    def grown(basis: Array, more: Array) -> Array:
+        """`basis` and what is `new` to it."""
+        return np.hstack([basis, more / np.sqrt(np.sum(more * (A @ more), axis=0))])
 
     def swings(K: Array, M: Array) -> tuple[Array, Array]:
         """Squares of circular frequencies, ascending, and shapes of unit mass; static answers without mass swing at none."""
@@ -455,20 +449,63 @@ def bent_far(
         share = np.maximum(share[::-1], np.finfo(np.float64).eps ** 2 * share[-1])
         return 1 / share - shift, shape[:, ::-1] / np.sqrt(share)
 
-    for dK, dM in changes:
-        known, _ = swings(K, M)
-        for _ in range(ROUNDS):
-            square, shape = swings(K + _on_its_own(dK, basis), M + _on_its_own(dM, basis))
-            low = np.flatnonzero((square > SMALL * top**2) & (square <= top**2))
-            moved = np.abs(square[low] - known[low])
-            if not moved.any():
-                break
-            phi, count = basis @ shape[:, low], basis.shape[1]
-            left = free.stiffness @ phi + dK @ phi - (free.mass @ phi + dM @ phi) * square[low]
-            add(SURE * left / np.sqrt(np.maximum(moved, SLIGHT * moved.max())))
-            if basis.shape[1] == count:
-                break
-            K, M = (_bordered(old, basis, whole) for old, whole in ((K, free.stiffness), (M, free.mass)))
+    for row in rows.values():
+        moved = np.sum((row @ swinging) ** 2, axis=1)
+        mass = 1 / np.maximum(moved, SMALL * moved.max() + LEAST)
+        common = grown(common, new(common, np.asarray(factor.solve(row.T * top * np.sqrt(HEAVIEST * mass)))))
+    answers = common[:, first:]  # of places, to which a change of a part answers again: most of what is read where little moves
+    wholes = [(common.T @ (one @ common), one) for one in (free.stiffness, free.mass)]
+    parts, none = _parts(structure), csr_array(free.stiffness.shape)
+
+    def answered(name: str) -> Array:
+        """Answers (f, c) to all that may become of a part, beside modes and places."""
+        basis, found = common, [common[:, :0]]
+
+        def add(pull: Array) -> Array:
+            nonlocal basis
+            more = new(basis, np.asarray(factor.solve(pull), dtype=np.float64))
+            basis = grown(basis, more)
+            return more
+
+        by_kind = (parts, structure.part_mass, structure.geometric)
+        own, heavy, weighed = (restricted(of[name], free.free) if name in of else none for of in by_kind)
+        both = [restricted(share, free.free) for share in structure.sections.get(name, ())]
+        springs = _springs(own) if name in (*structure.supports, *structure.joints) else None
+        if springs is not None:
+            found.append(add(springs))
+        elif answers.size and own.nnz:
+            strain, directions = np.linalg.eigh(answers.T @ (own @ answers))
+            found.append(add(SOFTER * own @ (answers @ directions[:, strain > LEFT_OUT])))
+        stiff = [*both, weighed] if both or springs is not None else [own, weighed]
+        for share, power in (*((share, 0) for share in stiff if share.nnz), *([(heavy, 2)] if heavy.nnz else [])):
+            pull = (share @ swinging) * omega**power
+            work = np.abs(np.sum(swinging * pull, axis=0))
+            found.append(add(pull / np.sqrt(np.maximum(work, FAINT * omega**2))))
+        changes = [(size * own, none) for size in (FAR_SUPPORT if name in structure.supports else FAR) if own.nnz]
+        for size in FAR_THICKNESS if both else ():
+            changes.append((size * both[0] + ((1 + size) ** 3 - 1) * both[1], size * heavy))
+        changes += [(none, size * heavy) for size in FAR if heavy.nnz]
+        K, M = (_bordered(*one, basis) for one in wholes)
+        for dK, dM in changes:
+            known, bent = swings(K, M)[0], common[:, :0]
+            for count in range(ROUNDS + 1):
+                square, shape = swings(K + _on_its_own(dK, basis), M + _on_its_own(dM, basis))
+                low = np.flatnonzero((square > SMALL * top**2) & (square <= top**2))
+                moved = np.abs(square[low] - known[low])
+                if not moved.any():
+                    break
+                bent = SURE * basis @ shape[:, low] / np.sqrt(np.maximum(moved, SLIGHT * moved.max()))
+                left = free.stiffness @ bent + dK @ bent - (free.mass @ bent + dM @ bent) * square[low]
+                if count == ROUNDS or not add(left).size:
+                    break
+                K, M = (_bordered(old, one, basis) for old, (_, one) in zip((K, M), wholes, strict=True))
+            found.append(bent)
+        return new(common, np.hstack(found))
+
+    basis = common
+    ties = (*structure.supports, *structure.joints)
+    for name in dict.fromkeys([*ties, *parts, *structure.sections, *structure.part_mass, *structure.geometric]):
+        basis = grown(basis, new(basis, answered(name)))
     return np.hstack([shapes, top * basis[:, first:]])
 
 
@@ -476,10 +513,10 @@ def _on_its_own(share: Sparse, basis: Array) -> Array:
     """(k, k) of the share of a part on `basis` (f, k), of whose rows most are none of its."""
     found = share.tocsr()
     own = np.flatnonzero(np.diff(found.indptr))
-    return np.asarray(basis[own].T @ (found[own][:, own] @ basis[own]))
+    return _congruent(found[own][:, own], basis[own])
 
 
-def _bordered(old: Array, basis: Array, whole: Sparse) -> Array:
+def _bordered(old: Array, whole: Sparse, basis: Array) -> Array:
     """`whole` on `basis` (f, k), of which `old` is it on the first columns."""
     n = len(old)
     side = basis.T @ (whole @ basis[:, n:])
@@ -616,7 +653,9 @@ def by_itself(structure: Structure, band: float, *, damping: Damping | None = No
     used = damping or default_damping(structure)
     rows = _displacement(structure, free, NOWHERE, None)
     soft = 0.1 * float(values[0]) if rigid.size else 0.0
-    basis = bent_far(structure, free, np.hstack([vectors, rigid]), frequency, rows, band, soft)
+    factor = None if rigid.size else pairs.factor
+    del pairs, left  # of what floats the factors are others, and the first need not stay
+    basis = bent_far(structure, free, np.hstack([vectors, rigid]), frequency, rows, band, soft, factor)
     made = _on_shapes(structure, free, basis, rows, frequency, used)
     moves = np.zeros((6, basis.shape[1]))
     cog = np.zeros(3)

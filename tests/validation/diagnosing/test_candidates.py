@@ -1,12 +1,16 @@
 """Candidates in closed form: aliases, resonators of every frequency, the smallest size that would be named."""
 
+from dataclasses import dataclass
 from math import expm1, inf
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from benchmarks.bench_scale import MODEL, campaign
+from validation.diagnose import candidates
 from validation.diagnose.candidates import OCCAM, TINY, TINY_AT, band, detectable, shape, share
 from validation.diagnose.diagnosis import Screened
 from validation.effects.catalogue import parse
@@ -14,6 +18,8 @@ from validation.effects.effect import evidence_threshold
 from validation.estimation.problem import EFFECT, Parameter
 from validation.estimation.screening import POWER, ScoreTest
 from validation.model.model import Added
+from validation.prediction.series import predictions
+from validation.study import Study
 
 
 def fisher(*columns: np.ndarray) -> np.ndarray:
@@ -119,3 +125,32 @@ def test_what_is_hardly_told_is_left_out():
     assert vague.detectable(inf, 8.0) > 1000
     found = screened("fmd-compliance:lateral=2", vague, nominal=1.0, logarithmic=True)
     assert detectable([Screened(added=found.added, evidence=0.0, told=vague, plausible=1e6, parameter=found.parameter)]) == ()
+
+
+def test_many_candidates_are_screened_some_at_a_time_and_what_is_promised_is_the_same(monkeypatch: pytest.MonkeyPatch):
+    of = Study(model=MODEL, campaigns=(campaign(),), made=predictions(MODEL, (campaign(),), lines=np.linspace(8.0, 16.0, 40)))
+    base, menu = candidates.baseline(of), candidates.candidates(of)
+    together, sizes, problem = candidates.screen(of, base, menu), [], Study.problem
+
+    def noted(data: Study, effects: Any) -> Any:
+        sizes.append(len(effects))
+        return problem(data, effects)
+
+    monkeypatch.setattr(Study, "problem", noted)
+    monkeypatch.setattr(candidates, "TOGETHER", 50)
+    some = {one.added.named.id: one for one in candidates.screen(of, base, menu)}
+    assert len(menu) > 100
+    assert max(sizes) <= 50
+    assert len(some) == len(together)
+    for one in together:
+        assert_allclose(some[one.added.named.id].evidence, one.evidence, rtol=1e-6, atol=1e-6)
+
+
+def test_no_resonator_is_looked_up_where_data_have_no_lines():
+    @dataclass(frozen=True)
+    class Table:
+        predictions: tuple[Any, ...] = ()
+
+    table: Any = SimpleNamespace(problem=lambda effects: Table())
+    stands: Any = SimpleNamespace(effects=(), fit=None)
+    assert candidates.screened_resonators(table, stands, [Added(named=parse("slosh:mast-top=m:0.1,f:9,zeta:0.01"))]) == []

@@ -11,7 +11,9 @@ import pytest
 from scipy.linalg import eigh
 from scipy.sparse import csr_array
 
+from benchmarks import bench_scale
 from fem import gravity
+from fem.factorisers import factorise
 from fem.modes import fixed_base
 from fem.structure import Structure
 from geometry.dynamic_mass import MOTIONS
@@ -19,7 +21,7 @@ from geometry.frames import Array, rigid_transformation_6
 from validation.effects import catalogue
 from validation.effects.catalogue import FAMILIES, Named, acts, there
 from validation.effects.effect import Vocabulary
-from validation.effects.stages import Matrices
+from validation.effects.stages import Matrices, Shares, with_resonators
 from validation.model.model import Added
 from validation.prediction import effects
 from validation.prediction import structure as prediction_structure
@@ -485,3 +487,60 @@ def test_a_weight_that_two_columns_share_must_be_stated() -> None:
     both = replace(tower, stiffness=tower.stiffness + brace, part_stiffness={**tower.part_stiffness, "brace": brace})
     with pytest.raises(BadInput, match="carried by other parts"):
         gravity.carried(both, "storey-2")
+
+
+def test_a_part_more_costs_what_one_costs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a plate cut into more parts no eigenproblem of the reduction is larger, and as many answers are asked a part."""
+    monkeypatch.setattr(bench_scale, "AROUND", 32)
+
+    def spent(count: int) -> tuple[int, float]:
+        """Largest of the eigenproblems that parts are changed in, and columns solved for each part."""
+        sizes, columns = [0], [0]
+
+        def noted(a: Array, b: Array) -> Any:
+            sizes.append(len(a))
+            return eigh(a, b)
+
+        class Noting:
+            def __init__(self, matrix: Any, *, definite: bool) -> None:
+                self.factor = factorise(matrix, definite=definite)
+
+            def solve(self, loads: Array) -> Any:
+                columns.append(loads.shape[1])
+                return self.factor.solve(loads)
+
+        monkeypatch.setattr(prediction_structure, "eigh", noted)
+        monkeypatch.setattr(prediction_structure, "factorise", Noting)
+        prediction_structure.by_itself(bench_scale.structure(bench_scale.strips(count)), bench_scale.BAND)
+        return max(sizes), sum(columns) / count
+
+    few, many = spent(4), spent(16)
+    assert 0 < many[0] <= 1.1 * few[0]
+    assert many[1] <= 1.1 * few[1]
+
+
+def test_shares_that_would_fill_the_memory_are_made_when_they_are_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bench_scale, "AROUND", 32)
+    whole = bench_scale.structure(bench_scale.strips(8))
+    held = prediction_structure.by_itself(whole, bench_scale.BAND).matrices
+    monkeypatch.setattr(prediction_structure, "WHOLE", 0.0)
+    asked = prediction_structure.by_itself(whole, bench_scale.BAND).matrices
+    grown = [with_resonators(of, "corner", (2,), {"m": 0.1, "f": 50.0, "zeta": 0.01}) for of in (held, asked)]
+    for name in ("parts", "part_mass", "sections", "unresolved"):
+        for both in ((held, asked), grown):
+            kept, made = (getattr(one, name) for one in both)
+            assert isinstance(made, Shares)
+            assert list(made) == list(kept)
+            for part in kept:
+                np.testing.assert_allclose(made[part], kept[part], rtol=1e-9, atol=1e-9 * np.abs(kept[part]).max())
+    with pytest.raises(KeyError):
+        asked.parts["nothing"]
+
+
+def test_what_stands_on_the_ground_is_answered_with_the_factors_that_gave_its_modes(monkeypatch: pytest.MonkeyPatch) -> None:
+    def never(matrix: Any, *, definite: bool) -> Any:
+        raise AssertionError("factorised once more")
+
+    monkeypatch.setattr(prediction_structure, "factorise", never)
+    whole = frame("ground")
+    assert reduced(whole).mass.shape == standing("ground")[1].mass.shape
