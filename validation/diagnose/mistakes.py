@@ -541,8 +541,8 @@ def _of_functions(one: ResponseFunctionTest, units: Mapping[str, Mapping[str, fl
 
     due = at(one, warped).at({})
     unsure, p = tolerated(due, one.parameters), due.rows[..., 0]
-    every = (some.reshape(-1, c) for some in (y, p, noise, unsure))
-    causes = _of_channels(one, *every, units, warped, predicted)
+    off = noise.reshape(-1, c), unsure.reshape(-1, c)
+    causes = _of_channels(one, y.reshape(-1, c), p.reshape(-1, c), *off, units, warped, predicted)
     p = predicted(with_causes(causes), warped)
     for r, drive in enumerate(one.drives):
         # The factor of a line would hide where the force acted: here its sign counts
@@ -666,7 +666,7 @@ def _of_channels(
         return []
     size = np.sqrt(np.mean(np.abs(p) ** 2, axis=1, keepdims=True))
     kept = size[:, 0] > TINY
-    y, p, noise, unsure = (some[kept] / size[kept] for some in (y, p, noise, unsure))
+    y, p, noise, unsure = y[kept] / size[kept], p[kept] / size[kept], noise[kept] / size[kept], unsure[kept] / size[kept]
     factors = _shared_factor(y, p)
     scaled = y / factors[:, None]
     # By how much a sound model is off may be far less than is allowed for; most channels say it

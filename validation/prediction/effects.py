@@ -450,7 +450,7 @@ class Nuisances:
         return _Now(of=self, matrices=made, E=E, D=D, uncoupled=C, lost=S, losses=losses, offsets=offsets)
 
     def coupling(self, offsets: Offsets) -> tuple[Array, Array]:
-        """(k, k) structural and viscous damping by which pairs of modes lose together at `offsets` beside what their parts say."""
+        """(k, k) structural and viscous damping by which pairs of modes lose together at `offsets`, beside what parts say."""
         made, b = {field: np.zeros_like(self.nominal.mass) for field in ("structural", "viscous")}, self.nominal.base
         for r, s in self.pairs:
             if change := offsets.get(f"coupling:{self.configuration}:{r + 1}:{s + 1}", 0.0):
