@@ -431,9 +431,9 @@ def table(folder: Path, bench: Bench, fault: tuple[str, str, float] | None, seed
                 r3=along[:, 2],
                 load_case=0,
                 mode_n=k + 1,
-                freq=made.frequency[r] * (1 + 0.001 * draw.standard_normal()),
+                freq=float(made.frequency[r] * (1 + 0.001 * draw.standard_normal())),
                 modal_m=1.0,
-                modal_damp_vis=made.losses[r] / 2 * (1 + 0.1 * draw.standard_normal()),
+                modal_damp_vis=float(made.losses[r] / 2 * (1 + 0.1 * draw.standard_normal())),
                 modal_damp_his=0.0,
                 node_nums=np.arange(1, len(nodes) + 1),
             )
@@ -687,7 +687,7 @@ def storeys() -> Bench:
         parts = {}
         for part, bars in members.items():
             _, _, up, b, h, _ = bars[0]
-            parts[part] = f'{of("steel")}\nsection = {{ width = "{b} mm", height = "{h} mm" }}\nz_axis = {list(up)}'
+            parts[part] = f'{of("steel")}\nsection = {{ width = "{b} mm", height = "{h} mm", z_axis = {list(up)} }}'
         more = []
         for k in range(4):
             x, y, z = nodes[f"g{k + 1}"]

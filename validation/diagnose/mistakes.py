@@ -26,6 +26,7 @@ from identification.quality import NORMAL_90
 from validation.diagnose.diagnosis import Cause, EffectEstimate
 from validation.effects.catalogue import Named
 from validation.effects.effect import INDISTINGUISHABLE_NATS
+from validation.estimation.problem import Parameter, Predicted
 from validation.model.model import Added
 from validation.prediction.modal_table import TableShapes
 from validation.prediction.response_functions import FORCE_CHANNEL, ResponseFunctionTest
@@ -96,7 +97,7 @@ class LowFrequencyReadings:
     reading : (m, c) y
     expected : (m, c) p, by the other channels and the model
     noise : (m, c)
-    unsure : (m, c) what base motions that nobody measured may add to what is expected
+    unsure : (m, c) what base motions that nobody measured, or tolerances, may add to what is expected
     """
 
     name: str
@@ -501,8 +502,9 @@ def mistakes_of_tests(data: Study) -> tuple[Cause, ...]:
         if isinstance(one, ResponseFunctionTest):
             found.append(_of_functions(one, UNITS))
         elif isinstance(one, TableShapes):
-            shapes = one.at({}, derivatives=False).rows[:, 0, :, 0]
-            found.append(_of_channels(one, one.measured.values[:, 0], shapes, one.measured.noise[:, 0], UNITS))
+            shapes = one.at({})
+            unsure, rows = tolerated(shapes, one.parameters)[:, 0], shapes.rows[:, 0, :, 0]
+            found.append(_of_channels(one, one.measured.values[:, 0], rows, one.measured.noise[:, 0], unsure, UNITS))
         else:
             found.append([])
     said = [{cause.id for cause in causes} for causes in found]
@@ -522,11 +524,13 @@ def _of_functions(one: ResponseFunctionTest, units: Mapping[str, Mapping[str, fl
     lines = np.unique(np.linspace(0, len(measured.frequency) - 1, ROWS).round().astype(np.int64))
     y, noise = measured.values[:, lines], measured.noise[:, lines]
 
-    def predicted(of: ResponseFunctionTest, frequency: Array) -> ComplexArray:
+    def at(of: ResponseFunctionTest, frequency: Array) -> ResponseFunctionTest:
         whole = np.zeros((len(y), len(frequency), y.shape[2]))
         moved = replace(measured, frequency=frequency, values=whole.astype(np.complex128), noise=whole + 1.0)
-        moved = replace(moved, inputs=np.ones((len(y), len(frequency), 1), dtype=np.complex128))
-        return np.asarray(replace(of, measured=moved).at({}, derivatives=False).rows[..., 0])
+        return replace(of, measured=replace(moved, inputs=np.ones((len(y), len(frequency), 1), dtype=np.complex128)))
+
+    def predicted(of: ResponseFunctionTest, frequency: Array) -> ComplexArray:
+        return np.asarray(at(of, frequency).at({}, derivatives=False).rows[..., 0])
 
     wide = np.geomspace(measured.frequency[0] * np.exp(-WARPED), measured.frequency[-1] * np.exp(WARPED), 4 * ROWS)
     warped = _warped(measured.frequency, measured.values, wide, predicted(one, wide))(measured.frequency[lines])
@@ -535,8 +539,10 @@ def _of_functions(one: ResponseFunctionTest, units: Mapping[str, Mapping[str, fl
     def with_causes(causes: Sequence[Cause]) -> ResponseFunctionTest:
         return one.with_effects((*one.effects, *(Added(named=cause.named, fixed=True) for cause in causes)))
 
-    p = predicted(one, warped)
-    causes = _of_channels(one, y.reshape(-1, c), p.reshape(-1, c), noise.reshape(-1, c), units, warped, predicted)
+    due = at(one, warped).at({})
+    unsure, p = tolerated(due, one.parameters), due.rows[..., 0]
+    off = noise.reshape(-1, c), unsure.reshape(-1, c)
+    causes = _of_channels(one, y.reshape(-1, c), p.reshape(-1, c), *off, units, warped, predicted)
     p = predicted(with_causes(causes), warped)
     for r, drive in enumerate(one.drives):
         # The factor of a line would hide where the force acted: here its sign counts
@@ -568,6 +574,23 @@ def _of_functions(one: ResponseFunctionTest, units: Mapping[str, Mapping[str, fl
                 value, pair = float(of_motion.values[unit]), of_motion.units[unit]
                 causes += [_unit_cause(name, value, pair, SURE) for name in measured.channels]
     return causes
+
+
+def tolerated(due: Predicted, parameters: Sequence[Parameter]) -> Array:
+    """(r, n, c) [sd] by how much tolerances may change what channels should read, but for the factor that all of a line share.
+
+    What a channel reads by its slant alone, or where parts that should be alike are not, tells nothing of its sign or unit.
+    """
+    p = due.rows[..., 0]
+    own = p / np.maximum(np.linalg.norm(p, axis=-1, keepdims=True), TINY)
+    square = np.zeros(p.shape)
+    for one in parameters:
+        if one.name in due.changes and np.isfinite(one.tolerance):
+            change, moved = due.changes[one.name], np.zeros_like(p)
+            moved[..., list(change.channels)] = one.tolerance * change.rows[..., 0]
+            moved -= own * np.sum(moved * own.conj(), axis=-1, keepdims=True)
+            square += np.abs(moved) ** 2
+    return np.asarray(np.sqrt(square))
 
 
 def _apart(y: ComplexArray, p: ComplexArray) -> float:
@@ -626,6 +649,7 @@ def _of_channels(
     y: ComplexArray,
     p: ComplexArray,
     noise: Array,
+    unsure: Array,
     units: Mapping[str, Mapping[str, float]],
     warped: Array | None = None,
     predicted: Callable[[ResponseFunctionTest, Array], ComplexArray] | None = None,
@@ -634,6 +658,7 @@ def _of_channels(
 
     Parameters
     ----------
+    unsure : (m, c) see `tolerated`
     warped, predicted : of response functions, where the model has each line, and what it reads there
     """
     c, names = y.shape[1], one.measured.channels
@@ -641,7 +666,7 @@ def _of_channels(
         return []
     size = np.sqrt(np.mean(np.abs(p) ** 2, axis=1, keepdims=True))
     kept = size[:, 0] > TINY
-    y, p, noise = y[kept] / size[kept], p[kept] / size[kept], noise[kept] / size[kept]
+    y, p, noise, unsure = y[kept] / size[kept], p[kept] / size[kept], noise[kept] / size[kept], unsure[kept] / size[kept]
     factors = _shared_factor(y, p)
     scaled = y / factors[:, None]
     # By how much a sound model is off may be far less than is allowed for; most channels say it
@@ -653,8 +678,8 @@ def _of_channels(
         lines=max(1, len(scaled) // INDEPENDENT),
         reading=scaled,
         expected=p,
-        noise=np.minimum(noise / np.abs(factors)[:, None], min(scatter, OFF)),  # a unit makes all others of a shape faint
-        unsure=np.zeros(p.shape),
+        noise=np.hypot(np.minimum(noise / np.abs(factors)[:, None], min(scatter, OFF)), unsure),  # a unit makes all others faint
+        unsure=unsure,
     )
     known = (_units_of(units["acceleration"]),) * c
     taken = _sources([readings], known)

@@ -558,7 +558,7 @@ def structure(
     matrices, tangents = prediction_effects.structure(matrices, tangents, effects, derivatives=every)
     if laws := of.laws:
         matrices, tangents = prediction_effects.with_damping_law(
-            matrices, tangents, of.nominal, offsets, derivatives=every, laws=laws
+            matrices, tangents, of.nominal, offsets, derivatives=every, laws=laws, coupling=of.coupling(offsets)[0]
         )
     return matrices, {name: change for name, change in tangents.items() if is_wanted(name, derivatives)}
 

@@ -165,6 +165,7 @@ def with_damping_law(
     *,
     derivatives: bool,
     laws: Collection[str] = LAWS,
+    coupling: Array | None = None,
 ) -> tuple[Matrices, dict[str, Tangent]]:
     """`matrices` with the shares of `offsets`, their `tangents` behind them, and those by the shares.
 
@@ -173,6 +174,7 @@ def with_damping_law(
     nominal : the matrices at offset 0 and without effects, whose modes say at which frequency the two dampings agree
     derivatives : whether any are wanted
     laws : of `LAWS` those whose shares are open
+    coupling : (k, k) what of the structural damping is no loss of parts, see `Nuisances.coupling`; none by default
     """
     # (k,) omega^-1/2 of every coordinate; 0 of the base and of what effects append, which brings its own losses
     W, there = np.zeros(len(matrices.mass)), slice(nominal.base, len(nominal.mass))
@@ -182,15 +184,18 @@ def with_damping_law(
     share, apart = offsets.get(DAMPING_LAW, 0.0), offsets.get(LOSS_COUPLING, 0.0)
     own = np.outer(W > 0, W > 0).astype(np.float64)  # 1 where both coordinates lose by this law, 0 elsewhere
     beside, within = own * (1 - np.eye(len(W))), W[:, None] * W
-    coupled, found = np.asarray(matrices.structural), dict(tangents)
+    between, found = np.zeros_like(own), dict(tangents)
+    if coupling is not None:
+        between[: len(coupling), : len(coupling)] = coupling
+    coupled = matrices.structural - between
     kept, together = 1 - share * own, 1 - apart * beside
     turning = share * within
     if apart:
-        matrices = replace(matrices, structural=coupled * together)
+        matrices = replace(matrices, structural=coupled * together + between)
     for name, tangent in tangents.items() if share or apart else ():
         if tangent.structural.any():
             at = np.ix_(tangent.at, tangent.at) if len(tangent.at) < len(W) else ...
-            lost = tangent.structural * together[at] if apart else tangent.structural
+            lost = tangent.structural * together[at] if apart and not name.startswith("coupling:") else tangent.structural
             viscous = turning[at] * lost
             viscous += tangent.viscous
             found[name] = (
@@ -426,25 +431,39 @@ class Nuisances:
         # Rigid motions of what floats have but rounding there, of either sign
         GD = D * np.divide(new, old, out=np.ones_like(old), where=(old > 0) & (new > 0)) ** 0.25
         C = GD[:, None] * m.viscous * GD
-        coupled = np.zeros_like(m.mass)
         for r, a in np.ndindex(len(self.frequency), b):
             if more := offsets.get(f"participation:{name}:{r + 1}:{MOTIONS[a]}", 0.0) * self.largest(r, a):
                 mass[a, b + r] += more
                 mass[b + r, a] += more
-        for r, s in self.pairs:
-            if change := offsets.get(f"coupling:{name}:{r + 1}:{s + 1}", 0.0):
-                coupled[b + r, b + s] = coupled[b + s, b + r] = change * self.geometric[r, s]
+        S = (D * E)[:, None] * S * (D * E)
+        structural, viscous = self.coupling(offsets)
         made = replace(
             m,
             mass=mass,
             stiffness=stiffness,
-            structural=(D * E)[:, None] * S * (D * E),
-            viscous=C + coupled,
+            structural=S + structural,
+            viscous=C + viscous,
             parts=parts,
             lossier=D,
         )
         losses = {part: eta * (1 + offsets.get(f"loss:{part}", 0.0)) for part, eta in self.losses.items()}
-        return _Now(of=self, matrices=made, E=E, D=D, uncoupled=C, losses=losses, offsets=offsets)
+        return _Now(of=self, matrices=made, E=E, D=D, uncoupled=C, lost=S, losses=losses, offsets=offsets)
+
+    def coupling(self, offsets: Offsets) -> tuple[Array, Array]:
+        """(k, k) structural and viscous damping by which pairs of modes lose together at `offsets`, beside what parts say."""
+        made, b = {field: np.zeros_like(self.nominal.mass) for field in ("structural", "viscous")}, self.nominal.base
+        for r, s in self.pairs:
+            if change := offsets.get(f"coupling:{self.configuration}:{r + 1}:{s + 1}", 0.0):
+                field, size = self.coupled(r, s)
+                made[field][[b + r, b + s], [b + s, b + r]] = change * size
+        return made["structural"], made["viscous"]
+
+    def coupled(self, r: int, s: int) -> tuple[str, float]:
+        """Matrix and entry by which two modes lose together as much as the geometric mean of what each loses: by the law of their
+        parts where both lose by it. Two modes that have turned into each other are as lossy as before, by the same law."""
+        if self.by_parts[r] and self.by_parts[s]:
+            return "structural", float(self.geometric[r, s] * 2 * np.pi * np.sqrt(self.frequency[r] * self.frequency[s]))
+        return "viscous", float(self.geometric[r, s])
 
     def largest(self, r: int, axis: int) -> float:
         """Largest participation of mode `r` as a share of the body's own mass there, in the unit of `axis`."""
@@ -507,13 +526,14 @@ def nuisances(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Now:
-    """Matrices `of` some nuisances at `offsets`: E and D (k,), C before the coupling, loss factors of the parts."""
+    """Matrices `of` some nuisances at `offsets`: E and D (k,), C and S before the coupling, loss factors of the parts."""
 
     of: Nuisances
     matrices: Matrices
     E: Array
     D: Array
     uncoupled: Array
+    lost: Array
     losses: Mapping[str, float]
     offsets: Offsets
 
@@ -577,11 +597,11 @@ class _Now:
 
     def _of_frequency(self, configuration: str, mode: str) -> Tangent:
         r, m = self.of.nominal.base + int(mode) - 1, self.matrices
-        return crossed(r, stiffness=m.stiffness[r], structural=m.structural[r], viscous=self.uncoupled[r] / 2)
+        return crossed(r, stiffness=m.stiffness[r], structural=self.lost[r], viscous=self.uncoupled[r] / 2)
 
     def _of_damping(self, configuration: str, mode: str) -> Tangent:
         r = self.of.nominal.base + int(mode) - 1
-        changed = crossed(r, structural=self.matrices.structural[r] / 2, viscous=self.uncoupled[r] / 2)
+        changed = crossed(r, structural=self.lost[r] / 2, viscous=self.uncoupled[r] / 2)
         return replace(changed, lossier=r)
 
     def _of_participation(self, configuration: str, mode: str, axis: str) -> Tangent:
@@ -590,7 +610,8 @@ class _Now:
 
     def _of_coupling(self, configuration: str, one: str, other: str) -> Tangent:
         r, s, b = int(one) - 1, int(other) - 1, self.of.nominal.base
-        return _pair("viscous", b + r, b + s, float(self.of.geometric[r, s]))
+        field, size = self.of.coupled(r, s)
+        return _pair(field, b + r, b + s, size)
 
     def _of_mixing(self, configuration: str, one: str, other: str) -> Tangent:
         r, s, b = int(one) - 1, int(other) - 1, self.of.nominal.base

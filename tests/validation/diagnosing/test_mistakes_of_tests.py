@@ -20,9 +20,19 @@ DRIVES = ("mid:x", "elbow:y", "tip:z")
 NAMES = tuple(point.replace(":", "-") for point in POINTS)
 
 
-def study(model: Path, folder: Path, kind: str, effects: tuple[str, ...], seed: int, tolerances: float = 1.0) -> Study:
+def study(
+    model: Path,
+    folder: Path,
+    kind: str,
+    effects: tuple[str, ...],
+    seed: int,
+    tolerances: float = 1.0,
+    *,
+    responses: tuple[str, ...] = POINTS,
+    drives: tuple[str, ...] = DRIVES,
+) -> Study:
     """A virtual test of the bracket, whose moduli, losses and gains are off as far as their tolerances say."""
-    given = {"noise": 1.0, "tolerances": tolerances, "band": None, "drives": DRIVES, "responses": POINTS, "block": 0.4}
+    given = {"noise": 1.0, "tolerances": tolerances, "band": None, "drives": drives, "responses": responses, "block": 0.4}
     plan = structure_tests.plan_of(str(model), kind=kind, effects=effects, seed=seed, **given)  # type: ignore[arg-type]
     structure_tests.simulate(plan).fill(folder)
     return Study.open(str(model), [str(folder / "test.toml")])
@@ -76,6 +86,33 @@ def test_places_that_read_the_same_are_named_together_and_a_place_near_by_is_tol
 def test_sound_data_have_none(kind: str, bracket: Path, tmp_path: Path) -> None:
     for seed in (11, 12):
         assert named(study(bracket, tmp_path / str(seed), kind, (), seed=seed)) == []
+
+
+ARM = """\
+format = 1
+model = { title = "Arm", article = "arm" }
+tolerances = { class = "calibrated" }
+[fe_model]
+kind = "frame"
+nodes = { wall = "0 mm", third = "200 mm", half = "300 mm", tip = "600 mm" }
+fixed = ["wall"]
+members = { root = ["wall", "third"], middle = ["third", "half"], end = ["half", "tip"] }
+section = { width = "20 mm", thickness = "12 mm", across = "x" }
+elements = 3
+material = { density = "2700 kg/m^3", youngs_modulus = "70 GPa", poisson_ratio = 0.33 }
+loss_factor = 0.02
+"""
+
+
+@pytest.mark.parametrize("mistake", [(), ("polarity:tip-x",)])
+def test_a_channel_that_hears_of_the_force_by_its_slant_alone_has_no_mistake(mistake: tuple[str, ...], tmp_path: Path) -> None:
+    (tmp_path / "arm.toml").write_text(ARM)
+    turned = tuple(f"accelerometer-misalignment:{channel}:z=0.012" for channel in ("half-y", "tip-y"))  # within tolerance
+    responses, drives = ("third:x", "half:x", "tip:x", "half:y", "tip:y"), ("tip:x", "third:x")
+    made = study(
+        tmp_path / "arm.toml", tmp_path / "test", "functions", (*mistake, *turned), 1, responses=responses, drives=drives
+    )
+    assert [one.id for one in found_in(made)] == list(mistake)
 
 
 def visible(of: Study, text: str) -> bool:

@@ -288,6 +288,19 @@ def test_without_coupling_every_mode_loses_by_itself_and_the_derivatives_know_it
     assert_allclose(slopes["loss:mast"], difference, atol=1e-4 * scale)
 
 
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_what_couples_two_modes_follows_the_law_by_which_they_lose(share):
+    """Two that have turned into each other lose as before; and what parts couple them by may be away without it."""
+    one = made("clumod-1", None)
+    one = replace(one, tolerances=replace(one.tolerances, loss_coupling=0.5), losses={**one.losses, "mast": 0.03})
+    (r, s), b = one.pairs[0], one.nominal.base
+    at = {f"coupling:clumod-1:{r + 1}:{s + 1}": 0.2, effects.DAMPING_LAW: share, effects.LOSS_COUPLING: 1.0}
+    found, _ = dynamic_mass.structure(one, at, (), derivatives=False)
+    of, none = (found.viscous, found.structural) if share else (found.structural, found.viscous)
+    assert_allclose(of[b + r, b + s], 0.2 * np.sqrt(of[b + r, b + r] * of[b + s, b + s]), rtol=1e-9)
+    assert_allclose(none[b + r, b + s], 0.0, atol=1e-12 * np.abs(none).max())
+
+
 def test_it_is_open_where_parts_lose_something_and_one_for_all_structures(of):
     (law,) = (one for one in of.parameters if one.name == effects.DAMPING_LAW)
     assert law.tolerance == of.tolerances.damping_law
