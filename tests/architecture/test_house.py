@@ -15,7 +15,7 @@ from tools.pages import quoted
 
 BARS = {
     "product files": 328,
-    "product lines": 99_900,
+    "product lines": 99_940,  # 40 since places of effects move on a mesh
     "import circles": 0,
     "packages of validation": 17,
     "loose modules of validation": 3,
