@@ -20,10 +20,10 @@ from identification import campaign_file, test_file
 from identification.campaign import METHODS, Campaign
 from validation.classical import files
 from validation.effects.catalogue import There, words_of
-from validation.effects.effect import AXES, Vocabulary
+from validation.effects.effect import AXES, INDISTINGUISHABLE_NATS, Vocabulary
 from validation.estimation.evaluate import evaluate, named, without
 from validation.estimation.fit import fit, nearby
-from validation.estimation.problem import FITTED, Evaluation, Fact, Fit, Offsets, Problem
+from validation.estimation.problem import FITTED, Evaluation, Fact, Fit, Problem
 from validation.history.history import HistoryPosition, history_position, reminded
 from validation.model import model_file
 from validation.model.model import Added, Model, require_pair, vocabulary
@@ -375,16 +375,17 @@ class Study:
         whole = self.whole()
         return without(whole, named(whole, self.hold_out)) if self.hold_out else whole
 
-    def all_free(self, progress: Callable[[float], None] | None = None, *, begin: Offsets | None = None) -> Fit:
+    def all_free(self, progress: Callable[[float], None] | None = None, *, begin: Fit | None = None) -> Fit:
         """The fit of all parameters of the model as it is, once; unconverged it makes any effect look decisive.
 
         Parameters
         ----------
-        begin : where that of the same model over other coordinates ended: the way leads straight down from there, if it does
+        begin : that of the same model over other coordinates: the way leads straight down from there, if it ends as low
         """
         if not self._fits and begin is not None:
             with suppress(CheckFailed):
-                self._fits.append(nearby(self.problem(), FITTED, begin))
+                there = nearby(self.problem(), FITTED, begin.by_name)
+                self._fits.extend([there] if there.cost < begin.cost + INDISTINGUISHABLE_NATS else [])
         if not self._fits:
             self._fits.append(fit(self.problem(), FITTED, progress=progress))
         return self._fits[0]

@@ -103,7 +103,7 @@ def diagnosed(
             again = {one.kind for one in fitted}
             nodes = (*fitted, *(one for one in nodes if one.kind not in again))
             right = right.ready_at([one.named.target for one in fitted])
-            base = diagnosis.Candidate(effects=(), fit=right.all_free(begin=fit.by_name), problem=right.problem())
+            base = diagnosis.Candidate(effects=(), fit=right.all_free(begin=fit), problem=right.problem())
         menu = menu if only else candidates.candidates(right, leave_out=leave_out)
         right, at, steps = stepwise_search(right, base, menu, tell, elsewhere if every else None, fitted)
         unknown = right.tests and not right.made and not goodness_of_fit(at.fit, at.problem).null

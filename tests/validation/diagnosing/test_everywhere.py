@@ -136,14 +136,14 @@ def test_in_place_of_an_effect_its_own_node_brings_what_it_brought_and_a_size_is
 def test_a_study_over_more_coordinates_begins_where_the_one_before_ended_and_anew_where_that_breaks_down(study, monkeypatch):
     known = study.all_free()
     ready = study.ready_at([WRONG.partition(":")[2]])
-    assert ready.all_free(begin=known.by_name).cost < known.cost + 1.0
+    assert ready.all_free(begin=known).cost < known.cost + 1.0
 
     def breaks(problem, free, offsets):
         raise CheckFailed("the model breaks down")
 
     monkeypatch.setattr("validation.study.nearby", breaks)
     again = study.ready_at([WRONG.partition(":")[2]])
-    assert again.all_free(begin=known.by_name).converged
+    assert again.all_free(begin=known).converged
 
 
 def test_a_place_outside_the_mesh_is_refused_with_the_nearest_point_of_it(study: Study) -> None:
