@@ -14,16 +14,16 @@ from pathlib import Path
 from typing import Self
 
 from geometry import toml_file
-from geometry.errors import BadInput
+from geometry.errors import BadInput, CheckFailed
 from geometry.toml_file import nearest
 from identification import campaign_file, test_file
 from identification.campaign import METHODS, Campaign
 from identification.files import uff
 from validation.classical import files
 from validation.effects.catalogue import There, words_of
-from validation.effects.effect import AXES, Vocabulary
+from validation.effects.effect import AXES, INDISTINGUISHABLE_NATS, Vocabulary
 from validation.estimation.evaluate import evaluate, named, without
-from validation.estimation.fit import fit
+from validation.estimation.fit import fit, nearby
 from validation.estimation.problem import FITTED, Evaluation, Fact, Fit, Problem
 from validation.history.history import HistoryPosition, history_position, reminded
 from validation.model import model_file
@@ -379,8 +379,17 @@ class Study:
         whole = self.whole()
         return without(whole, named(whole, self.hold_out)) if self.hold_out else whole
 
-    def all_free(self, progress: Callable[[float], None] | None = None) -> Fit:
-        """The fit of all parameters of the model as it is, once; unconverged it makes any effect look decisive."""
+    def all_free(self, progress: Callable[[float], None] | None = None, *, begin: Fit | None = None) -> Fit:
+        """The fit of all parameters of the model as it is, once; unconverged it makes any effect look decisive.
+
+        Parameters
+        ----------
+        begin : that of the same model over other coordinates: the way leads straight down from there, if it ends as low
+        """
+        if not self._fits and begin is not None:
+            with suppress(CheckFailed):
+                there = nearby(self.problem(), FITTED, begin.by_name)
+                self._fits.extend([there] if there.cost < begin.cost + INDISTINGUISHABLE_NATS else [])
         if not self._fits:
             self._fits.append(fit(self.problem(), FITTED, progress=progress))
         return self._fits[0]

@@ -222,7 +222,9 @@ development draws of `make blind`."""
 
 
 def screened_resonators(data: Study, at: Candidate, menu: Sequence[Added], floor: float = FLOOR) -> list[Screened]:
-    """Each resonator of `menu` at its best frequency and damping; `floor` as in a fit."""
+    """Each resonator of `menu` at its best frequency and damping; `floor` as in a fit. Tables of modes have none."""
+    if not menu:
+        return []
     whole = data.problem((*at.effects, *menu))
     problem = replace(whole, predictions=tuple(one for one in whole.predictions if has_lines(one)))
     if not problem.predictions:  # a table of modes has none
@@ -340,7 +342,7 @@ def screen(data: Study, at: Candidate, menu: Sequence[Added]) -> tuple[Screened,
             if (which := names.get(one.named.id, "")) in tests:
                 made_up = MadeUp.of(columns, tests[which]) if one.named.family in LOSSES else None
                 found.append(replace(_sized(one, firsts[one.named.id], problem.by_name[which], tests[which]), made_up=made_up))
-    found += screened_resonators(data, at, resonators) if resonators else []
+    found += screened_resonators(data, at, resonators)
     # Of effects on a period no straight line tells, and no smallest size by one
     for added, swings in pendulum.told(data, at, of_periods) if of_periods else ():
         told = ScoreTest(name=added.named.id, estimate=swings.value, information=0.0)

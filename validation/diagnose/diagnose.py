@@ -18,7 +18,7 @@ from identification.campaign import Campaign
 from identification.quality import NORMAL_90
 from validation.compare.correlation import correlations
 from validation.diagnose import candidates, diagnosis, pendulum, search
-from validation.diagnose.everywhere import found_nodes, without_a_name
+from validation.diagnose.everywhere import elsewhere, found_nodes, without_a_name
 from validation.diagnose.landmark_search import FromAfar, line_fit
 from validation.diagnose.mistakes import mistakes
 from validation.diagnose.next_test import advised
@@ -97,14 +97,15 @@ def diagnosed(
         if right.tests:
             tell("looking everywhere on the mesh", 0.0)
         every, best = found_nodes(base)
+        fitted: tuple[diagnosis.FoundNode, ...] = ()
         nodes = tuple(one for one in best if candidates.looked_for(one.named, only, leave_out))
         if fit.converged and (fitted := without_a_name(right, base, nodes)):
             again = {one.kind for one in fitted}
             nodes = (*fitted, *(one for one in nodes if one.kind not in again))
             right = right.ready_at([one.named.target for one in fitted])
-            base = candidates.baseline(right)
+            base = diagnosis.Candidate(effects=(), fit=right.all_free(begin=fit), problem=right.problem())
         menu = menu if only else candidates.candidates(right, leave_out=leave_out)
-        at, steps = stepwise_search(right, base, menu, tell)
+        right, at, steps = stepwise_search(right, base, menu, tell, elsewhere if every else None, fitted)
         unknown = right.tests and not right.made and not goodness_of_fit(at.fit, at.problem).null
         afar = FromAfar.search(right, menu, tell) if unknown else None
         if not at.effects and afar is None:

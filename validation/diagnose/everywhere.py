@@ -70,23 +70,30 @@ OCTAVES = np.arange(-6.0, 4.0)
 tests/validation/diagnosing/test_everywhere.py."""
 
 NARROW = np.arange(-2.0, 2.5)
-"""[octave] Sizes of a node beside one of which the size is known, of that size. Exercised by
+"""[octave] Sizes of a node beside one of which the size is known, of that size; nearer by half from step to step. Held by
 tests/validation/diagnosing/test_everywhere.py."""
 
-STEPS = (0.2, 0.1, 0.05, 0.02)
-"""[share] of the structure's size by which a node is looked for beside the best. Exercised by
+NEAREST = 0.125
+"""[share] of these that they come to at least: a quarter of an octave. Held by tests/validation/diagnosing/test_everywhere.py."""
+
+NEARER = 3
+"""[count] of sizes between those that are asked: data may tell one to a thousandth. Held by
 tests/validation/diagnosing/test_everywhere.py."""
 
-AROUND = 10
+STEPS = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02)
+"""[share] of the structure's size by which a node is looked for about the best, over all of it first. Held by
+tests/validation/diagnosing/test_everywhere.py."""
+
+AROUND = 32
 """[count] of nodes that are asked there. Exercised by
 tests/validation/diagnosing/test_everywhere.py."""
 
-FITTED = 2
+FITTED = 3
 """[count] of kinds, the best first, that are worth a fit at a place without a name, from either tolerances. Exercised by
 tests/validation/diagnosing/test_everywhere.py."""
 
-ROUNDS = 2
-"""[count] of fits at a place, the second at a node that was looked for again from where the first ended. Exercised by
+ROUNDS = 4
+"""[count] of fits at a place at most, each at a node that was looked for again from where the one before ended. Held by
 tests/validation/diagnosing/test_everywhere.py."""
 
 NAMED = 3
@@ -151,6 +158,7 @@ class MeshSearch:
     structure, whole : as all its tests know it, and what that was reduced from
     points, moved : (p, 3) [m] nodes that move, and (p, 3) by which rows of the basis
     tests : by data set, what the fit leaves, and its prediction
+    brought : [nats] by an effect that the fit has and the prediction has not, where one is looked for in its place
     """
 
     offsets: Mapping[str, float]
@@ -159,6 +167,7 @@ class MeshSearch:
     points: Array
     moved: Integers
     tests: tuple[tuple[fit.Swallowing, OnNodes], ...]
+    brought: float = 0.0
 
     @classmethod
     def of(cls, candidate: Candidate) -> Iterator["MeshSearch"]:
@@ -178,6 +187,22 @@ class MeshSearch:
             if whole is not None and len(points):
                 structure = tests[0][1].structure
                 yield cls(offsets=offsets, structure=structure, whole=whole, points=points, moved=moved, tests=tuple(tests))
+
+    @classmethod
+    def in_place_of(cls, data: Study, there: Candidate, brought: float) -> Iterator["MeshSearch"]:
+        """Of the newest effect of `there`, which `brought` that [nats]: tolerances follow a node in its place from where they
+        stand with it, as far as they can with it."""
+        *others, newest = there.effects
+        problem = data.problem((*others, replace(newest, fixed=True)))
+        free = tuple(problem.by_name[one.name] for one in there.fit.parameters if one.name in problem.by_name)
+        offsets = {**problem.start, **there.fit.by_name}
+        cost = cost_of(problem, free, FLOOR, offsets)
+        x = cost.at(offsets)
+        fitted = replace(there.fit, parameters=free, offsets=x, covariance=inverse(cost.total(x)[0].matrix))
+        without = {one.measured.name: one for one in data.problem(tuple(others)).predictions}
+        for search in cls.of(Candidate(effects=(*others, replace(newest, fixed=True)), fit=fitted, problem=problem)):
+            tests = [(left, without[one.measured.name]) for left, one in search.tests]
+            yield replace(search, tests=tuple((left, one) for left, one in tests if isinstance(one, OnNodes)), brought=brought)
 
     def rows(self, nodes: slice | Integers) -> Array:
         """(q, 3, k) what each coordinate moves some `nodes` along x, y, z."""
@@ -279,7 +304,7 @@ class MeshSearch:
         best = np.where(found.size > 0, found.gain, 0.0).max(axis=1)
         return tuple(places[k] for k in np.argsort(-best)[:TUNED])
 
-    def sized(self, kind: str, row: Array, first: float, octaves: Array = OCTAVES) -> tuple[float, float]:
+    def sized(self, kind: str, row: Array, first: float, octaves: Array = OCTAVES, *, nearer: int = 0) -> tuple[float, float]:
         """Evidence [nats] and size of a mass or a spring without the first order, where coordinates move by `row` (3, k).
 
         Tolerances follow to first order what the effect does at each size, all of the sign of its size to `first` order.
@@ -287,33 +312,51 @@ class MeshSearch:
         Parameters
         ----------
         octaves : sizes, as powers of two of what is plausible
+        nearer : how often the top of the parabola over the best of them and its neighbours is asked, too
         """
         spread = float(self.plausible(row[None])[kind][0])
-        sizes = spread * np.exp2(octaves) * (-1 if first < 0 else 1)
-        return max((self._at(kind, row, float(size), spread), float(size)) for size in sizes)
+        sign = -1 if first < 0 else 1
+
+        def at(octave: float) -> float:
+            return self._at(kind, row, float(sign * spread * np.exp2(octave)), spread)
+
+        found = sorted((float(octave), at(float(octave))) for octave in octaves)
+        for _ in range(nearer):
+            best = max(range(len(found)), key=lambda k: found[k][1])
+            if not 0 < best < len(found) - 1:
+                break
+            (x0, y0), (x1, y1), (x2, y2) = found[best - 1 : best + 2]
+            left, right = (x1 - x0) * (y1 - y2), (x1 - x2) * (y1 - y0)
+            if not np.isfinite(left - right) or left == right:
+                break
+            top = x1 - 0.5 * ((x1 - x0) * left - (x1 - x2) * right) / (left - right)
+            found = sorted([*found, (top, at(top))])
+        octave, gain = max(found, key=lambda one: one[1])
+        return gain, float(sign * spread * np.exp2(octave))
 
     def nearby(self, kind: str, point: Array, size: float) -> tuple[int, float, float]:
         """The best node that is reached from `point` (3,), where `size` is that, its evidence [nats] and size."""
         node = int(np.argmin(np.linalg.norm(self.points - point, axis=1)))
         best = (*self.sized(kind, self.rows(np.array([node]))[0], size), node)
-        for step in STEPS:
+        for k, step in enumerate(STEPS):
             away = np.linalg.norm(self.points - self.points[best[2]], axis=1) / np.ptp(self.points, axis=0).max()
-            near = np.argsort(away)[1 : 1 + int(np.sum(away <= step))]
-            asked = np.unique(near[np.linspace(0, len(near) - 1, AROUND).astype(np.int64)]) if len(near) else near
+            near = np.argsort(away)[: int(np.sum(away <= step))]  # itself, too, at nearer sizes
+            asked = np.unique(near[np.linspace(0, len(near) - 1, AROUND).astype(np.int64)])
             at = np.log2(abs(best[1]) / self.plausible(self.rows(np.array([best[2]])))[kind][0])
-            tried = [(*self.sized(kind, self.rows(asked[[k]])[0], size, at + NARROW), int(asked[k])) for k in range(len(asked))]
-            best = max([best, *tried])
+            some, rows = at + NARROW * max(0.5**k, NEAREST), self.rows(asked)
+            told = [self.sized(kind, row, size, some, nearer=NEARER if k else 0) for row in rows]
+            best = max([best, *((*one, node) for one, node in zip(told, asked.tolist(), strict=True))])
         return best[2], best[0], best[1]
 
     def best_node(self, scores: NodeScores, kind: str) -> tuple[int, float, float]:
-        """The best of the nodes that stand out for `kind`, its evidence [nats] and size."""
+        """The best node for `kind` that is reached from those that stand out, its evidence [nats] and size."""
         evidence, size = scores.evidence[kind], scores.size[kind]
         if kind == RESONATOR:
             best = int(np.argmax(evidence))
             return best, float(evidence[best]), float(size[best])
         some = scores.standing_out(kind).tolist()
-        gain, found, node = max((*self.sized(kind, self.rows(np.array([one]))[0], size[one]), one) for one in some)
-        return node, gain, found
+        _, found, node = max((*self.sized(kind, self.rows(np.array([one]))[0], size[one]), one) for one in some)
+        return self.nearby(kind, self.points[node], found)
 
     def best_name(self, kind: str) -> tuple[str, float]:
         """The best of the places that have names, and its evidence [nats]; empty where there is none."""
@@ -349,6 +392,7 @@ class MeshSearch:
             moved = left.moved.reshape(-1, left.moved.shape[-1])
             turned = turned + (d.swapaxes(0, 1).reshape(-1).conj() @ moved).real @ left.root
         gain += 0.5 * float(np.sum((slope + turned) ** 2 - slope**2))
+        gain += self.brought
         known = 0.5 * (size / spread) ** 2 + 0.5 * float(np.log1p(2 * max(gain, 0.0) * (spread / size) ** 2))
         return gain - known
 
@@ -435,7 +479,7 @@ def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> 
                 break
             asked.add(here.id)
             ready = _with_node(data, here.target)
-            start, effect = Candidate(effects=(), fit=base.fit, problem=ready.problem()), Added(named=here)
+            start, effect = replace(base, problem=ready.problem(base.effects)), Added(named=here)
             there = restarted_from_priors(ready, start, effect) if can_restart(effect) else fit_with(ready, start, effect)
             if there.fit.log_evidence <= most:
                 break
@@ -446,15 +490,44 @@ def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> 
                 found[kind] = replace(one, named=fitted, position=place, evidence=gain)
             if kind == RESONATOR or not fitted.value:
                 break
-            offsets = np.array([there.fit.by_name[parameter.name] for parameter in base.fit.parameters])
-            beside = Candidate(effects=(), fit=replace(base.fit, offsets=offsets), problem=start.problem)
-            search = next(each for each in MeshSearch.of(beside) if each.structure.configuration == one.article)
+            about = MeshSearch.in_place_of(ready, there, base.fit.cost - there.fit.cost)
+            search = next(each for each in about if each.structure.configuration == one.article)
             node, _, size = search.nearby(kind, np.array(place), fitted.value)
             moved = at_position(search.points[node])
             if moved == here.target:
                 break
             here = replace(here, targets=(moved, *here.targets[1:]), values={"": size})
     return tuple(sorted((one for one in found.values() if _is_worth(one)), key=lambda one: -one.evidence))
+
+
+def elsewhere(data: Study, rest: Candidate, there: Candidate) -> tuple[tuple[Study, Added, float], ...]:
+    """The nodes at which the newest effect of `there`, a mass or a spring that `rest` has not, may explain most, with the study.
+
+    Tolerances are followed from where they stand with it, once as far as they can with it and once as far as they can without:
+    along the lines of a spectrum the one errs, of a table of modes the other. Where it has a name, a node that has none must
+    bring more than it by what tells two explanations apart, and by what it costs to have looked at all: that [nats] is the third.
+    """
+    added = there.effects[-1]
+    kind, here = ":".join((added.named.family, *added.named.targets[1:])), added.named.target
+    if kind not in (MASS, *SPRINGS) or added.fixed or not added.named.value:
+        return ()
+    offsets = {**rest.problem.start, **{one: x for one, x in there.fit.by_name.items() if one in rest.problem.by_name}}
+    cost = cost_of(rest.problem, rest.fit.parameters, FLOOR, offsets)
+    x = cost.at(offsets)
+    without = replace(rest, fit=replace(rest.fit, offsets=x, covariance=inverse(cost.total(x)[0].matrix)))
+    found: dict[str, tuple[Study, Added, float]] = {}
+    named = position(here)
+    for search in (*MeshSearch.in_place_of(data, there, rest.fit.cost - there.fit.cost), *MeshSearch.of(without)):
+        point = places_of(search.whole.structure).get(here) if named is None else np.array(named)
+        if point is None:
+            continue
+        node, _, size = search.nearby(kind, point, added.named.value)
+        place = at_position(search.points[node])
+        again = Named(family=added.named.family, targets=(place, *added.named.targets[1:]), values={"": size})
+        if again.id not in {one.named.id for one in there.effects} and not np.allclose(search.points[node], point):
+            looked = 0.0 if named is not None else float(np.log(len(search.points))) + INDISTINGUISHABLE_NATS
+            found.setdefault(place, (_with_node(data, place), Added(named=again), looked))
+    return tuple(found.values())
 
 
 def _is_worth(node: FoundNode) -> bool:

@@ -18,9 +18,9 @@ import numpy as np
 from geometry.errors import CheckFailed
 from geometry.frames import Array
 from validation.diagnose.candidates import TINY_AT, aliases, band, has_lines, is_resonator, screen, screened_resonators
-from validation.diagnose.diagnosis import SIGNIFICANT, Candidate, Screened
+from validation.diagnose.diagnosis import SIGNIFICANT, Candidate, FoundNode, Screened
 from validation.effects.catalogue import FAMILIES
-from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, STRUCTURE, evidence_threshold
+from validation.effects.effect import INDISTINGUISHABLE_NATS, OPENED, PERIOD_STAGE, STRUCTURE, evidence_threshold, position
 from validation.estimation.fit import BREAKDOWNS, COARSE, FLOOR, SINGLE_PLACES, STRIDE, child, nearby, start
 from validation.estimation.likelihood import cost_of, observed
 from validation.estimation.problem import EFFECT, FITTED, PLAIN, Fit, Parameter, Problem
@@ -392,54 +392,96 @@ def is_accepted(one: CandidateFit) -> bool:
     return one.evidence >= evidence_threshold(one.family) and is_significant(one.candidate)
 
 
+Elsewhere = Callable[[Study, Candidate, Candidate], tuple[tuple[Study, Added, float], ...]]
+"""As `validation.diagnose.everywhere.elsewhere`: where on a mesh an effect may explain most beside the others."""
+
+
+MOVES = 4
+"""[count] of times that an effect moves on a mesh before its rivals are asked. Held by
+tests/validation/diagnosing/test_everywhere.py."""
+
+
 def backward_elimination(
-    data: Study, at: Candidate, rounds: Sequence[SearchStep], progress: "Progress"
-) -> tuple[Candidate, tuple[SearchStep, ...]]:
-    """`at` without the effects that are not needed beside the others, each of these under the name that is best there.
+    data: Study,
+    at: Candidate,
+    rounds: Sequence[SearchStep],
+    progress: "Progress",
+    elsewhere: Elsewhere | None = None,
+    *,
+    by_name: bool = True,
+) -> tuple[Study, Candidate, tuple[SearchStep, ...]]:
+    """`at` without the effects that are not needed beside the others, each of these under the name and at the place that is best
+    there.
 
     Parameters
     ----------
     rounds : that led there
+    by_name : whether other names are asked, not places alone
 
     Returns
     -------
+    data : with the places that have no name
     candidate : `at`, or what is better
-    rounds : one of each effect that was asked; none of a single one that was found alone
+    rounds : one of each effect that was asked; none of a single one that was found alone and stays where it is
     """
     known = {one.added: one for one in rounds}
     asked: list[SearchStep] = []
     for anew in (False, True):  # what changed may stand beside others than it was asked beside
         for which in _ids(at):
-            if (len(at.effects) < 2 or anew) and {*_ids(known[which].at)} == {*_ids(at)} - {which}:
-                continue
             found = known[which]
+            stays = {*_ids(found.at)} == {*_ids(at)} - {which}
+            alone = stays and len(at.effects) < 2
+            if stays and (anew or (alone and elsewhere is None)):
+                continue
             added = next(one for one in at.effects if one.named.id == which)
             left = tuple(one for one in at.effects if one is not added)
             problem = data.problem(left)
             try:
-                rest = recentred(data, Candidate(effects=left, fit=nearby(problem, FITTED, at.fit.by_name), problem=problem))
+                fit = found.at.fit if alone else nearby(problem, FITTED, at.fit.by_name)
             except CheckFailed:  # there is nothing to hold it against
                 continue
+            rest = recentred(data, Candidate(effects=left, fit=fit, problem=problem))
             evidence = at.fit.log_evidence - rest.fit.log_evidence
             if evidence < evidence_threshold(added.named.family):
                 at = rest
                 continue
             last = replace(at, effects=(*left, added))
             there = CandidateFit(id=which, candidate=last, evidence=evidence, goodness=goodness_of_fit(at.fit, at.problem))
-            near = [one for one in found.tried if one.id not in _ids(at) and one.evidence >= GOOD_PART * found.tried[0].evidence]
+            others = found.tried if by_name and not alone else ()
+            near = [one for one in others if one.id not in _ids(at) and one.evidence >= GOOD_PART * found.tried[0].evidence]
             progress(f"asking {which} and {len(near[:FITS_OF_A_STEP])} others once more", 0.95)
-            tried = [there]
+            study, moved = _moved(data, rest, there, elsewhere)
+            tried = [there, *(() if moved is there else (moved,))]
             for one in near[:FITS_OF_A_STEP]:
                 rival = candidate_fit(rest, _fit_in_place(data, at, rest, _at_sizes(one.added, added)))
                 if in_band(data, rival) and (is_accepted(rival) or rival.evidence <= evidence):
                     tried.append(rival)
             tried = ranked(tried)
+            if alone and tried[0] is there:
+                continue
             stands = goodness_of_fit(rest.fit, rest.problem)
             again = replace(found, at=rest, goodness=stands, tried=tuple(tried), added=tried[0].id, reconsidered=which)
             at = at if tried[0] is there else tried[0].candidate
+            data = study if tried[0] is moved else data
             known[again.added] = again
             asked.append(again)
-    return at, tuple(asked)
+    return data, at, tuple(asked)
+
+
+def _moved(data: Study, rest: Candidate, there: CandidateFit, elsewhere: Elsewhere | None) -> tuple[Study, CandidateFit]:
+    """`there`, whose newest effect stands beside `rest`, at the place on a mesh that is best, and the study with that."""
+    looked = 0.0
+    for _ in range(MOVES):
+        ends = []
+        for study, added, more in elsewhere(data, rest, there.candidate) if elsewhere else ():
+            rival = candidate_fit(rest, _fit_in_place(study, there.candidate, rest, added))
+            if is_accepted(rival):
+                ends.append((rival.evidence - looked - more, looked + more, study, rival))
+        best = max(ends, key=lambda end: end[0], default=None)
+        if best is None or best[0] <= there.evidence + SAME_NATS:
+            break
+        looked, data, there = best[1], best[2], replace(best[3], evidence=best[0])
+    return data, there
 
 
 def _fit_in_place(data: Study, at: Candidate, rest: Candidate, added: Added) -> Candidate:
@@ -513,13 +555,28 @@ Progress = Callable[[str, float], None]
 
 
 def stepwise_search(
-    data: Study, base: Candidate, menu: Sequence[Added], progress: Progress
-) -> tuple[Candidate, tuple[SearchStep, ...]]:
-    """The candidate that explains the data of `data` with the fewest effects of `menu`, and how it was found."""
+    data: Study,
+    base: Candidate,
+    menu: Sequence[Added],
+    progress: Progress,
+    elsewhere: Elsewhere | None = None,
+    fitted: Sequence[FoundNode] = (),
+) -> tuple[Study, Candidate, tuple[SearchStep, ...]]:
+    """The candidate that explains the data of `data` with the fewest effects of `menu`, and how it was found.
+
+    An effect on a mesh may move to a place that has no name, which the study then has.
+
+    Parameters
+    ----------
+    fitted : those of `menu` that were fitted beside `base` already: what they brought is no promise any more
+    """
     at, again = base, True
     rounds: list[SearchStep] = []
     while len(at.effects) < MOST_EFFECTS and sum(not one.reconsidered for one in rounds) < 2 * MOST_EFFECTS:
-        one = (step_from_afar if at is base and not base.fit.converged else _step)(data, at, menu, progress)
+        if at is base and not base.fit.converged:
+            one = step_from_afar(data, at, menu, progress)
+        else:
+            one = _step(data, at, menu, progress, fitted if at is base else ())
         if (
             again
             and one.tried
@@ -534,23 +591,38 @@ def stepwise_search(
         if not one.added:
             break
         found = one.tried[0].candidate
+        if elsewhere and not one.tried[0].goodness.null:  # of the best few that which is best once all stand at their places
+            ends = []
+            for each in filter(is_accepted, one.tried[:FEW]):
+                others = (other for other in one.tried if other is not each)
+                led = [*rounds[:-1], replace(one, tried=(each, *others), added=each.id)]
+                ends.append((led, *backward_elimination(data, each.candidate, led, progress, elsewhere, by_name=False)))
+            led, data, found, asked = max(ends, key=lambda end: end[2].fit.log_evidence)
+            rounds = [*led, *asked]
         if goodness_of_fit(found.fit, found.problem).largest >= ABSURD:
             home = candidate_fit(found, restarted_from_priors(data, found))
             found = home.candidate if home.evidence > 0 and in_band(data, home) else found
         explained, null = one.at.fit.cost - found.fit.cost, goodness_of_fit(found.fit, found.problem).null
-        at, asked = backward_elimination(data, found, rounds, progress)
+        data, at, asked = backward_elimination(data, found, rounds, progress, elsewhere)
         rounds += asked
         if not null and explained < GOOD_PART * one.goodness.excess(one.at.fit):
             break  # nothing known is most of what is wrong: the rest would be named one by one, and none of it is there
+    places = [one.named.target for one in at.effects if one.named.targets and position(one.named.target) is not None]
+    moved = bool({*places} - {*data.model.looked_at})
+    if moved:
+        data = data.ready_at(places)
+        at = replace(at, problem=data.problem(at.effects))
     if at.effects:  # its fit may be a trial
         whole = nearby(at.problem, FITTED, at.fit.by_name)
-        at = recentred(data, replace(at, fit=whole)) if whole.cost <= at.fit.cost + SAME_NATS else at
-    return at, tuple(rounds)
+        at = recentred(data, replace(at, fit=whole)) if moved or whole.cost <= at.fit.cost + SAME_NATS else at
+    return data, at, tuple(rounds)
 
 
-def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress) -> SearchStep:
+def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress, fitted: Sequence[FoundNode] = ()) -> SearchStep:
     progress(f"screening {len(menu)} effects", 0.0)
-    here, found = goodness_of_fit(at.fit, at.problem), screen(data, at, menu)
+    here, known = goodness_of_fit(at.fit, at.problem), {one.named.id: one for one in fitted}
+    found = [_as_fitted(one, known[one.id]) if one.id in known else one for one in screen(data, at, menu)]
+    found = sorted(found, key=lambda one: -one.evidence)
     fits = _rough_fits if here.misfit > MISFIT else _local_fits
     tried, gone = _fits_in_band(data, found, lambda some: fits(data, at, here, some, progress))
     tried = _restarted_where_stuck(data, at, here, tried, found, progress)
@@ -560,16 +632,23 @@ def _step(data: Study, at: Candidate, menu: Sequence[Added], progress: Progress)
         rivals = _rivals(tried, menu, found, again=bool(asked))
         asked.add(tried[0].id)
         progress(f"telling {tried[0].id} from {len(rivals)} others", 0.9)
-        fitted = []
+        more = []
         for one in rivals:
             rival = candidate_fit(at, fit_with(data, at, one))
             if rival.evidence < KEPT_SHARE * tried[0].evidence:
                 there = candidate_fit(at, _fit_in_place(data, tried[0].candidate, at, one))
                 rival = max(rival, there, key=lambda each: each.evidence)
-            fitted.append(rival)
-        may = [one for one in fitted if in_band(data, one) and (is_accepted(one) or one.evidence <= tried[0].evidence)]
+            more.append(rival)
+        may = [one for one in more if in_band(data, one) and (is_accepted(one) or one.evidence <= tried[0].evidence)]
         tried = ranked([*tried, *may])
-    return SearchStep(at=at, goodness=here, screened=found, tried=tuple(tried), added=tried[0].id if good else "", left_band=gone)
+    best = tried[0].id if good else ""
+    return SearchStep(at=at, goodness=here, screened=tuple(found), tried=tuple(tried), added=best, left_band=gone)
+
+
+def _as_fitted(one: Screened, node: FoundNode) -> Screened:
+    """`one`, which promises no less than the fit of it as a `node` brought, at the size of that."""
+    brought = node.evidence + node.looked
+    return one if one.evidence >= brought else replace(one, added=replace(one.added, named=node.named), evidence=brought)
 
 
 def _local_fits(

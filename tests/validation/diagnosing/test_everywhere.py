@@ -11,10 +11,11 @@ from numpy.testing import assert_allclose
 from fem.damping import Damping
 from fem.structure import Structure, place_rows
 from fem.user_model import reading
-from geometry.errors import BadInput
+from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array
-from validation.diagnose import candidates
+from validation.diagnose import candidates, search
 from validation.diagnose.diagnose import diagnosed
+from validation.diagnose.everywhere import MeshSearch
 from validation.effects.catalogue import Named, parse
 from validation.effects.effect import Vocabulary, at_position, position
 from validation.history.add import names_of
@@ -113,6 +114,36 @@ def test_a_mass_at_no_named_place_is_found_on_the_mesh_and_added_by_its_coordina
     assert (best.named.target, best.nearest) == (cause.named.target, "c")
     assert best.evidence > best.named_evidence
     assert names_of(study.ready_at([cause.named.target]).whole([Added(named=cause.named)]), cause.named)
+
+
+WRONG = f"point-mass:{at_position((0.24, 0.0, 0.24))}"
+
+
+def test_in_place_of_an_effect_its_own_node_brings_what_it_brought_and_a_size_is_told_between_those_that_are_asked(study):
+    ready = study.ready_at([WRONG.partition(":")[2]])
+    base = candidates.baseline(ready)
+    there = search.fit_with(ready, base, Added(named=parse(f"{WRONG}=0.01", ANYWHERE)))
+    brought, own = base.fit.cost - there.fit.cost, there.effects[0].named.value
+    (mesh,) = MeshSearch.in_place_of(ready, there, brought)
+    node = int(np.argmin(np.linalg.norm(mesh.points - [0.24, 0.0, 0.24], axis=1)))
+    row = mesh.rows(np.array([node]))[0]
+    at = np.log2(own / float(mesh.plausible(row[None])["point-mass"][0]))
+    evidence, size = mesh.sized("point-mass", row, own, at + np.array([-0.7, 0.0, 0.6]), nearer=4)
+    assert (evidence, size) == (pytest.approx(brought, abs=6.0), pytest.approx(own, rel=0.01))
+    assert mesh.sized("point-mass", row, own, at + np.array([-0.7, 0.6]))[0] < evidence - 100
+
+
+def test_a_study_over_more_coordinates_begins_where_the_one_before_ended_and_anew_where_that_breaks_down(study, monkeypatch):
+    known = study.all_free()
+    ready = study.ready_at([WRONG.partition(":")[2]])
+    assert ready.all_free(begin=known).cost < known.cost + 1.0
+
+    def breaks(problem, free, offsets):
+        raise CheckFailed("the model breaks down")
+
+    monkeypatch.setattr("validation.study.nearby", breaks)
+    again = study.ready_at([WRONG.partition(":")[2]])
+    assert again.all_free(begin=known).converged
 
 
 def test_a_place_outside_the_mesh_is_refused_with_the_nearest_point_of_it(study: Study) -> None:

@@ -204,6 +204,17 @@ def test_only_the_most_promising_are_tried_afresh(monkeypatch):
     assert len(asked) == search.FEW
 
 
+def test_beside_a_table_of_modes_no_resonator_is_tried_afresh_however_far_tolerances_stand(monkeypatch):
+    of, nobody = ended(MASSES[0], 39.0), SimpleNamespace(problem=SimpleNamespace(parameters=()))
+    at: Any = Candidate(effects=(), fit=replace(fitted(), parameters=()), problem=nobody.problem)
+    found = [replace(screened(MASSES[0])[0], evidence=0.0)]
+    monkeypatch.setattr(search, "restarted_from_priors", lambda bench, at, added: added)
+    tables: Any = SimpleNamespace(made=(), tests=())  # a fit of resonators would ask for a problem
+    here: Any = SimpleNamespace(null=False, largest=search.ABSURD + 0.1)
+    some = search._restarted_where_stuck(tables, at, here, [of], found, lambda what, share: None)
+    assert [one.id for one in some] == [of.id]
+
+
 @pytest.mark.parametrize(("here", "best"), [(True, False), (False, True)])
 def test_nothing_is_tried_afresh_where_nothing_need_be_missing(monkeypatch, here, best):
     best_first, asked = unstuck(
@@ -292,7 +303,11 @@ def found(*brought: tuple[str, float], at: Candidate) -> search.SearchStep:
 
 
 def asked(
-    monkeypatch: pytest.MonkeyPatch, at: Candidate, before: Sequence[search.SearchStep], worth: Mapping[tuple[str, ...], float]
+    monkeypatch: pytest.MonkeyPatch,
+    at: Candidate,
+    before: Sequence[search.SearchStep],
+    worth: Mapping[tuple[str, ...], float],
+    elsewhere: Any = None,
 ) -> tuple[Candidate, tuple[search.SearchStep, ...], list[str]]:
     """What comes of it where fits of effects end at the evidence `worth`; and what was fitted instead."""
     fitted: list[str] = []
@@ -312,7 +327,7 @@ def asked(
     monkeypatch.setattr(search, "is_significant", lambda of: True)
     monkeypatch.setattr(search, "in_band", lambda bench, one: one.id != GONE)
     monkeypatch.setattr(search, "goodness_of_fit", lambda fit, problem: STANDS)
-    ended, more = search.backward_elimination(BENCH, at, before, lambda what, share: None)
+    _, ended, more = search.backward_elimination(BENCH, at, before, lambda what, share: None, elsewhere)
     return ended, more, fitted
 
 
@@ -338,6 +353,22 @@ def test_a_place_that_is_better_beside_what_was_found_later_is_taken_and_a_singl
     assert (second.reconsidered, second.added, second.tried[0].evidence) == (BLADE, BLADE, 460.0)
     assert first.text == f"{TOP} brings +5330 nats beside {BLADE}, and {HUB} only +5300"
     assert replace(first, at=ALONE).text == f"{TOP} brings +5330 nats alone, and {HUB} only +5300"
+
+
+@pytest.mark.parametrize(("looked", "stays"), [(0.0, {TOP}), (40.0, {HUB, BLADE})])
+def test_what_moves_on_a_mesh_needs_no_second_effect_that_mended_its_place(monkeypatch, looked, stays):
+    before = (found((HUB, 5200.0), at=ALONE), found((BLADE, 130.0), at=hypothesis(HUB, evidence=5200.0)))
+    known = {(BLADE,): 30.0, tuple(sorted((TOP, BLADE))): 5360.0, (TOP,): 5358.0, (HUB,): 5200.0, (): 0.0}
+
+    def elsewhere(data: object, rest: Candidate, there: Candidate) -> tuple[tuple[object, Added, float], ...]:
+        return ((data, Added(named=parse(f"{TOP}=0.3")), looked),) if there.effects[-1].named.id == HUB else ()
+
+    at = hypothesis(HUB, BLADE, evidence=5330.0)
+    ended, again, _ = asked(monkeypatch, at, before, known, elsewhere)
+    assert effect_ids(ended) == stays
+    assert (again[0].reconsidered, again[0].added) == (HUB, HUB if looked else TOP)
+    alone, _, _ = asked(monkeypatch, hypothesis(HUB, evidence=5200.0), before[:1], known, elsewhere)
+    assert effect_ids(alone) == {TOP}  # 158 nats are more than it costs to have looked
 
 
 def test_what_stays_the_best_stays_as_it_was_fitted_and_what_is_not_needed_any_more_goes(monkeypatch):
@@ -387,7 +418,7 @@ def test_what_has_nothing_to_be_held_against_stays(monkeypatch):
 
     monkeypatch.setattr(search, "nearby", breaks)
     at = hypothesis(HUB, BLADE, evidence=5330.0)
-    assert search.backward_elimination(BENCH, at, TWO, lambda what, share: None) == (at, ())
+    assert search.backward_elimination(BENCH, at, TWO, lambda what, share: None) == (BENCH, at, ())
 
 
 def test_only_what_brought_a_good_part_and_is_not_there_is_a_rival(monkeypatch):
@@ -498,7 +529,7 @@ def test_from_where_tolerances_have_paid_no_step_leads_there_and_from_home_one_d
 @pytest.mark.proof
 def test_the_search_goes_that_way_where_no_fit_keeps_the_promise(soft, paid):
     said: list[str] = []
-    explained, rounds = search.stepwise_search(
+    _, explained, rounds = search.stepwise_search(
         soft, paid, candidates(soft, only=[TORSION]), lambda what, share: said.append(what)
     )
     assert f"trying {TORSION} afresh" in said
