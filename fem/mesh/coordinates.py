@@ -5,11 +5,12 @@ grid points (CORD1R, CORD1C, CORD1S). Number 0 is the basic one. Angles are in d
 """
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem.mesh.deck_text import real
 from geometry.errors import BadInput
 from geometry.frames import Array
 
@@ -64,7 +65,7 @@ class System:
         return np.asarray(own @ self.axes)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(eq=False, kw_only=True)
 class Coordinates:
     """Systems and grid points of a deck as it writes them.
 
@@ -72,17 +73,19 @@ class Coordinates:
     ----------
     source : the deck
     systems : kind, system or none, and three points or grid points of each, by number
-    grids : system, three coordinates, and system of the freedoms of each grid point, by number
+    grids : fields of each grid point, by number
+    usual : fields that a grid point has where it leaves its own empty
     found : systems that are worked out
     """
 
     source: str
     systems: dict[str, tuple[str, str, tuple[Array, ...] | tuple[int, ...]]] = field(default_factory=dict)
-    grids: dict[int, tuple[str, Array, str]] = field(default_factory=dict)
+    grids: dict[int, Sequence[str]] = field(default_factory=dict)
+    usual: Sequence[str] = ()
     found: dict[str, System] = field(default_factory=dict)
 
-    def add(self, card: str, fields: Sequence[str], real: Callable[[str], float]) -> None:
-        """Note the `card` of a system, whose fields `real` makes numbers of."""
+    def add(self, card: str, fields: Sequence[str]) -> None:
+        """Note the `card` of a system."""
         which, kind = CARD.fullmatch(card).groups()  # type: ignore[union-attr]
         f = [*fields, *(12 * [""])]
         if which == "2":
@@ -93,19 +96,34 @@ class Coordinates:
             if f[k]:
                 self.systems[f[k]] = kind, "", tuple(int(text) for text in f[k + 1 : k + 4])
 
+    def grid(self, node: int) -> list[str]:
+        """Fields (8,) of a grid point, the usual ones where it has none.
+
+        Raises
+        ------
+        BadInput : systems or freedoms that are no numbers.
+        """
+        f = [one or other for one, other in zip([*self.grids[node], *8 * [""]], [*self.usual, *8 * [""]], strict=False)][:8]
+        numbers = (f[1], *f[5:8])
+        if any(text not in ("", "-1") and not text.isdigit() for text in numbers):  # -1: a point of a fluid
+            problem = f"node {node} has {', '.join(numbers)!r} where its systems and freedoms are numbers"
+            raise BadInput(source=self.source, field="GRID", problem=problem, remedy="Write it again; it may be damaged")
+        return f
+
     def place(self, node: int, within: tuple[str, ...] = ()) -> Array:
         """Basic coordinates (3,) of a grid point.
 
         Raises
         ------
-        BadInput : its system is not there, has no extent, or stands on itself.
+        BadInput : its system is not there, has no extent, or stands on itself; see `grid`.
         """
-        system, at, _ = self.grids[node]
-        return at if system == BASIC else self.system(system, within).point(at)
+        _, system, *three = self.grid(node)[:5]
+        at = np.array([real(text) for text in three])
+        return at if (system or BASIC) == BASIC else self.system(system, within).point(at)
 
     def freedoms(self, node: int) -> Array | None:
         """Directions (3, 3) of the freedoms of a grid point as rows; None for the basic ones."""
-        system = self.grids[node][2]
+        system = self.grid(node)[5] or BASIC
         if system in (BASIC, "-1"):
             return None
         own = self.system(system).directions(self.place(node))

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from fem.mesh import coordinates, files
-from fem.mesh.abaqus_parts import keyword_of
-from fem.mesh.files import MeshFile, cards, real
+from fem.mesh.deck_text import deck_lines, keyword_of, real
+from fem.mesh.files import MeshFile, cards
 from fem.user_model.units import KNOWN, UnitSystem, unit_system
 from geometry import toml_file
 from geometry.errors import BadInput
@@ -159,16 +159,14 @@ class Deck:
         f = [*fields, *6 * [""]]
         words = [text.upper() for text in f[4:] if text]
         words = words[: words.index("ALPHA")] if "ALPHA" in words else words
+        words = [] if "UM" in words else words  # other freedoms than its own depend
         weights, nodes = dict[tuple[float, str], None](), list[str]()
         while words:
             word = words.pop(0)
             if word.isdigit() or word == "THRU":
                 nodes.append(word)
-            elif word != "UM" and words:
-                weights[real(word), words.pop(0)] = None
             else:
-                weights[0.0, word] = None
-                words = []
+                weights[real(word), words.pop(0) if words else ""] = None
         if [freedoms for _, freedoms in weights] != ["123"] or not set(f[3]) >= TRANSLATIONS:
             self.lose(name, "weights that differ, or freedoms other than 123")
             return
@@ -320,7 +318,7 @@ def described(path: Path, units: str | None = None) -> tuple[str, tuple[str, ...
     """
     mesh = files.read(path, lambda card: True)
     try:
-        deck = _abaqus(path, mesh) if path.suffix.lower() == ".inp" else _nastran(path, mesh)
+        deck = _abaqus(path, mesh) if mesh.coordinates is None else _nastran(path, mesh, mesh.coordinates)
     except (ValueError, IndexError, KeyError, OverflowError) as error:
         problem = f"a record of it cannot be read: {type(error).__name__}, {error}"
         raise BadInput(source=str(path), problem=problem, remedy="Check the deck; it may be cut short or damaged") from None
@@ -366,10 +364,9 @@ _IDLE = re.compile(
 """Cards that neither weigh nor hold nor join in a linear structure, or are read with the mesh."""
 
 
-def _nastran(path: Path, mesh: MeshFile) -> Deck:
+def _nastran(path: Path, mesh: MeshFile, where: coordinates.Coordinates) -> Deck:
     deck, fixed = Deck(mesh=mesh), dict[str, list[list[str]]]()
-    whole = "\n".join(line.text for line in files.deck_lines(path))
-    where = files.coordinates(path)
+    whole = "\n".join(line.text for line in deck_lines(path))
     point = dict(zip(mesh.node_tags.tolist(), mesh.points, strict=True))
     upright: dict[str, list[Array]] = {}
     springs, laws = list[list[str]](), dict[str, list[str]]()
@@ -534,7 +531,7 @@ _HELD_AS = {"ENCASTRE": "123456", "PINNED": "123", "XSYMM": "156", "YSYMM": "246
 def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[list[str]]]]:
     """Keyword, options and rows of fields, to the end of the first step; nodes and elements come without their rows."""
     keyword, options, rows, steps = "", dict[str, str](), list[list[str]](), 0
-    for line in files.deck_lines(path):
+    for line in deck_lines(path):
         text = line.text.strip()
         if not text or text.startswith("**"):
             continue
@@ -678,13 +675,14 @@ def _text(path: Path, deck: Deck, system: UnitSystem) -> str:
     def named(several: Iterable[int | str]) -> str:
         return f"[{', '.join(str(one) if isinstance(one, int) else toml_file.string(one) for one in several)}]"
 
+    joined: list[tuple[str, int, str, Sequence[int | str]]] = []
     for name, (node, riders) in deck.links.items():
-        where = ", ".join(f'"{value * system.length:.12g} m"' for value in points[node].tolist())
         every = [*([node] if node in in_use and node not in _numbers(deck.mesh, riders) else []), *riders]
-        tables.append((f"links.{toml_file.string(name)}", {"at": f"[{where}]", "nodes": named(every)}))
-    for name, (node, followed) in deck.means.items():
+        joined.append((name, node, "nodes", every))
+    joined += [(name, node, "mean_of", followed) for name, (node, followed) in deck.means.items()]
+    for name, node, key, nodes in joined:
         where = ", ".join(f'"{value * system.length:.12g} m"' for value in points[node].tolist())
-        tables.append((f"links.{toml_file.string(name)}", {"at": f"[{where}]", "mean_of": named(followed)}))
+        tables.append((f"links.{toml_file.string(name)}", {"at": f"[{where}]", key: named(nodes)}))
     for name, (node, rider) in deck.masses.items():
         table = {"at": at(node), "mass": f'"{rider.mass * mass:.9g} kg"'}
         if np.any(rider.cog):

@@ -156,6 +156,11 @@ class MeshDescription:
     links: Mapping[str, Link]
     stated: text.Stated
 
+    @property
+    def riding(self) -> dict[str, Link]:
+        """Links on which nodes ride; the others follow theirs."""
+        return {name: link for name, link in self.links.items() if not link.follows}
+
     def mesh(self) -> files.MeshFile:
         """What the mesh file holds.
 

@@ -9,16 +9,16 @@ import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fem.mesh import abaqus_parts, solids
-from fem.mesh.abaqus_parts import Line, keyword_of
-from fem.mesh.coordinates import BASIC, CARD, Coordinates
+from fem.mesh import solids
+from fem.mesh.coordinates import CARD, Coordinates
+from fem.mesh.deck_text import BEGIN, LARGEST_FILE, Line, deck_lines, keyword_of, real, text_lines
 from fem.solid.assembly import require_gmsh, session
 from geometry.errors import BadInput
 from geometry.frames import Array, Integers
@@ -27,9 +27,6 @@ from geometry.toml_file import DECKS
 BEAMS, SHELLS, POINT = ("line2", "line3"), ("tri3", "tri6", "quad4", "quad8"), "point"
 DIMENSION = {POINT: 0, **dict.fromkeys(BEAMS, 1), **dict.fromkeys(SHELLS, 2), **dict.fromkeys(solids.KINDS, 3)}
 """Dimension of each kind of element; a kind ends with the number of its nodes."""
-
-LARGEST_FILE = 2 * 2**30
-"""Bytes of a mesh file: a million degrees of freedom have a tenth of it."""
 
 TIME_LIMIT = 600.0
 """Seconds after which gmsh is taken to hang on a file."""
@@ -65,6 +62,7 @@ class MeshFile:
     cells : elements by kind
     groups : indices of elements by name and kind
     node_groups : indices of nodes by name, of sets of nodes; groups of elements have their nodes beside
+    coordinates : systems and grid points as a deck of Nastran writes them; None of others
     """
 
     source: str
@@ -73,6 +71,7 @@ class MeshFile:
     cells: Mapping[str, Cells]
     groups: Mapping[str, Mapping[str, Integers]]
     node_groups: Mapping[str, Integers] = field(default_factory=dict)
+    coordinates: Coordinates | None = None
 
     @property
     def names(self) -> list[str]:
@@ -131,10 +130,11 @@ Elements = dict[str, dict[int, list[int]]]
 class _Raw:
     """What a reader found: nodes and elements by number, groups of their numbers by name."""
 
-    nodes: Nodes
+    nodes: Mapping[int, Sequence[float] | Array]
     elements: Elements
     groups: dict[str, list[int]]
     node_groups: dict[str, list[int]]
+    coordinates: Coordinates | None = None
 
     def numbered(self, source: str) -> MeshFile:
         tags = np.array(sorted(self.nodes), dtype=np.intp)
@@ -178,74 +178,8 @@ class _Raw:
             cells=cells,
             groups=groups,
             node_groups={name: members for name, members in sets.items() if len(members)},
+            coordinates=self.coordinates,
         )
-
-
-def _lines(path: Path) -> Iterator[str]:
-    with path.open(encoding="utf-8", errors="replace") as file:
-        yield from (line.rstrip("\r\n") for line in file)
-
-
-_BEGIN = re.compile(r"\s*BEGIN\s+(BULK|SUPER)\b(.*)", re.IGNORECASE)
-_INCLUDE = re.compile(r"\s*INCLUDE\s+(.*)", re.IGNORECASE)
-
-
-def deck_lines(path: Path) -> Iterator[Line]:
-    """Lines of a deck, those of files that it includes in their place, and of Abaqus without parts and instances.
-
-    What a Nastran deck includes before BEGIN BULK are orders to the program, and are left alone.
-
-    Raises
-    ------
-    BadInput : an included file that is not there, or that includes itself; see `abaqus_parts.flat`.
-    """
-    return abaqus_parts.flat(_whole(path)) if path.suffix.lower() == ".inp" else _whole(path)
-
-
-def _whole(path: Path, within: tuple[Path, ...] = ()) -> Iterator[Line]:
-    lines = iter([Line(text, path, number) for number, text in enumerate(_lines(path), start=1)])
-    if (within or (path,))[0].suffix.lower() == ".inp":
-        for line in lines:
-            text = line.text.strip()
-            if not text.startswith("*") or text.startswith("**"):
-                yield line
-                continue
-            while text.endswith(",") and (more := next(lines, None)) is not None:
-                text += more.text.strip()
-            keyword, options = keyword_of(text)
-            if keyword != "INCLUDE":
-                yield line._replace(text=text)
-            if keyword == "INCLUDE" or (keyword in ("NODE", "ELEMENT", "NSET", "ELSET") and "INPUT" in options):
-                yield from _included(options.get("INPUT", ""), line, (*within, path))
-        return
-    begun = within or not any(_BEGIN.match(text) for text in _lines(path))
-    for line in lines:
-        begun = begun or _BEGIN.match(line.text) is not None
-        if not begun or (found := _INCLUDE.match(line.text)) is None:
-            yield line
-            continue
-        name, mark = found[1].strip(), found[1].strip()[:1]
-        if mark in ("'", '"'):  # a name between quotes may go on over several lines
-            while name.count(mark) < 2 and (more := next(lines, None)) is not None:
-                name += more.text.strip()
-            name = name[1:].partition(mark)[0]
-        yield from _included(name.partition("$")[0].strip(), line, (*within, path))
-
-
-def _included(name: str, line: Line, within: tuple[Path, ...]) -> Iterator[Line]:
-    """Lines of the file `name`: beside the one that includes it, or beside the deck; there, too, whatever folder it names."""
-    name = name.replace("\\", "/")
-    field, remedy = f"line {line.number}", "Copy it beside the deck, or take the line out"
-    beside = dict.fromkeys(file.parent / part for part in (name, Path(name).name) for file in (line.file, *within))
-    file = next((one for one in beside if one.is_file()), None)
-    if file is None:
-        raise BadInput(source=str(line.file), field=field, problem=f"it includes {name!r}, which is not there", remedy=remedy)
-    if file.resolve() in [one.resolve() for one in within]:
-        raise BadInput(source=str(line.file), field=field, problem=f"it includes {name!r}, and so itself", remedy=remedy)
-    if file.stat().st_size > LARGEST_FILE:
-        problem = f"it includes {name!r}, which has {file.stat().st_size / 2**30:.3g} GiB"
-        raise BadInput(source=str(line.file), field=field, problem=problem, remedy="Write a coarser mesh")
-    yield from _whole(file, within)
 
 
 # Abaqus and CalculiX: *NODE, *ELEMENT, *NSET and *ELSET, in free format.
@@ -384,14 +318,16 @@ _MIDDLES_LAST = {"hex20": [*range(12), *range(16, 20), *range(12, 16)], "wedge15
 
 
 def _nastran(path: Path, left_out: LeftOut) -> _Raw:
-    nodes: Nodes = {}
     elements: Elements = {}
     groups: dict[str, list[int]] = {}
-    where = coordinates(path)
+    where = Coordinates(source=str(path))
     for card, *fields in cards(path):
         if card == "GRID":
-            x, y, z = where.place(int(fields[0])).tolist()
-            _once(nodes, int(fields[0]), (x, y, z), str(path))
+            _once(where.grids, int(fields[0]), fields, str(path))
+        elif card == "GRDSET":
+            where.usual = fields
+        elif CARD.fullmatch(card):
+            where.add(card, fields)
         elif card in NASTRAN:
             tag, group = int(fields[0]), fields[1] or fields[0]
             kinds = NASTRAN[card]
@@ -416,34 +352,11 @@ def _nastran(path: Path, left_out: LeftOut) -> _Raw:
         top = max(dimension[tag] for tag in members)
         for tag in members:
             apart.setdefault(name if dimension[tag] == top else f"{name} {_WORDS[dimension[tag]]}", []).append(tag)
-    return _Raw(nodes=nodes, elements=elements, groups=apart, node_groups={})
+    nodes = {number: where.place(number) for number in where.grids}
+    return _Raw(nodes=nodes, elements=elements, groups=apart, node_groups={}, coordinates=where)
 
 
 _WORDS = ("points", "lines", "faces", "volumes")
-
-
-def coordinates(path: Path) -> Coordinates:
-    """Coordinate systems of a deck of Nastran, and its grid points as they are written.
-
-    Raises
-    ------
-    BadInput : a grid point whose systems or freedoms are no numbers.
-    """
-    found = Coordinates(source=str(path))
-    usual = ["", *7 * [""]]
-    for card, *fields in cards(path):
-        if card == "GRDSET":
-            usual = [*fields, *8 * [""]][:8]
-    for card, *fields in cards(path):
-        if CARD.fullmatch(card):
-            found.add(card, fields, real)
-        elif card == "GRID":
-            f = [one or other for one, other in zip([*fields, *8 * [""]], usual, strict=False)]
-            if any(field not in ("", "-1") and not field.isdigit() for field in (f[1], *f[5:8])):  # -1: a point of a fluid
-                problem = f"node {f[0]} has {', '.join((f[1], *f[5:8]))!r} where its systems and freedoms are numbers"
-                raise BadInput(source=str(path), field="GRID", problem=problem, remedy="Write it again; it may be damaged")
-            found.grids[int(f[0])] = f[1] or BASIC, np.array([real(text) for text in f[2:5]]), f[5] or BASIC
-    return found
 
 
 def cards(path: Path) -> Iterator[list[str]]:
@@ -490,19 +403,20 @@ def _repeated(last: list[str], pattern: list[str]) -> list[str]:
 
 
 def _cards(path: Path) -> Iterator[list[str]]:
+    """`cards` as they are written."""
 
     def refused(problem: str) -> BadInput:
         return BadInput(source=str(line.file), problem=problem, remedy="Write it again; it may be cut short or damaged")
 
     card: list[str] = []
     lines = tuple(deck_lines(path))
-    begun = not any(_BEGIN.match(line.text) for line in lines)
+    begun = not any(BEGIN.match(line.text) for line in lines)
     text = mark = ""  # mark: of the line that continues the last one, where its tenth field says one
     ended = path.read_bytes()[-1:] == b"\n"
     line = Line("", path, 0)
     for line in lines:
         text = line.text.split("$")[0].rstrip()
-        if begin := _BEGIN.match(text):
+        if begin := BEGIN.match(text):
             if begun or begin[1].upper() == "SUPER" or re.search(r"SUPER|AUXM", begin[2], re.IGNORECASE):
                 problem = f"line {line.number} begins a further model ({text.strip()}), and superelements are not read"
                 raise BadInput(source=str(line.file), problem=problem, remedy="Write one model with all grid points and elements")
@@ -538,15 +452,6 @@ def _cards(path: Path) -> Iterator[list[str]]:
         raise refused("it ends within a card")
     if card:
         yield card
-
-
-def real(text: str) -> float:
-    """``1.5-3`` is 1.5e-3 in Nastran; nothing is zero."""
-    text = text.strip().upper().replace("D", "E")
-    if not text:
-        return 0.0
-    cut = max(text.rfind("+"), text.rfind("-"))
-    return float(f"{text[:cut]}E{text[cut:]}" if cut > 0 and "E" not in text else text)
 
 
 # Universal files: datasets 2411 (nodes), 2412 (elements) and 2467, 2477, 2452, 2435 (groups).
@@ -617,7 +522,7 @@ def _universal(path: Path) -> _Raw:
 
 def _datasets(path: Path) -> Iterator[tuple[int, list[str]]]:
     inside: list[str] | None = None
-    for line in _lines(path):
+    for line in text_lines(path):
         if line.strip() == "-1":
             if inside:
                 yield int(inside[0]), inside[1:]

@@ -326,7 +326,7 @@ def _numbered(
 ) -> Elements:
     from scipy.sparse import coo_array, eye_array
 
-    own, links = len(points), {name: link for name, link in found.links.items() if not link.follows}
+    own, links = len(points), found.riding
     points = np.vstack([points, *(np.array([link.at]) for link in links.values())])
     tags = np.append(tags, np.zeros(len(links), dtype=np.intp))
     turning = np.zeros(len(points), dtype=bool)
@@ -664,9 +664,7 @@ class _Made:
         node[where[where >= 0]] = np.nonzero(where >= 0)[0]
         ends = {name: np.unique(node[np.unique(spring.indices[spring.data != 0])]) for name, spring in springs.items()}
         together = [block.nodes for block in elements.blocks] + [one[None] for one in ends.values() if len(one)]
-        for name, link in found.links.items():
-            if link.follows:
-                continue
+        for name, link in found.riding.items():
             together.append(np.append(self.sets[name], _chosen(found, self.sets, elements.node_tags, link.nodes, name))[None])
         pairs = np.vstack([np.column_stack([np.repeat(own[:, 0], own.shape[1]), own.ravel()]) for own in together])
         body = connected_components(coo_array((np.ones(len(pairs)), pairs.T), shape=(size, size)), directed=False)[1]

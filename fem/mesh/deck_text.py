@@ -1,11 +1,9 @@
-"""A deck of Abaqus with parts and instances, as Abaqus/CAE writes it, as one without: every instance where the assembly has it.
+"""The text of a deck of Nastran, Abaqus or CalculiX: its lines with those of files that it includes, and its numbers."""
 
-Of a single instance numbers and names of sets stay as they are. Of several, and where the assembly has nodes of its own, numbers
-go on by a power of ten from one to the next, and sets are called as the assembly calls them, ``INSTANCE.SET``.
-"""
-
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,6 +21,96 @@ class Line(NamedTuple):
     number: int
 
 
+def real(text: str) -> float:
+    """``1.5-3`` is 1.5e-3 in Nastran; nothing is zero."""
+    text = text.strip().upper().replace("D", "E")
+    if not text:
+        return 0.0
+    cut = max(text.rfind("+"), text.rfind("-"))
+    return float(f"{text[:cut]}E{text[cut:]}" if cut > 0 and "E" not in text else text)
+
+
+LARGEST_FILE = 2 * 2**30
+"""Bytes of a mesh file: a million degrees of freedom have a tenth of it."""
+
+BEGIN = re.compile(r"\s*BEGIN\s+(BULK|SUPER)\b(.*)", re.IGNORECASE)
+_INCLUDE = re.compile(r"\s*INCLUDE\s+(.*)", re.IGNORECASE)
+
+
+def text_lines(path: Path) -> Iterator[str]:
+    """Lines of a text, without their ends."""
+    with path.open(encoding="utf-8", errors="replace") as file:
+        yield from (line.rstrip("\r\n") for line in file)
+
+
+def deck_lines(path: Path) -> Iterator[Line]:
+    """Lines of a deck, those of files that it includes in their place, and of Abaqus without parts and instances.
+
+    What a Nastran deck includes before BEGIN BULK are orders to the program, and are left alone.
+
+    Raises
+    ------
+    BadInput : an included file that is not there, or that includes itself; see `flat`.
+    """
+    return flat(_abaqus_lines(path, ())) if path.suffix.lower() == ".inp" else _nastran_lines(path, ())
+
+
+def _abaqus_lines(path: Path, within: tuple[Path, ...]) -> Iterator[Line]:
+    lines = (Line(text, path, number) for number, text in enumerate(text_lines(path), start=1))
+    for line in lines:
+        text = line.text.strip()
+        if not text.startswith("*") or text.startswith("**"):
+            yield line
+            continue
+        while text.endswith(",") and (more := next(lines, None)) is not None:
+            text += more.text.strip()
+        keyword, options = keyword_of(text)
+        if keyword != "INCLUDE":
+            yield line._replace(text=text)
+        if keyword == "INCLUDE" or (keyword in COUNTED and "INPUT" in options):
+            yield from _abaqus_lines(*_included(options.get("INPUT", ""), line, (*within, path)))
+
+
+def _nastran_lines(path: Path, within: tuple[Path, ...]) -> Iterator[Line]:
+    every = [Line(text, path, number) for number, text in enumerate(text_lines(path), start=1)]
+    begun, lines = within or not any(BEGIN.match(line.text) for line in every), iter(every)
+    for line in lines:
+        begun = begun or BEGIN.match(line.text) is not None
+        if not begun or (found := _INCLUDE.match(line.text)) is None:
+            yield line
+            continue
+        name, mark = found[1].strip(), found[1].strip()[:1]
+        if mark in ("'", '"'):  # a name between quotes may go on over several lines
+            while name.count(mark) < 2 and (more := next(lines, None)) is not None:
+                name += more.text.strip()
+            name = name[1:].partition(mark)[0]
+        yield from _nastran_lines(*_included(name.partition("$")[0].strip(), line, (*within, path)))
+
+
+def _included(name: str, line: Line, within: tuple[Path, ...]) -> tuple[Path, tuple[Path, ...]]:
+    """The file `name` and `within` which it stands: beside the one that includes it, or beside the deck; there, too, whatever
+    folder it names."""
+    name = name.replace("\\", "/")
+    field, remedy = f"line {line.number}", "Copy it beside the deck, or take the line out"
+    beside = dict.fromkeys(file.parent / part for part in (name, Path(name).name) for file in (line.file, *within))
+    file = next((one for one in beside if one.is_file()), None)
+    if file is None:
+        raise BadInput(source=str(line.file), field=field, problem=f"it includes {name!r}, which is not there", remedy=remedy)
+    if file.resolve() in [one.resolve() for one in within]:
+        raise BadInput(source=str(line.file), field=field, problem=f"it includes {name!r}, and so itself", remedy=remedy)
+    if file.stat().st_size > LARGEST_FILE:
+        problem = f"it includes {name!r}, which has {file.stat().st_size / 2**30:.3g} GiB"
+        raise BadInput(source=str(line.file), field=field, problem=problem, remedy="Write a coarser mesh")
+    return file, within
+
+
+# Abaqus: keywords, and parts with instances, as Abaqus/CAE writes them.
+#
+# Every instance stands where the assembly has it. Of a single instance numbers and names of sets stay as they are. Of several,
+# and where the assembly has nodes of its own, numbers go on by a power of ten from one to the next, and sets are called as the
+# assembly calls them, ``INSTANCE.SET``.
+
+
 def keyword_of(line: str) -> tuple[str, dict[str, str]]:
     """Keyword of a line of Abaqus that begins with one asterisk, and its options, all but their values in capitals."""
     keyword, *words = (word.strip() for word in line.strip()[1:].split(","))
@@ -32,6 +120,9 @@ def keyword_of(line: str) -> tuple[str, dict[str, str]]:
 
 SETS = ("ELSET", "NSET", "REF NODE", "TIE NSET", "PIN NSET")
 """Options that name a set, or a node."""
+
+COUNTED = ("NODE", "ELEMENT", "NSET", "ELSET")
+"""Keywords whose rows have numbers of nodes and elements."""
 
 
 @dataclass(kw_only=True)
@@ -61,26 +152,19 @@ class _Place:
         """A set, or a node by its number."""
         return self.number(text) if text.isdigit() or self.alone or not text else f"{self.name}.{text}"
 
-    def rows(self, block: _Block) -> Iterator[Line]:
-        """Rows of `block` of the part with their numbers and coordinates in the assembly."""
+    def rows(self, block: _Block, word: Callable[[str], str]) -> Iterator[Line]:
+        """Rows of `block` with their coordinates in the assembly, and each number or name of a set as its `word` there."""
         for line in block.rows:
-            words = [word.strip() for word in line.text.split(",")]
+            words = [text.strip() for text in line.text.split(",")]
             if block.keyword == "NODE":
-                at = np.array([float((word or "0").upper().replace("D", "E")) for word in [*words, "", "", ""][1:4]])
+                at = np.array([real(text) for text in [*words, "", "", ""][1:4]])
                 if not np.isfinite(at).all():
                     raise _refused(line, "it has a node that is nowhere")
-                moved = at if self.alone and self.still else self.turn @ at + self.shift
-                words = [self.number(words[0]), *(repr(value) for value in moved.tolist())]
-            elif block.keyword == "ELEMENT":
-                words = [self.number(word) for word in words]
-            elif block.keyword in ("NSET", "ELSET"):
+                words = [self.number(words[0]), *(repr(value) for value in (self.turn @ at + self.shift).tolist())]
+            elif block.keyword in COUNTED:
                 last = 2 if "GENERATE" in block.options else len(words)
-                words = [self.named(word) for word in words[:last]] + words[last:]
+                words = [*map(word, words[:last]), *words[last:]]
             yield line._replace(text=", ".join(words))
-
-    @property
-    def still(self) -> bool:
-        return bool(np.array_equal(self.turn, np.eye(3)) and not np.any(self.shift))
 
 
 def flat(lines: Iterable[Line]) -> Iterator[Line]:
@@ -91,10 +175,9 @@ def flat(lines: Iterable[Line]) -> Iterator[Line]:
     BadInput : an instance of a part that is not there, of another deck, or placed by something other than numbers.
     """
     parts: dict[str, list[_Block]] = {}
-    within = ""  # of PART and ASSEMBLY the one that is open
     assembly: list[_Block] = []
     places: dict[str, _Place] = {}
-    pending: list[_Block] = []
+    pending: list[_Block] | None = None  # of the part, or of the assembly, that is open
     for line in lines:
         text = line.text.strip()
         if not text or text.startswith("**"):
@@ -107,16 +190,15 @@ def flat(lines: Iterable[Line]) -> Iterator[Line]:
             continue
         keyword, options = keyword_of(text)
         if keyword == "PART":
-            within, pending = keyword, []
-            parts[options.get("NAME", "").upper()] = pending
+            pending = parts[options.get("NAME", "").upper()] = []
         elif keyword == "ASSEMBLY":
-            within, pending = keyword, assembly
+            pending = assembly
         elif keyword in ("END PART", "END ASSEMBLY"):
             if keyword == "END ASSEMBLY":
                 places = _places(assembly, parts)
                 yield from _assembled(assembly, parts, places)
-            within, pending = "", []
-        elif within:
+            pending = None
+        elif pending is not None:
             pending.append(_Block(keyword=keyword, options=options, head=line))
         else:
             renamed = {key: _referring(value, places) if key in SETS else value for key, value in options.items()}
@@ -166,14 +248,12 @@ def _places(assembly: Iterable[_Block], parts: Mapping[str, list[_Block]]) -> di
                 raise ValueError
         except ValueError:
             raise _refused(block.head, "it places an instance by something other than numbers") from None
-        name, place = block.options.get("NAME", str(k)), dict[str, Array]()
+        name, turn = block.options.get("NAME", str(k)), np.eye(3)
         shift = np.array([*(rows[0] if rows else []), 0.0, 0.0, 0.0][:3])
-        turn = np.eye(3)
         if len(rows) > 1:
             turn, about = _turn(block, rows[1])
             shift = turn @ (shift - about) + about  # it is shifted first, then turned
-        place = {"turn": turn, "shift": shift}
-        found[name.upper()] = _Place(name=name, offset=0 if alone else k * stride, alone=alone, **place)
+        found[name.upper()] = _Place(name=name, offset=0 if alone else k * stride, alone=alone, turn=turn, shift=shift)
     if own:
         found[""] = _Place(name="", offset=len(instances) * stride, alone=True)
     return found
@@ -200,31 +280,27 @@ def _own(assembly: Iterable[_Block]) -> Iterator[_Block]:
 
 
 def _assembled(assembly: list[_Block], parts: Mapping[str, list[_Block]], places: Mapping[str, _Place]) -> Iterator[Line]:
-    open_instance: _Place | None = None
+    instance: _Place | None = None
 
-    def placed(block: _Block, place: _Place) -> Iterator[Line]:
-        options = {key: place.named(value) if key in SETS else value for key, value in block.options.items()}
-        yield _headed(block.head, block.keyword, options)
-        yield from place.rows(block)
+    def placed(blocks: Iterable[_Block], of: _Place, named: Callable[[str], str], word: Callable[[str], str]) -> Iterator[Line]:
+        for block in blocks:
+            options = {key: named(value) if key in SETS else value for key, value in block.options.items() if key != "INSTANCE"}
+            yield _headed(block.head, block.keyword, options)
+            yield from of.rows(block, word)
 
     for block in assembly:
         if block.keyword == "INSTANCE":
-            open_instance = places[block.options.get("NAME", "").upper()]
-            for one in parts[block.options["PART"].upper()]:
-                yield from placed(one, open_instance)
+            instance = places[block.options.get("NAME", "").upper()]
+            yield from placed(parts[block.options["PART"].upper()], instance, instance.named, instance.named)
         elif block.keyword == "END INSTANCE":
-            open_instance = None
-        elif open_instance is not None:
-            yield from placed(block, open_instance)
-        else:
+            instance = None
+        elif instance is not None:
+            yield from placed([block], instance, instance.named, instance.named)
+        else:  # a set of the assembly keeps its name; numbers are those of the instance that it names, or of the assembly
             of = places.get(block.options.get("INSTANCE", "").upper(), _Place(name="", offset=0, alone=True))
-            options = {key: value for key, value in block.options.items() if key != "INSTANCE"}
-            options |= {key: _referring(value, places) for key, value in options.items() if key in SETS}
-            yield _headed(block.head, block.keyword, options)
-            for row in block.rows:  # a set of the assembly keeps its name; numbers are those of the instance, or of the assembly
-                words = [word.strip() for word in row.text.split(",")]
-                counted = {"NODE": 1, "ELEMENT": len(words), "NSET": len(words), "ELSET": len(words)}.get(block.keyword, 0)
-                counted = min(counted, 2) if "GENERATE" in options else counted
-                meant = [_meant(word, places, of.number) for word in words[:counted]]
-                rest = words[counted:] if block.keyword == "NODE" else [_referring(word, places) for word in words[counted:]]
-                yield row._replace(text=", ".join([*meant, *rest]))
+            of = replace(of, alone=True, turn=np.eye(3), shift=np.zeros(3))
+            rows = [row._replace(text=_referring(row.text, places)) for row in block.rows]
+            other = block if block.keyword in COUNTED else replace(block, rows=rows)
+            yield from placed(
+                [other], of, partial(_referring, places=places), partial(_meant, places=places, otherwise=of.number)
+            )
