@@ -28,14 +28,18 @@ def read(path: str | Path, table: Mapping[str, Any] | None = None, *, gain: floa
     OSError : a file cannot be read.
     """
     source, folder = str(path), Path(path).parent
-    if table is None:
-        table = toml_file.read(path)
-        toml_file.require_format(table, source)
+    table = _described(path) if table is None else table
     toml_file.require_present(table, ("kind",), source=source)
     kind = toml_file.one_of(table["kind"], KINDS, source=source, where="kind")
     if kind == RESPONSE_FUNCTIONS:
         return response_functions.of_table({"gain": gain, "force_gain": gain, **table}, source, folder)
     return modal_table.of_table({"gain": gain, **table}, source, folder)
+
+
+def _described(path: str | Path) -> Mapping[str, Any]:
+    table = toml_file.read(path)
+    toml_file.require_format(table, str(path))
+    return table
 
 
 def tables(path: str | Path, article: str) -> tuple[Mapping[str, Any], ...]:
@@ -52,7 +56,7 @@ def tables(path: str | Path, article: str) -> tuple[Mapping[str, Any], ...]:
     """
     path = Path(path)
     if path.suffix.lower() in (".toml", ".json"):
-        return (toml_file.read(path),)
+        return (_described(path),)
     if not uff.is_universal(path):
         remedy = 'Describe the test: kind = "response-functions" or "modal-table", article, file and places; docs/model-file.md'
         raise BadInput(source=str(path), problem="it is neither a test's description nor a universal file", remedy=remedy)
@@ -66,4 +70,4 @@ def tables(path: str | Path, article: str) -> tuple[Mapping[str, Any], ...]:
 
 def all_in(path: str | Path, article: str, *, gain: float = GAIN) -> tuple[ResponseFunctions | ModalTable, ...]:
     """The tests in the file `path`, each as `read` reads it; of `article` where they are a universal file's."""
-    return tuple(read(path, None if "format" in table else table, gain=gain) for table in tables(path, article))
+    return tuple(read(path, table, gain=gain) for table in tables(path, article))

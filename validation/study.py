@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
+from itertools import chain
 from math import isfinite
 from pathlib import Path
 from typing import Self
@@ -147,8 +148,8 @@ def read_tests(paths: Sequence[str], model: Model) -> tuple[Test, ...]:
     untitled = [k for k, one in enumerate(model.tests) if "title" not in one]
     for k in untitled if len(untitled) > 1 else ():
         own[k] = replace(own[k], title=f"{own[k].title}-{k + 1}")
-    named = [test_file.all_in(path, model.article, gain=model.sensor_gain) for path in paths if is_test(path)]
-    return (*own, *(one for each in named for one in each))
+    named = (test_file.all_in(path, model.article, gain=model.sensor_gain) for path in paths if is_test(path))
+    return (*own, *chain.from_iterable(named))
 
 
 def is_test(path: str) -> bool:

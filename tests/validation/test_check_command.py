@@ -240,3 +240,11 @@ def test_a_file_that_is_no_test_by_itself_says_what_to_do(run, tmp_path, name, t
     code, _, err = run("check", name)
     assert code == main.BAD_INPUT
     assert said in " ".join(err.split())
+
+
+def test_a_test_among_data_states_its_format(run, tmp_path):
+    (tmp_path / "test.toml").write_text('kind = "modal-table"\narticle = "a"\nfrequencies = { values = [10.0] }\n')
+    (tmp_path / "m.toml").write_text('format = 1\nmodel = { title = "m", article = "fmd+clumod-1" }\n')
+    code, _, err = run("compare", "m.toml", "test.toml")
+    assert code == main.BAD_INPUT
+    assert "test.toml: `format`: is missing" in " ".join(err.split())

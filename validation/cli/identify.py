@@ -130,8 +130,9 @@ def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool, 
     if campaign.lower().endswith(".toml"):
         tests = require_measurement(Path(campaign))
     elif Path(campaign).is_file():
-        tests = test_file.all_in(campaign, Path(campaign).stem)
-        read_by = "\n\n".join(model_file.test_table(one) for one in test_file.tables(campaign, Path(campaign).stem))
+        tables = test_file.tables(campaign, Path(campaign).stem)
+        tests = tuple(test_file.read(campaign, one) for one in tables)
+        read_by = "\n\n".join(map(model_file.test_table, tables))
     if tests is not None:
         if view:
             raise BadInput(source="--view", problem="a test has no drawing of sensors", remedy="Leave it out")

@@ -486,10 +486,8 @@ def study_text(path: str, tests: Sequence[str], out: Path) -> str:
         return found.replace(os.sep, "/")
 
     tables, articles = list[dict[str, Any]](), dict[str, str]()
+    own = re.sub(r"[^A-Za-z0-9_-]+", "-", Path(path).stem)
     for name in tests:
-        own = re.sub(r"[^A-Za-z0-9_-]+", "-", Path(path).stem)
-        for one in test_file.all_in(name, own):
-            articles.setdefault(one.article, name)
 
         def moved(value: Any, name: str = name) -> Any:
             if isinstance(value, str):
@@ -501,13 +499,14 @@ def study_text(path: str, tests: Sequence[str], out: Path) -> str:
             )
 
         for table in test_file.tables(name, own):
+            articles.setdefault(test_file.read(name, table).article, name)
             of_files = {key for key in ("shapes", "frequencies") if isinstance(table.get(key), dict)} | {"file", "files"}
             changed: dict[str, Any] = {key: moved(table[key]) for key in of_files & table.keys()}
             tables.append({key: changed.get(key, value) for key, value in table.items() if key not in ("format", "article")})
     if len(articles) > 1:
         problem = f"they are of {' and of '.join(articles)}"
         raise BadInput(source="--test", problem=problem, remedy="Write a study for each")
-    article = next(iter(articles), re.sub(r"[^A-Za-z0-9_-]+", "-", Path(path).stem))
+    article = next(iter(articles), own)
     lines = ["format = 1", f"model = {{ title = {string(structure.name)}, article = {string(article)} }}"]
     lines.append(f"structure = {{ own = {{ {string(article)} = {string(seen(path, 'ARTICLE'))} }} }}")
     return "\n".join([*lines, *("\n" + test_table(table) for table in tables)]) + "\n"

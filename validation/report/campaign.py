@@ -303,7 +303,6 @@ def show_tests(name: str, tests: "Sequence[ResponseFunctions | ModalTable]", *, 
             row |= {"coherence": None if one.coherence is None else float(np.median(one.coherence))}
         rows.append(row)
     warnings = [f"{word}." for one in tests for word in one.warnings]
-    where = [f"{one.article}: {_where(one)}." for one in tests if _where(one)]
     if as_json:
         print_json({"source": name, "tests": to_json(rows), "warnings": warnings})
     else:
@@ -315,6 +314,7 @@ def show_tests(name: str, tests: "Sequence[ResponseFunctions | ModalTable]", *, 
             Column("to [Hz]", lambda row: row["to_hz"]),
             Column("coherence, median", lambda row: row["coherence"], ".3f"),
         )
+        where = [f"{one.article}: {said}." for one in tests if (said := _where(one))]
         click.echo(Document(title=name, blocks=[Table(columns=columns, rows=rows)], notes=[*where, *warnings]).text(), nl=False)
     if out is not None:
         click.echo(f"massline: wrote {out}.", err=True)
