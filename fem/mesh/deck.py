@@ -434,9 +434,10 @@ def _nastran(path: Path, mesh: MeshFile, where: coordinates.Coordinates) -> Deck
                 deck.lose(name, "held away from where it stands")
         elif card == "SPCADD":
             together[f[0]] = [text for text in f[1:] if text]
-        elif card == "GRID" and f[6].strip("0"):
-            deck.held.setdefault(int(f[0]), set()).update(f[6])
-        elif not (card in files.NASTRAN or card == "GRID" or _IDLE.fullmatch(card)):
+        elif card == "GRID":
+            if letters := where.grid(int(f[0]))[6].strip("0"):
+                deck.held.setdefault(int(f[0]), set()).update(letters)
+        elif not (card in files.NASTRAN or _IDLE.fullmatch(card)):
             deck.lose(name, "a card that is not known here")
     for number, f in shells.items():
         bending, ratio = f[3], real(f[4]) or 1.0

@@ -208,6 +208,17 @@ def test_pieces_and_axes_that_are_not_there_are_named(text: str, ending: str, sa
     assert said in str(caught.value)
 
 
+def test_grid_points_are_held_as_they_usually_are(tmp_path: Path) -> None:
+    """By GRDSET, which stands behind them, but where a point says otherwise."""
+    path = tmp_path / "one.bdf"
+    grids = [f"GRID,{n},,{x},{y},0." + (",,0" if n == 4 else "") for n, x, y in ((1, 0, 0), (2, 9, 0), (3, 9, 9), (4, 0, 9))]
+    rest = ["MAT1,1,210000.,,.3,7.85-9", "PSHELL,1,1,2.,1,,1", "CQUAD4,1,1,1,2,3,4", "GRDSET,,,,,,,123456", "ENDDATA", ""]
+    path.write_text("\n".join(["BEGIN BULK", *(f"{one}" for one in grids), *rest]))
+    text, lost = deck.described(path)
+    assert lost == ()
+    assert "interface = [1, 2, 3]" in text
+
+
 def test_losses_of_materials_and_of_the_whole(tmp_path: Path) -> None:
     for text, ending, wanted in (
         (nastran("PARAM,G,0.01").replace("MAT1,1,210000.,,.3,7.85-6", "MAT1,1,210000.,,.3,7.85-6,,,.02"), "bdf", [0.03, 0.01]),
