@@ -15,7 +15,7 @@ from tools.pages import quoted
 
 BARS = {
     "product files": 330,
-    "product lines": 100_800,  # 40 since places of effects move on a mesh
+    "product lines": 100_800,
     "import circles": 0,
     "packages of validation": 17,
     "loose modules of validation": 3,

@@ -33,7 +33,7 @@ from validation.effects.effect import INDISTINGUISHABLE_NATS, at_position, evide
 from validation.estimation import likelihood
 from validation.estimation.fit import BREAKDOWNS, FLOOR
 from validation.estimation.likelihood import cost_of
-from validation.estimation.problem import Predicted
+from validation.estimation.problem import Fit, Predicted, Problem
 from validation.model.model import Added
 from validation.prediction.dynamic_mass import Finite
 from validation.prediction.effects import UNSEEN, Nuisances
@@ -195,10 +195,7 @@ class MeshSearch:
         *others, newest = there.effects
         problem = data.problem((*others, replace(newest, fixed=True)))
         free = tuple(problem.by_name[one.name] for one in there.fit.parameters if one.name in problem.by_name)
-        offsets = {**problem.start, **there.fit.by_name}
-        cost = cost_of(problem, free, FLOOR, offsets)
-        x = cost.at(offsets)
-        fitted = replace(there.fit, parameters=free, offsets=x, covariance=inverse(cost.total(x)[0].matrix))
+        fitted = _standing(problem, replace(there.fit, parameters=free), {**problem.start, **there.fit.by_name})
         without = {one.measured.name: one for one in data.problem(tuple(others)).predictions}
         for search in cls.of(Candidate(effects=(*others, replace(newest, fixed=True)), fit=fitted, problem=problem)):
             tests = [(left, without[one.measured.name]) for left, one in search.tests]
@@ -500,6 +497,13 @@ def without_a_name(data: Study, base: Candidate, nodes: Sequence[FoundNode]) -> 
     return tuple(sorted((one for one in found.values() if _is_worth(one)), key=lambda one: -one.evidence))
 
 
+def _standing(problem: Problem, of: Fit, offsets: Mapping[str, float]) -> Fit:
+    """`of` a `problem` as it stands at `offsets`, with the covariance that belongs there."""
+    cost = cost_of(problem, of.parameters, FLOOR, offsets)
+    x = cost.at(offsets)
+    return replace(of, offsets=x, covariance=inverse(cost.total(x)[0].matrix))
+
+
 def elsewhere(data: Study, rest: Candidate, there: Candidate) -> tuple[tuple[Study, Added, float], ...]:
     """The nodes at which the newest effect of `there`, a mass or a spring that `rest` has not, may explain most, with the study.
 
@@ -512,9 +516,7 @@ def elsewhere(data: Study, rest: Candidate, there: Candidate) -> tuple[tuple[Stu
     if kind not in (MASS, *SPRINGS) or added.fixed or not added.named.value:
         return ()
     offsets = {**rest.problem.start, **{one: x for one, x in there.fit.by_name.items() if one in rest.problem.by_name}}
-    cost = cost_of(rest.problem, rest.fit.parameters, FLOOR, offsets)
-    x = cost.at(offsets)
-    without = replace(rest, fit=replace(rest.fit, offsets=x, covariance=inverse(cost.total(x)[0].matrix)))
+    without = replace(rest, fit=_standing(rest.problem, rest.fit, offsets))
     found: dict[str, tuple[Study, Added, float]] = {}
     named = position(here)
     for search in (*MeshSearch.in_place_of(data, there, rest.fit.cost - there.fit.cost), *MeshSearch.of(without)):
