@@ -229,12 +229,9 @@ def _refused(line: Line, problem: str) -> BadInput:
 def _places(assembly: Iterable[_Block], parts: Mapping[str, list[_Block]]) -> dict[str, _Place]:
     instances = [block for block in assembly if block.keyword == "INSTANCE"]
     own = any(block.keyword == "NODE" for block in _own(assembly))
-    highest = 1
-    for part in parts.values():
-        for block in part:
-            if block.keyword in ("NODE", "ELEMENT"):
-                heads = (row.text.split(",")[0].strip() for row in block.rows)
-                highest = max(highest, *(int(head) for head in heads if head.isdigit()), 1)
+    blocks = (block for part in parts.values() for block in part if block.keyword in ("NODE", "ELEMENT"))
+    heads = (row.text.split(",")[0].strip() for block in blocks for row in block.rows)
+    highest = max((int(head) for head in heads if head.isdigit()), default=1)
     stride = 10 ** len(str(highest))
     alone = len(instances) == 1 and not own
     found: dict[str, _Place] = {}
