@@ -36,12 +36,32 @@ LARGEST_INTEGER = 1e300
 DECKS = (".inp", ".bdf", ".nas", ".dat")
 """Endings of decks of finite-element programs."""
 
+KINDS = {
+    "campaign": "a campaign.toml",
+    "model": "a model file",
+    "fe_model": "an FE model",
+    "article": "the description of an article",
+    "kind": "a measurement file",
+    "inertia": "a result file",
+}
+"""What a file is that has the key, the first of them that it has."""
 
-def require_no_deck(path: Path) -> None:
-    """Refuse a deck, with how it becomes a description."""
-    if path.suffix.lower() in DECKS and path.is_file():
+
+def require_no_other(path: Path) -> None:
+    """Refuse a deck, with how it becomes a description, and a universal file, of which another argument is made."""
+    if not path.is_file():
+        return
+    if path.suffix.lower() in DECKS:
         remedy = f"Describe its structure first: massline model {path} --out {path.with_suffix('.toml')}"
         raise BadInput(source=str(path), problem="it is a deck of a finite-element program", remedy=remedy)
+    if path.suffix.lower() in (".unv", ".uff"):
+        problem = "it is a universal file, a measurement, where a file in TOML is needed"
+        raise BadInput(source=str(path), problem=problem, remedy="MODEL comes first and DATA behind it")
+
+
+def kind_of(table: Mapping[str, Any]) -> str:
+    """What the file of `table` is, in words; nothing where no key tells."""
+    return next((what for key, what in KINDS.items() if key in table), "")
 
 
 def read(name: str | Path, *, remedy: str = "Check the path") -> dict[str, Any]:
@@ -64,7 +84,7 @@ def read(name: str | Path, *, remedy: str = "Check the path") -> dict[str, Any]:
         raise BadInput(source=name, problem="it is a device, where a file is needed", remedy=remedy)
     if not path.exists():
         raise BadInput(source=name, problem="there is no such file", remedy=remedy)
-    require_no_deck(path)
+    require_no_other(path)
     try:
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
@@ -193,10 +213,11 @@ def require_known(table: Mapping[str, Any], known: Collection[str], *, source: s
     """
     for key in table:
         if key not in known:
+            is_other = not where and key in KINDS and kind_of(table) == KINDS[key]
             raise BadInput(
                 source=source,
                 field=f"{where}.{key}" if where else key,
-                problem=f"found the unknown key {key!r}",
+                problem=f"this is {KINDS[key]}, not what is read here" if is_other else f"found the unknown key {key!r}",
                 remedy=nearest(key, known) + f"Known are {', '.join(known)}",
             )
 

@@ -58,6 +58,7 @@ def tables(path: str | Path, article: str) -> tuple[Mapping[str, Any], ...]:
     if path.suffix.lower() in (".toml", ".json"):
         return (_described(path),)
     if not uff.is_universal(path):
+        toml_file.require_no_other(path)
         remedy = 'Describe the test: kind = "response-functions" or "modal-table", article, file and places; docs/model-file.md'
         raise BadInput(source=str(path), problem="it is neither a test's description nor a universal file", remedy=remedy)
     found = uff_tests.read(path)
@@ -71,3 +72,9 @@ def tables(path: str | Path, article: str) -> tuple[Mapping[str, Any], ...]:
 def all_in(path: str | Path, article: str, *, gain: float = GAIN) -> tuple[ResponseFunctions | ModalTable, ...]:
     """The tests in the file `path`, each as `read` reads it; of `article` where they are a universal file's."""
     return tuple(read(path, table, gain=gain) for table in tables(path, article))
+
+
+def table_of(test: ResponseFunctions | ModalTable, file: str) -> Mapping[str, Any]:
+    """The table by which a model reads `test` from the universal `file` beside it."""
+    kind = RESPONSE_FUNCTIONS if isinstance(test, ResponseFunctions) else MODAL_TABLE
+    return {"kind": kind, "article": test.article, "file": file}

@@ -152,6 +152,27 @@ def read_tests(paths: Sequence[str], model: Model) -> tuple[Test, ...]:
     return (*own, *chain.from_iterable(named))
 
 
+def tests_in(path: Path) -> tuple[Test, ...] | None:
+    """The tests in the file `path`: a description, a model's [[test]] or a universal file; None where it describes a campaign.
+
+    Raises
+    ------
+    BadInput : none of them, and what it is is said; a test that cannot be used.
+    OSError : a file cannot be read.
+    """
+    if path.suffix.lower() != ".toml":
+        return test_file.all_in(path, path.stem)
+    table = toml_file.read(path)
+    if "campaign" in table or "channel" in table:
+        return None
+    if "kind" in table:
+        return (test_file.read(path, table),)
+    if "model" in table and "test" in table:
+        return read_tests((), model_file.of_table(table, str(path)))
+    what = "a model file without a [[test]]" if "model" in table else f"a file with {', '.join(table) or 'nothing'}"
+    raise BadInput(source=str(path), problem=f"it is {what}, no measurement", remedy="Name the folder of a campaign, or a test")
+
+
 def is_test(path: str) -> bool:
     """Whether the file at `path` describes response functions or a modal table, or is a universal file of them."""
     if uff.is_universal(Path(path)):

@@ -13,6 +13,9 @@ import pytest
         (("identify", "m.toml"), "it is a model file without a [[test]], no measurement"),
         (("compare", "m.toml", "m.toml"), "it is a model file, where a measurement is needed"),
         (("check", "m.toml"), "it is a model file without a [[test]], no measurement"),
+        (("compare", "H.unv", "m.toml"), "it is a universal file, a measurement, where a file in TOML is needed. MODEL"),
+        (("identify", "deck.inp"), "it is a deck of a finite-element program. Describe its structure first"),
+        (("reference", "m.toml"), "this is a model file, not what is read here"),
         (("add", "m.toml", "series"), "the effect stands before DATA"),
         (("excite", "fmd", "--axis", "rx"), "Did you mean alpha?"),
         (("excite", "fmd", "--axis", "ry"), "Did you mean beta?"),
@@ -21,6 +24,8 @@ import pytest
 )
 def test_what_was_mistaken_is_said(refused, run, tmp_path, arguments, words):
     run("model", "fmd+clumod-1", "--out", "m.toml")
+    (tmp_path / "H.unv").write_text("    -1\n", encoding="utf-8")
+    (tmp_path / "deck.inp").write_text("*NODE\n", encoding="utf-8")
     (tmp_path / "series").mkdir()
     (tmp_path / "series" / "campaign.toml").write_text("format = 1\n", encoding="utf-8")
     assert words in refused(*arguments)

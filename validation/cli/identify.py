@@ -68,8 +68,8 @@ from validation.cli import options
 def identify_command(ctx: click.Context, /, plot: bool, out: Path | None, as_json: bool, frame: str | None, **given: Any) -> None:
     """Mass, CoG, moments and products of inertia of the article of CAMPAIGN, with 95 % intervals and a verdict on each.
 
-    CAMPAIGN may be TEST.toml, response functions of a free or softly hung body with at least six references and coordinates of
-    all points: the mass line and a joint fit then stand side by side.
+    CAMPAIGN may be TEST.toml or a universal file, response functions of a free or softly hung body with at least six references
+    and coordinates of all points, or a model with such a [[test]]: the mass line and a joint fit then stand side by side.
 
     Plain results (Eqs. 6 to 11, then 1 and 4) and self-calibrated ones, in which every tolerance of sensors and load cells is
     estimated over article and tare, stand side by side; docs/identification.md says how to read them. Without --tare the FMD's
@@ -81,7 +81,7 @@ def identify_command(ctx: click.Context, /, plot: bool, out: Path | None, as_jso
     from validation.output import require_folder
     from validation.report.identify import answer, answer_of_test
 
-    if str(given["campaign"]).lower().endswith(".toml") and Path(given["campaign"]).is_file():
+    if Path(given["campaign"]).is_file():
         typed = click.core.ParameterSource.COMMANDLINE
         names = [name for name in ctx.params if ctx.get_parameter_source(name) is typed]
         if other := sorted(set(names) - {"campaign", "band", "as_json"}):
@@ -118,27 +118,24 @@ def check_command(ctx: click.Context, campaign: str, as_json: bool, view: bool, 
     """
     from identification import test_file
     from validation.cli.main import BAD_INPUT, FAILED_CHECK
-    from validation.identify.check import require_measurement, summary
+    from validation.identify.check import summary
     from validation.model import model_file
     from validation.output import print_json, require_ending, shown, to_json
     from validation.report import campaign as answer
     from validation.report.document import page
+    from validation.study import tests_in
 
     if out is not None:
         require_ending(out, answer.FUNCTIONS, "what was measured", "out/H.unv")
-    tests, read_by = None, ""
-    if campaign.lower().endswith(".toml"):
-        tests = require_measurement(Path(campaign))
-    elif Path(campaign).is_file():
-        tables = test_file.tables(campaign, Path(campaign).stem)
-        tests = tuple(test_file.read(campaign, one) for one in tables)
-        read_by = "\n\n".join(map(model_file.test_table, tables))
+    path, described = Path(campaign), campaign.lower().endswith(".toml")
+    tests = tests_in(path) if described or path.is_file() else None
     if tests is not None:
         if view:
             raise BadInput(source="--view", problem="a test has no drawing of sensors", remedy="Leave it out")
         answer.show_tests(campaign, tests, as_json=as_json, out=out)
-        if read_by and not as_json:
-            click.echo(f"\nA model reads it by\n\n{read_by}")
+        if not described and not as_json:
+            tables = [model_file.test_table(test_file.table_of(one, path.name)) for one in tests]
+            click.echo("\n\n".join(("\nA model reads it by", *tables)))
         return
     with shown(f"reading {campaign}", quiet=as_json):
         found = summary(campaign)

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from geometry import toml_file
 from geometry.errors import BadInput
 from geometry.frames import Array
 from geometry.inertia import Observability
@@ -18,8 +17,7 @@ from identification.spectra.of_campaign import spectra
 from validation.output import derived, entry, unwritten
 
 if TYPE_CHECKING:
-    from identification.modal_table import ModalTable
-    from identification.response_functions import ResponseFunctions
+    pass
 
 LOUD = 1.5
 """How far above its stated noise floor a channel may read while nothing moves; beyond, it is said aloud."""
@@ -183,23 +181,3 @@ def of_campaign(folder: str | Path, campaign: campaigns.Campaign, problems: tupl
         levels=known,
         noise=noise,
     )
-
-
-def require_measurement(path: Path) -> "tuple[ResponseFunctions | ModalTable, ...] | None":
-    """The tests that the TOML file `path` describes, or that stand in a model file; None for the description of a campaign.
-
-    Raises
-    ------
-    BadInput : it describes neither, and what it is is said.
-    """
-    table = toml_file.read(path)
-    if "campaign" in table or "channel" in table:
-        return None
-    from identification import test_file
-
-    if "kind" in table:
-        return (test_file.read(path, table),)
-    if tests := table.get("test"):
-        return tuple(test_file.read(path, one) for one in tests)
-    what = "a model file without a [[test]]" if "model" in table else f"a file with {', '.join(table) or 'nothing'}"
-    raise BadInput(source=str(path), problem=f"it is {what}, no measurement", remedy="Name the folder of a campaign, or a test")

@@ -300,13 +300,8 @@ def of_table(table: dict[str, Any], source: str) -> Model:
     BadInput : see `read`.
     """
     if "model" not in table:
-        kinds = {
-            "campaign": "a campaign.toml",
-            "fe_model": "an FE model",
-            "kind": "a measurement file",
-            "inertia": "a result file",
-        }
-        what = next((f"this is {what}" for key, what in kinds.items() if key in table), "the table [model] is missing")
+        kind = toml_file.kind_of(table)
+        what = f"this is {kind}" if kind else "the table [model] is missing"
         remedy = f"{nearest('model', list(table))}`massline model ARTICLE --out FILE` writes one"
         raise BadInput(source=source, field="model", problem=f"{what}, where a model file is needed", remedy=remedy)
     toml_file.require_format(table, source)

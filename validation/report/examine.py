@@ -26,7 +26,7 @@ def answer(path: str, *, as_json: bool) -> None:
     if not Path(path).exists() or not reading.is_model(path):
         if Path(path).suffix.lower() == ".toml" and Path(path).is_file():
             toml_file.read(path)  # which says what is no TOML, such as a support that is named twice
-        toml_file.require_no_deck(Path(path))
+        toml_file.require_no_other(Path(path))
         problem = "there is no such file" if not Path(path).exists() else "it is no finite-element model"
         remedy = f"Name one of {', '.join(reading.DATA_ENDINGS)}, or a description (.toml with [fe_model])"
         raise BadInput(source=path, problem=problem, remedy=remedy)

@@ -21,7 +21,6 @@ from identification.elastic.model import dynamic_mass
 from identification.quality import NORMAL_95, impossible
 from identification.response_functions import ResponseFunctions
 from validation.identify import identify
-from validation.identify.check import require_measurement
 from validation.identify.identify import DrawnBandStudy, IdentificationFindings, IdentifyOptions, Reported, by_kind
 from validation.model.setups import FMD, above_fmd, is_stack, stated, takes_fmd_off
 from validation.output import NONE, inertia_json, json_text, print_json, rounded, shown, to_json
@@ -667,7 +666,9 @@ def answer_of_test(path: str, band: tuple[float, float] | None, *, as_json: bool
     BadInput : the test cannot be used for it.
     CheckFailed : no body comes out.
     """
-    found_tests = require_measurement(Path(path)) or ()
+    from validation.study import tests_in
+
+    found_tests = tests_in(Path(path)) or ()
     if len(found_tests) != 1:
         problem = f"it describes {len(found_tests) or 'a campaign and no'} tests, where one is needed"
         raise BadInput(source=path, problem=problem, remedy="Name the file of one test, or the folder of a campaign")
