@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from fem.mesh.places import ENERGY_TOO_HIGH
-from fem.modes import floating_shift, lowest
+from fem.modes import Modes, floating_shift, lowest
 from fem.structure import Sparse, Structure, hold
 from fem.user_model import freedoms, frequency_checks, matrices, matrix_checks, reading
 from fem.user_model.description import Contents, Description
@@ -65,7 +65,7 @@ def examine(path: str | Path) -> Examination:
         findings, unread = [], (f"a model of the kind {description.kind} is looked at as the reader makes it",)
     if not findings:
         try:
-            reading.load(path)
+            findings = lossless(reading.load(path).model)
         except BadInput as error:
             findings = [refusal(error)]
     return Examination(
@@ -81,7 +81,7 @@ def _as_read(path: str | Path, kind: str) -> Examination:
         return Examination(source=str(path), name=Path(path).stem, kind=kind, findings=(refusal(error),))
     if not isinstance(found.model, Structure):
         return Examination(source=str(path), name=found.name, kind=kind, findings=())
-    facts, findings = [f"{found.model.mass.shape[0]} degrees of freedom"], []
+    facts, findings = [f"{found.model.mass.shape[0]} degrees of freedom"], lossless(found.model)
     if worst := coarsest(found.model):
         hertz, part, share = worst
         facts.append(f"a finer mesh may move a frequency by about {100 * share:.2g} %, that of {hertz:.4g} Hz")
@@ -91,6 +91,17 @@ def _as_read(path: str | Path, kind: str) -> Examination:
             amount = f"about {100 * share:.2g} % of the frequency of the mode at {hertz:.4g} Hz"
             findings.append(Finding(check="mesh", what=what, where=part, amount=amount, remedy=remedy))
     return Examination(source=str(path), name=found.name, kind=kind, findings=tuple(findings), facts=tuple(facts))
+
+
+def lossless(model: Structure | Modes) -> list[Finding]:
+    """Parts of which no loss is stated while others have one: the modes that strain them alone ring for ever."""
+    if not isinstance(model, Structure) or not model.loss_factors:
+        return []
+    stated = {*model.loss_factors, *model.supports, *model.joints}
+    silent = [part for part in model.part_stiffness if part not in stated]
+    what = "loses nothing, since others state a loss and it does not: modes that strain it alone have no damping"
+    remedy = "State its loss_factor; 0 says that none is meant"
+    return [Finding(check="damping", what=what, where=part, amount="a loss factor of 0", remedy=remedy) for part in silent]
 
 
 LOOKED_AT = 10

@@ -373,7 +373,7 @@ class FrequencyTrend:
             own = _resonance(f[near] / mode.frequency, zeta)
             times, width = np.meshgrid((0.25, 0.5, 1.0, 2.0), np.linspace(-WIDTHS, WIDTHS, 4 * WIDTHS + 1))
             elsewhere = _resonance(f[near] / (peak * (1 + width * times * zeta))[..., None], (times * zeta)[..., None])
-            others = np.concatenate([own[None] ** 2, elsewhere.reshape(-1, len(own))])  # its derivative first
+            others = np.concatenate([own[None] ** 2, elsewhere.reshape(width.size, len(own))])  # its derivative first
             pairs = motion[near] * np.stack([np.broadcast_to(own, others.shape), others], axis=1)
             found[mode.name] = float(_explained(y[near], np.concatenate([pairs, 1j * pairs], axis=1)).max())
         best = max(found, key=lambda name: found[name], default="")

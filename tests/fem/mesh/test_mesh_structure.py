@@ -12,6 +12,7 @@ from benchmarks.read_meshes import STEEL, abaqus, bricks, plate
 from fem.mesh import description
 from fem.modes import fixed_base, floating_shift, lowest
 from fem.structure import Structure, hold
+from fem.user_model.examine import lossless
 from geometry.errors import BadInput
 
 Meshed = Callable[..., Structure]
@@ -332,3 +333,18 @@ def test_a_support_that_is_named_twice_is_refused(tmp_path: Path, lines: str, wo
     (tmp_path / "model.toml").write_text(f"{text}[fe_model.parts.p]\n{STEEL}\n")
     with pytest.raises(BadInput, match=words):
         description.read(tmp_path / "model.toml")
+
+
+def test_a_part_without_a_loss_beside_others_that_state_one_is_named(meshed: Meshed) -> None:
+    """A spring's loss alone leaves every mode of the beam with a hundredth of a per cent and less."""
+    spring = """
+        [fe_model.springs.pad]
+        at = "tip"
+        stiffness = ["1e6 N/m", "1e6 N/m", "1e6 N/m", "1e2 N m/rad", "1e2 N m/rad", "1e2 N m/rad"]
+        loss_factor = 0.1
+    """
+    first, second = HALVES.split("[fe_model.parts.right]")
+    for parts, silent in ((HALVES, ["left", "right"]), (f"{first}loss_factor = 0\n[fe_model.parts.right]{second}", ["right"])):
+        structure = meshed(chain(), parts, support='support = "ground"\ninterface = ["root"]', more=spring)
+        assert [one.where for one in lossless(structure)] == silent
+    assert lossless(meshed(chain(), HALVES, support='support = "ground"\ninterface = ["root"]')) == []

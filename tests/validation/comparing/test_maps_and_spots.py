@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose
 from identification.base_motion import base_motion, resultants
 from identification.dynamic_mass import from_runs
 from identification.spectra.line_spectra import Spectra
-from validation.compare.compare import text, worst
-from validation.compare.maps import chunks, combined, doubt, judged_error, left_over, mapped, with_noise
+from validation.compare.compare import FrequencyTrend, text, worst
+from validation.compare.maps import NamedMode, chunks, combined, doubt, judged_error, left_over, mapped, with_noise
 from validation.estimation.evaluate import squares
 from validation.estimation.fit import FLOOR, fit
 from validation.estimation.likelihood import left_of_run, observed
@@ -232,3 +232,18 @@ def test_a_channel_that_nothing_checks_deviates_by_nothing_and_is_never_surprisi
     assert found.expected[0, 2] == np.inf
     assert found.value[0, 2] == 0
     assert_allclose(np.abs(found.value[0, :2]), 1.0, rtol=1e-12)
+
+
+def test_a_mode_between_lines_that_lie_far_apart_is_followed_by_nothing():
+    lines = np.linspace(12.0, 2400.0, 100)
+    trend = FrequencyTrend(
+        frequency=lines,
+        deviation=np.exp(1j * lines),
+        expected=np.ones(100),
+        reading=np.ones(100, dtype=complex),
+        motion=np.ones(100, dtype=complex),
+        of_load=False,
+    )
+    rigid = NamedMode(name="bounce", frequency=22.0, damping_ratio=0.1)
+    assert not np.any(np.abs(lines - 22.0) < 2.2)
+    assert trend.follows([rigid], (20.0, 40.0), 36.0) == ""
