@@ -205,38 +205,57 @@ def straightened(samples: Array) -> Array:
 def _by_poles(uncoupled: Poles, outputs: Array, step: float) -> Callable[[Array], tuple[Array, Array]]:
     """What answers the next block of samples, from where the last one ended: outputs (k, o), state (2 n,) at the end."""
     growth, now, ahead = held(uncoupled.pole * step)
-    modes, powers = len(growth), growth[None, :] ** np.arange(1, TOGETHER + 1)[:, None]
     # A complex number lies in memory as its two parts, side by side: all products are real ones, those of BLAS and half as many
     pushing = np.ascontiguousarray(np.vstack([step * share * uncoupled.drive.T for share in (ahead, now)])).view(np.float64)
     seen = np.ascontiguousarray((outputs @ uncoupled.shape).conj()).view(np.float64)
-    before, state = np.full(uncoupled.drive.shape[1], np.nan), np.zeros(modes, dtype=np.complex128)
+    before, state = np.full(uncoupled.drive.shape[1], np.nan), np.zeros(len(growth), dtype=np.complex128)
 
     def solve(samples: Array) -> tuple[Array, Array]:
         nonlocal before, state
         if len(samples) > TOGETHER**2:
             pieces = [solve(samples[k : k + TOGETHER**2]) for k in range(0, len(samples), TOGETHER**2)]
             return np.hstack([found.T for found, _ in pieces]).T, pieces[-1][1]
-        # Input now and one sample before in rows of `TOGETHER` samples, which are answered from rest all at once
-        count, rows, p = len(samples), -(-len(samples) // TOGETHER), samples.shape[1]
-        inputs = np.zeros((rows * TOGETHER, 2 * p))
-        inputs[:count, :p], inputs[1:count, p:] = samples, samples[:-1]
-        inputs[0] = 0.0 if np.any(np.isnan(before)) else np.concatenate([samples[0], before])  # at rest at the first sample
-        by_place = inputs.reshape(rows, TOGETHER, 2 * p).transpose(1, 0, 2).reshape(TOGETHER * rows, 2 * p)
-        w = (by_place @ pushing).view(np.complex128).reshape(TOGETHER, rows, modes)
-        for k in range(1, TOGETHER):
-            w[k] += growth * w[k - 1]
-        # What every row begins with, and what becomes of it
-        start = np.empty((rows, modes), dtype=np.complex128)
-        for k in range(rows):
-            start[k], state = state, w[-1, k] + powers[-1] * state
-        for k in range(TOGETHER):
-            w[k] += powers[k] * start
-        before, state = samples[-1].copy(), w[(count - 1) % TOGETHER, (count - 1) // TOGETHER].copy()
-        found = seen @ w.reshape(TOGETHER * rows, modes).view(np.float64).T
-        in_order = found.reshape(len(seen), TOGETHER, rows).transpose(0, 2, 1).reshape(len(seen), rows * TOGETHER)
-        return in_order[:, :count].T, np.asarray((uncoupled.shape @ state).real)
+        # Input now and one sample before
+        inputs = np.hstack([samples, np.vstack([before, samples[:-1]])])
+        if np.any(np.isnan(before)):
+            inputs[0] = 0.0  # at rest at the first sample
+        w = carried((inputs @ pushing).view(np.complex128), growth, state)
+        before, state = samples[-1].copy(), w[-1].copy()
+        return (seen @ w.view(np.float64).T).T, np.asarray((uncoupled.shape @ state).real)
 
     return solve
+
+
+def carried(pushed: ComplexArray, growth: ComplexArray, state: ComplexArray) -> ComplexArray:
+    """States (n, m) w_k = growth w_(k-1) + pushed_k of (n, m) that are `pushed`, from `state` (m,) on."""
+    count, rows = len(pushed), -(-len(pushed) // TOGETHER)
+    whole = np.zeros((rows * TOGETHER, len(growth)), dtype=np.complex128)
+    whole[:count] = pushed
+    # In rows of `TOGETHER` samples, which are answered from rest all at once; then what every row begins with, and its trace
+    w, powers = whole.reshape(rows, TOGETHER, -1).transpose(1, 0, 2), growth ** np.arange(1, TOGETHER + 1)[:, None]
+    for k in range(1, TOGETHER):
+        w[k] += growth * w[k - 1]
+    start = np.empty((rows, len(growth)), dtype=np.complex128)
+    for k in range(rows):
+        start[k], state = state, w[-1, k] + powers[-1] * state
+    for k in range(TOGETHER):
+        w[k] += powers[k] * start
+    return whole[:count]
+
+
+def stepped(uncoupled: Poles, step: float, inputs: int, length: int) -> list[ComplexArray]:
+    """States k = 0 to `length` samples after one, each (m, m + `inputs` (`length` + 3)): by the states there, and by every one of
+    `inputs`, the first of which drive, `length` + 3 samples of it from the one before on, `straightened` here."""
+    growth, now, ahead = held(uncoupled.pole * step)
+    m, p = uncoupled.drive.shape
+    lifted = step * uncoupled.drive[:, :, None] * np.array([-1.0, 14.0, -1.0]) / 12
+    found = [np.eye(m, m + inputs * (length + 3), dtype=np.complex128)]
+    for k in range(length):
+        found.append(growth[:, None] * found[-1])
+        driven = found[-1][:, m:].reshape(m, inputs, length + 3)[:, :p]
+        driven[:, :, k : k + 3] += now[:, None, None] * lifted
+        driven[:, :, k + 1 : k + 4] += ahead[:, None, None] * lifted
+    return found
 
 
 def _by_stepping(system: States, outputs: Array, step: float) -> Callable[[Array], tuple[Array, Array]]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from math import ceil, isfinite
+from math import ceil, comb, isfinite
 from types import MappingProxyType
 from typing import Any, Protocol
 
@@ -235,17 +235,16 @@ def smooth_step(time: Array, begin: float, end: float) -> Jet:
     """From 0 at `begin` to 1 at `end` [s], with `SMOOTH` continuous derivatives; constant outside.
 
     With x from 0 to 1 between the two its derivative is x^p (1 - x)^p over the integral of that, p = `SMOOTH`: the step is the
-    regularised incomplete beta function I_x(p + 1, p + 1).
+    regularised incomplete beta function I_x(p + 1, p + 1), here as the sum of Bernstein polynomials that it is.
     """
-    from scipy.special import beta, betainc
-
     p, length = SMOOTH, end - begin
     x = np.clip((time - begin) / length, 0.0, 1.0)
     rising = (x > 0) & (x < 1)
     r = x[rising]
     value, first, second = (x >= 1).astype(np.float64), np.zeros_like(x), np.zeros_like(x)
-    value[rising] = betainc(p + 1, p + 1, r)
-    bell = (r * (1 - r)) ** (p - 1) / beta(p + 1, p + 1)
+    n = 2 * p + 1
+    value[rising] = sum(comb(n, k) * r**k * (1 - r) ** (n - k) for k in range(p + 1, n + 1))
+    bell = (n * comb(2 * p, p)) * (r * (1 - r)) ** (p - 1)  # over the beta function of p + 1 and p + 1
     first[rising] = bell * r * (1 - r) / length
     second[rising] = p * bell * (1 - 2 * r) / length**2
     return Jet(value, first, second)
@@ -337,20 +336,13 @@ def sampled(
 
 def at(pattern: Pattern, clock: Clock, cross: CrossMotion | None = None) -> Array:
     """Displacement, velocity and acceleration of the table at the instants of `clock`: (3, 6, n)."""
-    motion = np.zeros((3, 6, clock.count))
-    _add(motion, pattern.signals(clock), cross.at_once if cross else np.eye(6))
+    passed = [(pattern.signals(clock), cross.at_once if cross else np.eye(6))]
     if cross:
-        _add(motion, pattern.signals(replace(clock, late=clock.late + cross.delay)), cross.delayed)
-    return motion
-
-
-def _add(motion: Array, signals: Mapping[str, Jet], transfer: Array) -> None:
-    """Add `signals`, passed on from their axes (columns of `transfer`) to all (rows), to `motion` (3, 6, n) in place."""
-    for axis, jet in signals.items():
-        for row, share in enumerate(transfer[:, MOTIONS.index(axis)]):
-            if share:
-                for total, part in zip(motion, (jet.value, jet.first, jet.second), strict=True):
-                    total[row] += share * part
+        passed.append((pattern.signals(replace(clock, late=clock.late + cross.delay)), cross.delayed))
+    # From their axes (columns) to all (rows)
+    columns = np.stack([to[:, MOTIONS.index(axis)] for signals, to in passed for axis in signals], axis=1)
+    jets = [jet for signals, _ in passed for jet in signals.values()]
+    return np.stack([columns @ np.stack([getattr(jet, order) for jet in jets]) for order in ("value", "first", "second")])
 
 
 def require_below_nyquist(pattern: Pattern, sampling_rate: float) -> None:

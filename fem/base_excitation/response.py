@@ -9,11 +9,12 @@ from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
+from numpy.lib.stride_tricks import sliding_window_view
 
-from fem.base_excitation.first_order_hold import Progress, States, answer, poles, solver, states, straightened
+from fem.base_excitation.first_order_hold import Progress, States, answer, carried, poles, solver, states, stepped, straightened
 from fem.base_excitation.patterns import BaseMotion, Clock, CrossMotion, Pattern, at, require_below_nyquist
 from fem.base_excitation.rig import TABLE, FlexibleBody, Rig, RigStructure, matrices
-from geometry.dynamic_mass import MOTIONS
+from geometry.dynamic_mass import MOTIONS, ComplexArray
 from geometry.errors import BadInput, CheckFailed
 from geometry.frames import Array, freeze, frozen
 
@@ -92,7 +93,7 @@ class Channels:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Outputs:
-    """The same channels from the states (o, 2 n) and the inputs (o, p)."""
+    """The same channels from the states (o, 2 n), and from accelerations, velocities and displacements of the table (o, 18)."""
 
     of_states: Array
     of_inputs: Array
@@ -133,12 +134,13 @@ def run(structure: RigStructure, system: States, channels: Channels, motion: Bas
         samples = motion.acceleration
     else:
         samples = np.hstack([motion.acceleration, motion.velocity, motion.displacement])
+    of_inputs = wanted.of_inputs[:, : samples.shape[1]]
     last = min(int(np.ceil(motion.driven * motion.sampling_rate - 1e-6)), len(motion.acceleration) - 1)
     found, state = np.empty((len(wanted.of_states), len(samples))).T, np.zeros(len(system.A))  # a channel lies in one piece
     straight = straightened(samples) if len(system.A) else samples
     with np.errstate(over="ignore", invalid="ignore"):  # said below, in words
         for block in answer(system, wanted.of_states, straight, motion.sampling_rate, stop=last, progress=progress):
-            np.add(block.outputs.T, wanted.of_inputs @ samples[block.samples].T, out=found[block.samples].T)
+            np.add(block.outputs.T, of_inputs @ samples[block.samples].T, out=found[block.samples].T)
             require_bounded(found[block.samples], channels.names, block.samples.start, motion.sampling_rate)
             if block.samples.stop == last + 1:
                 state = block.state
@@ -214,8 +216,9 @@ def seen(channels: Channels, system: States) -> Outputs:
     y, t = slice(TABLE, None), slice(None, TABLE)
     second, first, none = channels.acceleration, channels.velocity, channels.displacement
     of_states = second[:, y] @ system.acceleration + first[:, y] @ system.velocity + none[:, y] @ system.displacement
-    table = np.hstack([second[:, t], first[:, t], none[:, t]])[:, : system.B.shape[1]]
-    return Outputs(of_states=of_states, of_inputs=second[:, y] @ system.direct + table)
+    of_inputs = np.hstack([second[:, t], first[:, t], none[:, t]])
+    of_inputs[:, : system.B.shape[1]] += second[:, y] @ system.direct
+    return Outputs(of_states=of_states, of_inputs=of_inputs)
 
 
 # How long a record must go on after the drive ends, so that what still rings is nothing that a spectrum would miss.
@@ -479,11 +482,11 @@ class Piece:
 
     Attributes
     ----------
-    motion : (3, 6, k) displacement, velocity and acceleration of the table
+    acceleration : (6, k) of the table
     values : (o, k) the channels that were asked for
     """
 
-    motion: Array
+    acceleration: Array
     values: Array
 
 
@@ -512,38 +515,60 @@ def streamed(
     BadInput : a rig that is not linear or cannot be built, a sampling rate too coarse for the pattern or for a kept mode.
     CheckFailed : something swings freely, the answer grows beyond all numbers, or it rings for more than `LONGEST`.
     """
+    structure, system, wanted, outputs = _asked(rig, pattern, sampling_rate, channels)
+    solve = solver(system, outputs.of_states, sampling_rate)
+    start, stop, greatest, rung_down = 0, _at_rest(pattern, sampling_rate, cross) + 1, 0.0, False
+    while start < stop:
+        count = min(BLOCK, stop - start)
+        # (18, count + 2) motion of the table, from the sample before `start` on
+        inputs = _of_table(pattern, sampling_rate, start - 1, count + 2, cross)
+        driving = inputs[: system.B.shape[1]]
+        with np.errstate(over="ignore", invalid="ignore"):  # said below, in words
+            # The inner of the samples (p, k + 2) lifted as `recursion.straightened` does: (p, k)
+            found, state = solve(np.asarray(driving[:, 1:-1] * (7 / 6) - (driving[:, :-2] + driving[:, 2:]) / 12).T)
+            values = found.T + outputs.of_inputs @ inputs[:, 1:-1]
+        require_bounded(values.T, wanted.names, start, sampling_rate)
+        greatest = max(greatest, float(size(structure, values[:TABLE]).max()))
+        yield Piece(acceleration=inputs[:TABLE, 1:-1], values=values[TABLE:])
+        start += count
+        if start >= stop and not rung_down:
+            rest = _resting(pattern, lasting_from(structure, system, state, greatest, share))
+            stop, rung_down = start + int(np.ceil((rest + quiet) * sampling_rate)), True
+
+
+def _asked(
+    rig: Rig, pattern: Pattern, sampling_rate: float, channels: Callable[[RigStructure], Channels]
+) -> tuple[RigStructure, States, Channels, Outputs]:
+    """What `rig` is made of, and the load on the table and, below it, `channels` of it."""
     require_below_nyquist(pattern, sampling_rate)
     require_fine(rig.article, sampling_rate)
     structure = matrices(rig)
     system, wanted = driven(structure), stacked([load(structure), channels(structure)])
-    outputs = seen(wanted, system)
-    solve = solver(system, outputs.of_states, sampling_rate)
-    end = pattern.driven + (cross.delay if cross else 0.0)
-    start, stop, greatest = 0, int(np.ceil(end * sampling_rate)) + 1, 0.0
-    rung_down = False
-    while start < stop:
-        count = min(BLOCK, stop - start)
-        # (3, 6, count + 2) motion of the table, from the sample before `start` on
-        clock = Clock(sampling_rate=sampling_rate, count=count + 2, late=-(start - 1) / sampling_rate)
-        around = np.zeros((3, 6, count + 2)) if (start - 1) / sampling_rate > end else at(pattern, clock, cross)
-        # (p, k) what drives `structure`: accelerations of the table, then, where it is tied down, velocities and displacements
-        inputs = np.vstack([around[2], around[1], around[0]]) if structure.grounded else around[2]
-        with np.errstate(over="ignore", invalid="ignore"):  # said below, in words
-            # The inner of the samples (p, k + 2) lifted as `recursion.straightened` does: (p, k)
-            found, state = solve(np.asarray(inputs[:, 1:-1] * (7 / 6) - (inputs[:, :-2] + inputs[:, 2:]) / 12).T)
-            values = found.T + outputs.of_inputs @ inputs[:, 1:-1]
-        require_bounded(values.T, wanted.names, start, sampling_rate)
-        greatest = max(greatest, float(size(structure, values[:TABLE]).max()))
-        yield Piece(motion=around[:, :, 1:-1], values=values[TABLE:])
-        start += count
-        if start >= stop and not rung_down:
-            rest = lasting_from(structure, system, state, greatest, share)
-            if not rest <= LONGEST:
-                raise CheckFailed(
-                    f"After the {pattern.label} the article rings for {rest:.3g} s, more than {LONGEST:g} s. Give it damping.",
-                    seconds=rest,
-                )
-            stop, rung_down = start + int(np.ceil((rest + quiet) * sampling_rate)), True
+    return structure, system, wanted, seen(wanted, system)
+
+
+def _at_rest(pattern: Pattern, sampling_rate: float, cross: CrossMotion | None) -> int:
+    """The first sample at which the table has come to rest."""
+    return int(np.ceil((pattern.driven + (cross.delay if cross else 0.0)) * sampling_rate))
+
+
+def _of_table(pattern: Pattern, sampling_rate: float, start: int, count: int, cross: CrossMotion | None) -> Array:
+    """(18, count) accelerations, velocities and displacements of the table, from the sample `start` on."""
+    if start > _at_rest(pattern, sampling_rate, cross):
+        return np.zeros((3 * TABLE, count))
+    return at(pattern, Clock(sampling_rate=sampling_rate, count=count, late=-start / sampling_rate), cross)[::-1].reshape(
+        -1, count
+    )
+
+
+def _resting(pattern: Pattern, rest: float) -> float:
+    """`rest` [s] after `pattern`, unless it is too long."""
+    if not rest <= LONGEST:
+        raise CheckFailed(
+            f"After the {pattern.label} the article rings for {rest:.3g} s, more than {LONGEST:g} s. Give it damping.",
+            seconds=rest,
+        )
+    return rest
 
 
 # From the rate of a simulation to that of a record: one anti-alias filter for all channels, then every q-th sample.
@@ -712,6 +737,109 @@ def joined(blocks: Iterable[Array], factor: int, late: npt.ArrayLike) -> Array:
     return np.asarray(np.hstack(found).T)
 
 
+def recorded(
+    rig: Rig,
+    pattern: Pattern,
+    sampling_rate: float,
+    channels: Callable[[RigStructure], Channels],
+    rate: float,
+    late: npt.ArrayLike,
+    *,
+    cross: CrossMotion | None = None,
+    quiet: float = 0.0,
+    share: float = SHARE,
+) -> Array:
+    """What `joined` makes of what is `streamed` at `sampling_rate`: (m, c) at `rate`, each channel `late` (c,) samples later.
+
+    Filter and rig are linear, so that what drives is filtered instead of all that is read, and states are worked out where a
+    sample of the record is, not at all samples of the simulation. The record is the same to rounding.
+
+    Raises
+    ------
+    BadInput, CheckFailed : as `streamed`.
+    """
+    factor = _factor(sampling_rate, rate)
+    structure, system, wanted, outputs = _asked(rig, pattern, sampling_rate, channels)
+    modes, apart = poles(system), np.atleast_1d(np.asarray(late, dtype=np.float64))
+    if modes is None:
+        pieces = streamed(rig, pattern, sampling_rate, channels, cross=cross, quiet=quiet, share=share)
+        return joined((piece.values for piece in pieces), factor, apart)
+    p, reach = system.B.shape[1], HALF * factor
+    used = [*range(p), *(p + np.flatnonzero(outputs.of_inputs[:, p:].any(axis=0)))]
+    # A row of `factor` samples begins `back` samples before its sample of the record, and all that is read there is seen from it
+    delays = [_delayed(samples) for samples in apart]
+    back = max(max(int(nodes[-1]) for nodes, _ in delays), 0)
+    length = max(back - min(int(nodes[0]) for nodes, _ in delays), factor)
+    ahead, m = stepped(modes, 1 / sampling_rate, len(used), length), len(modes.pole)
+    of_modes = outputs.of_states @ modes.shape
+    shown = [_shown(of_modes, outputs.of_inputs[:, used], one, k) for k, one in enumerate(ahead)]
+    read = np.array([by @ [shown[back - k][TABLE + c] for k in nodes] for c, (nodes, by) in enumerate(delays)])
+    loads, growth = np.stack([one[:TABLE] for one in shown[:factor]]), np.tile(ahead[factor][:, :m].diagonal(), 2)
+    drive = slice(m, m + p * (length + 3))
+    pushing = np.ascontiguousarray(ahead[factor][:, drive].T).view(np.float64)
+    # As many rows at once as an FFT takes. The first ones are those to which the filter passes on what drives later
+    whole = 2 ** int(np.ceil(np.log2(max(4 * reach, BLOCK) + length)))
+    rows, early = (whole - 2 * reach - length - 3) // factor + 1, HALF + 1
+    held = np.zeros((len(used), (rows - 1) * factor + length + 3 + 2 * reach))
+    begin, fresh, done = 0, held.shape[1] - early * factor - back - 1 - reach, -early
+    state, greatest, spectrum, record = np.zeros(2 * m, dtype=np.complex128), 0.0, np.fft.rfft(taps(factor), whole), []
+    last, stop = _at_rest(pattern, sampling_rate, cross), 0
+    while not stop or done * factor < stop + back:
+        held[:, :-fresh] = held[:, fresh:].copy()
+        held[:, -fresh:] = _of_table(pattern, sampling_rate, begin, fresh, cross)[used]
+        begin, fresh = begin + fresh, rows * factor
+        filtered = np.fft.irfft(np.fft.rfft(held, whole) * spectrum, whole)[:, 2 * reach : held.shape[1]]
+        both = np.stack([held[:, reach:-reach], filtered])
+        windows = sliding_window_view(both, length + 3, axis=2)[:, :, ::factor].transpose(0, 2, 1, 3).reshape(2, rows, -1)
+        with np.errstate(over="ignore", invalid="ignore"):  # said below, in words
+            pushed = (windows[:, :, : pushing.shape[0]] @ pushing).view(np.complex128)
+            after = carried(np.hstack(list(pushed)), growth, state)
+            w = np.vstack([state, after[:-1]])
+            plain, smooth = (np.hstack([of.view(np.float64), x]) for of, x in zip(np.hsplit(w, 2), windows, strict=True))
+            coarse = plain @ loads[0].T
+        require_bounded(coarse, wanted.names[:TABLE], done, rate)
+        record.append(smooth @ read.T)
+        # The greatest load lies beside a row that nearly has it
+        sizes = size(structure, coarse.T)
+        near = sizes >= np.cos(np.pi * min(pattern.highest / rate, 0.5)) * max(greatest, sizes.max())
+        near |= np.append(near[1:], True)
+        greatest = max(greatest, *(float(size(structure, one @ plain[near].T).max()) for one in loads))
+        state, first, done = after[-1], done, done + rows
+        row, k = divmod(last + back, factor)
+        if not stop and row < done:
+            at_end = ahead[k][:, :m] @ w[row - first, :m] + ahead[k][:, m:] @ windows[0, row - first]
+            rest = _resting(pattern, lasting_from(structure, system, (modes.shape @ at_end).real, greatest, share))
+            stop = last + 1 + int(np.ceil((rest + quiet) * sampling_rate))
+    values = np.vstack(record)[early : early + ceil(stop / factor)]
+    # What rings beyond the end of the record is no part of it
+    ringing = np.exp(np.outer(np.arange(stop - last, stop - last + reach + length + factor) / sampling_rate, modes.pole)) * at_end
+    cuts = [_cut(factor, samples) for samples in apart]
+    few = max(len(values) - max(len(one.table) for one in cuts), 0)
+    values[few:] -= _several((of_modes[TABLE:] @ ringing.T).real, stop, cuts, few, len(values), factor).T
+    return values
+
+
+def _shown(of_modes: ComplexArray, of_inputs: Array, at: ComplexArray, k: int) -> Array:
+    """(o, 2 m + p (l + 3)) what channels show `k` samples on, by real and imaginary parts of states and by inputs: as `at`."""
+    o, m = of_modes.shape
+    both = of_modes @ at
+    of_windows = both[:, m:].real.reshape(o, of_inputs.shape[1], -1)
+    of_windows[:, :, k + 1] += of_inputs
+    return np.hstack([np.ascontiguousarray(both[:, :m].conj()).view(np.float64), of_windows.reshape(o, -1)])
+
+
+def _delayed(samples: float) -> tuple[npt.NDArray[np.int64], Array]:
+    """By how many samples, and with which weights, samples make a signal so many `samples` later.
+
+    A delay is a polynomial through `POINTS` samples around it (Lagrange), which for motion far below the rate of the simulation
+    is exact to rounding; a whole number of samples is exact for any.
+    """
+    if samples == 0.0:
+        return np.zeros(1, dtype=np.int64), np.ones(1)
+    nodes = floor(samples) - POINTS // 2 + 1 + np.arange(POINTS)
+    return nodes, np.array([np.prod([(samples - other) / (node - other) for other in nodes if other != node]) for node in nodes])
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Cut:
     """A filter cut into pieces of as many coefficients as samples are left out, `table` (pieces, factor), latest sample last.
@@ -724,17 +852,9 @@ class _Cut:
 
 
 def _cut(factor: int, samples: float) -> _Cut:
-    """`taps` that delay by so many `samples` as well.
-
-    A delay is a polynomial through `POINTS` samples around it (Lagrange), which for motion far below the rate of the simulation
-    is exact to rounding; a whole number of samples is exact for any.
-    """
-    first, coefficients = 0, taps(factor)
-    if samples != 0.0:
-        first = floor(samples) - POINTS // 2 + 1
-        nodes = first + np.arange(POINTS)
-        weights = [np.prod([(samples - other) / (node - other) for other in nodes if other != node]) for node in nodes]
-        coefficients = np.convolve(coefficients, weights)
+    """`taps` that delay by so many `samples` as well."""
+    nodes, weights = _delayed(samples)
+    coefficients, first = np.convolve(taps(factor), weights), int(nodes[0])
     size = ceil(len(coefficients) / factor) * factor
     table = np.zeros(size)
     table[size - len(coefficients) :] = coefficients[::-1]

@@ -555,7 +555,7 @@ def structure(
     """The matrices of the structure at `offsets`, effects on it applied, and how they change."""
     every = bool(derivatives)
     matrices, tangents = of.at(offsets, derivatives=derivatives)
-    matrices, tangents = prediction_effects.structure(matrices, tangents, effects, derivatives=every)
+    matrices, tangents = prediction_effects.structure(matrices, tangents, effects, derivatives=derivatives)
     if laws := of.laws:
         matrices, tangents = prediction_effects.with_damping_law(
             matrices, tangents, of.nominal, offsets, derivatives=every, laws=laws, coupling=of.coupling(offsets)[0]

@@ -741,25 +741,29 @@ def opened(parameters: Sequence[Parameter], effects: Sequence[Added]) -> tuple[t
 
 
 def structure(
-    stage: Matrices, tangents: Mapping[str, Tangent], effects: Sequence[Added], *, derivatives: bool = True
+    stage: Matrices, tangents: Mapping[str, Tangent], effects: Sequence[Added], *, derivatives: Wanted = True
 ) -> tuple[Matrices, dict[str, Tangent]]:
-    """The effects on reduced matrices, and by parameter their derivatives."""
+    """The effects on reduced matrices, and by parameter the derivatives that are wanted."""
     found = dict(tangents)
     for added in _of(effects, STRUCTURE_STAGE):
         if not acts(added.named, there("article", stage)):
             continue
-        after = _changed(added.named, stage)
+        after, n = _changed(added.named, stage), len(stage.mass)
+        counts = [np.count_nonzero(one.structural) for one in (stage, after)]
+        lossy = counts[0] != counts[1] or not np.array_equal(after.structural[:n, :n], stage.structural)
         for key, tangent in found.items() if not _is_nothing(added.named) else ():
             if tangent.parts:  # behind the equation: as it is, and what the equation reads of the parts that it changes
                 parts = {**stage.parts, **{part: stage.parts[part] + change for part, change in tangent.parts.items()}}
                 read = between(after, _changed(added.named, replace(stage, parts=parts)), 1.0)
                 found[key] = plus(replace(tangent, parts={}), read, len(after.mass))
-            elif tangent.lossier is not None and after.structural is not stage.structural:
+            elif tangent.lossier is not None and lossy:
                 root = np.exp(COARSE / 2 * (np.arange(len(stage.lossier)) == tangent.lossier))
                 below, above = (_changed(added.named, replace(stage, lossier=stage.lossier * side)) for side in (1 / root, root))
                 read = between(below, above, 2 * COARSE)
                 found[key] = replace(plus(tangent, read, len(after.mass)), lossier=tangent.lossier)
-        for size in _free(added) if derivatives else ():
+        for size in _free(added):
+            if not is_wanted(name(added.named, size.key), derivatives):
+                continue
             named = added.named
             value, scale, slope = _scale(named, size)
             step = COARSE * scale

@@ -21,7 +21,7 @@ from fem.base_excitation.response import Channels, cell_forces
 from fem.base_excitation.rig import Rig, RigStructure
 from geometry.articles import NAMES, built_in, changes_of, locations
 from geometry.errors import BadInput
-from geometry.frames import Array, frozen, rigid_transformation
+from geometry.frames import Array, frozen, rigid_transformation, rotation_by
 from geometry.inertia import Inertia
 from geometry.sensors import Channel
 from geometry.toml_file import nearest
@@ -75,7 +75,7 @@ class Sensors:
         return cls(rows=gains[:, None] * rows, delay=delay, upon=upon)
 
     def channels(self, structure: RigStructure) -> Channels:
-        """What all channels read, undelayed and without the tilt of the table, as sums of the motions of a rig."""
+        """What all channels read, undelayed, as sums of the motions of a rig."""
         table, forces = np.eye(6, structure.mass.shape[0]), cell_forces(structure)
         rows = self.rows
         acceleration = rows[:, TABLE] @ table + rows[:, COVER] @ structure.cover
@@ -85,13 +85,10 @@ class Sensors:
             names=tuple(f"channel {number}" for number in range(1, len(rows) + 1)),
             acceleration=acceleration,
             velocity=rows[:, FORCES] @ forces.velocity,
-            displacement=rows[:, FORCES] @ forces.displacement + rows[:, COVER_TILT] @ (structure.cover - table)[3:5],
+            displacement=rows[:, FORCES] @ forces.displacement
+            + rows[:, COVER_TILT] @ structure.cover[3:5]
+            + rows[:, TABLE_TILT] @ table[3:5],
         )
-
-    def tilted(self, motion: Array) -> Array | float:
-        """What the tilt of the table adds to all channels (c, k), `motion` (3, 6, k) of the table; 0 where it cancels."""
-        rows = self.rows[:, TABLE_TILT] + self.rows[:, COVER_TILT]
-        return np.asarray(rows @ motion[0, 3:5]) if rows.any() else 0.0
 
 
 def _row(channel: Channel, layout: Layout, chain: ChainTruth, gravity: float) -> Array:
@@ -122,10 +119,7 @@ def _row(channel: Channel, layout: Layout, chain: ChainTruth, gravity: float) ->
 
 def _direction(channel: Channel, chain: ChainTruth) -> Array:
     """(3,) along which an accelerometer really measures."""
-    from scipy.spatial.transform import Rotation
-
-    turn = Rotation.from_rotvec(np.array(chain.angle.get(channel.name, np.zeros(3))))
-    return np.asarray(turn.apply(np.array(channel.places[0].direction)))
+    return np.asarray(rotation_by(chain.angle.get(channel.name, np.zeros(3))) @ channel.places[0].direction)
 
 
 def accelerometers(plan: Plan) -> dict[str, Array]:

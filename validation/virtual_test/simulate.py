@@ -7,7 +7,7 @@ The chain is linear from the table to the recorder but for what an effect makes 
 
 import json
 import platform
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from hashlib import sha256
 from math import isfinite, nan
@@ -195,8 +195,8 @@ def record(plan: planning.Plan, lab: ShakerLaboratory, run: DrivenRun) -> Array:
             read = effect.signals(read)
         return recorder.decimated_channels(read.values, read.sampling_rate, plan.rate, lab.sensors.delay)
     rate = _rate(plan)
-    blocks = (_read_of_table(lab, piece) for piece in _pieces(plan, lab, run, rate, with_response=False))
-    return recorder.joined(blocks, round(rate / plan.rate), lab.sensors.delay * rate)
+    late, more = lab.sensors.delay * rate, _driven(plan, run)
+    return recorder.recorded(lab.rig, run.pattern, rate, lab.sensors.channels, plan.rate, late, **more)
 
 
 def _whole(plan: planning.Plan, lab: ShakerLaboratory, run: DrivenRun) -> planning.Sensed:
@@ -222,12 +222,15 @@ def _whole(plan: planning.Plan, lab: ShakerLaboratory, run: DrivenRun) -> planni
         tilt = motion.displacement[:, 3:5]
         signals = [response.table, response.cover, response.cells.reshape(len(response.table), -1), tilt, tilt]
         return sensed(plan, lab, run, np.hstack(signals) @ lab.sensors.rows.T, rate, response)
-    pieces = [
-        (_read_of_table(lab, piece), piece.motion[2], piece.values[len(lab.sensors.rows) :])
-        for piece in _pieces(plan, lab, run, rate, with_response=True)
-    ]
-    values, table, rest = (np.hstack(one).T for one in zip(*pieces, strict=True))
-    loads, cover, cells = np.split(rest, np.cumsum(WIDTHS)[:-1], axis=1)
+
+    def wanted(structure: RigStructure) -> recorder.Channels:
+        cover = recorder.accelerations(structure.cover, "the cover plate")
+        parts = [lab.sensors.channels(structure), recorder.load(structure), cover, recorder.cell_forces(structure)]
+        return recorder.stacked(parts)
+
+    pieces = recorder.streamed(lab.rig, run.pattern, rate, wanted, **_driven(plan, run))
+    table, every = (np.hstack(one).T for one in zip(*((piece.acceleration, piece.values) for piece in pieces), strict=True))
+    values, loads, cover, cells = np.split(every, np.cumsum([len(lab.sensors.rows), *WIDTHS])[:-1], axis=1)
     response = recorder.Response(
         sampling_rate=rate, table=table, cover=cover, load=loads, cells=cells.reshape(len(cells), CELLS, 3)
     )
@@ -255,28 +258,13 @@ def sensed(
     )
 
 
+def _driven(plan: planning.Plan, run: DrivenRun) -> dict[str, Any]:
+    """How the table goes beside `run`, and how long the record goes on."""
+    return {"cross": cross_motion(plan, run.name), "quiet": plan.quiet, "share": plan.ringing}
+
+
 def _rate(plan: planning.Plan) -> float:
     return recorder.simulation_rate(plan.rate, plan.simulation_rate)
-
-
-def _pieces(
-    plan: planning.Plan, lab: ShakerLaboratory, run: DrivenRun, rate: float, *, with_response: bool
-) -> Iterator[recorder.Piece]:
-    def wanted(structure: RigStructure) -> recorder.Channels:
-        read = lab.sensors.channels(structure)
-        cover = recorder.accelerations(structure.cover, "the cover plate")
-        return (
-            recorder.stacked([read, recorder.load(structure), cover, recorder.cell_forces(structure)]) if with_response else read
-        )
-
-    return recorder.streamed(
-        lab.rig, run.pattern, rate, wanted, cross=cross_motion(plan, run.name), quiet=plan.quiet, share=plan.ringing
-    )
-
-
-def _read_of_table(lab: ShakerLaboratory, piece: recorder.Piece) -> Array:
-    """(c, k) what the channels read in `piece`."""
-    return np.asarray(piece.values[: len(lab.sensors.rows)] + lab.sensors.tilted(piece.motion))
 
 
 # What a recorder adds: noise of every channel and the mains' hum, at the rate of the record.

@@ -32,9 +32,10 @@ def close(found: npt.ArrayLike, expected: npt.ArrayLike, share: float = ROUNDING
 
 
 def untouched(found: Any, plain: Any, *names: str) -> None:
-    """All channels but `names` are the same bit for bit."""
-    others = [k for k, name in enumerate(plain.table.names) if name not in names]
-    assert_array_equal(found.values[:, others], plain.values[:, others])
+    """All channels but `names` are the same, to what another order of the same sums leaves."""
+    for k, name in enumerate(plain.table.names):
+        if name not in names:
+            close(found.values[:, k], plain.values[:, k], 1e-11)
 
 
 @pytest.mark.parametrize(
