@@ -513,7 +513,8 @@ def _of_run(of: Map, run: int, modes: Sequence[NamedMode]) -> Iterator[Spot]:
             return
         # First and last line around the peak between which no gap of calmer lines is longer than `GAP`
         above = np.flatnonzero(whole[:, row] >= REGION * peak)
-        at, apart = int(np.searchsorted(above, line)), np.flatnonzero(np.diff(of.frequency[above]) > GAP)
+        at, calmer = int(np.searchsorted(above, line)), np.diff(above) > 1
+        apart = np.flatnonzero(calmer & (np.diff(of.frequency[above]) > GAP))
         first = int(above[max((k + 1 for k in apart if k < at), default=0)])
         last = int(above[min((k for k in apart if k >= at), default=len(above) - 1)])
         yield replace(_spot(of, run, sigma, line, row, (first, last), modes), counts=peak)

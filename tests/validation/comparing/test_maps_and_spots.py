@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from identification.base_motion import base_motion, resultants
 from identification.dynamic_mass import from_runs
 from identification.spectra.line_spectra import Spectra
-from validation.compare.compare import FrequencyTrend, text, worst
+from validation.compare.compare import GAP, FrequencyTrend, text, worst
 from validation.compare.maps import NamedMode, chunks, combined, doubt, judged_error, left_over, mapped, with_noise
 from validation.estimation.evaluate import squares
 from validation.estimation.fit import FLOOR, fit
@@ -247,3 +247,17 @@ def test_a_mode_between_lines_that_lie_far_apart_is_followed_by_nothing():
     rigid = NamedMode(name="bounce", frequency=22.0, damping_ratio=0.1)
     assert not np.any(np.abs(lines - 22.0) < 2.2)
     assert trend.follows([rigid], (20.0, 40.0), 36.0) == ""
+
+
+def test_neighbouring_lines_are_one_spot_however_far_apart(by_hand):
+    """Ten neighbouring lines of one channel are off, each by a phase of its own, so that no course over frequency joins them."""
+    of = by_hand.mapped(by_hand.test(by_hand.drawn(1), seed=1))
+    deviation = np.zeros_like(of.deviation)
+    row, lines = of.rows.index("fmd-y14"), slice(30, 40)
+    phases = np.exp(2j * np.pi * np.random.default_rng(0).random(10))
+    deviation[1, lines, row] = 20 * phases * of.expected[1, lines, row]
+    sparse = replace(of, frequency=20 * of.frequency, deviation=deviation)
+    assert np.diff(sparse.frequency).min() > GAP
+    (found,) = worst([sparse], [[]])
+    assert found.row == "fmd-y14"
+    assert found.band == (sparse.frequency[30], sparse.frequency[39])
